@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Numbers of all commands. docs/protocol.md is the table with their params and data.
+#pragma once
+
+#include <cstdint>
+
+namespace coopdyn::command {
+
+using Id = std::int32_t;
+
+// Unasked messages; a pushed reading is the negative of its get-command.
+inline constexpr Id kClosing = -1;
+inline constexpr Id kUnreadable = -2;
+
+// Every module.
+inline constexpr Id kPing = 0, kDescribe = 1, kReady = 2, kGetTime = 3, kSubscribe = 4, kUnsubscribe = 5, kHello = 6,
+                    kClaim = 7, kRelease = 8, kAttach = 9;
+// /R/motors
+inline constexpr Id kSetWheelSpeeds = 10, kSetVelocity = 11, kGetWheels = 12, kGetLimits = 13, kStop = 14;
+// /R/distance
+inline constexpr Id kGetDistances = 20, kGetGeometry = 21;
+// /R/target
+inline constexpr Id kGetTargets = 30, kGetTarget = 31, kGetRobots = 32;
+// /R/pose
+inline constexpr Id kGetPose = 40, kGetPose3d = 41;
+// /simulation
+inline constexpr Id kGetStatus = 100, kRun = 101, kPause = 102, kStep = 103, kReset = 104, kSetMode = 105,
+                    kSetStep = 106, kSetSpeed = 107, kLoadScenario = 108, kQuit = 109, kStopAll = 190,
+                    kSetParticipants = 191, kReload = 192, kReleaseRobot = 193;
+
+}  // namespace coopdyn::command

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// What a module declares about its commands. The text codec reads named lines with it, `describe` prints it, and the
+// documentation is compared with it. Constant after construction; any thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace coopdyn {
+
+/// One declared value of a request or reply.
+struct ValueSpec {
+  std::string name;                // e.g. "linear"
+  std::string unit;                // e.g. "m/s"; empty = none
+  bool optional = false;           // may be left out (with all that follow it)
+  bool repeated = false;           // the last one: any number of values
+  std::vector<std::pair<std::string, std::int32_t>> enums = {};  // words that stand for numbers
+};
+
+/// How a command uses the text field of a request.
+enum class TextUse {
+  kNone,      // must be empty
+  kRest,      // declares only TEXT: a named line gives it the rest of the line
+  kOrNumber,  // TEXT or a number: a token that starts with a letter is TEXT (`get_target red`)
+  kFirst,     // an optional TEXT token comes first
+};
+
+/// One command of a module.
+struct CommandSpec {
+  std::int32_t id = 0;
+  std::string name;  // [a-z][a-z0-9_]*
+  std::string help;  // one sentence
+  TextUse text = TextUse::kNone;
+  std::string text_name = {};              // what the text of a request is, e.g. "colour"
+  std::vector<ValueSpec> params = {};      // of the request
+  std::vector<ValueSpec> data = {};        // of the request
+  std::vector<ValueSpec> reply_params = {};
+  std::vector<ValueSpec> reply_data = {};  // without the final time_s, step
+  std::string reply_text = {};             // what the text of the reply is; empty = nothing
+};
+
+/// The commands of one module: those that every module has, then its own.
+class CommandTable {
+ public:
+  /// @pre ids and names are unique.
+  CommandTable(std::string module, std::vector<CommandSpec> own);
+
+  const std::string& module() const { return module_; }  // e.g. "motors"
+  std::span<const CommandSpec> commands() const { return commands_; }
+  const CommandSpec* Find(std::int32_t id) const;         // null: unknown
+  const CommandSpec* Find(std::string_view name) const;   // null: unknown
+  /// The name most like `name`, for "did you mean"; empty if none is near.
+  std::string Nearest(std::string_view name) const;
+  /// The text of the reply to `describe`: one JSON object.
+  std::string DescribeJson(std::string_view version) const;
+
+ private:
+  std::string module_;
+  std::vector<CommandSpec> commands_;
+};
+
+/// Checks text, params and data of a request against its spec: Ok and empty, or the error and what to write instead.
+struct CheckResult {
+  std::int32_t error = 0;
+  std::string text;
+};
+CheckResult CheckRequest(const CommandSpec& spec, std::string_view text, std::span<const std::int32_t> params,
+                         std::span<const double> data);
+
+}  // namespace coopdyn
