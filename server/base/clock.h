@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Wall-clock time as an argument: the steady clock of the machine, or one that tests own.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace coopdyn {
+
+/// Nanoseconds; simulated or wall time according to the name that holds them.
+using Nanoseconds = std::int64_t;
+inline constexpr Nanoseconds kNanosecondsPerSecond = 1'000'000'000;
+
+/// `ns` as seconds: the one conversion used for every time_s.
+inline double ToSeconds(Nanoseconds ns) { return static_cast<double>(ns) * 1e-9; }
+
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  /// Monotonic wall-clock time. Any thread.
+  virtual Nanoseconds Now() const = 0;
+};
+
+/// CLOCK_MONOTONIC.
+class SteadyClock final : public Clock {
+ public:
+  Nanoseconds Now() const override;
+};
+
+/// A clock that stands still until told. Any thread.
+class ManualClock final : public Clock {
+ public:
+  Nanoseconds Now() const override { return now_.load(); }
+  void Advance(Nanoseconds by) { now_ += by; }
+
+ private:
+  std::atomic<Nanoseconds> now_{0};
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// Typed ids: a robot id cannot be passed where a target id is meant.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+namespace coopdyn {
+
+/// An id by value; 0 = none. Ids start at 1 in file order and are not reused until the next reset or load.
+template <typename Tag>
+struct Id {
+  std::uint32_t value = 0;
+  constexpr explicit operator bool() const { return value != 0; }
+  constexpr auto operator<=>(const Id&) const = default;
+};
+
+using RobotId = Id<struct RobotTag>;
+using BodyId = Id<struct BodyTag>;
+using ObjectId = Id<struct ObjectTag>;
+using TargetId = Id<struct TargetTag>;
+
+/// A client's connection; unique in the life of the daemon. 0 = nobody.
+using ClientId = std::uint64_t;
+
+}  // namespace coopdyn

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Logging that never blocks: a bounded queue to one writer thread, the oldest lines dropped and counted. Any thread.
+#pragma once
+
+#include <spdlog/spdlog.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+
+#include "server/base/clock.h"
+#include "server/base/mutex.h"
+
+namespace coopdyn {
+
+using Logger = std::shared_ptr<spdlog::logger>;
+
+/// A logger to stderr with its own queue and thread. `level`: trace, debug, info, warning, error, off.
+/// The caller keeps `LogBackend` alive longer than every copy of the logger; its destructor flushes.
+class LogBackend {
+ public:
+  explicit LogBackend(const std::string& level);
+  ~LogBackend();
+  LogBackend(const LogBackend&) = delete;
+  LogBackend& operator=(const LogBackend&) = delete;
+
+  const Logger& logger() const { return logger_; }
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  Logger logger_;
+};
+
+/// A logger that writes nowhere, for tests.
+Logger NullLogger();
+
+/// Lets through at most `kLinesPerSecond` lines a second per peer and counts the rest. Any thread.
+class PeerLogLimiter {
+ public:
+  static constexpr int kLinesPerSecond = 10;
+  /// Returns true if a line about `peer` may be written at `now`; `suppressed` gets how many were not, since the last.
+  bool Allow(const std::string& peer, Nanoseconds now, std::int64_t& suppressed);
+
+ private:
+  struct Window {
+    Nanoseconds start = 0;
+    int lines = 0;
+    std::int64_t suppressed = 0;
+  };
+  Mutex mutex_;
+  std::unordered_map<std::string, Window> windows_ GUARDED_BY(mutex_);
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// The simple shapes of the world. Each is centred at the origin of its own frame.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <variant>
+
+namespace coopdyn {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+using Quaternion = Eigen::Quaterniond;
+
+struct Box {
+  Vector3 size_m;  // full lengths along x, y, z
+};
+
+/// Axis along z.
+struct Cylinder {
+  double radius_m = 0;
+  double length_m = 0;
+};
+
+struct Sphere {
+  double radius_m = 0;
+};
+
+using Shape = std::variant<Box, Cylinder, Sphere>;
+
+/// X_AB: the pose of frame B in frame A. p_A = R_AB p_B + p_AB.
+struct Pose {
+  Vector3 p = Vector3::Zero();
+  Quaternion q = Quaternion::Identity();
+
+  Vector3 operator*(const Vector3& p_B) const { return q * p_B + p; }
+  Pose operator*(const Pose& X_BC) const { return {q * X_BC.p + p, q * X_BC.q}; }
+  Pose Inverse() const { return {q.conjugate() * -p, q.conjugate()}; }
+};
+
+/// Rotation by roll, pitch, yaw about the fixed axes x, y, z (in this order).
+inline Quaternion FromRollPitchYaw(double roll_rad, double pitch_rad, double yaw_rad) {
+  return Quaternion(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ()) * Eigen::AngleAxisd(pitch_rad, Vector3::UnitY()) *
+                    Eigen::AngleAxisd(roll_rad, Vector3::UnitX()));
+}
+
+/// Heading of the x axis of `q` in the horizontal plane, in (−π, π].
+double Heading(const Quaternion& q);
+/// `angle_rad` brought into (−π, π].
+double WrapAngle(double angle_rad);
+/// Radius of the smallest sphere about the shape's centre that holds it.
+double BoundingRadius(const Shape& shape);
+/// Half of the shape's extent along the world's x, y, z when turned by `q`.
+Vector3 HalfExtents(const Shape& shape, const Quaternion& q);
+/// Volume in m³.
+double Volume(const Shape& shape);
+/// Inertia about the centre for `mass_kg`, of the solid shape, kg·m² (diagonal).
+Vector3 SolidInertia(const Shape& shape, double mass_kg);
+
+}  // namespace coopdyn

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// The fixed description of a robot type, read from SDF once per process. Constant once read; any thread.
+// Frame R is the robot's: origin on the floor under the axle's middle, x forward, y left, z up.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "server/geometry/shape.h"
+#include "server/model/world_model.h"
+
+namespace coopdyn {
+
+/// A shape that belongs to a link.
+struct LinkShape {
+  Shape shape;
+  Pose X_LG;  // of the shape in the link
+  Color color;
+  double friction = 1;       // Coulomb; 0 for casters
+  bool takes_robot_color = false;  // visuals: drawn in the robot's own colour
+};
+
+struct LinkModel {
+  std::string name;
+  Pose X_RL;  // in the initial pose
+  double mass_kg = 0;
+  Pose X_LI;               // of the inertial frame (centre of mass) in the link
+  Vector3 inertia_kg_m2;   // principal moments about the axes of I
+  std::vector<LinkShape> collisions;
+  std::vector<LinkShape> visuals;
+};
+
+/// A hinge between two links.
+struct JointModel {
+  std::string name;
+  int parent = 0;  // index into links
+  int child = 0;
+  Vector3 p_RJ = Vector3::Zero();
+  Vector3 axis_R = Vector3::UnitY();  // positive speed of a wheel drives forward
+  double max_effort_nm = std::numeric_limits<double>::infinity();
+};
+
+/// Two motorised wheels on one axle.
+struct DriveModel {
+  int left_joint = 0;  // index into joints
+  int right_joint = 1;
+  double wheel_radius_m = 0;
+  double track_m = 0;  // between the wheels' contact points
+  double max_wheel_speed_rad_s = 0;
+  double max_torque_nm = 0;
+};
+
+/// One distance sensor: a sector sampled by several rays in the horizontal plane of its mount; the smallest counts.
+struct DistanceSensorModel {
+  Pose X_RS;                // x along the sector's middle; its origin lies on the chassis surface
+  double bearing_rad = 0;   // of the middle in R; 0 ahead, left positive
+  double opening_rad = 0;   // full angle of the sector
+  int rays = 1;             // spread evenly from edge to edge; one: the middle
+  double max_range_m = 0;   // from the chassis surface
+  double noise_stddev_m = 0;
+};
+
+/// The vision module: targets and other robots by distance and bearing.
+struct TargetSensorModel {
+  double max_range_m = std::numeric_limits<double>::infinity();
+  bool see_through = true;  // targets are seen through obstacles
+  double distance_noise_stddev_m = 0;
+  double bearing_noise_stddev_rad = 0;
+};
+
+/// A hardware module: its socket is /ROBOT/name.
+struct ModuleModel {
+  std::string type;  // motors, distance, target, pose
+  std::string name;
+};
+
+struct RobotModel {
+  std::string type;  // the folder's name, e.g. "coopbot"
+  std::string file;
+  std::string text;  // the SDF as read
+  std::vector<LinkModel> links;  // links[0] is the chassis
+  std::vector<JointModel> joints;
+  DriveModel drive;
+  std::vector<DistanceSensorModel> distance_sensors;  // by increasing bearing (right to left)
+  TargetSensorModel target_sensor;
+  std::vector<ModuleModel> modules;  // motors, distance, target, pose, others
+  double footprint_radius_m = 0;     // of the smallest vertical cylinder about R's z axis that holds it
+  double height_m = 0;
+
+  bool has_actuators() const;
+};
+
+}  // namespace coopdyn

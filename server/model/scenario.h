@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// What a scenario says: world, targets, robots, and how time runs. Constant once read; any thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/base/clock.h"
+#include "server/base/diagnostics.h"
+#include "server/base/ids.h"
+#include "server/model/robot_model.h"
+#include "server/model/world_model.h"
+
+namespace coopdyn {
+
+enum class Mode : int { kRealtime = 0, kLockstep = 1, kFree = 2 };
+const char* ToString(Mode mode);  // realtime, lockstep, free
+std::optional<Mode> ParseMode(const std::string& word);
+
+/// What happens when a robot is late (on_deadline) or loses its client (on_disconnect).
+enum class LossPolicy { kWait, kHold, kStop, kDrop };
+enum class Fidelity { kFull, kRolling, kPlanar };
+
+inline constexpr Nanoseconds kMinStep = 500'000;          // 0.5 ms
+inline constexpr Nanoseconds kMaxStep = 100'000'000;      // 100 ms
+inline constexpr Nanoseconds kMaxSubstep = 10'000'000;    // 10 ms
+inline constexpr Nanoseconds kDefaultStep = 10'000'000;   // 100 Hz
+
+/// [SIMULATION]; what is not said is empty.
+struct SimulationOptions {
+  std::optional<Mode> mode;
+  std::optional<Nanoseconds> step;
+  std::optional<int> substeps;
+  std::uint64_t seed = 1;
+  std::optional<double> speed;       // ≤ 0: no limit
+  std::optional<double> duration_s;  // simulated
+  double gravity_m_s2 = 9.81;        // downwards
+};
+
+/// [ROBOT_n], or one of a [SWARM_n].
+struct RobotEntry {
+  RobotId id;
+  std::string name;
+  std::shared_ptr<const RobotModel> model;
+  Pose X_WR;  // of the point on the floor under the axle
+  Color color{0.2, 0.4, 0.9};
+  bool sync = true;
+  std::vector<std::string> waits_for;  // names of actuator modules; empty: all of them
+  std::optional<double> deadline_s;    // wall clock
+  LossPolicy on_deadline = LossPolicy::kHold;
+  std::optional<LossPolicy> on_disconnect;  // default: wait in lockstep; in realtime set-points stay
+  Fidelity fidelity = Fidelity::kFull;
+  std::string controller;  // a loaded controller and its options; empty: none
+  bool sockets = true;
+  SourceLine where;
+
+  /// Takes part in lockstep unless told otherwise.
+  bool participates() const { return sync && controller.empty() && model->has_actuators(); }
+};
+
+struct Scenario {
+  std::string name;   // file name without folder and extension; "(text)" if it came by socket
+  std::string file;   // as found; empty if it came by socket
+  std::string text;   // as read
+  WorldModel world;   // of [WORLD] file; empty without
+  Floor floor;        // in force
+  std::vector<WorldObject> objects;  // the world's, then the scenario's own; ids are index + 1
+  std::vector<Target> targets;
+  std::vector<RobotEntry> robots;
+  SimulationOptions simulation;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// The fixed description of a world: floor and objects. Constant once read; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/base/ids.h"
+#include "server/geometry/shape.h"
+
+namespace coopdyn {
+
+/// Red, green, blue in 0…1.
+struct Color {
+  double r = 0.7, g = 0.7, b = 0.7;
+  bool operator==(const Color&) const = default;
+};
+
+/// The named colours of files, e.g. "red" → (1, 0, 0); nothing if unknown. Case-insensitive.
+std::optional<Color> NamedColor(const std::string& name);
+
+struct Floor {
+  double length_m = 20, width_m = 20, height_m = 0.1;  // along x, y, z; the top is at z = 0, centred
+  Color color{0.85, 0.85, 0.85};
+  double friction = 1;
+  SourceLine where;
+};
+
+/// A box, cylinder or sphere of the world; static if it has no mass.
+struct WorldObject {
+  std::string name;  // the section's, e.g. WALL_1
+  Shape shape;
+  Pose X_WO;  // of its centre
+  double mass_kg = 0;
+  Color color;
+  double friction = 1;
+  SourceLine where;
+
+  bool is_static() const { return mass_kg <= 0; }
+};
+
+/// What a .world file says.
+struct WorldModel {
+  std::string file;  // as found; empty: none
+  std::string text;  // as read
+  std::optional<Floor> floor;
+  std::vector<WorldObject> objects;  // in file order
+};
+
+/// A coloured landmark without collision.
+struct Target {
+  TargetId id;
+  std::string color_name;  // lower case, e.g. "red"
+  Color color;
+  Vector3 p_WT = Vector3::Zero();
+  SourceLine where;
+};
+
+}  // namespace coopdyn

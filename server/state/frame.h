@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// One moment of the world, whole. Physics is the one writer; immutable once published; any thread reads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/base/clock.h"
+#include "server/geometry/shape.h"
+#include "server/state/scene.h"
+
+namespace coopdyn {
+
+/// A dynamic body; raw numbers as the physics engine holds them, so that a frame restores bit-exactly.
+struct BodyState {
+  Vector3 p_WB = Vector3::Zero();      // centre of mass, m
+  std::array<double, 4> q_WB{1, 0, 0, 0};  // w x y z
+  std::array<double, 9> R_WB{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
+  Vector3 v_WB = Vector3::Zero();      // m/s
+  Vector3 w_WB = Vector3::Zero();      // rad/s
+  std::uint64_t sleep_counter = 0;
+
+  Quaternion orientation() const { return {q_WB[0], q_WB[1], q_WB[2], q_WB[3]}; }
+};
+
+/// A robot's drive.
+struct RobotState {
+  std::array<double, 2> wheel_angle_rad{};        // left, right; since the start, not wrapped
+  std::array<double, 2> wheel_speed_rad_s{};      // as turned in the last step
+  std::array<double, 2> setpoint_rad_s{};         // latched for the step that made this frame, after scaling
+  bool frozen = false;                            // its body exploded and is held where it was last sane
+};
+
+/// Values derived from a frame at first use, e.g. by sensing. Freed with the frame.
+struct FrameCache {
+  virtual ~FrameCache() = default;
+};
+
+struct Frame {
+  std::uint64_t step = 0;
+  std::uint64_t revision = 0;  // grows with edits at rest, 0 again at each new step
+  Nanoseconds time = 0;        // simulated
+  Nanoseconds step_length = kDefaultStep;
+  std::uint64_t seed = 1;         // of noise and placement
+  std::uint64_t solver_seed = 0;  // dRandGetSeed after the step
+  std::shared_ptr<const Scene> scene;
+  std::vector<BodyState> bodies;   // by increasing body id; scene->body_ids
+  std::vector<RobotState> robots;  // as scene->robots
+
+  double time_s() const { return ToSeconds(time); }
+
+  // Guarded by cache_once: the first reader fills it.
+  mutable std::once_flag cache_once;
+  mutable std::unique_ptr<FrameCache> cache;
+};
+
+using FramePtr = std::shared_ptr<const Frame>;
+
+/// The state hash of DESIGN §4.10: XXH3-64.
+std::uint64_t StateHash(const Frame& frame);
+/// 16 lower-case hex digits.
+std::string HashText(std::uint64_t hash);
+
+/// Pose of robot `index`'s frame R (on the floor under the axle) in the world.
+Pose RobotPose(const Frame& frame, int index);
+/// Pose of link `link` of robot `index` in the world.
+Pose LinkPose(const Frame& frame, int index, int link);
+/// Pose of an object, static or dynamic.
+Pose ObjectPose(const Frame& frame, const SceneObject& object);
+
+}  // namespace coopdyn

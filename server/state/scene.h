@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// What stands in the world now: the scenario's things with their places in a frame. Immutable once published; a world
+// edit makes a new one. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/model/scenario.h"
+
+namespace coopdyn {
+
+struct SceneObject {
+  ObjectId id;
+  WorldObject object;
+  int body = -1;  // index into Frame::bodies; -1: static
+};
+
+struct SceneRobot {
+  RobotId id;
+  RobotEntry entry;
+  int first_body = 0;  // the chassis; body of link k = first_body + k
+  int body_count = 0;
+  int slot = -1;  // index of its drive's set-points in Frame::robots; its own index
+};
+
+struct Scene {
+  std::uint64_t epoch = 0;  // grows with each load and reset: ids mean the same within one
+  std::shared_ptr<const Scenario> scenario;
+  Floor floor;
+  std::vector<SceneObject> objects;
+  std::vector<SceneRobot> robots;  // by increasing id
+  std::vector<Target> targets;     // by increasing id
+  std::vector<BodyId> body_ids;    // of Frame::bodies, increasing
+
+  /// Index of the robot called `name`; -1 if there is none.
+  int FindRobot(std::string_view name) const;
+};
+
+/// The scene of `scenario` at its start. Bodies: dynamic objects in file order, then the robots' links.
+std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario, std::uint64_t epoch);
+
+}  // namespace coopdyn
