@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// A uniform grid over boxes in the plane: the broad phase of physics and the ray walk of sensing.
+// Rebuilt whole (counting sort, no allocation once warm); read-only between builds, then any thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace coopdyn {
+
+/// An axis-aligned box in the horizontal plane, m.
+struct Aabb2 {
+  double min_x = 0, min_y = 0, max_x = 0, max_y = 0;
+};
+
+class UniformGrid {
+ public:
+  /// Fills the grid with `boxes`; an item is its index. The cell is `cell_m`, enlarged if the boxes would need more
+  /// than `kMaxCells`. Boxes that would cover more than `kMaxCellsPerItem` cells go to `large_items()` instead.
+  /// @pre all numbers finite, cell_m > 0.
+  void Build(std::span<const Aabb2> boxes, double cell_m);
+
+  /// Items that touch cell (ix, iy), by increasing index.
+  std::span<const std::uint32_t> Cell(int ix, int iy) const;
+  std::span<const std::uint32_t> large_items() const { return large_; }
+
+  double min_x() const { return min_x_; }
+  double min_y() const { return min_y_; }
+  double cell_m() const { return cell_m_; }
+  int columns() const { return columns_; }  // along x
+  int rows() const { return rows_; }        // along y
+
+  /// Appends every pair (a < b) whose boxes overlap, each once, in increasing order of (a, b).
+  void FindPairs(std::span<const Aabb2> boxes, std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
+
+  static constexpr int kMaxCells = 1 << 20;
+  static constexpr int kMaxCellsPerItem = 1024;
+
+ private:
+  double min_x_ = 0, min_y_ = 0, cell_m_ = 1;
+  int columns_ = 0, rows_ = 0;
+  std::vector<std::uint32_t> starts_;  // of each cell in items_, and the end
+  std::vector<std::uint32_t> items_;
+  std::vector<std::uint32_t> large_;
+};
+
+}  // namespace coopdyn

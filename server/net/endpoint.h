@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// What a session talks to, free of sockets: one endpoint per module. All calls happen on the one thread that runs the
+// endpoint's io_context.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "protocol/command_table.h"
+#include "protocol/message.h"
+#include "server/base/ids.h"
+
+namespace coopdyn {
+
+/// A client's live connection as an endpoint sees it.
+class Connection {
+ public:
+  virtual ~Connection() = default;
+  virtual ClientId id() const = 0;
+  virtual const std::string& peer() const = 0;  // "127.0.0.1:53120", or "page"
+  /// From loopback or from inside the daemon: needs no token.
+  virtual bool trusted() const = 0;
+  /// The client has shut down its sending side (or died: they look alike).
+  virtual bool input_ended() const = 0;
+  /// Sends an unasked message. At most 64 wait; then the oldest is dropped and the next one says `dropped N`.
+  virtual void Push(const Message& message) = 0;
+  /// Sends a closing notice (command −1, `reason`), then closes once it is written.
+  virtual void Close(const std::string& reason) = 0;
+};
+
+using ReplyFunction = std::function<void(Message)>;
+
+class Endpoint {
+ public:
+  virtual ~Endpoint() = default;
+  /// The module's commands: the text codec, help and describe read them.
+  virtual const CommandTable& table() const = 0;
+  virtual void OnOpen(Connection&) {}
+  /// Handles one request (already well-formed). Calls `reply` exactly once, on this thread, now or later; a session
+  /// hands over its next request only after that. A reply to a connection that is gone is dropped silently.
+  virtual void OnRequest(Connection& connection, Message request, ReplyFunction reply) = 0;
+  /// End of input. Complete requests already received still come through OnRequest(), then OnClosed() follows.
+  virtual void OnInputEnded(Connection&) {}
+  /// The last call about this connection.
+  virtual void OnClosed(Connection&) {}
+  /// Whom a waiting request waits for, for `verbose`; empty if nothing is known.
+  virtual std::string WaitingFor() { return {}; }
+};
+
+}  // namespace coopdyn

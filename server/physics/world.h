@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// The physics world of one scene. Whoever holds the step baton (server/physics/stepper.h) owns it; no locks inside.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// A body that exploded (not finite, or beyond a stated speed) and is held where it was last sane.
+struct FrozenBody {
+  std::string name;  // of the robot or object
+  std::string why;   // e.g. "speed 312 m/s"
+};
+
+class PhysicsWorld {
+ public:
+  /// Builds the bodies of `scene`. Null, with errors at the model's lines, if a dynamic body starts inside another.
+  static std::unique_ptr<PhysicsWorld> Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
+                                             Diagnostics& diagnostics);
+  ~PhysicsWorld();
+
+  /// Advances by `step` in `substeps` equal parts. `setpoints`: wheel speeds left, right (rad/s) of each robot of the
+  /// scene. Frozen bodies are held. Deterministic: depends on the state and the arguments alone.
+  void Step(Nanoseconds step, int substeps, std::span<const std::array<double, 2>> setpoints);
+
+  /// Writes bodies, robots (without set-points latched before the first step: zeros) and solver_seed into `frame`.
+  void Fill(Frame& frame) const;
+  /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits.
+  void Restore(const Frame& frame);
+  /// Bodies frozen since the last call.
+  std::vector<FrozenBody> TakeFrozen();
+
+  const Scene& scene() const;
+
+ private:
+  struct Impl;
+  explicit PhysicsWorld(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The number of substeps of a step when not given: each at most 10 ms.
+int DefaultSubsteps(Nanoseconds step);
+
+}  // namespace coopdyn

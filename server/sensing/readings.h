@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// The sensors as functions of (frame, robot, seed). Computed when first asked for, once per frame and sensor, and kept
+// with the frame; nobody asks, no cost. Any thread.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// Distance and bearing of a landmark as a robot sees it.
+struct Sighting {
+  int index = 0;           // into scene->targets or scene->robots
+  double distance_m = 0;   // from the robot's axle middle, in the plane
+  double bearing_rad = 0;  // 0 ahead, left positive
+};
+
+/// One range per distance sensor (right to left), m from the chassis surface, inf = nothing in range.
+/// Valid as long as the frame lives.
+std::span<const double> Distances(const Frame& frame, int robot);
+/// Targets seen by `robot`, by increasing id.
+std::vector<Sighting> SeenTargets(const Frame& frame, int robot);
+/// Other robots seen by `robot`, by increasing id.
+std::vector<Sighting> SeenRobots(const Frame& frame, int robot);
+
+/// For drawing: where each ray of robot's distance sensors starts and ends in the world.
+struct RaySegment {
+  Vector3 from_W, to_W;
+  bool hit = false;
+};
+std::vector<RaySegment> DistanceRays(const Frame& frame, int robot);
+
+}  // namespace coopdyn
