@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// How the run stands, for get_status, the page and the command line. The stepping thread writes, any thread reads.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "server/base/mutex.h"
+#include "server/model/scenario.h"
+
+namespace coopdyn {
+
+enum class RunState { kRunning, kPaused, kWaiting, kPlaying, kEnded };
+const char* ToString(RunState state);
+
+struct RunStatus {
+  Mode mode = Mode::kRealtime;
+  RunState state = RunState::kRunning;
+  Nanoseconds step_length = kDefaultStep;
+  double speed = 1;             // ≤ 0: no limit
+  double real_time_factor = 0;  // over the last second of wall time
+  std::uint64_t late_periods = 0;  // skipped in real time
+  std::vector<std::string> frozen;
+};
+
+/// Something that happened: at most 100 are kept.
+struct Event {
+  std::uint64_t step = 0;
+  double time_s = 0;
+  std::string level;  // info, warning, error
+  std::string text;
+};
+
+class RunControl {
+ public:
+  static constexpr std::size_t kMaxEvents = 100;
+
+  void SetStatus(RunStatus status) EXCLUDES(mutex_);
+  RunStatus status() const EXCLUDES(mutex_);
+  void AddEvent(Event event) EXCLUDES(mutex_);
+  std::vector<Event> events() const EXCLUDES(mutex_);
+
+ private:
+  mutable Mutex mutex_;
+  RunStatus status_ GUARDED_BY(mutex_);
+  std::deque<Event> events_ GUARDED_BY(mutex_);
+};
+
+}  // namespace coopdyn
