@@ -13,8 +13,8 @@ inline constexpr Id kClosing = -1;
 inline constexpr Id kUnreadable = -2;
 
 // Every module.
-inline constexpr Id kPing = 0, kDescribe = 1, kReady = 2, kGetTime = 3, kSubscribe = 4, kUnsubscribe = 5, kHello = 6,
-                    kClaim = 7, kRelease = 8, kAttach = 9;
+inline constexpr Id kPing = 0, kDescribe = 1, kReady = 2, kGetTime = 3, kSubscribe = 4, kUnsubscribe = 5,
+                    kHello = 6, kClaim = 7, kRelease = 8, kAttach = 9;
 // /R/motors
 inline constexpr Id kSetWheelSpeeds = 10, kSetVelocity = 11, kGetWheels = 12, kGetLimits = 13, kStop = 14;
 // /R/distance

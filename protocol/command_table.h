@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What a module declares about its commands. The text codec reads named lines with it, `describe` prints it, and the
-// documentation is compared with it. Constant after construction; any thread.
+// What a module declares about its commands. The text codec reads named lines with it, `describe` prints it,
+// and the documentation is compared with it. Constant after construction; any thread.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,18 +15,21 @@ namespace coopdyn {
 
 /// One declared value of a request or reply.
 struct ValueSpec {
-  std::string name;                // e.g. "linear"
-  std::string unit;                // e.g. "m/s"; empty = none
-  bool optional = false;           // may be left out (with all that follow it)
-  bool repeated = false;           // the last one: any number of values
-  std::vector<std::pair<std::string, std::int32_t>> enums = {};  // words that stand for numbers
+  std::string name;       // e.g. "linear"
+  std::string unit;       // e.g. "m/s"; empty = none
+  bool optional = false;  // may be left out (with all that follow it)
+  bool repeated = false;  // the last ones, as a group (distance, bearing, distance, …): any number of times
+  std::vector<std::pair<std::string, std::int32_t>> enums =
+      {};                                                 // words that stand for the only numbers allowed
+  double min = -std::numeric_limits<double>::infinity();  // the smallest number allowed
+  bool any_number = false;                                // inf and nan are allowed in data
 };
 
 /// How a command uses the text field of a request.
 enum class TextUse {
   kNone,      // must be empty
   kRest,      // declares only TEXT: a named line gives it the rest of the line
-  kOrNumber,  // TEXT or a number: a token that starts with a letter is TEXT (`get_target red`)
+  kOrNumber,  // TEXT or the params: a token that starts with a letter is TEXT (`get_target red`)
   kFirst,     // an optional TEXT token comes first
 };
 
@@ -35,12 +39,16 @@ struct CommandSpec {
   std::string name;  // [a-z][a-z0-9_]*
   std::string help;  // one sentence
   TextUse text = TextUse::kNone;
-  std::string text_name = {};              // what the text of a request is, e.g. "colour"
-  std::vector<ValueSpec> params = {};      // of the request
-  std::vector<ValueSpec> data = {};        // of the request
+  std::string text_name = {};          // what the text of a request is, e.g. "colour"
+  std::vector<ValueSpec> params = {};  // of the request
+  std::vector<ValueSpec> data = {};    // of the request
   std::vector<ValueSpec> reply_params = {};
   std::vector<ValueSpec> reply_data = {};  // without the final time_s, step
   std::string reply_text = {};             // what the text of the reply is; empty = nothing
+  std::string example = {};                // a named line that works; empty = made from the names
+  bool text_optional = false;              // kRest only: the text may be empty
+  std::string alias = {};  // a second word for it in named lines; if a command that takes nothing has that
+                           // name, then for lines that carry something
 };
 
 /// The commands of one module: those that every module has, then its own.
@@ -51,8 +59,8 @@ class CommandTable {
 
   const std::string& module() const { return module_; }  // e.g. "motors"
   std::span<const CommandSpec> commands() const { return commands_; }
-  const CommandSpec* Find(std::int32_t id) const;         // null: unknown
-  const CommandSpec* Find(std::string_view name) const;   // null: unknown
+  const CommandSpec* Find(std::int32_t id) const;        // null: unknown
+  const CommandSpec* Find(std::string_view name) const;  // null: unknown
   /// The name most like `name`, for "did you mean"; empty if none is near.
   std::string Nearest(std::string_view name) const;
   /// The text of the reply to `describe`: one JSON object.
@@ -63,7 +71,11 @@ class CommandTable {
   std::vector<CommandSpec> commands_;
 };
 
-/// Checks text, params and data of a request against its spec: Ok and empty, or the error and what to write instead.
+/// The number of the protocol, in `describe` and `get_status`.
+inline constexpr std::int32_t kProtocolVersion = 1;
+
+/// Checks text, params and data of a request against its spec: Ok and empty, or the error and what to write
+/// instead. Counts and text: errors 2 and 3; numbers below `min`, not in `enums` or not finite: error 4.
 struct CheckResult {
   std::int32_t error = 0;
   std::string text;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace coopdyn {
@@ -38,5 +39,8 @@ struct Message {
 
 /// Builds the error reply to `command`: no params, no data.
 Message ErrorReply(std::int32_t command, Error error, std::string text);
+
+/// What an error code means, e.g. "wrong params"; "unknown error" for others. The table of docs/protocol.md.
+std::string_view ErrorMeaning(std::int32_t error);
 
 }  // namespace coopdyn

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Character classes that know no locale. Pure; any thread.
+#pragma once
+
+namespace coopdyn {
+
+constexpr bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+constexpr bool IsLower(char c) {
+  return c >= 'a' && c <= 'z';
+}
+constexpr bool IsUpper(char c) {
+  return c >= 'A' && c <= 'Z';
+}
+/// Letters; bytes of UTF-8 sequences count as letters, so that `get_target grün` works.
+constexpr bool IsLetter(char c) {
+  return IsLower(c) || IsUpper(c) || static_cast<unsigned char>(c) >= 0x80;
+}
+constexpr bool IsBlank(char c) {
+  return c == ' ' || c == '\t';
+}
+constexpr char ToLower(char c) {
+  return IsUpper(c) ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+}  // namespace coopdyn

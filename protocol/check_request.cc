@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "protocol/codec.h"
+#include "protocol/command_table.h"
+#include "protocol/usage.h"
+
+namespace coopdyn {
+namespace {
+
+CheckResult Refuse(const CommandSpec& spec, Error error, std::string why) {
+  return {static_cast<std::int32_t>(error), spec.name + " " + std::move(why) + ": " + ExampleLine(spec)};
+}
+
+/// What is wrong with number `value` by its spec; empty if nothing.
+std::string Objection(const ValueSpec& spec, double value) {
+  std::string number;
+  AppendDouble(value, number);
+  if (!std::isfinite(value)) {
+    return spec.any_number ? "" : "takes finite numbers, " + spec.name + " is " + number;
+  }
+  if (number.ends_with(".0")) number.resize(number.size() - 2);
+  if (value < spec.min) {
+    std::string least;
+    AppendDouble(spec.min, least);
+    if (least.ends_with(".0")) least.resize(least.size() - 2);
+    return "takes a " + spec.name + " of at least " + least + ", not " + number;
+  }
+  const bool listed = std::any_of(spec.enums.begin(), spec.enums.end(),
+                                  [value](const auto& word) { return word.second == value; });
+  if (!spec.enums.empty() && !listed) {
+    return "takes as " + spec.name + " " + ListOfEnums(spec) + ", not " + number;
+  }
+  return "";
+}
+
+CheckResult CheckText(const CommandSpec& spec, std::string_view text, std::size_t params) {
+  switch (spec.text) {
+    case TextUse::kNone:
+      if (!text.empty()) return Refuse(spec, Error::kWrongParams, "takes no text");
+      break;
+    case TextUse::kRest:
+      if (text.empty() && !spec.text_optional) {
+        return Refuse(spec, Error::kWrongParams, "takes a text, " + spec.text_name);
+      }
+      break;
+    case TextUse::kOrNumber:
+      if (!text.empty() && params > 0) {
+        return Refuse(
+            spec, Error::kWrongParams,
+            "takes either the text " + spec.text_name + " or " + ListOf(spec.params) + ", not both");
+      }
+      if (text.empty() && !CountFits(spec.params, params)) {
+        return Refuse(spec, Error::kWrongParams,
+                      "takes the text " + spec.text_name + " or the param " + ListOf(spec.params));
+      }
+      break;
+    case TextUse::kFirst:
+      break;
+  }
+  return {};
+}
+
+CheckResult CheckCounts(const CommandSpec& spec, std::string_view text, std::size_t params,
+                        std::size_t data) {
+  const bool text_instead = spec.text == TextUse::kOrNumber && !text.empty();
+  if (!text_instead && !CountFits(spec.params, params)) {
+    if (TakesNothing(spec)) return Refuse(spec, Error::kWrongParams, "takes no values");
+    if (spec.params.empty()) return Refuse(spec, Error::kWrongParams, "takes no params");
+    const bool brackets = BareParams(spec).size() < spec.params.size();
+    return Refuse(
+        spec, Error::kWrongParams,
+        "takes as params " + ListOf(spec.params) + (brackets ? ", in brackets before the data" : ""));
+  }
+  if (!CountFits(spec.data, data)) {
+    if (TakesNothing(spec)) return Refuse(spec, Error::kWrongData, "takes no values");
+    if (spec.data.empty()) return Refuse(spec, Error::kWrongData, "takes no data");
+    return Refuse(spec, Error::kWrongData, "takes " + ListOf(spec.data));
+  }
+  return {};
+}
+
+}  // namespace
+
+CheckResult CheckRequest(const CommandSpec& spec, std::string_view text, std::span<const std::int32_t> params,
+                         std::span<const double> data) {
+  CheckResult result = CheckText(spec, text, params.size());
+  if (result.error == 0) result = CheckCounts(spec, text, params.size(), data.size());
+  if (result.error != 0) return result;
+  for (std::size_t i = 0; i < params.size(); ++i) {
+    std::string objection = Objection(*ValueAt(spec.params, i), params[i]);
+    if (!objection.empty()) return Refuse(spec, Error::kOutOfRange, std::move(objection));
+  }
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    std::string objection = Objection(*ValueAt(spec.data, i), data[i]);
+    if (!objection.empty()) return Refuse(spec, Error::kOutOfRange, std::move(objection));
+  }
+  return {};
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "protocol/command_table.h"
+
+#include <algorithm>
+#include <cassert>
+#include <iterator>
+
+#include "protocol/ascii.h"
+#include "protocol/common_commands.h"
+
+namespace coopdyn {
+namespace {
+
+/// Edits (insert, remove, replace, swap of neighbours) between two words, letters of either case alike.
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  const std::size_t width = b.size() + 1;
+  std::vector<std::size_t> cost((a.size() + 1) * width);
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      std::size_t& here = cost[i * width + j];
+      if (i == 0 || j == 0) {
+        here = i + j;
+        continue;
+      }
+      const char x = ToLower(a[i - 1]);
+      const char y = ToLower(b[j - 1]);
+      here = std::min({cost[(i - 1) * width + j] + 1, cost[i * width + j - 1] + 1,
+                       cost[(i - 1) * width + j - 1] + (x == y ? 0 : 1)});
+      if (i > 1 && j > 1 && x == ToLower(b[j - 2]) && y == ToLower(a[i - 2])) {
+        here = std::min(here, cost[(i - 2) * width + j - 2] + 1);
+      }
+    }
+  }
+  return cost.back();
+}
+
+bool AllUnique(const std::vector<CommandSpec>& commands) {
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (commands[i].id == commands[j].id || commands[i].name == commands[j].name) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+CommandTable::CommandTable(std::string module, std::vector<CommandSpec> own)
+    : module_(std::move(module)), commands_(CommonCommands(own)) {
+  commands_.insert(commands_.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
+  assert(AllUnique(commands_));
+}
+
+const CommandSpec* CommandTable::Find(std::int32_t id) const {
+  const auto found = std::find_if(commands_.begin(), commands_.end(),
+                                  [id](const CommandSpec& spec) { return spec.id == id; });
+  return found == commands_.end() ? nullptr : &*found;
+}
+
+const CommandSpec* CommandTable::Find(std::string_view name) const {
+  const auto found = std::find_if(commands_.begin(), commands_.end(),
+                                  [name](const CommandSpec& spec) { return spec.name == name; });
+  return found == commands_.end() ? nullptr : &*found;
+}
+
+std::string CommandTable::Nearest(std::string_view name) const {
+  constexpr std::size_t kLongest = 64;  // nobody misspells a command into more
+  if (name.empty() || name.size() > kLongest) return "";
+  std::string nearest;
+  std::size_t least = std::max<std::size_t>(1, name.size() / 3) + 1;
+  for (const CommandSpec& spec : commands_) {
+    const std::size_t distance = EditDistance(name, spec.name);
+    if (distance < least) {
+      least = distance;
+      nearest = spec.name;
+    }
+  }
+  if (!nearest.empty() || name.size() < 4) return nearest;
+  for (const CommandSpec& spec : commands_) {
+    if (spec.name.find(name) != std::string::npos) return spec.name;
+  }
+  return "";
+}
+
+}  // namespace coopdyn

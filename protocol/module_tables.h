@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// The command tables of the modules: the one place that says what each command takes and answers. The
+// server's modules, `describe`, the text form, the clients' tests and docs/protocol.md all follow them. Pure;
+// any thread.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "protocol/command_table.h"
+
+namespace coopdyn {
+
+CommandTable MotorsTable();      // /R/motors
+CommandTable DistanceTable();    // /R/distance
+CommandTable TargetTable();      // /R/target
+CommandTable PoseTable();        // /R/pose
+CommandTable SimulationTable();  // /simulation
+
+/// All of the above, in that order.
+std::vector<CommandTable> AllModuleTables();
+
+}  // namespace coopdyn

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+#include "protocol/text_named.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "protocol/ascii.h"
+#include "protocol/command_ids.h"
+#include "protocol/text_numbers.h"
+#include "protocol/usage.h"
+
+namespace coopdyn {
+namespace {
+
+Message Unreadable(std::string text) {
+  return ErrorReply(command::kUnreadable, Error::kMalformed, std::move(text));
+}
+
+Message UnknownWord(std::string_view word, const CommandTable& table) {
+  std::string text = "unknown command " + Quoted(word);
+  const std::string nearest = table.Nearest(word);
+  if (!nearest.empty()) text += ": did you mean " + nearest + "?";
+  text += nearest.empty() ? ": help lists all" : " (help lists all)";
+  return ErrorReply(command::kUnreadable, Error::kUnknownCommand, std::move(text));
+}
+
+/// The number that `token` stands for as a word of `value`.
+std::optional<std::int32_t> EnumNumber(const ValueSpec* value, std::string_view token) {
+  if (value == nullptr) return {};
+  const auto found = std::find_if(value->enums.begin(), value->enums.end(),
+                                  [token](const auto& word) { return word.first == token; });
+  if (found == value->enums.end()) return {};
+  return found->second;
+}
+
+bool LooksLikeWord(std::string_view token) {
+  double value = 0;
+  return !token.empty() && IsLetter(token.front()) && ReadDouble(token, value) == NumberRead::kNotNumber;
+}
+
+/// Reads named lines of one command.
+class NamedReader {
+ public:
+  NamedReader(const CommandSpec& spec, LineScanner& line) : spec_(spec), line_(line) {
+    request_.command = spec.id;
+  }
+
+  Message Read() {
+    if (spec_.text == TextUse::kRest) {
+      ReadRest();
+    } else if (TakesNothing(spec_) && !line_.AtEnd()) {
+      Refuse(Error::kWrongParams, spec_.name + " takes no values: " + ExampleLine(spec_));
+    } else {
+      ReadBrackets();
+      ReadTextToken();
+      ReadValues();
+    }
+    if (problem_) return *std::move(problem_);
+    CheckResult check = CheckRequest(spec_, request_.text, request_.params, request_.data);
+    if (check.error == 0) return std::move(request_);
+    return ErrorReply(spec_.id, static_cast<Error>(check.error), std::move(check.text));
+  }
+
+ private:
+  void Refuse(Error error, std::string text) {
+    if (!problem_) problem_ = ErrorReply(spec_.id, error, std::move(text));
+  }
+  void Fail(std::string text) {
+    if (!problem_) problem_ = Unreadable(std::move(text));
+  }
+
+  void ReadRest() {
+    if (line_.AtEnd()) return;
+    if (line_.Peek() != '"') {
+      std::string_view rest = line_.rest();
+      while (IsBlank(rest.back())) rest.remove_suffix(1);
+      request_.text = rest;
+      return;
+    }
+    std::string why = line_.QuotedText(request_.text);
+    if (!why.empty()) return Fail(std::move(why));
+    if (!line_.AtEnd()) Fail("nothing may follow the closing quote: " + ExampleLine(spec_));
+  }
+
+  /// `(1 2)`: the params, if they stand in brackets.
+  void ReadBrackets() {
+    if (line_.AtEnd() || line_.Peek() != '(') return;
+    line_.Take(1);
+    const std::size_t end = line_.rest().find(')');
+    if (end == std::string_view::npos) return Fail("the closing bracket is missing: " + ExampleLine(spec_));
+    LineScanner inside(line_.Take(end));
+    line_.Take(1);
+    if (!line_.rest().empty() && !IsBlank(line_.Peek())) {
+      return Fail("put a space after the closing bracket: " + ExampleLine(spec_));
+    }
+    bracketed_ = true;
+    while (!problem_ && !inside.AtEnd()) AddParam(spec_.params, request_.params.size(), inside.Token());
+  }
+
+  void ReadTextToken() {
+    if (problem_ || line_.AtEnd()) return;
+    if (line_.Peek() == '"') {
+      if (spec_.text == TextUse::kNone) {
+        return Refuse(Error::kWrongParams, spec_.name + " takes no text: " + ExampleLine(spec_));
+      }
+    } else if (spec_.text == TextUse::kNone || !BareTextAhead()) {
+      return;
+    }
+    std::string why = ReadText(line_, request_.text);
+    if (!why.empty()) Fail(std::move(why));
+  }
+
+  bool BareTextAhead() const {
+    LineScanner ahead = line_;
+    const std::string_view token = ahead.Token();
+    if (spec_.text == TextUse::kOrNumber) return IsLetter(token.front());
+    const std::span<const ValueSpec> bare = Bare();
+    const ValueSpec* first = bare.empty() ? ValueAt(spec_.data, 0) : ValueAt(bare, 0);
+    return LooksLikeWord(token) && !EnumNumber(first, token);
+  }
+
+  /// The params that stand without brackets in this line.
+  std::span<const ValueSpec> Bare() const {
+    return bracketed_ ? std::span<const ValueSpec>() : BareParams(spec_);
+  }
+
+  void ReadValues() {
+    const std::span<const ValueSpec> bare = Bare();
+    std::size_t params = 0;
+    while (!problem_ && !line_.AtEnd()) {
+      const std::string_view token = line_.Token();
+      // What is too much for a command without data counts as params, so that the count is what gets blamed.
+      if (ValueAt(bare, params) != nullptr || (spec_.data.empty() && !bracketed_)) {
+        AddParam(bare, params++, token);
+      } else {
+        AddData(token);
+      }
+    }
+  }
+
+  void AddParam(std::span<const ValueSpec> values, std::size_t index, std::string_view token) {
+    const ValueSpec* value = ValueAt(values, index);
+    std::int32_t number = 0;
+    if (const auto word = EnumNumber(value, token)) {
+      number = *word;
+    } else if (value != nullptr && !value->enums.empty() && LooksLikeWord(token)) {
+      return RefuseWord(*value, token, Error::kWrongParams);
+    } else if (std::string why = ReadParam(token, number); !why.empty()) {
+      return Fail(std::move(why));
+    }
+    request_.params.push_back(number);
+  }
+
+  void AddData(std::string_view token) {
+    const ValueSpec* value = ValueAt(spec_.data, request_.data.size());
+    double number = 0;
+    if (const auto word = EnumNumber(value, token)) {
+      number = *word;
+    } else if (value != nullptr && !value->enums.empty() && LooksLikeWord(token)) {
+      return RefuseWord(*value, token, Error::kWrongData);
+    } else if (std::string why = ReadData(token, number); !why.empty()) {
+      return Fail(why + ": " + ExampleLine(spec_));
+    }
+    request_.data.push_back(number);
+  }
+
+  void RefuseWord(const ValueSpec& value, std::string_view token, Error error) {
+    Refuse(error, spec_.name + " takes as " + value.name + " " + ListOfEnums(value) + ", not " +
+                      Quoted(token) + ": " + ExampleLine(spec_));
+  }
+
+  const CommandSpec& spec_;
+  LineScanner& line_;
+  bool bracketed_ = false;
+  Message request_;
+  std::optional<Message> problem_;
+};
+
+/// The command that `word` names in a line with or without values.
+const CommandSpec* FindCommand(std::string_view word, bool has_values, const CommandTable& table) {
+  const CommandSpec* spec = table.Find(word);
+  if (spec != nullptr && !(TakesNothing(*spec) && has_values)) return spec;
+  for (const CommandSpec& other : table.commands()) {
+    if (!other.alias.empty() && other.alias == word) return &other;
+  }
+  return spec;
+}
+
+}  // namespace
+
+std::string ReadText(LineScanner& line, std::string& text) {
+  if (line.AtEnd()) return "the text is missing";
+  if (line.Peek() == '"') return line.QuotedText(text);
+  text = line.Token();
+  return "";
+}
+
+std::string ReadParam(std::string_view token, std::int32_t& value) {
+  switch (ReadInt32(token, value)) {
+    case NumberRead::kOk:
+      return "";
+    case NumberRead::kOutOfRange:
+      return Quoted(token) + " is too large for a param: write -2147483648 to 2147483647";
+    case NumberRead::kHasPoint: {
+      std::string text = Quoted(token) + " is not a whole number, as params are";
+      const std::string_view whole = token.substr(0, token.find('.'));
+      std::int32_t number = 0;
+      if (whole.size() < token.size() && ReadInt32(whole, number) == NumberRead::kOk &&
+          token.find_first_not_of('0', whole.size() + 1) == std::string_view::npos) {
+        text += ": write " + std::string(whole);
+      }
+      return text;
+    }
+    case NumberRead::kNotNumber:
+      return NotANumber(token);
+  }
+  return "";
+}
+
+std::string ReadData(std::string_view token, double& value) {
+  switch (ReadDouble(token, value)) {
+    case NumberRead::kOk:
+      return "";
+    case NumberRead::kOutOfRange:
+      return Quoted(token) + " is too large for a double: write inf";
+    case NumberRead::kHasPoint:
+    case NumberRead::kNotNumber:
+      return NotANumber(token);
+  }
+  return "";
+}
+
+Message ReadNamed(std::string_view word, LineScanner& line, const CommandTable& table) {
+  if (const std::size_t bracket = word.find('('); bracket != std::string_view::npos) {
+    const CommandSpec* meant = table.Find(word.substr(0, bracket));
+    if (meant == nullptr) return UnknownWord(word.substr(0, bracket), table);
+    return Unreadable("write a space after " + meant->name +
+                      ", and spaces between values: " + ExampleLine(*meant));
+  }
+  LineScanner ahead = line;
+  const CommandSpec* spec = FindCommand(word, !ahead.AtEnd(), table);
+  if (spec == nullptr) return UnknownWord(word, table);
+  return NamedReader(*spec, line).Read();
+}
+
+}  // namespace coopdyn

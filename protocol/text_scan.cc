@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "protocol/text_scan.h"
+
+#include <algorithm>
+
+#include "protocol/ascii.h"
+
+namespace coopdyn {
+namespace {
+
+constexpr char kBackspace = '\x08';
+constexpr char kDelete = '\x7F';
+constexpr unsigned char kIac = 0xFF;   // interpret as command (RFC 854)
+constexpr unsigned char kSe = 0xF0;    // end of a sub-negotiation
+constexpr unsigned char kSb = 0xFA;    // begin of a sub-negotiation
+constexpr unsigned char kWill = 0xFB;  // WILL, WONT, DO, DONT: one option byte follows
+
+/// Bytes of the telnet command at the front of `bytes`; 0 if it is none or unfinished. @pre it starts with
+/// IAC
+std::size_t TelnetCommandBytes(std::string_view bytes) {
+  if (bytes.size() < 2) return 0;
+  const auto code = static_cast<unsigned char>(bytes[1]);
+  if (code == kIac || code < kSe) return 0;
+  if (code >= kWill) return bytes.size() < 3 ? 0 : 3;
+  if (code != kSb) return 2;
+  const std::size_t end = bytes.find("\xFF\xF0", 2);
+  return end == std::string_view::npos ? 0 : end + 2;
+}
+
+void RemoveLastCharacter(std::string& line) {
+  while (!line.empty()) {
+    const auto last = static_cast<unsigned char>(line.back());
+    line.pop_back();
+    if ((last & 0xC0) != 0x80) return;
+  }
+}
+
+}  // namespace
+
+std::string TidyLine(std::string_view line) {
+  std::string tidy;
+  tidy.reserve(line.size());
+  // After one sub-negotiation without end no other can have one; looking again each time would be quadratic.
+  bool unfinished = false;
+  for (std::size_t i = 0; i < line.size();) {
+    const char c = line[i];
+    if (static_cast<unsigned char>(c) == kIac && !unfinished) {
+      const std::size_t skip = TelnetCommandBytes(line.substr(i));
+      i += skip;
+      if (skip > 0) continue;
+      unfinished = true;
+    }
+    if (c == kBackspace || c == kDelete) {
+      RemoveLastCharacter(tidy);
+    } else {
+      tidy += c;
+    }
+    ++i;
+  }
+  return tidy;
+}
+
+bool LineScanner::AtEnd() {
+  rest_.remove_prefix(
+      static_cast<std::size_t>(std::find_if_not(rest_.begin(), rest_.end(), IsBlank) - rest_.begin()));
+  return rest_.empty();
+}
+
+std::string_view LineScanner::Token() {
+  AtEnd();
+  return Take(static_cast<std::size_t>(std::find_if(rest_.begin(), rest_.end(), IsBlank) - rest_.begin()));
+}
+
+std::string_view LineScanner::Take(std::size_t count) {
+  const std::string_view taken = rest_.substr(0, count);
+  rest_.remove_prefix(taken.size());
+  return taken;
+}
+
+std::string LineScanner::QuotedText(std::string& text) {
+  Take(1);
+  while (!rest_.empty()) {
+    const char c = Take(1).front();
+    if (c == '"') {
+      if (rest_.empty() || IsBlank(rest_.front())) return "";
+      return "put a space after the closing quote; a quote inside a text is written \\\"";
+    }
+    if (c != '\\') {
+      text += c;
+      continue;
+    }
+    switch (Peek()) {
+      case '"':
+        text += '"';
+        break;
+      case '\\':
+        text += '\\';
+        break;
+      case 'n':
+        text += '\n';
+        break;
+      case 'r':
+        text += '\r';
+        break;
+      case 't':
+        text += '\t';
+        break;
+      default:
+        return "the only escapes are \\\" \\\\ \\n \\r \\t: write \\\\ for a backslash";
+    }
+    Take(1);
+  }
+  return "the closing quote is missing";
+}
+
+void AppendQuotedText(std::string_view text, std::string& out) {
+  out += '"';
+  for (const char c : text) {
+    switch (c) {
+      case '"':
+        out += "\\\"";
+        break;
+      case '\\':
+        out += "\\\\";
+        break;
+      case '\n':
+        out += "\\n";
+        break;
+      case '\r':
+        out += "\\r";
+        break;
+      case '\t':
+        out += "\\t";
+        break;
+      default:
+        out += (static_cast<unsigned char>(c) < 0x20 || c == kDelete) ? '?' : c;
+    }
+  }
+  out += '"';
+}
+
+}  // namespace coopdyn
