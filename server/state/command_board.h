@@ -141,6 +141,7 @@ class CommandBoard {
     bool active = false;
     std::optional<Setpoint> setpoint;  // empty: keeps what is in force
     int steps_left = 0;
+    bool latched = false;  // was there when the step that runs now began
     ClientId client = 0;
     StepDone done;  // null: answered already
   };
@@ -149,6 +150,8 @@ class CommandBoard {
     std::string robot, type;
     ClientId owner = 0;
     std::string owner_name, owner_peer;
+    ClientId former = 0;  // its input has ended, its requests may still run
+    std::optional<LossPolicy> after_pending;  // on_disconnect, once what is pending has run
     std::optional<double> deadline_s;
     LossPolicy on_deadline = LossPolicy::kHold;
     std::optional<LossPolicy> on_disconnect;
@@ -162,6 +165,7 @@ class CommandBoard {
   };
   struct Waiter {
     int steps_left = 0;
+    bool latched = false;
     StepDone done;
   };
   struct Observer {
@@ -173,16 +177,17 @@ class CommandBoard {
   Slot* Find(SlotId id) REQUIRES(mutex_);
   /// Refuses a client that may not act on `slot`; else makes it owner (unless its input has ended).
   Verdict TakeOwnership(Slot& slot, const Client& client) REQUIRES(mutex_);
+  /// Clears what another client has pending, which then gets kReplaced.
   void ReplacePending(Slot& slot, const Client& client, Completions& completions) REQUIRES(mutex_);
+  Verdict Place(SlotId id, const Client& client, const Setpoint* setpoint, std::optional<int> steps, StepDone done)
+      EXCLUDES(mutex_);
   void ApplyPolicy(Slot& slot, LossPolicy policy) REQUIRES(mutex_);
   bool IsAwaited(const Slot& slot) const REQUIRES(mutex_);
-  bool AllReadyLocked() const REQUIRES(mutex_);
   void EndAllWaits(StepEnd end, const FramePtr& frame, Completions& completions) REQUIRES(mutex_);
   void CountAwaited() REQUIRES(mutex_);
-  void NoteChange(Slot& slot, bool was_awaited) REQUIRES(mutex_);
-  static void Run(Completions& completions);
-  /// Calls the hook if the last awaited robot has just become ready.
-  void Announce(bool became_ready) EXCLUDES(mutex_);
+  /// Corrects the count of awaited robots after a change of `slot`; true if that made the last one ready.
+  bool NoteChange(const Slot& slot, bool was_awaited) REQUIRES(mutex_);
+  static void Call(Completions& completions);
 
   mutable Mutex mutex_;
   std::vector<Slot> slots_ GUARDED_BY(mutex_);        // the scene's robots in order

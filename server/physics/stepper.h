@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// The physics thread, and the rule of who may step. Whoever holds the baton owns the physics world and is the one writer
+// of frames. That is the physics thread; in lockstep the robot thread whose command makes the last robot ready takes the
+// baton, if it is free, and runs the step itself: a round trip then costs no thread switch (docs/decisions.md).
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/mutex.h"
+#include "server/physics/world.h"
+#include "server/state/command_board.h"
+#include "server/state/doorbell.h"
+#include "server/state/edit_queue.h"
+#include "server/state/frame_board.h"
+#include "server/state/run_control.h"
+#include "server/timing/pacer.h"
+#include "server/timing/rate_meter.h"
+
+namespace coopdyn {
+
+/// The right to step. Not a lock that code waits behind: robot threads only try. Any thread.
+class CAPABILITY("baton") Baton {
+ public:
+  void Take() ACQUIRE();
+  bool TryTake() TRY_ACQUIRE(true);
+  void Pass() RELEASE();
+
+ private:
+  std::atomic<bool> taken_{false};
+};
+
+/// How the run starts; from the command line over the scenario.
+struct RunOptions {
+  std::optional<Mode> mode;
+  std::optional<Nanoseconds> step;
+  std::optional<double> speed;
+  std::optional<std::uint64_t> seed;
+  std::optional<double> duration_s;
+  bool paused = false;
+};
+
+class Stepper {
+ public:
+  struct Boards {
+    FrameBoard& frames;
+    CommandBoard& commands;
+    EditQueue& edits;
+    RunControl& control;
+    Doorbell& bell;
+  };
+
+  Stepper(Boards boards, const Clock& clock, Logger logger, RunOptions options);
+
+  /// Builds the world of `scenario` and publishes frame 0. False, with errors, if it cannot be built. Before Run().
+  bool Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagnostics) EXCLUDES(baton_);
+  /// The physics thread: steps until `stop` is requested (ring the bell after). Returns when nothing steps any more.
+  void Run(std::stop_token stop) EXCLUDES(baton_);
+  /// Runs the step that has just become possible on the calling thread if the baton is free and time allows; otherwise
+  /// wakes the physics thread. Any thread, no lock held.
+  void StepHere() EXCLUDES(baton_);
+  /// Called on the stepping thread when `duration_s` has been reached. Set before Run().
+  void set_on_ended(std::function<void()> on_ended) { on_ended_ = std::move(on_ended); }
+
+ private:
+  // Each handles one kind of edit and returns what to answer.
+  EditResult Apply(const edit::Run&) REQUIRES(baton_);
+  EditResult Apply(const edit::Pause&) REQUIRES(baton_);
+  EditResult Apply(const edit::Step&) REQUIRES(baton_);
+  EditResult Apply(const edit::Reset&) REQUIRES(baton_);
+  EditResult Apply(const edit::Load&) REQUIRES(baton_);
+  EditResult Apply(const edit::SetMode&) REQUIRES(baton_);
+  EditResult Apply(const edit::SetStep&) REQUIRES(baton_);
+  EditResult Apply(const edit::SetSpeed&) REQUIRES(baton_);
+  EditResult Apply(const edit::SetParticipants&) REQUIRES(baton_);
+  EditResult Apply(const edit::StopAll&) REQUIRES(baton_);
+
+  void ApplyEdits() EXCLUDES(baton_) NO_THREAD_SAFETY_ANALYSIS;
+  /// Does what is due now and returns when to look again.
+  Nanoseconds WorkOnce() EXCLUDES(baton_);
+  Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
+  void StepNow(Nanoseconds now) REQUIRES(baton_);
+  /// Puts a freshly built world in force and publishes its frame 0.
+  void Install(std::unique_ptr<PhysicsWorld> world, std::shared_ptr<const Scene> scene, StepEnd end) REQUIRES(baton_);
+  std::shared_ptr<Frame> MakeFrame() const REQUIRES(baton_);
+  bool may_step() const REQUIRES(baton_) { return !ended_ && !stopping_ && (!paused_ || allowed_steps_ > 0); }
+  double speed() const REQUIRES(baton_);  // ≤ 0: no limit
+  void RestartPace(Nanoseconds now) REQUIRES(baton_);
+  void PublishStatus(Nanoseconds now, bool waiting) REQUIRES(baton_);
+  void AddEvent(const char* level, std::string text) REQUIRES(baton_);
+
+  const Boards boards_;
+  const Clock& clock_;
+  const Logger logger_;
+  const RunOptions options_;
+  std::function<void()> on_ended_;
+
+  Baton baton_;
+  std::unique_ptr<PhysicsWorld> world_ GUARDED_BY(baton_);
+  std::shared_ptr<const Scene> scene_ GUARDED_BY(baton_);
+  std::uint64_t seed_ GUARDED_BY(baton_) = 1;
+  std::uint64_t step_ GUARDED_BY(baton_) = 0;
+  Nanoseconds time_ GUARDED_BY(baton_) = 0;
+  Mode mode_ GUARDED_BY(baton_) = Mode::kRealtime;
+  Nanoseconds step_length_ GUARDED_BY(baton_) = kDefaultStep;
+  std::optional<int> substeps_ GUARDED_BY(baton_);
+  std::array<std::optional<double>, 3> speeds_ GUARDED_BY(baton_);  // explicit, by mode
+  bool paused_ GUARDED_BY(baton_) = false;
+  std::int64_t allowed_steps_ GUARDED_BY(baton_) = 0;  // while paused
+  bool ended_ GUARDED_BY(baton_) = false;
+  bool stopping_ GUARDED_BY(baton_) = false;
+  std::optional<Nanoseconds> duration_ GUARDED_BY(baton_);
+  Pacer pacer_ GUARDED_BY(baton_);
+  RateMeter rate_ GUARDED_BY(baton_);
+  RunStatus status_ GUARDED_BY(baton_);
+  Nanoseconds status_at_ GUARDED_BY(baton_) = 0;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "server/state/edit_queue.h"
+
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+void Refuse(const Edit& edit) {
+  if (edit.done) edit.done({Error::kNotPossible, "the daemon is stopping", nullptr});
+}
+
+}  // namespace
+
+void EditQueue::Push(Edit edit) {
+  {
+    const MutexLock lock(mutex_);
+    if (!closed_) {
+      edits_.push_back(std::move(edit));
+      edit.done = nullptr;
+    }
+  }
+  Refuse(edit);
+  bell_.Ring();
+}
+
+std::vector<Edit> EditQueue::TakeAll() {
+  const MutexLock lock(mutex_);
+  return std::exchange(edits_, {});
+}
+
+bool EditQueue::empty() const {
+  const MutexLock lock(mutex_);
+  return edits_.empty();
+}
+
+void EditQueue::Close() {
+  std::vector<Edit> refused;
+  {
+    const MutexLock lock(mutex_);
+    closed_ = true;
+    refused.swap(edits_);
+  }
+  for (const Edit& edit : refused) Refuse(edit);
+}
+
+}  // namespace coopdyn
