@@ -3,6 +3,7 @@
 // Rebuilt whole (counting sort, no allocation once warm); read-only between builds, then any thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -17,8 +18,9 @@ struct Aabb2 {
 
 class UniformGrid {
  public:
-  /// Fills the grid with `boxes`; an item is its index. The cell is `cell_m`, enlarged if the boxes would need more
-  /// than `kMaxCells`. Boxes that would cover more than `kMaxCellsPerItem` cells go to `large_items()` instead.
+  /// Fills the grid with `boxes`; an item is its index. The cell is `cell_m`, enlarged if the boxes would
+  /// need more than `kMaxCells`. Boxes that would cover more than `kMaxCellsPerItem` cells go to
+  /// `large_items()` instead.
   /// @pre all numbers finite, cell_m > 0.
   void Build(std::span<const Aabb2> boxes, double cell_m);
 
@@ -33,12 +35,26 @@ class UniformGrid {
   int rows() const { return rows_; }        // along y
 
   /// Appends every pair (a < b) whose boxes overlap, each once, in increasing order of (a, b).
-  void FindPairs(std::span<const Aabb2> boxes, std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
+  void FindPairs(std::span<const Aabb2> boxes,
+                 std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
+
+  /// Appends every item whose box overlaps `box` (which need not be in the grid), each once, by increasing
+  /// index. `boxes`: those of Build().
+  void FindOverlaps(std::span<const Aabb2> boxes, const Aabb2& box, std::vector<std::uint32_t>& items) const;
 
   static constexpr int kMaxCells = 1 << 20;
   static constexpr int kMaxCellsPerItem = 1024;
 
  private:
+  /// The cells a box touches, both ends included.
+  struct CellRange {
+    int x0, y0, x1, y1;
+  };
+  CellRange Range(const Aabb2& box) const;
+  std::size_t CellIndex(int ix, int iy) const {
+    return static_cast<std::size_t>(iy) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(ix);
+  }
+
   double min_x_ = 0, min_y_ = 0, cell_m_ = 1;
   int columns_ = 0, rows_ = 0;
   std::vector<std::uint32_t> starts_;  // of each cell in items_, and the end

@@ -22,8 +22,10 @@ struct BodyState {
   std::array<double, 9> R_WB{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
   Vector3 v_WB = Vector3::Zero();      // m/s
   Vector3 w_WB = Vector3::Zero();      // rad/s
-  std::uint64_t sleep_counter = 0;
+  std::uint64_t sleep_counter = 0;        // kFrozen: exploded, held where it was last sane
 
+  static constexpr std::uint64_t kFrozen = ~std::uint64_t{0};
+  bool frozen() const { return sleep_counter == kFrozen; }
   Quaternion orientation() const { return {q_WB[0], q_WB[1], q_WB[2], q_WB[3]}; }
 };
 
