@@ -12,7 +12,9 @@ using Nanoseconds = std::int64_t;
 inline constexpr Nanoseconds kNanosecondsPerSecond = 1'000'000'000;
 
 /// `ns` as seconds: the one conversion used for every time_s.
-inline double ToSeconds(Nanoseconds ns) { return static_cast<double>(ns) * 1e-9; }
+inline double ToSeconds(Nanoseconds ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
 
 class Clock {
  public:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Logging that never blocks: a bounded queue to one writer thread, the oldest lines dropped and counted. Any thread.
+// Logging that never blocks: a bounded queue to one writer thread, the oldest lines dropped and counted. Any
+// thread.
 #pragma once
 
 #include <spdlog/spdlog.h>
@@ -40,7 +41,8 @@ Logger NullLogger();
 class PeerLogLimiter {
  public:
   static constexpr int kLinesPerSecond = 10;
-  /// Returns true if a line about `peer` may be written at `now`; `suppressed` gets how many were not, since the last.
+  /// Returns true if a line about `peer` may be written at `now`; `suppressed` gets how many were not, since
+  /// the last.
   bool Allow(const std::string& peer, Nanoseconds now, std::int64_t& suppressed);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// std::mutex and a scoped lock with clang's thread-safety annotations, so that `GUARDED_BY` is proved at compile time.
-// Locks are leaves: no code holds two.
+// std::mutex and a scoped lock with clang's thread-safety annotations, so that `GUARDED_BY` is proved at
+// compile time. Locks are leaves: no code holds two.
 #pragma once
 
 #include <condition_variable>

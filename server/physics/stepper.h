@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The physics thread, and the rule of who may step. Whoever holds the baton owns the physics world and is the one writer
-// of frames. That is the physics thread; in lockstep the robot thread whose command makes the last robot ready takes the
-// baton, if it is free, and runs the step itself: a round trip then costs no thread switch (docs/decisions.md).
+// The physics thread, and the rule of who may step. Whoever holds the baton owns the physics world and is the
+// one writer of frames. That is the physics thread; in lockstep the robot thread whose command makes the last
+// robot ready takes the baton, if it is free, and runs the step itself: a round trip then costs no thread
+// switch (docs/decisions.md).
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -59,12 +61,14 @@ class Stepper {
 
   Stepper(Boards boards, const Clock& clock, Logger logger, RunOptions options);
 
-  /// Builds the world of `scenario` and publishes frame 0. False, with errors, if it cannot be built. Before Run().
+  /// Builds the world of `scenario` and publishes frame 0. False, with errors, if it cannot be built. Before
+  /// Run().
   bool Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagnostics) EXCLUDES(baton_);
-  /// The physics thread: steps until `stop` is requested (ring the bell after). Returns when nothing steps any more.
+  /// The physics thread: steps until `stop` is requested (ring the bell after). Returns when nothing steps
+  /// any more.
   void Run(std::stop_token stop) EXCLUDES(baton_);
-  /// Runs the step that has just become possible on the calling thread if the baton is free and time allows; otherwise
-  /// wakes the physics thread. Any thread, no lock held.
+  /// Runs the step that has just become possible on the calling thread if the baton is free and time allows;
+  /// otherwise wakes the physics thread. Any thread, no lock held.
   void StepHere() EXCLUDES(baton_);
   /// Called on the stepping thread when `duration_s` has been reached. Set before Run().
   void set_on_ended(std::function<void()> on_ended) { on_ended_ = std::move(on_ended); }
@@ -82,18 +86,27 @@ class Stepper {
   EditResult Apply(const edit::SetParticipants&) REQUIRES(baton_);
   EditResult Apply(const edit::StopAll&) REQUIRES(baton_);
 
-  void ApplyEdits() EXCLUDES(baton_) NO_THREAD_SAFETY_ANALYSIS;
+  void ApplyEdits() REQUIRES(baton_);
   /// Does what is due now and returns when to look again.
   Nanoseconds WorkOnce() EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
   /// Puts a freshly built world in force and publishes its frame 0.
-  void Install(std::unique_ptr<PhysicsWorld> world, std::shared_ptr<const Scene> scene, StepEnd end) REQUIRES(baton_);
+  void Install(std::unique_ptr<PhysicsWorld> world, std::shared_ptr<const Scene> scene, StepEnd end)
+      REQUIRES(baton_);
   std::shared_ptr<Frame> MakeFrame() const REQUIRES(baton_);
+  /// Builds the world of `scenario` and puts it in force; what goes wrong is the text of the result.
+  EditResult Rebuild(std::shared_ptr<const Scenario> scenario, std::uint64_t seed, StepEnd end)
+      REQUIRES(baton_);
+  /// Takes mode, step, speed and duration of the scenario, as far as it says them and the command line does
+  /// not.
+  void TakeOptions(const SimulationOptions& said) REQUIRES(baton_);
+  void NoteFloorLeft(const Frame& frame) REQUIRES(baton_);
   bool may_step() const REQUIRES(baton_) { return !ended_ && !stopping_ && (!paused_ || allowed_steps_ > 0); }
   double speed() const REQUIRES(baton_);  // ≤ 0: no limit
   void RestartPace(Nanoseconds now) REQUIRES(baton_);
-  void PublishStatus(Nanoseconds now, bool waiting) REQUIRES(baton_);
+  /// Publishes how the run stands; unless `always`, at most each kStatusEvery.
+  void PublishStatus(Nanoseconds now, bool always) REQUIRES(baton_);
   void AddEvent(const char* level, std::string text) REQUIRES(baton_);
 
   const Boards boards_;
@@ -121,6 +134,9 @@ class Stepper {
   RateMeter rate_ GUARDED_BY(baton_);
   RunStatus status_ GUARDED_BY(baton_);
   Nanoseconds status_at_ GUARDED_BY(baton_) = 0;
+  bool has_deadlines_ GUARDED_BY(baton_) = false;
+  Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;  // until then the physics thread sleeps
+  std::vector<bool> off_floor_ GUARDED_BY(baton_);     // by robot
 };
 
 }  // namespace coopdyn

@@ -11,7 +11,9 @@ namespace {
 
 constexpr std::size_t kNoSlot = static_cast<std::size_t>(-1);
 
-Verdict Refusal(Error error, std::string text) { return {error, std::move(text), true, Mode::kRealtime, 0}; }
+Verdict Refusal(Error error, std::string text) {
+  return {error, std::move(text), true, Mode::kRealtime, 0};
+}
 
 }  // namespace
 
@@ -65,13 +67,14 @@ Verdict CommandBoard::TakeOwnership(Slot& slot, const Client& client) {
 void CommandBoard::ReplacePending(Slot& slot, const Client& client, Completions& completions) {
   if (!slot.pending.active || slot.pending.client == client.id) return;
   if (slot.pending.done) {
-    completions.emplace_back(std::move(slot.pending.done), StepResult{StepEnd::kReplaced, last_frame_, mode_});
+    completions.emplace_back(std::move(slot.pending.done),
+                             StepResult{StepEnd::kReplaced, last_frame_, mode_});
   }
   slot.pending = {};
 }
 
-Verdict CommandBoard::Place(SlotId id, const Client& client, const Setpoint* setpoint, std::optional<int> steps,
-                            StepDone done) {
+Verdict CommandBoard::Place(SlotId id, const Client& client, const Setpoint* setpoint,
+                            std::optional<int> steps, StepDone done) {
   Completions completions;
   Verdict verdict;
   bool became_ready = false;
@@ -104,8 +107,8 @@ Verdict CommandBoard::Place(SlotId id, const Client& client, const Setpoint* set
   return verdict;
 }
 
-Verdict CommandBoard::Command(SlotId slot, const Client& client, const Setpoint& setpoint, std::optional<int> steps,
-                              StepDone done) {
+Verdict CommandBoard::Command(SlotId slot, const Client& client, const Setpoint& setpoint,
+                              std::optional<int> steps, StepDone done) {
   return Place(slot, client, &setpoint, steps, std::move(done));
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Who drives which robot, with what, for how many steps; and who waits for a step. The lockstep contract of DESIGN §4
-// lives here, free of sockets and threads: robot and control threads write commands, the stepping thread latches them
-// and gets back whom to answer. One lock; callbacks are never called with it held.
+// Who drives which robot, with what, for how many steps; and who waits for a step. The lockstep contract of
+// DESIGN §4 lives here, free of sockets and threads: robot and control threads write commands, the stepping
+// thread latches them and gets back whom to answer. One lock; callbacks are never called with it held.
 #pragma once
 
 #include <array>
@@ -19,7 +19,8 @@
 
 namespace coopdyn {
 
-/// Names an actuator module for the life of the daemon (kept over reset, and over a load that keeps the robot). 0: none.
+/// Names an actuator module for the life of the daemon (kept over reset, and over a load that keeps the
+/// robot). 0: none.
 using SlotId = std::uint32_t;
 /// Wheel speeds left, right, rad/s, after scaling.
 using Setpoint = std::array<double, 2>;
@@ -46,16 +47,17 @@ struct StepResult {
   FramePtr frame;  // of the step that ended the wait, or the newest
   Mode mode = Mode::kRealtime;
 };
-/// Called on the stepping thread, or on the thread whose call ended the wait; posts to its own thread and returns.
+/// Called on the stepping thread, or on the thread whose call ended the wait; posts to its own thread and
+/// returns.
 using StepDone = std::function<void(const StepResult&)>;
 
 /// The board's answer to a request.
 struct Verdict {
   Error error = Error::kOk;
-  std::string text;          // of the error
-  bool answer_now = true;    // false: `done` will be called
+  std::string text;        // of the error
+  bool answer_now = true;  // false: `done` will be called
   Mode mode = Mode::kRealtime;
-  ClientId displaced = 0;    // hello: the connection that was taken over and must get its closing notice
+  ClientId displaced = 0;  // hello: the connection that was taken over and must get its closing notice
 };
 
 /// Whom the world waits for.
@@ -73,18 +75,21 @@ struct FiredDeadline {
 
 class CommandBoard {
  public:
-  // --- robot threads and the control thread --------------------------------------------------------------------
+  // --- robot threads and the control thread
+  // --------------------------------------------------------------------
   /// The slot of `robot`'s drive; 0 if there is no such robot.
   SlotId FindSlot(const std::string& robot) const;
-  /// An actuator command: the client becomes owner if there is none. `steps` empty: one step, answered at once unless in
-  /// lockstep; given (≥ 1): it stands for that many steps and is answered after the last, in every mode.
-  /// If the verdict says answer_now, `done` is never called.
-  Verdict Command(SlotId slot, const Client& client, const Setpoint& setpoint, std::optional<int> steps, StepDone done);
+  /// An actuator command: the client becomes owner if there is none. `steps` empty: one step, answered at
+  /// once unless in lockstep; given (≥ 1): it stands for that many steps and is answered after the last, in
+  /// every mode. If the verdict says answer_now, `done` is never called.
+  Verdict Command(SlotId slot, const Client& client, const Setpoint& setpoint, std::optional<int> steps,
+                  StepDone done);
   /// `ready` on an actuator module: keeps the set-points; answered after `steps` steps in every mode.
   Verdict Ready(SlotId slot, const Client& client, int steps, StepDone done);
   Verdict Claim(SlotId slot, const Client& client);
   Verdict Release(SlotId slot, const Client& client);
-  /// The connection calls itself client.name from now on; takes the module over from an older connection of that name.
+  /// The connection calls itself client.name from now on; takes the module over from an older connection of
+  /// that name.
   Verdict Hello(SlotId slot, const Client& client);
   /// End of input: the module is free at once, what is pending still runs.
   void InputEnded(SlotId slot, ClientId client);
@@ -111,9 +116,10 @@ class CommandBoard {
   /// Up to `max` awaited robots, the count of all in `total`. Empty unless in lockstep and not ready.
   std::vector<Awaited> Awaiting(Nanoseconds now, std::size_t max, std::size_t* total) const;
 
-  // --- the stepping thread (holder of the baton) ----------------------------------------------------------------
-  /// Lays out the slots for a new scene. Robots of the same name and type keep slot, owner and name; all waits end with
-  /// `end` (kReset keeps participants, kLoad takes them from the scene).
+  // --- the stepping thread (holder of the baton)
+  // ----------------------------------------------------------------
+  /// Lays out the slots for a new scene. Robots of the same name and type keep slot, owner and name; all
+  /// waits end with `end` (kReset keeps participants, kLoad takes them from the scene).
   void Configure(const Scene& scene, StepEnd end, FramePtr frame, Nanoseconds now);
   void SetMode(Mode mode, Nanoseconds now);
   Mode mode() const;
@@ -123,7 +129,8 @@ class CommandBoard {
   void StopAll();
   /// Every participant is ready for the next step.
   bool AllReady() const;
-  /// Takes the pending set-points in force; the result is by the scene's robot order, valid until Configure().
+  /// Takes the pending set-points in force; the result is by the scene's robot order, valid until
+  /// Configure().
   std::span<const Setpoint> Latch();
   /// After the step: answers whom it ends the wait of. Observers first. Calls the callbacks.
   void FinishStep(const FramePtr& frame, Nanoseconds now);
@@ -150,14 +157,15 @@ class CommandBoard {
     std::string robot, type;
     ClientId owner = 0;
     std::string owner_name, owner_peer;
-    ClientId former = 0;  // its input has ended, its requests may still run
+    ClientId former = 0;                      // its input has ended, its requests may still run
     std::optional<LossPolicy> after_pending;  // on_disconnect, once what is pending has run
     std::optional<double> deadline_s;
     LossPolicy on_deadline = LossPolicy::kHold;
     std::optional<LossPolicy> on_disconnect;
-    bool participates = false;         // by scenario or set_participants
+    bool participates = false;  // by scenario or set_participants
     bool participates_by_scene = false;
-    bool excused = false;  // late or without client, by policy hold or stop: not waited for until its next command
+    bool excused =
+        false;  // late or without client, by policy hold or stop: not waited for until its next command
     bool dropped = false;  // by policy drop: takes no part until its next command
     Pending pending;
     Setpoint in_force{};
@@ -179,8 +187,8 @@ class CommandBoard {
   Verdict TakeOwnership(Slot& slot, const Client& client) REQUIRES(mutex_);
   /// Clears what another client has pending, which then gets kReplaced.
   void ReplacePending(Slot& slot, const Client& client, Completions& completions) REQUIRES(mutex_);
-  Verdict Place(SlotId id, const Client& client, const Setpoint* setpoint, std::optional<int> steps, StepDone done)
-      EXCLUDES(mutex_);
+  Verdict Place(SlotId id, const Client& client, const Setpoint* setpoint, std::optional<int> steps,
+                StepDone done) EXCLUDES(mutex_);
   void ApplyPolicy(Slot& slot, LossPolicy policy) REQUIRES(mutex_);
   bool IsAwaited(const Slot& slot) const REQUIRES(mutex_);
   void EndAllWaits(StepEnd end, const FramePtr& frame, Completions& completions) REQUIRES(mutex_);
@@ -190,18 +198,18 @@ class CommandBoard {
   static void Call(Completions& completions);
 
   mutable Mutex mutex_;
-  std::vector<Slot> slots_ GUARDED_BY(mutex_);        // the scene's robots in order
-  std::vector<Setpoint> latched_;                     // stepping thread only
+  std::vector<Slot> slots_ GUARDED_BY(mutex_);  // the scene's robots in order
+  std::vector<Setpoint> latched_;               // stepping thread only
   std::vector<Waiter> waiters_ GUARDED_BY(mutex_);
   std::vector<Observer> observers_ GUARDED_BY(mutex_);
   std::vector<std::size_t> slot_index_ GUARDED_BY(mutex_);  // SlotId → index into slots_, or kNoSlot
   Mode mode_ GUARDED_BY(mutex_) = Mode::kRealtime;
-  std::size_t awaited_ GUARDED_BY(mutex_) = 0;        // participants that are not ready
+  std::size_t awaited_ GUARDED_BY(mutex_) = 0;  // participants that are not ready
   SlotId next_slot_ GUARDED_BY(mutex_) = 1;
   std::uint64_t next_observer_ GUARDED_BY(mutex_) = 1;
   bool stopping_ GUARDED_BY(mutex_) = false;
   FramePtr last_frame_ GUARDED_BY(mutex_);
-  std::function<void()> all_ready_hook_;              // constant after construction
+  std::function<void()> all_ready_hook_;  // constant after construction
 };
 
 }  // namespace coopdyn

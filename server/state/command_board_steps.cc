@@ -23,16 +23,18 @@ Nanoseconds DeadlineOf(double deadline_s, Nanoseconds waiting_since) {
 
 void CommandBoard::EndAllWaits(StepEnd end, const FramePtr& frame, Completions& completions) {
   for (Slot& slot : slots_) {
-    if (slot.pending.done) completions.emplace_back(std::move(slot.pending.done), StepResult{end, frame, mode_});
+    if (slot.pending.done)
+      completions.emplace_back(std::move(slot.pending.done), StepResult{end, frame, mode_});
     slot.pending = {};
   }
-  for (Waiter& waiter : waiters_) completions.emplace_back(std::move(waiter.done), StepResult{end, frame, mode_});
+  for (Waiter& waiter : waiters_)
+    completions.emplace_back(std::move(waiter.done), StepResult{end, frame, mode_});
   waiters_.clear();
 }
 
 void CommandBoard::CountAwaited() {
-  awaited_ = static_cast<std::size_t>(
-      std::count_if(slots_.begin(), slots_.end(), [this](const Slot& slot) REQUIRES(mutex_) { return IsAwaited(slot); }));
+  awaited_ = static_cast<std::size_t>(std::count_if(
+      slots_.begin(), slots_.end(), [this](const Slot& slot) REQUIRES(mutex_) { return IsAwaited(slot); }));
 }
 
 void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Nanoseconds now) {
@@ -92,8 +94,8 @@ Verdict CommandBoard::SetParticipants(std::span<const std::string> names, Nanose
   const MutexLock lock(mutex_);
   std::vector<bool> chosen(slots_.size(), false);
   for (const std::string& name : names) {
-    const auto slot =
-        std::find_if(slots_.begin(), slots_.end(), [&](const Slot& candidate) { return candidate.robot == name; });
+    const auto slot = std::find_if(slots_.begin(), slots_.end(),
+                                   [&](const Slot& candidate) { return candidate.robot == name; });
     if (slot == slots_.end()) {
       return {Error::kNoSuchName, "no robot is called " + name + ": list shows the names", true, mode_, 0};
     }
@@ -176,7 +178,8 @@ std::vector<FiredDeadline> CommandBoard::FireDeadlines(Nanoseconds now) {
   std::vector<FiredDeadline> fired;
   if (awaited_ == 0) return fired;
   for (Slot& slot : slots_) {
-    if (!slot.deadline_s || !IsAwaited(slot) || now < DeadlineOf(*slot.deadline_s, slot.waiting_since)) continue;
+    if (!slot.deadline_s || !IsAwaited(slot) || now < DeadlineOf(*slot.deadline_s, slot.waiting_since))
+      continue;
     ApplyPolicy(slot, slot.on_deadline);
     fired.push_back({slot.robot, slot.on_deadline});
   }
@@ -189,7 +192,8 @@ Nanoseconds CommandBoard::NextDeadline() const {
   Nanoseconds next = kNever;
   if (awaited_ == 0) return next;
   for (const Slot& slot : slots_) {
-    if (slot.deadline_s && IsAwaited(slot)) next = std::min(next, DeadlineOf(*slot.deadline_s, slot.waiting_since));
+    if (slot.deadline_s && IsAwaited(slot))
+      next = std::min(next, DeadlineOf(*slot.deadline_s, slot.waiting_since));
   }
   return next;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is to happen to the run or the world between two steps, in arrival order. Any thread pushes; the stepping thread
-// takes, applies, and calls back.
+// What is to happen to the run or the world between two steps, in arrival order. Any thread pushes; the
+// stepping thread takes, applies, and calls back.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,8 @@ namespace coopdyn {
 namespace edit {
 struct Run {};
 struct Pause {};
-/// Allows `steps` more steps while paused (error 5 otherwise); `done` when they have run, or were undone by reset or load.
+/// Allows `steps` more steps while paused (error 5 otherwise); `done` when they have run, or were undone by
+/// reset or load.
 struct Step {
   int steps = 1;
   StepDone done;
@@ -29,7 +30,8 @@ struct Step {
 struct Reset {
   std::optional<std::uint64_t> seed;  // empty: the same
 };
-/// Replaces the scenario. If its physics cannot be built nothing changes and the reply's text has the diagnostics.
+/// Replaces the scenario. If its physics cannot be built nothing changes and the reply's text has the
+/// diagnostics.
 struct Load {
   std::shared_ptr<const Scenario> scenario;
 };
@@ -48,8 +50,8 @@ struct SetParticipants {
 struct StopAll {};
 }  // namespace edit
 
-using EditAction = std::variant<edit::Run, edit::Pause, edit::Step, edit::Reset, edit::Load, edit::SetMode, edit::SetStep,
-                                edit::SetSpeed, edit::SetParticipants, edit::StopAll>;
+using EditAction = std::variant<edit::Run, edit::Pause, edit::Step, edit::Reset, edit::Load, edit::SetMode,
+                                edit::SetStep, edit::SetSpeed, edit::SetParticipants, edit::StopAll>;
 
 struct EditResult {
   Error error = Error::kOk;

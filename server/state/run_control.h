@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How the run stands, for get_status, the page and the command line. The stepping thread writes, any thread reads.
+// How the run stands, for get_status, the page and the command line. The stepping thread writes, any thread
+// reads.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +20,8 @@ struct RunStatus {
   Mode mode = Mode::kRealtime;
   RunState state = RunState::kRunning;
   Nanoseconds step_length = kDefaultStep;
-  double speed = 1;             // ≤ 0: no limit
-  double real_time_factor = 0;  // over the last second of wall time
+  double speed = 1;                // ≤ 0: no limit
+  double real_time_factor = 0;     // over the last second of wall time
   std::uint64_t late_periods = 0;  // skipped in real time
   std::vector<std::string> frozen;
 };

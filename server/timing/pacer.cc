@@ -12,7 +12,9 @@ void Pacer::Start(Nanoseconds now, Nanoseconds step, double speed) {
   ticks_ = 1;
 }
 
-Nanoseconds Pacer::due() const { return start_ + std::llround(static_cast<double>(ticks_) * period_ns_); }
+Nanoseconds Pacer::due() const {
+  return start_ + std::llround(static_cast<double>(ticks_) * period_ns_);
+}
 
 std::int64_t Pacer::Advance(Nanoseconds now) {
   const auto reached = static_cast<std::int64_t>(std::floor(static_cast<double>(now - start_) / period_ns_));

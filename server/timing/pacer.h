@@ -8,8 +8,9 @@
 
 namespace coopdyn {
 
-/// Paces steps of `step` simulated nanoseconds at `speed` times the wall clock, by absolute deadlines, so that errors do
-/// not add up. A late step is run at once; whole periods that were missed are skipped and counted, never run in a burst.
+/// Paces steps of `step` simulated nanoseconds at `speed` times the wall clock, by absolute deadlines, so
+/// that errors do not add up. A late step is run at once; whole periods that were missed are skipped and
+/// counted, never run in a burst.
 class Pacer {
  public:
   /// Starts anew: the first step is due one period after `now`. `speed` > 0.
@@ -24,7 +25,7 @@ class Pacer {
 
  private:
   Nanoseconds start_ = 0;
-  double period_ns_ = 0;   // wall time of one step; 0: not started
+  double period_ns_ = 0;    // wall time of one step; 0: not started
   std::int64_t ticks_ = 1;  // the next deadline is start_ + ticks_ × period
 };
 
