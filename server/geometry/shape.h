@@ -40,7 +40,8 @@ struct Pose {
 
 /// Rotation by roll, pitch, yaw about the fixed axes x, y, z (in this order).
 inline Quaternion FromRollPitchYaw(double roll_rad, double pitch_rad, double yaw_rad) {
-  return Quaternion(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ()) * Eigen::AngleAxisd(pitch_rad, Vector3::UnitY()) *
+  return Quaternion(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ()) *
+                    Eigen::AngleAxisd(pitch_rad, Vector3::UnitY()) *
                     Eigen::AngleAxisd(roll_rad, Vector3::UnitX()));
 }
 
@@ -52,6 +53,8 @@ double WrapAngle(double angle_rad);
 double BoundingRadius(const Shape& shape);
 /// Half of the shape's extent along the world's x, y, z when turned by `q`.
 Vector3 HalfExtents(const Shape& shape, const Quaternion& q);
+/// The same, turned by the rotation matrix `R`.
+Vector3 HalfExtents(const Shape& shape, const Matrix3& R);
 /// Volume in m³.
 double Volume(const Shape& shape);
 /// Inertia about the centre for `mass_kg`, of the solid shape, kg·m² (diagonal).

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "server/geometry/ray.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace coopdyn {
+
+namespace {
+
+// The part of a line that lies inside a convex solid; every solid here is an intersection of such parts.
+struct Interval {
+  double from = -kNoHit, to = kNoHit;
+
+  bool empty() const { return from > to; }
+  /// Keeps the part with |position + t * speed| ≤ half.
+  void ClipSlab(double position, double speed, double half) {
+    if (speed == 0) {
+      if (std::abs(position) > half) to = -kNoHit;
+      return;
+    }
+    const double a = (-half - position) / speed;
+    const double b = (half - position) / speed;
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  }
+  /// Keeps the part with a t² + 2 b t + c ≤ 0, a ≥ 0.
+  void ClipQuadratic(double a, double b, double c) {
+    if (a <= 1e-18) {  // along the axis
+      if (c > 0) to = -kNoHit;
+      return;
+    }
+    const double discriminant = b * b - a * c;
+    if (discriminant < 0) {
+      to = -kNoHit;
+      return;
+    }
+    const double root = std::sqrt(discriminant);
+    from = std::max(from, (-b - root) / a);
+    to = std::min(to, (-b + root) / a);
+  }
+  double FirstHit() const { return empty() || to < 0 ? kNoHit : std::max(from, 0.0); }
+};
+
+}  // namespace
+
+double RayToBox(const Ray& ray, const Box& box) {
+  Interval inside;
+  for (int axis = 0; axis < 3; ++axis) {
+    inside.ClipSlab(ray.origin[axis], ray.direction[axis], box.size_m[axis] / 2);
+  }
+  return inside.FirstHit();
+}
+
+double RayToCylinder(const Ray& ray, const Cylinder& cylinder) {
+  const auto o = ray.origin.head<2>();
+  const auto d = ray.direction.head<2>();
+  Interval inside;
+  inside.ClipSlab(ray.origin.z(), ray.direction.z(), cylinder.length_m / 2);
+  inside.ClipQuadratic(d.squaredNorm(), o.dot(d), o.squaredNorm() - cylinder.radius_m * cylinder.radius_m);
+  return inside.FirstHit();
+}
+
+double RayToSphere(const Ray& ray, const Sphere& sphere) {
+  Interval inside;
+  inside.ClipQuadratic(1, ray.origin.dot(ray.direction),
+                       ray.origin.squaredNorm() - sphere.radius_m * sphere.radius_m);
+  return inside.FirstHit();
+}
+
+double RayToShape(const Ray& ray, const Shape& shape) {
+  if (const auto* box = std::get_if<Box>(&shape)) return RayToBox(ray, *box);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return RayToCylinder(ray, *cylinder);
+  return RayToSphere(ray, std::get<Sphere>(shape));
+}
+
+double RayToFloor(const Ray& ray) {
+  if (ray.origin.z() <= 0) return 0;
+  return ray.direction.z() < 0 ? -ray.origin.z() / ray.direction.z() : kNoHit;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Rays against solid shapes, in closed form. Pure; any thread.
+#pragma once
+
+#include <limits>
+
+#include "server/geometry/shape.h"
+
+namespace coopdyn {
+
+/// A half-line. Both in the same frame; `direction` has length 1.
+struct Ray {
+  Vector3 origin = Vector3::Zero();
+  Vector3 direction = Vector3::UnitX();
+};
+
+inline constexpr double kNoHit = std::numeric_limits<double>::infinity();
+
+/// Distance along `ray` (given in the shape's frame) to the solid, m: 0 if it starts inside, kNoHit if it
+/// misses.
+double RayToBox(const Ray& ray, const Box& box);
+double RayToCylinder(const Ray& ray, const Cylinder& cylinder);
+double RayToSphere(const Ray& ray, const Sphere& sphere);
+double RayToShape(const Ray& ray, const Shape& shape);
+
+/// Distance along `ray` (in the world) to the half-space z ≤ 0, m.
+double RayToFloor(const Ray& ray);
+
+}  // namespace coopdyn

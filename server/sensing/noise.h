@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Sensor noise as a function of what is read, not of when or by whom: reading twice gives the same value, and
+// spectators change nothing. Pure; any thread.
+#pragma once
+
+#include <cstdint>
+
+namespace coopdyn {
+
+enum class NoiseKind : std::uint32_t {
+  kDistance = 1,
+  kTargetDistance,
+  kTargetBearing,
+  kRobotDistance,
+  kRobotBearing
+};
+
+/// Names one reading. Two readings that differ in any field have independent noise.
+struct NoiseKey {
+  std::uint64_t seed = 0;  // of the frame
+  NoiseKind kind = NoiseKind::kDistance;
+  std::uint32_t robot = 0;   // id of the robot that senses
+  std::uint32_t sensor = 0;  // id of the sensor, or of the thing seen
+  std::uint64_t step = 0;
+  std::uint32_t sample = 0;  // of several values of one reading
+};
+
+/// 64 well-mixed bits of `key`.
+std::uint64_t NoiseBits(const NoiseKey& key);
+/// A sample of the normal distribution with mean 0 and standard deviation 1; |value| < 9.
+double GaussianNoise(const NoiseKey& key);
+
+}  // namespace coopdyn
