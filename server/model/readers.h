@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Readers of .world, .scenario and robot models. They collect every mistake as `file:line: error: …` before they give up.
+// Readers of .world, .scenario and robot models. They collect every mistake as `file:line: error: …` before
+// they give up.
 #pragma once
 
 #include <filesystem>
@@ -15,14 +16,16 @@
 
 namespace coopdyn {
 
-/// Where files are looked for: beside the naming file, then these folders in order (`--scenarios DIR`, COOPDYN_PATH,
-/// the installed data). In each, also in its subfolders `scenarios/`, `worlds/`, `robots/`.
+/// Where files are looked for: beside the naming file, then these folders in order (`--scenarios DIR`,
+/// COOPDYN_PATH, the installed data). In each, also in its subfolders `scenarios/`, `worlds/`, `robots/`.
 struct SearchPath {
   std::vector<std::filesystem::path> folders;
 
-  /// The first existing file for a scenario/world given by path or bare name (extension optional); nothing if none.
+  /// The first existing file for a scenario/world given by path or bare name (extension optional); nothing if
+  /// none.
   std::optional<std::filesystem::path> FindScenario(const std::string& name) const;
-  std::optional<std::filesystem::path> FindWorld(const std::string& name, const std::filesystem::path& beside) const;
+  std::optional<std::filesystem::path> FindWorld(const std::string& name,
+                                                 const std::filesystem::path& beside) const;
   /// robots/<type>/model.sdf
   std::optional<std::filesystem::path> FindRobot(const std::string& type) const;
   /// Names of all scenarios on the path, sorted, without extension.
@@ -34,7 +37,8 @@ class RobotLibrary {
  public:
   explicit RobotLibrary(SearchPath path) : path_(std::move(path)) {}
   /// The model of `type`; null with diagnostics (at `where`, or in the model's file) if there is none.
-  std::shared_ptr<const RobotModel> Get(const std::string& type, const SourceLine& where, Diagnostics& diagnostics);
+  std::shared_ptr<const RobotModel> Get(const std::string& type, const SourceLine& where,
+                                        Diagnostics& diagnostics);
   const SearchPath& path() const { return path_; }
 
  private:
@@ -43,17 +47,20 @@ class RobotLibrary {
   std::unordered_map<std::string, std::shared_ptr<const RobotModel>> models_ GUARDED_BY(mutex_);
 };
 
-/// Reads an SDF robot model (libsdformat; our own elements in the namespace `coopdyn:`). Null if it has errors.
+/// Reads an SDF robot model (libsdformat; our own elements in the namespace `coopdyn:`). Null if it has
+/// errors.
 std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// Reads the text of a .world. Errors go to `diagnostics`; what could be read is returned.
 WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics);
 
 /// Reads the text of a .scenario and all that it names. Nothing if there are errors.
-/// `file`: for messages and for what lies beside it. `by_socket`: worlds and robots only by bare name on the path.
-std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file, RobotLibrary& robots,
-                                             bool by_socket, Diagnostics& diagnostics);
+/// `file`: for messages and for what lies beside it. `by_socket`: worlds and robots only by bare name on the
+/// path.
+std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
+                                             RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics);
 /// Finds and reads a scenario (or a .world, as a scenario without robots) by path or bare name.
-std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots, Diagnostics& diagnostics);
+std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots,
+                                             Diagnostics& diagnostics);
 
 }  // namespace coopdyn

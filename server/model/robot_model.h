@@ -17,7 +17,7 @@ struct LinkShape {
   Shape shape;
   Pose X_LG;  // of the shape in the link
   Color color;
-  double friction = 1;       // Coulomb; 0 for casters
+  double friction = 1;             // Coulomb; 0 for casters
   bool takes_robot_color = false;  // visuals: drawn in the robot's own colour
 };
 
@@ -25,8 +25,8 @@ struct LinkModel {
   std::string name;
   Pose X_RL;  // in the initial pose
   double mass_kg = 0;
-  Pose X_LI;               // of the inertial frame (centre of mass) in the link
-  Vector3 inertia_kg_m2;   // principal moments about the axes of I
+  Pose X_LI;              // of the inertial frame (centre of mass) in the link
+  Vector3 inertia_kg_m2;  // principal moments about the axes of I
   std::vector<LinkShape> collisions;
   std::vector<LinkShape> visuals;
 };
@@ -51,13 +51,14 @@ struct DriveModel {
   double max_torque_nm = 0;
 };
 
-/// One distance sensor: a sector sampled by several rays in the horizontal plane of its mount; the smallest counts.
+/// One distance sensor: a sector sampled by several rays in the horizontal plane of its mount; the smallest
+/// counts.
 struct DistanceSensorModel {
-  Pose X_RS;                // x along the sector's middle; its origin lies on the chassis surface
-  double bearing_rad = 0;   // of the middle in R; 0 ahead, left positive
-  double opening_rad = 0;   // full angle of the sector
-  int rays = 1;             // spread evenly from edge to edge; one: the middle
-  double max_range_m = 0;   // from the chassis surface
+  Pose X_RS;               // x along the sector's middle; its origin lies on the chassis surface
+  double bearing_rad = 0;  // of the middle in R; 0 ahead, left positive
+  double opening_rad = 0;  // full angle of the sector
+  int rays = 1;            // spread evenly from edge to edge; one: the middle
+  double max_range_m = 0;  // from the chassis surface
   double noise_stddev_m = 0;
 };
 
@@ -78,7 +79,7 @@ struct ModuleModel {
 struct RobotModel {
   std::string type;  // the folder's name, e.g. "coopbot"
   std::string file;
-  std::string text;  // the SDF as read
+  std::string text;              // the SDF as read
   std::vector<LinkModel> links;  // links[0] is the chassis
   std::vector<JointModel> joints;
   DriveModel drive;

@@ -23,10 +23,10 @@ std::optional<Mode> ParseMode(const std::string& word);
 enum class LossPolicy { kWait, kHold, kStop, kDrop };
 enum class Fidelity { kFull, kRolling, kPlanar };
 
-inline constexpr Nanoseconds kMinStep = 500'000;          // 0.5 ms
-inline constexpr Nanoseconds kMaxStep = 100'000'000;      // 100 ms
-inline constexpr Nanoseconds kMaxSubstep = 10'000'000;    // 10 ms
-inline constexpr Nanoseconds kDefaultStep = 10'000'000;   // 100 Hz
+inline constexpr Nanoseconds kMinStep = 500'000;         // 0.5 ms
+inline constexpr Nanoseconds kMaxStep = 100'000'000;     // 100 ms
+inline constexpr Nanoseconds kMaxSubstep = 10'000'000;   // 10 ms
+inline constexpr Nanoseconds kDefaultStep = 10'000'000;  // 100 Hz
 
 /// [SIMULATION]; what is not said is empty.
 struct SimulationOptions {
@@ -61,11 +61,11 @@ struct RobotEntry {
 };
 
 struct Scenario {
-  std::string name;   // file name without folder and extension; "(text)" if it came by socket
-  std::string file;   // as found; empty if it came by socket
-  std::string text;   // as read
-  WorldModel world;   // of [WORLD] file; empty without
-  Floor floor;        // in force
+  std::string name;                  // file name without folder and extension; "(text)" if it came by socket
+  std::string file;                  // as found; empty if it came by socket
+  std::string text;                  // as read
+  WorldModel world;                  // of [WORLD] file; empty without
+  Floor floor;                       // in force
   std::vector<WorldObject> objects;  // the world's, then the scenario's own; ids are index + 1
   std::vector<Target> targets;
   std::vector<RobotEntry> robots;

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "server/model/sdf_check.h"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+#include <sdf/Param.hh>
+#include <string_view>
+#include <vector>
+
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+using tinyxml2::XMLAttribute;
+using tinyxml2::XMLElement;
+
+/// Elements that the reader uses, as `parent/child`.
+constexpr std::array kUsed = {
+    std::string_view("sdf/model"),         std::string_view("model/link"),
+    std::string_view("model/joint"),       std::string_view("model/frame"),
+    std::string_view("frame/pose"),        std::string_view("link/pose"),
+    std::string_view("link/inertial"),     std::string_view("link/collision"),
+    std::string_view("link/visual"),       std::string_view("inertial/pose"),
+    std::string_view("inertial/mass"),     std::string_view("inertial/inertia"),
+    std::string_view("inertia/ixx"),       std::string_view("inertia/iyy"),
+    std::string_view("inertia/izz"),       std::string_view("inertia/ixy"),
+    std::string_view("inertia/ixz"),       std::string_view("inertia/iyz"),
+    std::string_view("collision/pose"),    std::string_view("collision/geometry"),
+    std::string_view("collision/surface"), std::string_view("visual/pose"),
+    std::string_view("visual/geometry"),   std::string_view("visual/material"),
+    std::string_view("geometry/box"),      std::string_view("geometry/cylinder"),
+    std::string_view("geometry/sphere"),   std::string_view("box/size"),
+    std::string_view("cylinder/radius"),   std::string_view("cylinder/length"),
+    std::string_view("sphere/radius"),     std::string_view("surface/friction"),
+    std::string_view("friction/ode"),      std::string_view("ode/mu"),
+    std::string_view("ode/mu2"),           std::string_view("material/diffuse"),
+    std::string_view("material/ambient"),  std::string_view("material/specular"),
+    std::string_view("joint/pose"),        std::string_view("joint/parent"),
+    std::string_view("joint/child"),       std::string_view("joint/axis"),
+    std::string_view("axis/xyz"),          std::string_view("axis/limit"),
+    std::string_view("limit/lower"),       std::string_view("limit/upper"),
+    std::string_view("limit/effort"),      std::string_view("limit/velocity"),
+};
+
+bool IsForeign(std::string_view name) {
+  return name.find(':') != std::string_view::npos;
+}
+
+class Checker {
+ public:
+  Checker(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+
+  void Check(const XMLElement& element, const sdf::ElementPtr& description, int depth) {
+    constexpr int kMaxDepth = 40;
+    if (depth > kMaxDepth) {
+      diagnostics_.Error({file_, element.GetLineNum()}, "elements are nested too deeply");
+      return;
+    }
+    CheckAttributes(element, description);
+    CheckValue(element, description);
+    for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement()) {
+      if (!IsForeign(child->Name())) CheckChild(element, description, *child, depth);
+    }
+  }
+
+ private:
+  void CheckChild(const XMLElement& parent, const sdf::ElementPtr& description, const XMLElement& child,
+                  int depth) {
+    const std::string name = child.Name();
+    const SourceLine where{file_, child.GetLineNum()};
+    if (!description->HasElementDescription(name)) {
+      std::vector<std::string> known;
+      for (std::size_t i = 0; i < description->GetElementDescriptionCount(); ++i) {
+        known.push_back(description->GetElementDescription(static_cast<unsigned>(i))->GetName());
+      }
+      diagnostics_.Error(
+          where, "unknown element <" + name + "> in <" + parent.Name() + ">" + DidYouMean(name, known));
+      return;
+    }
+    const std::string path = std::string(parent.Name()) + "/" + name;
+    if (std::find(kUsed.begin(), kUsed.end(), path) != kUsed.end()) {
+      Check(child, description->GetElementDescription(name), depth + 1);
+    } else if (std::string_view(parent.Name()) == "geometry") {
+      diagnostics_.Error(where,
+                         "the shape <" + name + "> is not supported: use <box>, <cylinder> or <sphere>");
+    } else if (name == "include" || path == "model/model") {
+      diagnostics_.Error(where,
+                         "<" + name + "> is not supported: write all links of the robot into this model");
+    } else if (path == "model/static" || path == "sdf/world") {
+      diagnostics_.Error(where, "<" + name + "> does not belong into a robot: remove it");
+    } else {
+      diagnostics_.Warning(where, "<" + name + "> in <" + parent.Name() + "> is not used by coopdyn");
+    }
+  }
+
+  void CheckAttributes(const XMLElement& element, const sdf::ElementPtr& description) {
+    for (const XMLAttribute* attribute = element.FirstAttribute(); attribute != nullptr;
+         attribute = attribute->Next()) {
+      const std::string name = attribute->Name();
+      const SourceLine where{file_, attribute->GetLineNum()};
+      if (IsForeign(name) || name == "xmlns") continue;
+      if (!description->HasAttribute(name)) {
+        std::vector<std::string> known;
+        for (std::size_t i = 0; i < description->GetAttributeCount(); ++i) {
+          known.push_back(description->GetAttribute(static_cast<unsigned>(i))->GetKey());
+        }
+        diagnostics_.Error(
+            where, "unknown attribute '" + name + "' of <" + element.Name() + ">" + DidYouMean(name, known));
+      } else if (!description->GetAttribute(name)->Clone()->SetFromString(attribute->Value())) {
+        diagnostics_.Error(where, "attribute '" + name + "' of <" + element.Name() + "> cannot be '" +
+                                      attribute->Value() + "'");
+      }
+    }
+    for (std::size_t i = 0; i < description->GetAttributeCount(); ++i) {
+      const sdf::ParamPtr attribute = description->GetAttribute(static_cast<unsigned>(i));
+      if (attribute->GetRequired() && element.Attribute(attribute->GetKey().c_str()) == nullptr) {
+        diagnostics_.Error(
+            {file_, element.GetLineNum()},
+            std::string("<") + element.Name() + "> needs the attribute '" + attribute->GetKey() + "'");
+      }
+    }
+  }
+
+  void CheckValue(const XMLElement& element, const sdf::ElementPtr& description) {
+    const sdf::ParamPtr value = description->GetValue();
+    if (value == nullptr) return;
+    const std::string text = element.GetText() == nullptr ? "" : element.GetText();
+    const std::string shown = "'" + text + "'";
+    const SourceLine where{file_, element.GetLineNum()};
+    const std::string type = value->GetTypeName();
+    const bool number = type == "double" || type == "float" || type == "int" || type == "unsigned int" ||
+                        type.find("Vector") != std::string::npos ||
+                        type.find("vector") != std::string::npos || type.find("Pose") != std::string::npos ||
+                        type.find("pose") != std::string::npos || type.find("olor") != std::string::npos;
+    if (number) {
+      std::string spaced = text;
+      std::replace_if(
+          spaced.begin(), spaced.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+      const std::vector<std::string> words = SplitWords(spaced);
+      for (const std::string& word : words) {
+        if (!ParsePlain(word)) {
+          diagnostics_.Error(where,
+                             std::string("<") + element.Name() + "> needs finite numbers, not " + shown);
+          return;
+        }
+      }
+      if (words.empty()) {
+        diagnostics_.Error(where, std::string("<") + element.Name() + "> is empty: write its numbers");
+        return;
+      }
+    }
+    // A pose may say degrees="true" or how its rotation is written: its text is then for libsdformat to
+    // judge.
+    const bool plain = element.FirstAttribute() == nullptr;
+    if (plain && !text.empty() && !value->Clone()->SetFromString(text)) {
+      diagnostics_.Error(where, std::string("<") + element.Name() + "> cannot be " + shown);
+    }
+  }
+
+  const std::string& file_;
+  Diagnostics& diagnostics_;
+};
+
+}  // namespace
+
+void CheckSdf(const XMLElement& root, const sdf::ElementPtr& description, const std::string& file,
+              Diagnostics& diagnostics) {
+  Checker(file, diagnostics).Check(root, description, 0);
+}
+
+}  // namespace coopdyn
