@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Where those who want pictures meet the render thread. Nobody asks: the render thread sleeps.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/base/clock.h"
+#include "server/base/mutex.h"
+#include "server/geometry/shape.h"
+
+namespace coopdyn {
+
+inline constexpr int kMinImagePixels = 16;  // both ways
+inline constexpr int kMaxImageWidth = 1920;
+inline constexpr int kMaxImageHeight = 1080;
+
+enum class ImageFormat { kPng, kJpeg, kRgb };  // kRgb: three bytes a pixel, row by row from the top
+/// "image/png", "image/jpeg", "application/octet-stream"
+const char* MediaType(ImageFormat format);
+
+/// What somebody wants to see.
+struct ImageRequest {
+  int width = 640;
+  int height = 480;
+  std::optional<Vector3> eye_m;   // in the world; neither eye nor look: the camera that frames the scene
+  std::optional<Vector3> look_m;  // the point in the middle of the picture; missing: the middle of the scene
+  double fov_rad = 0.8;           // full vertical angle
+  ImageFormat format = ImageFormat::kPng;
+  bool show_rays = false;  // of the distance sensors
+  bool show_names = true;  // of the robots
+  bool paced = false;      // one picture of a stream: waits for the next tick of --render-fps
+
+  bool operator==(const ImageRequest&) const = default;
+};
+
+/// What is wrong with `request` and what to write instead; empty if nothing.
+std::string CheckImageRequest(const ImageRequest& request);
+
+/// The camera of a picture, so that a viewer can go on from there. Frame: world; m.
+struct ImageCamera {
+  Vector3 eye_m = Vector3::Zero();
+  Vector3 look_m = Vector3::Zero();
+};
+
+struct ImageResult {
+  std::string error;                                       // empty: there is a picture
+  std::shared_ptr<const std::vector<std::uint8_t>> bytes;  // encoded; null with an error
+  ImageCamera camera;
+  std::uint64_t step = 0;  // of the frame shown
+  std::uint64_t revision = 0;
+  Nanoseconds time = 0;  // simulated
+};
+
+/// Called once per request, with no lock held: on the render thread, or, if the request never gets there, on
+/// the thread that refused it. Posts to its own thread and returns.
+using ImageDone = std::function<void(const ImageResult&)>;
+
+class ImageBoard {
+ public:
+  static constexpr std::size_t kMaxWaiting = 64;
+
+  struct Pending {
+    ImageRequest request;
+    ImageDone done;
+  };
+
+  /// Asks for a picture. If too many wait, the oldest request of a stream gives way, else this one is
+  /// refused. Any thread.
+  void Request(ImageRequest request, ImageDone done) EXCLUDES(mutex_);
+
+  /// Waits for requests and takes them: one-off ones at once, those of streams from `paced_from` of `clock`
+  /// on, all of them together. Empty if `stop` came or the board was closed. Render thread only.
+  std::vector<Pending> WaitAndTake(std::stop_token stop, const Clock& clock, Nanoseconds paced_from)
+      EXCLUDES(mutex_);
+
+  /// Refuses all that wait and all that come from now on, with `reason`. Any thread.
+  void Close(const std::string& reason) EXCLUDES(mutex_);
+
+ private:
+  void TakeReady(bool paced_too, std::vector<Pending>& taken) REQUIRES(mutex_);
+
+  Mutex mutex_;
+  ConditionVariable arrived_;
+  std::deque<Pending> waiting_ GUARDED_BY(mutex_);  // in the order of arrival
+  bool closed_ GUARDED_BY(mutex_) = false;
+  std::string close_reason_ GUARDED_BY(mutex_);
+};
+
+}  // namespace coopdyn
