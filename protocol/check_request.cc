@@ -26,7 +26,7 @@ std::string Objection(const ValueSpec& spec, double value) {
     std::string least;
     AppendDouble(spec.min, least);
     if (least.ends_with(".0")) least.resize(least.size() - 2);
-    return "takes a " + spec.name + " of at least " + least + ", not " + number;
+    return "takes as " + spec.name + " at least " + least + ", not " + number;
   }
   const bool listed = std::any_of(spec.enums.begin(), spec.enums.end(),
                                   [value](const auto& word) { return word.second == value; });
