@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a session talks to, free of sockets: one endpoint per module. All calls happen on the one thread that runs the
-// endpoint's io_context.
+// What a session talks to, free of sockets: one endpoint per module. All calls happen on the one thread that
+// runs the endpoint's io_context.
 #pragma once
 
 #include <functional>
@@ -36,10 +36,12 @@ class Endpoint {
   /// The module's commands: the text codec, help and describe read them.
   virtual const CommandTable& table() const = 0;
   virtual void OnOpen(Connection&) {}
-  /// Handles one request (already well-formed). Calls `reply` exactly once, on this thread, now or later; a session
-  /// hands over its next request only after that. A reply to a connection that is gone is dropped silently.
+  /// Handles one request (already well-formed). Calls `reply` exactly once, on this thread, now or later; a
+  /// session hands over its next request only after that. A reply to a connection that is gone is dropped
+  /// silently.
   virtual void OnRequest(Connection& connection, Message request, ReplyFunction reply) = 0;
-  /// End of input. Complete requests already received still come through OnRequest(), then OnClosed() follows.
+  /// End of input. Complete requests already received still come through OnRequest(), then OnClosed()
+  /// follows.
   virtual void OnInputEnded(Connection&) {}
   /// The last call about this connection.
   virtual void OnClosed(Connection&) {}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Which module is where: the daemon's own names, and those that other programs register with it. No sockets.
+// Any thread.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/base/mutex.h"
+#include "server/net/peer.h"
+
+namespace coopdyn {
+
+/// One name.
+struct NameEntry {
+  std::string name;  // "/robot1/motors"
+  std::string ip;    // empty: the address at which the name server was asked
+  int port = 0;      // 0: reached through OPEN only
+  std::string type = "tcp";
+  bool external = false;                               // registered by another program
+  AdoptFunction adopt = {};                            // hands it a connection; empty if external
+  std::map<std::string, std::string> properties = {};  // `set` key values, of external names
+};
+
+/// The daemon's own names can be neither registered, changed nor unregistered by others.
+class NameTable {
+ public:
+  static constexpr std::size_t kMaxExternal = 4096;
+  static constexpr std::size_t kMaxProperties = 32;  // per name
+
+  NameTable();
+
+  /// Ports first … last are given to external names that register without one. The daemon must not use them.
+  void SetExternalPorts(int first, int last);
+  /// True if an external name holds `port`.
+  bool IsExternalPort(int port) const;
+
+  // --- the daemon's own
+  // -----------------------------------------------------------------------------------------
+  /// Adds an own name; an external one of that name gives way. Returns false if it is there already.
+  bool AddOwn(const std::string& name, int port, AdoptFunction adopt);
+  /// Does nothing for a name that is not ours.
+  void RemoveOwn(const std::string& name);
+
+  // --- everybody
+  // ------------------------------------------------------------------------------------------------
+  /// The entry of `name` (a missing leading '/' is added).
+  std::optional<NameEntry> Find(std::string_view name) const;
+  /// All entries whose name starts with `prefix`, by name.
+  std::vector<NameEntry> List(std::string_view prefix = "") const;
+  /// The name most like `name`, for "did you mean"; empty if none is near.
+  std::string Nearest(std::string_view name) const;
+
+  // --- other programs
+  // -------------------------------------------------------------------------------------------
+  /// What came of a request to change the table.
+  struct Change {
+    std::string refused;  // why not; empty = done
+    NameEntry entry = {};
+  };
+  /// Registers an external name; an empty `name` gets "/tmp/port/N", an empty `ip` `peer_ip`, port 0 a free
+  /// one. Refused if the name lives (the same name, ip and port again is fine), is reserved or badly formed.
+  Change Register(const std::string& name, const std::string& type, const std::string& ip, int port,
+                  const std::string& peer_ip);
+  /// Unregisters an external name; an unknown one is no error.
+  Change Unregister(std::string_view name);
+  /// Sets a property of an external name; an unknown name gives an empty entry.
+  Change SetProperty(std::string_view name, const std::string& key, const std::string& value);
+
+ private:
+  const NameEntry* FindLocked(std::string_view name) const REQUIRES(mutex_);
+  int FreePortLocked() const REQUIRES(mutex_);
+
+  mutable Mutex mutex_;
+  std::map<std::string, NameEntry, std::less<>> entries_ GUARDED_BY(mutex_);
+  std::size_t externals_ GUARDED_BY(mutex_) = 0;
+  int first_port_ GUARDED_BY(mutex_);
+  int last_port_ GUARDED_BY(mutex_);
+  int next_temporary_ GUARDED_BY(mutex_) = 1;
+};
+
+}  // namespace coopdyn

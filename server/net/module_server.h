@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// The connections of one module: those it accepts on its port and those handed to it.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/net/endpoint.h"
+#include "server/net/net_services.h"
+#include "server/net/peer.h"
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace coopdyn {
+
+/// Constructed on any thread, destroyed on the thread that runs `context` or when that has stopped; the rest
+/// says. The endpoint is called on the io thread only, never from within Push(), Close() or a ReplyFunction.
+class ModuleServer {
+ public:
+  /// `endpoint`, `context` and `services` outlive it. `name`, e.g. "/robot1/motors", is for log lines.
+  ModuleServer(boost::asio::io_context& context, Endpoint& endpoint, NetServices& services, std::string name);
+  /// Closes every connection with the notice "the module is closed" as far as it can be written at once; each
+  /// still open one gets its OnClosed().
+  ~ModuleServer();
+  ModuleServer(const ModuleServer&) = delete;
+  ModuleServer& operator=(const ModuleServer&) = delete;
+
+  /// Listener::Listen(). Any thread, at most once; without it only adopted connections come.
+  std::string Listen(const std::vector<std::string>& addresses, int port);
+  /// The port it listens on; 0 = none. Constant after Listen().
+  int port() const;
+  const std::string& name() const;
+
+  /// Takes over a connection: it behaves as newly accepted, its first bytes being `already_read`. Owns `fd`
+  /// from the call on. Any thread.
+  void Adopt(int fd, std::string already_read, PeerInfo peer);
+  /// Adopt() as a function that may be called even after this server is gone (it closes the descriptor then).
+  AdoptFunction adopter() const;
+
+  /// Closes every connection with a notice. Io thread. OnClosed() follows for each, later.
+  void CloseAll(const std::string& reason);
+  /// Connections not yet fully closed. Any thread.
+  std::size_t session_count() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// What every server of one daemon shares: the log, the clock and the ids of clients. Any thread.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <utility>
+
+#include "server/base/clock.h"
+#include "server/base/ids.h"
+#include "server/base/log.h"
+
+namespace coopdyn {
+
+/// One per daemon; outlives every server. `clock` must outlive it.
+class NetServices {
+ public:
+  NetServices(Logger logger, const Clock& clock) : logger_(std::move(logger)), clock_(clock) {}
+
+  const Logger& logger() const { return logger_; }
+  /// An id that no other connection of this daemon has or had.
+  ClientId NextClient() { return ++last_client_; }
+  /// One log line about `peer`, unless it has caused too many within this second.
+  void LogPeer(spdlog::level::level_enum level, const std::string& peer, const std::string& text);
+
+ private:
+  Logger logger_;
+  const Clock& clock_;
+  PeerLogLimiter limiter_;
+  std::atomic<ClientId> last_client_{0};
+};
+
+}  // namespace coopdyn

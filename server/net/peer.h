@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Who is at the other end of a socket, and the options every client's socket gets. Pure functions of a
+// descriptor; any thread.
+#pragma once
+
+#include <functional>
+#include <string>
+
+struct tcp_info;
+
+namespace coopdyn {
+
+/// The far end of a connection.
+struct PeerInfo {
+  std::string text;      // "127.0.0.1:53120", "[::1]:53120", "page"
+  bool trusted = false;  // from loopback or from inside the daemon: needs no token
+};
+
+/// Takes over a connection: owns `fd` from the call on; `already_read` are the bytes that its client has sent
+/// after the part that was for somebody else. Any thread.
+using AdoptFunction = std::function<void(int fd, std::string already_read, PeerInfo peer)>;
+
+/// An address and port as text; the address of a v4-mapped v6 address is the v4 one.
+struct SocketAddress {
+  std::string ip;  // "127.0.0.1", "::1"; empty for a local (unix) socket
+  int port = 0;
+  bool loopback = false;
+};
+
+/// The far and the near end of a connected socket; empty if it has none.
+SocketAddress PeerAddress(int fd);
+SocketAddress LocalAddress(int fd);
+/// "127.0.0.1:53120", "[::1]:53120".
+std::string ToString(const SocketAddress& address);
+/// Text and trust of the far end of a connected TCP socket.
+PeerInfo DescribePeer(int fd);
+
+/// No delay, and keepalive that finds a dead peer within 25 s. Does nothing to sockets that are not TCP.
+void SetClientSocketOptions(int fd);
+
+/// True if the peer of a TCP socket has acknowledged nothing for 20 s although something is outstanding:
+/// keepalive is silent then. A peer that lives but does not read answers window probes and is left alone.
+bool PeerLooksDead(int fd);
+bool PeerLooksDead(const tcp_info& info);
+
+}  // namespace coopdyn
