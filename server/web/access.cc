@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "protocol/characters.h"
+#include "protocol/ascii.h"
 
 namespace coopdyn {
 namespace {

@@ -13,6 +13,7 @@
 
 namespace coopdyn {
 
+class FrameBoard;
 class ImageBoard;
 class NameTable;
 
@@ -33,9 +34,10 @@ struct WebOptions {
 
 class WebServer {
  public:
-  /// Starts the UI thread; nobody is served before Listen(). `images` is null without rendering.
-  /// `names`, `images` and `services` are used until Stop() has returned.
-  WebServer(WebOptions options, NameTable& names, ImageBoard* images, NetServices& services);
+  /// Starts the UI thread; nobody is served before Listen(). `images` is null without rendering. `frames`
+  /// says whether there is anything new to show. All are used until Stop() has returned.
+  WebServer(WebOptions options, const NameTable& names, const FrameBoard& frames, ImageBoard* images,
+            NetServices& services);
   /// Stops.
   ~WebServer();
   WebServer(const WebServer&) = delete;

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// What the page needs to know of the modules' commands: names to numbers, and what a typed line means.
+// Constant after construction; any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/command_table.h"
+#include "server/web/page_message.h"
+
+namespace coopdyn {
+
+/// What to do with a call.
+struct ResolvedCall {
+  bool send = false;  // `message` goes to the module; else it is the answer
+  Message message;
+  std::string note;      // with an answer: lines for the console, e.g. help
+  bool changes = true;   // needs the right to change something
+  bool verbose = false;  // the line was `verbose`
+};
+
+class ModuleCatalog {
+ public:
+  ModuleCatalog();
+
+  /// The commands of the module called `name` ("/robot1/motors"), by its last word; null if unknown.
+  const CommandTable* Find(std::string_view name) const;
+  /// Reads the line of `call`, or looks up its command's name.
+  ResolvedCall Resolve(const PageCall& call) const;
+
+ private:
+  std::vector<CommandTable> tables_;
+};
+
+}  // namespace coopdyn

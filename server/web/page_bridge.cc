@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "server/web/page_bridge.h"
+
+#include <boost/asio/post.hpp>
+#include <vector>
+
+#include "protocol/codec.h"
+#include "protocol/command_ids.h"
+#include "server/web/module_link.h"
+
+namespace coopdyn {
+namespace {
+
+/// Lines of the text encoding without the final '\n'.
+std::string Chomp(std::string text) {
+  while (text.ends_with('\n')) text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+PageBridge::PageBridge(boost::asio::io_context& context, const NameTable& names, const ModuleCatalog& catalog,
+                       PeerInfo peer, SendFunction send)
+    : context_(context), names_(names), catalog_(catalog), peer_(std::move(peer)), send_(std::move(send)) {}
+
+PageBridge::~PageBridge() {
+  for (auto& [key, link] : links_) link.link->Close();
+}
+
+void PageBridge::SetTrusted(bool trusted) {
+  if (trusted == peer_.trusted) return;
+  peer_.trusted = trusted;
+  std::vector<Key> keys;
+  for (const auto& [key, link] : links_) keys.push_back(key);
+  for (const Key& key : keys) CloseLink(key.first, key.second);
+}
+
+void PageBridge::Handle(const PageCall& call) {
+  ResolvedCall resolved = catalog_.Resolve(call);
+  if (resolved.verbose) {
+    Message refusal;
+    if (Link* link = FindOrOpen({call.module, call.channel}, refusal)) link->verbose = true;
+  }
+  if (!resolved.send) return Answer(call, std::move(resolved.message), std::move(resolved.note));
+  if (resolved.changes && !peer_.trusted) {
+    return Answer(call,
+                  ErrorReply(resolved.message.command, Error::kNotAllowed,
+                             "from another machine this needs the token that the daemon printed when it "
+                             "started: open the page with ?token=… at the end of its address"));
+  }
+  if (waiting_ >= kMaxWaiting) {
+    return Answer(call, ErrorReply(resolved.message.command, Error::kTooLarge,
+                                   "too many requests wait for their replies: wait for some first"));
+  }
+  const Key key{call.module, call.channel};
+  Message refusal;
+  Link* link = FindOrOpen(key, refusal);
+  if (link == nullptr) {
+    refusal.command = resolved.message.command;
+    return Answer(call, std::move(refusal));
+  }
+  ++waiting_;
+  PageReply reply{
+      .id = call.id, .module = call.module, .channel = call.channel, .message = {}, .line = {}, .note = {}};
+  link->link->Call(resolved.message, [this, alive = std::weak_ptr(alive_), key, reply = std::move(reply),
+                                      typed = call.line.has_value()](const Message& message) mutable {
+    if (alive.expired()) return;
+    --waiting_;
+    reply.message = message;
+    if (typed) {
+      EncodeText(message, reply.line);
+      reply.line = Chomp(std::move(reply.line));
+      const auto found = links_.find(key);
+      const CommandTable* table = catalog_.Find(key.first);
+      if (table != nullptr && found != links_.end() && found->second.verbose) {
+        EncodeVerbose(message, *table, reply.note);
+        reply.note = Chomp(std::move(reply.note));
+      }
+    }
+    send_(reply);
+  });
+}
+
+void PageBridge::CloseLink(const std::string& module, const std::string& channel) {
+  const auto found = links_.find({module, channel});
+  if (found == links_.end()) return;
+  found->second.link->Abandon("the connection was closed by the page");
+  links_.erase(found);
+}
+
+PageBridge::Link* PageBridge::FindOrOpen(const Key& key, Message& refusal) {
+  const auto found = links_.find(key);
+  if (found != links_.end() && found->second.link->is_open()) return &found->second;
+  if (found != links_.end()) links_.erase(found);
+  std::erase_if(links_, [](const auto& entry) { return !entry.second.link->is_open(); });
+  if (links_.size() >= kMaxLinks) {
+    refusal = ErrorReply(0, Error::kNotPossible, "this page has too many connections open");
+    return nullptr;
+  }
+  const std::optional<NameEntry> entry = names_.Find(key.first);
+  if (!entry) {
+    const std::string nearest = names_.Nearest(key.first);
+    refusal = ErrorReply(
+        0, Error::kNoSuchName,
+        "there is no module " + key.first + (nearest.empty() ? "" : ": did you mean " + nearest + "?"));
+    return nullptr;
+  }
+  if (entry->external) {
+    refusal = ErrorReply(0, Error::kNotPossible,
+                         key.first + " belongs to another program at " + entry->ip + ":" +
+                             std::to_string(entry->port) + ", which the page does not talk to");
+    return nullptr;
+  }
+  std::shared_ptr<ModuleLink> link = ModuleLink::Open(context_, *entry, peer_);
+  if (link == nullptr) {
+    refusal = ErrorReply(0, Error::kInternal, "the daemon has no file descriptors left");
+    return nullptr;
+  }
+  link->set_push_function([this, key](const Message& message) { Push(key, message); });
+  return &(links_[key] = {std::move(link), false});
+}
+
+void PageBridge::Push(const Key& key, const Message& message) {
+  send_({.id = {}, .module = key.first, .channel = key.second, .message = message, .line = {}, .note = {}});
+}
+
+void PageBridge::Answer(const PageCall& call, Message message, std::string note) {
+  PageReply reply{.id = call.id,
+                  .module = call.module,
+                  .channel = call.channel,
+                  .message = std::move(message),
+                  .line = {},
+                  .note = Chomp(std::move(note))};
+  if (call.line && reply.note.empty()) {
+    EncodeText(reply.message, reply.line);
+    reply.line = Chomp(std::move(reply.line));
+  }
+  boost::asio::post(context_, [this, alive = std::weak_ptr(alive_), reply = std::move(reply)] {
+    if (!alive.expired()) send_(reply);
+  });
+}
+
+}  // namespace coopdyn
