@@ -85,7 +85,7 @@ CommandTable TargetTable() {
       Reading(command::kGetTargets, "get_targets", "Tells distance and bearing of every target.",
               {Repeated("distance", "m"), Repeated("bearing", "rad")});
   targets.reply_params = {Repeated("id")};
-  targets.reply_text = "their colours";
+  targets.reply_text = "their colours, in the same order, separated by spaces";
   CommandSpec target{.id = command::kGetTarget,
                      .name = "get_target",
                      .help = "Tells distance and bearing of one target, or of the nearest of a colour.",
@@ -98,7 +98,7 @@ CommandTable TargetTable() {
       Reading(command::kGetRobots, "get_robots", "Tells distance and bearing of every other robot.",
               {Repeated("distance", "m"), Repeated("bearing", "rad")});
   robots.reply_params = {Repeated("id")};
-  robots.reply_text = "their names";
+  robots.reply_text = "their names, likewise";
   return CommandTable("target", {std::move(targets), std::move(target), std::move(robots)});
 }
 

@@ -162,7 +162,7 @@ class NamedReader {
     } else if (value != nullptr && !value->enums.empty() && LooksLikeWord(token)) {
       return RefuseWord(*value, token, Error::kWrongData);
     } else if (std::string why = ReadData(token, number); !why.empty()) {
-      return Fail(why + ": " + ExampleLine(spec_));
+      return Fail(why + ", as in " + ExampleLine(spec_));
     }
     request_.data.push_back(number);
   }

@@ -125,16 +125,21 @@ std::string ListOfEnums(const ValueSpec& value) {
   return list;
 }
 
-std::string ValuesCell(std::span<const ValueSpec> values) {
+std::string ValuesCell(std::span<const ValueSpec> values, bool words) {
   std::string cell;
-  for (const ValueSpec& value : values) {
-    if (!cell.empty()) cell += ", ";
+  const std::size_t fixed = FixedCount(values);
+  const bool group = values.size() > fixed + 1;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const ValueSpec& value = values[i];
+    if (i > 0) cell += ", ";
+    if (group && i == fixed) cell += "(";
     std::string entry = value.name;
     if (!value.unit.empty()) entry += " " + value.unit;
-    if (!value.enums.empty()) entry += " = " + ListOfEnums(value);
+    if (words && !value.enums.empty()) entry += " = " + ListOfEnums(value);
     cell += value.optional && !value.repeated ? "[" + entry + "]" : entry;
   }
-  if (!values.empty() && values.back().repeated) cell += " …";
+  if (group) cell += ")";
+  if (fixed < values.size()) cell += " …";
   return cell.empty() ? "–" : cell;
 }
 

@@ -29,9 +29,9 @@ std::string ExampleLine(const CommandSpec& spec);
 std::string ListOf(std::span<const ValueSpec> values);
 /// `realtime (0), lockstep (1) or free (2)`.
 std::string ListOfEnums(const ValueSpec& value);
-/// One cell of the tables of docs/protocol.md, e.g. `[steps], left rad/s`; `–` if empty. A repeating group
-/// ends with …
-std::string ValuesCell(std::span<const ValueSpec> values);
+/// One cell of the tables of docs/protocol.md, e.g. `[steps], left rad/s`; `–` if empty. What repeats ends
+/// with …, in brackets if it is a group. `words`: with the numbers that enum words stand for.
+std::string ValuesCell(std::span<const ValueSpec> values, bool words = false);
 
 /// Appends the JSON object of one command to `out` (an element of `commands` in describe).
 void AppendCommandJson(const CommandSpec& spec, std::string& out);
