@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The physics world of one scene. Whoever holds the step baton (server/physics/stepper.h) owns it; no locks inside.
+// The physics world of one scene. Whoever holds the step baton (server/physics/stepper.h) owns it; no locks
+// inside.
 #pragma once
 
 #include <array>
@@ -22,16 +23,18 @@ struct FrozenBody {
 
 class PhysicsWorld {
  public:
-  /// Builds the bodies of `scene`. Null, with errors at the model's lines, if a dynamic body starts inside another.
+  /// Builds the bodies of `scene`. Null, with errors at the model's lines, if a dynamic body starts inside
+  /// another.
   static std::unique_ptr<PhysicsWorld> Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                                              Diagnostics& diagnostics);
   ~PhysicsWorld();
 
-  /// Advances by `step` in `substeps` equal parts. `setpoints`: wheel speeds left, right (rad/s) of each robot of the
-  /// scene. Frozen bodies are held. Deterministic: depends on the state and the arguments alone.
+  /// Advances by `step` in `substeps` equal parts. `setpoints`: wheel speeds left, right (rad/s) of each
+  /// robot of the scene. Frozen bodies are held. Deterministic: depends on the state and the arguments alone.
   void Step(Nanoseconds step, int substeps, std::span<const std::array<double, 2>> setpoints);
 
-  /// Writes bodies, robots (without set-points latched before the first step: zeros) and solver_seed into `frame`.
+  /// Writes bodies, robots (without set-points latched before the first step: zeros) and solver_seed into
+  /// `frame`.
   void Fill(Frame& frame) const;
   /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits.
   void Restore(const Frame& frame);

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/closed_forms.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kLyingWheel = 0.7;  // |cosine| between axle and normal beyond which a wheel does not roll
+
+/// The lowest point, against `normal`, of a disc about `axis`.
+Vector3 LowestOfDisc(const Vector3& centre, const Vector3& axis, double radius_m, const Vector3& normal) {
+  return centre - radius_m * (normal - normal.dot(axis) * axis).normalized();
+}
+
+struct Overlap {
+  double depth_m;   // ≤ 0: none
+  double middle_m;  // height of its middle
+};
+
+Overlap OfHeights(double z_a, double half_a, double z_b, double half_b) {
+  const double top = std::min(z_a + half_a, z_b + half_b);
+  const double bottom = std::max(z_a - half_a, z_b - half_b);
+  return {top - bottom, (top + bottom) / 2};
+}
+
+constexpr ClosedForm kNoContact{true, std::nullopt};
+constexpr ClosedForm kDoesNotApply{false, std::nullopt};
+
+}  // namespace
+
+bool PlacedRotation::upright() const {
+  return std::abs(R[10]) > 0.9995;
+}
+
+ClosedForm WheelOnFloor(double radius_m, const PlacedRotation& wheel) {
+  const Vector3 axle = wheel.axis(2);
+  if (std::abs(axle.z()) > kLyingWheel) return kDoesNotApply;
+  if (wheel.p[2] > radius_m) return kNoContact;
+  const Vector3 p = LowestOfDisc(wheel.position(), axle, radius_m, Vector3::UnitZ());
+  if (p.z() >= 0) return kNoContact;
+  return {true, ContactPoint{p, Vector3::UnitZ(), -p.z()}};
+}
+
+ClosedForm WheelOnBox(double radius_m, const PlacedRotation& wheel, const Box& box,
+                      const PlacedRotation& X_WB) {
+  const Vector3 from_box = wheel.position() - X_WB.position();
+  int top = 0;
+  for (int i = 1; i < 3; ++i) {
+    if (std::abs(X_WB.R[8 + i]) > std::abs(X_WB.R[8 + top])) top = i;
+  }
+  const Vector3 normal = X_WB.axis(top) * (X_WB.R[8 + top] > 0 ? 1 : -1);
+  const Vector3 axle = wheel.axis(2);
+  if (normal.z() < 0.5 || std::abs(normal.dot(axle)) > kLyingWheel) return kDoesNotApply;
+  const Vector3 p = LowestOfDisc(wheel.position(), axle, radius_m, normal);
+  const Vector3 p_from_box = p - X_WB.position();
+  for (int i = 0; i < 3; ++i) {
+    if (i != top && std::abs(p_from_box.dot(X_WB.axis(i))) > box.size_m[i] / 2) return kDoesNotApply;
+  }
+  const double half = box.size_m[top] / 2;
+  const double depth = half - p_from_box.dot(normal);
+  if (depth <= 0) return kNoContact;
+  if (depth > radius_m / 2 || from_box.dot(normal) < half) return kDoesNotApply;
+  return {true, ContactPoint{p, normal, depth}};
+}
+
+ClosedForm UprightCylinders(const Cylinder& a, const PlacedRotation& X_WA, const Cylinder& b,
+                            const PlacedRotation& X_WB) {
+  if (!X_WA.upright() || !X_WB.upright()) return kDoesNotApply;
+  const Overlap height = OfHeights(X_WA.p[2], a.length_m / 2, X_WB.p[2], b.length_m / 2);
+  if (height.depth_m <= 0) return kNoContact;
+  const double dx = X_WA.p[0] - X_WB.p[0];
+  const double dy = X_WA.p[1] - X_WB.p[1];
+  const double distance = std::hypot(dx, dy);
+  const double depth = a.radius_m + b.radius_m - distance;
+  if (depth <= 0) return kNoContact;
+  if (height.depth_m < depth) return kDoesNotApply;
+  const Vector3 n = distance > 0 ? Vector3(dx / distance, dy / distance, 0) : Vector3::UnitX();
+  const double along = b.radius_m - depth / 2;
+  return {true,
+          ContactPoint{{X_WB.p[0] + along * n.x(), X_WB.p[1] + along * n.y(), height.middle_m}, n, depth}};
+}
+
+ClosedForm UprightCylinderAndBox(const Cylinder& a, const PlacedRotation& X_WA, const Box& b,
+                                 const PlacedRotation& X_WB) {
+  if (!X_WA.upright() || !X_WB.upright()) return kDoesNotApply;
+  const Overlap height = OfHeights(X_WA.p[2], a.length_m / 2, X_WB.p[2], b.size_m.z() / 2);
+  if (height.depth_m <= 0) return kNoContact;
+  // In the plane, along the box's x and y axes.
+  const Vector3 x_axis = Vector3(X_WB.R[0], X_WB.R[4], 0).normalized();
+  const Vector3 y_axis(-x_axis.y(), x_axis.x(), 0);
+  const Vector3 d = X_WA.position() - X_WB.position();
+  const double x = d.dot(x_axis), y = d.dot(y_axis);
+  const double hx = b.size_m.x() / 2, hy = b.size_m.y() / 2;
+  const double beyond_x = x - std::clamp(x, -hx, hx), beyond_y = y - std::clamp(y, -hy, hy);
+  double n_x = 0, n_y = 0, depth = 0;
+  if (beyond_x != 0 || beyond_y != 0) {
+    const double distance = std::hypot(beyond_x, beyond_y);
+    depth = a.radius_m - distance;
+    if (depth <= 0) return kNoContact;
+    n_x = beyond_x / distance;
+    n_y = beyond_y / distance;
+  } else if (hx - std::abs(x) < hy - std::abs(y)) {
+    n_x = x < 0 ? -1 : 1;
+    depth = a.radius_m + hx - std::abs(x);
+  } else {
+    n_y = y < 0 ? -1 : 1;
+    depth = a.radius_m + hy - std::abs(y);
+  }
+  if (height.depth_m < depth) return kDoesNotApply;
+  const Vector3 n = n_x * x_axis + n_y * y_axis;
+  Vector3 p = X_WA.position() - (a.radius_m - depth / 2) * n;
+  p.z() = height.middle_m;
+  return {true, ContactPoint{p, n, depth}};
+}
+
+double DepthInside(const Shape& shape, const PlacedRotation& X_WS, const Vector3& point) {
+  const Vector3 d = point - X_WS.position();
+  const Vector3 local(d.dot(X_WS.axis(0)), d.dot(X_WS.axis(1)), d.dot(X_WS.axis(2)));
+  if (const Box* box = std::get_if<Box>(&shape)) return (box->size_m / 2 - local.cwiseAbs()).minCoeff();
+  if (const Cylinder* c = std::get_if<Cylinder>(&shape)) {
+    return std::min(c->radius_m - std::hypot(local.x(), local.y()), c->length_m / 2 - std::abs(local.z()));
+  }
+  return std::get<Sphere>(shape).radius_m - local.norm();
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/ode_setup.h"
+
+#include <ode/ode.h>
+
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+
+namespace coopdyn {
+
+namespace {
+
+// ODE ends the process when such a handler returns, so it leaves by a throw.
+[[noreturn]] void ThrowOdeError(int number, const char* message, va_list arguments) {
+  std::array<char, 256> text{};
+  std::vsnprintf(text.data(), text.size(), message, arguments);
+  throw OdeError("ODE error " + std::to_string(number) + ": " + text.data());
+}
+
+void IgnoreOdeMessage(int, const char*, va_list) {}
+
+bool InitLibrary() {
+  // Never closed: the per-thread data of other threads may live as long as the process.
+  dInitODE2(0);
+  dSetErrorHandler(&ThrowOdeError);
+  dSetDebugHandler(&ThrowOdeError);
+  dSetMessageHandler(&IgnoreOdeMessage);
+  return true;
+}
+
+}  // namespace
+
+void EnsureOde() {
+  [[maybe_unused]] static const bool library = InitLibrary();
+  [[maybe_unused]] static thread_local const bool thread = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
+}
+
+}  // namespace coopdyn
