@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// What each command of the program does. Each returns the exit code: 0 ok; 1 the reply or a file has errors; 2 wrong
+// use; 3 no daemon there; 4 the run ended but a body was frozen.
+#pragma once
+
+#include "server/app/options.h"
+
+namespace coopdyn {
+
+inline constexpr int kExitOk = 0, kExitErrors = 1, kExitWrongUse = 2, kExitNoDaemon = 3, kExitFrozen = 4;
+
+int Serve(const ServeOptions& options);
+int Check(const CheckOptions& options);
+int Remote(const RemoteOptions& options);
+int Doctor(const RemoteOptions& options);
+
+}  // namespace coopdyn

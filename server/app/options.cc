@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <sstream>
+
+namespace coopdyn {
+
+namespace {
+
+constexpr int kWrongUse = 2;
+
+std::string CheckStep(const std::string& text) {
+  double step_s = 0;
+  if (!CLI::detail::lexical_cast(text, step_s)) return "--step takes seconds, e.g. --step 0.01, not " + text;
+  const double step_us = step_s * 1e6;
+  if (!(step_s >= 0.0005 && step_s <= 0.1) || std::abs(step_us - std::round(step_us)) > 1e-6) {
+    return "--step must be from 0.0005 to 0.1 s in whole microseconds, e.g. --step 0.01, not " + text;
+  }
+  return {};
+}
+
+std::string CheckPositive(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !(value > 0) || !std::isfinite(value)) {
+    return "must be a number above 0, not " + text;
+  }
+  return {};
+}
+
+/// The raw values CLI11 fills before they are turned into options.
+struct Raw {
+  std::string mode;
+  double step_s = 0;
+  double speed = 0;
+  std::uint64_t seed = 0;
+  double duration_s = 0;
+  int name_port = 0, http_port = 0, robot_threads = 0, spin_us = 0;
+};
+
+void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
+  CLI::App* sub = app.add_subcommand("serve", "Run a scenario and serve its robots");
+  sub->footer("Example: coopdyn serve classroom --mode lockstep --port 10000");
+  sub->add_option("scenario", serve.scenario, "A .scenario or .world file, or a bare name on the search path")
+      ->capture_default_str();
+  sub->add_option("--mode", raw.mode, "realtime, lockstep or free")
+      ->check(CLI::IsMember({"realtime", "lockstep", "free"}))
+      ->envname("COOPDYN_MODE");
+  sub->add_option("--step", raw.step_s, "Step in seconds, 0.0005 to 0.1")
+      ->check(CLI::Validator(CheckStep, ""))
+      ->envname("COOPDYN_STEP");
+  sub->add_option("--speed", raw.speed, "Times the wall clock; 0 or less: no limit")->envname("COOPDYN_SPEED");
+  sub->add_option("--seed", raw.seed, "Of noise and solver")->envname("COOPDYN_SEED");
+  sub->add_option("--duration", raw.duration_s, "End the run at this simulated time, s")
+      ->check(CLI::Validator(CheckPositive, ""))
+      ->envname("COOPDYN_DURATION");
+  sub->add_flag("--paused", serve.run.paused, "Start paused");
+  sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
+      ->check(CLI::Range(0, 65000))
+      ->envname("COOPDYN_PORT")
+      ->capture_default_str();
+  sub->add_option("--name-port", raw.name_port, "Another port for the name server")
+      ->check(CLI::Range(0, 65535))
+      ->envname("COOPDYN_NAME_PORT");
+  sub->add_option("--http-port", raw.http_port, "Another port for the page")
+      ->check(CLI::Range(0, 65535))
+      ->envname("COOPDYN_HTTP_PORT");
+  sub->add_option("--host", serve.hosts, "Address to listen at (default: this machine only); 0.0.0.0: everybody")
+      ->envname("COOPDYN_HOST");
+  sub->add_option("--advertise", serve.advertise, "Address that the name server tells")
+      ->envname("COOPDYN_ADVERTISE");
+  sub->add_option("--token", serve.token, "What changing commands from other machines must show")
+      ->envname("COOPDYN_TOKEN");
+  sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
+  sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT")
+      ->envname("COOPDYN_YARP_SERVER");
+  sub->add_flag("--no-render", serve.no_render, "No pictures");
+  sub->add_flag("--no-http", serve.no_http, "No page");
+  sub->add_flag("--no-net", serve.no_net, "No sockets at all");
+  sub->add_option("--render-fps", serve.render_fps, "Pictures per second of the live view")
+      ->check(CLI::Range(0.1, 60.0))
+      ->envname("COOPDYN_RENDER_FPS")
+      ->capture_default_str();
+  sub->add_option("--renderer", serve.renderer, "auto, osmesa or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->envname("COOPDYN_RENDERER")
+      ->capture_default_str();
+  sub->add_option("--robot-threads", raw.robot_threads, "Threads for the robots (default: one each up to 100)")
+      ->check(CLI::Range(1, 10000))
+      ->envname("COOPDYN_ROBOT_THREADS");
+  sub->add_option("--spin", raw.spin_us, "Poll this many microseconds before sleeping")
+      ->check(CLI::Range(0, 1000000))
+      ->envname("COOPDYN_SPIN");
+  sub->add_option("--log-level", serve.log_level, "debug, info, warning, error or off")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
+      ->envname("COOPDYN_LOG_LEVEL")
+      ->capture_default_str();
+  sub->add_option("--summary", serve.summary_file, "Write a summary of the run to this file (JSON)")
+      ->envname("COOPDYN_SUMMARY");
+  sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
+  sub->set_config("--config", "", "Read options from this file (name=value lines)")->envname("COOPDYN_CONFIG");
+}
+
+void TakeRaw(const CLI::App& sub, const Raw& raw, ServeOptions& serve) {
+  const auto given = [&sub](const char* name) { return sub.get_option(name)->count() > 0; };
+  if (given("--mode")) serve.run.mode = ParseMode(raw.mode);
+  if (given("--step")) serve.run.step = std::llround(raw.step_s * 1e6) * 1000;
+  if (given("--speed")) serve.run.speed = raw.speed;
+  if (given("--seed")) serve.run.seed = raw.seed;
+  if (given("--duration")) serve.run.duration_s = raw.duration_s;
+  if (given("--name-port")) serve.name_port = raw.name_port;
+  if (given("--http-port")) serve.http_port = raw.http_port;
+  if (given("--robot-threads")) serve.robot_threads = raw.robot_threads;
+  if (given("--spin")) serve.spin_us = raw.spin_us;
+}
+
+struct Verb {
+  const char* name;
+  const char* help;
+  const char* example;
+  int min_words, max_words;
+};
+
+// Commands that talk to a running daemon; what they do is in remote.cc.
+constexpr Verb kVerbs[] = {
+    {"list", "List the names of all modules", "coopdyn list", 0, 0},
+    {"status", "How the run stands", "coopdyn status", 0, 0},
+    {"run", "Let the run go on", "coopdyn run", 0, 0},
+    {"pause", "Pause the run", "coopdyn pause", 0, 0},
+    {"step", "Run N steps while paused", "coopdyn step 10", 0, 1},
+    {"reset", "Back to the start, with another seed if given", "coopdyn reset 7", 0, 1},
+    {"reload", "Read the scenario's file again", "coopdyn reload", 0, 0},
+    {"load", "Load another scenario: a bare name, or a file of this machine", "coopdyn load corridor", 1, 1},
+    {"stop-all", "Stop all robots", "coopdyn stop-all", 0, 0},
+    {"quit", "End the daemon", "coopdyn quit", 0, 0},
+    {"call", "Send any command to any module",
+     "coopdyn call /robot1/motors set_velocity 0.2 0.5    coopdyn call /robot1/target get_target \"red\"", 2, 1 << 20},
+};
+
+void AddRemote(CLI::App& app, RemoteOptions& remote) {
+  const auto common = [&remote](CLI::App* sub) {
+    sub->add_option("--server", remote.server, "HOST[:PORT] of the daemon (default: this machine, port 10000)")
+        ->envname("COOPDYN_SERVER");
+    sub->add_option("--token", remote.token, "The daemon's token, from another machine")->envname("COOPDYN_TOKEN");
+  };
+  for (const Verb& verb : kVerbs) {
+    CLI::App* sub = app.add_subcommand(verb.name, verb.help);
+    sub->footer(std::string("Example: ") + verb.example);
+    common(sub);
+    if (verb.max_words > 0) {
+      // Numbers may be negative: what is not an option of ours is a word.
+      sub->allow_extras();
+      sub->positionals_at_end(false);
+    }
+    sub->callback([&remote, sub, &verb] {
+      remote.verb = verb.name;
+      remote.words = sub->remaining();
+      const auto count = static_cast<int>(remote.words.size());
+      if (count < verb.min_words || count > verb.max_words) {
+        throw CLI::ValidationError(std::string("write e.g. ") + verb.example);
+      }
+    });
+  }
+  CLI::App* doctor = app.add_subcommand("doctor", "Find out why a client cannot connect");
+  doctor->footer("Example: coopdyn doctor --server labserver:10000");
+  common(doctor);
+}
+
+}  // namespace
+
+CommandLine ParseCommandLine(int argc, const char* const* argv) {
+  CommandLine line;
+  Raw raw;
+  CLI::App app{"coopdyn, a multi-robot simulator daemon"};
+  app.name("coopdyn");
+  app.set_version_flag("--version", std::string("coopdyn ") + kVersion);
+  app.require_subcommand(1);
+  app.footer("Example: coopdyn serve classroom");
+  AddServe(app, line.serve, raw);
+
+  CLI::App* check = app.add_subcommand("check", "Say what is wrong in worlds, scenarios and robot models");
+  check->footer("Example: coopdyn check my.scenario --picture my.png");
+  check->add_option("file", line.check.files, "Files, or bare names on the search path")->required();
+  check->add_option("--picture", line.check.picture, "Write a picture of the (last) scenario, PNG");
+  check->add_option("--scenarios", line.check.scenario_folders, "A folder with scenarios, worlds and robots");
+
+  AddRemote(app, line.remote);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {  // --help, --version
+    line.exit_code = app.exit(success);
+    return line;
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "coopdyn: " << error.what() << " (coopdyn --help shows the commands)\n";
+    line.exit_code = kWrongUse;
+    return line;
+  }
+  const CLI::App* sub = app.get_subcommands().front();
+  if (sub->get_name() == "serve") {
+    TakeRaw(*sub, raw, line.serve);
+    line.action = CommandLine::Action::kServe;
+  } else if (sub->get_name() == "check") {
+    line.action = CommandLine::Action::kCheck;
+  } else if (sub->get_name() == "doctor") {
+    line.action = CommandLine::Action::kDoctor;
+  } else {
+    line.action = CommandLine::Action::kRemote;
+  }
+  return line;
+}
+
+std::vector<std::string> DataFolders(const std::vector<std::string>& given) {
+  std::vector<std::string> folders = given;
+  if (const char* path = std::getenv("COOPDYN_PATH")) {
+    std::istringstream stream(path);
+    for (std::string folder; std::getline(stream, folder, ':');) {
+      if (!folder.empty()) folders.push_back(folder);
+    }
+  }
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  // Installed (bin/ beside share/), or in the build tree (build/<preset>/).
+  for (const char* relative : {"../share/coopdyn", "../.."}) {
+    const std::filesystem::path folder = std::filesystem::weakly_canonical(program / relative, error);
+    if (std::filesystem::is_directory(folder / "robots", error)) folders.push_back(folder.string());
+  }
+  return folders;
+}
+
+}  // namespace coopdyn

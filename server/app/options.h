@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// The command line, as values. Flags override COOPDYN_* variables, which override the config file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/physics/stepper.h"
+
+namespace coopdyn {
+
+struct ServeOptions {
+  std::string scenario = "classroom";  // path or bare name
+  RunOptions run;
+  int port = 10000;
+  std::optional<int> name_port, http_port;
+  std::vector<std::string> hosts;  // empty: loopback
+  std::string advertise;
+  std::string token;
+  std::string yarp_server;  // HOST:PORT; empty: our own name server
+  bool private_robots = false;
+  bool no_render = false, no_http = false, no_net = false;
+  double render_fps = 10;
+  std::string renderer = "auto";  // auto, osmesa, egl
+  std::optional<int> robot_threads;
+  std::optional<int> spin_us;
+  std::string log_level = "info";
+  std::string summary_file;
+  std::vector<std::string> scenario_folders;
+};
+
+struct CheckOptions {
+  std::vector<std::string> files;
+  std::string picture;
+  std::vector<std::string> scenario_folders;
+};
+
+/// A command that talks to a running daemon.
+struct RemoteOptions {
+  std::string server;  // HOST[:PORT]; empty: this machine, port 10000
+  std::string token;
+  std::string verb;                  // list, status, run, …, call
+  std::vector<std::string> words;    // what follows the verb
+};
+
+/// What the command line asks for.
+struct CommandLine {
+  enum class Action { kServe, kCheck, kRemote, kDoctor, kExit };
+  Action action = Action::kExit;
+  int exit_code = 0;  // of kExit: help was printed, or the use was wrong
+  ServeOptions serve;
+  CheckOptions check;
+  RemoteOptions remote;
+};
+
+/// Parses the arguments; prints help to stdout and one line about wrong use to stderr by itself.
+CommandLine ParseCommandLine(int argc, const char* const* argv);
+
+/// Folders to look for files in: the given ones, COOPDYN_PATH, then the data beside the program.
+std::vector<std::string> DataFolders(const std::vector<std::string>& given);
+
+inline constexpr const char* kVersion = "0.1.0";
+
+}  // namespace coopdyn

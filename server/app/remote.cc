@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+// list, status, run, pause, step, reset, reload, load, stop-all, quit, call: one request to a running daemon.
+#include <boost/json.hpp>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <sstream>
+
+#include "protocol/command_ids.h"
+#include "server/app/commands.h"
+#include "server/app/remote_connection.h"
+
+namespace coopdyn {
+
+namespace {
+
+namespace json = boost::json;
+
+int Fail(int code, const std::string& text) {
+  std::cerr << "coopdyn: " << text << (text.ends_with('\n') ? "" : "\n");
+  return code;
+}
+
+/// A word of the shell as it stands in a line of the text encoding.
+std::string Quoted(const std::string& word) {
+  if (word.find_first_of(" \t\r\n\"\\") == std::string::npos && !word.empty()) return word;
+  std::string out = "\"";
+  for (const char c : word) {
+    switch (c) {
+      case '"':
+        out += "\\\"";
+        break;
+      case '\\':
+        out += "\\\\";
+        break;
+      case '\n':
+        out += "\\n";
+        break;
+      case '\r':
+        out += "\\r";
+        break;
+      case '\t':
+        out += "\\t";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out + '"';
+}
+
+std::string Moment(const Message& reply) {
+  if (reply.data.size() < 2) return {};
+  std::ostringstream out;
+  out.precision(10);
+  out << " at t = " << reply.data[reply.data.size() - 2] << " s, step "
+      << static_cast<std::int64_t>(reply.data.back());
+  return out.str();
+}
+
+/// The number that `word` is; nothing if it is none or not in [low, high].
+std::optional<std::int32_t> WholeNumber(const std::string& word, std::int32_t low) {
+  std::int32_t value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size() || value < low) return std::nullopt;
+  return value;
+}
+
+int PrintStatus(const std::string& text) {
+  boost::system::error_code error;
+  const json::value parsed = json::parse(text, error);
+  if (error || !parsed.is_object()) return Fail(kExitErrors, "the daemon's status is unreadable");
+  const json::object& status = parsed.as_object();
+  const auto number = [&status](const char* key) {
+    const json::value* value = status.if_contains(key);
+    return value != nullptr && value->is_number() ? value->to_number<double>() : 0.0;
+  };
+  const auto word = [](const json::object& object, const char* key) {
+    const json::value* value = object.if_contains(key);
+    return value != nullptr && value->is_string() ? std::string(value->as_string()) : std::string("-");
+  };
+  std::printf("%s  %s  %s  t = %.3f s  step %.0f  real-time factor %.2f\n", word(status, "scenario").c_str(),
+              word(status, "mode").c_str(), word(status, "state").c_str(), number("time_s"), number("step"),
+              number("rtf"));
+  if (const json::value* awaiting = status.if_contains("awaiting"); awaiting != nullptr && awaiting->is_array()) {
+    for (const json::value& one : awaiting->as_array()) {
+      const json::object& awaited = one.as_object();
+      std::printf("waiting for %s (%s), %.1f s\n", word(awaited, "robot").c_str(), word(awaited, "why").c_str(),
+                  awaited.at("seconds").to_number<double>());
+    }
+  }
+  if (const json::value* robots = status.if_contains("robots"); robots != nullptr && robots->is_array()) {
+    for (const json::value& one : robots->as_array()) {
+      const json::object& robot = one.as_object();
+      const std::string owner = word(robot, "owner");
+      std::printf("%-16s %-10s %s\n", word(robot, "name").c_str(), word(robot, "type").c_str(),
+                  owner == "-" || owner.empty() ? "free" : ("driven by " + owner).c_str());
+    }
+  }
+  return kExitOk;
+}
+
+int List(RemoteConnection& connection) {
+  std::vector<std::string> lines;
+  if (const std::string error = connection.AskNames("list", lines); !error.empty()) return Fail(kExitErrors, error);
+  for (const std::string& line : lines) {
+    std::istringstream words(line);
+    std::string registration, name_word, name, ip_word, ip, port_word, port;
+    words >> registration >> name_word >> name >> ip_word >> ip >> port_word >> port;
+    if (name_word == "name") std::printf("%-28s %s:%s\n", name.c_str(), ip.c_str(), port.c_str());
+  }
+  return kExitOk;
+}
+
+/// The request of a verb that is one command of /simulation; an error text if its words are wrong.
+std::string MakeRequest(const RemoteOptions& options, Message& request) {
+  const std::string& verb = options.verb;
+  const std::string first = options.words.empty() ? std::string() : options.words.front();
+  if (verb == "status") {
+    request.command = command::kGetStatus;
+  } else if (verb == "run") {
+    request.command = command::kRun;
+  } else if (verb == "pause") {
+    request.command = command::kPause;
+  } else if (verb == "step") {
+    const auto steps = first.empty() ? std::optional<std::int32_t>(1) : WholeNumber(first, 1);
+    if (!steps) return "step takes a number of steps from 1, e.g. coopdyn step 10";
+    request.command = command::kStep;
+    request.params = {*steps};
+  } else if (verb == "reset") {
+    request.command = command::kReset;
+    if (!first.empty()) {
+      const auto seed = WholeNumber(first, 0);
+      if (!seed) return "reset takes a seed from 0, e.g. coopdyn reset 7";
+      request.params = {*seed};
+    }
+  } else if (verb == "reload") {
+    request.command = command::kReload;
+  } else if (verb == "load") {
+    request.command = command::kLoadScenario;
+    request.text = first;
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(first, ignored)) {
+      std::ifstream file(first, std::ios::binary);
+      request.text.assign(std::istreambuf_iterator<char>(file), {});
+      if (request.text.find('\n') == std::string::npos) request.text += '\n';
+    }
+  } else if (verb == "stop-all") {
+    request.command = command::kStopAll;
+  } else if (verb == "quit") {
+    request.command = command::kQuit;
+  }
+  return {};
+}
+
+int CallModule(RemoteConnection& connection, const RemoteOptions& options) {
+  if (const std::string error = connection.Open(options.words[0]); !error.empty()) return Fail(kExitErrors, error);
+  std::string reply;
+  if (!options.token.empty()) {
+    if (const std::string error = connection.CallLine("hello coopdyn-call " + options.token, reply); !error.empty()) {
+      return Fail(kExitErrors, error);
+    }
+  }
+  std::string line = options.words[1];
+  for (std::size_t i = 2; i < options.words.size(); ++i) line += ' ' + Quoted(options.words[i]);
+  if (const std::string error = connection.CallLine(line, reply); !error.empty()) return Fail(kExitErrors, error);
+  if (!reply.starts_with("0 ")) return Fail(kExitErrors, reply);
+  std::cout << reply << '\n';
+  return kExitOk;
+}
+
+}  // namespace
+
+int Remote(const RemoteOptions& options) {
+  const auto server = ParseServerAddress(options.server);
+  if (!server) {
+    return Fail(kExitWrongUse, "--server is HOST or HOST:PORT, e.g. labserver:10000, not " + options.server);
+  }
+  Message request;
+  if (const std::string error = MakeRequest(options, request); !error.empty()) return Fail(kExitWrongUse, error);
+  RemoteConnection connection;
+  if (const std::string error = connection.Connect(*server); !error.empty()) return Fail(kExitNoDaemon, error);
+  if (options.verb == "list") return List(connection);
+  if (options.verb == "call") return CallModule(connection, options);
+
+  if (const std::string error = connection.Open("/simulation"); !error.empty()) return Fail(kExitErrors, error);
+  Message reply;
+  if (!options.token.empty()) {
+    Message hello;
+    hello.command = command::kHello;
+    hello.text = "coopdyn-call " + options.token;
+    if (const std::string error = connection.Call(hello, reply); !error.empty()) return Fail(kExitErrors, error);
+    if (reply.error != 0) return Fail(kExitErrors, reply.text);
+  }
+  if (const std::string error = connection.Call(request, reply); !error.empty()) return Fail(kExitErrors, error);
+  if (reply.error != 0) return Fail(kExitErrors, reply.text);
+  if (options.verb == "status") return PrintStatus(reply.text);
+  std::cout << options.verb << ": ok" << Moment(reply) << '\n';
+  return kExitOk;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: MIT
+// The lockstep contract (DESIGN §4) at the level of the board: no sockets, no threads, time as an argument.
+#include "server/state/command_board.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+
+namespace coopdyn {
+namespace {
+
+constexpr Nanoseconds kSecond = kNanosecondsPerSecond;
+
+class CommandBoardTest : public testing::Test {
+ protected:
+  CommandBoardTest() { UseRobots({"robot1", "robot2"}); }
+
+  RobotEntry MakeRobot(const std::string& name) {
+    RobotEntry entry;
+    entry.name = name;
+    entry.model = model_;
+    return entry;
+  }
+
+  void UseRobots(const std::vector<std::string>& names, StepEnd end = StepEnd::kLoad) {
+    std::vector<RobotEntry> entries;
+    for (const std::string& name : names) entries.push_back(MakeRobot(name));
+    UseEntries(std::move(entries), end);
+  }
+
+  void UseEntries(std::vector<RobotEntry> entries, StepEnd end = StepEnd::kLoad) {
+    auto scene = std::make_shared<Scene>();
+    for (RobotEntry& entry : entries) {
+      SceneRobot robot;
+      robot.entry = std::move(entry);
+      scene->robots.push_back(std::move(robot));
+    }
+    scene_ = scene;
+    board_.SetMode(Mode::kLockstep, now_);
+    board_.Configure(*scene_, end, MakeFrame(0), now_);
+  }
+
+  FramePtr MakeFrame(std::uint64_t step) {
+    auto frame = std::make_shared<Frame>();
+    frame->step = step;
+    frame->scene = scene_;
+    return frame;
+  }
+
+  /// One whole step; returns the set-points that it used.
+  std::vector<Setpoint> RunStep() {
+    const std::span<const Setpoint> latched = board_.Latch();
+    std::vector<Setpoint> result(latched.begin(), latched.end());
+    board_.FinishStep(MakeFrame(++step_), now_);
+    return result;
+  }
+
+  /// A StepDone that writes what came into `answers_[key]`.
+  StepDone Note(const std::string& key) {
+    return [this, key](const StepResult& result) { answers_[key].push_back(result); };
+  }
+
+  SlotId slot(const std::string& robot) { return board_.FindSlot(robot); }
+
+  std::shared_ptr<RobotModel> model_ = [] {
+    auto model = std::make_shared<RobotModel>();
+    model->type = "test";
+    model->modules = {{"motors", "motors"}};
+    return model;
+  }();
+  CommandBoard board_;
+  std::shared_ptr<const Scene> scene_;
+  Nanoseconds now_ = 0;
+  std::uint64_t step_ = 0;
+  std::map<std::string, std::vector<StepResult>> answers_;
+  const Client ana_{1, "ana", "127.0.0.1:1"};
+  const Client bob_{2, "bob", "127.0.0.1:2"};
+};
+
+TEST_F(CommandBoardTest, AStepNeedsEveryParticipant) {
+  EXPECT_FALSE(board_.AllReady());
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  EXPECT_FALSE(board_.AllReady());
+  board_.Command(slot("robot2"), bob_, {2, 2}, {}, Note("bob"));
+  EXPECT_TRUE(board_.AllReady());
+}
+
+TEST_F(CommandBoardTest, InLockstepTheReplyComesAfterTheStep) {
+  EXPECT_FALSE(board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana")).answer_now);
+  board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
+  EXPECT_TRUE(answers_.empty());
+  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));
+  ASSERT_EQ(answers_["ana"].size(), 1u);
+  EXPECT_EQ(answers_["ana"][0].end, StepEnd::kRan);
+  EXPECT_EQ(answers_["ana"][0].frame->step, 1u);
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(CommandBoardTest, InRealtimeACommandIsAnsweredAtOnceAndReadyAfterTheStep) {
+  board_.SetMode(Mode::kRealtime, now_);
+  EXPECT_TRUE(board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("command")).answer_now);
+  EXPECT_FALSE(board_.Ready(slot("robot1"), ana_, 1, Note("ready")).answer_now);
+  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));  // ready did not undo the command
+  EXPECT_EQ(answers_["command"].size(), 0u);
+  EXPECT_EQ(answers_["ready"].size(), 1u);
+}
+
+TEST_F(CommandBoardTest, ReadyKeepsTheSetpoints) {
+  board_.Command(slot("robot1"), ana_, {3, 4}, {}, Note("ana"));
+  board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
+  RunStep();
+  board_.Ready(slot("robot1"), ana_, 1, Note("ana"));
+  EXPECT_EQ(RunStep()[0], (Setpoint{3, 4}));
+}
+
+TEST_F(CommandBoardTest, ACommandForThreeStepsIsAnsweredAfterTheThird) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, 3, Note("ana"));
+  board_.Ready(slot("robot2"), bob_, 3, Note("bob"));
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_TRUE(board_.AllReady());
+    RunStep();
+    EXPECT_TRUE(answers_.empty());
+  }
+  RunStep();
+  EXPECT_EQ(answers_["ana"].size(), 1u);
+  EXPECT_EQ(answers_["bob"].size(), 1u);
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(CommandBoardTest, AGivenNumberOfStepsIsWaitedForInRealtimeToo) {
+  board_.SetMode(Mode::kRealtime, now_);
+  EXPECT_FALSE(board_.Command(slot("robot1"), ana_, {1, 1}, 2, Note("ana")).answer_now);
+  RunStep();
+  EXPECT_TRUE(answers_.empty());
+  RunStep();
+  EXPECT_EQ(answers_["ana"].size(), 1u);
+}
+
+TEST_F(CommandBoardTest, ACommandDuringAStepCountsForTheNextOne) {
+  board_.SetMode(Mode::kRealtime, now_);
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Latch();
+  board_.Command(slot("robot1"), ana_, {2, 2}, {}, Note("ana"));
+  board_.FinishStep(MakeFrame(++step_), now_);
+  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+}
+
+TEST_F(CommandBoardTest, ASecondCommanderIsRefusedAndTheOwnerNamed) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  const Verdict verdict = board_.Command(slot("robot1"), bob_, {2, 2}, {}, Note("bob"));
+  EXPECT_EQ(verdict.error, Error::kOwned);
+  EXPECT_NE(verdict.text.find("ana"), std::string::npos);
+  board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
+  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));
+}
+
+TEST_F(CommandBoardTest, ARefusedCommandMakesNobodyReady) {
+  board_.Claim(slot("robot1"), ana_);
+  board_.Command(slot("robot1"), bob_, {2, 2}, {}, Note("bob"));
+  board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(CommandBoardTest, HelloOfTheSameNameTakesOver) {
+  board_.Claim(slot("robot1"), ana_);
+  const Client again{7, "ana", "127.0.0.1:7"};
+  EXPECT_EQ(board_.Hello(slot("robot1"), again).displaced, ana_.id);
+  EXPECT_EQ(board_.Command(slot("robot1"), again, {1, 1}, {}, Note("again")).error, Error::kOk);
+  EXPECT_EQ(board_.Command(slot("robot1"), ana_, {2, 2}, {}, Note("old")).error, Error::kOwned);
+}
+
+TEST_F(CommandBoardTest, HelloOfAnotherNameTakesNothing) {
+  board_.Claim(slot("robot1"), ana_);
+  EXPECT_EQ(board_.Hello(slot("robot1"), bob_).displaced, 0u);
+  EXPECT_EQ(board_.Claim(slot("robot1"), bob_).error, Error::kOwned);
+}
+
+TEST_F(CommandBoardTest, ANewOwnersFirstCommandReplacesTheRestOfAnNStepCommand) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, 10, Note("ana"));
+  board_.Ready(slot("robot2"), bob_, 10, Note("bob"));
+  RunStep();
+  board_.InputEnded(slot("robot1"), ana_.id);
+  const Client cy{3, "cy", "127.0.0.1:3"};
+  board_.Command(slot("robot1"), cy, {5, 5}, {}, Note("cy"));
+  ASSERT_EQ(answers_["ana"].size(), 1u);
+  EXPECT_EQ(answers_["ana"][0].end, StepEnd::kReplaced);
+  EXPECT_EQ(RunStep()[0], (Setpoint{5, 5}));
+  EXPECT_EQ(answers_["cy"].size(), 1u);
+}
+
+TEST_F(CommandBoardTest, EndOfInputFreesTheModuleAtOnceButWhatIsPendingRuns) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.InputEnded(slot("robot1"), ana_.id);
+  EXPECT_EQ(board_.Owners()[0].id, 0u);
+  board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
+  EXPECT_TRUE(board_.AllReady());
+  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));
+  EXPECT_EQ(answers_["ana"].size(), 1u);
+}
+
+TEST_F(CommandBoardTest, RequestsReadBeforeTheEndOfInputStillRunButOwnNothing) {
+  Client ended = ana_;
+  ended.input_ended = true;
+  EXPECT_EQ(board_.Command(slot("robot1"), ended, {1, 1}, {}, Note("ana")).error, Error::kOk);
+  EXPECT_EQ(board_.Owners()[0].id, 0u);
+  EXPECT_EQ(board_.Claim(slot("robot1"), bob_).error, Error::kOk);
+  EXPECT_EQ(board_.Command(slot("robot1"), ended, {1, 1}, {}, Note("ana")).error, Error::kOwned);
+}
+
+TEST_F(CommandBoardTest, AParticipantWithoutAClientIsWaitedFor) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  now_ = kSecond + kSecond / 5;
+  std::size_t total = 0;
+  const std::vector<Awaited> awaited = board_.Awaiting(now_, 20, &total);
+  ASSERT_EQ(awaited.size(), 1u);
+  EXPECT_EQ(total, 1u);
+  EXPECT_EQ(awaited[0].robot, "robot2");
+  EXPECT_EQ(awaited[0].why, "no client");
+  EXPECT_NEAR(awaited[0].seconds, 1.2, 1e-9);
+}
+
+TEST_F(CommandBoardTest, AnOwnerWithoutCommandIsNamed) {
+  board_.Claim(slot("robot1"), ana_);
+  EXPECT_EQ(board_.Awaiting(now_, 20, nullptr)[0].why, "no command from ana");
+}
+
+TEST_F(CommandBoardTest, SpectatorsWaitButMakeNobodyReady) {
+  board_.WaitSteps(2, Note("spectator"));
+  EXPECT_FALSE(board_.AllReady());
+  RunStep();
+  EXPECT_TRUE(answers_.empty());
+  RunStep();
+  EXPECT_EQ(answers_["spectator"].size(), 1u);
+}
+
+TEST_F(CommandBoardTest, ObserversComeBeforeTheRepliesOfTheirStep) {
+  std::vector<std::string> order;
+  const std::uint64_t key = board_.AddObserver(
+      [&](const FramePtr& frame) { order.push_back("push " + std::to_string(frame->step)); });
+  board_.WaitSteps(
+      1, [&](const StepResult& result) { order.push_back("reply " + std::to_string(result.frame->step)); });
+  RunStep();
+  board_.RemoveObserver(key);
+  RunStep();
+  EXPECT_EQ(order, (std::vector<std::string>{"push 1", "reply 1"}));
+}
+
+TEST_F(CommandBoardTest, TheHookIsCalledByWhoeverMakesTheLastRobotReady) {
+  int calls = 0;
+  board_.set_all_ready_hook([&] { ++calls; });
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  EXPECT_EQ(calls, 0);
+  board_.Command(slot("robot2"), bob_, {1, 1}, {}, Note("bob"));
+  EXPECT_EQ(calls, 1);
+}
+
+TEST_F(CommandBoardTest, SyncNoIsNotWaitedFor) {
+  RobotEntry free_robot = MakeRobot("robot2");
+  free_robot.sync = false;
+  UseEntries({MakeRobot("robot1"), free_robot});
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  EXPECT_TRUE(board_.AllReady());
+}
+
+TEST_F(CommandBoardTest, ParticipantsAreSetByNameAndAnEmptyListRestoresTheScenarios) {
+  const std::vector<std::string> only{"robot2"};
+  EXPECT_EQ(board_.SetParticipants(only, now_).error, Error::kOk);
+  board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
+  EXPECT_TRUE(board_.AllReady());
+  board_.SetParticipants({}, now_);
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(CommandBoardTest, AnUnknownParticipantChangesNothing) {
+  const std::vector<std::string> wrong{"robot9"};
+  EXPECT_EQ(board_.SetParticipants(wrong, now_).error, Error::kNoSuchName);
+  board_.Ready(slot("robot1"), ana_, 1, Note("ana"));
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(CommandBoardTest, StopAllReplacesCommandsThatHaveNotRunAndTheyAreAnsweredAsUsual) {
+  board_.Command(slot("robot1"), ana_, {9, 9}, {}, Note("ana"));
+  board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
+  board_.StopAll();
+  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+  EXPECT_EQ(answers_["ana"][0].end, StepEnd::kRan);
+}
+
+TEST_F(CommandBoardTest, ResetEndsAllWaitsAndKeepsOwners) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.WaitSteps(3, Note("spectator"));
+  const SlotId before = slot("robot1");
+  UseRobots({"robot1", "robot2"}, StepEnd::kReset);
+  EXPECT_EQ(answers_["ana"][0].end, StepEnd::kReset);
+  EXPECT_EQ(answers_["spectator"][0].end, StepEnd::kReset);
+  EXPECT_EQ(slot("robot1"), before);
+  EXPECT_EQ(board_.Owners()[0].id, ana_.id);
+  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+}
+
+TEST_F(CommandBoardTest, ResetKeepsTheChosenParticipants) {
+  const std::vector<std::string> only{"robot2"};
+  board_.SetParticipants(only, now_);
+  UseRobots({"robot1", "robot2"}, StepEnd::kReset);
+  board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
+  EXPECT_TRUE(board_.AllReady());
+}
+
+TEST_F(CommandBoardTest, ALoadKeepsRobotsOfTheSameNameAndForgetsOthers) {
+  board_.Claim(slot("robot1"), ana_);
+  const SlotId first = slot("robot1"), second = slot("robot2");
+  UseRobots({"robot3", "robot1"});
+  EXPECT_EQ(slot("robot1"), first);
+  EXPECT_EQ(board_.Owners()[1].id, ana_.id);
+  EXPECT_EQ(board_.Command(second, bob_, {1, 1}, {}, Note("bob")).error, Error::kNotPossible);
+}
+
+TEST_F(CommandBoardTest, AModeSwitchLetsWaitingRequestsWait) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.SetMode(Mode::kRealtime, now_);
+  EXPECT_TRUE(answers_.empty());
+  RunStep();
+  ASSERT_EQ(answers_["ana"].size(), 1u);
+  EXPECT_EQ(answers_["ana"][0].mode, Mode::kRealtime);
+}
+
+class DeadlineTest : public CommandBoardTest, public testing::WithParamInterface<LossPolicy> {
+ protected:
+  void SetUp() override {
+    RobotEntry late = MakeRobot("robot2");
+    late.deadline_s = 0.5;
+    late.on_deadline = GetParam();
+    UseEntries({MakeRobot("robot1"), late});
+    board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+    board_.Command(slot("robot2"), bob_, {2, 2}, {}, Note("bob"));
+    RunStep();
+    board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  }
+};
+
+TEST_P(DeadlineTest, LetsTheOthersGoOnUntilItsNextCommand) {
+  EXPECT_EQ(board_.NextDeadline(), kSecond / 2);
+  EXPECT_TRUE(board_.FireDeadlines(kSecond / 2 - 1).empty());
+  const std::vector<FiredDeadline> fired = board_.FireDeadlines(kSecond / 2);
+  ASSERT_EQ(fired.size(), 1u);
+  EXPECT_EQ(fired[0].robot, "robot2");
+  EXPECT_TRUE(board_.AllReady());
+  EXPECT_EQ(board_.NextDeadline(), std::numeric_limits<Nanoseconds>::max());
+  const Setpoint expected = GetParam() == LossPolicy::kHold ? Setpoint{2, 2} : Setpoint{0, 0};
+  EXPECT_EQ(RunStep()[1], expected);
+
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  EXPECT_TRUE(board_.AllReady());
+  board_.Command(slot("robot2"), bob_, {3, 3}, {}, Note("bob"));
+  EXPECT_EQ(RunStep()[1], (Setpoint{3, 3}));
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  EXPECT_FALSE(board_.AllReady());  // it takes part again
+}
+
+INSTANTIATE_TEST_SUITE_P(Policies, DeadlineTest,
+                         testing::Values(LossPolicy::kHold, LossPolicy::kStop, LossPolicy::kDrop));
+
+class DisconnectTest : public CommandBoardTest {
+ protected:
+  /// Robot 2 drives at (2, 2) and loses its client, robot 1 has a command.
+  void Lose(std::optional<LossPolicy> policy) {
+    RobotEntry lost = MakeRobot("robot2");
+    lost.on_disconnect = policy;
+    UseEntries({MakeRobot("robot1"), lost});
+    board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+    board_.Command(slot("robot2"), bob_, {2, 2}, {}, Note("bob"));
+    RunStep();
+    board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+    board_.InputEnded(slot("robot2"), bob_.id);
+    EXPECT_FALSE(board_.AllReady());  // the policy acts only when the backlog is done
+    board_.Closed(slot("robot2"), bob_.id);
+  }
+};
+
+TEST_F(DisconnectTest, ByDefaultTheWorldWaits) {
+  Lose(std::nullopt);
+  EXPECT_FALSE(board_.AllReady());
+  EXPECT_EQ(board_.Awaiting(now_, 1, nullptr)[0].why, "no client");
+}
+
+TEST_F(DisconnectTest, HoldKeepsTheSetpoints) {
+  Lose(LossPolicy::kHold);
+  EXPECT_TRUE(board_.AllReady());
+  EXPECT_EQ(RunStep()[1], (Setpoint{2, 2}));
+}
+
+TEST_F(DisconnectTest, StopStopsTheRobot) {
+  Lose(LossPolicy::kStop);
+  EXPECT_TRUE(board_.AllReady());
+  EXPECT_EQ(RunStep()[1], (Setpoint{0, 0}));
+}
+
+TEST_F(DisconnectTest, DropTakesTheRobotOut) {
+  Lose(LossPolicy::kDrop);
+  EXPECT_TRUE(board_.AllReady());
+  EXPECT_TRUE(board_.Owners()[1].dropped);
+}
+
+TEST_F(DisconnectTest, StopActsAfterTheCommandThatIsStillPending) {
+  RobotEntry lost = MakeRobot("robot1");
+  lost.on_disconnect = LossPolicy::kStop;
+  UseEntries({lost});
+  board_.SetMode(Mode::kRealtime, now_);
+  Client ended = ana_;
+  ended.input_ended = true;
+  board_.Command(slot("robot1"), ended, {4, 4}, {}, Note("ana"));
+  board_.Closed(slot("robot1"), ana_.id);
+  EXPECT_EQ(RunStep()[0], (Setpoint{4, 4}));
+  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+}
+
+TEST_F(CommandBoardTest, StoppingEndsAllWaitsAndLaterOnesAtOnce) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Stop(MakeFrame(0));
+  EXPECT_EQ(answers_["ana"][0].end, StepEnd::kStopping);
+  board_.WaitSteps(1, Note("late"));
+  EXPECT_EQ(answers_["late"][0].end, StepEnd::kStopping);
+  EXPECT_EQ(board_.Command(slot("robot2"), bob_, {1, 1}, {}, Note("bob")).error, Error::kNotPossible);
+}
+
+}  // namespace
+}  // namespace coopdyn
