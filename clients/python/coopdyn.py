@@ -1,0 +1,1507 @@
+# SPDX-License-Identifier: MIT
+"""Drives the robots of a coopdyn daemon from Python: one file, standard library only, Python 3.8 or newer.
+
+    import coopdyn
+    sim = coopdyn.connect()                  # this machine, or COOPDYN_SERVER; "labserver", "labserver:10100"
+    r = sim.robot("robot1")
+    r.set_velocity(0.2, 0.5)                 # m/s, rad/s; left is positive
+    sim.step()                               # waits for the next step of time
+    print(r.get_pose())
+    sim.close()
+
+The same program runs in every time mode and with one or many robots. In lockstep `set_velocity` does not wait: it is
+kept (the last wins) until `sim.step()`, which sends the commands of all robots of this `sim` and waits for the step.
+In real time it is sent at once, and `sim.step()` waits for the next step.
+
+Everything goes through one port of the daemon (10000 unless told). Units are m, rad, s, m/s, rad/s; headings and
+bearings are 0 ahead, left positive, in (-pi, pi]. What goes wrong raises `coopdyn.Error` with `.code` and `.text`.
+Use a `sim` and its robots from one thread. On a command line: `python3 coopdyn.py doctor|hello [SERVER]`.
+"""
+from __future__ import annotations
+
+import getpass
+import json
+import math
+import os
+import select
+import socket
+import struct
+import sys
+import time as _clock
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+
+__version__ = "0.1.0"
+PROTOCOL = 1
+DEFAULT_PORT = 10000
+
+MODES = ("realtime", "lockstep", "free")
+_LOCKSTEP = 1
+
+# Numbers of the commands that this file uses; docs/protocol.md is the whole table.
+_READY, _GET_TIME, _SUBSCRIBE, _HELLO, _CLAIM, _ATTACH, _DESCRIBE = 2, 3, 4, 6, 7, 9, 1
+_SET_WHEEL_SPEEDS, _SET_VELOCITY, _GET_WHEELS, _GET_LIMITS, _STOP = 10, 11, 12, 13, 14
+_GET_DISTANCES, _GET_GEOMETRY = 20, 21
+_GET_TARGETS, _GET_TARGET, _GET_ROBOTS = 30, 31, 32
+_GET_POSE, _GET_POSE_3D = 40, 41
+_GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
+_LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD = 108, 190, 191, 192
+
+_REQUEST_TIMEOUT_S = 10.0  # for what is answered at once
+_LOAD_TIMEOUT_S = 60.0  # for what builds a world
+_COMMAND_WAIT_S = 0.1  # for the reply to an actuator command in real time
+_NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
+_LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
+
+_ERROR_NAMES = {
+    -1: "connection",
+    1: "unknown_command",
+    2: "wrong_params",
+    3: "wrong_data",
+    4: "out_of_range",
+    5: "not_possible",
+    6: "owned",
+    7: "malformed",
+    8: "too_large",
+    9: "internal",
+    10: "no_such_name",
+    11: "timed_out",
+    12: "not_allowed",
+}
+
+
+class Error(Exception):
+    """What the daemon refused, or what went wrong on the way to it.
+
+    `code` is a number of the protocol (6: owned by another client, 10: no such name, 11: timed out …) or -1 if there
+    is no connection; `name` is its word ("owned"); `text` says what was wrong and what to do instead.
+    """
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+        self.text = text
+
+    @property
+    def name(self) -> str:
+        return _ERROR_NAMES.get(self.code, "error")
+
+    def __str__(self) -> str:
+        return f"{self.text} [{self.name}]"
+
+
+class Message(NamedTuple):
+    """The one message of the protocol, in both directions."""
+
+    error: int
+    text: str
+    command: int
+    params: List[int]
+    data: List[float]
+
+
+class Reply(NamedTuple):
+    """The raw reply of `call`: `data` without the final two, which are `time` [s] and `step`."""
+
+    text: str
+    command: int
+    params: List[int]
+    data: List[float]
+    time: float
+    step: int
+
+
+class Pose(NamedTuple):
+    """Where a robot is and how it moves, in the world frame: m, rad, m/s, rad/s."""
+
+    x: float
+    y: float
+    heading: float
+    forward: float
+    turn: float
+
+
+class Pose3d(NamedTuple):
+    """Position [m], quaternion, velocity [m/s] and angular velocity [rad/s] in the world frame."""
+
+    x: float
+    y: float
+    z: float
+    qw: float
+    qx: float
+    qy: float
+    qz: float
+    vx: float
+    vy: float
+    vz: float
+    wx: float
+    wy: float
+    wz: float
+
+
+class Bearing(NamedTuple):
+    """Distance [m] and bearing [rad], left is positive."""
+
+    distance: float
+    bearing: float
+
+
+class Target(NamedTuple):
+    """A target as a robot sees it: distance [m], bearing [rad]."""
+
+    id: int
+    colour: str
+    distance: float
+    bearing: float
+
+
+class OtherRobot(NamedTuple):
+    """Another robot as a robot sees it: distance [m], bearing [rad]."""
+
+    id: int
+    name: str
+    distance: float
+    bearing: float
+
+
+class Geometry(NamedTuple):
+    """Where each distance sensor looks [rad], how wide [rad] and how far [m], right to left."""
+
+    bearing: List[float]
+    opening: List[float]
+    max_range: List[float]
+
+
+class Wheels(NamedTuple):
+    """Angles [rad] and speeds [rad/s] of the wheels."""
+
+    left_angle: float
+    right_angle: float
+    left_speed: float
+    right_speed: float
+
+
+class Limits(NamedTuple):
+    """The limit of the wheel speeds [rad/s]; wheel radius and track [m]."""
+
+    max_wheel_speed: float
+    wheel_radius: float
+    track: float
+
+
+class Reading(NamedTuple):
+    """All readings of a robot in one step. What the robot lacks is None (or empty)."""
+
+    time: float
+    step: int
+    distances: List[float]
+    targets: List[Target]
+    pose: Optional[Pose]
+    wheels: Optional[Wheels]
+
+    def target(self, which: Union[str, int]) -> Target:
+        """The target with this id, or the nearest of this colour. Error 10 if there is none."""
+        fits = [t for t in self.targets if which in (t.id, t.colour)]
+        if not fits:
+            raise Error(10, f"there is no target {which!r}; there are: {_list_of(t.colour for t in self.targets)}")
+        return min(fits, key=lambda t: t.distance)
+
+
+class Update(NamedTuple):
+    """A pushed reading (`Robot.next`); `value` is what the get-command of the module returns."""
+
+    module: str
+    time: float
+    step: int
+    value: Any
+    text: str
+
+
+class Awaited(NamedTuple):
+    """Whom the world waits for, why, and since when [s]."""
+
+    robot: str
+    why: str
+    seconds: float
+
+
+class Module(NamedTuple):
+    """A name of the daemon and its own address; port 0: reached through the daemon's port only."""
+
+    name: str
+    host: str
+    port: int
+
+
+# --- the wire ---------------------------------------------------------------------------------------------------------
+
+_HEADER = struct.Struct("<IiiIII")
+_MAGIC = b"CDS1"
+
+
+def encode(command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "", error: int = 0) -> bytes:
+    """The binary frame of a message."""
+    raw = text.encode("utf-8")
+    t, m, n = len(raw), len(params), len(data)
+    return struct.pack(f"<IiiIII{t}s{m}i{n}d", 20 + t + 4 * m + 8 * n, error, command, t, m, n, raw, *params, *data)
+
+
+def decode(buffer: Union[bytes, bytearray]) -> Tuple[Optional[Message], int]:
+    """The first message of `buffer` and the bytes it took; (None, 0) if more bytes are needed."""
+    if len(buffer) < 24:
+        return None, 0
+    size, error, command, t, m, n = _HEADER.unpack_from(buffer)
+    if size != 20 + t + 4 * m + 8 * n:
+        raise Error(7, "the bytes received are not a coopdyn message")
+    end = 4 + size
+    if len(buffer) < end:
+        return None, 0
+    values = struct.unpack_from(f"<{m}i{n}d", buffer, 24 + t)
+    text = bytes(buffer[24 : 24 + t]).decode("utf-8", "replace") if t else ""
+    return Message(error, text, command, list(values[:m]), list(values[m:])), end
+
+
+def _list_of(words: Any) -> str:
+    return ", ".join(str(w) for w in words) or "none"
+
+
+def _parse_server(server: Optional[str]) -> Tuple[str, int]:
+    given = server or os.environ.get("COOPDYN_SERVER") or "127.0.0.1"
+    host, port = given.strip(), str(DEFAULT_PORT)
+    if host.startswith("[") and "]" in host:  # [::1]:10000
+        host, rest = host[1:].split("]", 1)
+        port = rest[1:] if rest.startswith(":") else port
+    elif host.count(":") == 1:
+        host, port = host.split(":")
+    if not host or not port.isdigit() or not 0 < int(port) < 65536:
+        raise Error(4, f"cannot read the server {given!r}; write HOST or HOST:PORT, e.g. \"labserver:10100\"")
+    return host, int(port)
+
+
+def _default_name() -> str:
+    try:
+        user = getpass.getuser()
+    except Exception:  # no such user in a container
+        user = "user"
+    return "".join(f"{user}@{socket.gethostname()}:{os.getpid()}".split())
+
+
+def _spin_s(lockstep: bool, robots: int) -> float:
+    given = os.environ.get("COOPDYN_SPIN")
+    if given is None:
+        return 50e-6 if lockstep and robots <= 4 else 0.0
+    try:
+        return max(0.0, float(given)) * 1e-6
+    except ValueError:
+        raise Error(4, f"COOPDYN_SPIN is {given!r}; write microseconds, e.g. 50") from None
+
+
+def _wait_readable(sockets: Sequence[socket.socket], timeout_s: float) -> None:
+    """Waits until one of the sockets has something, or the time is over."""
+    if hasattr(select, "poll"):
+        poll = select.poll()
+        for s in sockets:
+            poll.register(s, select.POLLIN)
+        poll.poll(math.ceil(max(0.0, timeout_s) * 1000))
+    else:
+        select.select(sockets, [], [], max(0.0, timeout_s))
+
+
+class _Address:
+    """Where the daemon is and who we are: what every connection needs."""
+
+    def __init__(self, server: Optional[str], name: Optional[str], token: Optional[str], timeout: float) -> None:
+        self.host, self.port = _parse_server(server)
+        self.name = name or _default_name()
+        if not self.name.strip() or len(self.name.split()) != 1:
+            raise Error(3, f"a client name has no spaces, not {self.name!r}; write e.g. \"ana\"")
+        self.token = token or ""
+        self.timeout = timeout
+
+    def __str__(self) -> str:
+        return f"{'[' + self.host + ']' if ':' in self.host else self.host}:{self.port}"
+
+    @property
+    def hello_text(self) -> str:
+        return f"{self.name} {self.token}".rstrip()
+
+    def dial(self, deadline: float) -> socket.socket:
+        """A connected socket to the daemon's port. Error -1 or 11 with cause and cure."""
+        try:
+            sock = socket.create_connection((self.host, self.port), max(0.01, deadline - _clock.monotonic()))
+        except socket.gaierror:
+            raise Error(-1, f"nobody knows a machine called {self.host!r}; check the name, or write its address") from None
+        except (socket.timeout, TimeoutError):
+            raise Error(
+                11,
+                f"no answer from {self} within {self.timeout:g} s: the machine is off, the address is wrong, or a "
+                "firewall drops the packets; try `ping`, or a tunnel: ssh -L 10000:127.0.0.1:10000 HOST",
+            ) from None
+        except ConnectionRefusedError:
+            raise Error(
+                -1,
+                f"nothing listens at {self}: start the daemon there (coopdyn serve; for other machines add "
+                '--host 0.0.0.0), or name the server: connect("HOST:PORT") or COOPDYN_SERVER',
+            ) from None
+        except OSError as e:
+            raise Error(-1, f"cannot reach {self}: {e.strerror or e}") from None
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return sock
+
+    def ask_names(self, command: str) -> List[str]:
+        """The lines that the name server answers, without the last."""
+        deadline = _clock.monotonic() + self.timeout
+        with self.dial(deadline) as sock:
+            sock.sendall(f"NAME_SERVER {command}\n".encode())
+            received = b""
+            while b"*** end of message" not in received:
+                more = self._receive(sock, deadline)
+                if not more:
+                    break
+                received += more
+        lines = received.decode("utf-8", "replace").splitlines()
+        return [line for line in lines if not line.startswith("***")]
+
+    def modules(self) -> List[Module]:
+        found = []
+        for line in self.ask_names("list"):
+            words = line.split()  # registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp
+            if len(words) >= 7 and words[0] == "registration" and words[2].startswith("/"):
+                found.append(Module(words[2], words[4], int(words[6])))
+        return found
+
+    def _receive(self, sock: socket.socket, deadline: float, size: int = 65536) -> bytes:
+        sock.settimeout(max(0.01, deadline - _clock.monotonic()))
+        try:
+            return sock.recv(size)
+        except (socket.timeout, TimeoutError):
+            raise Error(
+                11,
+                f"{self} accepts connections but does not answer: the daemon is stopped or busy, or something else "
+                "listens there; try `coopdyn status`",
+            ) from None
+        except OSError:
+            return b""
+
+    def open_module(self, module: str, deadline: float) -> socket.socket:
+        """A socket that talks binary to `module`. Error 10 if the daemon has no such name."""
+        sock = self.dial(deadline)
+        try:
+            sock.sendall(f"OPEN {module}\n".encode())
+            line = b""
+            while not line.endswith(b"\n"):
+                byte = self._receive(sock, deadline, 1)
+                if not byte:
+                    break
+                line += byte
+            said = line.decode("utf-8", "replace").strip()
+            if said != "ok":
+                if said.startswith("***"):
+                    raise Error(10, said.strip("* ") or f"the daemon at {self} has no {module}")
+                raise Error(-1, f"what listens at {self} is not a coopdyn daemon (it said {said[:60]!r})")
+            sock.sendall(_MAGIC)
+            sock.setblocking(False)
+            return sock
+        except OSError as e:
+            sock.close()
+            raise Error(-1, f"the connection to {self} broke: {e.strerror or e}") from None
+        except BaseException:
+            sock.close()
+            raise
+
+
+class _Connection:
+    """One connection to one module. `busy`: a reply is under way; such a connection is never used for something else."""
+
+    def __init__(self, address: _Address, module: str) -> None:
+        self.address = address
+        self.module = module
+        self.sock: Optional[socket.socket] = None
+        self.buffer = bytearray()
+        self.busy = False
+        self.pushes: List[Message] = []
+
+    def open(self, timeout_s: float) -> None:
+        self.close()
+        self.sock = self.address.open_module(self.module, _clock.monotonic() + timeout_s)
+        try:
+            self.request(_HELLO, text=self.address.hello_text, timeout=timeout_s)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        if self.sock is not None:
+            self.sock.close()
+        self.sock = None
+        self.busy = False
+        self.buffer.clear()
+        self.pushes.clear()
+
+    def send(self, frame: bytes) -> None:
+        assert self.sock is not None
+        self.busy = True
+        try:
+            sent = self.sock.send(frame)
+            if sent < len(frame):
+                self.sock.settimeout(_REQUEST_TIMEOUT_S)
+                self.sock.sendall(frame[sent:])
+                self.sock.setblocking(False)
+        except BlockingIOError:
+            self.sock.settimeout(_REQUEST_TIMEOUT_S)
+            self.sock.sendall(frame)
+            self.sock.setblocking(False)
+        except OSError:
+            self._raise_lost()
+
+    def try_read(self) -> Optional[Message]:
+        """The reply, if it has come; readings that were pushed before it are put aside. Error -1 if the peer closed."""
+        assert self.sock is not None
+        while True:
+            if len(self.buffer) >= 24:
+                message, used = decode(self.buffer)
+                if message is not None:
+                    del self.buffer[:used]
+                    if message.command < 0 and message.error == 0:
+                        if message.command == -1:
+                            self.close()
+                            raise _Closed(message.text)
+                        self.pushes.append(message)
+                        continue
+                    self.busy = False
+                    return message
+            try:
+                more = self.sock.recv(262144)
+            except (BlockingIOError, InterruptedError):
+                return None
+            except OSError:
+                more = b""
+            if not more:
+                self.close()
+                raise _Closed("")
+            self.buffer += more
+
+    def _raise_lost(self) -> None:
+        """After a failed write: what the daemon said before it closed, if anything."""
+        try:
+            while self.try_read() is not None:
+                pass
+        except _Closed:
+            raise
+        self.close()
+        raise _Closed("")
+
+    def alive(self) -> bool:
+        """False if closed, or if the peer has closed meanwhile."""
+        if self.sock is None or self.busy:
+            return False
+        try:
+            self.try_read()
+        except Error:
+            return False
+        return True
+
+    def receive(self, timeout: float, spin_s: float = 0.0) -> Message:
+        """The reply. Error 11 after `timeout` seconds; the connection is closed then, so never read on."""
+        message = self.try_read()
+        if message is not None:
+            return message
+        now = _clock.monotonic()
+        deadline, spin_until = now + timeout, now + spin_s
+        while True:
+            assert self.sock is not None
+            if now >= spin_until:
+                _wait_readable((self.sock,), deadline - now)
+            message = self.try_read()
+            if message is not None:
+                return message
+            now = _clock.monotonic()
+            if now >= deadline:
+                self.close()
+                raise Error(11, f"no answer from {self.module} within {timeout:g} s; is the daemon stopped or overloaded?")
+
+    def request(
+        self,
+        command: int,
+        params: Sequence[int] = (),
+        data: Sequence[float] = (),
+        text: str = "",
+        timeout: float = _REQUEST_TIMEOUT_S,
+        spin_s: float = 0.0,
+    ) -> Message:
+        """Sends a request and returns its reply; an error reply is raised. Anything but a reply closes the connection."""
+        self.send(encode(command, params, data, text))
+        try:
+            reply = self.receive(timeout, spin_s)
+        except BaseException:
+            self.close()
+            raise
+        return _checked(reply)
+
+
+class _Closed(Error):
+    """The daemon closed the connection; `notice` says why, if it said so."""
+
+    def __init__(self, notice: str) -> None:
+        self.notice = notice
+        super().__init__(-1, f"the daemon closed the connection: {notice}" if notice else "the daemon closed the connection")
+
+
+def _checked(reply: Message) -> Message:
+    if reply.error:
+        raise Error(reply.error, reply.text or _ERROR_NAMES.get(reply.error, "error"))
+    return reply
+
+
+# --- checks before anything is written --------------------------------------------------------------------------------
+
+
+def _number(value: Any, what: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise Error(3, f"{what} must be one number, not {value!r}") from None
+    if not math.isfinite(number):
+        raise Error(4, f"{what} must be finite, not {number}")
+    return number
+
+
+def _count(value: Any, what: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) and not (isinstance(value, float) and value.is_integer()):
+        raise Error(2, f"{what} must be a whole number, not {value!r}")
+    if not 1 <= value < 2**31:
+        raise Error(4, f"{what} must be at least 1, not {value}")
+    return int(value)
+
+
+# --- readings out of messages -----------------------------------------------------------------------------------------
+
+
+def _pairs(data: Sequence[float]) -> List[Tuple[float, float]]:
+    return list(zip(data[0::2], data[1::2]))
+
+
+def _targets(params: Sequence[int], text: str, data: Sequence[float]) -> List[Target]:
+    return [Target(i, c, d, b) for i, c, (d, b) in zip(params, text.split(), _pairs(data))]
+
+
+def _reading_value(command: int, message: Message) -> Any:
+    """What the get-command number `command` returns, out of its message."""
+    data = message.data[:-2]
+    if command == _GET_TARGETS:
+        return _targets(message.params, message.text, data)
+    if command == _GET_ROBOTS:
+        return [OtherRobot(i, c, d, b) for i, c, (d, b) in zip(message.params, message.text.split(), _pairs(data))]
+    if command == _GET_GEOMETRY:
+        return Geometry(data[0::3], data[1::3], data[2::3])
+    kinds = {_GET_WHEELS: Wheels, _GET_LIMITS: Limits, _GET_TARGET: Bearing, _GET_POSE: Pose, _GET_POSE_3D: Pose3d}
+    return kinds[command](*data) if command in kinds else data
+
+
+# --- what a simulation and its robots share ---------------------------------------------------------------------------
+
+
+class _Link:
+    """A robot as this client drives it: its connections, and the command kept for the next step."""
+
+    def __init__(self, session: "_Session", robot: str) -> None:
+        self.robot = robot
+        self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors")
+        self.readers: Dict[str, _Connection] = {}
+        self.pushers: Dict[str, _Connection] = {}
+        self.kept: Optional[Tuple[int, Tuple[float, ...]]] = None  # for the next step
+        self.sent: Optional[Tuple[int, Tuple[float, ...]]] = None  # its reply has not come yet
+        self.lost: Optional[Error] = None  # why it is not ours any more
+        self.attached: List[str] = []
+        self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
+        self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
+
+    def connections(self) -> List[_Connection]:
+        return ([self.motors] if self.motors else []) + list(self.readers.values()) + list(self.pushers.values())
+
+    def forget_commands(self) -> None:
+        self.kept = self.sent = self.carried = None
+
+
+class _Session:
+    """The connections of one `connect`, shared by the simulation and its robots. Refers to neither of them."""
+
+    def __init__(self, address: _Address, watch: bool) -> None:
+        self.address = address
+        self.watch = watch
+        self.simulation = _Connection(address, "/simulation")
+        self.links: List[_Link] = []
+        self.others: Dict[str, _Connection] = {}  # of call() and describe()
+        self.commands: Dict[str, Dict[str, int]] = {}  # numbers of commands by module and name
+        self.mode = 0
+        self.time = 0.0
+        self.steps = 0
+        self.closed = False
+
+    def spin_s(self) -> float:
+        return _spin_s(self.mode == _LOCKSTEP, len(self.links))
+
+    def note(self, reply: Message) -> Message:
+        """Takes time and step out of a reply, and the mode if it carries one."""
+        if len(reply.data) >= 2:
+            self.time, self.steps = reply.data[-2], int(reply.data[-1])
+        if reply.params and reply.command in (_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP):
+            self.mode = reply.params[0]
+        return reply
+
+    def require_open(self) -> None:
+        if self.closed:
+            raise Error(-1, "this sim is closed; connect() again")
+
+    # --- requests that are answered at once ---
+    def control(
+        self, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
+        timeout: float = _REQUEST_TIMEOUT_S,
+    ) -> Message:
+        """A request to /simulation."""
+        self.require_open()
+        if not self.simulation.alive():
+            self.simulation.open(self.address.timeout)
+        reply = self.simulation.request(command, params, data, text, timeout)
+        for link in self.links:
+            link.carried = None
+        return self.note(reply)
+
+    def read(self, link: _Link, module: str, command: int, params: Sequence[int] = (), text: str = "") -> Message:
+        """A reading of the newest frame. A connection that broke since it was last used is opened again."""
+        self.require_open()
+        if module == "motors" and link.motors is not None:
+            if link.lost is None:
+                self.settle(link)
+                return self.note(link.motors.request(command, params, (), text, spin_s=self.spin_s()))
+        connection = link.readers.setdefault(module, _Connection(self.address, f"/{link.robot}/{module}"))
+        return self.ask(connection, command, params, (), text)
+
+    def ask(
+        self, connection: _Connection, command: int, params: Sequence[int], data: Sequence[float], text: str
+    ) -> Message:
+        if connection.sock is not None and not connection.busy:
+            try:
+                return self.note(connection.request(command, params, data, text, spin_s=self.spin_s()))
+            except _Closed:
+                pass
+        connection.open(self.address.timeout)
+        return self.note(connection.request(command, params, data, text, spin_s=self.spin_s()))
+
+    # --- driving ---
+    def drive(self, robot: str) -> _Link:
+        """The link to `robot`, opened and (unless watching) claimed."""
+        self.require_open()
+        for link in self.links:
+            if link.robot == robot and link.lost is None:
+                return link
+        link = _Link(self, robot)
+        try:
+            self.open_motors(link)
+        except Error as e:
+            if e.code != 10:
+                raise
+            modules = self.address.modules()
+            if not any(m.name.startswith(f"/{robot}/") for m in modules):
+                robots = sorted({m.name.split("/")[1] for m in modules if m.name.count("/") == 2})
+                raise Error(10, f"there is no robot {robot!r}; there are: {_list_of(robots)}") from None
+            link.motors = None  # it has no motors: it can be read only
+        self.links = [other for other in self.links if other.robot != robot] + [link]
+        return link
+
+    def open_motors(self, link: _Link) -> None:
+        """Opens (again) the connection that commands go through: `hello` takes the module back, `claim` makes it ours."""
+        assert link.motors is not None
+        link.sent = link.carried = None
+        link.motors.open(self.address.timeout)
+        try:
+            if not self.watch:
+                try:
+                    link.motors.request(_CLAIM)
+                except Error as e:
+                    if e.code == 6:
+                        raise Error(6, f"{link.robot} {_owned_text(e.text)}") from None
+                    if e.code != 5:  # 5: a recording is played; reading goes on
+                        raise
+            if link.attached:
+                link.motors.request(_ATTACH, text=" ".join(link.attached))
+            self.note(link.motors.request(_GET_TIME))
+        except BaseException:
+            link.motors.close()
+            raise
+
+    def settle(self, link: _Link) -> None:
+        """Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue."""
+        assert link.motors is not None
+        if link.lost is not None:
+            raise link.lost
+        connection = link.motors
+        if connection.sock is None or (connection.busy and link.sent is None):  # interrupted, or never opened again
+            self.open_motors(link)
+        if link.sent is None:
+            return
+        if self.await_command(link):
+            return
+        # No reply: in lockstep it comes after the step only. Take the command back, and keep it.
+        if self.control(_GET_TIME).params[0] == _LOCKSTEP:
+            link.kept = link.kept or link.sent
+            self.open_motors(link)
+        else:
+            _ = self.guard(link, _REQUEST_TIMEOUT_S)
+            link.sent = None
+
+    def await_command(self, link: _Link) -> bool:
+        """Waits a moment for the reply to a command; True if it came."""
+        assert link.motors is not None and link.motors.sock is not None
+        deadline = _clock.monotonic() + _COMMAND_WAIT_S
+        while True:
+            try:
+                reply = link.motors.try_read()
+            except _Closed as e:
+                raise self.lose(link, e) from None
+            if reply is not None:
+                link.sent = None
+                self.note(_checked(reply))
+                return True
+            left = deadline - _clock.monotonic()
+            if left <= 0:
+                return False
+            _wait_readable((link.motors.sock,), left)
+
+    def guard(self, link: _Link, timeout: float) -> Message:
+        assert link.motors is not None
+        try:
+            return self.note(_checked(link.motors.receive(timeout)))
+        except _Closed as e:
+            raise self.lose(link, e) from None
+
+    def lose(self, link: _Link, closed: _Closed) -> Error:
+        """The motors connection was closed by the daemon. With a notice (taken over, freed, gone) it is not opened
+        again by itself: that would take the robot back from whoever got it."""
+        link.forget_commands()
+        if not closed.notice:
+            return Error(-1, f"the connection to {link.robot} broke; is the daemon still running?")
+        link.lost = Error(6, f"{link.robot} is not driven by this sim any more: {closed.notice}; "
+                             f'sim.robot("{link.robot}") takes it again')
+        return link.lost
+
+    def command(self, link: _Link, command: int, data: Tuple[float, ...]) -> None:
+        """An actuator command: kept in lockstep, sent at once otherwise."""
+        self.require_open()
+        if self.watch:
+            raise Error(5, "this sim only watches; connect() without watch=True to drive")
+        if link.motors is None:
+            raise Error(5, f"{link.robot} has no motors")
+        if link.lost is not None:
+            raise link.lost
+        link.carried = None
+        if self.mode != _LOCKSTEP:
+            self.settle(link)
+        if self.mode == _LOCKSTEP:
+            link.kept = (command, data)
+            return
+        link.kept = None
+        try:
+            link.motors.send(encode(command, (), data))
+        except _Closed as e:
+            raise self.lose(link, e) from None
+        link.sent = (command, data)
+        self.await_command(link)
+
+    def step(self, n: int, timeout: Optional[float]) -> None:
+        self.require_open()
+        driven = [link for link in self.links if link.motors is not None]
+        if self.watch or not driven:
+            if not self.simulation.alive():
+                self.simulation.open(self.address.timeout)
+            waiting: Dict[_Connection, Optional[_Link]] = {self.simulation: None}
+            self.simulation.send(encode(_READY, (n,)))
+        else:
+            for link in driven:
+                self.settle(link)
+            waiting = {}
+            try:
+                for link in driven:
+                    assert link.motors is not None
+                    command, data = link.kept or (_READY, ())
+                    link.kept = link.carried = None
+                    waiting[link.motors] = link
+                    link.motors.send(encode(command, (n,), data))
+            except BaseException as e:
+                raise self.give_up(waiting, e)
+        try:
+            self.collect(waiting, timeout)
+        except BaseException as e:
+            raise self.give_up(waiting, e)
+
+    def collect(self, waiting: Dict[_Connection, Optional[_Link]], timeout: Optional[float]) -> None:
+        """Takes in the reply of every connection in `waiting`, which is empty then. The first error is raised."""
+        start = now = _clock.monotonic()
+        spin_until = start + self.spin_s()
+        deadline = start + timeout if timeout is not None else math.inf
+        notice_at = start + _NOTICE_AFTER_S
+        while True:
+            for connection, link in list(waiting.items()):
+                reply = connection.try_read()
+                if reply is None:
+                    continue
+                del waiting[connection]
+                if reply.error:
+                    raise Error(reply.error, f"{link.robot}: {reply.text}" if link else reply.text)
+                self.note(reply)
+                if link is not None and link.attached and reply.params[0] == _LOCKSTEP:
+                    link.carried = reply
+            if not waiting:
+                return
+            now = _clock.monotonic()
+            if now < spin_until:
+                continue
+            if now >= deadline:
+                raise Error(11, f"the step did not come within {timeout:g} s; {self.whom()}")
+            if now >= notice_at:
+                notice_at = math.inf
+                print(f"coopdyn: {self.whom()}", file=sys.stderr, flush=True)
+            sockets = [c.sock for c in waiting if c.sock is not None]
+            _wait_readable(sockets, min(deadline, notice_at, now + 3600) - now)
+
+    def give_up(self, waiting: Dict[_Connection, Optional[_Link]], cause: BaseException) -> BaseException:
+        """Connections that still wait for a reply are closed, and opened again if the cause was an error: reading on
+        would take the next reply for the one that is missing."""
+        if isinstance(cause, _Closed):
+            for connection, link in waiting.items():
+                if connection.sock is None and link is not None:
+                    cause = self.lose(link, cause)
+                    break
+        again = []
+        for connection, link in waiting.items():
+            connection.close()
+            if link is not None:
+                link.forget_commands()
+                again.append(link)
+        if isinstance(cause, Exception):
+            for link in again:
+                if link.lost is None:
+                    try:
+                        self.open_motors(link)
+                    except Error:
+                        pass  # tried again at the next use, which says what is wrong
+        return cause
+
+    def whom(self) -> str:
+        """One line that says what the world waits for, asked on a connection of its own."""
+        connection = _Connection(self.address, "/simulation")
+        try:
+            connection.open(1.0)
+            status = json.loads(connection.request(_GET_STATUS, timeout=1.0).text)
+        except Error as e:
+            return f"no answer from the daemon ({e.text})"
+        finally:
+            connection.close()
+        if status.get("state") == "paused":
+            return "the simulation is paused; sim.run() or the page goes on"
+        if status.get("state") == "ended":
+            return "the run has ended; sim.reset() starts again"
+        awaited = ", ".join(f"{a['robot']} ({a['why']}), {a['seconds']:.1f} s" for a in status.get("awaiting") or [])
+        return f"waiting for {awaited}" if awaited else f"waiting for the next step, {status.get('state')}"
+
+    def started_anew(self) -> None:
+        """After a reset or load of ours: what was kept belongs to the old world."""
+        for link in self.links:
+            link.forget_commands()
+
+    def close(self) -> None:
+        for link in self.links:
+            if link.motors is not None and link.motors.sock is not None and not self.watch and link.lost is None:
+                try:
+                    link.motors.send(encode(_STOP))
+                    link.motors.try_read()  # what is unread would make closing a reset, which loses the stop
+                    assert link.motors.sock is not None
+                    link.motors.sock.shutdown(socket.SHUT_WR)
+                except (Error, OSError):
+                    pass
+            for connection in link.connections():
+                connection.close()
+        for connection in self.others.values():
+            connection.close()
+        self.simulation.close()
+        self.closed = True
+
+
+def _owned_text(text: str) -> str:
+    return f"cannot be driven: {text}. Stop the other program, or free the robot on the page; " \
+           "to look on only: connect(watch=True)"
+
+
+# --- what a program uses ----------------------------------------------------------------------------------------------
+
+
+class Robot:
+    """One robot. Readings are always those of the newest step."""
+
+    def __init__(self, session: _Session, link: _Link) -> None:
+        self._session = session
+        self._link = link
+
+    def __repr__(self) -> str:
+        return f"<coopdyn robot {self.name}>"
+
+    @property
+    def name(self) -> str:
+        return self._link.robot
+
+    # --- commands ---
+    def set_velocity(self, v: float, w: float) -> None:
+        """Forward speed v [m/s] and turn rate w [rad/s], left is positive. Beyond the limits both are scaled."""
+        self._session.command(self._current(), _SET_VELOCITY, (_number(v, "v [m/s]"), _number(w, "w [rad/s]")))
+
+    def set_wheel_speeds(self, l: float, r: float) -> None:
+        """Speeds of the left and right wheel [rad/s]."""
+        self._session.command(self._current(), _SET_WHEEL_SPEEDS, (_number(l, "l [rad/s]"), _number(r, "r [rad/s]")))
+
+    def stop(self) -> None:
+        """Stops both wheels; like the other commands, in lockstep with the next `sim.step()`."""
+        self._session.command(self._current(), _STOP, ())
+
+    # --- readings ---
+    def get_pose(self) -> Pose:
+        """x, y [m], heading [rad], forward [m/s], turn [rad/s], in the world frame."""
+        return self._get("pose", _GET_POSE)
+
+    def get_pose_3d(self) -> Pose3d:
+        """Position [m], quaternion and both velocities [m/s, rad/s] in the world frame (ground truth)."""
+        return self._get("pose", _GET_POSE_3D)
+
+    def get_distances(self) -> List[float]:
+        """One range per sensor [m], right to left, from the surface of the robot; inf = nothing there."""
+        return self._get("distance", _GET_DISTANCES)
+
+    def get_geometry(self) -> Geometry:
+        """Bearing [rad], opening [rad] and range [m] of each distance sensor, right to left."""
+        return self._get("distance", _GET_GEOMETRY)
+
+    def get_targets(self) -> List[Target]:
+        """Id, colour, distance [m] and bearing [rad] of every target."""
+        return self._get("target", _GET_TARGETS)
+
+    def get_target(self, x: Union[str, int]) -> Bearing:
+        """Distance [m] and bearing [rad] of the nearest target of a colour, or of the target with an id."""
+        if isinstance(x, str):
+            return self._get("target", _GET_TARGET, (), x)
+        return self._get("target", _GET_TARGET, (_count(x, "the id of a target"),))
+
+    def get_robots(self) -> List[OtherRobot]:
+        """Id, name, distance [m] and bearing [rad] of every other robot."""
+        return self._get("target", _GET_ROBOTS)
+
+    def get_wheels(self) -> Wheels:
+        """Angles [rad] and speeds [rad/s] of the wheels."""
+        return self._get("motors", _GET_WHEELS)
+
+    def get_limits(self) -> Limits:
+        """Limit of the wheel speeds [rad/s], wheel radius and track [m]."""
+        return self._get("motors", _GET_LIMITS)
+
+    def sense(self) -> Reading:
+        """All readings of one step, in one round trip; in lockstep, right after `sim.step()`, those that came with
+        its reply, without any. `reading.target("red")` finds a target in it."""
+        session, link = self._session, self._current()
+        session.require_open()
+        if not link.attached:
+            self._attach(link)
+        reply, link.carried = link.carried, None
+        if reply is None:
+            reply = self._ask_attached(link)
+        step, ends = int(reply.data[-1]), 0
+        parts: Dict[str, List[float]] = {}
+        for module, length in zip(link.attached, reply.params[1:]):
+            parts[module] = reply.data[ends : ends + length]
+            ends += length
+        targets: List[Target] = []
+        if parts.get("target"):
+            ids, colours = self._labels(link, step, len(parts["target"]) // 2)
+            targets = [Target(i, c, d, b) for i, c, (d, b) in zip(ids, colours, _pairs(parts["target"]))]
+        return Reading(
+            reply.data[-2],
+            step,
+            parts.get("distance", []),
+            targets,
+            Pose(*parts["pose"]) if "pose" in parts else None,
+            Wheels(*parts["motors"]) if "motors" in parts else None,
+        )
+
+    # --- pushed readings ---
+    def subscribe(self, module: str, n: int = 1) -> None:
+        """Has the first reading of "distance", "target", "pose" or "motors" sent every n steps; `next` takes them.
+        n = 0 ends it. What is not taken in time is dropped, the oldest first (64 are kept)."""
+        self._session.require_open()
+        old = self._link.pushers.pop(module, None)
+        if old is not None:
+            old.close()
+        if n == 0:
+            return
+        connection = _Connection(self._session.address, f"/{self.name}/{module}")
+        connection.open(self._session.address.timeout)
+        connection.request(_SUBSCRIBE, (_count(n, "n"),))
+        self._link.pushers[module] = connection
+
+    def next(self, module: Optional[str] = None, timeout: Optional[float] = None) -> Update:
+        """Waits for the next pushed reading, of one module or of any that was subscribed to. Error 11 after `timeout`
+        seconds."""
+        pushers = self._link.pushers
+        chosen = [module] if module else list(pushers)
+        if not chosen or any(m not in pushers for m in chosen):
+            raise Error(5, f'nothing is subscribed to; write r.subscribe("{module or "distance"}") first')
+        deadline = _clock.monotonic() + timeout if timeout is not None else math.inf
+        while True:
+            for m in chosen:
+                connection = pushers[m]
+                if not connection.pushes:
+                    try:
+                        connection.try_read()
+                    except _Closed:
+                        del pushers[m]
+                        raise
+                if connection.pushes:
+                    pushed = connection.pushes.pop(0)
+                    self._session.note(pushed)
+                    value = _reading_value(-pushed.command, pushed)
+                    return Update(m, pushed.data[-2], int(pushed.data[-1]), value, pushed.text)
+            now = _clock.monotonic()
+            if now >= deadline:
+                raise Error(11, f"no reading of {_list_of(chosen)} within {timeout:g} s")
+            sockets = [s for s in (pushers[m].sock for m in chosen) if s is not None]
+            _wait_readable(sockets, min(deadline - now, 3600))
+
+    def call(
+        self, module: str, command: Union[str, int], params: Sequence[int] = (), data: Sequence[float] = (),
+        text: str = "", timeout: Optional[float] = None,
+    ) -> Reply:
+        """The raw message to one of this robot's modules, e.g. `r.call("motors", "set_velocity", data=[0.2, 0])`."""
+        return _call(self._session, f"/{self.name}/{module}", command, params, data, text, timeout)
+
+    # --- inside ---
+    def _current(self) -> _Link:
+        return self._link
+
+    def _get(self, module: str, command: int, params: Sequence[int] = (), text: str = "") -> Any:
+        return _reading_value(command, self._session.read(self._link, module, command, params, text))
+
+    def _attach(self, link: _Link) -> None:
+        names = {m.name for m in self._session.address.modules()}
+        readable = [m for m in ("motors", "distance", "target", "pose") if f"/{link.robot}/{m}" in names]
+        if not readable:
+            raise Error(10, f"{link.robot} has no readings")
+        connection = self._attached_connection(link, readable)
+        connection.request(_ATTACH, text=" ".join(readable))
+        link.attached = readable
+
+    def _attached_connection(self, link: _Link, readable: Sequence[str]) -> _Connection:
+        session = self._session
+        if link.motors is not None:
+            session.settle(link)
+            return link.motors
+        connection = link.readers.setdefault("attached", _Connection(session.address, f"/{link.robot}/{readable[0]}"))
+        if connection.sock is None or connection.busy:
+            connection.open(session.address.timeout)
+            if link.attached:
+                connection.request(_ATTACH, text=" ".join(link.attached))
+        return connection
+
+    def _ask_attached(self, link: _Link) -> Message:
+        session = self._session
+        connection = self._attached_connection(link, link.attached)
+        try:
+            return session.note(connection.request(_GET_TIME, spin_s=session.spin_s()))
+        except _Closed as e:
+            if connection is link.motors:
+                raise session.lose(link, e) from None
+            raise
+
+    def _labels(self, link: _Link, step: int, count: int) -> Tuple[List[int], List[str]]:
+        """Ids and colours of the targets. They change with a reset, load or edit only: asked for again when the step
+        did not go on, when their number changed, or after a while."""
+        last, when, ids, colours = link.labels
+        now = _clock.monotonic()
+        if step <= last or now - when > _LABELS_LIVE_S or len(ids) != count:
+            targets = self.get_targets()
+            ids, colours = [t.id for t in targets], [t.colour for t in targets]
+        link.labels = (step, now, ids, colours)
+        return ids, colours
+
+
+class Simulation:
+    """A connection to a daemon: its time and its robots. What `connect` returns; also a context manager."""
+
+    def __init__(self, session: _Session) -> None:
+        self._session = session
+
+    def __enter__(self) -> "Simulation":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<coopdyn simulation at {self._session.address}>"
+
+    # --- robots ---
+    def robot(self, which: Union[str, int]) -> Robot:
+        """Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it."""
+        if isinstance(which, str):
+            name = which.strip().lstrip("/")
+        else:
+            number, names = _count(which, "the number of a robot"), self.robots()
+            if number > len(names):
+                raise Error(10, f"there is no robot {number}; there are: {_list_of(names)}")
+            name = names[number - 1]
+        if not name or "/" in name or len(name.split()) != 1:
+            raise Error(10, f'{which!r} is not the name of a robot; write e.g. sim.robot("robot1")')
+        return Robot(self._session, self._session.drive(name))
+
+    def robots(self) -> List[str]:
+        """The names of all robots, in the order of the scenario."""
+        return [robot["name"] for robot in self.status()["robots"]]
+
+    # --- time ---
+    def step(self, n: int = 1, timeout: Optional[float] = None) -> None:
+        """Goes on by n steps: sends what the robots of this sim were told and waits until the steps have run, in
+        lockstep; waits for the n-th next step otherwise. Error 11 after `timeout` seconds (default: never). Waiting
+        longer than 2 s it says once, on stderr, whom for."""
+        if timeout is not None:
+            timeout = _number(timeout, "timeout [s]")
+        self._session.step(_count(n, "n"), timeout)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s] of the newest reply."""
+        return self._session.time
+
+    @property
+    def steps(self) -> int:
+        """Step number of the newest reply."""
+        return self._session.steps
+
+    @property
+    def mode(self) -> str:
+        """"realtime", "lockstep" or "free", asked now."""
+        self._session.mode = self._session.control(_GET_TIME).params[0]
+        return MODES[self._session.mode]
+
+    @property
+    def dt(self) -> float:
+        """Length of a step [s], asked now."""
+        return float(self.status()["step_s"])
+
+    # --- control ---
+    def run(self) -> None:
+        """Lets time go on."""
+        self._session.control(_RUN)
+
+    def pause(self) -> None:
+        """Holds time."""
+        self._session.control(_PAUSE)
+
+    def stop_all(self) -> None:
+        """Stops every robot, also those of others."""
+        self._session.control(_STOP_ALL)
+        self._session.started_anew()
+
+    def reset(self, seed: Optional[int] = None) -> None:
+        """Starts again at step 0, with a new seed if one is given."""
+        if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not -(2**31) <= seed < 2**31):
+            raise Error(2, f"a seed is a whole number of 32 bits, not {seed!r}")
+        self._session.control(_RESET, () if seed is None else (seed,), timeout=_LOAD_TIMEOUT_S)
+        self._session.started_anew()
+
+    def reload(self) -> None:
+        """Loads the same scenario file again from disk."""
+        self._session.control(_RELOAD, timeout=_LOAD_TIMEOUT_S)
+        self._loaded()
+
+    def load_scenario(self, x: str) -> None:
+        """Loads a scenario: a name on the daemon's search path, a file here, or the text of one."""
+        if "\n" not in x and os.path.isfile(x):
+            with open(x, encoding="utf-8-sig", errors="surrogateescape") as file:
+                x = file.read().encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+        self._session.control(_LOAD_SCENARIO, text=x, timeout=_LOAD_TIMEOUT_S)
+        self._loaded()
+
+    def set_mode(self, mode: Union[str, int]) -> None:
+        """"realtime", "lockstep" or "free"."""
+        if mode not in MODES and mode not in range(len(MODES)):
+            raise Error(4, f"there is no mode {mode!r}; write one of {_list_of(MODES)}")
+        number = MODES.index(mode) if isinstance(mode, str) else int(mode)
+        self._session.control(_SET_MODE, (number,))
+        self._session.mode = number
+
+    def set_step(self, s: float) -> None:
+        """Length of a step, 0.0005 to 0.1 s."""
+        self._session.control(_SET_STEP, (), (_number(s, "the step [s]"),))
+
+    def set_speed(self, x: float) -> None:
+        """How fast time goes against the wall clock; 0 or less: no limit."""
+        self._session.control(_SET_SPEED, (), (_number(x, "the speed factor"),))
+
+    def set_participants(self, names: Sequence[str] = ()) -> None:
+        """The robots that lockstep waits for; empty: as the scenario says."""
+        self._session.control(_SET_PARTICIPANTS, text=names if isinstance(names, str) else " ".join(names))
+
+    # --- looking ---
+    def status(self) -> Dict[str, Any]:
+        """The whole state of the simulation (docs/protocol.md lists the keys)."""
+        return json.loads(self._session.control(_GET_STATUS).text)
+
+    def hash(self) -> str:
+        """The hash of the state, 16 hexadecimal digits: equal runs give equal hashes."""
+        return str(self.status()["hash"])
+
+    def waiting(self) -> List[Awaited]:
+        """The robots that the world waits for, and why."""
+        return [Awaited(a["robot"], a["why"], float(a["seconds"] or 0)) for a in self.status()["awaiting"] or []]
+
+    def snapshot(
+        self, file: str, w: int = 640, h: int = 480, eye: Optional[Sequence[float]] = None,
+        look: Optional[Sequence[float]] = None,
+    ) -> str:
+        """Writes a PNG picture of w by h pixels to `file`; `eye` and `look` are points x, y, z [m] in the world."""
+        import urllib.error
+        import urllib.request
+
+        url = f"{_page(self._session.address, self.status())}/snapshot.png?w={_count(w, 'w')}&h={_count(h, 'h')}"
+        for word, point in (("eye", eye), ("look", look)):
+            if point is not None:
+                if len(point) != 3:
+                    raise Error(3, f"{word} is a point: write ({word}_x, {word}_y, {word}_z)")
+                url += f"&{word}=" + ",".join(repr(_number(c, word)) for c in point)
+        try:
+            with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=30) as picture:
+                data = picture.read()
+        except urllib.error.HTTPError as e:
+            raise Error(5, f"no picture: {e.read().decode('utf-8', 'replace').strip() or e}") from None
+        except (OSError, urllib.error.URLError) as e:
+            raise Error(-1, f"no picture from {url}: {e}") from None
+        with open(file, "wb") as out:
+            out.write(data)
+        return file
+
+    def describe(self, name: str) -> Dict[str, Any]:
+        """The commands of a module, e.g. "/robot1/motors", with their values and units."""
+        return json.loads(_other(self._session, name, _DESCRIBE).text)
+
+    def modules(self) -> List[Module]:
+        """Every name of the daemon with its address."""
+        self._session.require_open()
+        return self._session.address.modules()
+
+    def call(
+        self, name: str, command: Union[str, int], params: Sequence[int] = (), data: Sequence[float] = (),
+        text: str = "", timeout: Optional[float] = None,
+    ) -> Reply:
+        """The raw message, e.g. `sim.call("/robot1/motors", "set_velocity", data=[0.2, 0.5])`; in lockstep an actuator
+        command is answered after the step. Error 11 after `timeout` seconds (default: never)."""
+        return _call(self._session, name, command, params, data, text, timeout)
+
+    def close(self) -> None:
+        """Writes `stop` to the robots of this sim and frees them. Does not wait."""
+        if not self._session.closed:
+            self._session.close()
+
+    def _loaded(self) -> None:
+        session = self._session
+        session.started_anew()
+        names = set(self.robots())
+        for link in session.links:
+            if link.robot not in names:
+                link.lost = Error(10, f"the scenario that was loaded has no {link.robot}; there are: {_list_of(sorted(names))}")
+                for connection in link.connections():
+                    connection.close()
+        session.links = [link for link in session.links if link.lost is None]
+
+
+def _page(address: _Address, status: Dict[str, Any]) -> str:
+    """The page's URL, with the host that reaches the daemon from here."""
+    url = str(status.get("http") or "off")
+    if "://" not in url:
+        raise Error(5, "the daemon was started with --no-http, so there are no pictures")
+    port = url.split("://", 1)[1].rstrip("/").rsplit(":", 1)[-1]
+    host = f"[{address.host}]" if ":" in address.host else address.host
+    return f"http://{host}:{port}"
+
+
+def _other(session: _Session, name: str, command: int) -> Message:
+    name = "/" + name.strip("/")
+    return session.ask(session.others.setdefault(name, _Connection(session.address, name)), command, (), (), "")
+
+
+def _call(
+    session: _Session, name: str, command: Union[str, int], params: Sequence[int], data: Sequence[float], text: str,
+    timeout: Optional[float],
+) -> Reply:
+    session.require_open()
+    name = "/" + name.strip("/")
+    if isinstance(command, str):
+        if name not in session.commands:
+            described = json.loads(_other(session, name, _DESCRIBE).text)
+            session.commands[name] = {c["name"]: int(c["id"]) for c in described["commands"]}
+        if command not in session.commands[name]:
+            raise Error(1, f"{name} has no command {command!r}; it has: {_list_of(session.commands[name])}")
+        command = session.commands[name][command]
+    for p in params:
+        if isinstance(p, bool) or not isinstance(p, int) or not -(2**31) <= p < 2**31:
+            raise Error(2, f"params are whole numbers of 32 bits, not {p!r}")
+    try:
+        numbers = [float(d) for d in data]
+    except (TypeError, ValueError):
+        raise Error(3, f"data are numbers, not {data!r}") from None
+    link = next((l for l in session.links if l.motors is not None and l.motors.module == name), None)
+    if link is not None and link.motors is not None:
+        session.settle(link)
+        connection = link.motors
+    elif name == "/simulation":
+        connection = session.simulation
+    else:
+        connection = session.others.setdefault(name, _Connection(session.address, name))
+    if not connection.alive():
+        if link is not None:
+            session.open_motors(link)
+        else:
+            connection.open(session.address.timeout)
+    for other in session.links:
+        other.carried = None
+    waiting: Dict[_Connection, Optional[_Link]] = {connection: link}
+    try:
+        connection.send(encode(command, list(params), numbers, text))
+        reply = _await_one(session, connection, timeout)
+    except BaseException as e:
+        if isinstance(e, Error) and connection.sock is not None and not connection.busy:
+            raise  # an error reply: the connection is in order
+        raise session.give_up(waiting, e)
+    return Reply(reply.text, reply.command, reply.params, reply.data[:-2], reply.data[-2], int(reply.data[-1]))
+
+
+def _await_one(session: _Session, connection: _Connection, timeout: Optional[float]) -> Message:
+    """The reply to a raw message, which may have to wait for a step; says once whom for."""
+    start = _clock.monotonic()
+    deadline = start + timeout if timeout is not None else math.inf
+    notice_at = start + _NOTICE_AFTER_S
+    while True:
+        reply = connection.try_read()
+        if reply is not None:
+            return session.note(_checked(reply))
+        now = _clock.monotonic()
+        if now >= deadline:
+            raise Error(11, f"no answer from {connection.module} within {timeout:g} s; {session.whom()}")
+        if now >= notice_at:
+            notice_at = math.inf
+            print(f"coopdyn: {session.whom()}", file=sys.stderr, flush=True)
+        assert connection.sock is not None
+        _wait_readable((connection.sock,), min(deadline, notice_at, now + 3600) - now)
+
+
+def connect(
+    server: Optional[str] = None, name: Optional[str] = None, token: Optional[str] = None, timeout: float = 3,
+    watch: bool = False,
+) -> Simulation:
+    """Connects to a daemon: "labserver" or "labserver:10100"; without, COOPDYN_SERVER or this machine.
+
+    `name`: who drives (default user@host:pid, no spaces); a new connection of the same name takes a robot over.
+    `token`: what the daemon printed, needed from other machines to change the world. `timeout`: seconds until
+    connecting gives up. `watch`: never drives a robot, only looks on.
+    """
+    session = _Session(_Address(server, name, token, _number(timeout, "timeout [s]")), watch)
+    try:
+        session.simulation.open(session.address.timeout)
+        status = json.loads(session.control(_GET_STATUS, timeout=session.address.timeout).text)
+        if status.get("protocol", PROTOCOL) != PROTOCOL:
+            raise Error(
+                5,
+                f"the daemon at {session.address} (version {status.get('version')}) speaks protocol "
+                f"{status.get('protocol')}, this coopdyn.py ({__version__}) speaks {PROTOCOL}: take the coopdyn.py "
+                "that the daemon's page offers",
+            )
+        session.control(_GET_TIME)
+    except ValueError:
+        session.close()
+        raise Error(7, f"what listens at {session.address} gave a status that is not JSON") from None
+    except BaseException:
+        session.close()
+        raise
+    return Simulation(session)
+
+
+# --- the command line -------------------------------------------------------------------------------------------------
+
+
+def doctor(server: Optional[str] = None, token: Optional[str] = None) -> bool:
+    """Walks from the name of the server to a round trip; prints `ok`, or cause and cure, per line. True if all is ok."""
+
+    def say(ok: bool, text: str) -> bool:
+        print(f"{'ok   ' if ok else 'FAIL '} {text}", flush=True)
+        return ok
+
+    try:
+        address = _Address(server, None, token, 3.0)
+    except Error as e:
+        return say(False, e.text)
+    say(True, f"server: {address} (Python {sys.version.split()[0]}, coopdyn.py {__version__})")
+    try:
+        found = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
+        say(True, f"name lookup: {address.host} is {_list_of(sorted({str(f[4][0]) for f in found}))}")
+    except socket.gaierror:
+        return say(False, f"name lookup: nobody knows a machine called {address.host!r}; write its address")
+    try:
+        address.dial(_clock.monotonic() + address.timeout).close()
+        say(True, f"port: {address.port} is open")
+        modules = address.modules()
+        say(True, f"names: {len(modules)} modules on ports {min((m.port for m in modules), default=0)} to "
+                  f"{max((m.port for m in modules), default=0)}; this client needs {address.port} only")
+        sim = connect(server, token=token)
+    except Error as e:
+        return say(False, e.text)
+    with sim:
+        status = sim.status()
+        say(True, f"versions: daemon {status.get('version')}, protocol {status.get('protocol')}")
+        took = []
+        for _ in range(50):
+            start = _clock.perf_counter()
+            sim._session.control(_GET_TIME)
+            took.append(_clock.perf_counter() - start)
+        say(True, f"round trip: {sorted(took)[25] * 1e6:.0f} us (median of 50), longest {max(took) * 1e6:.0f} us")
+        say(True, f"time: {status['mode']}, {status['state']}, step {status['step']}, dt {status['step_s']} s")
+        whose = [f"{r['name']} ({'driven by ' + str(r['owner']) if r.get('owner') else 'free'})" for r in status["robots"]]
+        say(True, f"robots: {_list_of(whose)}")
+        for awaited in sim.waiting():
+            say(True, f"waiting for {awaited.robot} ({awaited.why}), {awaited.seconds:.1f} s")
+    return True
+
+
+def _hello(server: Optional[str]) -> None:
+    with connect(server) as sim:
+        r = sim.robot(1)
+        for _ in range(100):
+            r.set_velocity(0.1, 0.5)
+            sim.step()
+        p = r.get_pose()
+        print(f"hello from {r.name}: at {p.x:.2f} {p.y:.2f} m, t = {sim.time:.2f} s")
+
+
+def _main(arguments: Sequence[str]) -> int:
+    usage = "write: python3 coopdyn.py doctor [HOST[:PORT]]   or   python3 coopdyn.py hello [HOST[:PORT]]"
+    if arguments and arguments[0] in ("-h", "--help", "help"):
+        print(usage)
+        return 0
+    if not 1 <= len(arguments) <= 2 or arguments[0] not in ("doctor", "hello"):
+        print(usage, file=sys.stderr)
+        return 2
+    server = arguments[1] if len(arguments) == 2 else None
+    if arguments[0] == "doctor":
+        return 0 if doctor(server) else 1
+    try:
+        _hello(server)
+    except Error as e:
+        print(f"coopdyn: {e.text}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(_main(sys.argv[1:]))
