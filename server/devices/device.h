@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// A hardware module of a robot without its socket: requests in, readings and set-points out. Devices hold
+// nothing that changes: what they read is in the frame. Any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/command_ids.h"
+#include "protocol/command_table.h"
+#include "protocol/message.h"
+#include "server/state/command_board.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// What an actuator command means.
+struct Actuation {
+  Setpoint wheel_speed_rad_s{};  // left, right; within the limits
+  std::optional<int> steps;      // as asked for; empty: one
+  std::string limited;           // `limited to …` if the command was beyond the limits, else empty
+};
+
+class Device {
+ public:
+  virtual ~Device() = default;
+  /// The commands, with those that every module has.
+  virtual const CommandTable& table() const = 0;
+  /// The get-command that `subscribe` and `attach` take.
+  virtual command::Id first_reading() const = 0;
+  /// True if the module drives the robot, and so can be owned.
+  virtual bool is_actuator() const { return false; }
+  /// Answers a get-command for robot `robot` (index into the scene) from `frame`; without the final time_s
+  /// and step.
+  /// @pre CheckRequest() has accepted the request.
+  virtual Message Read(const Message& request, const Frame& frame, int robot) const = 0;
+  /// Appends the data of the first reading.
+  virtual void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const = 0;
+  /// The meaning of an actuator command; nothing if `request` is none. @pre as for Read().
+  virtual std::optional<Actuation> Actuate(const Message& /*request*/) const { return std::nullopt; }
+};
+
+/// A reply to `request` without error; the caller fills it in.
+inline Message ReplyTo(const Message& request) {
+  Message reply;
+  reply.command = request.command;
+  return reply;
+}
+
+}  // namespace coopdyn

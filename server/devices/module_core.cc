@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+#include "server/devices/module_core.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "protocol/codec.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::size_t kMaxClientName = 200;
+
+Message Ok(const Message& request) {
+  Message reply;
+  reply.command = request.command;
+  return reply;
+}
+
+std::string Join(std::span<const std::string> words) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (!text.empty()) text += ' ';
+    text += word;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> Words(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  std::vector<std::string> words;
+  while (true) {
+    const std::size_t start = text.find_first_not_of(kBlanks);
+    if (start == std::string_view::npos) return words;
+    text.remove_prefix(start);
+    const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
+    words.emplace_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+}
+
+void ModuleCore::Stamp(Message& reply, const Frame& frame) {
+  reply.data.push_back(frame.time_s());
+  reply.data.push_back(static_cast<double>(frame.step));
+}
+
+std::optional<Message> ModuleCore::Refuse(const Message& request) const {
+  if (request.error != 0) {
+    return ErrorReply(request.command, Error::kMalformed, "the error of a request must be 0");
+  }
+  const CommandSpec* spec = table_.Find(request.command);
+  if (spec == nullptr) {
+    return ErrorReply(request.command, Error::kUnknownCommand,
+                      fmt::format("{} has no command {}: describe (1) lists what it has", table_.module(),
+                                  request.command));
+  }
+  CheckResult checked = CheckRequest(*spec, request.text, request.params, request.data);
+  if (checked.error == 0) return std::nullopt;
+  return ErrorReply(request.command, static_cast<Error>(checked.error), std::move(checked.text));
+}
+
+Message ModuleCore::NotAllowed(const Message& request) {
+  return ErrorReply(
+      request.command, Error::kNotAllowed,
+      "not allowed from another machine without the token: send hello NAME TOKEN first; the token is "
+      "what the daemon printed at its start, or its --token");
+}
+
+std::optional<Message> ModuleCore::AnswerCommon(ModuleClient& client, const Message& request,
+                                                const Frame& frame, Mode mode) {
+  Message reply;
+  switch (request.command) {
+    case command::kPing:
+      reply = Ok(request);
+      reply.params = request.params;
+      reply.data = request.data;
+      break;
+    case command::kDescribe:
+      reply = Ok(request);
+      reply.text = table_.DescribeJson(version_);
+      break;
+    case command::kGetTime:
+      return StepReply(client, request.command, {}, frame, mode);
+    case command::kSubscribe:
+      reply = Subscribe(client, request);
+      break;
+    case command::kUnsubscribe:
+      reply = Unsubscribe(client, request);
+      break;
+    case command::kAttach:
+      reply = Attach(client, request);
+      break;
+    default:
+      return std::nullopt;
+  }
+  if (reply.error == 0) Stamp(reply, frame);
+  return reply;
+}
+
+Message ModuleCore::Subscribe(ModuleClient& client, const Message& request) const {
+  const std::int32_t every = request.params.empty() ? 1 : request.params[0];
+  const command::Id reading = request.params.size() > 1 ? request.params[1] : source_.first_reading();
+  std::erase_if(client.subscriptions, [reading](const auto& old) { return old.reading == reading; });
+  client.subscriptions.push_back({reading, every, every, 0});
+  return Ok(request);
+}
+
+Message ModuleCore::Unsubscribe(ModuleClient& client, const Message& request) const {
+  if (request.params.empty()) {
+    client.subscriptions.clear();
+  } else {
+    std::erase_if(client.subscriptions, [&](const auto& old) { return old.reading == request.params[0]; });
+  }
+  return Ok(request);
+}
+
+Message ModuleCore::Attach(ModuleClient& client, const Message& request) const {
+  const std::span<const std::string> names = source_.attachable();
+  std::vector<std::size_t> attached;
+  for (const std::string& word : Words(request.text)) {
+    const auto found = std::find(names.begin(), names.end(), word);
+    if (found == names.end()) {
+      const std::string instead = names.empty() ? "only the modules of robots take attach"
+                                                : "the modules of this robot are " + Join(names);
+      return ErrorReply(request.command, Error::kNoSuchName,
+                        "there is no module " + word + " to attach: " + instead);
+    }
+    const auto index = static_cast<std::size_t>(found - names.begin());
+    if (std::find(attached.begin(), attached.end(), index) != attached.end()) {
+      return ErrorReply(request.command, Error::kWrongParams,
+                        word + " is named twice: name each module once");
+    }
+    attached.push_back(index);
+  }
+  client.attached = std::move(attached);
+  return Ok(request);
+}
+
+std::optional<Message> ModuleCore::TakeHello(ModuleClient& client, const Message& request) const {
+  std::vector<std::string> words = Words(request.text);
+  if (words.empty() || words.size() > 2 || words[0].size() > kMaxClientName) {
+    return ErrorReply(
+        request.command, Error::kWrongParams,
+        fmt::format("hello takes a name without blanks of at most {} bytes, then the token if one is "
+                    "needed: hello ana, hello ana TOKEN",
+                    kMaxClientName));
+  }
+  const bool right = words.size() == 2 && guard_.Matches(words[1]);
+  if (words.size() == 2 && !right && !client.trusted) {
+    return ErrorReply(request.command, Error::kNotAllowed,
+                      "wrong token: it is what the daemon printed at its start, or its --token");
+  }
+  client.has_token |= right;
+  client.client.name = std::move(words[0]);
+  return std::nullopt;
+}
+
+Message ModuleCore::StepReply(const ModuleClient& client, command::Id command, std::string text,
+                              const Frame& frame, Mode mode) {
+  Message reply;
+  reply.command = command;
+  reply.text = std::move(text);
+  reply.params.reserve(1 + client.attached.size());
+  reply.params.push_back(static_cast<std::int32_t>(mode));
+  reply.data.reserve(client.attached.empty() ? 2 : 32);
+  for (const std::size_t attachable : client.attached) {
+    const std::size_t before = reply.data.size();
+    source_.AppendReading(attachable, frame, reply.data);
+    reply.params.push_back(static_cast<std::int32_t>(reply.data.size() - before));
+  }
+  Stamp(reply, frame);
+  return reply;
+}
+
+void ModuleCore::PushDue(ModuleClient& client, const Frame& frame, int dropped) {
+  for (ModuleClient::Subscription& subscription : client.subscriptions) {
+    for (int i = 0; i < dropped; ++i) {
+      if (--subscription.left > 0) continue;
+      subscription.left = subscription.every;
+      ++subscription.missed;
+    }
+    if (--subscription.left > 0) continue;
+    subscription.left = subscription.every;
+    Message request;
+    request.command = subscription.reading;
+    Message pushed = source_.Read(request, frame);
+    if (pushed.error != 0) continue;  // the robot is not in this frame
+    pushed.command = -subscription.reading;
+    if (subscription.missed > 0) {
+      pushed.text = fmt::format("dropped {}", std::exchange(subscription.missed, 0));
+    }
+    Stamp(pushed, frame);
+    client.push(pushed);
+  }
+}
+
+Message WaitEnded(command::Id command, StepEnd end, const std::string& new_owner) {
+  switch (end) {
+    case StepEnd::kReset:
+      return ErrorReply(command, Error::kNotPossible, "reset");
+    case StepEnd::kLoad:
+      return ErrorReply(command, Error::kNotPossible, "load");
+    case StepEnd::kReplaced:
+      return ErrorReply(
+          command, Error::kOwned,
+          "replaced by the first command of the new owner" + (new_owner.empty() ? "" : ", " + new_owner));
+    case StepEnd::kStopping:
+    case StepEnd::kRan:
+      break;
+  }
+  return ErrorReply(command, Error::kNotPossible, "the daemon is stopping");
+}
+
+std::string DescribeWaiting(std::span<const Awaited> awaiting) {
+  if (awaiting.empty()) return {};
+  const Awaited& first = awaiting.front();
+  return fmt::format("waiting for {} ({}), {:.1f} s", first.robot, first.why, first.seconds);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "server/devices/step_inbox.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "server/base/mutex.h"
+
+namespace coopdyn {
+
+namespace {
+
+bool SameStep(const Frame& a, const Frame& b) {
+  return a.scene->epoch == b.scene->epoch && a.step == b.step;
+}
+
+bool IsLater(const Frame& a, const Frame& b) {
+  return a.scene->epoch != b.scene->epoch ? a.scene->epoch > b.scene->epoch && a.step > 0 : a.step > b.step;
+}
+
+}  // namespace
+
+/// What other threads put into.
+class StepInbox::Mailbox {
+ public:
+  Mailbox(Post post, StepInbox* owner) : post_(std::move(post)), owner_(owner) {}
+
+  static void PutFrame(const std::shared_ptr<Mailbox>& self, const FramePtr& frame) {
+    bool wake = false;
+    {
+      const MutexLock lock(self->mutex_);
+      if (self->closed_) return;
+      Item item;
+      item.frame = frame;
+      if (self->frames_ >= kMaxFrames) item.dropped = self->DropOldest();
+      self->items_.push_back(std::move(item));
+      ++self->frames_;
+      wake = self->NeedsWake();
+    }
+    if (wake) Wake(self);
+  }
+
+  static void PutResult(const std::shared_ptr<Mailbox>& self, StepListener& listener, ClientId client,
+                        const StepResult& result) {
+    bool wake = false;
+    {
+      const MutexLock lock(self->mutex_);
+      if (self->closed_) return;
+      Item item;
+      item.listener = &listener;
+      item.client = client;
+      item.result = result;
+      self->items_.push_back(std::move(item));
+      wake = self->NeedsWake();
+    }
+    if (wake) Wake(self);
+  }
+
+  void SetBusy() {
+    const MutexLock lock(mutex_);
+    busy_ = true;
+  }
+
+  /// Appends all to `queue`; false if there was nothing, and then, with `leave`, no longer busy.
+  bool TakeInto(std::vector<Item>& queue, bool leave) {
+    const MutexLock lock(mutex_);
+    if (items_.empty()) {
+      if (leave) busy_ = false;
+      return false;
+    }
+    if (queue.empty()) {
+      queue.swap(items_);
+    } else {
+      queue.insert(queue.end(), std::make_move_iterator(items_.begin()),
+                   std::make_move_iterator(items_.end()));
+      items_.clear();
+    }
+    frames_ = 0;
+    return true;
+  }
+
+  void Close() {
+    std::vector<Item> items;  // frames are freed outside the lock
+    const MutexLock lock(mutex_);
+    closed_ = true;
+    items.swap(items_);
+    owner_ = nullptr;
+  }
+
+ private:
+  bool NeedsWake() REQUIRES(mutex_) {
+    if (busy_ || posted_) return false;
+    posted_ = true;
+    return true;
+  }
+
+  /// Removes the oldest frame; returns how many are lost by that which no later frame tells of.
+  int DropOldest() REQUIRES(mutex_) {
+    const auto oldest =
+        std::find_if(items_.begin(), items_.end(), [](const Item& item) { return item.frame != nullptr; });
+    const int lost = oldest->dropped + 1;
+    items_.erase(oldest);
+    --frames_;
+    const auto next =
+        std::find_if(items_.begin(), items_.end(), [](const Item& item) { return item.frame != nullptr; });
+    if (next == items_.end()) return lost;
+    next->dropped += lost;
+    return 0;
+  }
+
+  static void Wake(const std::shared_ptr<Mailbox>& self) {
+    self->post_([self] {
+      StepInbox* owner = nullptr;
+      {
+        const MutexLock lock(self->mutex_);
+        self->posted_ = false;
+        owner = self->owner_;
+      }
+      // On the owner's thread, where it is also destroyed: it stays while this runs.
+      if (owner != nullptr) Scope scope(*owner);
+    });
+  }
+
+  const Post post_;
+  Mutex mutex_;
+  std::vector<Item> items_ GUARDED_BY(mutex_);
+  std::size_t frames_ GUARDED_BY(mutex_) = 0;  // in items_
+  bool posted_ GUARDED_BY(mutex_) = false;     // a wake-up is under way
+  bool busy_ GUARDED_BY(mutex_) = false;       // the owner is in a Scope and looks here when it leaves
+  bool closed_ GUARDED_BY(mutex_) = false;
+  StepInbox* owner_ GUARDED_BY(mutex_);
+};
+
+StepInbox::StepInbox(CommandBoard& board, const FrameBoard& frames, Post post)
+    : board_(board), frames_(frames), mailbox_(std::make_shared<Mailbox>(std::move(post), this)) {}
+
+StepInbox::~StepInbox() {
+  if (observer_ != 0) board_.RemoveObserver(observer_);
+  mailbox_->Close();
+}
+
+void StepInbox::Enter() {
+  if (depth_++ == 0) mailbox_->SetBusy();
+}
+
+void StepInbox::Leave() {
+  // Stays "inside" while handling, so that what a listener does here does not handle anything in its midst.
+  if (depth_ == 1) {
+    do {
+      while (next_ < queue_.size()) {
+        Item item = std::move(queue_[next_++]);
+        Handle(item);
+      }
+      queue_.clear();
+      next_ = 0;
+    } while (Fetch(true));
+  }
+  --depth_;
+}
+
+bool StepInbox::Fetch(bool leave) {
+  return mailbox_->TakeInto(queue_, leave);
+}
+
+void StepInbox::Handle(Item& item) {
+  if (item.frame != nullptr) {
+    Deliver(item.frame, item.dropped);
+  } else if (item.listener != nullptr) {
+    item.listener->OnStepEnd(item.client, item.result);
+  }
+}
+
+void StepInbox::HandleFrames() {
+  Fetch(false);
+  for (std::size_t i = next_; i < queue_.size(); ++i) {
+    const FramePtr frame = std::move(queue_[i].frame);
+    if (frame != nullptr) Deliver(frame, queue_[i].dropped);
+  }
+}
+
+void StepInbox::Deliver(const FramePtr& frame, int dropped) {
+  if (observer_ == 0 || (seen_ != nullptr && SameStep(*frame, *seen_))) return;
+  seen_ = frame;
+  for (StepListener* listener : listeners_) listener->OnFrame(frame, dropped);
+}
+
+FramePtr StepInbox::Current() {
+  FramePtr latest = frames_.Latest();
+  if (observer_ == 0 || latest == nullptr) return latest;
+  HandleFrames();
+  // A frame is published before its observers are called: its pushes are made now, the observer's call is
+  // then ignored.
+  if (seen_ == nullptr || IsLater(*latest, *seen_)) Deliver(latest, 0);
+  return latest;
+}
+
+StepDone StepInbox::Waiter(StepListener& listener, ClientId client) {
+  return [mailbox = mailbox_, &listener, client](const StepResult& result) {
+    Mailbox::PutResult(mailbox, listener, client, result);
+  };
+}
+
+void StepInbox::Subscribe(StepListener& listener) {
+  if (std::find(listeners_.begin(), listeners_.end(), &listener) != listeners_.end()) return;
+  listeners_.push_back(&listener);
+  if (observer_ != 0) return;
+  // The step that is newest now is not pushed: the reply to `subscribe` reports it already.
+  seen_ = frames_.Latest();
+  observer_ =
+      board_.AddObserver([mailbox = mailbox_](const FramePtr& frame) { Mailbox::PutFrame(mailbox, frame); });
+}
+
+void StepInbox::Unsubscribe(StepListener& listener) {
+  std::erase(listeners_, &listener);
+  if (!listeners_.empty() || observer_ == 0) return;
+  board_.RemoveObserver(std::exchange(observer_, 0));
+  seen_ = nullptr;
+}
+
+}  // namespace coopdyn

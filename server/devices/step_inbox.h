@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// Brings what happens on the stepping thread to the thread of a robot (or of control): who is to be answered,
+// and the frames that subscriptions are made of. In order: the frame of a step before the answers that report
+// it; nothing is lost but, when 64 frames wait, the oldest of them, which is counted.
+//
+// The stepping thread may be the robot's own: a command that makes the last robot ready runs the step inside
+// CommandBoard::Command(). So a robot's thread opens a Scope around whatever it does; what comes meanwhile,
+// from any thread, is handled when the outermost scope closes, without a wake-up. Otherwise one Post() brings
+// the whole batch.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "server/base/ids.h"
+#include "server/state/command_board.h"
+#include "server/state/frame_board.h"
+
+namespace coopdyn {
+
+/// Is told about steps, on the thread of the inbox, within a Scope.
+class StepListener {
+ public:
+  virtual ~StepListener() = default;
+  /// The wait of `client` has ended.
+  virtual void OnStepEnd(ClientId client, const StepResult& result) = 0;
+  /// A step has run; `dropped` frames before it were lost. Only while subscribed.
+  virtual void OnFrame(const FramePtr& frame, int dropped) = 0;
+};
+
+/// Its owner's thread only, unless said otherwise. Listeners outlive it, or its owner's thread has stopped.
+class StepInbox {
+ public:
+  static constexpr std::size_t kMaxFrames = 64;
+  /// Runs a function on the owner's thread, later; called from any thread.
+  using Post = std::function<void(std::function<void()>)>;
+
+  /// Any thread. `board` and `frames` outlive it.
+  StepInbox(CommandBoard& board, const FrameBoard& frames, Post post);
+  /// What still comes is ignored.
+  ~StepInbox();
+  StepInbox(const StepInbox&) = delete;
+  StepInbox& operator=(const StepInbox&) = delete;
+
+  /// While one is open nothing is handled; closing the outermost handles everything.
+  class Scope {
+   public:
+    explicit Scope(StepInbox& inbox) : inbox_(inbox) { inbox_.Enter(); }
+    ~Scope() { inbox_.Leave(); }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    StepInbox& inbox_;
+  };
+
+  /// The newest frame. With subscriptions, the pushes up to its step have been made. Null before the first
+  /// one.
+  FramePtr Current();
+  /// What to hand to the board: it brings the result to `listener` on this thread.
+  StepDone Waiter(StepListener& listener, ClientId client);
+  /// The listener gets the frames of the steps from now on. The board is asked for them only while somebody
+  /// is subscribed, so that a step wakes this thread only then.
+  void Subscribe(StepListener& listener);
+  void Unsubscribe(StepListener& listener);
+
+ private:
+  struct Item {
+    FramePtr frame;  // of a step; null: `result` is for `listener`
+    int dropped = 0;
+    StepListener* listener = nullptr;
+    ClientId client = 0;
+    StepResult result;
+  };
+  class Mailbox;
+
+  void Enter();
+  void Leave();
+  /// Moves what has come into queue_; false if nothing has. `leave`: then nothing is expected to be fetched
+  /// any more.
+  bool Fetch(bool leave);
+  void Handle(Item& item);
+  /// Hands out all queued frames, leaving the answers.
+  void HandleFrames();
+  void Deliver(const FramePtr& frame, int dropped);
+
+  CommandBoard& board_;
+  const FrameBoard& frames_;
+  const std::shared_ptr<Mailbox> mailbox_;  // shared with callbacks that are under way on other threads
+  std::vector<StepListener*> listeners_;    // the subscribed ones
+  std::uint64_t observer_ = 0;              // key at the board; 0: none
+  FramePtr seen_;                           // the last one delivered; only while there is an observer
+  std::vector<Item> queue_;
+  std::size_t next_ = 0;  // of queue_
+  int depth_ = 0;
+};
+
+}  // namespace coopdyn

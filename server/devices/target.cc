@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "server/devices/target.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "protocol/ascii.h"
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+
+namespace {
+
+std::string Lower(std::string_view word) {
+  std::string lower(word);
+  for (char& c : lower) c = ToLower(c);
+  return lower;
+}
+
+const Target& TargetOf(const Frame& frame, const Sighting& sighting) {
+  return frame.scene->targets[static_cast<std::size_t>(sighting.index)];
+}
+
+/// What a client may ask for instead: `red (1), green (2)`.
+std::string TargetsOf(const Scene& scene) {
+  std::string list;
+  for (const Target& target : scene.targets) {
+    if (!list.empty()) list += ", ";
+    list += fmt::format("{} ({})", target.color_name, target.id.value);
+  }
+  return list;
+}
+
+std::string NoSuchTarget(const std::string& asked, bool exists, const Scene& scene) {
+  if (exists) return asked + " is not in sight: get_targets tells what is";
+  if (scene.targets.empty()) return "there is no " + asked + ": this scenario has no targets";
+  return "there is no " + asked + ": there are " + TargetsOf(scene);
+}
+
+void AddWord(std::string& text, const std::string& word) {
+  if (!text.empty()) text += ' ';
+  text += word;
+}
+
+}  // namespace
+
+Message TargetDevice::ReadTarget(const Message& request, const Frame& frame, int robot) {
+  const Scene& scene = *frame.scene;
+  const std::string color = Lower(request.text);
+  const auto is_asked_for = [&](const Target& target) {
+    return color.empty() ? static_cast<std::int64_t>(target.id.value) == request.params.front()
+                         : target.color_name == color;
+  };
+  const Sighting* nearest = nullptr;
+  const std::vector<Sighting> seen = SeenTargets(frame, robot);
+  for (const Sighting& sighting : seen) {
+    if (!is_asked_for(TargetOf(frame, sighting))) continue;
+    if (nearest == nullptr || sighting.distance_m < nearest->distance_m) nearest = &sighting;
+  }
+  if (nearest == nullptr) {
+    const bool exists = std::any_of(scene.targets.begin(), scene.targets.end(), is_asked_for);
+    const std::string asked =
+        color.empty() ? "target " + std::to_string(request.params.front()) : color + " target";
+    return ErrorReply(request.command, Error::kNoSuchName, NoSuchTarget(asked, exists, scene));
+  }
+  Message reply = ReplyTo(request);
+  reply.data.reserve(4);
+  reply.data = {nearest->distance_m, nearest->bearing_rad};
+  return reply;
+}
+
+void TargetDevice::AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const {
+  for (const Sighting& sighting : SeenTargets(frame, robot)) {
+    data.insert(data.end(), {sighting.distance_m, sighting.bearing_rad});
+  }
+}
+
+Message TargetDevice::Read(const Message& request, const Frame& frame, int robot) const {
+  if (request.command == command::kGetTarget) return ReadTarget(request, frame, robot);
+  const bool robots = request.command == command::kGetRobots;
+  Message reply = ReplyTo(request);
+  for (const Sighting& sighting : robots ? SeenRobots(frame, robot) : SeenTargets(frame, robot)) {
+    if (robots) {
+      const SceneRobot& other = frame.scene->robots[static_cast<std::size_t>(sighting.index)];
+      reply.params.push_back(static_cast<std::int32_t>(other.id.value));
+      AddWord(reply.text, other.entry.name);
+    } else {
+      const Target& target = TargetOf(frame, sighting);
+      reply.params.push_back(static_cast<std::int32_t>(target.id.value));
+      AddWord(reply.text, target.color_name);
+    }
+    reply.data.insert(reply.data.end(), {sighting.distance_m, sighting.bearing_rad});
+  }
+  return reply;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#include "server/devices/token_guard.h"
+
+#include <cstddef>
+
+namespace coopdyn {
+
+bool TokenGuard::Matches(std::string_view given) const {
+  if (token_.empty()) return false;
+  unsigned difference = token_.size() == given.size() ? 0 : 1;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    difference |=
+        static_cast<unsigned char>(given[i]) ^ static_cast<unsigned char>(token_[i % token_.size()]);
+  }
+  return difference == 0;
+}
+
+}  // namespace coopdyn
