@@ -136,7 +136,12 @@ StepInbox::StepInbox(CommandBoard& board, const FrameBoard& frames, Post post)
     : board_(board), frames_(frames), mailbox_(std::make_shared<Mailbox>(std::move(post), this)) {}
 
 StepInbox::~StepInbox() {
-  if (observer_ != 0) board_.RemoveObserver(observer_);
+  Close();
+}
+
+void StepInbox::Close() {
+  listeners_.clear();
+  if (observer_ != 0) board_.RemoveObserver(std::exchange(observer_, 0));
   mailbox_->Close();
 }
 

@@ -40,10 +40,13 @@ class StepInbox {
 
   /// Any thread. `board` and `frames` outlive it.
   StepInbox(CommandBoard& board, const FrameBoard& frames, Post post);
-  /// What still comes is ignored.
+  /// Close().
   ~StepInbox();
   StepInbox(const StepInbox&) = delete;
   StepInbox& operator=(const StepInbox&) = delete;
+
+  /// Ends all subscriptions; what still comes is ignored.
+  void Close();
 
   /// While one is open nothing is handled; closing the outermost handles everything.
   class Scope {

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "server/robot/port_plan.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace coopdyn {
+
+PortPlan::PortPlan(int first, std::function<bool(int)> is_foreign)
+    : first_(first), is_foreign_(std::move(is_foreign)), lowest_(first) {}
+
+int PortPlan::Take() {
+  if (any_port()) return 0;
+  for (int port = lowest_; port <= kLast; ++port) {
+    if (taken_.contains(port)) continue;
+    if (is_foreign_ && is_foreign_(port)) continue;
+    taken_.insert(port);
+    lowest_ = port + 1;
+    return port;
+  }
+  return 0;
+}
+
+void PortPlan::Reserve(int port) {
+  if (port != 0) taken_.insert(port);
+}
+
+void PortPlan::Release(int port) {
+  if (taken_.erase(port) > 0 && port >= first_) lowest_ = std::min(lowest_, port);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Which port a module gets: from the first on, each the lowest that is free (DESIGN §6). Pure; one thread.
+#pragma once
+
+#include <functional>
+#include <set>
+
+namespace coopdyn {
+
+class PortPlan {
+ public:
+  static constexpr int kLast = 65535;
+
+  /// `first`: the lowest port for modules (P + 2); 0: every module gets any free port.
+  /// `is_foreign` says that a port belongs to somebody else, e.g. a registered name; may be null.
+  explicit PortPlan(int first, std::function<bool(int)> is_foreign = nullptr);
+
+  bool any_port() const { return first_ == 0; }
+  /// The next port for a module, which is then taken; 0: any free one, or (any_port() is false) none is left.
+  int Take();
+  /// Says that `port` is used by something else in this daemon; 0 says nothing.
+  void Reserve(int port);
+  /// The module on `port` is gone.
+  void Release(int port);
+
+ private:
+  int first_;
+  std::function<bool(int)> is_foreign_;
+  std::set<int> taken_;
+  int lowest_;  // all ports from first_ up to here, not including it, are taken or foreign
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "server/robot/robot.h"
+
+#include <utility>
+
+namespace coopdyn {
+
+Robot::Robot(const RobotEntry& entry, const RobotServices& services, IoThread& io)
+    : services_(services),
+      io_(io),
+      core_(entry, services, [&io](std::function<void()> work) { io.Post(std::move(work)); }) {
+  for (std::size_t i = 0; i < core_.devices().size(); ++i) {
+    modules_.push_back(std::make_unique<RobotModule>(core_, i));
+    servers_.push_back(std::make_unique<ModuleServer>(io.context(), *modules_.back(), services.net,
+                                                      modules_.back()->path()));
+  }
+}
+
+Robot::~Robot() {
+  for (const std::string& name : registered_) services_.names.RemoveOwn(name);
+  // Nothing of this robot may run on its thread after this.
+  io_.Call([this] {
+    servers_.clear();
+    modules_.clear();
+    core_.inbox().Close();
+  });
+}
+
+std::string Robot::Listen(std::size_t module, const std::vector<std::string>& addresses, int port) {
+  return servers_[module]->Listen(addresses, port);
+}
+
+bool Robot::Register() {
+  for (std::size_t i = 0; i < modules_.size(); ++i) {
+    if (!services_.names.AddOwn(modules_[i]->path(), servers_[i]->port(), servers_[i]->adopter()))
+      return false;
+    registered_.push_back(modules_[i]->path());
+  }
+  return true;
+}
+
+void Robot::CloseConnections(const std::string& reason) {
+  io_.Call([&] {
+    for (const auto& server : servers_) server->CloseAll(reason);
+  });
+}
+
+void Robot::CloseClient(ClientId client, const std::string& reason) {
+  io_.Call([&] {
+    for (const auto& module : modules_) module->CloseClient(client, reason);
+  });
+}
+
+}  // namespace coopdyn

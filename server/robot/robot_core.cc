@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#include "server/robot/robot_core.h"
+
+#include <utility>
+
+namespace coopdyn {
+
+RobotCore::RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post)
+    : name_(entry.name),
+      type_(entry.model->type),
+      services_(services),
+      slot_(services.board.FindSlot(entry.name)),
+      inbox_(services.board, services.frames, std::move(post)) {
+  for (const ModuleModel& module : entry.model->modules) {
+    std::unique_ptr<Device> device = services.devices.Make(module, entry.model);
+    if (device == nullptr) {
+      services.net.logger()->warn("{}: module {} is of type {}, which this program does not know; left out",
+                                  name_, module.name, module.type);
+      continue;
+    }
+    devices_.push_back(std::move(device));
+    module_names_.push_back(module.name);
+  }
+}
+
+int RobotCore::IndexIn(const Frame& frame) {
+  if (frame.scene != scene_) {
+    scene_ = frame.scene;
+    index_ = scene_->FindRobot(name_);
+    if (index_ >= 0 && scene_->robots[static_cast<std::size_t>(index_)].entry.model->type != type_)
+      index_ = -1;
+  }
+  return index_;
+}
+
+}  // namespace coopdyn

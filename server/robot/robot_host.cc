@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "server/robot/robot_host.h"
+
+#include <algorithm>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+/// After the start: so many busy ports are passed over before a module stays without one.
+constexpr int kMaxBusyPorts = 1000;
+
+}  // namespace
+
+RobotHost::RobotHost(RobotServices services, RobotHostOptions options, PortPlan& ports)
+    : services_(std::move(services)), options_(std::move(options)), ports_(ports) {}
+
+RobotHost::~RobotHost() {
+  Stop();
+}
+
+IoThread& RobotHost::ThreadFor(std::size_t robots, bool& own) {
+  own = options_.threads <= 0 && robots <= kMaxOwnThreads;
+  const auto start = [this] {
+    threads_.push_back({std::make_unique<IoThread>("robot-" + std::to_string(threads_.size() + 1),
+                                                   services_.net.logger(), options_.spin),
+                        nullptr});
+    return std::ref(*threads_.back().io);
+  };
+  if (own) return start();
+  const std::size_t wanted = options_.threads > 0 ? static_cast<std::size_t>(options_.threads)
+                                                  : std::max(2U, std::thread::hardware_concurrency());
+  std::vector<IoThread*> pool;
+  for (const Thread& thread : threads_) {
+    if (thread.only == nullptr) pool.push_back(thread.io.get());
+  }
+  if (pool.size() < wanted) return start();
+  return *pool[next_of_pool_++ % pool.size()];
+}
+
+std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_start) {
+  for (int attempt = 0; attempt < kMaxBusyPorts; ++attempt) {
+    const int port = ports_.Take();
+    if (port == 0 && !ports_.any_port()) break;
+    const std::string error = robot.Listen(module, options_.addresses, port);
+    if (error.empty()) return {};
+    if (at_start || ports_.any_port()) {
+      ports_.Release(port);
+      return robot.module_path(module) + ": " + error +
+             ": choose another range with --port P, or --port 0 for any";
+    }
+    // Stays taken in the plan: trying it again for every module would only cost time.
+    services_.net.logger()->warn("{}: {}; trying the next one", robot.module_path(module), error);
+  }
+  return robot.module_path(module) + ": no port is left up to 65535: choose a lower range with --port P";
+}
+
+std::string RobotHost::Open(Robot& robot, const RobotEntry& entry, bool at_start) {
+  for (std::size_t i = 0; options_.sockets && entry.sockets && i < robot.module_count(); ++i) {
+    const std::string error = OpenModule(robot, i, at_start);
+    if (error.empty()) continue;
+    if (at_start) return error;
+    services_.net.logger()->error("{}; it can be reached through OPEN only", error);
+  }
+  if (!robot.Register())
+    return "the name of a module of " + robot.name() + " is taken: choose another robot name";
+  return {};
+}
+
+std::string RobotHost::Apply(const Scene& scene, bool at_start) {
+  std::unordered_map<std::string, std::unique_ptr<Robot>> before;
+  for (std::unique_ptr<Robot>& robot : robots_) before.emplace(robot->name(), std::move(robot));
+  robots_.clear();
+  std::vector<std::unique_ptr<Robot>> kept(scene.robots.size());
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const RobotEntry& entry = scene.robots[i].entry;
+    const auto found = before.find(entry.name);
+    if (found == before.end() || found->second->type() != entry.model->type) continue;
+    kept[i] = std::move(found->second);
+    before.erase(found);
+  }
+  // The leaving ones first: their names and ports may be wanted.
+  for (auto& [name, robot] : before) Drop(std::move(robot), name + " is not in the new scenario");
+  std::string error;
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const RobotEntry& entry = scene.robots[i].entry;
+    if (kept[i] == nullptr) {
+      bool own = false;
+      IoThread& io = ThreadFor(scene.robots.size(), own);
+      kept[i] = std::make_unique<Robot>(entry, services_, io);
+      if (own) threads_.back().only = kept[i].get();
+      error = Open(*kept[i], entry, at_start);
+    }
+    robots_.push_back(std::move(kept[i]));
+    if (!error.empty() && at_start) break;
+    if (!error.empty()) services_.net.logger()->error("{}", std::exchange(error, {}));
+  }
+  if (!error.empty()) Stop(error);
+  return error;
+}
+
+void RobotHost::Drop(std::unique_ptr<Robot> robot, const std::string& reason) {
+  robot->CloseConnections(reason);
+  for (std::size_t i = 0; i < robot->module_count(); ++i) ports_.Release(robot->port(i));
+  const Robot* const gone = robot.get();
+  robot.reset();
+  std::erase_if(threads_, [gone](const Thread& thread) { return thread.only == gone; });
+}
+
+bool RobotHost::CloseClient(const std::string& robot, ClientId client, const std::string& reason) {
+  const auto found = std::find_if(robots_.begin(), robots_.end(),
+                                  [&](const std::unique_ptr<Robot>& each) { return each->name() == robot; });
+  if (found == robots_.end()) return false;
+  (*found)->CloseClient(client, reason);
+  return true;
+}
+
+void RobotHost::Stop(const std::string& reason) {
+  for (std::unique_ptr<Robot>& robot : std::exchange(robots_, {})) Drop(std::move(robot), reason);
+  threads_.clear();
+}
+
+void RobotHost::SetSpin(std::chrono::microseconds spin) {
+  options_.spin = spin;
+  for (const Thread& thread : threads_) thread.io->SetSpin(spin);
+}
+
+std::size_t RobotHost::thread_count() const {
+  return threads_.size();
+}
+
+}  // namespace coopdyn

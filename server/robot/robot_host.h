@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// The robots of the scenario in force, their threads and ports. One thread: control, or main before that
+// runs.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/net/io_thread.h"
+#include "server/robot/port_plan.h"
+#include "server/robot/robot.h"
+#include "server/robot/robot_services.h"
+#include "server/state/scene.h"
+
+namespace coopdyn {
+
+struct RobotHostOptions {
+  bool sockets = true;                 // false: `--no-net`, modules can only adopt
+  std::vector<std::string> addresses;  // ListenAddresses(--host)
+  int threads = 0;  // `--robot-threads`: so many for all; 0: one each up to 100 robots, else a pool
+  std::chrono::microseconds spin{0};  // IoThread
+};
+
+class RobotHost {
+ public:
+  /// More robots than this share a pool of threads.
+  static constexpr std::size_t kMaxOwnThreads = 100;
+
+  /// `services` and `ports` outlive it.
+  RobotHost(RobotServices services, RobotHostOptions options, PortPlan& ports);
+  /// Stop().
+  ~RobotHost();
+  RobotHost(const RobotHost&) = delete;
+  RobotHost& operator=(const RobotHost&) = delete;
+
+  /// Brings up the robots of `scene`. Those that keep name and type stay as they are, with ports, connections
+  /// and owners; the others are closed with a notice. To be called when the board has been configured for the
+  /// scene. A busy port: with `at_start` an error text that names it, and nothing is brought up; otherwise
+  /// the next free one is taken. Returns "" if all is well.
+  std::string Apply(const Scene& scene, bool at_start);
+  /// Closes a connection to `robot` with a notice. False if there is no such robot.
+  bool CloseClient(const std::string& robot, ClientId client, const std::string& reason);
+  /// Closes all connections with a notice, takes all names away, ends the threads.
+  void Stop(const std::string& reason = "the daemon is stopping");
+  void SetSpin(std::chrono::microseconds spin);
+
+  const std::vector<std::unique_ptr<Robot>>& robots() const { return robots_; }  // in the scene's order
+  std::size_t thread_count() const;
+
+ private:
+  struct Thread {
+    std::unique_ptr<IoThread> io;
+    const Robot* only = nullptr;  // whose own it is; null: of the pool
+  };
+
+  IoThread& ThreadFor(std::size_t robots, bool& own);
+  std::string Open(Robot& robot, const RobotEntry& entry, bool at_start);
+  std::string OpenModule(Robot& robot, std::size_t module, bool at_start);
+  void Drop(std::unique_ptr<Robot> robot, const std::string& reason);
+
+  const RobotServices services_;
+  RobotHostOptions options_;
+  PortPlan& ports_;
+  std::vector<Thread> threads_;
+  std::size_t next_of_pool_ = 0;
+  std::vector<std::unique_ptr<Robot>> robots_;
+};
+
+}  // namespace coopdyn
