@@ -34,7 +34,7 @@ class IoThread {
   boost::asio::io_context& context() { return *context_; }
   const std::string& name() const { return name_; }
   /// True on the thread itself.
-  bool is_current() const { return std::this_thread::get_id() == thread_id_; }
+  bool is_current() const { return std::this_thread::get_id() == thread_id_.load(std::memory_order_relaxed); }
   /// Runs `work` on the thread, later; never after Stop().
   void Post(std::function<void()> work);
   /// Runs `work` at once if called on the thread, else like Post().
@@ -48,16 +48,15 @@ class IoThread {
 
  private:
   void Run();
-  void RunSome(std::chrono::steady_clock::time_point& last_activity);
 
   std::string name_;
   Logger logger_;
   std::unique_ptr<boost::asio::io_context> context_;
   std::atomic<std::int64_t> spin_ns_;
   std::atomic<bool> stop_{false};
-  std::atomic<bool> ended_{false};  // the loop runs nothing any more
-  std::thread::id thread_id_;
-  std::jthread thread_;  // last: started when the rest is there
+  std::atomic<bool> ended_{false};          // the loop runs nothing any more
+  std::atomic<std::thread::id> thread_id_;  // set by the thread itself
+  std::jthread thread_;                     // last: started when the rest is there
 };
 
 }  // namespace coopdyn

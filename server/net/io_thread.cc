@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "server/net/io_thread.h"
+
+#include <pthread.h>
+
+#include <exception>
+#include <future>
+#include <utility>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+
+namespace coopdyn {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::size_t kThreadNameBytes = 15;  // the kernel's limit
+
+}  // namespace
+
+IoThread::IoThread(std::string name, Logger logger, std::chrono::microseconds spin)
+    : name_(std::move(name)),
+      logger_(std::move(logger)),
+      context_(std::make_unique<boost::asio::io_context>(1)),
+      spin_ns_(std::chrono::nanoseconds(spin).count()),
+      thread_([this] { Run(); }) {}
+
+IoThread::~IoThread() {
+  Stop();
+}
+
+void IoThread::Post(std::function<void()> work) {
+  boost::asio::post(*context_, std::move(work));
+}
+
+void IoThread::Dispatch(std::function<void()> work) {
+  if (is_current()) {
+    work();
+  } else {
+    Post(std::move(work));
+  }
+}
+
+void IoThread::Call(const std::function<void()>& work) {
+  if (is_current()) return work();
+  struct Job {
+    std::atomic<bool> claimed{false};  // by the thread, or by the caller when the thread has ended
+    std::promise<void> done;
+  };
+  auto job = std::make_shared<Job>();
+  std::future<void> done = job->done.get_future();
+  Post([job, &work] {
+    if (job->claimed.exchange(true)) return;
+    try {
+      work();
+      job->done.set_value();
+    } catch (...) {
+      job->done.set_exception(std::current_exception());
+    }
+  });
+  while (done.wait_for(std::chrono::milliseconds(5)) != std::future_status::ready) {
+    if (ended_ && !job->claimed.exchange(true)) return work();
+  }
+  done.get();
+}
+
+void IoThread::SetSpin(std::chrono::microseconds spin) {
+  spin_ns_ = std::chrono::nanoseconds(spin).count();
+  Post([] {});  // wakes the loop
+}
+
+void IoThread::Stop() {
+  stop_ = true;
+  Post([] {});
+  if (!is_current() && thread_.joinable()) thread_.join();
+}
+
+void IoThread::Run() {
+  thread_id_ = std::this_thread::get_id();
+  pthread_setname_np(pthread_self(), name_.substr(0, kThreadNameBytes).c_str());
+  auto work_guard = boost::asio::make_work_guard(*context_);
+  auto last_activity = steady_clock::now();
+  while (!stop_) {
+    try {
+      const std::int64_t spin_ns = spin_ns_.load(std::memory_order_relaxed);
+      if (spin_ns == 0) {
+        context_->run_one();
+      } else if (context_->poll_one() > 0) {
+        last_activity = steady_clock::now();
+      } else if (steady_clock::now() - last_activity >= std::chrono::nanoseconds(spin_ns)) {
+        context_->run_one();
+        last_activity = steady_clock::now();
+      }
+    } catch (const std::exception& error) {
+      logger_->error("{}: {}", name_, error.what());
+    } catch (...) {
+      logger_->error("{}: an exception of unknown type", name_);
+    }
+  }
+  ended_ = true;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "server/net/listener.h"
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "server/net/port_holder.h"
+
+namespace coopdyn {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr int kAcceptsAtOnce = 64;  // then others have their turn
+constexpr auto kRetryAfter = std::chrono::milliseconds(100);
+constexpr int kFreePortTries = 32;
+
+struct Place {
+  sockaddr_storage address{};
+  socklen_t size = 0;
+  std::string text;  // as the user named it
+};
+
+struct Bound {
+  UniqueFd fd;
+  int error = 0;  // errno
+};
+
+/// Appends the places that `name` stands for. Returns an error text.
+std::string Resolve(const std::string& name, std::vector<Place>& places) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE;
+  addrinfo* found = nullptr;
+  const int error = getaddrinfo(name.c_str(), "0", &hints, &found);
+  if (error != 0) return "cannot listen at \"" + name + "\": " + gai_strerror(error);
+  for (const addrinfo* it = found; it != nullptr; it = it->ai_next) {
+    Place place;
+    std::memcpy(&place.address, it->ai_addr, it->ai_addrlen);
+    place.size = it->ai_addrlen;
+    place.text = name;
+    places.push_back(std::move(place));
+  }
+  freeaddrinfo(found);
+  return {};
+}
+
+void SetPort(sockaddr_storage& address, int port) {
+  // sin_port and sin6_port are at the same place.
+  reinterpret_cast<sockaddr_in*>(&address)->sin_port = htons(static_cast<std::uint16_t>(port));
+}
+
+Bound Bind(Place place, int port) {
+  SetPort(place.address, port);
+  const int family = place.address.ss_family;
+  UniqueFd fd(::socket(family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, IPPROTO_TCP));
+  if (!fd) return {{}, errno};
+  const int on = 1;
+  setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  if (family == AF_INET6) setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &on, sizeof on);
+  if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&place.address), place.size) != 0 ||
+      ::listen(fd.get(), SOMAXCONN) != 0) {
+    return {{}, errno};
+  }
+  return {std::move(fd), 0};
+}
+
+bool IsMissingV6(const Place& place, int error) {
+  return place.address.ss_family == AF_INET6 && (error == EAFNOSUPPORT || error == EADDRNOTAVAIL);
+}
+
+bool IsOutOfResources(int error) {
+  return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
+}
+
+std::string BindError(const Place& place, int port, int error) {
+  std::string text = "port " + std::to_string(port) + " of " + place.text;
+  if (error != EADDRINUSE) return text + ": " + std::strerror(error);
+  const std::string holder = PortHolder(port);
+  return text + " is in use" + (holder.empty() ? "" : " by " + holder);
+}
+
+}  // namespace
+
+std::vector<std::string> ListenAddresses(const std::string& host) {
+  if (host.empty() || host == "localhost" || host == "loopback" || host == "127.0.0.1") {
+    return {"127.0.0.1", "::1"};
+  }
+  if (host == "0.0.0.0" || host == "::" || host == "any" || host == "*") return {"0.0.0.0", "::"};
+  return {host};
+}
+
+struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
+  struct Port {
+    Port(asio::io_context& context, int fd) : descriptor(context, fd), retry(context) {}
+    asio::posix::stream_descriptor descriptor;
+    asio::steady_timer retry;
+  };
+
+  Impl(asio::io_context& c, NetServices& s, AcceptFunction a)
+      : context(c), services(s), on_accept(std::move(a)) {}
+
+  void Close() {
+    on_accept = nullptr;
+    ports.clear();
+  }
+
+  void Wait(const std::shared_ptr<Port>& port) {
+    port->descriptor.async_wait(asio::posix::stream_descriptor::wait_read,
+                                [self = shared_from_this(), port](const boost::system::error_code& error) {
+                                  if (!error && self->on_accept) self->Accept(port);
+                                });
+  }
+
+  void Accept(const std::shared_ptr<Port>& port) {
+    for (int i = 0; i < kAcceptsAtOnce && on_accept; ++i) {
+      UniqueFd fd(
+          ::accept4(port->descriptor.native_handle(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+      if (!fd) {
+        if (errno == EAGAIN || errno == EWOULDBLOCK) break;
+        if (IsOutOfResources(errno)) return RetryLater(port, errno);
+        continue;  // a connection that ended before it was accepted
+      }
+      told_exhausted = false;
+      SetClientSocketOptions(fd.get());
+      PeerInfo peer = DescribePeer(fd.get());
+      on_accept(std::move(fd), std::move(peer));
+    }
+    if (on_accept) Wait(port);
+  }
+
+  void RetryLater(const std::shared_ptr<Port>& port, int error) {
+    if (!std::exchange(told_exhausted, true)) {
+      services.logger()->error("cannot accept connections for now: {} (raise `ulimit -n`)",
+                               std::strerror(error));
+    }
+    port->retry.expires_after(kRetryAfter);
+    port->retry.async_wait([self = shared_from_this(), port](const boost::system::error_code& aborted) {
+      if (!aborted && self->on_accept) self->Accept(port);
+    });
+  }
+
+  asio::io_context& context;
+  NetServices& services;
+  AcceptFunction on_accept;  // empty: closed
+  std::vector<std::shared_ptr<Port>> ports;
+  bool told_exhausted = false;
+};
+
+Listener::Listener(asio::io_context& context, NetServices& services, AcceptFunction on_accept)
+    : impl_(std::make_shared<Impl>(context, services, std::move(on_accept))) {}
+
+Listener::~Listener() {
+  impl_->Close();
+}
+
+std::string Listener::Listen(const std::vector<std::string>& addresses, int port) {
+  if (port < 0 || port > 65535) return "port " + std::to_string(port) + ": write 0 (any free one) to 65535";
+  std::vector<Place> places;
+  for (const std::string& address : addresses) {
+    if (std::string error = Resolve(address, places); !error.empty()) return error;
+  }
+  std::string error = "no address to listen at";
+  std::vector<UniqueFd> bound;
+  for (int attempt = 0; attempt < kFreePortTries; ++attempt) {
+    bound.clear();
+    int common_port = port;
+    bool taken = false;  // a free port of the first address is in use at another
+    for (const Place& place : places) {
+      Bound one = Bind(place, common_port);
+      if (!one.fd) {
+        error = BindError(place, common_port, one.error);
+        if (IsMissingV6(place, one.error)) continue;
+        taken = port == 0 && common_port != 0 && one.error == EADDRINUSE;
+        if (!taken) return error;
+        break;
+      }
+      common_port = LocalAddress(one.fd.get()).port;
+      bound.push_back(std::move(one.fd));
+    }
+    if (taken) continue;
+    if (bound.empty()) return error;
+    port_ = common_port;
+    for (UniqueFd& fd : bound) {
+      impl_->ports.push_back(std::make_shared<Impl::Port>(impl_->context, fd.get()));
+      fd.Release();
+    }
+    asio::post(impl_->context, [impl = impl_] {
+      for (const std::shared_ptr<Impl::Port>& one : impl->ports) impl->Wait(one);
+    });
+    return {};
+  }
+  return error;
+}
+
+}  // namespace coopdyn

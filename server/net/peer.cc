@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "server/net/peer.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <cstring>
+
+namespace coopdyn {
+namespace {
+
+constexpr int kKeepIdle_s = 10;
+constexpr int kKeepInterval_s = 5;
+constexpr int kKeepCount = 3;
+constexpr std::uint32_t kSilent_ms = 20'000;
+constexpr int kUnansweredProbes = 3;
+
+SocketAddress ToAddress(const sockaddr_storage& storage) {
+  SocketAddress address;
+  char text[INET6_ADDRSTRLEN] = "";
+  if (storage.ss_family == AF_INET) {
+    sockaddr_in v4;
+    std::memcpy(&v4, &storage, sizeof v4);
+    inet_ntop(AF_INET, &v4.sin_addr, text, sizeof text);
+    address = {text, ntohs(v4.sin_port), (ntohl(v4.sin_addr.s_addr) >> 24) == 127};
+  } else if (storage.ss_family == AF_INET6) {
+    sockaddr_in6 v6;
+    std::memcpy(&v6, &storage, sizeof v6);
+    address.port = ntohs(v6.sin6_port);
+    if (IN6_IS_ADDR_V4MAPPED(&v6.sin6_addr)) {
+      inet_ntop(AF_INET, &v6.sin6_addr.s6_addr[12], text, sizeof text);
+      address.loopback = v6.sin6_addr.s6_addr[12] == 127;
+    } else {
+      inet_ntop(AF_INET6, &v6.sin6_addr, text, sizeof text);
+      address.loopback = IN6_IS_ADDR_LOOPBACK(&v6.sin6_addr);
+    }
+    address.ip = text;
+  }
+  return address;
+}
+
+bool IsTcp(int fd) {
+  int protocol = 0;
+  socklen_t size = sizeof protocol;
+  return getsockopt(fd, SOL_SOCKET, SO_PROTOCOL, &protocol, &size) == 0 && protocol == IPPROTO_TCP;
+}
+
+void SetOption(int fd, int level, int option, int value) {
+  setsockopt(fd, level, option, &value, sizeof value);
+}
+
+}  // namespace
+
+SocketAddress PeerAddress(int fd) {
+  sockaddr_storage storage{};
+  socklen_t size = sizeof storage;
+  if (getpeername(fd, reinterpret_cast<sockaddr*>(&storage), &size) != 0) return {};
+  return ToAddress(storage);
+}
+
+SocketAddress LocalAddress(int fd) {
+  sockaddr_storage storage{};
+  socklen_t size = sizeof storage;
+  if (getsockname(fd, reinterpret_cast<sockaddr*>(&storage), &size) != 0) return {};
+  return ToAddress(storage);
+}
+
+std::string ToString(const SocketAddress& address) {
+  const bool v6 = address.ip.find(':') != std::string::npos;
+  return (v6 ? "[" + address.ip + "]" : address.ip) + ":" + std::to_string(address.port);
+}
+
+PeerInfo DescribePeer(int fd) {
+  const SocketAddress address = PeerAddress(fd);
+  return {ToString(address), address.loopback};
+}
+
+void SetClientSocketOptions(int fd) {
+  if (!IsTcp(fd)) return;
+  SetOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);
+  SetOption(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
+  SetOption(fd, IPPROTO_TCP, TCP_KEEPIDLE, kKeepIdle_s);
+  SetOption(fd, IPPROTO_TCP, TCP_KEEPINTVL, kKeepInterval_s);
+  SetOption(fd, IPPROTO_TCP, TCP_KEEPCNT, kKeepCount);
+  // No TCP_USER_TIMEOUT: it also ends connections whose peer lives but does not read (a program at a
+  // breakpoint). PeerLooksDead() finds what keepalive does not see.
+}
+
+bool PeerLooksDead(const tcp_info& info) {
+  return info.tcpi_last_ack_recv > kSilent_ms &&
+         (info.tcpi_unacked > 0 || info.tcpi_probes >= kUnansweredProbes);
+}
+
+bool PeerLooksDead(int fd) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  return IsTcp(fd) && getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 && PeerLooksDead(info);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: MIT
+#include "server/net/session.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <exception>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
+
+#include "protocol/command_ids.h"
+#include "server/net/http_refusal.h"
+
+namespace coopdyn {
+namespace {
+
+namespace asio = boost::asio;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr int kRequestsAtOnce = 256;  // then other connections have their turn
+constexpr milliseconds kWatchPeriod{20};
+
+constexpr const char* kMagicText =
+    "send the 4 bytes CDS1 first and then frames of protocol 1, or lines of text";
+
+}  // namespace
+
+Session::Session(Socket socket, Endpoint& endpoint, NetServices& services, PeerInfo peer,
+                 std::function<void(ClientId)> on_end)
+    : socket_(std::move(socket)),
+      endpoint_(&endpoint),
+      services_(services),
+      id_(services.NextClient()),
+      peer_(std::move(peer)),
+      on_end_(std::move(on_end)),
+      out_(endpoint.table()) {}
+
+/// Calls `function(endpoint)`; what it throws is logged. Returns false then.
+template <typename Function>
+bool Session::CallEndpoint(Function&& function) {
+  if (endpoint_ == nullptr) return true;
+  try {
+    function(*endpoint_);
+    return true;
+  } catch (const std::exception& error) {
+    Log(spdlog::level::err, std::string("internal error: ") + error.what());
+  } catch (...) {
+    Log(spdlog::level::err, "internal error of unknown type");
+  }
+  return false;
+}
+
+void Session::Start(std::string_view already_read) {
+  ErrorCode error;
+  socket_.non_blocking(true, error);
+  CallEndpoint([this](Endpoint& endpoint) { endpoint.OnOpen(*this); });
+  in_.Append(already_read);
+  if (in_.size() > 0) Process();
+  StartRead();
+}
+
+// --- reading
+// ------------------------------------------------------------------------------------------------------
+
+void Session::StartRead() {
+  if (reading_ || eof_ || closed_) return;
+  if (!closing_ && (waiting_ || blocked_ || process_posted_) && in_.size() >= kMaxReadAhead)
+    return WatchPeer();
+  const std::span<char> room = in_.Room();
+  reading_ = true;
+  socket_.async_read_some(
+      asio::buffer(room.data(), room.size()),
+      [self = shared_from_this()](const ErrorCode& error, std::size_t count) { self->OnRead(error, count); });
+}
+
+void Session::OnRead(const ErrorCode& error, std::size_t count) {
+  reading_ = false;
+  if (closed_) return;
+  in_.Added(count);
+  if (closing_) in_.Clear();  // only waiting for the peer to close
+  if (error) return EndInput();
+  Process();
+  StartRead();
+}
+
+void Session::EndInput() {
+  eof_ = true;
+  TellInputEnded();
+  if (closing_ && fin_sent_) return HardClose();
+  Process();
+}
+
+void Session::TellInputEnded() {
+  if (std::exchange(input_ended_, true)) return;
+  CallEndpoint([this](Endpoint& endpoint) { endpoint.OnInputEnded(*this); });
+}
+
+// While reading rests because the client is far ahead, its end is looked for from time to time.
+void Session::WatchPeer() {
+  if (input_ended_) return;
+  if (!watch_timer_) watch_timer_.emplace(socket_.get_executor());
+  watch_timer_->expires_after(kWatchPeriod);
+  watch_timer_->async_wait([self = shared_from_this()](const ErrorCode& aborted) {
+    if (aborted || self->closed_) return;
+    pollfd state{self->socket_.native_handle(), POLLRDHUP, 0};
+    if (::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0) {
+      self->TellInputEnded();  // what is still to be read is read and executed in its turn
+    }
+    self->StartRead();
+  });
+}
+
+// --- requests
+// -----------------------------------------------------------------------------------------------------
+
+// Replies given at once are collected and written together when nothing more can be done.
+void Session::Process() {
+  if (processing_) return;
+  processing_ = true;
+  int handled = 0;
+  while (MayHandle() && handled < kRequestsAtOnce && HandleNext()) {
+    ++handled;
+    if (out_.unsent().size() >= OutQueue::kEncodeAhead) Flush();
+  }
+  processing_ = false;
+  Flush();
+  if (handled == kRequestsAtOnce && MayHandle()) return PostProcess();
+  if (waiting_ && verbose_) WatchWait();
+  FinishIfDone();
+}
+
+void Session::PostProcess() {
+  if (std::exchange(process_posted_, true)) return;
+  asio::post(socket_.get_executor(), [self = shared_from_this()] {
+    self->process_posted_ = false;
+    if (self->closed_) return;
+    self->Process();
+    self->StartRead();
+  });
+}
+
+/// Handles the next thing in the buffer. Returns false if more must come first.
+bool Session::HandleNext() {
+  const std::string_view bytes = in_.bytes();
+  if (bytes.empty()) return false;
+  if (encoding_ == Encoding::kUndecided) return ChooseEncoding(bytes);
+  if (encoding_ == Encoding::kBinary) return HandleDecoded(DecodeBinary(bytes));
+  // A line that comes byte by byte is not searched from its start each time.
+  if (bytes.size() <= kMaxRequestBytes && bytes.find('\n', scanned_) == std::string_view::npos) {
+    scanned_ = bytes.size();
+    return false;
+  }
+  scanned_ = 0;
+  return HandleDecoded(DecodeText(bytes, endpoint_->table(), first_line_));
+}
+
+bool Session::ChooseEncoding(std::string_view bytes) {
+  switch (SniffEncoding(bytes)) {
+    case Encoding::kUndecided:
+      return false;
+    case Encoding::kHttp:
+      CloseWithLine(HttpRefusal(), "an HTTP request on a module's port");
+      return false;
+    case Encoding::kWrongMagic: {
+      std::string line;
+      EncodeText(ErrorReply(command::kUnreadable, Error::kMalformed, kMagicText), line);
+      CloseWithLine(std::move(line), "CDS, but not CDS1");
+      return false;
+    }
+    case Encoding::kBinary:
+      in_.Consume(kBinaryMagic.size());
+      encoding_ = Encoding::kBinary;
+      break;
+    case Encoding::kText:
+      encoding_ = Encoding::kText;
+      break;
+  }
+  out_.set_encoding(encoding_);
+  return true;
+}
+
+bool Session::HandleDecoded(Decoded decoded) {
+  if (decoded.consumed > 0) {
+    // Telnet negotiation alone does not count as a line.
+    if (first_line_ && in_.bytes()[decoded.consumed - 1] == '\n') first_line_ = false;
+    in_.Consume(decoded.consumed);
+  }
+  switch (decoded.status) {
+    case DecodeStatus::kNeedMore:
+      return false;
+    case DecodeStatus::kNothing:
+      return decoded.consumed > 0;
+    case DecodeStatus::kMessage:
+      malformed_ = 0;
+      HandRequest(std::move(decoded.message));
+      return true;
+    case DecodeStatus::kHelp:
+      malformed_ = 0;
+      out_.AddRaw(HelpText(endpoint_->table()));
+      return true;
+    case DecodeStatus::kVerbose:
+      malformed_ = 0;
+      verbose_ = true;
+      out_.set_verbose(true);
+      out_.AddRaw("# verbose: a line like this follows each reply\n");
+      return true;
+    case DecodeStatus::kBad:
+      if (decoded.message.error == static_cast<std::int32_t>(Error::kMalformed)) ++malformed_;
+      out_.AddReply(std::move(decoded.message));
+      if (malformed_ >= kMaxMalformed) {
+        Close(std::to_string(kMaxMalformed) + " malformed messages in a row; help lists the commands");
+      }
+      return true;
+    case DecodeStatus::kFatal:
+      out_.AddReply(decoded.message);
+      Close(decoded.message.text);
+      return true;
+  }
+  return false;
+}
+
+void Session::HandRequest(Message request) {
+  waiting_ = true;
+  const std::uint64_t serial = ++serial_;
+  const std::int32_t command = request.command;
+  ReplyFunction reply = [weak = weak_from_this(), serial](Message message) {
+    if (const std::shared_ptr<Session> self = weak.lock()) self->OnReply(serial, std::move(message));
+  };
+  const bool ok = CallEndpoint(
+      [&](Endpoint& endpoint) { endpoint.OnRequest(*this, std::move(request), std::move(reply)); });
+  if (!ok)
+    OnReply(serial, ErrorReply(command, Error::kInternal, "internal error: the daemon's log says more"));
+}
+
+void Session::OnReply(std::uint64_t serial, Message reply) {
+  if (!waiting_ || serial != serial_ || closing_ || closed_) return;
+  waiting_ = false;
+  out_.AddReply(std::move(reply));
+  if (processing_) return;  // Process() goes on
+  Flush();
+  // The next request, if it is there already, in its own turn: whoever replies may be walking a list.
+  if (in_.size() > 0 || eof_) PostProcess();
+}
+
+// --- writing
+// ------------------------------------------------------------------------------------------------------
+
+void Session::Push(const Message& message) {
+  if (closing_ || closed_ || write_dead_) return;
+  out_.AddPush(message);
+  if (!processing_) Flush();
+}
+
+void Session::Flush() {
+  while (!blocked_ && !closed_ && out_.Fill()) {
+    if (write_dead_) {
+      out_.Clear();
+      break;
+    }
+    ErrorCode error;
+    const std::string_view bytes = out_.unsent();
+    const std::size_t count = socket_.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+    if (error == asio::error::would_block || error == asio::error::try_again) return WaitWritable();
+    if (error) write_dead_ = true;
+    out_.Sent(count);
+  }
+  if (!closing_ || fin_sent_ || blocked_ || closed_) return;
+  // All is written. The socket is closed only when the peer has closed its side: closing with unread input
+  // would make its kernel throw the notice away.
+  fin_sent_ = true;
+  ErrorCode ignored;
+  socket_.shutdown(Socket::shutdown_send, ignored);
+  asio::post(socket_.get_executor(), [self = shared_from_this()] {
+    if (self->closed_) return;
+    if (self->eof_ || self->write_dead_) return self->HardClose();
+    self->in_.Clear();
+    self->StartRead();
+  });
+}
+
+void Session::WaitWritable() {
+  blocked_ = true;
+  out_.set_blocked(true);
+  socket_.async_wait(Socket::wait_write, [self = shared_from_this()](const ErrorCode& error) {
+    self->blocked_ = false;
+    self->out_.set_blocked(false);
+    if (self->closed_) return;
+    if (error) self->write_dead_ = true;
+    self->Flush();
+    self->Process();
+    self->StartRead();
+  });
+}
+
+// One timer runs while requests wait; it goes on from one request to the next.
+void Session::WatchWait() {
+  if (!verbose_timer_) verbose_timer_.emplace(socket_.get_executor());
+  if (verbose_timer_->expiry() > steady_clock::now()) return;
+  verbose_timer_->expires_after(waiting_note_.Pause(serial_));
+  verbose_timer_->async_wait([self = shared_from_this(), serial = serial_](const ErrorCode& aborted) {
+    if (aborted || self->closed_ || self->closing_ || !self->waiting_) return;
+    if (serial == self->serial_) self->TellWaiting();
+    self->WatchWait();
+  });
+}
+
+void Session::TellWaiting() {
+  std::string whom;
+  CallEndpoint([&whom](Endpoint& endpoint) { whom = endpoint.WaitingFor(); });
+  if (blocked_) return;
+  out_.AddRaw(waiting_note_.Line(serial_, whom, steady_clock::now()));
+  Flush();
+}
+
+// --- the end
+// ------------------------------------------------------------------------------------------------------
+
+void Session::FinishIfDone() {
+  if (eof_ && !closing_ && !waiting_ && !process_posted_ && out_.empty()) HardClose();
+}
+
+void Session::CloseWithLine(std::string line, const std::string& why) {
+  if (closing_ || closed_) return;
+  out_.AddRaw(std::move(line));
+  BeginClosing(spdlog::level::warn, why);
+}
+
+void Session::Close(const std::string& reason) {
+  if (closing_ || closed_) return;
+  Message notice;
+  notice.command = command::kClosing;
+  notice.text = reason;
+  if (encoding_ == Encoding::kUndecided) {
+    out_.AddRaw("# " + reason + "\n");
+  } else {
+    out_.AddReply(std::move(notice));
+  }
+  BeginClosing(spdlog::level::debug, reason);
+}
+
+void Session::BeginClosing(spdlog::level::level_enum level, const std::string& why) {
+  closing_ = true;
+  Log(level, "closed: " + why);
+  linger_timer_.emplace(socket_.get_executor(), kLinger);
+  linger_timer_->async_wait([self = shared_from_this()](const ErrorCode& aborted) {
+    if (!aborted) self->HardClose();
+  });
+  asio::post(socket_.get_executor(), [self = shared_from_this()] { self->DeliverClosed(); });
+  if (!processing_) Flush();
+}
+
+void Session::DeliverClosed() {
+  if (endpoint_ == nullptr) return;
+  CallEndpoint([this](Endpoint& endpoint) { endpoint.OnClosed(*this); });
+  endpoint_ = nullptr;
+}
+
+void Session::HardClose() {
+  if (std::exchange(closed_, true)) return;
+  const std::shared_ptr<Session> self = shared_from_this();
+  ErrorCode ignored;
+  socket_.close(ignored);
+  linger_timer_.reset();
+  watch_timer_.reset();
+  verbose_timer_.reset();
+  DeliverClosed();
+  out_.Clear();
+  if (on_end_) std::exchange(on_end_, nullptr)(id_);
+}
+
+void Session::Abort(const std::string& reason) {
+  on_end_ = nullptr;
+  if (!closed_) Close(reason);
+  if (closed_) return;
+  char rest[4096];
+  ErrorCode error;
+  while (!error && socket_.read_some(asio::buffer(rest), error) > 0) {
+  }
+  HardClose();
+}
+
+void Session::CheckPeerLives() {
+  if (closed_ || peer_.trusted || !PeerLooksDead(socket_.native_handle())) return;
+  Log(spdlog::level::info, "its machine does not answer any more");
+  write_dead_ = true;
+  ErrorCode ignored;
+  socket_.shutdown(Socket::shutdown_both, ignored);  // the pending read ends with it
+}
+
+void Session::Log(spdlog::level::level_enum level, const std::string& text) {
+  services_.LogPeer(level, peer_.text, text);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// One client's connection to one module, in every encoding: bytes in, requests to the endpoint one at a time,
+// replies and pushes out. Everything on the io thread.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "protocol/codec.h"
+#include "server/net/endpoint.h"
+#include "server/net/in_buffer.h"
+#include "server/net/net_services.h"
+#include "server/net/out_queue.h"
+#include "server/net/peer.h"
+#include "server/net/waiting_note.h"
+
+namespace coopdyn {
+
+/// The endpoint is called from event handlers only, never from within Push(), Close() or a ReplyFunction, so
+/// that it may call those while it walks its own lists.
+class Session final : public Connection, public std::enable_shared_from_this<Session> {
+ public:
+  using Socket = boost::asio::generic::stream_protocol::socket;
+
+  /// Read ahead of a request that has not been answered yet; then the client has to wait.
+  static constexpr std::size_t kMaxReadAhead = kMaxRequestBytes + (std::size_t{64} << 10);
+  static constexpr int kMaxMalformed = 20;  // in a row
+  /// How long a closing connection waits for its peer to read what is left and to close.
+  static constexpr std::chrono::seconds kLinger{5};
+
+  /// `on_end` is called once the socket is closed.
+  Session(Socket socket, Endpoint& endpoint, NetServices& services, PeerInfo peer,
+          std::function<void(ClientId)> on_end);
+
+  /// Opens it at the endpoint and begins with `already_read`.
+  void Start(std::string_view already_read);
+  /// The server goes away: notice (as far as it can be written at once), OnClosed(), close. No on_end.
+  void Abort(const std::string& reason);
+  /// Ends the connection if its machine has died unseen by keepalive.
+  void CheckPeerLives();
+
+  ClientId id() const override { return id_; }
+  const std::string& peer() const override { return peer_.text; }
+  bool trusted() const override { return peer_.trusted; }
+  bool input_ended() const override { return input_ended_; }
+  void Push(const Message& message) override;
+  void Close(const std::string& reason) override;
+
+ private:
+  using ErrorCode = boost::system::error_code;
+
+  // Reading.
+  void StartRead();
+  void OnRead(const ErrorCode& error, std::size_t count);
+  void EndInput();
+  void TellInputEnded();
+  void WatchPeer();
+  // Requests.
+  void Process();
+  void PostProcess();
+  bool HandleNext();
+  bool ChooseEncoding(std::string_view bytes);
+  bool HandleDecoded(Decoded decoded);
+  void HandRequest(Message request);
+  void OnReply(std::uint64_t serial, Message reply);
+  bool MayHandle() const { return !closing_ && !closed_ && !waiting_ && !blocked_; }
+  // Writing.
+  void Flush();
+  void WaitWritable();
+  void WatchWait();
+  void TellWaiting();
+  // The end.
+  void FinishIfDone();
+  void CloseWithLine(std::string line, const std::string& why);
+  void BeginClosing(spdlog::level::level_enum level, const std::string& why);
+  void DeliverClosed();
+  void HardClose();
+  void Log(spdlog::level::level_enum level, const std::string& text);
+  template <typename Function>
+  bool CallEndpoint(Function&& function);
+
+  Socket socket_;
+  Endpoint* endpoint_;  // null after OnClosed()
+  NetServices& services_;
+  const ClientId id_;
+  const PeerInfo peer_;
+  std::function<void(ClientId)> on_end_;
+
+  InBuffer in_;
+  OutQueue out_;
+  Encoding encoding_ = Encoding::kUndecided;
+  std::size_t scanned_ = 0;  // of in_: known to hold no '\n'
+  bool first_line_ = true;
+  bool verbose_ = false;
+  int malformed_ = 0;  // in a row
+
+  std::uint64_t serial_ = 0;  // of the request handed out last
+  bool waiting_ = false;      // for its reply
+  bool processing_ = false;   // Process() runs
+  bool process_posted_ = false;
+  bool reading_ = false;      // a read is pending
+  bool blocked_ = false;      // the peer takes nothing more; waiting until it does
+  bool write_dead_ = false;   // writing has failed: what is left is dropped
+  bool input_ended_ = false;  // told to the endpoint
+  bool eof_ = false;          // nothing more can be read
+  bool closing_ = false;      // no more requests are handled
+  bool fin_sent_ = false;
+  bool closed_ = false;
+
+  std::optional<boost::asio::steady_timer> linger_timer_;
+  std::optional<boost::asio::steady_timer> watch_timer_;
+  std::optional<boost::asio::steady_timer> verbose_timer_;
+  WaitingNote waiting_note_;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// When `verbose` says again whom a request waits for. Pure; one thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace coopdyn {
+
+class WaitingNote {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+  static constexpr std::chrono::milliseconds kFirst{1000};  // after it a waiting request is talked about
+  static constexpr std::chrono::milliseconds kEach{250};    // how soon a change is told
+  static constexpr std::chrono::milliseconds kRepeat{2000};
+
+  /// When to ask next about request `serial`.
+  std::chrono::milliseconds Pause(std::uint64_t serial) const { return serial == serial_ ? kEach : kFirst; }
+
+  /// The `#` line to send about request `serial`, which waits for `whom` ("robot2 (no client), 1.2 s"); empty
+  /// if that has been said. The seconds at the end do not make it another text.
+  std::string Line(std::uint64_t serial, const std::string& whom, TimePoint now) {
+    const bool first = std::exchange(serial_, serial) != serial;
+    std::string stable = whom.ends_with(" s") ? whom.substr(0, whom.rfind(", ")) : whom;
+    if (whom.empty() || (!first && stable == told_ && now - told_at_ < kRepeat)) return {};
+    told_ = std::move(stable);
+    told_at_ = now;
+    return (whom.starts_with("waiting for ") ? "# " : "# waiting for ") + whom + "\n";
+  }
+
+ private:
+  std::uint64_t serial_ = 0;
+  std::string told_;
+  TimePoint told_at_{};
+};
+
+}  // namespace coopdyn
