@@ -60,7 +60,8 @@ WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnosti
 std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
                                              RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics);
 /// Finds and reads a scenario (or a .world, as a scenario without robots) by path or bare name.
+/// `by_socket`: the name came over a socket, so only a bare name on the search path will do.
 std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots,
-                                             Diagnostics& diagnostics);
+                                             Diagnostics& diagnostics, bool by_socket = false);
 
 }  // namespace coopdyn

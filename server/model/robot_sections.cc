@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "server/model/robot_sections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "server/model/world_sections.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kTeamDistance_m = 1.0;  // from leader to helper
+constexpr std::size_t kMaxName = 63;
+constexpr std::uint64_t kMaxSwarm = 100'000;
+
+/// Names of the global modules: /simulation and so on.
+const std::vector<std::string>& ReservedNames() {
+  static const std::vector<std::string> kNames = {"simulation", "world",    "swarm",
+                                                  "playback",   "recorder", "clock"};
+  return kNames;
+}
+
+const std::vector<std::string>& PolicyWords() {
+  static const std::vector<std::string> kWords = {"wait", "hold", "stop", "drop"};
+  return kWords;
+}
+
+bool IsLetter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+/// robot1 for [ROBOT_1].
+std::string DefaultName(const std::string& word) {
+  std::string name = word;
+  std::erase(name, '_');
+  return name;
+}
+
+std::string WithoutSlash(const std::string& name) {
+  return name.starts_with('/') ? name.substr(1) : name;
+}
+
+}  // namespace
+
+bool RobotSections::IsGoodName(const std::string& name, std::string& why) const {
+  bool good = !name.empty() && name.size() <= kMaxName && IsLetter(name.front());
+  for (const char c : name) good = good && (IsLetter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-');
+  const std::vector<std::string>& reserved = ReservedNames();
+  if (!good) {
+    why = "a robot's name is a letter, then letters, digits, _ and -, at most 63; not '" + name + "'";
+  } else if (std::find(reserved.begin(), reserved.end(), ToLower(name)) != reserved.end()) {
+    why = "'" + name + "' is the name of a module of the simulator: give the robot another name";
+    good = false;
+  }
+  return good;
+}
+
+std::shared_ptr<const RobotModel> RobotSections::ReadType(SectionReader& reader, bool& team) {
+  reader.Require("type", "type single");
+  const std::optional<std::string> word = reader.Word("type");
+  if (!word) return nullptr;
+  const std::string lower = ToLower(*word);
+  team = lower == "team2";
+  const std::string type = lower == "single" || team ? "coopbot" : *word;
+  if (broken_types_.contains(type)) return nullptr;
+  std::shared_ptr<const RobotModel> model = library_.Get(type, reader.LineOf("type"), diagnostics_);
+  // What is wrong inside a model's file is said once; an unknown type at every line that names it.
+  if (model == nullptr && library_.path().FindRobot(type)) broken_types_[type] = true;
+  return model;
+}
+
+void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
+  entry.where = reader.where();
+  if (const auto color = reader.ColorValue("color")) entry.color = *color;
+  const std::vector<std::string> fidelities = {"full", "rolling", "planar"};
+  if (reader.Choice("fidelity", fidelities).value_or(0) != 0) {
+    reader.ErrorAt("fidelity",
+                   "fidelity 'rolling' and 'planar' are not available in this version: write 'full', or "
+                   "leave the line out");
+  }
+  if (reader.Text("controller")) {
+    reader.ErrorAt("controller",
+                   "controllers loaded by the daemon are not available in this version; drive " +
+                       (entry.name.empty() ? "the robot" : entry.name) +
+                       " over its sockets and leave the line out");
+  }
+  if (const auto sockets = reader.YesNo("sockets")) entry.sockets = *sockets;
+}
+
+void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
+  constexpr double kMinDeadline_s = 1e-3, kMaxDeadline_s = 1e6;
+  entry.deadline_s = reader.Number("deadline", Quantity::kTime, kMinDeadline_s, kMaxDeadline_s);
+  const std::vector<std::string>& words = PolicyWords();
+  const std::vector<std::string> on_deadline(words.begin() + 1, words.end());
+  if (const auto policy = reader.Choice("on_deadline", on_deadline)) {
+    entry.on_deadline = static_cast<LossPolicy>(*policy + 1);
+  }
+  if (reader.Has("on_deadline") && !reader.Has("deadline")) {
+    reader.WarningAt("on_deadline",
+                     "'on_deadline' has no effect without 'deadline', for example: deadline 2s");
+  }
+  if (const auto policy = reader.Choice("on_disconnect", words)) {
+    entry.on_disconnect = static_cast<LossPolicy>(*policy);
+  }
+}
+
+void RobotSections::ReadRobot(SectionReader& reader) {
+  RobotEntry entry;
+  bool team = false;
+  entry.model = ReadType(reader, team);
+  entry.name = DefaultName(reader.section().word);
+  if (const auto name = reader.Word("name")) entry.name = WithoutSlash(*name);
+  reader.Require("position", "position 0 0");
+  const auto position = reader.Numbers("position", Quantity::kLength, {2, 3}, "x y, or x y z",
+                                       -kMaxFileLength_m, kMaxFileLength_m);
+  if (position) {
+    entry.X_WR.p = Vector3((*position)[0], (*position)[1], position->size() == 3 ? (*position)[2] : 0);
+    if (entry.X_WR.p.z() < 0) {
+      reader.ErrorAt("position",
+                     "the robot would stand below the floor: its position is the point on the floor under "
+                     "the axle, so write z = 0");
+    }
+  }
+  if (const auto q = reader.Orientation("orientation")) entry.X_WR.q = *q;
+  ReadShared(reader, entry);
+  ReadLosses(reader, entry);
+  if (const auto sync = reader.YesNo("sync")) entry.sync = *sync;
+  if (const auto list = reader.Text("waits_for")) {
+    std::string spaced = *list;
+    std::replace(spaced.begin(), spaced.end(), ',', ' ');
+    std::vector<std::string> known;
+    if (entry.model != nullptr) {
+      for (const ModuleModel& module : entry.model->modules) {
+        if (module.type == "motors") known.push_back(module.name);
+      }
+    }
+    for (const std::string& name : SplitWords(spaced)) {
+      entry.waits_for.push_back(ToLower(name));
+      if (entry.model != nullptr && std::find(known.begin(), known.end(), ToLower(name)) == known.end()) {
+        reader.ErrorAt("waits_for", "'" + name + "' is no actuator module of " + entry.model->type +
+                                        ": it has " + (known.empty() ? "none" : JoinNames(known)));
+      }
+    }
+  }
+  reader.Finish();
+  if (!team) {
+    Add(std::move(entry), reader.LineOf("name"));
+    return;
+  }
+  RobotEntry helper = entry;
+  helper.name += "_helper";
+  entry.name += "_leader";
+  const double distance = entry.model == nullptr
+                              ? kTeamDistance_m
+                              : std::max(kTeamDistance_m, 2.5 * entry.model->footprint_radius_m);
+  helper.X_WR.p = entry.X_WR * Vector3(-distance, 0, 0);
+  Add(std::move(entry), reader.LineOf("name"));
+  Add(std::move(helper), reader.LineOf("name"));
+}
+
+void RobotSections::Add(RobotEntry entry, const SourceLine& where) {
+  std::string why;
+  if (!IsGoodName(entry.name, why)) {
+    diagnostics_.Error(where, why);
+  } else if (const auto [first, is_new] = names_.emplace(ToLower(entry.name), where); !is_new) {
+    diagnostics_.Error(where, "there are two robots '" + entry.name + "' (the first in line " +
+                                  std::to_string(first->second.line) + "): give one another name");
+  }
+  const Vector3& p = entry.X_WR.p;
+  if (std::abs(p.x()) > scenario_.floor.length_m / 2 || std::abs(p.y()) > scenario_.floor.width_m / 2) {
+    diagnostics_.Warning(where, "'" + entry.name + "' stands beside the floor, which is " +
+                                    FormatNumber(scenario_.floor.length_m) + " x " +
+                                    FormatNumber(scenario_.floor.width_m) + " m about the origin");
+  }
+  scenario_.robots.push_back(std::move(entry));
+}
+
+void RobotSections::ReadSwarm(SectionReader& reader) {
+  RobotEntry entry;
+  bool team = false;
+  entry.sockets = false;
+  entry.model = ReadType(reader, team);
+  if (team) reader.ErrorAt("type", "a swarm has one robot after the other: write 'type single'");
+  reader.Require("count", "count 20");
+  reader.Require("name", "name ant (the robots are then ant_1, ant_2, …)");
+  const auto count = reader.WholeNumber("count", 1, kMaxSwarm);
+  if (const auto name = reader.Word("name")) entry.name = WithoutSlash(*name);
+  ReadShared(reader, entry);
+  const auto spacing = reader.Number("spacing", Quantity::kLength, 0, kMaxFileLength_m);
+  const auto area = reader.Numbers("area", Quantity::kLength, {4}, "x y of the centre, length, width",
+                                   -kMaxFileLength_m, kMaxFileLength_m);
+  const auto seed = reader.WholeNumber("seed", 0, std::numeric_limits<std::uint64_t>::max());
+  reader.Finish();
+  if (area && ((*area)[2] <= 0 || (*area)[3] <= 0)) {
+    reader.ErrorAt("area", "length and width of the area must be above 0");
+    return;
+  }
+  if (entry.model == nullptr || team || !count || entry.name.empty()) return;
+
+  SwarmRequest request;
+  request.count = static_cast<int>(*count);
+  request.radius_m = entry.model->footprint_radius_m;
+  request.height_m = entry.model->height_m;
+  request.spacing_m = spacing.value_or(2.5 * request.radius_m);
+  request.area = {0, 0, scenario_.floor.length_m, scenario_.floor.width_m};
+  if (area) request.area = {(*area)[0], (*area)[1], (*area)[2], (*area)[3]};
+  request.seed = seed.value_or(scenario_.simulation.seed);
+  if (request.spacing_m < 2 * request.radius_m) {
+    reader.ErrorAt("spacing", "'spacing' is the distance between the robots' centres: at least " +
+                                  FormatNumber(2 * request.radius_m) + " m, the diameter of a " +
+                                  entry.model->type);
+    return;
+  }
+  std::vector<FloorPlace> taken;
+  for (const RobotEntry& robot : scenario_.robots) {
+    if (robot.model == nullptr) continue;
+    taken.push_back({robot.X_WR.p.x(), robot.X_WR.p.y(), 0, robot.model->footprint_radius_m});
+  }
+  const std::vector<FloorPlace> places = PlaceSwarm(request, scenario_.objects, taken);
+  if (places.size() < *count) {
+    reader.ErrorAt("count",
+                   "only " + std::to_string(places.size()) + " of " + std::to_string(*count) +
+                       " robots fit into the area of " + FormatNumber(request.area.length_m) + " x " +
+                       FormatNumber(request.area.width_m) + " m, " + FormatNumber(request.spacing_m) +
+                       " m apart and clear of what stands there: take fewer, a smaller spacing or a larger "
+                       "area");
+    return;
+  }
+  const std::string name = entry.name;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    entry.name = name + "_" + std::to_string(i + 1);
+    entry.X_WR = {Vector3(places[i].x_m, places[i].y_m, 0), FromRollPitchYaw(0, 0, places[i].heading_rad)};
+    Add(entry, reader.LineOf("name"));
+    std::string why;
+    if (!IsGoodName(entry.name, why)) return;  // once is enough
+  }
+}
+
+void RobotSections::SortAsInFile() {
+  std::stable_sort(scenario_.robots.begin(), scenario_.robots.end(),
+                   [](const RobotEntry& a, const RobotEntry& b) { return a.where.line < b.where.line; });
+  for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
+    scenario_.robots[i].id = RobotId{static_cast<std::uint32_t>(i + 1)};
+  }
+}
+
+}  // namespace coopdyn

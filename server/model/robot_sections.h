@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// [ROBOT_n] and [SWARM_n] of a scenario.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "server/model/readers.h"
+#include "server/model/section_reader.h"
+#include "server/model/swarm.h"
+
+namespace coopdyn {
+
+/// Reads the robots of one scenario, in file order. Everything passed in outlives it. One thread.
+class RobotSections {
+ public:
+  RobotSections(Scenario& scenario, RobotLibrary& library, Diagnostics& diagnostics)
+      : scenario_(scenario), library_(library), diagnostics_(diagnostics) {}
+
+  /// Adds the robot of a [ROBOT_n], or the two of a team2.
+  void ReadRobot(SectionReader& reader);
+  /// Adds the robots of a [SWARM_n]; their places are those left by objects and robots added before, so read
+  /// swarms after everything else and call SortAsInFile() then.
+  void ReadSwarm(SectionReader& reader);
+  /// Puts the robots into the order of their sections, then numbers them.
+  void SortAsInFile();
+
+ private:
+  /// The model of `type`; `team`: two of them. Null with an error.
+  std::shared_ptr<const RobotModel> ReadType(SectionReader& reader, bool& team);
+  void ReadShared(SectionReader& reader, RobotEntry& entry);
+  void ReadLosses(SectionReader& reader, RobotEntry& entry);
+  /// `where`: of its name, for messages.
+  void Add(RobotEntry entry, const SourceLine& where);
+  bool IsGoodName(const std::string& name, std::string& why) const;
+
+  Scenario& scenario_;
+  RobotLibrary& library_;
+  Diagnostics& diagnostics_;
+  std::unordered_map<std::string, SourceLine> names_;   // lower case
+  std::unordered_map<std::string, bool> broken_types_;  // said what is wrong with them
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <unordered_map>
+#include <utility>
+
+#include "server/model/colors.h"
+#include "server/model/readers.h"
+#include "server/model/robot_sections.h"
+#include "server/model/text_file.h"
+#include "server/model/world_sections.h"
+
+namespace coopdyn {
+
+namespace {
+
+bool IsBareName(const std::string& name) {
+  return name.find_first_of("/\\:") == std::string::npos && !name.starts_with('.');
+}
+
+class ScenarioReader {
+ public:
+  ScenarioReader(const std::string& file, RobotLibrary& library, bool by_socket, Diagnostics& diagnostics)
+      : label_(file.empty() ? "(text)" : file),
+        library_(library),
+        by_socket_(by_socket),
+        diagnostics_(diagnostics),
+        robots_(*scenario_, library, diagnostics) {
+    scenario_->file = by_socket ? "" : file;
+    scenario_->name = file.empty() ? "(text)" : std::filesystem::path(file).stem().string();
+  }
+
+  std::shared_ptr<const Scenario> Read(const std::string& text) {
+    std::optional<std::string> decoded = DecodeText(text, {label_, 0}, diagnostics_);
+    if (!decoded) return nullptr;
+    scenario_->text = std::move(*decoded);
+    sections_ = ReadSections(scenario_->text, label_, diagnostics_);
+    FindDegrees();
+    // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.
+    ReadFirst("simulation", [this](SectionReader& reader) { ReadSimulation(reader); });
+    ReadFirst("world", [this](SectionReader& reader) { ReadWorldFile(reader); });
+    ReadFirst("floor", [this](SectionReader& reader) { ReadOwnFloor(reader); });
+    ReadFirst("target", [this](SectionReader& reader) { ReadTargets(reader); });
+    for (const Section& section : sections_) ReadPlain(section);
+    for (const Section& section : sections_) {
+      if (!IsNumbered(section.word, "swarm")) continue;
+      SectionReader reader(section, label_, degrees_, diagnostics_);
+      robots_.ReadSwarm(reader);
+    }
+    robots_.SortAsInFile();
+    return diagnostics_.has_errors() ? nullptr : scenario_;
+  }
+
+ private:
+  const Section* FirstSection(const std::string& word) const {
+    const auto found =
+        std::find_if(sections_.begin(), sections_.end(), [&](const Section& s) { return s.word == word; });
+    return found == sections_.end() ? nullptr : &*found;
+  }
+
+  template <typename F>
+  void ReadFirst(const std::string& word, F read) {
+    const Section* section = FirstSection(word);
+    if (section == nullptr) return;
+    SectionReader reader(*section, label_, degrees_, diagnostics_);
+    read(reader);
+  }
+
+  /// `angles` of [SIMULATION]; of [FLOOR] too, so that a .world is a scenario without robots.
+  void FindDegrees() {
+    for (const char* word : {"floor", "simulation"}) {
+      const Section* section = FirstSection(word);
+      if (section == nullptr) continue;
+      if (SaysDegrees(*section, label_, diagnostics_)) degrees_ = true;
+    }
+  }
+
+  void ReadSimulation(SectionReader& reader) {
+    SimulationOptions& options = scenario_->simulation;
+    reader.Has("angles");
+    const std::vector<std::string> modes = {"realtime", "lockstep", "free"};
+    if (const auto mode = reader.Choice("mode", modes)) options.mode = static_cast<Mode>(*mode);
+    ReadStep(reader, options);
+    if (const auto seed = reader.WholeNumber("seed", 0, std::numeric_limits<std::uint64_t>::max())) {
+      options.seed = *seed;
+    }
+    options.speed = reader.Number("speed", Quantity::kPlain, -1e6, 1e6);
+    constexpr double kMaxDuration_s = 1e9;
+    options.duration_s = reader.Number("duration", Quantity::kTime, 0, kMaxDuration_s);
+    if (options.duration_s && *options.duration_s <= 0)
+      reader.ErrorAt("duration", "'duration' must be above 0 s");
+    constexpr double kMaxGravity = 1000;
+    if (const auto gravity = reader.Number("gravity", Quantity::kPlain, -kMaxGravity, kMaxGravity)) {
+      options.gravity_m_s2 = *gravity;
+      if (*gravity <= 0) {
+        reader.ErrorAt("gravity", "'gravity' is one positive number in m/s², downwards: write 9.81");
+      }
+    }
+    reader.Finish();
+  }
+
+  void ReadStep(SectionReader& reader, SimulationOptions& options) {
+    const auto step_s = reader.Number("step", Quantity::kTime, -1e9, 1e9);
+    if (step_s) {
+      const double microseconds = *step_s * 1e6;
+      const double whole = std::round(microseconds);
+      if (*step_s < ToSeconds(kMinStep) * (1 - 1e-9) || *step_s > ToSeconds(kMaxStep) * (1 + 1e-9)) {
+        reader.ErrorAt("step",
+                       "'step' must lie between 0.5ms and 100ms (a number without unit is in s), not at " +
+                           FormatNumber(*step_s) + " s");
+      } else if (std::abs(microseconds - whole) > 1e-6) {
+        reader.ErrorAt("step", "'step' must be whole microseconds, not " + FormatNumber(microseconds));
+      } else {
+        options.step = static_cast<Nanoseconds>(whole) * 1000;
+      }
+    }
+    const auto substeps = reader.WholeNumber("substeps", 1, 1000);
+    if (!substeps) return;
+    options.substeps = static_cast<int>(*substeps);
+    const Nanoseconds step = options.step.value_or(kDefaultStep);
+    if (step > kMaxSubstep * static_cast<Nanoseconds>(*substeps)) {
+      reader.ErrorAt("substeps", "a substep may last 10 ms at most: a step of " +
+                                     FormatNumber(ToSeconds(step) * 1e3) + " ms needs at least " +
+                                     std::to_string((step + kMaxSubstep - 1) / kMaxSubstep) + " substeps");
+    }
+  }
+
+  void ReadWorldFile(SectionReader& reader) {
+    reader.Require("file", "file corridor.world");
+    const std::optional<std::string> name = reader.Text("file");
+    reader.Finish();
+    if (!name) return;
+    const SourceLine where = reader.LineOf("file");
+    if (by_socket_ && !IsBareName(*name)) {
+      diagnostics_.Error(where,
+                         "a scenario sent over a socket names its world by the bare name of a file on the "
+                         "search path, for example: file corridor.world");
+      return;
+    }
+    const std::filesystem::path beside =
+        by_socket_ ? std::filesystem::path() : std::filesystem::path(label_).parent_path();
+    const bool here = !by_socket_ && beside.empty();
+    const auto path = library_.path().FindWorld(*name, here ? std::filesystem::path(".") : beside);
+    if (!path) {
+      diagnostics_.Error(where,
+                         "there is no world '" + *name + "' beside the scenario or on the search path");
+      return;
+    }
+    const std::string file = path->string();
+    const std::optional<std::string> text = ReadTextFile(file, where, diagnostics_);
+    if (!text) return;
+    scenario_->world = ReadWorld(*text, file, diagnostics_);
+    if (scenario_->world.floor) scenario_->floor = *scenario_->world.floor;
+    for (const WorldObject& object : scenario_->world.objects) AddObject(object);
+  }
+
+  void ReadOwnFloor(SectionReader& reader) {
+    if (scenario_->world.floor) {
+      const SourceLine& first = scenario_->world.floor->where;
+      reader.Error("[FLOOR] stands in the world too (" + first.file + ":" + std::to_string(first.line) +
+                   "): keep one of them");
+    }
+    const Floor floor = ReadFloor(reader);
+    if (!scenario_->world.floor) scenario_->floor = floor;
+  }
+
+  void ReadTargets(SectionReader& reader) {
+    for (const Entry& entry : reader.section().entries) {
+      Target target;
+      target.where = {label_, entry.line};
+      target.color_name = ColorWord(entry);
+      // One entry alone, since the keys of a [TARGET] may repeat.
+      const Section alone{reader.section().name, "target", entry.line, {entry}};
+      SectionReader values(alone, label_, degrees_, diagnostics_);
+      const auto p = values.Numbers(entry.key, Quantity::kLength, {2, 3}, "x y, or x y z", -kMaxFileLength_m,
+                                    kMaxFileLength_m);
+      if (target.color_name.empty() || !p) continue;
+      target.color = NamedColor(target.color_name).value_or(Color());
+      target.p_WT = Vector3((*p)[0], (*p)[1], p->size() == 3 ? (*p)[2] : 0);
+      target.id = TargetId{static_cast<std::uint32_t>(scenario_->targets.size() + 1)};
+      scenario_->targets.push_back(std::move(target));
+    }
+  }
+
+  /// The colour that a key of [TARGET] means; empty with an error if none.
+  std::string ColorWord(const Entry& entry) {
+    if (NamedColor(entry.key)) return entry.key;
+    for (const std::string prefix : {"color_", "colour_"}) {
+      if (!entry.key.starts_with(prefix)) continue;
+      const std::string digits = entry.key.substr(prefix.size());
+      const bool number = !digits.empty() && digits.size() <= 6 && digits.front() != '0' &&
+                          digits.find_first_not_of("0123456789") == std::string::npos;
+      if (number) return PaletteName(std::stoi(digits));
+    }
+    const std::string near = Nearest(entry.key, ColorNames());
+    diagnostics_.Error({label_, entry.line}, "unknown colour '" + entry.key + "' in [TARGET]" +
+                                                 (near.empty() ? "; write a colour word, for example: red 3 0"
+                                                               : "; did you mean '" + near + "'?"));
+    return {};
+  }
+
+  /// Robots and objects.
+  void ReadPlain(const Section& section) {
+    static const std::vector<std::string> kOwn = {"WORLD", "SIMULATION", "TARGET",
+                                                  "FLOOR", "ROBOT_1",    "SWARM_1"};
+    for (const char* word : {"world", "simulation", "target", "floor"}) {
+      if (section.word == word) return;
+    }
+    if (IsNumbered(section.word, "swarm")) return;
+    SectionReader reader(section, label_, degrees_, diagnostics_);
+    if (IsNumbered(section.word, "robot")) {
+      robots_.ReadRobot(reader);
+      return;
+    }
+    const std::string near = Nearest(section.name, kOwn);
+    const std::optional<WorldObject> object =
+        ReadObject(reader, near.empty() ? "" : "; or did you mean [" + near + "]?");
+    if (object) AddObject(*object);
+  }
+
+  void AddObject(const WorldObject& object) {
+    const auto [first, is_new] = objects_.emplace(ToLower(object.name), object.where);
+    // Twice in one file has been said already.
+    if (!is_new && first->second.file != object.where.file) {
+      diagnostics_.Error(object.where, "[" + object.name + "] stands in the world too (" +
+                                           first->second.file + ":" + std::to_string(first->second.line) +
+                                           "): give it another name");
+    }
+    scenario_->objects.push_back(object);
+  }
+
+  const std::string label_;  // in messages
+  RobotLibrary& library_;
+  const bool by_socket_;
+  Diagnostics& diagnostics_;
+  std::shared_ptr<Scenario> scenario_ = std::make_shared<Scenario>();
+  RobotSections robots_;
+  std::vector<Section> sections_;
+  bool degrees_ = false;
+  std::unordered_map<std::string, SourceLine> objects_;  // by name in lower case
+};
+
+/// A .world as a scenario without robots.
+std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const std::string& file,
+                                                Diagnostics& diagnostics) {
+  auto scenario = std::make_shared<Scenario>();
+  const WorldModel world = ReadWorld(text, file, diagnostics);
+  scenario->name = std::filesystem::path(file).stem().string();
+  scenario->file = file;
+  scenario->text = world.text;
+  scenario->floor = world.floor.value_or(Floor());
+  scenario->objects = world.objects;
+  return diagnostics.has_errors() ? nullptr : scenario;
+}
+
+}  // namespace
+
+std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
+                                             RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics) {
+  Diagnostics found;
+  std::shared_ptr<const Scenario> scenario = ScenarioReader(file, robots, by_socket, found).Read(text);
+  diagnostics.Append(found);
+  return scenario;
+}
+
+std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots,
+                                             Diagnostics& diagnostics, bool by_socket) {
+  if (by_socket && !IsBareName(name)) {
+    diagnostics.Error({name, 0},
+                      "over a socket a scenario is named by its bare name on the search path, for "
+                      "example: corridor");
+    return nullptr;
+  }
+  const auto path = robots.path().FindScenario(name);
+  if (!path) {
+    const std::vector<std::string> names = robots.path().ScenarioNames();
+    diagnostics.Error({name, 0}, "there is no such scenario" + DidYouMean(name, names));
+    return nullptr;
+  }
+  const std::string file = path->string();
+  Diagnostics found;
+  const std::optional<std::string> text = ReadTextFile(file, {file, 0}, found);
+  std::shared_ptr<const Scenario> scenario;
+  if (text) {
+    const bool world = ToLower(path->extension().string()) == ".world";
+    scenario = world ? WorldAsScenario(*text, file, found) : ReadScenario(*text, file, robots, false, found);
+  }
+  diagnostics.Append(found);
+  return scenario;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// The values of one section, each asked for by its key. What is wrong is reported with its line; what nobody
+// asked for is an unknown word.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/geometry/shape.h"
+#include "server/model/sections.h"
+#include "server/model/values.h"
+#include "server/model/world_model.h"
+
+namespace coopdyn {
+
+/// Bounds that keep all that is computed from a file finite and sane.
+inline constexpr double kMaxFileLength_m = 1e5;
+inline constexpr double kMinFileSize_m = 1e-4;
+inline constexpr double kMinFileMass_kg = 1e-6;
+inline constexpr double kMaxFileMass_kg = 1e9;
+
+/// Reads one section. `section` and `diagnostics` outlive it. One thread.
+class SectionReader {
+ public:
+  /// `degrees`: angles without unit are in degrees. Reports keys that stand there twice.
+  SectionReader(const Section& section, std::string file, bool degrees, Diagnostics& diagnostics);
+
+  bool Has(const std::string& key);
+  /// The rest of the line, not empty; without quotes around it.
+  std::optional<std::string> Text(const std::string& key);
+  /// One word.
+  std::optional<std::string> Word(const std::string& key);
+  /// One number in [min, max] (in SI units).
+  std::optional<double> Number(const std::string& key, Quantity quantity, double min, double max);
+  std::optional<std::uint64_t> WholeNumber(const std::string& key, std::uint64_t min, std::uint64_t max);
+  /// As many numbers as one of `counts`, each in [min, max]. `form` says what they are, e.g. "x y z".
+  std::optional<std::vector<double>> Numbers(const std::string& key, Quantity quantity,
+                                             std::initializer_list<std::size_t> counts,
+                                             const std::string& form, double min, double max);
+  std::optional<bool> YesNo(const std::string& key);
+  /// Index of the word among `words`.
+  std::optional<std::size_t> Choice(const std::string& key, std::span<const std::string> words);
+  /// A colour word or R G B in 0…1, or 0…255 if any is above 1.
+  std::optional<Color> ColorValue(const std::string& key);
+  /// roll pitch yaw, or yaw alone.
+  std::optional<Quaternion> Orientation(const std::string& key);
+
+  /// Reports `text` at the line of `key`, or of the section if the key is missing.
+  void ErrorAt(const std::string& key, std::string text);
+  void WarningAt(const std::string& key, std::string text);
+  void Error(std::string text);  // at the section
+  /// Reports that `key` is needed if it is missing; `example` says what to write.
+  void Require(const std::string& key, const std::string& example);
+  /// Reports what was never asked for.
+  void Finish();
+
+  const Section& section() const { return section_; }
+  SourceLine where() const { return {file_, section_.line}; }
+  SourceLine LineOf(const std::string& key) const;
+  std::string title() const { return "[" + section_.name + "]"; }
+
+ private:
+  const Entry* Find(const std::string& key);
+  /// The numbers of `entry` with and without units; nothing with errors reported.
+  std::optional<std::vector<ParsedNumber>> ParseNumbers(const Entry& entry, Quantity quantity);
+  void Report(const Entry& entry, const std::string& text);
+
+  const Section& section_;
+  std::string file_;
+  bool degrees_;
+  Diagnostics& diagnostics_;
+  std::vector<std::string> known_;
+};
+
+/// Whether a section says `angles deg`; reports anything but deg and rad.
+bool SaysDegrees(const Section& section, const std::string& file, Diagnostics& diagnostics);
+
+}  // namespace coopdyn

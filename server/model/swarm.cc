@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "server/model/swarm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+#include <variant>
+
+#include "server/geometry/uniform_grid.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kGap_m = 0.01;  // between a robot and what is not of its swarm
+constexpr int kTriesPerRobot = 2000;
+
+/// splitmix64: the same numbers on every machine.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  /// In [0, 1).
+  double Next() {
+    state_ += 0x9E3779B97F4A7C15u;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Places hashed by cells, to find those near a point.
+class PlaceHash {
+ public:
+  explicit PlaceHash(double cell_m) : cell_m_(cell_m) {}
+
+  void Add(double x, double y, double keep_m) {
+    largest_ = std::max(largest_, keep_m);
+    cells_[Key(Cell(x), Cell(y))].push_back({x, y, keep_m});
+  }
+
+  /// Whether (x, y) is at least its own distance away from every place added.
+  bool IsFree(double x, double y) const {
+    const auto reach = static_cast<std::int64_t>(std::ceil(largest_ / cell_m_));
+    for (std::int64_t i = Cell(x) - reach; i <= Cell(x) + reach; ++i) {
+      for (std::int64_t j = Cell(y) - reach; j <= Cell(y) + reach; ++j) {
+        const auto cell = cells_.find(Key(i, j));
+        if (cell == cells_.end()) continue;
+        for (const Place& place : cell->second) {
+          if (std::hypot(place.x - x, place.y - y) < place.keep_m) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  struct Place {
+    double x, y, keep_m;
+  };
+  std::int64_t Cell(double x) const { return static_cast<std::int64_t>(std::floor(x / cell_m_)); }
+  static std::uint64_t Key(std::int64_t i, std::int64_t j) {
+    return (static_cast<std::uint64_t>(i) << 32) ^ (static_cast<std::uint64_t>(j) & 0xFFFFFFFFu);
+  }
+
+  double cell_m_;
+  double largest_ = 0;
+  std::unordered_map<std::uint64_t, std::vector<Place>> cells_;
+};
+
+/// The objects that a robot could touch, in a grid.
+class Obstacles {
+ public:
+  Obstacles(std::span<const WorldObject> objects, const SwarmRequest& request)
+      : objects_(objects), keep_m_(request.radius_m + kGap_m) {
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const WorldObject& object = objects[i];
+      const Vector3 half = HalfExtents(object.shape, object.X_WO.q);
+      const Vector3& p = object.X_WO.p;
+      if (p.z() - half.z() >= request.height_m || p.z() + half.z() <= 0) continue;
+      indices_.push_back(i);
+      boxes_.push_back({p.x() - half.x() - keep_m_, p.y() - half.y() - keep_m_, p.x() + half.x() + keep_m_,
+                        p.y() + half.y() + keep_m_});
+    }
+    if (!boxes_.empty()) grid_.Build(boxes_, std::max(4 * request.radius_m, 0.5));
+  }
+
+  bool IsFree(double x, double y) const {
+    if (boxes_.empty()) return true;
+    const auto column = std::floor((x - grid_.min_x()) / grid_.cell_m());
+    const auto row = std::floor((y - grid_.min_y()) / grid_.cell_m());
+    if (!AllFree(grid_.large_items(), x, y)) return false;
+    if (column < 0 || row < 0 || column >= grid_.columns() || row >= grid_.rows()) return true;
+    return AllFree(grid_.Cell(static_cast<int>(column), static_cast<int>(row)), x, y);
+  }
+
+ private:
+  bool AllFree(std::span<const std::uint32_t> items, double x, double y) const {
+    return std::none_of(items.begin(), items.end(), [&](std::uint32_t item) {
+      return DistanceToShadow(objects_[indices_[item]], x, y) < keep_m_;
+    });
+  }
+
+  std::span<const WorldObject> objects_;
+  double keep_m_;
+  std::vector<std::size_t> indices_;  // of the boxes' objects
+  std::vector<Aabb2> boxes_;
+  UniformGrid grid_;
+};
+
+}  // namespace
+
+double DistanceToShadow(const WorldObject& object, double x_m, double y_m) {
+  const Vector3& centre = object.X_WO.p;
+  const Matrix3 R = object.X_WO.q.toRotationMatrix();
+  const bool upright = std::abs(R(2, 2)) > 1 - 1e-9;
+  const double dx = x_m - centre.x(), dy = y_m - centre.y();
+  if (const auto* sphere = std::get_if<Sphere>(&object.shape)) {
+    return std::max(0.0, std::hypot(dx, dy) - sphere->radius_m);
+  }
+  const auto* cylinder = std::get_if<Cylinder>(&object.shape);
+  if (cylinder != nullptr && upright) return std::max(0.0, std::hypot(dx, dy) - cylinder->radius_m);
+  const auto* box = std::get_if<Box>(&object.shape);
+  if (box != nullptr && upright) {
+    // In the box's own axes.
+    const double ax = std::abs(R(0, 0) * dx + R(1, 0) * dy) - box->size_m.x() / 2;
+    const double ay = std::abs(R(0, 1) * dx + R(1, 1) * dy) - box->size_m.y() / 2;
+    return std::hypot(std::max(0.0, ax), std::max(0.0, ay));
+  }
+  const Vector3 half = HalfExtents(object.shape, object.X_WO.q);
+  return std::hypot(std::max(0.0, std::abs(dx) - half.x()), std::max(0.0, std::abs(dy) - half.y()));
+}
+
+std::vector<FloorPlace> PlaceSwarm(const SwarmRequest& request, std::span<const WorldObject> objects,
+                                   std::span<const FloorPlace> taken) {
+  std::vector<FloorPlace> places;
+  const double length = request.area.length_m - 2 * request.radius_m;
+  const double width = request.area.width_m - 2 * request.radius_m;
+  if (length < 0 || width < 0) return places;
+  const Obstacles obstacles(objects, request);
+  double largest_m = 0.1;
+  for (const FloorPlace& place : taken)
+    largest_m = std::max(largest_m, place.radius_m + request.radius_m + kGap_m);
+  PlaceHash others(largest_m), own(std::max(request.spacing_m, 0.01));
+  for (const FloorPlace& place : taken)
+    others.Add(place.x_m, place.y_m, place.radius_m + request.radius_m + kGap_m);
+  Random random(request.seed);
+  for (int robot = 0; robot < request.count; ++robot) {
+    bool found = false;
+    for (int attempt = 0; attempt < kTriesPerRobot && !found; ++attempt) {
+      const double x = request.area.center_x_m + (random.Next() - 0.5) * length;
+      const double y = request.area.center_y_m + (random.Next() - 0.5) * width;
+      const double heading = (random.Next() * 2 - 1) * std::numbers::pi;
+      if (!own.IsFree(x, y) || !others.IsFree(x, y) || !obstacles.IsFree(x, y)) continue;
+      own.Add(x, y, request.spacing_m);
+      places.push_back({x, y, heading, request.radius_m});
+      found = true;
+    }
+    if (!found) break;
+  }
+  return places;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Seeded places for a swarm: free of objects, of robots and of one another. Pure; any thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/model/world_model.h"
+
+namespace coopdyn {
+
+/// A round robot on the floor.
+struct FloorPlace {
+  double x_m = 0, y_m = 0, heading_rad = 0;
+  double radius_m = 0;
+};
+
+struct SwarmArea {
+  double center_x_m = 0, center_y_m = 0;
+  double length_m = 0, width_m = 0;  // along x and y
+};
+
+struct SwarmRequest {
+  int count = 0;
+  double spacing_m = 0;  // least distance between the centres of two of the swarm
+  double radius_m = 0;   // of a robot's footprint
+  double height_m = 0;   // of a robot: what is higher is no obstacle
+  SwarmArea area;        // robots stand wholly inside
+  std::uint64_t seed = 1;
+};
+
+/// Up to `request.count` places, fewer if no more fit. The same arguments give the same places.
+std::vector<FloorPlace> PlaceSwarm(const SwarmRequest& request, std::span<const WorldObject> objects,
+                                   std::span<const FloorPlace> taken);
+
+/// The horizontal distance of (x, y) from the shadow that `object` casts on the floor; 0 inside. For upright
+/// shapes exact, otherwise to the box around it.
+double DistanceToShadow(const WorldObject& object, double x_m, double y_m);
+
+}  // namespace coopdyn

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "server/model/world_sections.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kMaxFriction = 1e3;
+
+const std::array<std::string, 3> kTypes = {"box", "cylinder", "sphere"};
+
+/// Whether `a` and `b` are the same size but for rounding.
+bool Same(double a, double b) {
+  return std::abs(a - b) <= 1e-9 * std::abs(a);
+}
+
+std::optional<Shape> ReadShape(SectionReader& reader, std::size_t type) {
+  const auto numbers = [&](std::initializer_list<std::size_t> counts, const std::string& form) {
+    return reader.Numbers("size", Quantity::kLength, counts, form, kMinFileSize_m, kMaxFileLength_m);
+  };
+  if (type == 0) {
+    const auto size = numbers({3}, "length width height of a box");
+    if (!size) return std::nullopt;
+    return Box{Vector3((*size)[0], (*size)[1], (*size)[2])};
+  }
+  if (type == 1) {
+    const auto size = numbers({3}, "diameter diameter height of a cylinder");
+    if (!size) return std::nullopt;
+    if (!Same((*size)[0], (*size)[1])) {
+      reader.ErrorAt("size", "the two diameters of a cylinder must be equal, not " +
+                                 FormatNumber((*size)[0]) + " and " + FormatNumber((*size)[1]));
+      return std::nullopt;
+    }
+    return Cylinder{(*size)[0] / 2, (*size)[2]};
+  }
+  const auto size = numbers({1, 3}, "diameter of a sphere");
+  if (!size) return std::nullopt;
+  if (size->size() == 3 && (!Same((*size)[0], (*size)[1]) || !Same((*size)[0], (*size)[2]))) {
+    reader.ErrorAt("size", "the three diameters of a sphere must be equal: write one");
+    return std::nullopt;
+  }
+  return Sphere{(*size)[0] / 2};
+}
+
+}  // namespace
+
+Floor ReadFloor(SectionReader& reader) {
+  Floor floor;
+  floor.where = reader.where();
+  reader.Has("angles");
+  const auto size = reader.Numbers("size", Quantity::kLength, {2, 3}, "length width height", kMinFileSize_m,
+                                   kMaxFileLength_m);
+  if (size) {
+    floor.length_m = (*size)[0];
+    floor.width_m = (*size)[1];
+    if (size->size() == 3) floor.height_m = (*size)[2];
+  }
+  if (const auto color = reader.ColorValue("color")) floor.color = *color;
+  if (const auto friction = reader.Number("friction", Quantity::kPlain, 0, kMaxFriction))
+    floor.friction = *friction;
+  reader.Finish();
+  return floor;
+}
+
+std::optional<WorldObject> ReadObject(SectionReader& reader, const std::string& hint) {
+  WorldObject object;
+  object.name = reader.section().name;
+  object.where = reader.where();
+  const bool has_type = reader.Has("type");
+  const std::optional<std::size_t> type = reader.Choice("type", kTypes);
+  if (!has_type) {
+    reader.Error(reader.title() + " is an object and needs 'type box', 'type cylinder' or 'type sphere'" +
+                 hint);
+  }
+  reader.Require("size", "size 1 0.5 0.3");
+  reader.Require("position", "position 2 0");
+  // Without its type a size cannot be judged.
+  const std::optional<Shape> shape = type ? ReadShape(reader, *type) : std::nullopt;
+  if (!type) reader.Has("size");
+  const auto position = reader.Numbers("position", Quantity::kLength, {2, 3}, "x y, or x y z of the centre",
+                                       -kMaxFileLength_m, kMaxFileLength_m);
+  if (const auto q = reader.Orientation("orientation")) object.X_WO.q = *q;
+  if (const auto mass = reader.Number("mass", Quantity::kMass, 0, kMaxFileMass_kg)) {
+    object.mass_kg = *mass;
+    if (*mass > 0 && *mass < kMinFileMass_kg) {
+      reader.ErrorAt("mass", "a mass below 1 mg cannot be simulated: write 0 for something that never moves");
+    }
+  }
+  if (const auto color = reader.ColorValue("color")) object.color = *color;
+  if (const auto friction = reader.Number("friction", Quantity::kPlain, 0, kMaxFriction))
+    object.friction = *friction;
+  // In the section of another kind that was misspelt, every key would be unknown: one diagnostic is enough.
+  if (has_type || hint.empty()) reader.Finish();
+  if (!shape || !position) return std::nullopt;
+  object.shape = *shape;
+  const double z = position->size() == 3 ? (*position)[2] : HalfExtents(object.shape, object.X_WO.q).z();
+  object.X_WO.p = Vector3((*position)[0], (*position)[1], z);
+  return object;
+}
+
+bool IsNumbered(const std::string& word, const std::string& kind) {
+  return word == kind || word.starts_with(kind + "_");
+}
+
+}  // namespace coopdyn
