@@ -1,0 +1,273 @@
+"""Starts the real daemon on free ports and talks exact bytes to it. No client library of ours is used here.
+
+Nothing waits for a fixed time: every wait is for bytes, for the end of a process, or for a condition asked over and over,
+with a generous limit that only a hang reaches.
+"""
+import json
+import os
+import re
+import shlex
+import signal
+import socket
+import struct
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+BINARY = os.environ.get("COOPDYN_BINARY", "build/release/coopdyn")
+LIMIT_S = 60
+
+
+class Reply:
+    """One message: error, text, command, params, data."""
+
+    def __init__(self, error, text, command, params, data):
+        self.error, self.text, self.command, self.params, self.data = error, text, command, params, data
+
+    @property
+    def time_s(self):
+        return self.data[-2]
+
+    @property
+    def step(self):
+        return int(self.data[-1])
+
+    def __repr__(self):
+        return f"Reply({self.error} {self.text!r} {self.command} {self.params} {self.data})"
+
+
+_TEXT = re.compile(r'^(-?\d+) "((?:[^"\\]|\\.)*)" (-?\d+) (.*)$', re.S)
+_UNESCAPED = {"n": "\n", "r": "\r", "t": "\t", '"': '"', "\\": "\\"}
+
+
+def parse_line(line):
+    """Reads the full form of the text encoding."""
+    match = _TEXT.match(line)
+    assert match, f"not a full form: {line!r}"
+    text = re.sub(r"\\(.)", lambda m: _UNESCAPED[m.group(1)], match.group(2))
+    words = match.group(4).split()
+    count = int(words[0])
+    params = [int(word) for word in words[1:1 + count]]
+    data = [float(word) for word in words[2 + count:]]
+    assert len(data) == int(words[1 + count]), line
+    return Reply(int(match.group(1)), text, int(match.group(3)), params, data)
+
+
+def frame(command, params=(), data=(), text=""):
+    """A binary frame, without the magic."""
+    raw = text.encode()
+    body = struct.pack("<iiIII", 0, command, len(raw), len(params), len(data)) + raw
+    body += struct.pack(f"<{len(params)}i", *params) + struct.pack(f"<{len(data)}d", *data)
+    return struct.pack("<I", len(body)) + body
+
+
+class Connection:
+    """A socket with a buffer. Every read has the limit."""
+
+    def __init__(self, address):
+        self.socket = socket.create_connection(address, timeout=LIMIT_S)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.buffer = b""
+
+    def write(self, data):
+        self.socket.sendall(data if isinstance(data, bytes) else data.encode())
+
+    def _more(self):
+        chunk = self.socket.recv(65536)
+        if not chunk:
+            raise EOFError(f"closed by the daemon; unread: {self.buffer!r}")
+        self.buffer += chunk
+
+    def read_exactly(self, count):
+        while len(self.buffer) < count:
+            self._more()
+        out, self.buffer = self.buffer[:count], self.buffer[count:]
+        return out
+
+    def read_line(self):
+        while b"\n" not in self.buffer:
+            self._more()
+        line, self.buffer = self.buffer.split(b"\n", 1)
+        return line.decode().rstrip("\r")
+
+    def read_to_end(self):
+        """All bytes until the daemon closes."""
+        try:
+            while True:
+                self._more()
+        except (EOFError, ConnectionResetError):
+            return self.buffer
+
+    def has_bytes(self):
+        """True if something can be read at once."""
+        if self.buffer:
+            return True
+        self.socket.setblocking(False)
+        try:
+            self.buffer += self.socket.recv(65536)
+        except BlockingIOError:
+            return False
+        finally:
+            self.socket.settimeout(LIMIT_S)
+        return bool(self.buffer)
+
+    def close(self):
+        self.socket.close()
+
+
+class Text(Connection):
+    """A module's text connection through OPEN on the name port, or straight to its port."""
+
+    def __init__(self, daemon, module, direct=False):
+        if direct:
+            super().__init__(("127.0.0.1", daemon.module_port(module)))
+        else:
+            super().__init__(daemon.names)
+            self.write(f"OPEN {module}\n")
+            answer = self.read_line()
+            assert answer == "ok", answer
+
+    def send(self, line):
+        self.write(line + "\n")
+
+    def receive(self):
+        """The next message that is no comment."""
+        while True:
+            line = self.read_line()
+            if line and not line.startswith("#"):
+                return parse_line(line)
+
+    def ask(self, line):
+        self.send(line)
+        return self.receive()
+
+    def must(self, line):
+        reply = self.ask(line)
+        assert reply.error == 0, f"{line}: {reply}"
+        return reply
+
+
+class Binary(Connection):
+    def __init__(self, daemon, module):
+        super().__init__(daemon.names)
+        self.write(f"OPEN {module}\n")
+        assert self.read_line() == "ok"
+        self.write(b"CDS1")
+
+    def send(self, command, params=(), data=(), text=""):
+        self.write(frame(command, params, data, text))
+
+    def receive(self):
+        size = struct.unpack("<I", self.read_exactly(4))[0]
+        body = self.read_exactly(size)
+        error, command, t, m, n = struct.unpack("<iiIII", body[:20])
+        assert size == 20 + t + 4 * m + 8 * n
+        text = body[20:20 + t].decode()
+        params = list(struct.unpack(f"<{m}i", body[20 + t:20 + t + 4 * m]))
+        return Reply(error, text, command, params, list(struct.unpack(f"<{n}d", body[20 + t + 4 * m:])))
+
+    def ask(self, command, params=(), data=(), text=""):
+        self.send(command, params, data, text)
+        return self.receive()
+
+
+def scenario(robots=1, extra="", mode="lockstep", robot_extra=None):
+    """The text of a scenario with robots in a row, two metres apart, and a red target."""
+    text = f"[SIMULATION]\nmode {mode}\nstep 0.01\n[FLOOR]\nsize 40 40 0.1\n[TARGET]\nred 3 0 0.3\n"
+    for index in range(1, robots + 1):
+        more = (robot_extra or {}).get(index, "")
+        text += f"[ROBOT_{index}]\ntype coopbot\nname robot{index}\nposition 0 {2 * (index - 1)} 0\n{more}\n"
+    return text + extra
+
+
+class Daemon:
+    """`coopdyn serve` on free ports; a context manager that ends it in order and checks its exit code."""
+
+    def __init__(self, text=None, *options, name=None, env=None, expect_exit=0):
+        self.folder = tempfile.TemporaryDirectory()
+        self.expect_exit = expect_exit
+        if name is None:
+            path = Path(self.folder.name) / "test.scenario"
+            path.write_text(text if text is not None else scenario())
+            name = str(path)
+        self.stderr_path = Path(self.folder.name) / "stderr"
+        self.stderr_file = open(self.stderr_path, "wb")
+        command = [BINARY, "serve", name, "--port", "0", *options]
+        if "--no-http" not in options and "--http" not in options:
+            command.append("--no-http")
+        command = [word for word in command if word != "--http"]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.stderr_file,
+                                        env={**os.environ, **(env or {})})
+        self.ready = self.process.stdout.readline().decode()
+        if not self.ready.startswith("ready "):
+            self.process.wait()
+            raise AssertionError(f"no ready line: {shlex.join(command)}\n{self.stderr()}")
+        names = re.search(r"names=(\S+)", self.ready).group(1)
+        self.names = None
+        if names != "off":
+            host, port = names.rsplit(":", 1)
+            self.names = (host.strip("[]"), int(port))
+        self.http = re.search(r"http=(\S+)", self.ready).group(1)
+
+    def stderr(self):
+        return self.stderr_path.read_text(errors="replace")
+
+    def text(self, module, direct=False):
+        return Text(self, module, direct)
+
+    def binary(self, module):
+        return Binary(self, module)
+
+    def module_port(self, module):
+        connection = Connection(self.names)
+        connection.write(f"NAME_SERVER query {module}\n")
+        match = re.match(r"registration name \S+ ip (\S+) port (\d+) type tcp", connection.read_line())
+        connection.close()
+        return int(match.group(2))
+
+    def status(self):
+        connection = Text(self, "/simulation")
+        reply = connection.must("get_status")
+        connection.close()
+        return json.loads(reply.text)
+
+    def open_files(self):
+        return len(os.listdir(f"/proc/{self.process.pid}/fd"))
+
+    def threads(self):
+        return len(os.listdir(f"/proc/{self.process.pid}/task"))
+
+    def end(self, signum=signal.SIGTERM):
+        """Ends the daemon; returns its exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(signum)
+        try:
+            return self.process.wait(LIMIT_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, value, trace):
+        code = self.end()
+        self.process.stdout.close()
+        self.stderr_file.close()
+        said = self.stderr()
+        self.folder.cleanup()
+        if kind is None:
+            assert code == self.expect_exit, f"exit code {code}\n{said[-6000:]}"
+        elif said:
+            print(said[-3000:])
+
+
+def until(condition, limit_s=LIMIT_S):
+    """Asks over and over until the condition gives something true, which is returned."""
+    end = time.monotonic() + limit_s
+    while True:
+        value = condition()
+        if value:
+            return value
+        assert time.monotonic() < end, "the awaited condition did not come"
