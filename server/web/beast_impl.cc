@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: MIT
+// Beast, compiled once.
+#include <utility>
+
+#include <boost/beast/src.hpp>

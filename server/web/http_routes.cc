@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "server/web/http_routes.h"
+
+#include <algorithm>
+
+#include "protocol/ascii.h"
+#include "server/web/access.h"
+#include "server/web/image_query.h"
+
+namespace coopdyn {
+namespace {
+
+HttpRoute Refuse(unsigned status, std::string text) {
+  HttpRoute route;
+  route.refusal.status = status;
+  route.refusal.body = std::move(text) + "\n";
+  return route;
+}
+
+HttpRoute RefuseMethod(std::string allow) {
+  HttpRoute route = Refuse(405, "this address takes " + allow + " only");
+  route.refusal.headers.emplace_back("Allow", std::move(allow));
+  return route;
+}
+
+HttpRoute Accept(HttpRouteKind kind) {
+  HttpRoute route;
+  route.kind = kind;
+  return route;
+}
+
+HttpRoute AcceptImage(HttpRouteKind kind, ImageFormat format, std::string_view query) {
+  HttpRoute route = Accept(kind);
+  route.image.format = format;
+  route.image.paced = kind == HttpRouteKind::kStream;
+  const std::string error = ReadImageQuery(query, route.image);
+  return error.empty() ? route : Refuse(400, error);
+}
+
+bool IsJson(std::string_view content_type) {
+  constexpr std::string_view kJson = "application/json";
+  if (content_type.size() < kJson.size()) return false;
+  const bool same = std::equal(kJson.begin(), kJson.end(), content_type.begin(),
+                               [](char a, char b) { return a == ToLower(b); });
+  const std::string_view rest = content_type.substr(kJson.size());
+  return same && (rest.empty() || rest.front() == ';' || IsBlank(rest.front()));
+}
+
+HttpRoute FindGet(std::string_view path, std::string_view query) {
+  if (path == "/snapshot.png") return AcceptImage(HttpRouteKind::kSnapshot, ImageFormat::kPng, query);
+  if (path == "/view.mjpg") return AcceptImage(HttpRouteKind::kStream, ImageFormat::kJpeg, query);
+  if (path == "/api/status") return Accept(HttpRouteKind::kStatus);
+  if (path == "/api/scenarios") return Accept(HttpRouteKind::kScenarios);
+  if (path == "/api/modules") return Accept(HttpRouteKind::kModules);
+  if (const Asset* asset = FindAsset(path)) {
+    HttpRoute route = Accept(HttpRouteKind::kAsset);
+    route.asset = asset;
+    return route;
+  }
+  return Refuse(404, "there is nothing here: the page is at /");
+}
+
+std::string RefuseHost(const HttpRequestHead& head, const std::vector<std::string>& host_names,
+                       unsigned& status) {
+  status = 400;
+  if (head.hosts.size() > 1) return "more than one Host header";
+  if (head.hosts.empty()) return head.http_1_1 ? "HTTP/1.1 needs a Host header" : "";
+  const auto name = HostName(head.hosts.front());
+  if (!name) return "the Host header is not a host name";
+  status = 403;
+  if (HostAllowed(head.hosts.front(), host_names)) return {};
+  return "this daemon does not go by the name " + *name +
+         ": use its IP address, or start it with --advertise " + *name;
+}
+
+}  // namespace
+
+HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>& host_names) {
+  unsigned status = 0;
+  if (std::string error = RefuseHost(head, host_names, status); !error.empty()) {
+    return Refuse(status, std::move(error));
+  }
+  if (!head.target.starts_with('/')) return Refuse(400, "the address must start with /");
+  const auto mark = head.target.find('?');
+  const std::string_view path = head.target.substr(0, mark);
+  const std::string_view query = mark == std::string_view::npos ? "" : head.target.substr(mark + 1);
+
+  const bool from_here =
+      head.origin.empty() || (!head.hosts.empty() && OriginAllowed(head.origin, head.hosts.front()));
+  constexpr std::string_view kForeign =
+      "pages of other hosts may not drive robots: open the daemon's own page";
+  if (path == "/ws") {
+    if (head.method != "GET") return RefuseMethod("GET");
+    if (!head.upgrade) {
+      HttpRoute route = Refuse(426, "this address speaks WebSocket");
+      route.refusal.headers.emplace_back("Upgrade", "websocket");
+      return route;
+    }
+    return from_here ? Accept(HttpRouteKind::kSocket) : Refuse(403, std::string(kForeign));
+  }
+  if (path == "/api/call") {
+    if (head.method != "POST") return RefuseMethod("POST");
+    if (!from_here) return Refuse(403, std::string(kForeign));
+    if (!IsJson(head.content_type)) return Refuse(415, "send JSON, with Content-Type: application/json");
+    return Accept(HttpRouteKind::kCall);
+  }
+  HttpRoute route = FindGet(path, query);
+  const bool found = route.kind != HttpRouteKind::kRefused || route.refusal.status != 404;
+  if (found && head.method != "GET" && head.method != "HEAD") return RefuseMethod("GET, HEAD");
+  return route;
+}
+
+HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match) {
+  HttpAnswer answer;
+  const std::string tag = EntityTag(asset);
+  answer.type = ContentType(asset.path);
+  answer.headers = {{"ETag", tag}, {"Cache-Control", "no-cache"}};
+  if (asset.path.ends_with(".zip") || asset.path.ends_with(".py")) {
+    answer.headers.emplace_back("Content-Disposition",
+                                "attachment; filename=\"" + std::string(asset.path.substr(1)) + "\"");
+  }
+  if (if_none_match == "*" || if_none_match.find(tag) != std::string_view::npos) {
+    answer.status = 304;
+  } else {
+    answer.body = asset.bytes;
+  }
+  return answer;
+}
+
+const std::vector<std::pair<std::string, std::string>>& CommonHeaders() {
+  static const std::vector<std::pair<std::string, std::string>> kHeaders = {
+      {"Server", "coopdyn"},
+      {"Content-Security-Policy", "default-src 'self'; frame-ancestors 'none'"},
+      {"X-Content-Type-Options", "nosniff"},
+      {"Cross-Origin-Resource-Policy", "same-origin"},
+      {"Referrer-Policy", "no-referrer"}};
+  return kHeaders;
+}
+
+}  // namespace coopdyn

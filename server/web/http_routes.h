@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// What a request line and its headers ask for, and whether that may be: everything about HTTP that needs no
+// connection. Pure; any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/state/image_board.h"
+#include "server/web/assets.h"
+
+namespace coopdyn {
+
+struct HttpAnswer {
+  unsigned status = 200;
+  std::string body;  // of an error: one line of text
+  std::string type = "text/plain; charset=utf-8";
+  std::vector<std::pair<std::string, std::string>> headers = {};
+  bool close = false;  // the connection, afterwards
+};
+
+/// The request as far as its header goes.
+struct HttpRequestHead {
+  std::string_view method;
+  std::string_view target;
+  bool http_1_1 = true;
+  std::vector<std::string_view> hosts;  // all Host headers
+  std::string_view origin;
+  std::string_view content_type;
+  std::string_view if_none_match;
+  bool upgrade = false;  // to a WebSocket
+};
+
+enum class HttpRouteKind {
+  kRefused,
+  kAsset,
+  kSnapshot,
+  kStream,
+  kStatus,
+  kScenarios,
+  kModules,
+  kCall,
+  kSocket
+};
+
+struct HttpRoute {
+  HttpRouteKind kind = HttpRouteKind::kRefused;
+  HttpAnswer refusal;            // kRefused
+  const Asset* asset = nullptr;  // kAsset
+  ImageRequest image;            // kSnapshot, kStream
+};
+
+/// Where `head` leads. `host_names`: WebOptions.
+HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>& host_names);
+
+/// The answer with a file; 304 if the client has it.
+HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match);
+
+/// The headers that every answer carries.
+const std::vector<std::pair<std::string, std::string>>& CommonHeaders();
+
+}  // namespace coopdyn

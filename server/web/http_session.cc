@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+#include "server/web/http_session.h"
+
+#include <boost/asio/dispatch.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/error.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+
+#include "server/web/access.h"
+#include "server/web/json_answers.h"
+#include "server/web/page_bridge.h"
+#include "server/web/page_socket.h"
+#include "server/web/picture_stream.h"
+
+namespace coopdyn {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using boost::system::error_code;
+
+namespace {
+
+constexpr std::size_t kMaxDrainBytes = std::size_t{1} << 20;
+constexpr std::chrono::seconds kDrainTime{2};
+
+HttpRequestHead HeadOf(const http::request<http::string_body>& request) {
+  HttpRequestHead head;
+  head.method = request.method_string();
+  head.target = request.target();
+  head.http_1_1 = request.version() >= 11;
+  const auto hosts = request.equal_range(http::field::host);
+  for (auto host = hosts.first; host != hosts.second; ++host) head.hosts.push_back(host->value());
+  head.origin = request[http::field::origin];
+  head.content_type = request[http::field::content_type];
+  head.if_none_match = request[http::field::if_none_match];
+  head.upgrade = beast::websocket::is_upgrade(request);
+  return head;
+}
+
+HttpAnswer ErrorAnswer(unsigned status, std::string text) {
+  HttpAnswer answer;
+  answer.status = status;
+  answer.body = std::move(text) + "\n";
+  return answer;
+}
+
+/// What to answer to something that is no HTTP request.
+HttpAnswer UnreadableAnswer(const error_code& failed) {
+  HttpAnswer answer;
+  if (failed == http::error::header_limit) {
+    answer = ErrorAnswer(431, "the header is too long");
+  } else if (failed == http::error::body_limit) {
+    answer = ErrorAnswer(413, "the body is too long: at most 16 MiB");
+  } else {
+    answer = ErrorAnswer(400, "not an HTTP request: " + failed.message());
+  }
+  answer.close = true;
+  return answer;
+}
+
+bool IsUnreadable(const error_code& failed) {
+  return failed.category() == http::make_error_code(http::error::bad_method).category() &&
+         failed != http::error::end_of_stream && failed != http::error::partial_message;
+}
+
+}  // namespace
+
+HttpSession::HttpSession(asio::ip::tcp::socket socket, WebContext& context, PeerInfo peer)
+    : stream_(std::move(socket)), context_(context), peer_(std::move(peer)), patience_(context.io) {}
+
+HttpSession::~HttpSession() = default;
+
+void HttpSession::Start() {
+  ReadHeader();
+}
+
+void HttpSession::Refuse() {
+  HttpAnswer answer = ErrorAnswer(503, "too many connections: close some pages and try again");
+  answer.close = true;
+  parser_.emplace();
+  Answer(std::move(answer));
+}
+
+void HttpSession::Close() {
+  stream_.close();
+}
+
+void HttpSession::ReadHeader() {
+  parser_.emplace();
+  parser_->header_limit(kMaxHeaderBytes);
+  parser_->body_limit(kMaxBodyBytes);
+  stream_.expires_after(kHeaderTime);
+  http::async_read_header(stream_, buffer_, *parser_,
+                          [self = shared_from_this()](error_code failed, std::size_t) {
+                            if (IsUnreadable(failed)) return self->Answer(UnreadableAnswer(failed));
+                            if (failed) return self->Close();
+                            self->OnHeader();
+                          });
+}
+
+void HttpSession::OnHeader() {
+  const Request& request = parser_->get();
+  route_ = FindRoute(HeadOf(request), context_.options.host_names);
+  const bool has_body = parser_->chunked() || parser_->content_length().value_or(0) > 0;
+  if (route_.kind == HttpRouteKind::kRefused) {
+    route_.refusal.close |= has_body;  // it is not worth reading
+    return Answer(route_.refusal);
+  }
+  if (beast::iequals(request[http::field::expect], "100-continue") && has_body) {
+    response_.emplace(http::status::continue_, 11);
+    stream_.expires_after(kBodyTime);
+    http::async_write(stream_, *response_, [self = shared_from_this()](error_code failed, std::size_t) {
+      if (failed) return self->Close();
+      self->ReadBody();
+    });
+    return;
+  }
+  ReadBody();
+}
+
+void HttpSession::ReadBody() {
+  stream_.expires_after(kBodyTime);
+  http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code failed, std::size_t) {
+    if (IsUnreadable(failed)) return self->Answer(UnreadableAnswer(failed));
+    if (failed) return self->Close();
+    self->stream_.expires_never();
+    self->OnRequest();
+  });
+}
+
+void HttpSession::OnRequest() {
+  const Request& request = parser_->get();
+  const bool head_only = request.method() == http::verb::head;
+  switch (route_.kind) {
+    case HttpRouteKind::kRefused:
+      return Answer(route_.refusal);
+    case HttpRouteKind::kAsset:
+      return Answer(AnswerAsset(*route_.asset, std::string_view(request[http::field::if_none_match])));
+    case HttpRouteKind::kSnapshot:
+      return AnswerSnapshot(route_.image, !head_only);
+    case HttpRouteKind::kStream:
+      return BecomeStream(route_.image);
+    case HttpRouteKind::kStatus:
+      return AnswerStatus();
+    case HttpRouteKind::kScenarios:
+      return Answer(AnswerScenarios(context_));
+    case HttpRouteKind::kModules:
+      return Answer(AnswerModules(context_));
+    case HttpRouteKind::kCall:
+      return AnswerCall(request.body());
+    case HttpRouteKind::kSocket:
+      return BecomeSocket();
+  }
+}
+
+void HttpSession::BecomeSocket() {
+  const auto socket = std::make_shared<PageSocket>(std::move(stream_), context_, peer_);
+  context_.Register(socket);
+  socket->Start(parser_->release());
+}
+
+void HttpSession::BecomeStream(const ImageRequest& image) {
+  if (!context_.pictures.available()) {
+    return Answer(ErrorAnswer(503, "the daemon runs without pictures (--no-render)"));
+  }
+  const auto stream = std::make_shared<PictureStream>(stream_.release_socket(), context_, image);
+  context_.Register(stream);
+  stream->Start(parser_->get().method() == http::verb::head);
+}
+
+void HttpSession::AnswerStatus() {
+  const std::uint64_t ticket = Await("/simulation");
+  context_.status.Ask([self = shared_from_this(), ticket](const Message& reply) {
+    if (reply.error != 0) return self->AnswerLater(ticket, ErrorAnswer(503, reply.text));
+    HttpAnswer answer = JsonAnswer(reply.text + "\n");
+    self->AnswerLater(ticket, std::move(answer));
+  });
+}
+
+void HttpSession::AnswerSnapshot(const ImageRequest& image, bool body_wanted) {
+  if (!body_wanted && context_.pictures.available()) {
+    HttpAnswer answer;
+    answer.type = MediaType(image.format);
+    answer.headers.emplace_back("Cache-Control", "no-store");
+    return Answer(std::move(answer));
+  }
+  const std::uint64_t ticket = Await("the picture");
+  context_.pictures.Request(
+      image, [self = shared_from_this(), ticket, format = image.format](const ImageResult& result) {
+        if (!result.error.empty()) return self->AnswerLater(ticket, ErrorAnswer(503, result.error));
+        HttpAnswer answer;
+        answer.type = MediaType(format);
+        answer.headers = {{"Cache-Control", "no-store"},
+                          {"X-Simulated-Time", std::to_string(ToSeconds(result.time))}};
+        answer.body.assign(result.bytes->begin(), result.bytes->end());
+        self->AnswerLater(ticket, std::move(answer));
+      });
+}
+
+void HttpSession::AnswerCall(const std::string& body) {
+  const PageRead read = ReadPageMessage(body);
+  const PageCall* call = read.message ? std::get_if<PageCall>(&*read.message) : nullptr;
+  if (call == nullptr) {
+    return Answer(ErrorAnswer(400, read.error.empty() ? "send a call, without type" : read.error));
+  }
+  PeerInfo peer = peer_;
+  const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
+  peer.trusted |=
+      TokenMatches(bearer, context_.options.token) || TokenMatches(call->token, context_.options.token);
+  peer.text = "page " + peer.text;
+  const std::uint64_t ticket = Await(call->module);
+  bridge_ = std::make_unique<PageBridge>(
+      context_.io, context_.names, context_.catalog, std::move(peer),
+      [self = weak_from_this(), ticket](const PageReply& reply) {
+        const auto session = self.lock();
+        if (!session || reply.id.empty()) return;  // a push
+        HttpAnswer answer = JsonAnswer(WritePageReply(reply) + "\n");
+        if (reply.message.error == static_cast<std::int32_t>(Error::kNotAllowed)) {
+          answer = ErrorAnswer(403, reply.message.text);
+        }
+        session->AnswerLater(ticket, std::move(answer));
+      });
+  bridge_->Handle(*call);
+}
+
+std::uint64_t HttpSession::Await(const std::string& whom) {
+  const std::uint64_t ticket = ++ticket_;
+  patience_.expires_after(kAnswerTime);
+  patience_.async_wait([self = shared_from_this(), ticket, whom](error_code cancelled) {
+    if (cancelled) return;
+    self->AnswerLater(ticket, ErrorAnswer(504, "no answer from " + whom + " within a minute"));
+  });
+  return ticket;
+}
+
+void HttpSession::AnswerLater(std::uint64_t ticket, HttpAnswer answer) {
+  if (ticket != ticket_) return;
+  ++ticket_;
+  patience_.cancel();
+  Answer(std::move(answer));
+}
+
+void HttpSession::Answer(HttpAnswer answer) {
+  const Request& request = parser_->get();
+  const unsigned version = request.version() == 10 ? 10 : 11;
+  response_.emplace(static_cast<http::status>(answer.status), version);
+  for (const auto& [name, value] : CommonHeaders()) response_->set(name, value);
+  for (const auto& [name, value] : answer.headers) response_->set(name, value);
+  const bool with_body = answer.status != 304;
+  if (with_body) response_->set(http::field::content_type, answer.type);
+  response_->keep_alive(!answer.close && request.keep_alive());
+  if (request.method() == http::verb::head && with_body) {
+    if (!answer.body.empty()) response_->content_length(answer.body.size());
+  } else {
+    response_->body() = std::move(answer.body);
+    response_->prepare_payload();
+  }
+  stream_.expires_after(kAnswerTime);
+  http::async_write(stream_, *response_, [self = shared_from_this()](error_code failed, std::size_t) {
+    // Not from within the bridge, which calls us.
+    asio::post(self->stream_.get_executor(), [self, failed] {
+      self->bridge_ = nullptr;
+      if (failed) return self->Close();
+      if (self->response_->need_eof() || !self->response_->keep_alive()) return self->Drain();
+      self->ReadHeader();
+    });
+  });
+}
+
+void HttpSession::Drain() {
+  error_code ignored;
+  stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+  if (drained_ == 0) stream_.expires_after(kDrainTime);
+  buffer_.clear();
+  stream_.async_read_some(buffer_.prepare(16384),
+                          [self = shared_from_this()](error_code failed, std::size_t count) {
+                            self->drained_ += count;
+                            if (failed || self->drained_ > kMaxDrainBytes) return self->Close();
+                            self->Drain();
+                          });
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// One HTTP connection: reads requests one after the other, checks who asks, answers, or hands the connection
+// over to a WebSocket or a stream of pictures. UI thread.
+#pragma once
+
+#include <utility>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/web/http_routes.h"
+#include "server/web/web_context.h"
+
+namespace coopdyn {
+
+class PageBridge;
+
+class HttpSession : public WebConnection, public std::enable_shared_from_this<HttpSession> {
+ public:
+  static constexpr std::uint32_t kMaxHeaderBytes = 16 << 10;
+  static constexpr std::uint64_t kMaxBodyBytes = 16 << 20;
+  static constexpr std::chrono::seconds kHeaderTime{15};  // for a whole header; also between two requests
+  static constexpr std::chrono::seconds kBodyTime{60};
+  static constexpr std::chrono::seconds kAnswerTime{60};  // for a module or picture, then again for writing
+
+  HttpSession(boost::asio::ip::tcp::socket socket, WebContext& context, PeerInfo peer);
+  ~HttpSession() override;
+
+  void Start();
+  /// Answers 503 and closes: too many connections.
+  void Refuse();
+  void Close() override;
+
+ private:
+  using Request = boost::beast::http::request<boost::beast::http::string_body>;
+
+  void ReadHeader();
+  void OnHeader();
+  void ReadBody();
+  void OnRequest();
+  /// The connection as a WebSocket, or as a stream of pictures.
+  void BecomeSocket();
+  void BecomeStream(const ImageRequest& image);
+  void AnswerStatus();
+  void AnswerSnapshot(const ImageRequest& image, bool body_wanted);
+  void AnswerCall(const std::string& body);
+  /// Starts waiting for somebody else's answer; the result is what AnswerLater() needs.
+  std::uint64_t Await(const std::string& whom);
+  /// Like Answer(), unless the time was up.
+  void AnswerLater(std::uint64_t ticket, HttpAnswer answer);
+  void Answer(HttpAnswer answer);
+  /// Reads what the client still sends for a moment, so that it sees the answer, then closes.
+  void Drain();
+
+  boost::beast::tcp_stream stream_;
+  WebContext& context_;
+  const PeerInfo peer_;
+  boost::beast::flat_buffer buffer_;
+  std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
+  std::optional<boost::beast::http::response<boost::beast::http::string_body>> response_;
+  HttpRoute route_;
+  boost::asio::steady_timer patience_;
+  std::uint64_t ticket_ = 0;  // of the answer waited for
+  std::unique_ptr<PageBridge> bridge_;
+  std::size_t drained_ = 0;
+};
+
+}  // namespace coopdyn

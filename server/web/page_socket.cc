@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "server/web/page_socket.h"
+
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/websocket/option.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+
+#include "protocol/json_text.h"
+#include "server/web/access.h"
+#include "server/web/http_routes.h"
+
+namespace coopdyn {
+
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+namespace websocket = boost::beast::websocket;
+using boost::system::error_code;
+
+namespace {
+
+void AppendPoint(std::string_view name, const Vector3& point, std::string& json) {
+  json += ",\"" + std::string(name) + "\":[";
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0) json += ',';
+    AppendJsonNumber(point[i], json);
+  }
+  json += ']';
+}
+
+/// A binary message: see the header of this class.
+std::string PictureMessage(const ImageResult& result) {
+  std::string json;
+  if (result.error.empty()) {
+    json = "{\"time_s\":";
+    AppendJsonNumber(ToSeconds(result.time), json);
+    json += ",\"step\":" + std::to_string(result.step);
+    AppendPoint("eye", result.camera.eye_m, json);
+    AppendPoint("look", result.camera.look_m, json);
+    json += '}';
+  } else {
+    json = "{\"error\":" + JsonString(result.error) + "}";
+  }
+  std::string message;
+  for (int shift = 0; shift < 32; shift += 8) message += static_cast<char>((json.size() >> shift) & 0xffU);
+  message += json;
+  if (result.bytes) message.append(result.bytes->begin(), result.bytes->end());
+  return message;
+}
+
+PeerInfo PageOf(PeerInfo peer) {
+  peer.text = "page " + peer.text;
+  return peer;
+}
+
+}  // namespace
+
+PageSocket::PageSocket(beast::tcp_stream stream, WebContext& context, PeerInfo peer)
+    : socket_(std::move(stream)),
+      context_(context),
+      bridge_(context.io, context.names, context.catalog, PageOf(std::move(peer)),
+              [this](const PageReply& reply) { OnReply(reply); }),
+      view_(context.io, context.pictures, [this](const ImageResult& result) { OnPicture(result); }) {}
+
+void PageSocket::Start(http::request<http::string_body> upgrade) {
+  upgrade_ = std::move(upgrade);
+  beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has its own
+  websocket::stream_base::timeout timeout{};
+  timeout.handshake_timeout = kHandshakeTime;
+  timeout.idle_timeout = kSilence;
+  timeout.keep_alive_pings = true;
+  socket_.set_option(timeout);
+  socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+    for (const auto& [name, value] : CommonHeaders()) response.set(name, value);
+  }));
+  socket_.read_message_max(kMaxMessageBytes);
+  socket_.async_accept(upgrade_, [self = shared_from_this()](error_code failed) {
+    if (failed) return self->Close();
+    self->open_ = true;
+    self->context_.status.Watch(self);
+    self->OnHello({});
+    self->Read();
+  });
+}
+
+void PageSocket::Close() {
+  open_ = false;
+  view_.Set(std::nullopt);
+  beast::get_lowest_layer(socket_).close();
+}
+
+void PageSocket::Read() {
+  if (reading_ || !open_ || overfull()) return;
+  reading_ = true;
+  socket_.async_read(buffer_, [self = shared_from_this()](error_code failed, std::size_t) {
+    self->reading_ = false;
+    if (failed) return self->Close();
+    const auto bytes = self->buffer_.cdata();
+    self->OnMessage({static_cast<const char*>(bytes.data()), bytes.size()});
+    self->buffer_.consume(self->buffer_.size());
+    self->Read();
+  });
+}
+
+void PageSocket::OnMessage(std::string_view text) {
+  PageRead read = ReadPageMessage(text);
+  if (!read.message) {
+    PageReply reply;
+    reply.id = read.id;
+    reply.message = ErrorReply(-2, Error::kMalformed, read.error);
+    return Send(WritePageReply(reply));
+  }
+  if (const auto* call = std::get_if<PageCall>(&*read.message)) {
+    if (TokenMatches(call->token, context_.options.token)) bridge_.SetTrusted(true);
+    bridge_.Handle(*call);
+  } else if (const auto* hello = std::get_if<PageHello>(&*read.message)) {
+    OnHello(*hello);
+  } else if (const auto* view = std::get_if<PageView>(&*read.message)) {
+    view_.Set(view->request);
+  } else if (std::holds_alternative<PageShown>(*read.message)) {
+    view_.Shown();
+  } else if (const auto* close = std::get_if<PageClose>(&*read.message)) {
+    bridge_.CloseLink(close->module, close->channel);
+  }
+}
+
+void PageSocket::OnHello(const PageHello& hello) {
+  if (TokenMatches(hello.token, context_.options.token)) bridge_.SetTrusted(true);
+  Send(R"({"type":"hello","version":)" + JsonString(context_.options.version) +
+       (bridge_.trusted() ? R"(,"trusted":true)" : R"(,"trusted":false)") +
+       (context_.pictures.available() ? R"(,"pictures":true})" : R"(,"pictures":false})"));
+}
+
+void PageSocket::OnStatus(const std::shared_ptr<const std::string>& status) {
+  if (!open_) return;
+  status_ = status;
+  WriteNext();
+}
+
+void PageSocket::OnReply(PageReply reply) {
+  const bool push = reply.id.empty();
+  if (push && dropped_pushes_ > 0) {
+    reply.message.text = "dropped " + std::to_string(dropped_pushes_);
+    dropped_pushes_ = 0;
+  }
+  Send(WritePageReply(reply), push);
+}
+
+void PageSocket::OnPicture(const ImageResult& result) {
+  picture_ = PictureMessage(result);
+  WriteNext();
+}
+
+void PageSocket::Send(std::string text, bool push) {
+  if (!open_) return;
+  queued_bytes_ += text.size();
+  queued_pushes_ += push ? 1 : 0;
+  queue_.push_back({std::move(text), push});
+  if (queued_pushes_ > kMaxQueuedPushes) {
+    const auto oldest =
+        std::find_if(queue_.begin(), queue_.end(), [](const Outgoing& entry) { return entry.push; });
+    queued_bytes_ -= oldest->text.size();
+    queue_.erase(oldest);
+    --queued_pushes_;
+    ++dropped_pushes_;
+  }
+  WriteNext();
+}
+
+void PageSocket::WriteNext() {
+  if (writing_ || !open_) return;
+  bool binary = false;
+  if (!queue_.empty()) {
+    Outgoing& next = queue_.front();
+    queued_bytes_ -= next.text.size();
+    queued_pushes_ -= next.push ? 1 : 0;
+    written_ = std::move(next.text);
+    queue_.pop_front();
+  } else if (status_) {
+    written_ = R"({"type":"status","status":)" + *status_ + "}";
+    status_ = nullptr;
+  } else if (!picture_.empty()) {
+    written_.swap(picture_);
+    picture_.clear();
+    binary = true;
+  } else {
+    return;
+  }
+  writing_ = true;
+  socket_.binary(binary);
+  socket_.async_write(boost::asio::buffer(written_),
+                      [self = shared_from_this()](error_code failed, std::size_t) {
+                        self->writing_ = false;
+                        if (failed) return self->Close();
+                        self->WriteNext();
+                        self->Read();  // it may have been held back
+                      });
+}
+
+}  // namespace coopdyn
