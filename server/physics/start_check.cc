@@ -72,7 +72,8 @@ void CheckStart(OdeWorld& ode, Diagnostics& diagnostics) {
                         NameOf(owner) + " starts " + Metres(below) + " below the floor (z = 0): move it up");
     }
   }
-  for (const auto& [a, b] : BroadPhase(ode).FindPairs(ode)) {
+  BroadPhase broad_phase(ode);
+  for (const auto& [a, b] : broad_phase.FindPairs(ode)) {
     double depth = 0;
     ForEachPart(ode, ode.owners[a], [&](const Part& part_a) {
       ForEachPart(ode, ode.owners[b],
