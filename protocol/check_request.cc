@@ -70,9 +70,10 @@ CheckResult CheckCounts(const CommandSpec& spec, std::string_view text, std::siz
     if (TakesNothing(spec)) return Refuse(spec, Error::kWrongParams, "takes no values");
     if (spec.params.empty()) return Refuse(spec, Error::kWrongParams, "takes no params");
     const bool brackets = BareParams(spec).size() < spec.params.size();
-    return Refuse(
-        spec, Error::kWrongParams,
-        "takes as params " + ListOf(spec.params) + (brackets ? ", in brackets before the data" : ""));
+    const std::string noun = spec.params.size() == 1 ? "the param " : "the params ";
+    return Refuse(spec, Error::kWrongParams,
+                  (CountFits(spec.params, 0) ? "takes at most " : "takes ") + noun + ListOf(spec.params) +
+                      (brackets ? ", in brackets before the data" : ""));
   }
   if (!CountFits(spec.data, data)) {
     if (TakesNothing(spec)) return Refuse(spec, Error::kWrongData, "takes no values");

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "protocol/codec.h"
+#include "protocol/command_ids.h"
 #include "protocol/common_commands.h"
 #include "protocol/usage.h"
 
@@ -43,6 +44,31 @@ void AppendList(std::span<const ValueSpec> specs, std::span<const Number> values
     AppendNamed(ValueAt(specs, i), i < fixed ? 0 : i - fixed, group, print(values[i]),
                 static_cast<std::int64_t>(std::is_integral_v<Number> ? values[i] : -1), out);
   }
+}
+
+/// Columns that UTF-8 `text` takes on a terminal.
+std::size_t Width(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+/// The line of `help` about one command.
+std::string HelpLine(const CommandSpec& spec) {
+  constexpr std::size_t kColumn = 44;
+  std::string line = "#   " + Usage(spec) + "  ";
+  line.append(kColumn - std::min(kColumn, Width(line)), ' ');
+  line += spec.help;
+  std::string notes;
+  for (const ValueSpec& value : spec.data) {
+    if (!value.unit.empty()) notes += (notes.empty() ? "" : ", ") + value.name + " " + value.unit;
+  }
+  for (const ValueSpec& value : spec.params) {
+    if (!value.enums.empty()) notes += (notes.empty() ? "" : ", ") + value.name + ": " + ListOfEnums(value);
+  }
+  if (!notes.empty()) line += " (" + notes + ")";
+  const bool is_reading = spec.name.starts_with("get_") && spec.id != command::kGetTime;
+  if (is_reading && !spec.reply_data.empty()) line += " → " + ValuesCell(spec.reply_data);
+  return line;
 }
 
 std::string PrintDouble(double value) {
@@ -84,27 +110,15 @@ void EncodeVerbose(const Message& reply, const CommandTable& table, std::string&
 }
 
 std::string HelpText(const CommandTable& table) {
-  constexpr std::size_t kColumn = 42;
   std::string help =
       "# This is a " + table.module() +
       " module of coopdyn. One command a line, values separated by spaces, e.g. " +
       ExampleLine(table.commands()[std::min(kCommonCommandCount, table.commands().size() - 1)]) +
       "\n# In [ ] = may be left out; … = any number of them; a text with odd characters: \"text\".\n";
-  for (const CommandSpec& spec : table.commands()) {
-    std::string line = "#   " + Usage(spec);
-    line.resize(std::max(line.size() + 2, kColumn), ' ');
-    line += spec.help;
-    std::string units;
-    for (const ValueSpec& value : spec.data) {
-      if (!value.unit.empty()) units += (units.empty() ? " (" : ", ") + value.name + " " + value.unit;
-    }
-    if (!units.empty()) line += units + ")";
-    if (!spec.reply_data.empty() && spec.data.empty()) line += " → " + ValuesCell(spec.reply_data);
-    help += line + '\n';
-  }
+  for (const CommandSpec& spec : table.commands()) help += HelpLine(spec) + '\n';
   help +=
-      "#   help                                  Prints this.\n"
-      "#   verbose                               After each reply, prints a # line naming its values and "
+      "#   help                                    Prints this.\n"
+      "#   verbose                                 After each reply, prints a # line naming its values and "
       "units.\n"
       "# Replies: error \"text\" command M params N data; the last two data are time_s and step. Error 0 is "
       "ok.\n";

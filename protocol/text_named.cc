@@ -149,7 +149,9 @@ class NamedReader {
     } else if (value != nullptr && !value->enums.empty() && LooksLikeWord(token)) {
       return RefuseWord(*value, token, Error::kWrongParams);
     } else if (std::string why = ReadParam(token, number); !why.empty()) {
-      return Fail(std::move(why));
+      const std::string example = ExampleLine(spec_);
+      const bool helps = !bracketed_ && example.find(' ') != std::string::npos;
+      return Fail(why + (helps ? ", as in " + example : ""));
     }
     request_.params.push_back(number);
   }
@@ -205,7 +207,7 @@ std::string ReadParam(std::string_view token, std::int32_t& value) {
     case NumberRead::kOutOfRange:
       return Quoted(token) + " is too large for a param: write -2147483648 to 2147483647";
     case NumberRead::kHasPoint: {
-      std::string text = Quoted(token) + " is not a whole number, as params are";
+      std::string text = Quoted(token) + " must be a whole number";
       const std::string_view whole = token.substr(0, token.find('.'));
       std::int32_t number = 0;
       if (whole.size() < token.size() && ReadInt32(whole, number) == NumberRead::kOk &&

@@ -127,7 +127,7 @@ std::string NotANumber(std::string_view token) {
   if (token.front() == '#') return text + ": a comment needs a line of its own";
   if (token.back() == ',' || token.back() == ';') {
     changed.pop_back();
-    if (ReadDouble(changed, value) == NumberRead::kOk) return text + ": write " + changed + " and a space";
+    if (ReadDouble(changed, value) == NumberRead::kOk) return text + ": write " + changed;
   }
   const std::size_t comma = token.find(',');
   if (comma != std::string_view::npos) {

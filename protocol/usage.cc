@@ -31,10 +31,10 @@ std::string ExampleValue(const ValueSpec& value, bool is_param) {
   return text;
 }
 
-void AppendNames(std::span<const ValueSpec> values, std::string& out) {
+void AppendNames(std::span<const ValueSpec> values, bool mark_optional, std::string& out) {
   for (const ValueSpec& value : values) {
     if (!out.empty() && out.back() != '(') out += ' ';
-    out += value.optional && !value.repeated ? "[" + value.name + "]" : value.name;
+    out += value.optional && !value.repeated && mark_optional ? "[" + value.name + "]" : value.name;
   }
   if (!values.empty() && values.back().repeated) out += " …";
 }
@@ -69,7 +69,7 @@ std::string Usage(const CommandSpec& spec) {
   const std::span<const ValueSpec> bare = BareParams(spec);
   if (bare.size() < spec.params.size()) {
     usage += " [(";
-    AppendNames(std::span(spec.params).subspan(bare.size()), usage);
+    AppendNames(std::span(spec.params).subspan(bare.size()), false, usage);
     usage += ")]";
   }
   const bool text_optional = spec.text == TextUse::kFirst || spec.text_optional;
@@ -84,8 +84,8 @@ std::string Usage(const CommandSpec& spec) {
       usage += " " + spec.text_name + " |";
       break;
   }
-  AppendNames(bare, usage);
-  AppendNames(spec.data, usage);
+  AppendNames(bare, true, usage);
+  AppendNames(spec.data, true, usage);
   return usage;
 }
 
@@ -110,7 +110,8 @@ std::string ListOf(std::span<const ValueSpec> values) {
     if (i > 0) list += i + 1 == values.size() ? " and " : ", ";
     list += value.name;
     if (!value.unit.empty()) list += " (" + value.unit + ")";
-    if (value.optional && !value.repeated) list += " if wanted";
+    const bool others_needed = !values.front().optional && !values.front().repeated;
+    if (value.optional && !value.repeated && others_needed) list += " if wanted";
   }
   if (!values.empty() && values.back().repeated) list += ", any number of times";
   return list.empty() ? "nothing" : list;
