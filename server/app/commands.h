@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What each command of the program does. Each returns the exit code: 0 ok; 1 the reply or a file has errors; 2 wrong
-// use; 3 no daemon there; 4 the run ended but a body was frozen.
+// What each command of the program does. Each returns the exit code: 0 ok; 1 the reply or a file has errors;
+// 2 wrong use; 3 no daemon there; 4 the run ended but a body was frozen.
 #pragma once
 
 #include "server/app/options.h"

@@ -54,7 +54,8 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
   sub->add_option("--step", raw.step_s, "Step in seconds, 0.0005 to 0.1")
       ->check(CLI::Validator(CheckStep, ""))
       ->envname("COOPDYN_STEP");
-  sub->add_option("--speed", raw.speed, "Times the wall clock; 0 or less: no limit")->envname("COOPDYN_SPEED");
+  sub->add_option("--speed", raw.speed, "Times the wall clock; 0 or less: no limit")
+      ->envname("COOPDYN_SPEED");
   sub->add_option("--seed", raw.seed, "Of noise and solver")->envname("COOPDYN_SEED");
   sub->add_option("--duration", raw.duration_s, "End the run at this simulated time, s")
       ->check(CLI::Validator(CheckPositive, ""))
@@ -70,7 +71,8 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
   sub->add_option("--http-port", raw.http_port, "Another port for the page")
       ->check(CLI::Range(0, 65535))
       ->envname("COOPDYN_HTTP_PORT");
-  sub->add_option("--host", serve.hosts, "Address to listen at (default: this machine only); 0.0.0.0: everybody")
+  sub->add_option("--host", serve.hosts,
+                  "Address to listen at (default: this machine only); 0.0.0.0: everybody")
       ->envname("COOPDYN_HOST");
   sub->add_option("--advertise", serve.advertise, "Address that the name server tells")
       ->envname("COOPDYN_ADVERTISE");
@@ -90,7 +92,8 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
       ->envname("COOPDYN_RENDERER")
       ->capture_default_str();
-  sub->add_option("--robot-threads", raw.robot_threads, "Threads for the robots (default: one each up to 100)")
+  sub->add_option("--robot-threads", raw.robot_threads,
+                  "Threads for the robots (default: one each up to 100)")
       ->check(CLI::Range(1, 10000))
       ->envname("COOPDYN_ROBOT_THREADS");
   sub->add_option("--spin", raw.spin_us, "Poll this many microseconds before sleeping")
@@ -103,7 +106,8 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
   sub->add_option("--summary", serve.summary_file, "Write a summary of the run to this file (JSON)")
       ->envname("COOPDYN_SUMMARY");
   sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
-  sub->set_config("--config", "", "Read options from this file (name=value lines)")->envname("COOPDYN_CONFIG");
+  sub->set_config("--config", "", "Read options from this file (name=value lines)")
+      ->envname("COOPDYN_CONFIG");
 }
 
 void TakeRaw(const CLI::App& sub, const Raw& raw, ServeOptions& serve) {
@@ -139,14 +143,17 @@ constexpr Verb kVerbs[] = {
     {"stop-all", "Stop all robots", "coopdyn stop-all", 0, 0},
     {"quit", "End the daemon", "coopdyn quit", 0, 0},
     {"call", "Send any command to any module",
-     "coopdyn call /robot1/motors set_velocity 0.2 0.5    coopdyn call /robot1/target get_target \"red\"", 2, 1 << 20},
+     "coopdyn call /robot1/motors set_velocity 0.2 0.5    coopdyn call /robot1/target get_target \"red\"", 2,
+     1 << 20},
 };
 
 void AddRemote(CLI::App& app, RemoteOptions& remote) {
   const auto common = [&remote](CLI::App* sub) {
-    sub->add_option("--server", remote.server, "HOST[:PORT] of the daemon (default: this machine, port 10000)")
+    sub->add_option("--server", remote.server,
+                    "HOST[:PORT] of the daemon (default: this machine, port 10000)")
         ->envname("COOPDYN_SERVER");
-    sub->add_option("--token", remote.token, "The daemon's token, from another machine")->envname("COOPDYN_TOKEN");
+    sub->add_option("--token", remote.token, "The daemon's token, from another machine")
+        ->envname("COOPDYN_TOKEN");
   };
   for (const Verb& verb : kVerbs) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.help);

@@ -40,8 +40,8 @@ struct CheckOptions {
 struct RemoteOptions {
   std::string server;  // HOST[:PORT]; empty: this machine, port 10000
   std::string token;
-  std::string verb;                  // list, status, run, …, call
-  std::vector<std::string> words;    // what follows the verb
+  std::string verb;                // list, status, run, …, call
+  std::vector<std::string> words;  // what follows the verb
 };
 
 /// What the command line asks for.

@@ -85,11 +85,12 @@ int PrintStatus(const std::string& text) {
   std::printf("%s  %s  %s  t = %.3f s  step %.0f  real-time factor %.2f\n", word(status, "scenario").c_str(),
               word(status, "mode").c_str(), word(status, "state").c_str(), number("time_s"), number("step"),
               number("rtf"));
-  if (const json::value* awaiting = status.if_contains("awaiting"); awaiting != nullptr && awaiting->is_array()) {
+  if (const json::value* awaiting = status.if_contains("awaiting");
+      awaiting != nullptr && awaiting->is_array()) {
     for (const json::value& one : awaiting->as_array()) {
       const json::object& awaited = one.as_object();
-      std::printf("waiting for %s (%s), %.1f s\n", word(awaited, "robot").c_str(), word(awaited, "why").c_str(),
-                  awaited.at("seconds").to_number<double>());
+      std::printf("waiting for %s (%s), %.1f s\n", word(awaited, "robot").c_str(),
+                  word(awaited, "why").c_str(), awaited.at("seconds").to_number<double>());
     }
   }
   if (const json::value* robots = status.if_contains("robots"); robots != nullptr && robots->is_array()) {
@@ -105,7 +106,8 @@ int PrintStatus(const std::string& text) {
 
 int List(RemoteConnection& connection) {
   std::vector<std::string> lines;
-  if (const std::string error = connection.AskNames("list", lines); !error.empty()) return Fail(kExitErrors, error);
+  if (const std::string error = connection.AskNames("list", lines); !error.empty())
+    return Fail(kExitErrors, error);
   for (const std::string& line : lines) {
     std::istringstream words(line);
     std::string registration, name_word, name, ip_word, ip, port_word, port;
@@ -157,16 +159,19 @@ std::string MakeRequest(const RemoteOptions& options, Message& request) {
 }
 
 int CallModule(RemoteConnection& connection, const RemoteOptions& options) {
-  if (const std::string error = connection.Open(options.words[0]); !error.empty()) return Fail(kExitErrors, error);
+  if (const std::string error = connection.Open(options.words[0]); !error.empty())
+    return Fail(kExitErrors, error);
   std::string reply;
   if (!options.token.empty()) {
-    if (const std::string error = connection.CallLine("hello coopdyn-call " + options.token, reply); !error.empty()) {
+    if (const std::string error = connection.CallLine("hello coopdyn-call " + options.token, reply);
+        !error.empty()) {
       return Fail(kExitErrors, error);
     }
   }
   std::string line = options.words[1];
   for (std::size_t i = 2; i < options.words.size(); ++i) line += ' ' + Quoted(options.words[i]);
-  if (const std::string error = connection.CallLine(line, reply); !error.empty()) return Fail(kExitErrors, error);
+  if (const std::string error = connection.CallLine(line, reply); !error.empty())
+    return Fail(kExitErrors, error);
   if (!reply.starts_with("0 ")) return Fail(kExitErrors, reply);
   std::cout << reply << '\n';
   return kExitOk;
@@ -180,22 +185,27 @@ int Remote(const RemoteOptions& options) {
     return Fail(kExitWrongUse, "--server is HOST or HOST:PORT, e.g. labserver:10000, not " + options.server);
   }
   Message request;
-  if (const std::string error = MakeRequest(options, request); !error.empty()) return Fail(kExitWrongUse, error);
+  if (const std::string error = MakeRequest(options, request); !error.empty())
+    return Fail(kExitWrongUse, error);
   RemoteConnection connection;
-  if (const std::string error = connection.Connect(*server); !error.empty()) return Fail(kExitNoDaemon, error);
+  if (const std::string error = connection.Connect(*server); !error.empty())
+    return Fail(kExitNoDaemon, error);
   if (options.verb == "list") return List(connection);
   if (options.verb == "call") return CallModule(connection, options);
 
-  if (const std::string error = connection.Open("/simulation"); !error.empty()) return Fail(kExitErrors, error);
+  if (const std::string error = connection.Open("/simulation"); !error.empty())
+    return Fail(kExitErrors, error);
   Message reply;
   if (!options.token.empty()) {
     Message hello;
     hello.command = command::kHello;
     hello.text = "coopdyn-call " + options.token;
-    if (const std::string error = connection.Call(hello, reply); !error.empty()) return Fail(kExitErrors, error);
+    if (const std::string error = connection.Call(hello, reply); !error.empty())
+      return Fail(kExitErrors, error);
     if (reply.error != 0) return Fail(kExitErrors, reply.text);
   }
-  if (const std::string error = connection.Call(request, reply); !error.empty()) return Fail(kExitErrors, error);
+  if (const std::string error = connection.Call(request, reply); !error.empty())
+    return Fail(kExitErrors, error);
   if (reply.error != 0) return Fail(kExitErrors, reply.text);
   if (options.verb == "status") return PrintStatus(reply.text);
   std::cout << options.verb << ": ok" << Moment(reply) << '\n';

@@ -64,7 +64,8 @@ std::optional<ServerAddress> ParseServerAddress(const std::string& text) {
       if (text[end + 1] != ':') return std::nullopt;
       port = text.substr(end + 2);
     }
-  } else if (const std::size_t colon = text.find(':'); colon != std::string::npos && text.rfind(':') == colon) {
+  } else if (const std::size_t colon = text.find(':');
+             colon != std::string::npos && text.rfind(':') == colon) {
     address.host = text.substr(0, colon);
     port = text.substr(colon + 1);
   } else {

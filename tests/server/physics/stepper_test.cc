@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+// The physics thread and the baton, with real threads and the shipped robot.
+#include "server/physics/stepper.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <thread>
+
+#include "server/model/readers.h"
+
+namespace coopdyn {
+namespace {
+
+constexpr const char* kTwoRobots = R"([ROBOT_1]
+type coopbot
+name robot1
+position 0 0
+[ROBOT_2]
+type coopbot
+name robot2
+position 0 2 0
+)";
+
+class StepperTest : public testing::Test {
+ protected:
+  std::shared_ptr<const Scenario> Read(const std::string& text) {
+    SearchPath path;
+    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+    RobotLibrary robots(path);
+    Diagnostics diagnostics;
+    auto scenario = ReadScenario(text, "test.scenario", robots, false, diagnostics);
+    EXPECT_NE(scenario, nullptr) << diagnostics.ToString();
+    return scenario;
+  }
+
+  void Begin(const std::string& text, Mode mode, RunOptions options = {}) {
+    options.mode = mode;
+    stepper_ = std::make_unique<Stepper>(Stepper::Boards{frames_, board_, edits_, control_, bell_}, clock_,
+                                         NullLogger(), options);
+    Diagnostics diagnostics;
+    ASSERT_TRUE(stepper_->Start(Read(text), diagnostics)) << diagnostics.ToString();
+  }
+
+  void StartThread() {
+    thread_ = std::jthread([this](std::stop_token stop) { stepper_->Run(stop); });
+  }
+
+  void TearDown() override {
+    thread_.request_stop();
+    bell_.Ring();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  /// A StepDone whose result the returned future gets.
+  static std::future<StepResult> Expect(StepDone& done) {
+    auto promise = std::make_shared<std::promise<StepResult>>();
+    done = [promise](const StepResult& result) { promise->set_value(result); };
+    return promise->get_future();
+  }
+
+  /// Pushes an edit and waits for its result.
+  EditResult Do(EditAction action) {
+    auto promise = std::make_shared<std::promise<EditResult>>();
+    edits_.Push({std::move(action), [promise](const EditResult& result) { promise->set_value(result); }});
+    return promise->get_future().get();
+  }
+
+  /// Waits until `steps` more steps have run.
+  StepResult WaitSteps(int steps) {
+    StepDone done;
+    auto result = Expect(done);
+    board_.WaitSteps(steps, done);
+    return result.get();
+  }
+
+  StepResult Command(const char* robot, const Client& client, Setpoint setpoint,
+                     std::optional<int> steps = {}) {
+    StepDone done;
+    auto result = Expect(done);
+    board_.Command(board_.FindSlot(robot), client, setpoint, steps, done);
+    return result.get();
+  }
+
+  SteadyClock clock_;
+  Doorbell bell_;
+  FrameBoard frames_;
+  CommandBoard board_;
+  EditQueue edits_{bell_};
+  RunControl control_;
+  std::unique_ptr<Stepper> stepper_;
+  std::jthread thread_;
+  const Client ana_{1, "ana", "a"}, bob_{2, "bob", "b"};
+};
+
+TEST_F(StepperTest, TheLastReadyRobotsThreadRunsTheStepItself) {
+  Begin(kTwoRobots, Mode::kLockstep);  // no physics thread at all
+  board_.Ready(board_.FindSlot("robot1"), ana_, 1, [](const StepResult&) {});
+  EXPECT_EQ(frames_.Latest()->step, 0u);
+  board_.Ready(board_.FindSlot("robot2"), bob_, 1, [](const StepResult&) {});
+  EXPECT_EQ(frames_.Latest()->step, 1u);
+}
+
+TEST_F(StepperTest, ACommandForManyStepsIsCarriedOnByThePhysicsThread) {
+  Begin(kTwoRobots, Mode::kLockstep);
+  StartThread();
+  board_.Command(board_.FindSlot("robot1"), ana_, {3, 3}, 50, [](const StepResult&) {});
+  const StepResult result = Command("robot2", bob_, {3, 3}, 50);
+  EXPECT_EQ(result.frame->step, 50u);
+  EXPECT_EQ(result.frame->time, 50 * kDefaultStep);
+  EXPECT_EQ(result.frame->robots[0].setpoint_rad_s, (Setpoint{3, 3}));
+}
+
+TEST_F(StepperTest, TheSameCommandsGiveTheSameHashWhoeverRunsTheSteps) {
+  std::vector<std::uint64_t> hashes;
+  for (const bool thread : {false, true}) {
+    Begin(kTwoRobots, Mode::kLockstep);
+    if (thread) StartThread();
+    for (int k = 0; k < 50; ++k) {
+      board_.Command(board_.FindSlot("robot1"), ana_, {0.1 * k, 2}, {}, [](const StepResult&) {});
+      Command("robot2", bob_, {2, 0.1 * k});
+    }
+    hashes.push_back(StateHash(*frames_.Latest()));
+    TearDown();
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(StepperTest, ResetGivesTheHashesOfAFreshStart) {
+  Begin(kTwoRobots, Mode::kFree);
+  StartThread();
+  Do(edit::Pause{});
+  std::vector<std::uint64_t> hashes;
+  for (int run = 0; run < 3; ++run) {
+    EXPECT_EQ(Do(edit::Reset{}).frame->step, 0u);
+    StepDone done;
+    auto ran = Expect(done);
+    edits_.Push({edit::Step{20, done}, nullptr});
+    hashes.push_back(StateHash(*ran.get().frame));
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[1], hashes[2]);
+}
+
+TEST_F(StepperTest, RealtimeStepsByItself) {
+  Begin(kTwoRobots, Mode::kRealtime);
+  StartThread();
+  const std::uint64_t before = frames_.Latest()->step;
+  EXPECT_GE(WaitSteps(3).frame->step, before + 3);
+}
+
+TEST_F(StepperTest, PausedNothingRunsButTheAllowedSteps) {
+  RunOptions options;
+  options.paused = true;
+  Begin(kTwoRobots, Mode::kFree, options);
+  StartThread();
+  EXPECT_EQ(Do(edit::SetSpeed{0}).frame->step, 0u);
+  StepDone done;
+  auto ran = Expect(done);
+  edits_.Push({edit::Step{7, done}, nullptr});
+  EXPECT_EQ(ran.get().frame->step, 7u);
+  EXPECT_EQ(Do(edit::StopAll{}).frame->step, 7u);
+  EXPECT_EQ(control_.status().state, RunState::kPaused);
+}
+
+TEST_F(StepperTest, StepIsRefusedUnlessPaused) {
+  Begin(kTwoRobots, Mode::kLockstep);
+  StartThread();
+  EXPECT_EQ(Do(edit::Step{1, [](const StepResult&) {}}).error, Error::kNotPossible);
+}
+
+TEST_F(StepperTest, ALoadThatCannotBeBuiltChangesNothing) {
+  Begin(kTwoRobots, Mode::kLockstep);
+  StartThread();
+  board_.Ready(board_.FindSlot("robot1"), ana_, 1, [](const StepResult&) {});
+  const std::uint64_t before = StateHash(*frames_.Latest());
+  const EditResult result =
+      Do(edit::Load{Read(std::string(kTwoRobots) + "[ROBOT_3]\ntype coopbot\nname robot3\nposition 0 0\n")});
+  EXPECT_NE(result.error, Error::kOk);
+  EXPECT_NE(result.text.find("test.scenario:"), std::string::npos) << result.text;
+  EXPECT_EQ(StateHash(*result.frame), before);
+  board_.Ready(board_.FindSlot("robot2"), bob_, 1, [](const StepResult&) {});
+  EXPECT_EQ(frames_.Latest()->step, 1u);
+}
+
+TEST_F(StepperTest, TheRunEndsAtItsDuration) {
+  RunOptions options;
+  options.duration_s = 0.25;
+  Begin(kTwoRobots, Mode::kFree, options);
+  std::promise<void> ended;
+  stepper_->set_on_ended([&] { ended.set_value(); });
+  StartThread();
+  ended.get_future().wait();
+  EXPECT_EQ(frames_.Latest()->step, 25u);
+  EXPECT_EQ(control_.status().state, RunState::kEnded);
+  EXPECT_EQ(Do(edit::Run{}).error, Error::kNotPossible);
+}
+
+TEST_F(StepperTest, ADeadlineLetsTheWorldGoOnAndIsAnEvent) {
+  Begin(std::string(kTwoRobots) + "deadline 0.02\non_deadline stop\n", Mode::kLockstep);
+  StartThread();
+  EXPECT_EQ(Command("robot1", ana_, {1, 1}, 30).frame->step, 30u);
+  ASSERT_EQ(control_.events().size(), 1u);
+  EXPECT_NE(control_.events()[0].text.find("robot2 missed its deadline"), std::string::npos);
+}
+
+TEST_F(StepperTest, ASpeedHoldsOnlyForTheModeItWasSetIn) {
+  RunOptions options;
+  options.paused = true;
+  Begin(kTwoRobots, Mode::kRealtime, options);
+  StartThread();
+  Do(edit::SetSpeed{4});
+  EXPECT_EQ(control_.status().speed, 4);
+  Do(edit::SetMode{Mode::kFree});
+  EXPECT_LE(control_.status().speed, 0);
+  Do(edit::SetMode{Mode::kRealtime});
+  EXPECT_EQ(control_.status().speed, 4);
+}
+
+TEST_F(StepperTest, StoppingEndsEveryWait) {
+  Begin(kTwoRobots, Mode::kLockstep);
+  StartThread();
+  StepDone done;
+  auto waiting = Expect(done);
+  board_.Ready(board_.FindSlot("robot1"), ana_, 1, done);
+  thread_.request_stop();
+  bell_.Ring();
+  EXPECT_EQ(waiting.get().end, StepEnd::kStopping);
+}
+
+}  // namespace
+}  // namespace coopdyn
