@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Cameras: where they stand and how they project. Pure; any thread. The camera looks along −z of its own
+// frame, as GL does.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "server/geometry/shape.h"
+#include "server/state/image_board.h"
+#include "server/state/scene.h"
+
+namespace coopdyn {
+
+using Matrix4 = Eigen::Matrix4d;
+
+/// A perspective camera in the world.
+struct Camera {
+  Vector3 eye_W = Vector3(-3, -3, 3);
+  Vector3 look_W = Vector3::Zero();
+  double fov_rad = 0.8;  // full vertical angle
+  double near_m = 0.05;
+  double far_m = 100;
+};
+
+/// A pixel and the distance along the view direction; (0, 0) is the upper left corner of the picture.
+struct ProjectedPoint {
+  double x_px = 0, y_px = 0;
+  double depth_m = 0;  // negative: behind the camera
+};
+
+/// World to camera. z points up in the picture; straight down, y does.
+Matrix4 ViewMatrix(const Camera& camera);
+/// Camera to clip coordinates.
+Matrix4 ProjectionMatrix(const Camera& camera, int width, int height);
+/// World to pixels.
+ProjectedPoint Project(const Camera& camera, int width, int height, const Vector3& p_W);
+
+/// The camera that shows all that stands in `scene` at its start (the floor, if that is nothing), from the
+/// front at a slant. It does not move with the robots.
+Camera DefaultCamera(const Scene& scene, double fov_rad, int width, int height);
+/// The camera of `request`: what it does not say is filled in from the default.
+Camera CameraFor(const ImageRequest& request, const Scene& scene);
+
+}  // namespace coopdyn

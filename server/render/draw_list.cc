@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "server/render/draw_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/render/frustum.h"
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kSmall_px = 14, kLarge_px = 70;  // sizes on screen at which the level of detail changes
+constexpr double kTiny_px = 7;                    // a robot smaller than this is one cylinder
+constexpr double kNameless_px = 9;                // and below this it has no name
+constexpr double kMaxRay_m = 100;
+
+struct Rgba {
+  double r, g, b, a;
+};
+
+Rgba WithAlpha(const Color& color, double alpha) {
+  return {color.r, color.g, color.b, alpha};
+}
+
+template <std::size_t N>
+std::array<float, N> ToFloats(const double* values) {
+  std::array<float, N> floats;
+  for (std::size_t i = 0; i < N; ++i) floats[i] = static_cast<float>(values[i]);
+  return floats;
+}
+
+// A model whose chassis looks the same ahead and behind needs a mark that shows its heading.
+bool HasHeadingMark(const RobotModel& model) {
+  double sum_x_m = 0;
+  for (const LinkShape& visual : model.links.front().visuals) sum_x_m += visual.X_LG.p.x();
+  return std::abs(sum_x_m) > 1e-3;
+}
+
+class Builder {
+ public:
+  Builder(const Frame& frame, const ImageRequest& request, const Camera& camera)
+      : frame_(frame), request_(request), frustum_(camera, request.width, request.height) {}
+
+  DrawList Build() {
+    for (const SceneObject& object : frame_.scene->objects) {
+      AddShape(object.object.shape, ObjectPose(frame_, object), object.object.color);
+    }
+    for (const Target& target : frame_.scene->targets) AddTarget(target);
+    for (int i = 0; i < static_cast<int>(frame_.scene->robots.size()); ++i) AddRobot(i);
+    std::stable_sort(labels_.begin(), labels_.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (auto& [depth_m, label] : labels_) list_.labels.push_back(std::move(label));
+    return std::move(list_);
+  }
+
+ private:
+  void AddShape(const Shape& shape, const Pose& X_WG, const Color& color) {
+    const double radius_m = BoundingRadius(shape);
+    // Its shadow may be in the picture when it is not.
+    const double shadow_m = std::max(X_WG.p.z() + radius_m, 0.0) * SunDirection().head<2>().norm();
+    if (!frustum_.Sees(X_WG.p, radius_m + shadow_m)) return;
+    const double size_px = radius_m * frustum_.PixelsPerMetre(X_WG.p);
+    const int level = size_px < kSmall_px ? 0 : size_px < kLarge_px ? 1 : 2;
+    MeshId mesh = MeshId::kBox;
+    Vector3 scale;
+    if (const auto* box = std::get_if<Box>(&shape)) {
+      scale = box->size_m;
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+      mesh = static_cast<MeshId>(static_cast<int>(MeshId::kCylinder8) + level);
+      scale = {2 * cylinder->radius_m, 2 * cylinder->radius_m, cylinder->length_m};
+    } else {
+      mesh = static_cast<MeshId>(static_cast<int>(MeshId::kSphere8) + level);
+      scale = Vector3::Constant(2 * std::get<Sphere>(shape).radius_m);
+    }
+    const Matrix3 axes =
+        X_WG.q.normalized().toRotationMatrix();  // column-major: the axes one after the other
+    list_.meshes[static_cast<std::size_t>(mesh)].push_back(
+        {ToFloats<9>(axes.data()), ToFloats<3>(scale.data()), ToFloats<3>(X_WG.p.data()),
+         ToFloats<3>(&color.r)});
+  }
+
+  void AddTarget(const Target& target) {
+    constexpr double kBall_m = 0.07, kPost_m = 0.018, kDisc_m = 0.22, kMinHeight_m = 0.5;
+    if (!frustum_.Sees(target.p_WT, 1)) return;
+    const Vector3 ball_W(target.p_WT.x(), target.p_WT.y(), std::max(target.p_WT.z(), kMinHeight_m));
+    const Color post{0.35 * target.color.r + 0.3, 0.35 * target.color.g + 0.3, 0.35 * target.color.b + 0.3};
+    AddShape(Cylinder{kPost_m, ball_W.z()},
+             {{ball_W.x(), ball_W.y(), ball_W.z() / 2}, Quaternion::Identity()}, post);
+    AddShape(Sphere{kBall_m}, {ball_W, Quaternion::Identity()}, target.color);
+    AddFloorMark(ball_W, kDisc_m, WithAlpha(target.color, 1), 2);
+  }
+
+  void AddRobot(int index) {
+    const SceneRobot& robot = frame_.scene->robots[static_cast<std::size_t>(index)];
+    const RobotModel& model = *robot.entry.model;
+    const Pose X_WR = RobotPose(frame_, index);
+    if (request_.show_rays) AddRays(index);
+    const double reach_m = std::hypot(model.footprint_radius_m, model.height_m);
+    if (!frustum_.Sees(X_WR.p, 2 * reach_m)) return;
+    AddFloorMark(X_WR.p, 1.45 * model.footprint_radius_m, {0, 0, 0, 0.5}, 1);
+    const double size_px = reach_m * frustum_.PixelsPerMetre(X_WR.p);
+    const Pose X_WTop = X_WR * Pose{{0, 0, model.height_m}, Quaternion::Identity()};
+    if (size_px < kTiny_px) {
+      const Cylinder hull{0.8 * model.footprint_radius_m, model.height_m};
+      AddShape(hull, X_WR * Pose{{0, 0, model.height_m / 2}, Quaternion::Identity()}, robot.entry.color);
+    } else {
+      AddVisuals(index, robot);
+      if (!HasHeadingMark(model)) {
+        const double length_m = 0.6 * model.footprint_radius_m;
+        AddShape(Box{{length_m, length_m / 4, 0.01}},
+                 X_WTop * Pose{{length_m / 2, 0, 0.004}, Quaternion::Identity()}, {0.95, 0.95, 0.95});
+      }
+    }
+    if (request_.show_names && size_px >= kNameless_px) AddLabel(robot, X_WTop.p);
+  }
+
+  void AddVisuals(int index, const SceneRobot& robot) {
+    const std::vector<LinkModel>& links = robot.entry.model->links;
+    for (std::size_t k = 0; k < links.size(); ++k) {
+      const Pose X_WL = LinkPose(frame_, index, static_cast<int>(k));
+      for (const LinkShape& visual : links[k].visuals) {
+        AddShape(visual.shape, X_WL * visual.X_LG,
+                 visual.takes_robot_color ? robot.entry.color : visual.color);
+      }
+    }
+  }
+
+  void AddLabel(const SceneRobot& robot, const Vector3& top_W) {
+    const ProjectedPoint at = frustum_.Pixel(top_W + Vector3(0, 0, 0.06));
+    if (at.depth_m < frustum_.near_m()) return;
+    labels_.emplace_back(at.depth_m, Label{robot.entry.name, at.x_px, at.y_px, robot.entry.color});
+  }
+
+  void AddRays(int index) {
+    const double width_px = 1.3 * std::max(1.0, request_.height / 480.0);
+    for (const RaySegment& ray : DistanceRays(frame_, index)) {
+      const Rgba color = ray.hit ? Rgba{1, 0.35, 0.1, 0.75} : Rgba{0.1, 0.65, 0.35, 0.4};
+      Vector3 to_W = ray.to_W;
+      const double length_m = (to_W - ray.from_W).norm();
+      if (length_m > kMaxRay_m) to_W = ray.from_W + (to_W - ray.from_W) * (kMaxRay_m / length_m);
+      AddLine(ray.from_W, to_W, width_px, color);
+      if (ray.hit) AddDot(to_W, 2 * width_px, {1, 0.25, 0.05, 0.95});
+    }
+  }
+
+  static OverlayVertex Corner(const Eigen::Vector4d& clip, double u, double v, const Rgba& color, int kind) {
+    return {ToFloats<4>(clip.data()),
+            {static_cast<float>(u), static_cast<float>(v)},
+            ToFloats<4>(&color.r),
+            static_cast<float>(kind)};
+  }
+  static void AddQuad(std::vector<OverlayVertex>& vertices, const std::array<OverlayVertex, 4>& corners) {
+    for (const std::size_t i : {0, 1, 2, 0, 2, 3}) vertices.push_back(corners[i]);
+  }
+
+  void AddFloorMark(const Vector3& p_W, double radius_m, const Rgba& color, int kind) {
+    const auto corner = [&](double u, double v) {
+      return Corner(frustum_.Clip({p_W.x() + u * radius_m, p_W.y() + v * radius_m, 0}), u, v, color, kind);
+    };
+    AddQuad(list_.floor_marks, {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)});
+  }
+
+  void AddLine(const Vector3& from_W, const Vector3& to_W, double width_px, const Rgba& color) {
+    Eigen::Vector4d a = frustum_.Clip(from_W), b = frustum_.Clip(to_W);
+    const double near_m = frustum_.near_m();
+    if (a.w() < near_m && b.w() < near_m) return;
+    if (a.w() < near_m) a += (b - a) * ((near_m - a.w()) / (b.w() - a.w()));
+    if (b.w() < near_m) b += (a - b) * ((near_m - b.w()) / (a.w() - b.w()));
+    const Eigen::Array2d half_px(frustum_.width() / 2.0, frustum_.height() / 2.0);
+    const Eigen::Vector2d along = (b.head<2>() / b.w() - a.head<2>() / a.w()).array() * half_px;
+    if (along.norm() < 1e-9) return;
+    const Eigen::Vector2d across = Eigen::Vector2d(-along.y(), along.x()).normalized() * (width_px / 2);
+    const Eigen::Vector2d offset = across.array() / half_px;
+    const auto corner = [&](const Eigen::Vector4d& end, double side) {
+      Eigen::Vector4d clip = end;
+      clip.head<2>() += offset * (side * end.w());
+      return Corner(clip, 0, 0, color, 0);
+    };
+    AddQuad(list_.rays, {corner(a, -1), corner(b, -1), corner(b, 1), corner(a, 1)});
+  }
+
+  void AddDot(const Vector3& p_W, double radius_px, const Rgba& color) {
+    const Eigen::Vector4d at = frustum_.Clip(p_W);
+    if (at.w() < frustum_.near_m()) return;
+    const auto corner = [&](double u, double v) {
+      Eigen::Vector4d clip = at;
+      clip.x() += u * radius_px / frustum_.width() * 2 * at.w();
+      clip.y() += v * radius_px / frustum_.height() * 2 * at.w();
+      clip.z() -= 2e-4 * at.w();  // before the surface it lies on
+      return Corner(clip, u, v, color, 3);
+    };
+    AddQuad(list_.rays, {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)});
+  }
+
+  const Frame& frame_;
+  const ImageRequest& request_;
+  const Frustum frustum_;
+  DrawList list_;
+  std::vector<std::pair<double, Label>> labels_;  // with their depth
+};
+
+}  // namespace
+
+DrawList MakeDrawList(const Frame& frame, const ImageRequest& request, const Camera& camera) {
+  return Builder(frame, request, camera).Build();
+}
+
+}  // namespace coopdyn

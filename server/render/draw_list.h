@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// What a picture shows, without GL: the shapes in the field of view with their level of detail, marks on the
+// floor, rays and names. Pure function of frame and camera; any thread.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "server/model/world_model.h"
+#include "server/render/camera.h"
+#include "server/render/meshes.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// One shape. World frame, m. The layout is that of the vertex attributes.
+struct Instance {
+  std::array<float, 9> axes;  // the shape's x, y, z axes in the world
+  std::array<float, 3> scale;
+  std::array<float, 3> position;
+  std::array<float, 3> color;
+};
+
+/// One corner of a flat mark, in clip coordinates. The layout is that of the vertex attributes.
+struct OverlayVertex {
+  std::array<float, 4> clip;
+  std::array<float, 2> uv;  // −1…1 across the mark
+  std::array<float, 4> color;
+  float kind = 0;  // 0: plain; 1: fades to its rim; 2: disc with a ring; 3: disc
+};
+
+/// A name above a robot.
+struct Label {
+  std::string text;
+  double x_px = 0, y_px = 0;  // middle of its lower edge
+  Color color;
+};
+
+struct DrawList {
+  std::array<std::vector<Instance>, kMeshCount> meshes;
+  std::vector<OverlayVertex> floor_marks;  // drawn where the floor is seen
+  std::vector<OverlayVertex> rays;
+  std::vector<Label> labels;  // far ones first
+};
+
+/// Towards the sun; not normalised, z = 1.
+inline const Vector3& SunDirection() {
+  static const Vector3 direction(-0.42, -0.34, 1);
+  return direction;
+}
+
+DrawList MakeDrawList(const Frame& frame, const ImageRequest& request, const Camera& camera);
+
+}  // namespace coopdyn

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// GL objects as values with one owner. Used and destroyed on the context's thread, while it is current.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "server/render/gl_api.h"
+
+namespace coopdyn {
+
+/// A linked program.
+class GlProgram {
+ public:
+  /// Compiles and links; empty with `error` set if the driver refuses.
+  GlProgram(const GlApi& gl, const std::string& vertex, const std::string& fragment, std::string& error);
+  ~GlProgram();
+  GlProgram(const GlProgram&) = delete;
+  GlProgram& operator=(const GlProgram&) = delete;
+
+  GLuint id() const { return id_; }
+  GLint Uniform(const char* name) const { return gl_.GetUniformLocation(id_, name); }
+
+ private:
+  const GlApi& gl_;
+  GLuint id_ = 0;
+};
+
+/// A buffer with a vertex array that reads it.
+class GlVertices {
+ public:
+  explicit GlVertices(const GlApi& gl);
+  ~GlVertices();
+  GlVertices(const GlVertices&) = delete;
+  GlVertices& operator=(const GlVertices&) = delete;
+
+  void Bind() const { gl_.BindVertexArray(array_); }
+  GLuint buffer() const { return buffer_; }
+  /// Replaces the content.
+  void Upload(const void* data, std::size_t bytes, GLenum usage) const;
+  /// Attribute `location`: `count` floats at `offset` of every `stride` bytes; `divisor` 1: one per instance.
+  /// Bound.
+  void Attribute(GLuint location, int count, std::size_t stride, std::size_t offset,
+                 GLuint divisor = 0) const;
+
+ private:
+  const GlApi& gl_;
+  GLuint array_ = 0;
+  GLuint buffer_ = 0;
+};
+
+/// A picture in memory that is drawn with several samples a pixel and read with one.
+class GlTarget {
+ public:
+  GlTarget(const GlApi& gl, int width, int height);
+  ~GlTarget();
+  GlTarget(const GlTarget&) = delete;
+  GlTarget& operator=(const GlTarget&) = delete;
+
+  bool complete() const { return complete_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  void Bind() const { gl_.BindFramebuffer(GL_FRAMEBUFFER, drawn_); }
+  /// Writes width × height × 3 bytes, the lowest row first.
+  void Read(unsigned char* rgb) const;
+
+ private:
+  bool Attach(GLuint framebuffer, GLuint renderbuffer, GLenum attachment, GLenum format, int samples) const;
+
+  const GlApi& gl_;
+  const int width_, height_;
+  GLuint drawn_ = 0, resolved_ = 0;
+  GLuint color_ = 0, depth_ = 0, resolved_color_ = 0;
+  bool complete_ = false;
+};
+
+}  // namespace coopdyn

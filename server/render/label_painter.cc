@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "server/render/label_painter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/render/stroke_font.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kPen = 14;  // width of the strokes, in units of the font
+constexpr Color kPlate{0.11, 0.13, 0.17};
+constexpr Color kText{0.98, 0.98, 0.98};
+constexpr std::size_t kMaxLetters = 24;
+constexpr int kMaxNames = 80;  // beyond that the farthest go without
+
+void Blend(Picture& picture, int x, int y, const Color& color, double alpha) {
+  if (x < 0 || y < 0 || x >= picture.width || y >= picture.height || alpha <= 0) return;
+  std::uint8_t* pixel = picture.at(x, y);
+  const double channels[] = {color.r, color.g, color.b};
+  for (int i = 0; i < 3; ++i) {
+    pixel[i] = static_cast<std::uint8_t>(
+        std::lround(pixel[i] + (channels[i] * 255 - pixel[i]) * std::min(alpha, 1.0)));
+  }
+}
+
+double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d ab = b - a;
+  const double length2 = ab.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((p - a).dot(ab) / length2, 0.0, 1.0) : 0;
+  return (p - a - t * ab).norm();
+}
+
+double DistanceToGlyph(const Glyph& glyph, const Eigen::Vector2d& p) {
+  double nearest = 1e9;
+  for (const Glyph::Stroke& stroke : glyph.strokes) {
+    for (std::size_t i = 0; i + 1 < stroke.size(); ++i) {
+      nearest = std::min(nearest, DistanceToSegment(p, stroke[i], stroke[i + 1]));
+    }
+  }
+  return nearest;
+}
+
+// Covered share of a pixel whose centre lies `inside_px` within a rounded rectangle's edge.
+double EdgeCover(double inside_px) {
+  return std::clamp(inside_px + 0.5, 0.0, 1.0);
+}
+
+struct Plate {
+  double left, top, right, bottom, radius;
+
+  double Cover(double x, double y) const {
+    const double dx = std::abs(x - (left + right) / 2) - (right - left) / 2 + radius;
+    const double dy = std::abs(y - (top + bottom) / 2) - (bottom - top) / 2 + radius;
+    const double outside =
+        std::hypot(std::max(dx, 0.0), std::max(dy, 0.0)) + std::min(std::max(dx, dy), 0.0) - radius;
+    return EdgeCover(-outside);
+  }
+};
+
+}  // namespace
+
+const LabelPainter::Mask& LabelPainter::MaskOf(char c, double cap_px) {
+  const auto [found, is_new] = masks_.try_emplace({c, static_cast<int>(std::lround(10 * cap_px))});
+  Mask& mask = found->second;
+  if (!is_new) return mask;
+  const Glyph glyph = MakeGlyph(c);
+  const double unit_px = cap_px / kGlyphCapHeight;
+  mask.width = static_cast<int>(std::ceil((glyph.width + 2 * kPen) * unit_px));
+  mask.height = static_cast<int>(std::ceil((kGlyphCapHeight + kGlyphDescent + 2 * kPen) * unit_px));
+  mask.advance_px = (glyph.width + kGlyphGap) * unit_px;
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) {
+      const Eigen::Vector2d p((x + 0.5) / unit_px - kPen, kGlyphCapHeight + kPen - (y + 0.5) / unit_px);
+      const double inside_px = (kPen / 2 - DistanceToGlyph(glyph, p)) * unit_px;
+      mask.cover.push_back(static_cast<float>(EdgeCover(inside_px)));
+    }
+  }
+  return mask;
+}
+
+void LabelPainter::Paint(Picture& picture, const std::vector<Label>& labels) {
+  const double cap_px = std::clamp(picture.height / 48.0, 7.0, 20.0);
+  const auto first = labels.size() > kMaxNames ? labels.end() - kMaxNames : labels.begin();
+  for (auto label = first; label != labels.end(); ++label) PaintOne(picture, *label, cap_px);
+}
+
+void LabelPainter::PaintOne(Picture& picture, const Label& label, double cap_px) {
+  const std::string text =
+      label.text.size() <= kMaxLetters ? label.text : label.text.substr(0, kMaxLetters - 2) + "--";
+  const double pen_px = kPen * cap_px / kGlyphCapHeight;
+  double text_px = -kGlyphGap * cap_px / kGlyphCapHeight;
+  for (const char c : text) text_px += MaskOf(c, cap_px).advance_px;
+
+  const double pad_px = 0.55 * cap_px, stripe_px = std::max(2.0, 0.22 * cap_px);
+  Plate plate;
+  plate.left = std::round(label.x_px - (text_px + 2 * pad_px) / 2);
+  plate.right = plate.left + std::ceil(text_px + 2 * pad_px);
+  plate.bottom = std::round(label.y_px - 0.5 * cap_px);
+  plate.top = plate.bottom - std::ceil(cap_px + 2 * pad_px * 0.85 + stripe_px);
+  plate.radius = 0.35 * cap_px;
+  // Far outside there is nothing to paint, and pixel numbers might not fit an int.
+  if (!(plate.right > 0 && plate.left < picture.width && plate.bottom > 0 && plate.top < picture.height))
+    return;
+  for (int y = static_cast<int>(plate.top) - 1; y <= static_cast<int>(plate.bottom); ++y) {
+    for (int x = static_cast<int>(plate.left) - 1; x <= static_cast<int>(plate.right); ++x) {
+      const double cover = plate.Cover(x + 0.5, y + 0.5);
+      const double stripe = EdgeCover(y + 0.5 - (plate.bottom - stripe_px));
+      Blend(picture, x, y, kPlate, 0.74 * cover * (1 - stripe));
+      Blend(picture, x, y, label.color, cover * stripe);
+    }
+  }
+
+  const int top = static_cast<int>(std::round(plate.top + 0.85 * pad_px - pen_px));
+  double pen_x = plate.left + pad_px - pen_px;
+  for (const char c : text) {
+    const Mask& mask = MaskOf(c, cap_px);
+    const int left = static_cast<int>(std::round(pen_x));
+    for (int y = 0; y < mask.height; ++y) {
+      for (int x = 0; x < mask.width; ++x) {
+        const auto index = static_cast<std::size_t>(y * mask.width + x);
+        Blend(picture, left + x, top + y, kText, static_cast<double>(mask.cover[index]));
+      }
+    }
+    pen_x += mask.advance_px;
+  }
+}
+
+}  // namespace coopdyn

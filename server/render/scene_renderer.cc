@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "server/render/scene_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "server/render/gl_objects.h"
+#include "server/render/label_painter.h"
+#include "server/render/shaders.h"
+
+namespace coopdyn {
+
+namespace {
+
+// A rectangle of ±1, for the floor, and a triangle that covers the picture, for the sky.
+constexpr float kFloorCorners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
+constexpr float kSkyCorners[] = {-1, -1, 0, 3, -1, 0, -1, 3, 0};
+
+std::string Source(const char* body, bool lit = false) {
+  return std::string(shaders::kHeader) + (lit ? shaders::kLight : "") + body;
+}
+
+// The slab under the floor, which shows its edge; its top lies a little below the floor that is drawn.
+DrawList Slab(const Floor& floor) {
+  constexpr double kGap_m = 0.002, kMaxHeight_m = 0.1;
+  DrawList list;
+  const double height_m = std::min(floor.height_m, kMaxHeight_m) - kGap_m;
+  if (height_m <= 0) return list;
+  const auto f = [](double x) { return static_cast<float>(x); };
+  list.meshes[static_cast<std::size_t>(MeshId::kBox)].push_back(
+      {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+       {f(floor.length_m), f(floor.width_m), f(height_m)},
+       {0, 0, f(-kGap_m - height_m / 2)},
+       {f(0.8 * floor.color.r), f(0.8 * floor.color.g), f(0.8 * floor.color.b)}});
+  return list;
+}
+
+}  // namespace
+
+struct SceneRenderer::Impl {
+  Impl(const GlApi& gl_api, std::string& error)
+      : gl(gl_api),
+        mesh(gl, Source(shaders::kMeshVertex), Source(shaders::kMeshFragment, true), error),
+        shadow(gl, Source(shaders::kMeshVertex), Source(shaders::kShadowFragment), error),
+        floor(gl, Source(shaders::kFloorVertex), Source(shaders::kFloorFragment, true), error),
+        sky(gl, Source(shaders::kSkyVertex), Source(shaders::kSkyFragment), error),
+        overlay(gl, Source(shaders::kOverlayVertex), Source(shaders::kOverlayFragment), error),
+        mesh_vertices(gl),
+        mesh_indices(gl),
+        instances(gl),
+        floor_vertices(gl),
+        sky_vertices(gl),
+        overlay_vertices(gl) {
+    const Meshes meshes = MakeMeshes();
+    ranges = meshes.ranges;
+    mesh_vertices.Bind();
+    mesh_vertices.Upload(meshes.vertices.data(), meshes.vertices.size() * sizeof(MeshVertex), GL_STATIC_DRAW);
+    mesh_vertices.Attribute(0, 3, sizeof(MeshVertex), offsetof(MeshVertex, position));
+    mesh_vertices.Attribute(1, 3, sizeof(MeshVertex), offsetof(MeshVertex, normal));
+    gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh_indices.buffer());
+    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER,
+                  static_cast<GLsizeiptr>(meshes.indices.size() * sizeof(std::uint16_t)),
+                  meshes.indices.data(), GL_STATIC_DRAW);
+    floor_vertices.Bind();
+    floor_vertices.Upload(kFloorCorners, sizeof(kFloorCorners), GL_STATIC_DRAW);
+    floor_vertices.Attribute(0, 3, 3 * sizeof(float), 0);
+    sky_vertices.Bind();
+    sky_vertices.Upload(kSkyCorners, sizeof(kSkyCorners), GL_STATIC_DRAW);
+    sky_vertices.Attribute(0, 3, 3 * sizeof(float), 0);
+    overlay_vertices.Bind();
+    overlay_vertices.Attribute(0, 4, sizeof(OverlayVertex), offsetof(OverlayVertex, clip));
+    overlay_vertices.Attribute(1, 2, sizeof(OverlayVertex), offsetof(OverlayVertex, uv));
+    overlay_vertices.Attribute(2, 4, sizeof(OverlayVertex), offsetof(OverlayVertex, color));
+    overlay_vertices.Attribute(3, 1, sizeof(OverlayVertex), offsetof(OverlayVertex, kind));
+  }
+
+  void SetVector(const GlProgram& program, const char* name, const Vector3& v) const {
+    gl.Uniform3f(program.Uniform(name), static_cast<float>(v.x()), static_cast<float>(v.y()),
+                 static_cast<float>(v.z()));
+  }
+  void Use(const GlProgram& program, const Eigen::Matrix4f& clip_from_W) const {
+    gl.UseProgram(program.id());
+    gl.UniformMatrix4fv(program.Uniform("clip_from_world"), 1, GL_FALSE, clip_from_W.data());
+    SetVector(program, "sun", SunDirection().normalized());
+  }
+
+  // Draws all shapes of `list` with the program in use.
+  void DrawInstances(const DrawList& list) const {
+    mesh_vertices.Bind();
+    for (std::size_t id = 0; id < kMeshCount; ++id) {
+      if (list.meshes[id].empty()) continue;
+      instances.Upload(list.meshes[id].data(), list.meshes[id].size() * sizeof(Instance), GL_STREAM_DRAW);
+      // Attributes 2…7 are threes of floats, in the order of Instance.
+      for (GLuint i = 0; i < 6; ++i)
+        instances.Attribute(2 + i, 3, sizeof(Instance), 3 * i * sizeof(float), 1);
+      gl.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(ranges[id].count), GL_UNSIGNED_SHORT,
+                               reinterpret_cast<const void*>(ranges[id].first_index * sizeof(std::uint16_t)),
+                               static_cast<GLsizei>(list.meshes[id].size()));
+    }
+  }
+  void DrawOverlay(const std::vector<OverlayVertex>& vertices) const {
+    if (vertices.empty()) return;
+    gl.UseProgram(overlay.id());
+    overlay_vertices.Bind();
+    overlay_vertices.Upload(vertices.data(), vertices.size() * sizeof(OverlayVertex), GL_STREAM_DRAW);
+    gl.DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
+  }
+
+  void DrawSky(const Camera& camera, int width, int height) const {
+    const Matrix3 axes = ViewMatrix(camera).topLeftCorner<3, 3>();
+    const double tan_y = std::tan(camera.fov_rad / 2);
+    gl.UseProgram(sky.id());
+    SetVector(sky, "right", axes.row(0).transpose() * (tan_y * width / height));
+    SetVector(sky, "up", axes.row(1).transpose() * tan_y);
+    SetVector(sky, "forward", -axes.row(2).transpose());
+    sky_vertices.Bind();
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  }
+
+  void DrawScene(const DrawList& list, const Floor& floor_model, const Camera& camera, int width,
+                 int height) {
+    const Eigen::Matrix4f clip_from_W =
+        (ProjectionMatrix(camera, width, height) * ViewMatrix(camera)).cast<float>();
+    gl.Viewport(0, 0, width, height);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.Enable(GL_CULL_FACE);
+    gl.DepthMask(GL_TRUE);
+    gl.DepthFunc(GL_LEQUAL);
+    gl.Disable(GL_BLEND);
+    gl.Disable(GL_STENCIL_TEST);
+    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+
+    // Shapes first: the floor behind them need not be shaded.
+    Use(mesh, clip_from_W);
+    SetVector(mesh, "eye", camera.eye_W);
+    SetVector(mesh, "shadow_along", Vector3::Zero());
+    DrawInstances(Slab(floor_model));
+    DrawInstances(list);
+
+    // Seen pixels of the floor get 1 in the stencil, those in shadow 2, so that shadows do not add up.
+    gl.Enable(GL_STENCIL_TEST);
+    gl.StencilFunc(GL_ALWAYS, 1, 0xff);
+    gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+    Use(floor, clip_from_W);
+    SetVector(floor, "half_size", {floor_model.length_m / 2, floor_model.width_m / 2, 1});
+    SetVector(floor, "floor_color", {floor_model.color.r, floor_model.color.g, floor_model.color.b});
+    floor_vertices.Bind();
+    gl.DrawArrays(GL_TRIANGLES, 0, 6);
+
+    gl.Disable(GL_CULL_FACE);
+    gl.Disable(GL_DEPTH_TEST);
+    gl.Enable(GL_BLEND);
+    gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    gl.StencilFunc(GL_EQUAL, 1, 0xff);
+    gl.StencilOp(GL_KEEP, GL_KEEP, GL_INCR);
+    Use(shadow, clip_from_W);
+    SetVector(shadow, "shadow_along", SunDirection());
+    DrawInstances(list);
+
+    gl.StencilFunc(GL_LEQUAL, 1, 0xff);
+    gl.StencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    DrawOverlay(list.floor_marks);
+
+    gl.Disable(GL_STENCIL_TEST);
+    gl.Disable(GL_BLEND);
+    gl.Enable(GL_DEPTH_TEST);
+    DrawSky(camera, width, height);
+
+    gl.Enable(GL_BLEND);
+    gl.DepthMask(GL_FALSE);
+    DrawOverlay(list.rays);
+    gl.DepthMask(GL_TRUE);
+  }
+
+  const GlApi& gl;
+  GlProgram mesh, shadow, floor, sky, overlay;
+  GlVertices mesh_vertices, mesh_indices, instances, floor_vertices, sky_vertices, overlay_vertices;
+  std::array<MeshRange, kMeshCount> ranges{};
+  std::unique_ptr<GlTarget> target;  // of the size drawn last
+  LabelPainter labels;
+};
+
+SceneRenderer::SceneRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+SceneRenderer::~SceneRenderer() = default;
+
+std::unique_ptr<SceneRenderer> SceneRenderer::Create(const GlContext& context, std::string& error) {
+  auto impl = std::make_unique<Impl>(context.gl(), error);
+  if (!error.empty()) return nullptr;
+  return std::unique_ptr<SceneRenderer>(new SceneRenderer(std::move(impl)));
+}
+
+Picture SceneRenderer::Draw(const Frame& frame, const ImageRequest& request, const Camera& camera) {
+  const int width = request.width, height = request.height;
+  std::unique_ptr<GlTarget>& target = impl_->target;
+  if (!target || target->width() != width || target->height() != height) {
+    target.reset();
+    target = std::make_unique<GlTarget>(impl_->gl, width, height);
+  }
+  Picture picture{width, height, {}};
+  if (!target->complete()) return {};
+  target->Bind();
+  const DrawList list = MakeDrawList(frame, request, camera);
+  const Floor& floor = frame.scene->floor;
+  impl_->DrawScene(list, floor, camera, width, height);
+
+  std::vector<std::uint8_t> upside_down(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                                        3);
+  target->Read(upside_down.data());
+  picture.rgb.resize(upside_down.size());
+  const auto row = static_cast<std::size_t>(width) * 3;
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
+    std::memcpy(picture.rgb.data() + y * row,
+                upside_down.data() + (static_cast<std::size_t>(height) - 1 - y) * row, row);
+  }
+  impl_->labels.Paint(picture, list.labels);
+  return picture;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// GLSL 3.30. Colours come in as they look on screen; they are squared before lighting and rooted after it,
+// which stands for the screen's curve.
+#pragma once
+
+namespace coopdyn::shaders {
+
+inline constexpr const char* kHeader = "#version 330 core\n";
+
+inline constexpr const char* kLight = R"(
+uniform vec3 sun;  // towards it, length 1
+const vec3 kSunColor = vec3(0.80, 0.76, 0.68);
+const vec3 kSkyLight = vec3(0.40, 0.44, 0.50);
+const vec3 kGroundLight = vec3(0.27, 0.25, 0.24);
+vec3 Ambient(float nz) { return mix(kGroundLight, kSkyLight, nz * 0.5 + 0.5); }
+)";
+
+inline constexpr const char* kMeshVertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 axis_x;
+layout(location = 3) in vec3 axis_y;
+layout(location = 4) in vec3 axis_z;
+layout(location = 5) in vec3 scale;
+layout(location = 6) in vec3 place;
+layout(location = 7) in vec3 color;
+uniform mat4 clip_from_world;
+uniform vec3 shadow_along;  // the sun's direction with z = 1; zero: no shadow
+out vec3 world;
+out vec3 world_normal;
+out vec3 base;
+void main() {
+  mat3 axes = mat3(axis_x, axis_y, axis_z);
+  world = axes * (position * scale) + place;
+  world_normal = axes * (normal / scale);
+  base = color * color;
+  world -= shadow_along * max(world.z, 0.0);
+  gl_Position = clip_from_world * vec4(world, 1.0);
+}
+)";
+
+inline constexpr const char* kMeshFragment = R"(
+in vec3 world;
+in vec3 world_normal;
+in vec3 base;
+uniform vec3 eye;
+out vec4 result;
+void main() {
+  vec3 n = normalize(world_normal);
+  vec3 v = normalize(eye - world);
+  float lit = max(dot(n, sun), 0.0);
+  float near_floor = mix(0.62, 1.0, smoothstep(0.0, 0.22, world.z));
+  vec3 light = Ambient(n.z) * near_floor + kSunColor * lit;
+  float shine = pow(max(dot(n, normalize(v + sun)), 0.0), 36.0) * lit * 0.22;
+  float rim = 1.0 - max(dot(n, v), 0.0);
+  result = vec4(sqrt(base * light + shine + 0.05 * rim * rim * rim), 1.0);
+}
+)";
+
+inline constexpr const char* kShadowFragment = R"(
+out vec4 result;
+void main() { result = vec4(0.05, 0.06, 0.10, 0.30); }
+)";
+
+inline constexpr const char* kFloorVertex = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 clip_from_world;
+uniform vec3 half_size;
+out vec2 world;
+void main() {
+  world = position.xy * half_size.xy;
+  gl_Position = clip_from_world * vec4(world, 0.0, 1.0);
+}
+)";
+
+inline constexpr const char* kFloorFragment = R"(
+in vec2 world;
+uniform vec3 floor_color;
+out vec4 result;
+// How much of this pixel the lines of the whole metres cover; far away it tends to their share of the floor.
+float Lines(vec2 p, float width) {
+  vec2 pixel = fwidth(p);
+  vec2 drawn = clamp(vec2(width), pixel, vec2(0.5));
+  vec2 soft = pixel * 1.2;
+  vec2 away = abs(fract(p - 0.5) - 0.5) * 2.0;
+  vec2 cover = smoothstep(drawn + soft, drawn - soft, away) * clamp(width / drawn, 0.0, 1.0);
+  cover = mix(cover, vec2(width), clamp(pixel * 2.0 - 1.0, 0.0, 1.0));
+  return mix(cover.x, 1.0, cover.y);
+}
+void main() {
+  vec3 base = floor_color * floor_color;
+  vec2 cell = floor(world);
+  base *= 1.0 - 0.05 * mod(cell.x + cell.y, 2.0) * (1.0 - clamp(length(fwidth(world)) * 2.0, 0.0, 1.0));
+  base = mix(base, base * vec3(0.50, 0.55, 0.64), Lines(world, 0.022));
+  result = vec4(sqrt(base * (Ambient(1.0) + kSunColor * sun.z)), 1.0);
+}
+)";
+
+inline constexpr const char* kSkyVertex = R"(
+layout(location = 0) in vec3 position;
+uniform vec3 right;  // half the picture's width at distance 1
+uniform vec3 up;
+uniform vec3 forward;
+out vec3 direction;
+void main() {
+  direction = forward + position.x * right + position.y * up;
+  gl_Position = vec4(position.xy, 1.0, 1.0);
+}
+)";
+
+inline constexpr const char* kSkyFragment = R"(
+in vec3 direction;
+out vec4 result;
+void main() {
+  float h = normalize(direction).z;
+  vec3 horizon = vec3(0.93, 0.95, 0.97);
+  vec3 above = mix(horizon, vec3(0.50, 0.66, 0.86), smoothstep(0.0, 0.75, h));
+  vec3 below = mix(horizon, vec3(0.70, 0.74, 0.79), smoothstep(0.0, 1.0, -h));
+  result = vec4(h > 0.0 ? above : below, 1.0);
+}
+)";
+
+inline constexpr const char* kOverlayVertex = R"(
+layout(location = 0) in vec4 clip;
+layout(location = 1) in vec2 corner;
+layout(location = 2) in vec4 color;
+layout(location = 3) in float kind;
+out vec2 uv;
+out vec4 paint;
+flat out int shape;
+void main() {
+  uv = corner;
+  paint = color;
+  shape = int(kind + 0.5);
+  gl_Position = clip;
+}
+)";
+
+inline constexpr const char* kOverlayFragment = R"(
+in vec2 uv;
+in vec4 paint;
+flat in int shape;
+out vec4 result;
+void main() {
+  float r = length(uv);
+  float pixel = fwidth(r);
+  float alpha = 1.0;
+  float inside = 1.0 - smoothstep(1.0 - pixel, 1.0, r);
+  if (shape == 1) alpha = 1.0 - smoothstep(0.35, 1.0, r);
+  if (shape == 2) alpha = inside * (0.35 + 0.6 * smoothstep(0.80 - pixel, 0.80, r));
+  if (shape == 3) alpha = inside;
+  result = vec4(paint.rgb, paint.a * alpha);
+}
+)";
+
+}  // namespace coopdyn::shaders
