@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// A robot drives as an ideal differential drive does, at every step size.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/server/physics/physics_scene.h"
+
+namespace coopdyn {
+namespace {
+
+double Tilt(const Pose& pose) {
+  return std::acos(std::min(1.0, (pose.q * Vector3::UnitZ()).z()));
+}
+
+TEST(Drive, StraightTenMetresWithinAPercent) {
+  PhysicsScene scene;
+  scene.AddRobot(0, 0, 0.5).SetVelocity(0, 0.5, 0);
+  scene.RunFor(1);
+  const Pose start = scene.robot(0);
+  scene.RunFor(20);
+  const Vector3 moved = scene.robot(0).p - start.p;
+  EXPECT_NEAR(moved.x(), 10 * std::cos(0.5), 0.01);
+  EXPECT_NEAR(moved.y(), 10 * std::sin(0.5), 0.01);
+}
+
+TEST(Drive, CircleOfTwoMetresForThirtySecondsWithinAPercent) {
+  PhysicsScene scene;
+  scene.AddRobot(0, 0).SetVelocity(0, 0.5, 0.25);
+  scene.RunFor(1);
+  const Pose start = scene.robot(0);
+  const double heading = Heading(start.q), turned = 0.25 * 30;
+  const Vector3 ideal = start.p + 2 * Vector3(std::sin(heading + turned) - std::sin(heading),
+                                              std::cos(heading) - std::cos(heading + turned), 0);
+  scene.RunFor(30);
+  EXPECT_LT((scene.robot(0).p - ideal).norm(), 0.01 * 2);
+  EXPECT_NEAR(WrapAngle(Heading(scene.robot(0).q) - heading - turned), 0, 0.01);
+}
+
+TEST(Drive, SpinsOnTheSpotAtTheCommandedRate) {
+  PhysicsScene scene;
+  scene.AddRobot(1, 2).SetVelocity(0, 0, 2);
+  scene.RunFor(1);
+  const Pose start = scene.robot(0);
+  scene.RunFor(10);
+  EXPECT_NEAR(WrapAngle(Heading(scene.robot(0).q) - Heading(start.q) - 20), 0, 0.01);
+  EXPECT_LT((scene.robot(0).p - start.p).norm(), 0.01);
+}
+
+TEST(Drive, StaysAtRestForAMinute) {
+  PhysicsScene scene;
+  scene.AddRobot(3, -4, 1).RunFor(60);
+  EXPECT_LT((scene.robot(0).p - Vector3(3, -4, 0)).norm(), 1e-3);
+  EXPECT_NEAR(Heading(scene.robot(0).q), 1, 1e-3);
+}
+
+TEST(Drive, WheelsReportAngleAndSpeedAsTurned) {
+  PhysicsScene scene;
+  scene.AddRobot(0, 0).SetWheels(0, 3, 4);
+  scene.RunFor(1);
+  const RobotState before = scene.Capture()->robots[0];
+  scene.RunFor(2);
+  const RobotState& after = scene.Capture()->robots[0];
+  EXPECT_NEAR(after.wheel_speed_rad_s[0], 3, 1e-3);
+  EXPECT_NEAR(after.wheel_speed_rad_s[1], 4, 1e-3);
+  EXPECT_NEAR(after.wheel_angle_rad[0] - before.wheel_angle_rad[0], 6, 1e-2);
+  EXPECT_NEAR(after.wheel_angle_rad[1] - before.wheel_angle_rad[1], 8, 1e-2);
+  EXPECT_EQ(after.setpoint_rad_s, (std::array<double, 2>{3, 4}));
+}
+
+TEST(Drive, MotorTorqueBoundsTheAcceleration) {
+  // 2 · 1 N·m / 0.075 m on 10 kg and the wheels' own inertia: 2 J / r² = 0.5 kg.
+  PhysicsScene scene;
+  scene.step_length = 1'000'000;
+  scene.AddRobot(0, 0).SetVelocity(0, 1, 0);
+  scene.RunFor(0.2);
+  EXPECT_NEAR(scene.Capture()->bodies[0].v_WB.x(), 0.2 * (2 / 0.075) / 10.5, 0.01);
+}
+
+class DriveAtStep : public testing::TestWithParam<int> {};
+
+TEST_P(DriveAtStep, IsStableAndAccurate) {
+  PhysicsScene scene;
+  scene.step_length = GetParam() * 1'000'000;
+  scene.AddRobot(0, 0).SetVelocity(0, 0.5, 0);
+  scene.RunFor(1);
+  const Pose start = scene.robot(0);
+  scene.RunFor(4);
+  EXPECT_NEAR(scene.robot(0).p.x() - start.p.x(), 2, 0.02);
+  EXPECT_NEAR(scene.robot(0).p.y(), 0, 0.005);
+  EXPECT_NEAR(scene.robot(0).p.z(), 0, 1e-3);
+  EXPECT_LT(Tilt(scene.robot(0)), 0.01);
+}
+
+TEST_P(DriveAtStep, StaysUprightThroughFullBrakingAndTurning) {
+  PhysicsScene scene;
+  scene.step_length = GetParam() * 1'000'000;
+  scene.AddRobot(0, 0);
+  for (const auto& [left, right] :
+       std::vector<std::array<double, 2>>{{14, 14}, {-14, -14}, {14, -14}, {0, 0}}) {
+    scene.SetWheels(0, left, right);
+    scene.RunFor(0.5);
+    EXPECT_LT(Tilt(scene.robot(0)), 0.1);
+  }
+  scene.RunFor(1);
+  EXPECT_LT(Tilt(scene.robot(0)), 0.01);
+  EXPECT_TRUE(scene.world().TakeFrozen().empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Milliseconds, DriveAtStep, testing::Values(1, 5, 10, 20, 50, 100));
+
+TEST(Drive, OneLongSubstepIsStableToo) {
+  PhysicsScene scene;
+  scene.step_length = 50'000'000;
+  scene.substeps = 1;
+  scene.AddRobot(0, 0).SetVelocity(0, 0.5, 0.25);
+  scene.RunFor(10);
+  EXPECT_NEAR(scene.robot(0).p.z(), 0, 1e-3);
+  EXPECT_LT(Tilt(scene.robot(0)), 0.01);
+}
+
+TEST(Drive, SubstepsDivideAStepIntoPartsOfAtMostTenMilliseconds) {
+  EXPECT_EQ(DefaultSubsteps(500'000), 1);
+  EXPECT_EQ(DefaultSubsteps(10'000'000), 1);
+  EXPECT_EQ(DefaultSubsteps(10'001'000), 2);
+  EXPECT_EQ(DefaultSubsteps(50'000'000), 5);
+  EXPECT_EQ(DefaultSubsteps(100'000'000), 10);
+}
+
+}  // namespace
+}  // namespace coopdyn

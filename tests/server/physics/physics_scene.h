@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// Scenes of three lines for physics tests: a robot like coopbot built by hand, objects, and a world that
+// steps. One thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/physics/world.h"
+
+namespace coopdyn {
+
+/// A two-wheeled robot with the dimensions of coopbot: wheels of 7.5 cm, track 28 cm, 10 kg.
+std::shared_ptr<const RobotModel> TestRobot();
+
+/// A scene, its physics and its newest frame.
+class PhysicsScene {
+ public:
+  PhysicsScene& AddRobot(double x_m, double y_m, double heading_rad = 0);
+  /// A box, cylinder or sphere; mass 0: static. Named like THING_1.
+  PhysicsScene& Add(const Shape& shape, const Pose& X_WO, double mass_kg = 0, double friction = 1);
+  PhysicsScene& SetFloorFriction(double friction);
+
+  /// Builds physics. Called by the first Run(); a test calls it to see the diagnostics.
+  void Build();
+  const Diagnostics& diagnostics() const { return diagnostics_; }
+  bool built() const { return world_ != nullptr; }
+
+  /// Wheel speeds (left, right, rad/s) of a robot until the next call.
+  void SetWheels(int robot, double left_rad_s, double right_rad_s);
+  /// Wheel speeds of an ideal differential drive.
+  void SetVelocity(int robot, double linear_m_s, double angular_rad_s);
+  /// Makes `steps` steps of `step_length`, with `substeps` (0: the default).
+  void Run(int steps);
+  void RunFor(double duration_s);
+
+  /// The state now; hash and time included.
+  std::shared_ptr<Frame> Capture();
+  void Restore(const Frame& frame);
+
+  Pose robot(int index);
+  Pose object(int index);
+  const BodyState& object_body(int index);
+
+  PhysicsWorld& world() { return *world_; }
+  Nanoseconds step_length = kDefaultStep;
+  int substeps = 0;
+
+ private:
+  Scenario scenario_;
+  std::shared_ptr<const Scene> scene_;
+  std::unique_ptr<PhysicsWorld> world_;
+  Diagnostics diagnostics_;
+  std::vector<std::array<double, 2>> setpoints_;
+  std::uint64_t step_ = 0;
+  Nanoseconds time_ = 0;
+  std::shared_ptr<Frame> frame_;
+};
+
+}  // namespace coopdyn
