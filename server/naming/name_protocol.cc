@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+#include "server/naming/name_protocol.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "server/net/http_refusal.h"
+
+namespace coopdyn {
+namespace {
+
+constexpr std::string_view kPrefix = "NAME_SERVER";
+constexpr std::string_view kEnd = "*** end of message\r\n";
+constexpr std::string_view kAutomatic = "...";
+constexpr std::string_view kExample = "/robot1/motors";
+
+using Words = std::vector<std::string>;
+
+/// Splits at spaces; "quoted words" lose their quotes.
+Words Split(std::string_view line) {
+  Words words;
+  std::size_t i = 0;
+  const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (true) {
+    while (i < line.size() && is_space(line[i])) ++i;
+    if (i == line.size()) return words;
+    std::string word;
+    if (line[i] == '"') {
+      for (++i; i < line.size() && line[i] != '"'; ++i) word += line[i];
+      if (i < line.size()) ++i;
+    } else {
+      while (i < line.size() && !is_space(line[i])) word += line[i++];
+    }
+    words.push_back(std::move(word));
+  }
+}
+
+/// The n-th word, or empty if it is missing or to be filled in by us.
+std::string WordAt(const Words& words, std::size_t n) {
+  return n < words.size() && words[n] != kAutomatic ? words[n] : std::string();
+}
+
+std::string Join(const Words& words, std::size_t first) {
+  std::string text;
+  for (std::size_t i = first; i < words.size(); ++i) text += (i == first ? "" : " ") + words[i];
+  return text;
+}
+
+bool IsHttp(std::string_view line) {
+  const std::size_t space = line.find(' ');
+  const std::string_view method = line.substr(0, space);
+  return space != std::string_view::npos && space > 0 &&
+         line.find("HTTP/", space) != std::string_view::npos &&
+         std::all_of(method.begin(), method.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+}
+
+/// One request with its context: each answer is a member.
+class Answerer {
+ public:
+  Answerer(Words words, const NameContext& context, NameTable& table)
+      : words_(std::move(words)), context_(context), table_(table) {}
+
+  NameReply Answer(bool prefixed) {
+    const std::string& verb = words_[0];
+    if (verb == "query") return Query();
+    if (verb == "list") return List();
+    if (verb == "register") return Register();
+    if (verb == "unregister") return Unregister();
+    if (verb == "set") return Set();
+    if (verb == "get") return Get();
+    if (verb == "check") return Check();
+    if (verb == "route") return Route();
+    if (verb == "announce") return {"[ok]\r\n"};
+    if (verb == "bot") return Bot();
+    if (verb == "help") return Help();
+    if (prefixed) return End();
+    return Refused("\"" + verb.substr(0, 64) + "\" is no request; help lists them");
+  }
+
+  NameReply Open() {
+    const std::string name = WordAt(words_, 1);
+    const std::optional<NameEntry> entry = table_.Find(name);
+    if (!entry) {
+      const std::string nearest = table_.Nearest(name);
+      return {"error 10 no such name " + (name.empty() ? "(none given)" : name) +
+              (nearest.empty() ? "; list shows all" : "; did you mean " + nearest) + "\n"};
+    }
+    if (!entry->adopt) {
+      return {"error 10 " + entry->name + " is another program's: connect to " + entry->ip + " port " +
+              std::to_string(entry->port) + "\n"};
+    }
+    NameReply reply{"ok\n"};
+    reply.open = entry->adopt;
+    reply.opened = entry->name;
+    return reply;
+  }
+
+ private:
+  static NameReply End(std::string text = {}) { return {std::move(text) + std::string(kEnd)}; }
+  static NameReply Refused(const std::string& why) { return End("*** refused: " + why + "\r\n"); }
+
+  const std::string& IpOf(const NameEntry& entry) const {
+    if (!entry.ip.empty()) return entry.ip;
+    return context_.advertise.empty() ? context_.asked_at : context_.advertise;
+  }
+
+  std::string Registration(const NameEntry& entry) const {
+    return "registration name " + entry.name + " ip " + IpOf(entry) + " port " + std::to_string(entry.port) +
+           " type " + entry.type + "\r\n";
+  }
+
+  std::string BotPort(const NameEntry& entry) const {
+    return "port (name \"" + entry.name + "\") (ip \"" + IpOf(entry) + "\") (port_number " +
+           std::to_string(entry.port) + ") (carrier " + entry.type + ")";
+  }
+
+  NameReply Query() const {
+    const std::optional<NameEntry> entry = table_.Find(WordAt(words_, 1));
+    return End(entry ? Registration(*entry) : "");
+  }
+
+  NameReply List() const {
+    std::string text;
+    for (const NameEntry& entry : table_.List(WordAt(words_, 1))) text += Registration(entry);
+    return End(std::move(text));
+  }
+
+  NameReply Register() {
+    int port = 0;
+    const std::string digits = WordAt(words_, 4);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+    if (!digits.empty() && (error != std::errc() || end != digits.data() + digits.size())) port = -1;
+    NameTable::Change change =
+        table_.Register(WordAt(words_, 1), WordAt(words_, 2), WordAt(words_, 3), port, context_.peer_ip);
+    return change.refused.empty() ? End(Registration(change.entry)) : Refused(change.refused);
+  }
+
+  NameReply Unregister() {
+    const NameTable::Change change = table_.Unregister(WordAt(words_, 1));
+    return change.refused.empty() ? End() : Refused(change.refused);
+  }
+
+  NameReply Set() {
+    const std::string key = WordAt(words_, 2);
+    const NameTable::Change change = table_.SetProperty(WordAt(words_, 1), key, Join(words_, 3));
+    if (!change.refused.empty()) return Refused(change.refused);
+    return change.entry.name.empty() ? End() : Property(change.entry, key);
+  }
+
+  NameReply Get() const {
+    const std::optional<NameEntry> entry = table_.Find(WordAt(words_, 1));
+    return entry ? Property(*entry, WordAt(words_, 2)) : End();
+  }
+
+  static NameReply Property(const NameEntry& entry, const std::string& key) {
+    const auto it = entry.properties.find(key);
+    return End("port " + entry.name + " property " + key + " = " +
+               (it == entry.properties.end() ? "" : it->second) + "\r\n");
+  }
+
+  NameReply Check() const {
+    const std::optional<NameEntry> entry = table_.Find(WordAt(words_, 1));
+    if (!entry) return End();
+    const std::string key = WordAt(words_, 2);
+    const std::string value = WordAt(words_, 3);
+    const auto it = entry->properties.find(key);
+    const Words values = it == entry->properties.end() ? Words() : Split(it->second);
+    const bool present = std::find(values.begin(), values.end(), value) != values.end();
+    return End("port " + entry->name + " property " + key + " value " + value + " present " +
+               (present ? "true" : "false") + "\r\n");
+  }
+
+  NameReply Route() const {
+    const std::optional<NameEntry> from = table_.Find(WordAt(words_, 1));
+    const std::optional<NameEntry> to = table_.Find(WordAt(words_, 2));
+    if (!from || !to) return End();
+    return End("port " + from->name + " route " + to->name + " = " + to->type + ":/" + to->name + "\r\n");
+  }
+
+  NameReply Bot() const {
+    const std::string what = WordAt(words_, 1);
+    if (what == "query") {
+      const std::optional<NameEntry> entry = table_.Find(WordAt(words_, 2));
+      return {(entry ? BotPort(*entry) : "port (error -2 \"port not known\")") + "\r\n"};
+    }
+    if (what != "list") return End();
+    std::string text = "ports";
+    for (const NameEntry& entry : table_.List(WordAt(words_, 2))) text += " (" + BotPort(entry) + ")";
+    return {text + "\r\n"};
+  }
+
+  static NameReply Help() {
+    return End(
+        "Here are some ways to use the name server (with or without NAME_SERVER before them):\r\n"
+        "+ help\r\n"
+        "+ list [$prefix]\r\n"
+        "+ query $name\r\n"
+        "+ register $name\r\n"
+        "+ register $name $carrier $ipAddress $portNumber\r\n"
+        "  (if you want a field set automatically, write '...')\r\n"
+        "+ unregister $name\r\n"
+        "+ set $name $property $value\r\n"
+        "+ get $name $property\r\n"
+        "+ check $name $property $value\r\n"
+        "+ OPEN $name\r\n"
+        "  (turns this connection into one of that module's: then write help again)\r\n");
+  }
+
+  const Words words_;
+  const NameContext& context_;
+  NameTable& table_;
+};
+
+}  // namespace
+
+NameReply AnswerNameLine(std::string_view line, const NameContext& context, NameTable& table) {
+  if (IsHttp(line)) {
+    NameReply refusal{HttpRefusal()};
+    refusal.close = true;
+    return refusal;
+  }
+  Words words = Split(line);
+  if (words.empty()) return {};
+  const bool prefixed = words[0] == kPrefix;
+  if (prefixed) words.erase(words.begin());
+  if (words.empty()) return {std::string(kEnd)};
+  const bool open = words[0] == "OPEN";
+  Answerer answerer(std::move(words), context, table);
+  return open ? answerer.Open() : answerer.Answer(prefixed);
+}
+
+NameReply AnswerMagic(const NameTable& table) {
+  std::string example(kExample);
+  for (const NameEntry& entry : table.List()) {
+    if (!entry.adopt) continue;
+    example = entry.name;
+    break;
+  }
+  NameReply reply{"error 7 this is the port of names: send OPEN " + example +
+                  " and a newline, wait for ok, and then CDS1 and frames\n"};
+  reply.close = true;
+  return reply;
+}
+
+}  // namespace coopdyn

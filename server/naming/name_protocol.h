@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The words of the name server: one request line in, the reply out. YARP's plain-text name protocol, the same
+// without its prefix for people, and OPEN. No sockets; any thread.
+//
+//   NAME_SERVER query /robot1/motors      registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp
+//                                         *** end of message
+//   OPEN /robot1/motors                   ok                  (then the connection is the module's)
+//   OPEN /robot1/moters                   error 10 no such name /robot1/moters; did you mean /robot1/motors
+//
+// A refused request is answered `*** refused: WHY` and the end line.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/naming/name_table.h"
+
+namespace coopdyn {
+
+/// Who asks, and where.
+struct NameContext {
+  std::string asked_at;   // the address that the request reached
+  std::string peer_ip;    // of the asker
+  std::string advertise;  // the address of our own names in every answer; empty = asked_at
+};
+
+struct NameReply {
+  std::string text;         // to be sent
+  AdoptFunction open = {};  // then the connection goes here
+  std::string opened = {};  // under this name
+  bool close = false;       // then the connection is closed
+};
+
+/// Answers one request. `line` has no end of line; a trailing '\r' does not matter.
+NameReply AnswerNameLine(std::string_view line, const NameContext& context, NameTable& table);
+
+/// The answer to a module's binary magic on the name port.
+NameReply AnswerMagic(const NameTable& table);
+
+}  // namespace coopdyn

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "server/naming/name_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numeric>
+#include <set>
+#include <utility>
+
+namespace coopdyn {
+namespace {
+
+constexpr int kFirstPort = 12000;
+constexpr int kLastPort = 19999;
+constexpr std::size_t kMaxNameBytes = 255;
+constexpr std::size_t kMaxTypeBytes = 32;
+constexpr std::size_t kMaxIpBytes = 64;
+
+/// Names that only the daemon may have, whether they are there or not.
+constexpr std::array<std::string_view, 7> kReserved = {"/simulation", "/world", "/swarm", "/playback",
+                                                       "/recorder",   "/root",  "/clock"};
+
+bool IsGraphic(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](unsigned char c) { return c > ' ' && c < 127; });
+}
+
+/// Why nobody may register `name`; empty if it is fine.
+std::string NameProblem(const std::string& name) {
+  if (name.size() < 2 || name[0] != '/') return "a name starts with /, as in /tracker/out";
+  if (name.size() > kMaxNameBytes)
+    return "a name has at most " + std::to_string(kMaxNameBytes) + " characters";
+  if (!IsGraphic(name) || name.find_first_of("()\"@") != std::string::npos) {
+    return "a name has no spaces, quotes, parentheses, @ or letters beyond ASCII";
+  }
+  return {};
+}
+
+std::string WithSlash(std::string_view name) {
+  return name.starts_with('/') ? std::string(name) : "/" + std::string(name);
+}
+
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replace = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replace, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+NameTable::NameTable() : first_port_(kFirstPort), last_port_(kLastPort) {}
+
+void NameTable::SetExternalPorts(int first, int last) {
+  MutexLock lock(mutex_);
+  first_port_ = std::clamp(first, 1, 65535);
+  last_port_ = std::clamp(last, first_port_, 65535);
+}
+
+bool NameTable::IsExternalPort(int port) const {
+  MutexLock lock(mutex_);
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [port](const auto& item) { return item.second.external && item.second.port == port; });
+}
+
+bool NameTable::AddOwn(const std::string& name, int port, AdoptFunction adopt) {
+  MutexLock lock(mutex_);
+  const auto it = entries_.find(name);
+  if (it != entries_.end()) {
+    if (!it->second.external) return false;
+    --externals_;
+  }
+  NameEntry entry;
+  entry.name = name;
+  entry.port = port;
+  entry.adopt = std::move(adopt);
+  entries_.insert_or_assign(name, std::move(entry));
+  return true;
+}
+
+void NameTable::RemoveOwn(const std::string& name) {
+  MutexLock lock(mutex_);
+  const auto it = entries_.find(name);
+  if (it != entries_.end() && !it->second.external) entries_.erase(it);
+}
+
+std::optional<NameEntry> NameTable::Find(std::string_view name) const {
+  MutexLock lock(mutex_);
+  const NameEntry* entry = FindLocked(name);
+  return entry == nullptr ? std::nullopt : std::optional(*entry);
+}
+
+std::vector<NameEntry> NameTable::List(std::string_view prefix) const {
+  MutexLock lock(mutex_);
+  std::vector<NameEntry> list;
+  for (auto it = entries_.lower_bound(prefix); it != entries_.end() && it->first.starts_with(prefix); ++it) {
+    list.push_back(it->second);
+  }
+  return list;
+}
+
+std::string NameTable::Nearest(std::string_view name) const {
+  const std::string wanted = WithSlash(name).substr(0, kMaxNameBytes);
+  MutexLock lock(mutex_);
+  std::string nearest;
+  std::size_t best = 2 + wanted.size() / 4;  // beyond it nobody meant that
+  for (const auto& [candidate, entry] : entries_) {
+    const std::size_t distance = EditDistance(wanted, candidate);
+    if (distance < best) {
+      best = distance;
+      nearest = candidate;
+    }
+  }
+  // "robot1" alone: its first module.
+  const auto module = entries_.lower_bound(wanted + "/");
+  if (module != entries_.end() && module->first.starts_with(wanted + "/")) return module->first;
+  return nearest;
+}
+
+NameTable::Change NameTable::Register(const std::string& name, const std::string& type, const std::string& ip,
+                                      int port, const std::string& peer_ip) {
+  MutexLock lock(mutex_);
+  NameEntry entry;
+  entry.external = true;
+  entry.name = name;
+  entry.ip = ip.empty() ? peer_ip : ip;
+  if (!type.empty()) entry.type = type;
+  if (name.empty()) {
+    do {
+      entry.name = "/tmp/port/" + std::to_string(next_temporary_++);
+    } while (entries_.contains(entry.name));
+  }
+  if (std::string problem = NameProblem(entry.name); !problem.empty()) return {problem};
+  for (const std::string_view reserved : kReserved) {
+    if (entry.name == reserved) return {entry.name + " is a name of the daemon"};
+  }
+  if (entry.type.size() > kMaxTypeBytes || !IsGraphic(entry.type)) return {"the type is one word, as tcp"};
+  if (entry.ip.size() > kMaxIpBytes || !IsGraphic(entry.ip)) return {"the address is one word, as 127.0.0.1"};
+  if (port < 0 || port > 65535) return {"a port is a number from 1 to 65535, or ... for a free one"};
+  const auto it = entries_.find(entry.name);
+  if (it != entries_.end()) {
+    const NameEntry& old = it->second;
+    if (!old.external) return {entry.name + " is a name of the daemon"};
+    const bool same_place = old.ip == entry.ip && (port == 0 || port == old.port);
+    if (same_place) return {{}, old};
+    return {entry.name + " is registered already, at " + old.ip + " port " + std::to_string(old.port) +
+            "; unregister it first"};
+  }
+  if (externals_ >= kMaxExternal) return {"too many names"};
+  entry.port = port != 0 ? port : FreePortLocked();
+  if (entry.port == 0) return {"no free port"};
+  entries_.emplace(entry.name, entry);
+  ++externals_;
+  return {{}, entry};
+}
+
+NameTable::Change NameTable::Unregister(std::string_view name) {
+  MutexLock lock(mutex_);
+  const auto it = entries_.find(name);
+  if (it == entries_.end()) return {};
+  if (!it->second.external) return {it->first + " is a name of the daemon"};
+  Change change{{}, it->second};
+  entries_.erase(it);
+  --externals_;
+  return change;
+}
+
+NameTable::Change NameTable::SetProperty(std::string_view name, const std::string& key,
+                                         const std::string& value) {
+  MutexLock lock(mutex_);
+  const auto it = entries_.find(name);
+  if (it == entries_.end()) return {};
+  NameEntry& entry = it->second;
+  if (!entry.external) return {entry.name + " is a name of the daemon"};
+  if (!entry.properties.contains(key) && entry.properties.size() >= kMaxProperties) {
+    return {"too many properties of " + entry.name};
+  }
+  entry.properties[key] = value;
+  return {{}, entry};
+}
+
+const NameEntry* NameTable::FindLocked(std::string_view name) const {
+  auto it = entries_.find(name);
+  if (it == entries_.end() && !name.starts_with('/')) it = entries_.find(WithSlash(name));
+  return it == entries_.end() ? nullptr : &it->second;
+}
+
+int NameTable::FreePortLocked() const {
+  std::set<int> taken;
+  for (const auto& [name, entry] : entries_) taken.insert(entry.port);
+  for (int port = first_port_; port <= last_port_; ++port) {
+    if (!taken.contains(port)) return port;
+  }
+  return 0;
+}
+
+}  // namespace coopdyn
