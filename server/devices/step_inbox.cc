@@ -57,6 +57,19 @@ class StepInbox::Mailbox {
     if (wake) Wake(self);
   }
 
+  static void PutWork(const std::shared_ptr<Mailbox>& self, std::function<void()> work) {
+    bool wake = false;
+    {
+      const MutexLock lock(self->mutex_);
+      if (self->closed_) return;
+      Item item;
+      item.work = std::move(work);
+      self->items_.push_back(std::move(item));
+      wake = self->NeedsWake();
+    }
+    if (wake) Wake(self);
+  }
+
   void SetBusy() {
     const MutexLock lock(mutex_);
     busy_ = true;
@@ -173,6 +186,8 @@ void StepInbox::Handle(Item& item) {
     Deliver(item.frame, item.dropped);
   } else if (item.listener != nullptr) {
     item.listener->OnStepEnd(item.client, item.result);
+  } else if (item.work) {
+    item.work();
   }
 }
 
@@ -204,6 +219,10 @@ StepDone StepInbox::Waiter(StepListener& listener, ClientId client) {
   return [mailbox = mailbox_, &listener, client](const StepResult& result) {
     Mailbox::PutResult(mailbox, listener, client, result);
   };
+}
+
+StepInbox::Poster StepInbox::MakePoster() {
+  return [mailbox = mailbox_](std::function<void()> work) { Mailbox::PutWork(mailbox, std::move(work)); };
 }
 
 void StepInbox::Subscribe(StepListener& listener) {

@@ -65,6 +65,10 @@ class StepInbox {
   FramePtr Current();
   /// What to hand to the board: it brings the result to `listener` on this thread.
   StepDone Waiter(StepListener& listener, ClientId client);
+  /// Runs what it is given on this thread, within a Scope, in order with everything else; never after
+  /// Close(). To be called from any thread, also when the inbox is gone.
+  using Poster = std::function<void(std::function<void()>)>;
+  Poster MakePoster();
   /// The listener gets the frames of the steps from now on. The board is asked for them only while somebody
   /// is subscribed, so that a step wakes this thread only then.
   void Subscribe(StepListener& listener);
@@ -72,11 +76,12 @@ class StepInbox {
 
  private:
   struct Item {
-    FramePtr frame;  // of a step; null: `result` is for `listener`
+    FramePtr frame;  // of a step; null: `result` is for `listener`, or `work` is to be done
     int dropped = 0;
     StepListener* listener = nullptr;
     ClientId client = 0;
     StepResult result;
+    std::function<void()> work;  // of a Poster
   };
   class Mailbox;
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// A global module's port and name: /simulation and its like.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/naming/name_table.h"
+#include "server/net/io_thread.h"
+#include "server/net/module_server.h"
+
+namespace coopdyn {
+
+/// Built, opened and destroyed on one thread; its connections live on `io`.
+class PublishedModule {
+ public:
+  /// All outlive it.
+  PublishedModule(std::string name, Endpoint& endpoint, IoThread& io, NetServices& net, NameTable& names);
+  /// Takes the name away and closes all connections.
+  ~PublishedModule();
+  PublishedModule(const PublishedModule&) = delete;
+  PublishedModule& operator=(const PublishedModule&) = delete;
+
+  /// Listens (no `addresses`: is reached through OPEN only) and lists the name. An error text, empty if all
+  /// is well.
+  std::string Open(const std::vector<std::string>& addresses, int port);
+  /// 0: reached through OPEN only.
+  int port() const { return server_->port(); }
+  /// Closes all connections with a notice.
+  void CloseConnections(const std::string& reason);
+
+ private:
+  const std::string name_;
+  IoThread& io_;
+  NameTable& names_;
+  std::unique_ptr<ModuleServer> server_;
+  bool listed_ = false;
+};
+
+}  // namespace coopdyn

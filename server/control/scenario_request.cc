@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "server/control/scenario_request.h"
+
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::size_t kMaxNames = 40;
+
+ScenarioRead Refusal(Error error, std::string text) {
+  return {nullptr, error, std::move(text)};
+}
+
+ScenarioRead Finish(std::shared_ptr<const Scenario> scenario, const Diagnostics& diagnostics) {
+  std::string text = diagnostics.ToString();
+  if (!text.empty()) text.pop_back();
+  if (scenario == nullptr || diagnostics.has_errors()) return Refusal(Error::kMalformed, std::move(text));
+  return {std::move(scenario), Error::kOk, std::move(text)};
+}
+
+std::string KnownNames(const RobotLibrary& robots) {
+  std::string list;
+  std::size_t count = 0;
+  for (const std::string& name : robots.path().ScenarioNames()) {
+    if (++count > kMaxNames) return list + ", …";
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  return list.empty() ? "there are none on the search path" : "there are " + list;
+}
+
+}  // namespace
+
+ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots) {
+  Diagnostics diagnostics;
+  if (text.find_first_of("\n[") != std::string::npos) {
+    return Finish(ReadScenario(text, "(text)", robots, true, diagnostics), diagnostics);
+  }
+  if (text.find_first_of("/\\") != std::string::npos || text.starts_with('.')) {
+    return Refusal(Error::kNoSuchName,
+                   "load_scenario takes a name on the daemon's search path, without folders, or the "
+                   "text of the file; " +
+                       KnownNames(robots));
+  }
+  if (!robots.path().FindScenario(text)) {
+    return Refusal(Error::kNoSuchName, "there is no scenario " + text + ": " + KnownNames(robots));
+  }
+  return Finish(LoadScenario(text, robots, diagnostics), diagnostics);
+}
+
+ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots) {
+  if (current.file.empty()) {
+    return Refusal(
+        Error::kNotPossible,
+        "this scenario came as a text, there is no file to read again: send it with load_scenario");
+  }
+  Diagnostics diagnostics;
+  return Finish(LoadScenario(current.file, robots, diagnostics), diagnostics);
+}
+
+}  // namespace coopdyn

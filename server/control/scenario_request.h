@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Reads the scenario that a client names or sends. Reads files; the control thread.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "protocol/message.h"
+#include "server/model/readers.h"
+
+namespace coopdyn {
+
+struct ScenarioRead {
+  std::shared_ptr<const Scenario> scenario;  // null: error
+  Error error = Error::kOk;
+  std::string text;  // the diagnostics, one a line; warnings if it could be read
+};
+
+/// `text`: a bare name on the search path, or the text of a file if it has a line end or a '['.
+ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots);
+/// The file of `current` again, from disk. Error 5 if it came as a text.
+ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots);
+
+}  // namespace coopdyn
