@@ -1,0 +1,93 @@
+// The WebSocket to the daemon: calls with replies, pushes, status and pictures. Connects again by itself.
+
+export class Connection extends EventTarget {
+  #socket = null;
+  #next = 1;
+  #waiting = new Map();
+  #retry = 250;
+  #heard = 0;
+  #token;
+
+  /** Events: open, lost, hello (detail: {trusted, pictures, version}), status (detail: object or null),
+   *  picture (detail: {about, jpeg}), push (detail: message). */
+  constructor(token) {
+    super();
+    this.#token = token;
+    this.#open();
+    setInterval(() => {
+      // The status comes five times a second; silence means that the daemon hangs or the cable is out.
+      if (this.isOpen && performance.now() - this.#heard > 6000) this.#socket.close();
+    }, 1000);
+  }
+
+  get isOpen() { return this.#socket?.readyState === WebSocket.OPEN; }
+  get token() { return this.#token; }
+
+  /** Gives this page its rights. */
+  unlock(token) {
+    this.#token = token;
+    this.send({type: 'hello', token});
+  }
+
+  send(message) {
+    if (this.isOpen) this.#socket.send(JSON.stringify(message));
+  }
+
+  /** Calls a module: {module, command, params, data, text} or {module, line}. Resolves to the reply, also if that is
+   *  an error; `error` is −1 if the connection was lost. */
+  call(request) {
+    return new Promise((resolve) => {
+      if (!this.isOpen) return resolve({error: -1, text: 'the daemon does not answer', params: [], data: []});
+      const id = this.#next++;
+      this.#waiting.set(id, resolve);
+      this.send({id, ...request});
+    });
+  }
+
+  #open() {
+    const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
+    const socket = new WebSocket(`${scheme}://${location.host}/ws`);
+    socket.binaryType = 'arraybuffer';
+    this.#socket = socket;
+    socket.onopen = () => {
+      this.#retry = 250;
+      this.#heard = performance.now();
+      if (this.#token) this.send({type: 'hello', token: this.#token});
+      this.dispatchEvent(new Event('open'));
+    };
+    socket.onmessage = ({data}) => {
+      this.#heard = performance.now();
+      if (typeof data === 'string') this.#onText(JSON.parse(data));
+      else this.#onPicture(data);
+    };
+    socket.onclose = () => {
+      for (const resolve of this.#waiting.values()) {
+        resolve({error: -1, text: 'the connection to the daemon was lost', params: [], data: []});
+      }
+      this.#waiting.clear();
+      this.dispatchEvent(new Event('lost'));
+      setTimeout(() => this.#open(), this.#retry);
+      this.#retry = Math.min(2 * this.#retry, 2000);
+    };
+  }
+
+  #onText(message) {
+    if (message.type) {
+      const detail = message.type === 'status' ? message.status : message;
+      this.dispatchEvent(new CustomEvent(message.type, {detail}));
+    } else if (message.push) {
+      this.dispatchEvent(new CustomEvent('push', {detail: message}));
+    } else {
+      const resolve = this.#waiting.get(message.id);
+      this.#waiting.delete(message.id);
+      resolve?.(message);
+    }
+  }
+
+  #onPicture(buffer) {
+    const length = new DataView(buffer).getUint32(0, true);
+    const about = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+    const jpeg = new Blob([new Uint8Array(buffer, 4 + length)], {type: 'image/jpeg'});
+    this.dispatchEvent(new CustomEvent('picture', {detail: {about, jpeg}}));
+  }
+}

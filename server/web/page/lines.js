@@ -1,0 +1,48 @@
+// Ready-made lines that connect a client to a robot, with the address under which this page was reached.
+import {make} from './dom.js';
+
+const DEFAULT_NAME_PORT = 10000;
+
+/** The host for a command line: an IPv6 address without its brackets. */
+const plainHost = () => location.hostname.replace(/^\[|\]$/g, '');
+
+/** [title, line] for each client. */
+export function linesFor(robot, modules, namePort) {
+  const server = namePort === DEFAULT_NAME_PORT ? location.hostname : `${location.hostname}:${namePort}`;
+  const motors = modules.find((module) => module.name.endsWith('/motors')) ?? modules[0];
+  const lines = [];
+  if (namePort > 0) {
+    lines.push(['MATLAB', `sim = coopdyn.connect("${server}"); r = sim.robot("${robot}");`]);
+    lines.push(['Python', `import coopdyn; sim = coopdyn.connect("${server}"); r = sim.robot("${robot}")`]);
+  }
+  if (motors?.port > 0) {
+    lines.push(['telnet', `telnet ${plainHost()} ${motors.port}`]);
+  } else if (motors && namePort > 0) {
+    lines.push(['telnet', `telnet ${plainHost()} ${namePort}`]);
+    lines.push(['then', `OPEN ${motors.name}`]);
+  }
+  return lines;
+}
+
+async function copy(button, line) {
+  const text = line.textContent;
+  try {
+    await navigator.clipboard.writeText(text);
+    button.textContent = 'copied';
+  } catch {  // only pages from this machine or with a certificate may
+    getSelection().selectAllChildren(line);
+    button.textContent = 'press Ctrl+C';
+  }
+  setTimeout(() => { button.textContent = 'copy'; }, 2000);
+}
+
+export function connectionLines(robot, modules, namePort) {
+  const list = make('dl', {class: 'lines'});
+  for (const [title, line] of linesFor(robot, modules, namePort)) {
+    const code = make('code', {}, line);
+    const button = make('button', {type: 'button', class: 'small'}, 'copy');
+    button.addEventListener('click', () => copy(button, code));
+    list.append(make('dt', {}, title), make('dd', {}, code, button));
+  }
+  return list;
+}

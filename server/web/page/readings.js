@@ -1,0 +1,107 @@
+// Live readings of one robot: all its modules' first readings of one frame, in one round trip, on a connection of their
+// own, five times a second while they are shown.
+import {make, setText, showNumber} from './dom.js';
+
+const PERIOD_MS = 200;
+const order = ['pose', 'motors', 'distance', 'target'];
+const degrees = (rad) => (typeof rad === 'number' ? (rad * 180) / Math.PI : rad);
+
+/** Rows of [name, text] for the first reading of a module. */
+function describeReading(module, data, colours) {
+  switch (module) {
+    case 'pose':
+      return [
+        ['position', `${showNumber(data[0], 2)}, ${showNumber(data[1], 2)} m`],
+        ['heading', `${showNumber(degrees(data[2]), 0)}°`],
+        ['speed', `${showNumber(data[3], 2)} m/s, ${showNumber(data[4], 2)} rad/s`],
+      ];
+    case 'motors':
+      return [['wheels', `${showNumber(data[2], 1)}, ${showNumber(data[3], 1)} rad/s`]];
+    case 'distance':
+      return [['distances', data.map((range) => showNumber(range, 2)).join('  ')]];
+    case 'target': {
+      const targets = [];
+      for (let i = 0; 2 * i + 1 < data.length; ++i) {
+        const name = colours[i] ?? `target ${i + 1}`;
+        targets.push(`${name} ${showNumber(data[2 * i], 2)} m, ${showNumber(degrees(data[2 * i + 1]), 0)}°`);
+      }
+      return [['targets', targets.length > 0 ? targets.join('; ') : 'none']];
+    }
+    default:
+      return [[module, data.map((value) => showNumber(value, 3)).join('  ')]];
+  }
+}
+
+export class Readings {
+  #connection;
+  #robot;
+  #modules;
+  #attached = false;
+  #colours = [];
+  #timer = 0;
+  #rows = new Map();
+  #stopped = false;
+  element = make('dl', {class: 'readings'});
+
+  constructor(connection, robot, modules) {
+    this.#connection = connection;
+    this.#robot = robot;
+    const rank = (module) => (order.includes(module) ? order.indexOf(module) : order.length);
+    this.#modules = [...modules].sort((a, b) => rank(a) - rank(b));
+    this.#poll();
+  }
+
+  stop() {
+    this.#stopped = true;
+    clearTimeout(this.#timer);
+    this.#connection.send({type: 'close', module: this.#home, channel: 'readings'});
+  }
+
+  get #home() { return `/${this.#robot}/${this.#modules[0]}`; }
+
+  async #poll() {
+    if (!document.hidden && this.#connection.isOpen && this.#modules.length > 0) await this.#read();
+    if (!this.#stopped) this.#timer = setTimeout(() => this.#poll(), PERIOD_MS);
+  }
+
+  async #read() {
+    const call = (request) =>
+      this.#connection.call({module: this.#home, channel: 'readings', ...request});
+    if (!this.#attached) {
+      const reply = await call({command: 'attach', text: this.#modules.join(' ')});
+      if (reply.error !== 0) return this.#show([['', reply.text]]);
+      this.#attached = true;
+      if (this.#modules.includes('target')) {
+        const targets = await this.#connection.call(
+          {module: `/${this.#robot}/target`, channel: 'readings', command: 'get_targets'});
+        this.#connection.send({type: 'close', module: `/${this.#robot}/target`, channel: 'readings'});
+        this.#colours = targets.error === 0 ? targets.text.split(/[ ,]+/).filter(Boolean) : [];
+      }
+    }
+    const reply = await call({command: 'get_time'});
+    if (this.#stopped) return;
+    if (reply.error !== 0) {
+      this.#attached = false;  // the connection may have been closed, e.g. by a load
+      return;
+    }
+    const lengths = reply.params.slice(-this.#modules.length);
+    let start = 0;
+    this.#show(this.#modules.flatMap((module, i) => {
+      const data = reply.data.slice(start, start + lengths[i]);
+      start += lengths[i];
+      return describeReading(module, data, this.#colours);
+    }));
+  }
+
+  #show(rows) {
+    for (const [name, text] of rows) {
+      let value = this.#rows.get(name);
+      if (!value) {
+        value = make('dd');
+        this.#rows.set(name, value);
+        this.element.append(make('dt', {}, name), value);
+      }
+      setText(value, text);
+    }
+  }
+}

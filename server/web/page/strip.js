@@ -1,0 +1,43 @@
+// The strip at the top, to be read from the last row: state, mode, time, real-time factor, and whom the world waits for.
+import {byId, make, setText, showNumber} from './dom.js';
+
+const shownRobots = 4;
+
+/** "waiting for robot2 (no client), robot3 (no client) and 5 more, 1.2 s"; empty if nobody is awaited. */
+export function waitingText(status) {
+  const awaiting = status.awaiting ?? [];
+  if (awaiting.length === 0) return '';
+  const names = awaiting.slice(0, shownRobots).map(({robot, why}) => `${robot} (${why})`);
+  const more = (status.awaiting_count ?? awaiting.length) - names.length;
+  const seconds = Math.max(...awaiting.map((entry) => entry.seconds ?? 0));
+  return `waiting for ${names.join(', ')}${more > 0 ? ` and ${more} more` : ''}, ${showNumber(seconds, 1)} s`;
+}
+
+export class Strip {
+  #lastEvents = '';
+
+  update(status) {
+    const state = status?.state ?? 'no answer';
+    setText(byId('state'), state);
+    byId('state').dataset.state = state;
+    setText(byId('mode'), status?.mode ?? '');
+    setText(byId('time'), status ? `${showNumber(status.time_s, 2)} s` : '');
+    setText(byId('rtf'), status ? `× ${showNumber(status.rtf, 2)}` : '');
+    byId('rtf').title = 'real-time factor: simulated seconds per second';
+    setText(byId('scenario-name'), status?.scenario ?? '');
+    const frozen = status?.frozen ?? [];
+    const warning = frozen.length > 0 ? `frozen: ${frozen.join(', ')}` : '';
+    const lines = status ? [waitingText(status), warning].filter(Boolean).join(' · ') : '';
+    setText(byId('waiting'), lines);
+    this.#showEvents(status?.events ?? []);
+  }
+
+  #showEvents(events) {
+    const key = JSON.stringify(events.slice(-20));
+    if (key === this.#lastEvents) return;
+    this.#lastEvents = key;
+    const items = events.slice(-20).reverse().map((event) =>
+      make('li', {class: event.level}, `${showNumber(event.time_s, 2)} s: ${event.text}`));
+    byId('events').replaceChildren(...(items.length > 0 ? items : [make('li', {class: 'quiet'}, 'none yet')]));
+  }
+}
