@@ -255,13 +255,31 @@ std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const s
   return diagnostics.has_errors() ? nullptr : scenario;
 }
 
+/// `found` by line, what belongs to other files after it.
+Diagnostics InFileOrder(const Diagnostics& found, const std::string& file) {
+  std::vector<Diagnostic> all = found.all();
+  const auto others = std::stable_partition(all.begin(), all.end(),
+                                            [&](const Diagnostic& d) { return d.where.file == file; });
+  std::stable_sort(all.begin(), others,
+                   [](const Diagnostic& a, const Diagnostic& b) { return a.where.line < b.where.line; });
+  Diagnostics sorted;
+  for (Diagnostic& diagnostic : all) {
+    if (diagnostic.level == Diagnostic::Level::kError) {
+      sorted.Error(std::move(diagnostic.where), std::move(diagnostic.text));
+    } else {
+      sorted.Warning(std::move(diagnostic.where), std::move(diagnostic.text));
+    }
+  }
+  return sorted;
+}
+
 }  // namespace
 
 std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
                                              RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics) {
   Diagnostics found;
   std::shared_ptr<const Scenario> scenario = ScenarioReader(file, robots, by_socket, found).Read(text);
-  diagnostics.Append(found);
+  diagnostics.Append(InFileOrder(found, file.empty() ? "(text)" : file));
   return scenario;
 }
 

@@ -124,8 +124,8 @@ std::optional<std::vector<double>> SectionReader::Numbers(const std::string& key
     const bool to_radians = quantity == Quantity::kAngle && degrees_ && !number.has_unit;
     const double value = to_radians ? number.value * std::numbers::pi / 180 : number.value;
     if (value < min || value > max) {
-      Report(*entry, "'" + key + "' must lie between " + FormatNumber(min) + " and " + FormatNumber(max) +
-                         ", not at " + FormatNumber(value));
+      Report(*entry, "'" + key + "' must be " + (value < min ? "at least " : "at most ") +
+                         FormatNumber(value < min ? min : max) + ", not " + FormatNumber(value));
       return std::nullopt;
     }
     if (quantity == Quantity::kAngle && !degrees_ && !number.has_unit &&

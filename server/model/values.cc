@@ -107,8 +107,10 @@ std::optional<double> ParsePlain(std::string_view word) {
 }
 
 std::string FormatNumber(double value) {
+  constexpr int kDigits = 12;
   char buffer[40];
-  const auto [end, code] = std::to_chars(buffer, buffer + sizeof buffer, value);
+  const auto [end, code] =
+      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, kDigits);
   return code == std::errc() ? std::string(buffer, end) : std::string("?");
 }
 

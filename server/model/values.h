@@ -27,7 +27,7 @@ ParsedNumber ParseNumber(std::string_view word, Quantity quantity);
 /// The finite number that `word` is, without unit; nothing if it is none.
 std::optional<double> ParsePlain(std::string_view word);
 
-/// `value` in the fewest digits that read back the same.
+/// `value` for people: up to 12 digits, without trailing zeros.
 std::string FormatNumber(double value);
 
 /// ASCII letters to lower case; other bytes as they are.

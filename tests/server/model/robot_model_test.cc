@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -9,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "server/model/readers.h"
+#include "tests/server/model/temp_folder.h"
 
 namespace coopdyn {
 namespace {
@@ -26,40 +27,25 @@ std::string CoopbotText() {
   return text.str();
 }
 
-/// The shipped robot with `from` replaced by `to`, in a file of its own.
-class ChangedRobot {
- public:
-  ChangedRobot(const std::string& from, const std::string& to) {
-    std::string text = CoopbotText();
-    const auto at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    if (at != std::string::npos) text.replace(at, from.size(), to);
-    Write(text);
-  }
-  explicit ChangedRobot(const std::string& text) { Write(text); }
-  ~ChangedRobot() { std::filesystem::remove_all(folder_); }
+/// What the reader says about the shipped robot with `from` replaced by `to`; empty if the model is good.
+std::string ReadChanged(const std::string& from, const std::string& to) {
+  std::string text = CoopbotText();
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  if (at != std::string::npos) text.replace(at, from.size(), to);
+  const TempFolder folder;
+  Diagnostics diagnostics;
+  const auto model = ReadRobotModel(folder.Write("robot/model.sdf", text), diagnostics);
+  EXPECT_EQ(model == nullptr, diagnostics.has_errors());
+  return folder.Strip(diagnostics.ToString());
+}
 
-  /// The diagnostics, without the folder's path; empty if the model is good.
-  std::string Read() {
-    Diagnostics diagnostics;
-    const auto model = ReadRobotModel(folder_ / "robot" / "model.sdf", diagnostics);
-    EXPECT_EQ(model == nullptr, diagnostics.has_errors());
-    std::string text = diagnostics.ToString();
-    const std::string prefix = (folder_ / "robot").string() + "/";
-    for (auto at = text.find(prefix); at != std::string::npos; at = text.find(prefix))
-      text.erase(at, prefix.size());
-    return text;
-  }
-
- private:
-  void Write(const std::string& text) {
-    std::string pattern = (std::filesystem::temp_directory_path() / "coopdyn-model-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    std::filesystem::create_directories(folder_ / "robot");
-    std::ofstream(folder_ / "robot" / "model.sdf") << text;
-  }
-  std::filesystem::path folder_;
-};
+/// The line of the shipped model in which `text` first stands.
+std::string LineOf(const std::string& text) {
+  const std::string all = CoopbotText();
+  const auto at = all.find(text);
+  return std::to_string(1 + std::count(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
 
 std::shared_ptr<const RobotModel> Coopbot() {
   Diagnostics diagnostics;
@@ -177,6 +163,121 @@ TEST(CoopbotTest, CastersHaveNoFriction) {
     EXPECT_NEAR(collision.X_LG.p.z(), std::get<Sphere>(collision.shape).radius_m, 1e-12);
   }
   EXPECT_EQ(casters, 2);
+}
+
+TEST(RobotModelTest, UnknownElementIsNamedWithItsLine) {
+  EXPECT_EQ(ReadChanged("<mass>9</mass>", "<mass>9</mass><masss>9</masss>"),
+            "robot/model.sdf:" + LineOf("<mass>9") +
+                ": error: unknown element <masss> in <inertial>; did you mean 'mass'?\n");
+}
+
+TEST(RobotModelTest, UnknownAttributeIsNamed) {
+  EXPECT_THAT(ReadChanged("<collision name=\"body\">", "<collision name=\"body\" colour=\"red\">"),
+              HasSubstr(": error: unknown attribute 'colour' of <collision>"));
+}
+
+TEST(RobotModelTest, NonFiniteNumbersAreErrors) {
+  for (const char* value : {"nan", "inf", "1e999", "abc", ""}) {
+    EXPECT_THAT(ReadChanged("<mass>9</mass>", std::string("<mass>") + value + "</mass>"),
+                HasSubstr("robot/model.sdf:" + LineOf("<mass>9") + ": error: <mass>"))
+        << value;
+  }
+  EXPECT_THAT(ReadChanged("<pose>0 0 0.09 0 0 0</pose>", "<pose>0 0 nan 0 0 0</pose>"),
+              HasSubstr("finite numbers"));
+  EXPECT_THAT(ReadChanged("<velocity>14<", "<velocity>inf<"), HasSubstr("finite numbers"));
+}
+
+TEST(RobotModelTest, MassMustBePositive) {
+  EXPECT_THAT(ReadChanged("<mass>9</mass>", "<mass>-9</mass>"), HasSubstr("error:"));
+  EXPECT_THAT(ReadChanged("<mass>9</mass>", "<mass>0</mass>"), HasSubstr("error:"));
+}
+
+TEST(RobotModelTest, InertiaMustBeThatOfABody) {
+  EXPECT_THAT(ReadChanged("<izz>0.1152</izz>", "<izz>5</izz>"), HasSubstr("error:"));
+  EXPECT_THAT(ReadChanged("<izz>0.1152</izz>", "<izz>-1</izz>"), HasSubstr("error:"));
+}
+
+TEST(RobotModelTest, OtherShapesAreErrors) {
+  EXPECT_THAT(ReadChanged("<sphere><radius>0.025</radius></sphere>", "<capsule><radius>1</radius></capsule>"),
+              HasSubstr("the shape <capsule> is not supported: use <box>, <cylinder> or <sphere>"));
+}
+
+TEST(RobotModelTest, WhatIsNotUsedDrawsAWarning) {
+  EXPECT_THAT(ReadChanged("<link name=\"chassis\">", "<link name=\"chassis\"><gravity>true</gravity>"),
+              HasSubstr(": warning: <gravity> in <link> is not used by coopdyn"));
+}
+
+TEST(RobotModelTest, WheelsMustTouchTheFloor) {
+  EXPECT_THAT(ReadChanged("0 0.14 0.075 -90", "0 0.14 0.08 -90"),
+              HasSubstr("must touch the floor z = 0 at x = 0"));
+}
+
+TEST(RobotModelTest, AxisMustPointLeft) {
+  EXPECT_THAT(ReadChanged("\"__model__\">0 1 0<", "\"__model__\">0 -1 0<"), HasSubstr("must point left"));
+}
+
+TEST(RobotModelTest, DriveNamesItsJoints) {
+  EXPECT_THAT(ReadChanged("left_joint=\"left_wheel_joint\"", "left_joint=\"left_wheel_jiont\""),
+              HasSubstr("there is no joint 'left_wheel_jiont'; did you mean 'left_wheel_joint'?"));
+}
+
+TEST(RobotModelTest, NothingReachesBelowTheFloor) {
+  EXPECT_THAT(ReadChanged("<pose>0.14 0 0.025 0 0 0</pose>", "<pose>0.14 0 0.02 0 0 0</pose>"),
+              HasSubstr("reaches 5 mm below the floor"));
+}
+
+TEST(RobotModelTest, LinksHangOnTheChassis) {
+  EXPECT_THAT(ReadChanged("<parent>chassis</parent>", "<parent>right_wheel</parent>"), ::testing::Eq(""));
+  EXPECT_THAT(
+      ReadChanged("</model>", "<link name=\"loose\"><inertial><mass>1</mass></inertial></link></model>"),
+      HasSubstr("link 'loose' hangs on no joint"));
+}
+
+TEST(RobotModelTest, OurElementsAreChecked) {
+  EXPECT_THAT(ReadChanged("<coopdyn:drive", "<coopdyn:drvie"), HasSubstr("did you mean 'coopdyn:drive'?"));
+  EXPECT_THAT(ReadChanged("rays=\"5\"", "ray=\"5\""),
+              HasSubstr("unknown attribute 'ray'; did you mean 'rays'?"));
+  EXPECT_THAT(ReadChanged("max_range=\"4\"", "max_range=\"-4\""),
+              HasSubstr("'max_range' must be a number from"));
+  EXPECT_THAT(ReadChanged("<coopdyn:module type=\"pose\"/>", "<coopdyn:module type=\"poes\"/>"),
+              HasSubstr("unknown module type 'poes'; did you mean 'pose'?"));
+  EXPECT_THAT(ReadChanged("<coopdyn:module type=\"pose\"/>", "<coopdyn:module type=\"motors\" name=\"m2\"/>"),
+              HasSubstr("two modules of type 'motors'"));
+  EXPECT_THAT(ReadChanged("coopdyn:color=\"robot\"", "coopdyn:color=\"red\""),
+              HasSubstr("can only be \"robot\""));
+}
+
+TEST(RobotModelTest, BrokenXmlHasALine) {
+  EXPECT_THAT(ReadChanged("</model>", ""), HasSubstr("not well-formed XML"));
+  EXPECT_THAT(ReadChanged("version=\"1.9\" xmlns", "version=\"1.2\" xmlns"),
+              HasSubstr("write version=\"1.9\""));
+}
+
+// The console belongs to the program: everything libsdformat has to say comes as diagnostics.
+TEST(RobotModelTest, PrintsNothing) {
+  ::testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  ReadChanged("<mass>9</mass>", "<mass>abc</mass>");
+  ReadChanged("<child>left_wheel</child>", "<child>nobody</child>");
+  ReadChanged("type=\"revolute\"", "type=\"revolut\"");
+  ReadChanged("<link name=\"left_wheel\">", "<link name=\"chassis\">");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+}
+
+TEST(RobotLibraryTest, ParsesAModelOnce) {
+  Diagnostics diagnostics;
+  const auto first = ShippedRobots().Get("coopbot", {"x", 1}, diagnostics);
+  EXPECT_EQ(ShippedRobots().Get("coopbot", {"x", 1}, diagnostics), first);
+  EXPECT_EQ(ShippedRobots().Get("coopbt", {"x", 1}, diagnostics), nullptr);
+  EXPECT_THAT(diagnostics.ToString(),
+              HasSubstr("x:1: error: unknown robot type 'coopbt'; did you mean 'coopbot'?"));
+}
+
+TEST(RobotLibraryTest, TypesAreBareNames) {
+  Diagnostics diagnostics;
+  EXPECT_EQ(ShippedRobots().Get("../robots/coopbot", {"x", 1}, diagnostics), nullptr);
+  EXPECT_TRUE(diagnostics.has_errors());
 }
 
 }  // namespace

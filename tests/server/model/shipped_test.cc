@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// What ships loads without a word; lessons for one robot can be solved; the examples of docs/formats.md are good files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "server/model/summary.h"
+#include "server/model/swarm.h"
+#include "tests/server/model/temp_folder.h"
+
+namespace coopdyn {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kSource = COOPDYN_SOURCE_DIR;
+
+ReadResult Load(const std::string& name) {
+  Diagnostics diagnostics;
+  auto scenario = LoadScenario(name, ShippedRobots(), diagnostics);
+  return {scenario, diagnostics.ToString()};
+}
+
+std::vector<std::string> FilesIn(const std::string& folder, const std::string& extension) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(kSource / folder)) {
+    if (entry.path().extension() == extension) files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST(ShippedTest, EveryScenarioLoadsWithoutDiagnostics) {
+  const std::vector<std::string> files = FilesIn("scenarios", ".scenario");
+  EXPECT_GE(files.size(), 8u);
+  for (const std::string& file : files) {
+    EXPECT_EQ(Load(file).messages, "");
+    // By its bare name too.
+    EXPECT_NE(Load(fs::path(file).stem().string()).scenario, nullptr) << file;
+  }
+}
+
+TEST(ShippedTest, EveryWorldLoadsWithoutDiagnostics) {
+  const std::vector<std::string> files = FilesIn("worlds", ".world");
+  EXPECT_GE(files.size(), 8u);
+  for (const std::string& file : files) EXPECT_EQ(Load(file).messages, "");
+}
+
+TEST(ShippedTest, NamesAreListedSorted) {
+  EXPECT_THAT(ShippedRobots().path().ScenarioNames(),
+              ::testing::ElementsAre("arena20", "box_maze", "classroom", "cluttered", "corridor", "empty", "fig4",
+                                     "formation"));
+}
+
+TEST(ShippedTest, RobotsStartClearOfEverything) {
+  for (const std::string& file : FilesIn("scenarios", ".scenario")) {
+    const auto scenario = Load(file).scenario;
+    ASSERT_NE(scenario, nullptr);
+    for (std::size_t i = 0; i < scenario->robots.size(); ++i) {
+      const RobotEntry& robot = scenario->robots[i];
+      const Vector3& p = robot.X_WR.p;
+      for (const WorldObject& object : scenario->objects) {
+        EXPECT_GT(DistanceToShadow(object, p.x(), p.y()), robot.model->footprint_radius_m) << file << object.name;
+      }
+      for (std::size_t j = 0; j < i; ++j) {
+        EXPECT_GT((scenario->robots[j].X_WR.p - p).norm(), 2 * robot.model->footprint_radius_m) << file;
+      }
+    }
+  }
+}
+
+// So that a robot of 0.36 m with 0.4 m on either side comes through anywhere.
+TEST(ShippedTest, PassagesOfLessonsAreWide) {
+  constexpr double kPassage_m = 1.2;
+  for (const char* name : {"empty", "corridor", "box_maze", "cluttered", "fig4", "classroom"}) {
+    const auto scenario = Load(name).scenario;
+    ASSERT_NE(scenario, nullptr);
+    ASSERT_EQ(scenario->robots.size(), 1u);
+    const Vector3 target = scenario->targets.at(0).p_WT;
+    EXPECT_EQ(scenario->targets[0].color_name, "red");
+    for (const WorldObject& object : scenario->objects) {
+      EXPECT_GT(DistanceToShadow(object, target.x(), target.y()), 0.5) << name;
+      // Along the shadow of each other thing (not a wall), at its edge.
+      if (object.name.starts_with("WALL")) continue;
+      for (const WorldObject& other : scenario->objects) {
+        if (&other == &object || other.name.starts_with("WALL")) continue;
+        double gap = 1e9;
+        const double reach = HalfExtents(object.shape, object.X_WO.q).head<2>().norm();
+        for (double x = -reach; x <= reach; x += 0.02) {
+          for (double y = -reach; y <= reach; y += 0.02) {
+            const Vector3 q = object.X_WO.p + Vector3(x, y, 0);
+            if (DistanceToShadow(object, q.x(), q.y()) > 0) continue;
+            gap = std::min(gap, DistanceToShadow(other, q.x(), q.y()));
+          }
+        }
+        EXPECT_GT(gap, kPassage_m - 0.03) << name << " " << object.name << " " << other.name;
+      }
+    }
+  }
+}
+
+TEST(ShippedTest, ClassroomIsTheFirstLesson) {
+  const auto scenario = Load("classroom").scenario;
+  ASSERT_NE(scenario, nullptr);
+  EXPECT_EQ(scenario->simulation.mode, Mode::kRealtime);
+  ASSERT_EQ(scenario->robots.size(), 1u);
+  EXPECT_EQ(scenario->robots[0].name, "robot1");
+  ASSERT_EQ(scenario->targets.size(), 1u);
+  const Vector3 from = scenario->robots[0].X_WR.p, to = scenario->targets[0].p_WT;
+  EXPECT_LT((to - from).norm(), 4);
+  // The straight way is free by more than the metre at which the hello program slows down.
+  for (double t = 0; t <= 1; t += 0.01) {
+    const Vector3 p = from + t * (to - from);
+    for (const WorldObject& object : scenario->objects) {
+      EXPECT_GT(DistanceToShadow(object, p.x(), p.y()), 1 + 0.18) << object.name;
+    }
+  }
+}
+
+TEST(ShippedTest, FormationIsAnInvertedVBeforeItsTarget) {
+  const auto scenario = Load("formation").scenario;
+  ASSERT_NE(scenario, nullptr);
+  ASSERT_EQ(scenario->robots.size(), 5u);
+  EXPECT_EQ(scenario->simulation.mode, Mode::kLockstep);
+  for (int i = 1; i < 5; ++i) {
+    const Vector3 p = scenario->robots[static_cast<std::size_t>(i)].X_WR.p - scenario->robots[0].X_WR.p;
+    EXPECT_DOUBLE_EQ(p.x(), -std::abs(p.y()));
+  }
+}
+
+TEST(ShippedTest, ArenaHasTwentyRobotsWithSockets) {
+  const auto scenario = Load("arena20").scenario;
+  ASSERT_NE(scenario, nullptr);
+  EXPECT_EQ(scenario->robots.size(), 20u);
+  for (const RobotEntry& robot : scenario->robots) EXPECT_TRUE(robot.sockets);
+}
+
+/// The fenced blocks of docs/formats.md whose language is `language`.
+std::vector<std::string> Examples(const std::string& language) {
+  std::ifstream stream(kSource / "docs/formats.md");
+  std::vector<std::string> blocks;
+  std::string line;
+  bool inside = false;
+  while (std::getline(stream, line)) {
+    if (inside && line == "```") {
+      inside = false;
+    } else if (inside) {
+      blocks.back() += line + "\n";
+    } else if (line == "```" + language) {
+      inside = true;
+      blocks.emplace_back();
+    }
+  }
+  return blocks;
+}
+
+TEST(FormatsDocTest, EveryWorldLoads) {
+  const std::vector<std::string> examples = Examples("world");
+  EXPECT_GE(examples.size(), 2u);
+  for (const std::string& example : examples) EXPECT_EQ(ReadWorldText(example).messages, "") << example;
+}
+
+TEST(FormatsDocTest, EveryScenarioLoads) {
+  const std::vector<std::string> examples = Examples("scenario");
+  EXPECT_GE(examples.size(), 4u);
+  for (const std::string& example : examples) EXPECT_EQ(Read(example).messages, "") << example;
+}
+
+TEST(FormatsDocTest, EveryRobotLoads) {
+  const std::vector<std::string> examples = Examples("xml");
+  EXPECT_GE(examples.size(), 1u);
+  for (const std::string& example : examples) {
+    const TempFolder folder;
+    Diagnostics diagnostics;
+    EXPECT_NE(ReadRobotModel(folder.Write("small/model.sdf", example), diagnostics), nullptr);
+    EXPECT_EQ(folder.Strip(diagnostics.ToString()), "");
+  }
+}
+
+}  // namespace
+}  // namespace coopdyn
