@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "server/devices/step_inbox.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/devices/token_guard.h"
+#include "tests/server/devices/small_world.h"
+
+namespace coopdyn {
+namespace {
+
+class StepInboxTest : public testing::Test, protected StepListener {
+ protected:
+  void OnStepEnd(ClientId client, const StepResult& result) override {
+    log_.push_back("reply " + std::to_string(client) + " of " + std::to_string(result.frame->step));
+  }
+  void OnFrame(const FramePtr& frame, int dropped) override {
+    log_.push_back("frame " + std::to_string(frame->step));
+    dropped_ += dropped;
+  }
+  void RunPosted() {
+    for (const auto& work : std::exchange(posted_, {})) work();
+  }
+
+  SmallWorld world_{1, Mode::kRealtime};
+  std::vector<std::function<void()>> posted_;
+  std::vector<std::string> log_;
+  int dropped_ = 0;
+  std::optional<StepInbox> inbox_{std::in_place, world_.board, world_.frames,
+                                  [this](std::function<void()> work) { posted_.push_back(std::move(work)); }};
+};
+
+TEST_F(StepInboxTest, NobodyIsWokenWithoutSubscription) {
+  world_.Step();
+  EXPECT_TRUE(posted_.empty());
+}
+
+TEST_F(StepInboxTest, FrameComesBeforeTheAnswerOfItsStepInOneBatch) {
+  inbox_->Subscribe(*this);
+  world_.board.WaitSteps(1, inbox_->Waiter(*this, 7));
+  world_.Step();
+  world_.Step();
+  EXPECT_EQ(posted_.size(), 1u);
+  RunPosted();
+  EXPECT_EQ(log_, (std::vector<std::string>{"frame 1", "reply 7 of 1", "frame 2"}));
+}
+
+TEST_F(StepInboxTest, InAScopeItIsHandledAtTheEndWithoutWakeUp) {
+  {
+    const StepInbox::Scope outer(*inbox_);
+    {
+      const StepInbox::Scope inner(*inbox_);
+      world_.board.WaitSteps(1, inbox_->Waiter(*this, 7));
+      world_.Step();
+    }
+    EXPECT_TRUE(log_.empty());
+  }
+  EXPECT_EQ(log_, (std::vector<std::string>{"reply 7 of 1"}));
+  EXPECT_TRUE(posted_.empty());
+}
+
+TEST_F(StepInboxTest, CurrentFrameIsPushedBeforeItIsReported) {
+  inbox_->Subscribe(*this);
+  world_.Step();
+  world_.Publish();  // step 2 is visible, its observers are not called yet
+  {
+    const StepInbox::Scope scope(*inbox_);
+    EXPECT_EQ(inbox_->Current()->step, 2u);
+    EXPECT_EQ(log_, (std::vector<std::string>{"frame 1", "frame 2"}));
+  }
+  world_.Finish();
+  RunPosted();
+  EXPECT_EQ(log_.size(), 2u) << "no frame comes twice";
+}
+
+TEST_F(StepInboxTest, StepKnownAtSubscriptionIsNotPushed) {
+  world_.Publish();
+  inbox_->Subscribe(*this);
+  world_.Finish();
+  world_.Step();
+  RunPosted();
+  EXPECT_EQ(log_, (std::vector<std::string>{"frame 2"}));
+}
+
+TEST_F(StepInboxTest, FramesGoOnAfterALoad) {
+  inbox_->Subscribe(*this);
+  world_.Step();
+  world_.Step();
+  world_.Load(SmallScenario(1), Mode::kRealtime);
+  world_.Step();
+  RunPosted();
+  EXPECT_EQ(log_, (std::vector<std::string>{"frame 1", "frame 2", "frame 1"}));
+}
+
+TEST_F(StepInboxTest, BeyondSixtyFourTheOldestFramesAreDroppedAndCountedButNoAnswer) {
+  inbox_->Subscribe(*this);
+  world_.board.WaitSteps(1, inbox_->Waiter(*this, 7));
+  for (int i = 0; i < 70; ++i) world_.Step();
+  RunPosted();
+  EXPECT_EQ(log_.size(), 65u);
+  EXPECT_EQ(log_[0], "reply 7 of 1");
+  EXPECT_EQ(log_[1], "frame 7");
+  EXPECT_EQ(log_.back(), "frame 70");
+  EXPECT_EQ(dropped_, 6);
+}
+
+TEST_F(StepInboxTest, AfterItsEndNothingComes) {
+  inbox_->Subscribe(*this);
+  world_.board.WaitSteps(2, inbox_->Waiter(*this, 7));
+  auto poster = inbox_->MakePoster();
+  world_.Step();
+  inbox_.reset();
+  world_.Step();
+  poster([this] { log_.push_back("work"); });
+  RunPosted();
+  EXPECT_TRUE(log_.empty());
+}
+
+TEST_F(StepInboxTest, PostedWorkKeepsItsPlaceAmongFrames) {
+  inbox_->Subscribe(*this);
+  auto poster = inbox_->MakePoster();
+  world_.Step();
+  poster([this] { log_.push_back("work"); });
+  world_.Step();
+  RunPosted();
+  EXPECT_EQ(log_, (std::vector<std::string>{"frame 1", "work", "frame 2"}));
+}
+
+TEST(TokenGuardTest, OnlyTheWholeTokenMatches) {
+  const TokenGuard guard("secret", true);
+  EXPECT_TRUE(guard.Matches("secret"));
+  for (const char* wrong : {"", "secre", "secrets", "Secret", "secretsecret"})
+    EXPECT_FALSE(guard.Matches(wrong));
+  EXPECT_FALSE(TokenGuard("", true).Matches(""));
+}
+
+}  // namespace
+}  // namespace coopdyn
