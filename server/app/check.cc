@@ -8,7 +8,7 @@
 #include "server/model/readers.h"
 #include "server/model/summary.h"
 #include "server/physics/world.h"
-#include "server/render/picture.h"
+#include "server/render/picture_maker.h"
 
 namespace coopdyn {
 
@@ -67,8 +67,14 @@ int Check(const CheckOptions& options) {
       std::cerr << "coopdyn: --picture needs a .scenario or .world, a robot model alone is not drawn\n";
       return kExitWrongUse;
     }
-    if (const std::string error = RenderPicture(*last, options.picture); !error.empty()) {
-      std::cerr << "coopdyn: " << error << '\n';
+    std::string unusable;
+    const RendererKind renderer = RendererFromEnvironment(RendererKind::kAuto, unusable);
+    ImageRequest request;
+    request.width = 1280;
+    request.height = 720;
+    const auto error = unusable.empty() ? RenderPicture(*last, request, renderer, options.picture) : unusable;
+    if (error) {
+      std::cerr << "coopdyn: " << *error << '\n';
       return kExitErrors;
     }
   }

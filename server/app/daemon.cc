@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/daemon.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+#include <utility>
+
+#include "server/net/listener.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// Ports for names that other programs register, well above the block of our own.
+constexpr int kExternalPortsAbove = 2000;
+constexpr int kExternalPorts = 8000;
+constexpr std::chrono::microseconds kLockstepSpin{50};
+constexpr std::size_t kMaxSpinningRobots = 4;
+
+SearchPath MakeSearchPath(const std::vector<std::string>& given) {
+  SearchPath path;
+  for (const std::string& folder : DataFolders(given)) path.folders.emplace_back(folder);
+  return path;
+}
+
+std::string RandomToken() {
+  std::array<unsigned char, 8> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return {};
+  std::string token;
+  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+bool IsLoopback(const std::string& host) {
+  return host.empty() || host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
+bool BeyondLoopback(const ServeOptions& options) {
+  return std::any_of(options.hosts.begin(), options.hosts.end(),
+                     [](const auto& host) { return !IsLoopback(host); });
+}
+
+std::string TokenOf(const ServeOptions& options) {
+  if (!options.token.empty() || options.no_net || !BeyondLoopback(options)) return options.token;
+  return RandomToken();
+}
+
+std::vector<std::string> Addresses(const std::vector<std::string>& hosts) {
+  if (hosts.empty()) return ListenAddresses("");
+  std::vector<std::string> addresses;
+  for (const std::string& host : hosts) {
+    for (std::string& address : ListenAddresses(host)) {
+      if (std::find(addresses.begin(), addresses.end(), address) == addresses.end()) {
+        addresses.push_back(std::move(address));
+      }
+    }
+  }
+  return addresses;
+}
+
+std::string Bracketed(const std::string& host) {
+  return host.find(':') == std::string::npos ? host : '[' + host + ']';
+}
+
+}  // namespace
+
+Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
+    : options_(options),
+      logger_(std::move(logger)),
+      shutdown_(shutdown),
+      token_(TokenOf(options)),
+      models_(MakeSearchPath(options.scenario_folders)),
+      net_(logger_, clock_),
+      robot_guard_(token_, options.private_robots),
+      control_guard_(token_, true),
+      ports_(options.port == 0 ? 0 : options.port + 2,
+             [this](int port) { return names_.IsExternalPort(port); }),
+      stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run),
+      control_("control", logger_) {
+  stepper_.set_on_ended([this] { shutdown_.Request(); });
+}
+
+Daemon::~Daemon() {
+  Stop();
+}
+
+std::string Daemon::Start() {
+  Diagnostics diagnostics;
+  const auto scenario = LoadScenario(options_.scenario, models_, diagnostics);
+  const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
+  if (!built) return diagnostics.ToString();
+  for (const Diagnostic& warning : diagnostics.all()) logger_->warn("{}", ToString(warning));
+  duration_s_ = options_.run.duration_s.value_or(scenario->simulation.duration_s.value_or(0));
+
+  if (!options_.no_render) {
+    RenderOptions render;
+    render.renderer = *ParseRenderer(options_.renderer);
+    render.fps = options_.render_fps;
+    render_ = std::make_unique<RenderThread>(images_, frames_, clock_, render, logger_);
+  } else {
+    images_.Close("the daemon was started with --no-render: it makes no pictures");
+  }
+  if (std::string error = OpenNames(); !error.empty()) return error;
+  if (std::string error = OpenRobots(); !error.empty()) return error;
+  if (std::string error = OpenPage(); !error.empty()) return error;
+  physics_ = std::jthread([this](std::stop_token stop) { stepper_.Run(stop); });
+  return {};
+}
+
+std::string Daemon::OpenNames() {
+  const int first = (options_.port == 0 ? 10000 : options_.port) + kExternalPortsAbove;
+  names_.SetExternalPorts(std::min(first, PortPlan::kLast - 1),
+                          std::min(first + kExternalPorts, PortPlan::kLast));
+  if (options_.no_net) return {};
+  name_server_ = std::make_unique<NameServer>(control_.context(), names_, net_, options_.advertise);
+  const int port = options_.name_port.value_or(options_.port);
+  std::string error = name_server_->Listen(Addresses(options_.hosts), port);
+  if (!error.empty()) return error + ": choose another block of ports with --port, or --name-port";
+  ports_.Reserve(name_server_->port());
+  ports_.Reserve(options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1));
+  return {};
+}
+
+std::string Daemon::OpenRobots() {
+  RobotHostOptions host;
+  host.sockets = !options_.no_net;
+  if (host.sockets) host.addresses = Addresses(options_.hosts);
+  host.threads = options_.robot_threads.value_or(0);
+  host.spin = Spin();
+  const RobotServices robot_services{board_,   frames_,      names_, net_,    roster_,
+                                     devices_, robot_guard_, clock_, kVersion};
+  robots_ = std::make_unique<RobotHost>(robot_services, host, ports_);
+  if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
+    return error + ": choose another block of ports with --port";
+  }
+  const SimulationServices services{board_,  frames_,        edits_, run_,  names_,  roster_,
+                                    models_, control_guard_, clock_, *this, kVersion};
+  simulation_ = std::make_unique<SimulationModule>(
+      services, [this](std::function<void()> work) { control_.Post(std::move(work)); });
+  simulation_port_ = std::make_unique<PublishedModule>("/simulation", *simulation_, control_, net_, names_);
+  const std::string error = simulation_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);
+  if (!error.empty()) return error + ": choose another block of ports with --port";
+  if (!options_.yarp_server.empty() && host.sockets) {
+    std::string yarp_host;
+    int yarp_port = 0;
+    std::string unreadable = NameClient::ParseServer(options_.yarp_server, yarp_host, yarp_port);
+    if (!unreadable.empty()) return unreadable;
+    name_client_ = std::make_unique<NameClient>(yarp_host, yarp_port, logger_);
+    TellYarpServer();
+  }
+  return {};
+}
+
+std::string Daemon::OpenPage() {
+  if (options_.no_net || options_.no_http) return {};
+  WebOptions web;
+  web.host_names = options_.hosts;
+  if (!options_.advertise.empty()) web.host_names.push_back(options_.advertise);
+  web.token = token_;
+  web.version = kVersion;
+  web.name_port = name_server_->port();
+  web.scenarios = [this] { return models_.path().ScenarioNames(); };
+  web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_, net_);
+  const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
+  const std::string error = web_->Listen(Addresses(options_.hosts), port);
+  return error.empty() ? error : error + ": choose another block of ports with --port, or --http-port";
+}
+
+void Daemon::Stop() {
+  if (std::exchange(stopped_, true)) return;
+  physics_.request_stop();
+  bell_.Ring();
+  if (robots_ != nullptr) robots_->Stop();
+  simulation_port_.reset();
+  control_.Call([this] { name_server_.reset(); });
+  control_.Stop();
+  name_client_.reset();
+  if (web_ != nullptr) web_->Stop();
+  if (physics_.joinable()) physics_.join();
+  simulation_.reset();
+  if (render_ != nullptr) render_->Stop();
+}
+
+std::chrono::microseconds Daemon::Spin() const {
+  if (options_.spin_us) return std::chrono::microseconds(*options_.spin_us);
+  const bool few = frames_.Latest()->scene->robots.size() <= kMaxSpinningRobots;
+  return few && board_.mode() == Mode::kLockstep ? kLockstepSpin : std::chrono::microseconds(0);
+}
+
+void Daemon::UpdateSpin() {
+  const auto spin = Spin();
+  control_.Post([this, spin] { robots_->SetSpin(spin); });
+}
+
+void Daemon::ApplyScene(const Scene& scene) {
+  if (const std::string error = robots_->Apply(scene, false); !error.empty()) logger_->error("{}", error);
+  robots_->SetSpin(Spin());
+  TellYarpServer();
+}
+
+void Daemon::CloseClient(const std::string& robot, ClientId client, const std::string& reason) {
+  robots_->CloseClient(robot, client, reason);
+}
+
+void Daemon::TellYarpServer() {
+  if (name_client_ == nullptr) return;
+  std::map<std::string, int> names;
+  for (const NameEntry& entry : names_.List()) {
+    if (!entry.external && entry.port != 0) names.emplace(entry.name, entry.port);
+  }
+  const std::string ip = options_.advertise.empty() && BeyondLoopback(options_) ? "" : told_host();
+  for (const auto& [name, port] : told_names_) {
+    const auto still = names.find(name);
+    if (still == names.end() || still->second != port) name_client_->Unregister(name);
+  }
+  for (const auto& [name, port] : names) {
+    const auto before = told_names_.find(name);
+    if (before == told_names_.end() || before->second != port) name_client_->Register(name, ip, port);
+  }
+  told_names_ = std::move(names);
+}
+
+void Daemon::Quit() {
+  shutdown_.Request();
+}
+
+std::string Daemon::told_host() const {
+  if (!options_.advertise.empty()) return options_.advertise;
+  if (options_.hosts.empty()) return "127.0.0.1";
+  const std::string address = ListenAddresses(options_.hosts.front()).front();
+  return address == "0.0.0.0" || address == "::" ? "127.0.0.1" : address;
+}
+
+std::string Daemon::http() const {
+  return web_ == nullptr ? "" : fmt::format("http://{}:{}/", Bracketed(told_host()), web_->port());
+}
+
+std::string Daemon::ReadyLine() const {
+  const std::string names =
+      name_server_ == nullptr ? "off" : fmt::format("{}:{}", Bracketed(told_host()), name_server_->port());
+  return fmt::format("ready names={} http={} robots={}", names, web_ == nullptr ? "off" : http(),
+                     frames_.Latest()->scene->robots.size());
+}
+
+std::string Daemon::HowToGoOn() const {
+  std::ostringstream out;
+  if (name_server_ == nullptr) return {};
+  const std::string host = told_host();
+  const int port = name_server_->port();
+  const std::string server =
+      port == 10000 && IsLoopback(host) ? "" : fmt::format("\"{}:{}\"", Bracketed(host), port);
+  const auto& robots = frames_.Latest()->scene->robots;
+  const std::string robot = robots.empty() ? "robot1" : robots.front().entry.name;
+  if (web_ != nullptr) out << "page:    " << http() << '\n';
+  out << "MATLAB:  sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot << "\");\n"
+      << "Python:  import coopdyn; sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot
+      << "\")\n"
+      << "telnet:  telnet " << host << ' ' << port << "   then: OPEN /" << robot << "/motors\n";
+  if (!token_.empty()) out << "token:   " << token_ << "   (other machines need it to change the world)\n";
+  return out.str();
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// The daemon: everything that `coopdyn serve` runs, wired together, started and stopped in order. Main
+// thread.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "server/app/options.h"
+#include "server/app/shutdown.h"
+#include "server/base/log.h"
+#include "server/control/published_module.h"
+#include "server/control/simulation_module.h"
+#include "server/naming/name_client.h"
+#include "server/naming/name_server.h"
+#include "server/render/render_thread.h"
+#include "server/robot/robot_host.h"
+#include "server/state/image_board.h"
+#include "server/web/web_server.h"
+
+namespace coopdyn {
+
+class Daemon final : private ControlActions {
+ public:
+  /// Nothing runs yet. `shutdown` outlives it.
+  Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown);
+  /// Stop().
+  ~Daemon() override;
+
+  /// Reads the scenario, builds its physics, opens all ports, starts all threads. An error text of one or
+  /// more lines, empty if everything listens.
+  std::string Start();
+  /// Ends everything in order: waits released, robots, control, page, physics, render. Again does nothing.
+  void Stop();
+
+  /// The line `ready names=HOST:PORT http=URL robots=N`.
+  std::string ReadyLine() const;
+  /// For people: the page, and how to go on from MATLAB, Python and telnet.
+  std::string HowToGoOn() const;
+  FramePtr frame() const { return frames_.Latest(); }
+  RunStatus status() const { return run_.status(); }
+  /// The simulated time at which the run ends; 0: never.
+  double duration_s() const { return duration_s_; }
+  /// Follows a mode that was switched: `--spin` is for lockstep. Called now and then.
+  void UpdateSpin();
+
+ private:
+  // ControlActions, on the control thread.
+  void ApplyScene(const Scene& scene) override;
+  void CloseClient(const std::string& robot, ClientId client, const std::string& reason) override;
+  void Quit() override;
+  std::string recording() const override { return {}; }
+  std::string http() const override;
+
+  std::string OpenNames();
+  std::string OpenRobots();
+  std::string OpenPage();
+  /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
+  void TellYarpServer();
+  std::chrono::microseconds Spin() const;
+  bool listens_beyond_loopback() const;
+  /// The address that other programs should use.
+  std::string told_host() const;
+
+  const ServeOptions options_;
+  const Logger logger_;
+  Shutdown& shutdown_;
+  const SteadyClock clock_;
+  const std::string token_;
+  double duration_s_ = 0;
+
+  // State that threads share; outlives them all.
+  Doorbell bell_;
+  FrameBoard frames_;
+  CommandBoard board_;
+  EditQueue edits_{bell_};
+  RunControl run_;
+  ImageBoard images_;
+  RobotLibrary models_;
+  NetServices net_;
+  NameTable names_;
+  ConnectionRoster roster_;
+  const DeviceFactory devices_;
+  const TokenGuard robot_guard_, control_guard_;
+  PortPlan ports_;
+
+  Stepper stepper_;
+  std::unique_ptr<RenderThread> render_;
+  IoThread control_;
+  std::unique_ptr<RobotHost> robots_;
+  std::unique_ptr<SimulationModule> simulation_;
+  std::unique_ptr<PublishedModule> simulation_port_;
+  std::unique_ptr<NameServer> name_server_;
+  std::unique_ptr<NameClient> name_client_;
+  std::map<std::string, int> told_names_;  // to the other name server: name, port
+  std::unique_ptr<WebServer> web_;
+  std::jthread physics_;
+  bool stopped_ = false;
+};
+
+}  // namespace coopdyn

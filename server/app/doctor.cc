@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// coopdyn doctor: walks from the host's name to a robot that answers; `ok`, or cause and cure, per line.
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <vector>
+
+#include "protocol/command_ids.h"
+#include "server/app/commands.h"
+#include "server/app/remote_connection.h"
+#include "server/base/clock.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr int kPings = 50;
+
+/// Prints one line of the walk; true if it went well.
+bool Say(const std::string& what, const std::string& error) {
+  std::printf("%-8s %s%s%s\n", error.empty() ? "ok" : "FAILED", what.c_str(), error.empty() ? "" : ": ",
+              error.c_str());
+  return error.empty();
+}
+
+/// The median round trip of a ping, in microseconds; negative if one failed.
+double MedianRoundTrip(RemoteConnection& connection) {
+  const SteadyClock clock;
+  std::vector<Nanoseconds> times;
+  Message ping, reply;
+  ping.command = command::kPing;
+  for (int i = 0; i < kPings; ++i) {
+    const Nanoseconds before = clock.Now();
+    if (!connection.Call(ping, reply).empty() || reply.error != 0) return -1;
+    times.push_back(clock.Now() - before);
+  }
+  std::nth_element(times.begin(), times.begin() + kPings / 2, times.end());
+  return static_cast<double>(times[kPings / 2]) * 1e-3;
+}
+
+}  // namespace
+
+int Doctor(const RemoteOptions& options) {
+  const auto server = ParseServerAddress(options.server);
+  if (!server) {
+    std::cerr << "coopdyn: --server is HOST or HOST:PORT, e.g. labserver:10000, not " << options.server
+              << '\n';
+    return kExitWrongUse;
+  }
+  RemoteConnection names;
+  const std::string place = server->host + ":" + std::to_string(server->port);
+  if (!Say("the daemon's name port answers at " + place, names.Connect(*server))) return kExitNoDaemon;
+  std::vector<std::string> lines;
+  std::string error = names.AskNames("list", lines);
+  if (error.empty() && lines.empty()) error = "it knows no names: is this port a coopdyn daemon?";
+  if (!Say("it lists " + std::to_string(lines.size()) + " names", error)) return kExitErrors;
+  if (!Say("OPEN gives /simulation", names.Open("/simulation"))) return kExitErrors;
+  Message describe, reply;
+  describe.command = command::kDescribe;
+  error = names.Call(describe, reply);
+  if (error.empty() && reply.text.find("\"protocol\":1") == std::string::npos &&
+      reply.text.find("\"protocol\": 1") == std::string::npos) {
+    error = "it speaks another protocol than 1: use the client of the daemon's own version";
+  }
+  if (!Say("it speaks protocol 1", error)) return kExitErrors;
+  const double round_trip_us = MedianRoundTrip(names);
+  char text[80];
+  std::snprintf(text, sizeof text, "a round trip takes %.0f us (median of %d)", round_trip_us, kPings);
+  if (!Say(text, round_trip_us < 0 ? "a ping was not answered" : "")) return kExitErrors;
+  if (round_trip_us > 20000)
+    std::printf("         that is slow: a wireless or far network limits lockstep\n");
+  return kExitOk;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// coopdyn serve: runs the daemon until something ends it.
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+
+#include "server/app/commands.h"
+#include "server/app/daemon.h"
+#include "server/app/run_report.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr Nanoseconds kTick = kNanosecondsPerSecond;
+constexpr Nanoseconds kBarTick = kNanosecondsPerSecond / 5;
+constexpr Nanoseconds kProgressEvery = 60 * kNanosecondsPerSecond;
+
+/// Waits for the end of the daemon, telling now and then how the run goes on.
+void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock) {
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  const bool bar = terminal && daemon.duration_s() > 0;
+  Nanoseconds told = clock.Now();
+  while (!shutdown.Wait(bar ? kBarTick : kTick)) {
+    daemon.UpdateSpin();
+    const Nanoseconds now = clock.Now();
+    if (bar) {
+      std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << std::flush;
+    } else if (!terminal && now - told >= kProgressEvery) {
+      told = now;
+      std::cerr << ProgressLine(*daemon.frame(), daemon.status()) << std::endl;
+    }
+  }
+  if (bar) std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << '\n';
+}
+
+}  // namespace
+
+int Serve(const ServeOptions& options) {
+  SetRendererDefaults();
+  Shutdown shutdown;
+  const LogBackend log(options.log_level);
+  const SteadyClock clock;
+  const Nanoseconds started = clock.Now();
+  Daemon daemon(options, log.logger(), shutdown);
+  if (const std::string error = daemon.Start(); !error.empty()) {
+    std::cerr << error << (error.ends_with('\n') ? "" : "\n");
+    return kExitErrors;
+  }
+  std::cerr << daemon.HowToGoOn();
+  std::cout << daemon.ReadyLine() << std::endl;
+
+  WaitForEnd(daemon, shutdown, clock);
+
+  daemon.Stop();
+  const RunStatus status = daemon.status();
+  const double wall_s = ToSeconds(clock.Now() - started);
+  if (daemon.duration_s() > 0) std::cerr << "ended: " << SummaryLine(*daemon.frame(), status, wall_s) << '\n';
+  if (!options.summary_file.empty()) {
+    std::ofstream file(options.summary_file);
+    file << SummaryJson(*daemon.frame(), status, wall_s);
+    if (!file.flush()) {
+      std::cerr << "coopdyn: the summary could not be written to " << options.summary_file << '\n';
+      return kExitErrors;
+    }
+  }
+  return status.frozen.empty() ? kExitOk : kExitFrozen;
+}
+
+}  // namespace coopdyn

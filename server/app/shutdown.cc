@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/shutdown.h"
+
+#include <poll.h>
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+
+namespace coopdyn {
+
+Shutdown::Shutdown() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  signals_ = ::signalfd(-1, &set, SFD_CLOEXEC);
+  request_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+}
+
+Shutdown::~Shutdown() {
+  ::close(signals_);
+  ::close(request_);
+}
+
+void Shutdown::Request() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = ::write(request_, &one, sizeof one);
+}
+
+bool Shutdown::Wait(Nanoseconds timeout) {
+  std::array<pollfd, 2> waiting{pollfd{signals_, POLLIN, 0}, pollfd{request_, POLLIN, 0}};
+  const timespec limit{timeout / kNanosecondsPerSecond, timeout % kNanosecondsPerSecond};
+  int ready;
+  do {
+    ready = ::ppoll(waiting.data(), waiting.size(), timeout < 0 ? nullptr : &limit, nullptr);
+  } while (ready < 0 && errno == EINTR);
+  return ready > 0;
+}
+
+}  // namespace coopdyn
