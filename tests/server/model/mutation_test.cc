@@ -22,8 +22,9 @@ std::string FileText(const std::string& name) {
 /// `text` with a few bytes changed, cut, doubled or replaced by words that hurt.
 std::string Mutate(std::string text, std::mt19937& random) {
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : std::size_t{random()} % n; };
-  static const std::vector<std::string> kWords = {"nan", "inf", "-1", "1e308", "1e-320", "0",    "\n",   "[",     "]",
-                                                  "=",   ",",   "deg", "\xFF", "\x80",   "1e99", "\r\n", "[A_1]", "#"};
+  static const std::vector<std::string> kWords = {"nan",  "inf",  "-1",   "1e308", "1e-320", "0",
+                                                  "\n",   "[",    "]",    "=",     ",",      "deg",
+                                                  "\xFF", "\x80", "1e99", "\r\n",  "[A_1]",  "#"};
   for (std::size_t edits = 1 + below(4); edits > 0; --edits) {
     const std::size_t at = below(text.size());
     const std::size_t length = std::min(below(12), text.size() - at);
@@ -47,13 +48,15 @@ std::string Mutate(std::string text, std::mt19937& random) {
   return text;
 }
 
-bool IsFinite(const Pose& pose) { return pose.p.allFinite() && pose.q.coeffs().allFinite(); }
+bool IsFinite(const Pose& pose) {
+  return pose.p.allFinite() && pose.q.coeffs().allFinite();
+}
 
 TEST(MutationTest, ScenariosNeverCrashAndStayFinite) {
   std::mt19937 random(1);
   const std::vector<std::string> texts = {
-      FileText("scenarios/classroom.scenario"), FileText("scenarios/arena20.scenario"), FileText("worlds/cluttered.world"),
-      FileText("tests/server/model/data/paper.scenario")};
+      FileText("scenarios/classroom.scenario"), FileText("scenarios/arena20.scenario"),
+      FileText("worlds/cluttered.world"), FileText("tests/server/model/data/paper.scenario")};
   int good = 0;
   for (int i = 0; i < 3000; ++i) {
     const auto result = Read(Mutate(texts[static_cast<std::size_t>(i) % texts.size()], random), true);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What ships loads without a word; lessons for one robot can be solved; the examples of docs/formats.md are good files.
+// What ships loads without a word; lessons for one robot can be solved; the examples of docs/formats.md are
+// good files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,8 +52,8 @@ TEST(ShippedTest, EveryWorldLoadsWithoutDiagnostics) {
 
 TEST(ShippedTest, NamesAreListedSorted) {
   EXPECT_THAT(ShippedRobots().path().ScenarioNames(),
-              ::testing::ElementsAre("arena20", "box_maze", "classroom", "cluttered", "corridor", "empty", "fig4",
-                                     "formation"));
+              ::testing::ElementsAre("arena20", "box_maze", "classroom", "cluttered", "corridor", "empty",
+                                     "fig4", "formation"));
 }
 
 TEST(ShippedTest, RobotsStartClearOfEverything) {
@@ -63,7 +64,8 @@ TEST(ShippedTest, RobotsStartClearOfEverything) {
       const RobotEntry& robot = scenario->robots[i];
       const Vector3& p = robot.X_WR.p;
       for (const WorldObject& object : scenario->objects) {
-        EXPECT_GT(DistanceToShadow(object, p.x(), p.y()), robot.model->footprint_radius_m) << file << object.name;
+        EXPECT_GT(DistanceToShadow(object, p.x(), p.y()), robot.model->footprint_radius_m)
+            << file << object.name;
       }
       for (std::size_t j = 0; j < i; ++j) {
         EXPECT_GT((scenario->robots[j].X_WR.p - p).norm(), 2 * robot.model->footprint_radius_m) << file;
@@ -72,7 +74,8 @@ TEST(ShippedTest, RobotsStartClearOfEverything) {
   }
 }
 
-// So that a robot of 0.36 m with 0.4 m on either side comes through anywhere.
+// So that a robot of 0.36 m with 0.4 m on either side comes through anywhere; what stands at a wall leaves no
+// gap.
 TEST(ShippedTest, PassagesOfLessonsAreWide) {
   constexpr double kPassage_m = 1.2;
   for (const char* name : {"empty", "corridor", "box_maze", "cluttered", "fig4", "classroom"}) {
@@ -86,7 +89,7 @@ TEST(ShippedTest, PassagesOfLessonsAreWide) {
       // Along the shadow of each other thing (not a wall), at its edge.
       if (object.name.starts_with("WALL")) continue;
       for (const WorldObject& other : scenario->objects) {
-        if (&other == &object || other.name.starts_with("WALL")) continue;
+        if (&other == &object) continue;
         double gap = 1e9;
         const double reach = HalfExtents(object.shape, object.X_WO.q).head<2>().norm();
         for (double x = -reach; x <= reach; x += 0.02) {
@@ -96,7 +99,10 @@ TEST(ShippedTest, PassagesOfLessonsAreWide) {
             gap = std::min(gap, DistanceToShadow(other, q.x(), q.y()));
           }
         }
-        EXPECT_GT(gap, kPassage_m - 0.03) << name << " " << object.name << " " << other.name;
+        const bool at_wall =
+            other.name.starts_with("WALL") && (gap < 0.03 || std::string_view(name) == "classroom");
+        EXPECT_TRUE(at_wall || gap > kPassage_m - 0.03)
+            << gap << " " << name << " " << object.name << " " << other.name;
       }
     }
   }
