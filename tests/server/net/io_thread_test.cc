@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "server/net/io_thread.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <stdexcept>
+
+namespace coopdyn {
+namespace {
+
+using std::chrono::microseconds;
+
+class IoThreadTest : public ::testing::TestWithParam<int> {
+ protected:
+  IoThread thread_{"io-test", NullLogger(), microseconds(GetParam())};
+};
+
+INSTANTIATE_TEST_SUITE_P(SpinMicroseconds, IoThreadTest, ::testing::Values(0, 200));
+
+TEST_P(IoThreadTest, RunsWhatIsPostedInOrderOnItsOwnThread) {
+  std::promise<std::string> done;
+  std::string order;
+  thread_.Post([&] { order += thread_.is_current() ? "a" : "x"; });
+  thread_.Post([&] { done.set_value(order + "b"); });
+  EXPECT_EQ(done.get_future().get(), "ab");
+  EXPECT_FALSE(thread_.is_current());
+}
+
+TEST_P(IoThreadTest, DispatchRunsAtOnceOnTheThreadItself) {
+  std::string order;
+  thread_.Call([&] {
+    thread_.Dispatch([&] { order += "first "; });
+    order += "second";
+  });
+  EXPECT_EQ(order, "first second");
+}
+
+TEST_P(IoThreadTest, AnExceptionDoesNotEndTheLoop) {
+  thread_.Post([] { throw std::runtime_error("posted"); });
+  thread_.Post([] { throw 42; });
+  bool ran = false;
+  thread_.Call([&] { ran = true; });
+  EXPECT_TRUE(ran);
+}
+
+TEST_P(IoThreadTest, CallHandsExceptionsToItsCaller) {
+  EXPECT_THROW(thread_.Call([] { throw std::out_of_range("x"); }), std::out_of_range);
+}
+
+TEST_P(IoThreadTest, CallRunsOnTheCallersThreadAfterStop) {
+  thread_.Stop();
+  std::thread::id ran_on;
+  thread_.Call([&] { ran_on = std::this_thread::get_id(); });
+  EXPECT_EQ(ran_on, std::this_thread::get_id());
+}
+
+TEST_P(IoThreadTest, SpinCanBeChangedWhileItRuns) {
+  for (const int spin_us : {100, 0, 50}) {
+    thread_.SetSpin(microseconds(spin_us));
+    int runs = 0;
+    for (int i = 0; i < 10; ++i) thread_.Call([&] { ++runs; });
+    EXPECT_EQ(runs, 10);
+  }
+}
+
+}  // namespace
+}  // namespace coopdyn

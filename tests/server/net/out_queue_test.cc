@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "server/net/out_queue.h"
+
+#include <gtest/gtest.h>
+#include <netinet/tcp.h>
+
+#include "server/net/in_buffer.h"
+#include "server/net/peer.h"
+#include "server/net/waiting_note.h"
+
+namespace coopdyn {
+namespace {
+
+Message PushOf(int i, std::string text = "") {
+  Message push;
+  push.command = -20;
+  push.params = {i};
+  push.text = std::move(text);
+  return push;
+}
+
+class OutQueueTest : public ::testing::Test {
+ protected:
+  OutQueueTest() { queue_.set_encoding(Encoding::kText); }
+  std::string Drain() {
+    std::string all;
+    while (queue_.Fill()) {
+      all += queue_.unsent();
+      queue_.Sent(queue_.unsent().size());
+    }
+    return all;
+  }
+  CommandTable table_{"test", {}};
+  OutQueue queue_{table_};
+};
+
+TEST_F(OutQueueTest, DropsTheOldestOfMoreThan64PushesAndTheNextOneSaysHowMany) {
+  queue_.set_blocked(true);
+  for (int i = 1; i <= 67; ++i) queue_.AddPush(PushOf(i));
+  const std::string sent = Drain();
+  EXPECT_EQ(sent.substr(0, sent.find('\n')), "0 \"dropped 3\" -20 1 4 0");
+  EXPECT_EQ(std::count(sent.begin(), sent.end(), '\n'), 64);
+}
+
+TEST_F(OutQueueTest, ThePushThatTellsOfDroppedOnesKeepsItsText) {
+  queue_.set_blocked(true);
+  for (int i = 1; i <= 65; ++i) queue_.AddPush(PushOf(i, "red"));
+  EXPECT_EQ(Drain().substr(0, 25), "0 \"dropped 1 red\" -20 1 2");
+}
+
+TEST_F(OutQueueTest, RepliesAreNeverDroppedAndKeepTheirPlace) {
+  queue_.set_blocked(true);
+  queue_.AddPush(PushOf(1));
+  queue_.AddReply(ErrorReply(11, Error::kOwned, "mine"));
+  for (int i = 2; i <= 65; ++i) queue_.AddPush(PushOf(i));
+  EXPECT_EQ(Drain().substr(0, 48), "6 \"mine\" 11 0 0\n0 \"dropped 1\" -20 1 2 0\n0 \"\" -20");
+}
+
+TEST_F(OutQueueTest, APushThatHasBegunIsNotDropped) {
+  queue_.AddPush(PushOf(1));  // encoded: nothing is before it
+  queue_.Sent(3);
+  queue_.set_blocked(true);
+  for (int i = 2; i <= 70; ++i) queue_.AddPush(PushOf(i));
+  EXPECT_EQ(Drain().substr(0, 40), "\" -20 1 1 0\n0 \"dropped 5\" -20 1 7 0\n0 \"\"");
+}
+
+TEST(InBuffer, KeepsBytesInOrderWhileItGrowsAndIsUsedUp) {
+  InBuffer buffer;
+  std::string expected;
+  for (int i = 0; i < 2000; ++i) {
+    const std::string piece(static_cast<std::size_t>(i % 97), static_cast<char>('a' + i % 26));
+    buffer.Append(piece);
+    expected += piece;
+    const std::size_t used = std::min(expected.size(), static_cast<std::size_t>(i % 61));
+    buffer.Consume(used);
+    expected.erase(0, used);
+    ASSERT_EQ(buffer.bytes(), expected);
+  }
+}
+
+TEST(WaitingNote, RepeatsAfterTwoSecondsOrWhenWhomChanges) {
+  WaitingNote note;
+  const WaitingNote::TimePoint start{};
+  const auto at = [start](int ms) { return start + std::chrono::milliseconds(ms); };
+  EXPECT_EQ(note.Pause(1), WaitingNote::kFirst);
+  EXPECT_EQ(note.Line(1, "robot2 (no client), 1.0 s", at(1000)), "# waiting for robot2 (no client), 1.0 s\n");
+  EXPECT_EQ(note.Pause(1), WaitingNote::kEach);
+  EXPECT_EQ(note.Line(1, "robot2 (no client), 2.0 s", at(2000)), "");
+  EXPECT_EQ(note.Line(1, "robot3 (no client), 2.2 s", at(2200)), "# waiting for robot3 (no client), 2.2 s\n");
+  EXPECT_EQ(note.Line(1, "robot3 (no client), 4.2 s", at(4200)), "# waiting for robot3 (no client), 4.2 s\n");
+  EXPECT_EQ(note.Line(1, "", at(9000)), "");
+}
+
+TEST(PeerLooksDead, OnlyIfSomethingIsOutstandingAndNothingWasHeardForLong) {
+  tcp_info info{};
+  info.tcpi_last_ack_recv = 30'000;
+  EXPECT_FALSE(PeerLooksDead(info));  // idle: keepalive's business
+  info.tcpi_unacked = 1;
+  EXPECT_TRUE(PeerLooksDead(info));
+  info.tcpi_last_ack_recv = 5'000;
+  EXPECT_FALSE(PeerLooksDead(info));
+  info.tcpi_unacked = 0;
+  info.tcpi_last_ack_recv = 30'000;
+  info.tcpi_probes = 1;  // a reader that does not read answers probes
+  EXPECT_FALSE(PeerLooksDead(info));
+  info.tcpi_probes = 4;
+  EXPECT_TRUE(PeerLooksDead(info));
+}
+
+}  // namespace
+}  // namespace coopdyn

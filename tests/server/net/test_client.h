@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// A client of the tests: a blocking socket whose every wait ends after kPatience. One thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "protocol/message.h"
+#include "server/net/unique_fd.h"
+
+namespace coopdyn {
+
+class TestClient {
+ public:
+  static constexpr int kPatience_ms = 10'000;
+
+  /// Takes over a connected socket.
+  explicit TestClient(UniqueFd fd) : fd_(std::move(fd)) {}
+  /// Connects; `ok()` says whether that worked.
+  static TestClient Connect(int port, const std::string& ip = "127.0.0.1");
+
+  bool ok() const { return static_cast<bool>(fd_); }
+  int fd() const { return fd_.get(); }
+  /// "127.0.0.1:PORT" of this side.
+  std::string address() const;
+
+  /// Writes all; false if it cannot within the patience.
+  bool Send(std::string_view bytes);
+  /// Writes what fits without waiting; returns how much.
+  std::size_t SendSome(std::string_view bytes);
+  /// A line without its '\n'; "<end>" if the connection ended before, "<nothing>" if nothing came.
+  std::string Line();
+  std::string Exactly(std::size_t count);
+  /// Everything until the server closes.
+  std::string Rest();
+  /// Decodes one binary frame.
+  Message Frame();
+  /// Sends FIN.
+  void EndInput();
+  void Close() { fd_.Reset(); }
+  /// Closes with a reset, as a killed program with unread input does.
+  void Reset();
+
+ private:
+  /// Appends to buffer_; false at the end or out of patience.
+  bool More();
+
+  UniqueFd fd_;
+  std::string buffer_;
+  bool ended_ = false;
+};
+
+/// A connected pair of unix sockets.
+std::pair<UniqueFd, UniqueFd> SocketPair();
+/// The descriptors this process has open.
+int OpenDescriptors();
+/// Waits until `condition()`; false out of patience.
+template <typename Condition>
+bool Eventually(Condition condition);
+
+}  // namespace coopdyn
+
+#include <poll.h>
+
+#include <chrono>
+
+namespace coopdyn {
+
+template <typename Condition>
+bool Eventually(Condition condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(TestClient::kPatience_ms);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    ::poll(nullptr, 0, 1);
+  }
+  return true;
+}
+
+}  // namespace coopdyn
