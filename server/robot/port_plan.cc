@@ -11,11 +11,10 @@ PortPlan::PortPlan(int first, std::function<bool(int)> is_foreign)
 
 int PortPlan::Take() {
   if (any_port()) return 0;
+  while (taken_.contains(lowest_)) ++lowest_;
   for (int port = lowest_; port <= kLast; ++port) {
-    if (taken_.contains(port)) continue;
-    if (is_foreign_ && is_foreign_(port)) continue;
+    if (taken_.contains(port) || (is_foreign_ && is_foreign_(port))) continue;
     taken_.insert(port);
-    lowest_ = port + 1;
     return port;
   }
   return 0;

@@ -27,7 +27,7 @@ class PortPlan {
   int first_;
   std::function<bool(int)> is_foreign_;
   std::set<int> taken_;
-  int lowest_;  // all ports from first_ up to here, not including it, are taken or foreign
+  int lowest_;  // all ports from first_ up to here, not including it, are taken
 };
 
 }  // namespace coopdyn
