@@ -195,15 +195,9 @@ class Reading(NamedTuple):
     step: int
     distances: List[float]
     targets: List[Target]
+    target: Optional[Target]
     pose: Optional[Pose]
     wheels: Optional[Wheels]
-
-    def target(self, which: Union[str, int]) -> Target:
-        """The target with this id, or the nearest of this colour. Error 10 if there is none."""
-        fits = [t for t in self.targets if which in (t.id, t.colour)]
-        if not fits:
-            raise Error(10, f"there is no target {which!r}; there are: {_list_of(t.colour for t in self.targets)}")
-        return min(fits, key=lambda t: t.distance)
 
 
 class Update(NamedTuple):
@@ -320,9 +314,10 @@ class _Address:
     def __str__(self) -> str:
         return f"{'[' + self.host + ']' if ':' in self.host else self.host}:{self.port}"
 
-    @property
-    def hello_text(self) -> str:
-        return f"{self.name} {self.token}".rstrip()
+    def hello_text(self, drives: bool) -> str:
+        """What `hello` says. Only what may drive says the plain name: the same name on an actuator module takes it
+        over, which a reader must not do."""
+        return f"{self.name if drives else self.name + ':reader'} {self.token}".rstrip()
 
     def dial(self, deadline: float) -> socket.socket:
         """A connected socket to the daemon's port. Error -1 or 11 with cause and cure."""
@@ -412,9 +407,10 @@ class _Address:
 class _Connection:
     """One connection to one module. `busy`: a reply is under way; such a connection is never used for something else."""
 
-    def __init__(self, address: _Address, module: str) -> None:
+    def __init__(self, address: _Address, module: str, drives: bool = False) -> None:
         self.address = address
         self.module = module
+        self.drives = drives
         self.sock: Optional[socket.socket] = None
         self.buffer = bytearray()
         self.busy = False
@@ -424,7 +420,7 @@ class _Connection:
         self.close()
         self.sock = self.address.open_module(self.module, _clock.monotonic() + timeout_s)
         try:
-            self.request(_HELLO, text=self.address.hello_text, timeout=timeout_s)
+            self.request(_HELLO, text=self.address.hello_text(self.drives), timeout=timeout_s)
         except BaseException:
             self.close()
             raise
@@ -584,6 +580,13 @@ def _targets(params: Sequence[int], text: str, data: Sequence[float]) -> List[Ta
     return [Target(i, c, d, b) for i, c, (d, b) in zip(params, text.split(), _pairs(data))]
 
 
+def _choose(targets: Sequence[Target], x: Union[str, int]) -> Target:
+    fits = [t for t in targets if x in (t.id, t.colour)]
+    if not fits:
+        raise Error(10, f"there is no target {x!r}; there are: {_list_of(t.colour for t in targets)}")
+    return min(fits, key=lambda t: t.distance)
+
+
 def _reading_value(command: int, message: Message) -> Any:
     """What the get-command number `command` returns, out of its message."""
     data = message.data[:-2]
@@ -605,7 +608,7 @@ class _Link:
 
     def __init__(self, session: "_Session", robot: str) -> None:
         self.robot = robot
-        self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors")
+        self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors", drives=True)
         self.readers: Dict[str, _Connection] = {}
         self.pushers: Dict[str, _Connection] = {}
         self.kept: Optional[Tuple[int, Tuple[float, ...]]] = None  # for the next step
@@ -628,9 +631,9 @@ class _Session:
     def __init__(self, address: _Address, watch: bool) -> None:
         self.address = address
         self.watch = watch
-        self.simulation = _Connection(address, "/simulation")
+        self.simulation = _Connection(address, "/simulation", drives=True)
         self.links: List[_Link] = []
-        self.others: Dict[str, _Connection] = {}  # of call() and describe()
+        self.others: Dict[str, _Connection] = {}  # of call()
         self.commands: Dict[str, Dict[str, int]] = {}  # numbers of commands by module and name
         self.mode = 0
         self.time = 0.0
@@ -793,7 +796,6 @@ class _Session:
             raise Error(5, f"{link.robot} has no motors")
         if link.lost is not None:
             raise link.lost
-        link.carried = None
         if self.mode != _LOCKSTEP:
             self.settle(link)
         if self.mode == _LOCKSTEP:
@@ -1000,9 +1002,9 @@ class Robot:
         """Limit of the wheel speeds [rad/s], wheel radius and track [m]."""
         return self._get("motors", _GET_LIMITS)
 
-    def sense(self) -> Reading:
+    def sense(self, x: Union[str, int, None] = None) -> Reading:
         """All readings of one step, in one round trip; in lockstep, right after `sim.step()`, those that came with
-        its reply, without any. `reading.target("red")` finds a target in it."""
+        its reply, without any. `sense("red").target` is the nearest target of that colour (or with that id)."""
         session, link = self._session, self._current()
         session.require_open()
         if not link.attached:
@@ -1024,6 +1026,7 @@ class Robot:
             step,
             parts.get("distance", []),
             targets,
+            _choose(targets, x) if x is not None else None,
             Pose(*parts["pose"]) if "pose" in parts else None,
             Wheels(*parts["motors"]) if "motors" in parts else None,
         )
@@ -1285,7 +1288,7 @@ class Simulation:
 
     def describe(self, name: str) -> Dict[str, Any]:
         """The commands of a module, e.g. "/robot1/motors", with their values and units."""
-        return json.loads(_other(self._session, name, _DESCRIBE).text)
+        return _describe(self._session, name)
 
     def modules(self) -> List[Module]:
         """Every name of the daemon with its address."""
@@ -1327,9 +1330,13 @@ def _page(address: _Address, status: Dict[str, Any]) -> str:
     return f"http://{host}:{port}"
 
 
-def _other(session: _Session, name: str, command: int) -> Message:
-    name = "/" + name.strip("/")
-    return session.ask(session.others.setdefault(name, _Connection(session.address, name)), command, (), (), "")
+def _describe(session: _Session, name: str) -> Dict[str, Any]:
+    session.require_open()
+    connection = _Connection(session.address, "/" + name.strip("/"))
+    try:
+        return json.loads(session.ask(connection, _DESCRIBE, (), (), "").text)
+    finally:
+        connection.close()
 
 
 def _call(
@@ -1340,7 +1347,7 @@ def _call(
     name = "/" + name.strip("/")
     if isinstance(command, str):
         if name not in session.commands:
-            described = json.loads(_other(session, name, _DESCRIBE).text)
+            described = _describe(session, name)
             session.commands[name] = {c["name"]: int(c["id"]) for c in described["commands"]}
         if command not in session.commands[name]:
             raise Error(1, f"{name} has no command {command!r}; it has: {_list_of(session.commands[name])}")
@@ -1359,12 +1366,9 @@ def _call(
     elif name == "/simulation":
         connection = session.simulation
     else:
-        connection = session.others.setdefault(name, _Connection(session.address, name))
-    if not connection.alive():
-        if link is not None:
-            session.open_motors(link)
-        else:
-            connection.open(session.address.timeout)
+        connection = session.others.setdefault(name, _Connection(session.address, name, drives=True))
+    if link is None and not connection.alive():
+        connection.open(session.address.timeout)
     for other in session.links:
         other.carried = None
     waiting: Dict[_Connection, Optional[_Link]] = {connection: link}

@@ -1,0 +1,287 @@
+% SPDX-License-Identifier: MIT
+classdef Connection < handle
+%CONNECTION One connection to one module, through the daemon's one port.
+%   busy: a reply is under way; such a connection is never used for anything else (Ctrl-C leaves it so).
+%   Replies are read in one piece of the length that the last reply to the same command had; what is longer or shorter
+%   is completed.
+  properties
+    address
+    module
+    socket = []
+    busy = false
+    pushes = {}
+    notice = ''
+  end
+  properties (Access = private)
+    hello
+    buffer = zeros(1, 0, 'uint8')
+    octave = false
+    sizes = 24 * ones(1, 256)
+    asked = 1
+  end
+  methods
+    function c = Connection(address, module, drives)
+    % drives: says the plain name; the same name on an actuator module takes it over, which a reader must not do.
+      c.hello = address.reader_hello;
+      if nargin > 2 && drives
+        c.hello = address.hello;
+      end
+      c.address = address;
+      c.module = module;
+      c.octave = coopdyn.internal.is_octave();
+    end
+
+    function open(c)
+    % Opens (again) and says hello.
+      c.close();
+      c.notice = '';
+      socket = coopdyn.internal.dial(c.address);
+      write(socket, uint8(['OPEN ' c.module char(10)]));
+      said = c.line_of(socket);
+      if ~strcmp(said, 'ok')
+        if strncmp(said, '***', 3)
+          coopdyn.internal.fail(10, strtrim(strrep(said, '*', '')));
+        end
+        coopdyn.internal.fail(-1, ['what listens at ' c.address.text ' is not a coopdyn daemon (it said "' said '")']);
+      end
+      c.socket = socket;
+      c.busy = true;
+      write(socket, [uint8('CDS1') coopdyn.internal.encode(6, [], [], c.hello)]);
+      c.asked = 7;
+      try
+        coopdyn.internal.check_reply(c.receive(c.address.timeout), '');
+      catch cause
+        c.close();
+        rethrow(cause);
+      end
+    end
+
+    function close(c)
+      c.socket = [];
+      c.busy = false;
+      c.buffer = zeros(1, 0, 'uint8');
+      c.pushes = {};
+    end
+
+    function send(c, command, bytes)
+    % Writes a request whose reply is awaited by poll or receive.
+      c.busy = true;
+      c.asked = min(command, 255) + 1;
+      try
+        write(c.socket, bytes);
+      catch
+        c.lost();
+      end
+    end
+
+    function message = exchange(c, command, bytes)
+    % Writes a request and takes its reply, [] if it does not come at once: one write and one read of the right length.
+      c.busy = true;
+      c.asked = command + 1;
+      if ~c.octave
+        c.send(command, bytes);
+        message = c.poll(true);
+        return
+      end
+      socket = c.socket;
+      try
+        write(socket, bytes);
+        bytes = read(socket, c.sizes(command + 1));
+      catch
+        c.lost();
+      end
+      c.buffer = bytes;
+      n = numel(bytes);
+      if n >= 24
+        h = double(typecast(bytes(1:24), 'int32'));
+        if h(1) + 4 == n && h(2) == 0 && h(3) == command && h(4) == 0 && h(1) == 20 + 4 * h(5) + 8 * h(6)
+          at = 24 + 4 * h(5);
+          message = struct('error', 0, 'text', '', 'command', command, ...
+                           'params', double(typecast(bytes(25:at), 'int32')), ...
+                           'data', typecast(bytes(at + 1:n), 'double'));
+          c.busy = false;
+          c.buffer = zeros(1, 0, 'uint8');
+          return
+        end
+      end
+      message = c.poll(false);
+    end
+
+    function message = poll(c, wait)
+    % The reply if it is here, else []; with `wait`, it may take up to 0.02 s to come.
+      message = [];
+      while true
+        have = numel(c.buffer);
+        if have == 0
+          want = c.sizes(c.asked);
+        elseif have < 24
+          want = 24 - have;
+        else
+          want = 4 + double(typecast(c.buffer(1:4), 'uint32')) - have;
+        end
+        if want > 0
+          bytes = c.take(want, wait);
+          if isempty(bytes)
+            return
+          end
+          if have == 0
+            c.buffer = bytes;
+          else
+            c.buffer = [c.buffer bytes];
+          end
+        end
+        [message, used] = coopdyn.internal.decode(c.buffer);
+        if isempty(message)
+          continue
+        end
+        c.buffer = c.buffer(used + 1:end);
+        if message.command < 0 && message.error == 0
+          if message.command == -1
+            c.notice = message.text;
+            c.lost();
+          end
+          c.pushes{end + 1} = message;
+          message = [];
+          continue
+        end
+        c.busy = false;
+        if message.error == 0
+          c.sizes(c.asked) = 24 + 4 * numel(message.params) + 8 * numel(message.data);
+        end
+        return
+      end
+    end
+
+    function message = receive(c, limit)
+    % The reply; after `limit` seconds an error, and the connection is closed, so never read on.
+      message = c.poll(true);
+      if ~isempty(message)
+        return
+      end
+      started = tic;
+      checked = 0;
+      while true
+        if toc(started) - checked > 0.5
+          checked = toc(started);
+          message = c.poll(true);
+        else
+          message = c.poll(false);
+        end
+        if ~isempty(message)
+          return
+        end
+        if toc(started) > limit
+          c.close();
+          coopdyn.internal.fail(11, sprintf('no answer from %s within %g s; is the daemon stopped or overloaded?', ...
+                                            c.module, limit));
+        end
+        pause(0.001);
+      end
+    end
+
+    function message = request(c, command, params, data, text, limit)
+    % Sends a request and returns its reply; an error reply is raised.
+      if nargin < 6
+        limit = 10;
+      end
+      if nargin < 5 || isempty(text)
+        if isempty(params) && isempty(data)
+          bytes = typecast(int32([20 0 command 0 0 0]), 'uint8');
+        else
+          bytes = coopdyn.internal.encode(command, params, data);
+        end
+      else
+        bytes = coopdyn.internal.encode(command, params, data, text);
+      end
+      message = c.exchange(command, bytes);
+      if isempty(message)
+        message = c.receive(limit);
+      end
+      if message.error ~= 0
+        coopdyn.internal.check_reply(message, '');
+      end
+    end
+
+    function yes = alive(c)
+    % False if closed, in use, or closed by the peer meanwhile as far as that can be seen.
+      yes = ~isempty(c.socket) && ~c.busy;
+      if yes
+        try
+          if c.socket.NumBytesAvailable > 0
+            c.poll(false);
+          end
+        catch
+          yes = false;
+        end
+      end
+    end
+  end
+  methods (Access = private)
+    function bytes = take(c, want, wait)
+      if c.octave
+        if ~wait
+          want = min(want, c.socket.NumBytesAvailable);
+          if want == 0
+            bytes = [];
+            return
+          end
+        end
+        try
+          bytes = read(c.socket, want);
+        catch
+          c.lost();
+        end
+        return
+      end
+      % MATLAB's read warns when too little comes: only what is there is read.
+      bytes = [];
+      try
+        here = c.socket.NumBytesAvailable;
+        if wait && here < want
+          started = tic;
+          while here < want && toc(started) < 0.02
+            if toc(started) > 0.002
+              pause(0.0005);
+            end
+            here = c.socket.NumBytesAvailable;
+          end
+        end
+        if here > 0
+          bytes = uint8(read(c.socket, min(want, here), 'uint8'));
+        end
+      catch
+        c.lost();
+      end
+    end
+
+    function lost(c)
+      c.close();
+      if isempty(c.notice)
+        coopdyn.internal.fail(-1, 'the daemon closed the connection');
+      end
+      coopdyn.internal.fail(-1, ['the daemon closed the connection: ' c.notice]);
+    end
+
+    function said = line_of(c, socket)
+    % The one line that the name port answers; nothing follows it unasked.
+      said = '';
+      started = tic;
+      while isempty(said) || said(end) ~= char(10)
+        n = socket.NumBytesAvailable;
+        if n > 0
+          said = [said char(read(socket, n))]; %#ok<AGROW>
+        elseif toc(started) > c.address.timeout
+          coopdyn.internal.fail(11, [c.address.text ' accepts connections but does not answer: the daemon is stopped ' ...
+                                     'or busy, or something else listens there; try coopdyn status']);
+        elseif toc(started) > 0.002
+          pause(0.001);
+        end
+      end
+      said = strtrim(said);
+      newline = find(said == char(10), 1);
+      if ~isempty(newline)
+        said = strtrim(said(1:newline - 1));
+      end
+    end
+  end
+end

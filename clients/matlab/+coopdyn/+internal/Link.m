@@ -1,0 +1,41 @@
+% SPDX-License-Identifier: MIT
+classdef Link < handle
+%LINK A robot as this client drives it: its connections, and the command kept for the next step.
+  properties
+    robot
+    motors = []        % the connection that commands go through; [] = it has no motors
+    readers = struct() % connections to other modules, by module
+    pushers = struct() % connections that readings are pushed on, by module
+    kept = []          % struct of command and data, for the next step
+    sent = []          % likewise: its reply has not come yet
+    lost = ''          % why it is not ours any more
+    lost_code = 6
+    attached = {}
+    carried = []       % the readings that came with the reply to the last step
+    labels = struct('step', -1, 'when', uint64(0), 'ids', {{}}, 'colours', {{}})  % ids and colours of the targets
+  end
+  methods
+    function link = Link(address, robot)
+      link.robot = robot;
+      link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], true);
+    end
+
+    function forget_commands(link)
+      link.kept = [];
+      link.sent = [];
+      link.carried = [];
+    end
+
+    function close(link)
+      if ~isempty(link.motors)
+        link.motors.close();
+      end
+      for group = {link.readers, link.pushers}
+        for name = fieldnames(group{1})'
+          connection = group{1}.(name{1});
+          connection.close();
+        end
+      end
+    end
+  end
+end

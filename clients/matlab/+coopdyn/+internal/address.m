@@ -1,0 +1,70 @@
+% SPDX-License-Identifier: MIT
+function a = address(server, name, token, timeout)
+%ADDRESS Where the daemon is and who we are: host, port, text, name, hello, reader_hello, timeout.
+  given = strtrim(char(server));
+  if isempty(given)
+    given = getenv('COOPDYN_SERVER');
+  end
+  if isempty(given)
+    given = '127.0.0.1';
+  end
+  host = given;
+  port = 10000;
+  if given(1) == '['  % [::1]:10000
+    close = find(given == ']', 1);
+    host = given(2:close - 1);
+    rest = given(close + 1:end);
+    if ~isempty(rest)
+      port = str2double(rest(2:end));
+    end
+  elseif sum(given == ':') == 1
+    colon = find(given == ':');
+    host = given(1:colon - 1);
+    port = str2double(given(colon + 1:end));
+  end
+  if isempty(regexp(host, '^[A-Za-z0-9.:_-]+$', 'once')) || ~(port > 0 && port < 65536 && port == round(port))
+    coopdyn.internal.fail(4, ['cannot read the server ''' given '''; write HOST or HOST:PORT, e.g. ''labserver:10100''']);
+  end
+  name = char(name);
+  if isempty(name)
+    name = default_name();
+  end
+  if any(isspace(name))
+    coopdyn.internal.fail(3, ['a client name has no spaces, not ''' name '''; write e.g. ''ana''']);
+  end
+  a.host = host;
+  a.port = port;
+  a.text = sprintf('%s:%d', host, port);
+  a.name = name;
+  a.hello = strtrim([name ' ' char(token)]);
+  a.reader_hello = strtrim([name ':reader ' char(token)]);
+  a.timeout = coopdyn.internal.number(timeout, 'timeout [s]');
+end
+
+function name = default_name()
+  user = getenv('USER');
+  if isempty(user) && coopdyn.internal.is_octave() && isunix()
+    account = getpwuid(getuid());
+    if isstruct(account)
+      user = account.name;
+    end
+  end
+  if isempty(user)
+    user = getenv('USERNAME');
+  end
+  if isempty(user)
+    user = 'user';
+  end
+  if coopdyn.internal.is_octave()
+    host = gethostname();
+    pid = getpid();
+  else
+    host = getenv('COMPUTERNAME');
+    if isempty(host)
+      [~, host] = system('hostname');
+    end
+    pid = feature('getpid');
+  end
+  name = sprintf('%s@%s:%d', user, strtrim(host), pid);
+  name = name(~isspace(name));
+end

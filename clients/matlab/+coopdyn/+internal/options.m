@@ -1,0 +1,15 @@
+% SPDX-License-Identifier: MIT
+function chosen = options(pairs, chosen)
+%OPTIONS Name-value pairs over their defaults; unknown names are errors.
+  known = fieldnames(chosen);
+  if mod(numel(pairs), 2) ~= 0
+    coopdyn.internal.fail(2, ['options come in pairs of name and value; names are: ' strjoin(known', ', ')]);
+  end
+  for k = 1:2:numel(pairs)
+    name = lower(char(pairs{k}));
+    if ~any(strcmp(name, known))
+      coopdyn.internal.fail(2, ['there is no option ''' name '''; there are: ' strjoin(known', ', ')]);
+    end
+    chosen.(name) = pairs{k + 1};
+  end
+end

@@ -1,0 +1,29 @@
+% SPDX-License-Identifier: MIT
+function v = value(command, params, text, data)
+%VALUE What the get-command of this number returns, out of its message (data without time and step).
+  switch command
+    case 12
+      v = struct('left_angle', data(1), 'right_angle', data(2), 'left_speed', data(3), 'right_speed', data(4));
+    case 13
+      v = struct('max_wheel_speed', data(1), 'wheel_radius', data(2), 'track', data(3));
+    case 21
+      v = struct('bearing', data(1:3:end), 'opening', data(2:3:end), 'max_range', data(3:3:end));
+    case {30, 32}
+      word = 'colour';
+      if command == 32
+        word = 'name';
+      end
+      words = strsplit(strtrim(text), ' ');
+      v = coopdyn.internal.sightings(params, word, words, data);
+    case 31
+      v = struct('distance', data(1), 'bearing', data(2));
+    case 40
+      v = struct('x', data(1), 'y', data(2), 'heading', data(3), 'forward', data(4), 'turn', data(5));
+    case 41
+      v = struct('x', data(1), 'y', data(2), 'z', data(3), 'qw', data(4), 'qx', data(5), 'qy', data(6), ...
+                 'qz', data(7), 'vx', data(8), 'vy', data(9), 'vz', data(10), 'wx', data(11), 'wy', data(12), ...
+                 'wz', data(13));
+    otherwise
+      v = data;
+  end
+end

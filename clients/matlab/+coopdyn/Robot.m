@@ -1,0 +1,275 @@
+% SPDX-License-Identifier: MIT
+classdef Robot < handle
+%ROBOT One robot of a simulation. Readings are always those of the newest step.
+%   Commands: set_velocity, set_wheel_speeds, stop. Readings: get_pose, get_pose_3d, get_distances, get_geometry,
+%   get_targets, get_target, get_robots, get_wheels, get_limits; sense: all of one step at once.
+%   Units: m, rad, m/s, rad/s; bearings 0 ahead, left positive. Rows are 1 x n.
+  properties (SetAccess = private)
+    name
+  end
+  properties (Access = private)
+    session
+    link
+  end
+  methods
+    function r = Robot(session, link)
+      r.session = session;
+      r.link = link;
+      r.name = link.robot;
+    end
+
+    % --- commands
+    function set_velocity(r, v, w)
+    %SET_VELOCITY Forward speed v [m/s] and turn rate w [rad/s], left is positive. Beyond the limits both are scaled.
+      if ~(isa(v, 'double') && isa(w, 'double') && numel(v) == 1 && numel(w) == 1 && isfinite(v) && isfinite(w))
+        v = coopdyn.internal.number(v, 'v [m/s]');
+        w = coopdyn.internal.number(w, 'w [rad/s]');
+      end
+      r.session.command(r.link, 11, [v w]);
+    end
+
+    function set_wheel_speeds(r, left, right)
+    %SET_WHEEL_SPEEDS Speeds of the left and right wheel [rad/s].
+      left = coopdyn.internal.number(left, 'left [rad/s]');
+      right = coopdyn.internal.number(right, 'right [rad/s]');
+      r.session.command(r.link, 10, [left right]);
+    end
+
+    function stop(r)
+    %STOP Stops both wheels; like the other commands, in lockstep with the next sim.step().
+      r.session.command(r.link, 14, []);
+    end
+
+    % --- readings
+    function p = get_pose(r)
+    %GET_POSE x, y [m], heading [rad], forward [m/s], turn [rad/s], in the world frame.
+      p = r.get('pose', 40, [], '');
+    end
+
+    function p = get_pose_3d(r)
+    %GET_POSE_3D Position [m], quaternion and both velocities [m/s, rad/s] in the world frame (ground truth).
+      p = r.get('pose', 41, [], '');
+    end
+
+    function d = get_distances(r)
+    %GET_DISTANCES One range per sensor [m], right to left, from the surface of the robot; inf = nothing there.
+      d = r.get('distance', 20, [], '');
+    end
+
+    function g = get_geometry(r)
+    %GET_GEOMETRY bearing [rad], opening [rad] and max_range [m] of each distance sensor, right to left.
+      g = r.get('distance', 21, [], '');
+    end
+
+    function t = get_targets(r)
+    %GET_TARGETS id, colour, distance [m] and bearing [rad] of every target, a 1 x n struct.
+      t = r.get('target', 30, [], '');
+    end
+
+    function t = get_target(r, x)
+    %GET_TARGET distance [m] and bearing [rad] of the nearest target of a colour, or of the target with an id.
+      if isnumeric(x)
+        t = r.get('target', 31, coopdyn.internal.count(x, 'the id of a target'), '');
+      else
+        t = r.get('target', 31, [], char(x));
+      end
+    end
+
+    function o = get_robots(r)
+    %GET_ROBOTS id, name, distance [m] and bearing [rad] of every other robot, a 1 x n struct.
+      o = r.get('target', 32, [], '');
+    end
+
+    function w = get_wheels(r)
+    %GET_WHEELS left_angle, right_angle [rad], left_speed, right_speed [rad/s].
+      w = r.get('motors', 12, [], '');
+    end
+
+    function l = get_limits(r)
+    %GET_LIMITS max_wheel_speed [rad/s], wheel_radius and track [m].
+      l = r.get('motors', 13, [], '');
+    end
+
+    function s = sense(r, x)
+    %SENSE All readings of one step in one round trip: time, step, distances, targets, target, pose, wheels.
+    %   s = r.sense('red'): s.target is the nearest target of that colour (or with that id); error if there is none.
+    %   In lockstep, right after sim.step(), the readings that came with its reply, without any round trip.
+      link = r.link;
+      if isempty(link.attached)
+        r.attach();
+      end
+      reply = link.carried;
+      link.carried = [];
+      if isempty(reply)
+        reply = r.ask_attached();
+      end
+      data = reply.data;
+      params = reply.params;
+      step = data(end);
+      distances = zeros(1, 0);
+      seen = distances;
+      pose = [];
+      wheels = [];
+      at = 0;
+      attached = link.attached;
+      for k = 1:numel(attached)
+        n = params(k + 1);
+        part = data(at + 1:at + n);
+        at = at + n;
+        switch attached{k}
+          case 'distance'
+            distances = part;
+          case 'pose'
+            pose = struct('x', part(1), 'y', part(2), 'heading', part(3), 'forward', part(4), 'turn', part(5));
+          case 'motors'
+            wheels = struct('left_angle', part(1), 'right_angle', part(2), 'left_speed', part(3), ...
+                            'right_speed', part(4));
+          case 'target'
+            seen = part;
+        end
+      end
+      % Ids and colours change with a reset, load or edit only: asked for again when the step did not go on, when their
+      % number changed, or after half a second.
+      labels = link.labels;
+      if step <= labels.step || 2 * numel(labels.ids) ~= numel(seen) || toc(labels.when) > 0.5
+        t = r.get_targets();
+        labels.ids = {t.id};
+        labels.colours = {t.colour};
+      end
+      labels.step = step;
+      labels.when = tic;
+      link.labels = labels;
+      targets = struct('id', labels.ids, 'colour', labels.colours, 'distance', num2cell(seen(1:2:end)), ...
+                       'bearing', num2cell(seen(2:2:end)));
+      target = [];
+      if nargin > 1
+        target = coopdyn.internal.choose_target(targets, x);
+      end
+      s = struct('time', data(end - 1), 'step', step, 'distances', distances, 'targets', [], 'target', target, ...
+                 'pose', pose, 'wheels', wheels);
+      s.targets = targets;
+    end
+
+    % --- pushed readings
+    function subscribe(r, module, n)
+    %SUBSCRIBE Has the first reading of 'distance', 'target', 'pose' or 'motors' sent every n steps (default 1); next
+    %   takes them. n = 0 ends it. What is not taken in time is dropped, the oldest first (64 are kept).
+      if nargin < 3
+        n = 1;
+      end
+      module = char(module);
+      session = r.session;
+      session.require_open();
+      if isfield(r.link.pushers, module)
+        old = r.link.pushers.(module);
+        old.close();
+        r.link.pushers = rmfield(r.link.pushers, module);
+      end
+      if isequal(n, 0)
+        return
+      end
+      n = coopdyn.internal.count(n, 'n');
+      c = coopdyn.internal.Connection(session.address, ['/' r.name '/' module]);
+      c.open();
+      c.request(4, n, []);
+      r.link.pushers.(module) = c;
+    end
+
+    function u = next(r, varargin)
+    %NEXT Waits for the next pushed reading: module, time, step, value (what the get-command returns), text.
+    %   r.next() of any module that was subscribed to, r.next('pose') of one; r.next('timeout', 2) waits 2 s at most.
+      chosen = fieldnames(r.link.pushers)';
+      if mod(numel(varargin), 2) == 1
+        chosen = {char(varargin{1})};
+        varargin(1) = [];
+      end
+      options = coopdyn.internal.options(varargin, struct('timeout', Inf));
+      if isempty(chosen) || ~all(isfield(r.link.pushers, chosen))
+        coopdyn.internal.fail(5, 'nothing is subscribed to; write r.subscribe(''distance'') first');
+      end
+      started = tic;
+      while true
+        for k = 1:numel(chosen)
+          c = r.link.pushers.(chosen{k});
+          if isempty(c.pushes)
+            c.poll(numel(chosen) == 1);
+          end
+          if ~isempty(c.pushes)
+            pushed = c.pushes{1};
+            c.pushes(1) = [];
+            r.session.note(pushed);
+            data = pushed.data;
+            value = coopdyn.internal.value(-pushed.command, pushed.params, pushed.text, data(1:end - 2));
+            u = struct('module', chosen{k}, 'time', data(end - 1), 'step', data(end), 'value', value, ...
+                       'text', pushed.text);
+            return
+          end
+        end
+        if toc(started) > options.timeout
+          coopdyn.internal.fail(11, sprintf('no reading of %s within %g s', strjoin(chosen, ', '), options.timeout));
+        end
+        pause(0.001);
+      end
+    end
+
+    function reply = call(r, module, command, params, data, text, varargin)
+    %CALL The raw message to one of this robot's modules, e.g. r.call('motors', 'set_velocity', [], [0.2 0]).
+      if nargin < 6, text = ''; end
+      if nargin < 5, data = []; end
+      if nargin < 4, params = []; end
+      options = coopdyn.internal.options(varargin, struct('timeout', Inf));
+      reply = r.session.call(['/' r.name '/' char(module)], command, params, data, text, options.timeout);
+    end
+  end
+  methods (Access = private)
+    function v = get(r, module, command, params, text)
+      reply = r.session.read(r.link, module, command, params, text);
+      v = coopdyn.internal.value(command, reply.params, reply.text, reply.data(1:end - 2));
+    end
+
+    function attach(r)
+      names = coopdyn.internal.ask_names(r.session.address);
+      names = {names.name};
+      readable = {'motors', 'distance', 'target', 'pose'};
+      readable = readable(cellfun(@(m) any(strcmp(names, ['/' r.name '/' m])), readable));
+      if isempty(readable)
+        coopdyn.internal.fail(10, [r.name ' has no readings']);
+      end
+      c = r.attached_connection(readable);
+      c.request(9, [], [], strjoin(readable, ' '));
+      r.link.attached = readable;
+    end
+
+    function c = attached_connection(r, readable)
+      link = r.link;
+      session = r.session;
+      if ~isempty(link.motors)
+        session.settle(link);
+        c = link.motors;
+        return
+      end
+      c = session.reader(link, 'attached', readable{1});
+      if ~c.alive()
+        c.open();
+        if ~isempty(link.attached)
+          c.request(9, [], [], strjoin(link.attached, ' '));
+        end
+      end
+    end
+
+    function reply = ask_attached(r)
+      link = r.link;
+      r.session.require_open();
+      c = r.attached_connection(link.attached);
+      try
+        reply = c.request(3, [], []);
+      catch cause
+        if isempty(link.motors)
+          rethrow(cause);
+        end
+        r.session.lose(link, cause);
+      end
+      r.session.note(reply);
+    end
+  end
+end

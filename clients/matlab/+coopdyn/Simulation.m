@@ -1,0 +1,285 @@
+% SPDX-License-Identifier: MIT
+classdef Simulation < handle
+%SIMULATION A connection to a daemon: its time and its robots. Made by coopdyn.connect.
+%   robot, robots, step; time, steps, mode, dt; run, pause, stop_all, reset, reload, load_scenario, set_mode, set_step,
+%   set_speed, set_participants; status, hash, waiting, snapshot, describe, modules, call, close.
+%   In lockstep set_velocity does not wait: it is kept (the last wins) until sim.step(), which sends the commands of all
+%   robots of this sim and waits for the step. In real time it is sent at once, and sim.step() waits for the next step.
+  properties (Dependent)
+    time   % simulated time [s] of the newest reply
+    steps  % step number of the newest reply
+    mode   % 'realtime', 'lockstep' or 'free', asked now
+    dt     % length of a step [s], asked now
+  end
+  properties (Access = private)
+    session
+  end
+  methods
+    function sim = Simulation(options)
+      address = coopdyn.internal.address(options.server, options.name, options.token, options.timeout);
+      session = coopdyn.internal.Session(address, options.watch);
+      session.simulation.open();
+      reply = session.control(100, [], [], '', address.timeout);
+      try
+        status = jsondecode(reply.text);
+        protocol = status.protocol;
+      catch
+        coopdyn.internal.fail(7, ['what listens at ' address.text ' gave a status that cannot be read']);
+      end
+      if ~isequal(protocol, 1)
+        coopdyn.internal.fail(5, sprintf(['the daemon at %s (version %s) speaks protocol %d, this +coopdyn speaks 1: ' ...
+          'take the matlab.zip that the daemon''s page offers'], address.text, char(status.version), protocol));
+      end
+      session.control(3);
+      sim.session = session;
+    end
+
+    % --- robots
+    function r = robot(sim, which)
+    %ROBOT Takes a robot, by name or number (from 1), to be driven by this sim. Error if another client owns it.
+      if isnumeric(which)
+        number = coopdyn.internal.count(which, 'the number of a robot');
+        names = sim.robots();
+        if number > numel(names)
+          coopdyn.internal.fail(10, sprintf('there is no robot %d; there are: %s', number, strjoin(names, ', ')));
+        end
+        which = names{number};
+      end
+      name = regexprep(strtrim(char(which)), '^/+', '');
+      if isempty(regexp(name, '^[^\s/]+$', 'once'))
+        coopdyn.internal.fail(10, ['''' name ''' is not the name of a robot; write e.g. sim.robot(''robot1'')']);
+      end
+      link = sim.session.drive(name);
+      r = coopdyn.Robot(sim.session, link);
+    end
+
+    function names = robots(sim)
+    %ROBOTS The names of all robots, in the order of the scenario.
+      s = sim.status();
+      names = cell(1, numel(s.robots));
+      for k = 1:numel(s.robots)
+        names{k} = s.robots(k).name;
+      end
+    end
+
+    % --- time
+    function step(sim, varargin)
+    %STEP Goes on by one step, or by n: sim.step(n). In lockstep sends what the robots of this sim were told and waits
+    %   until the steps have run; otherwise waits for the n-th next step. sim.step(1, 'timeout', 5): error after 5 s.
+    %   Waiting longer than 2 s it says once whom for.
+      n = 1;
+      limit = Inf;
+      if nargin > 1
+        if mod(nargin, 2) == 0
+          n = coopdyn.internal.count(varargin{1}, 'n');
+          varargin(1) = [];
+        end
+        options = coopdyn.internal.options(varargin, struct('timeout', Inf));
+        limit = options.timeout;
+      end
+      sim.session.step(n, limit);
+    end
+
+    function t = get.time(sim)
+      t = sim.session.time;
+    end
+
+    function k = get.steps(sim)
+      k = sim.session.steps;
+    end
+
+    function word = get.mode(sim)
+      reply = sim.session.control(3);
+      words = {'realtime', 'lockstep', 'free'};
+      word = words{reply.params(1) + 1};
+    end
+
+    function s = get.dt(sim)
+      status = sim.status();
+      s = status.step_s;
+    end
+
+    % --- control
+    function run(sim)
+    %RUN Lets time go on.
+      sim.session.control(101);
+    end
+
+    function pause(sim)
+    %PAUSE Holds time.
+      sim.session.control(102);
+    end
+
+    function stop_all(sim)
+    %STOP_ALL Stops every robot, also those of others.
+      sim.session.control(190);
+      sim.session.started_anew();
+    end
+
+    function reset(sim, seed)
+    %RESET Starts again at step 0, with a new seed if one is given.
+      if nargin < 2
+        seed = [];
+      elseif ~isnumeric(seed) || numel(seed) ~= 1 || seed ~= round(seed) || abs(seed) > 2147483647
+        coopdyn.internal.fail(2, 'a seed is a whole number of 32 bits');
+      end
+      sim.session.control(104, seed, [], '', 60);
+      sim.session.started_anew();
+    end
+
+    function reload(sim)
+    %RELOAD Loads the same scenario file again from disk.
+      sim.session.control(192, [], [], '', 60);
+      sim.loaded();
+    end
+
+    function load_scenario(sim, x)
+    %LOAD_SCENARIO Loads a scenario: a name on the daemon's search path, a file here, or the text of one.
+      x = char(x);
+      if ~any(x == char(10)) && exist(x, 'file') == 2
+        x = fileread(x);
+      end
+      sim.session.control(108, [], [], x, 60);
+      sim.loaded();
+    end
+
+    function set_mode(sim, mode)
+    %SET_MODE 'realtime', 'lockstep' or 'free'.
+      words = {'realtime', 'lockstep', 'free'};
+      if isnumeric(mode)
+        number = find((0:2) == mode, 1);
+      else
+        number = find(strcmp(words, char(mode)), 1);
+      end
+      if isempty(number)
+        coopdyn.internal.fail(4, ['there is no such mode; write one of ' strjoin(words, ', ')]);
+      end
+      sim.session.control(105, number - 1);
+      sim.session.mode = number - 1;
+    end
+
+    function set_step(sim, s)
+    %SET_STEP Length of a step, 0.0005 to 0.1 s.
+      sim.session.control(106, [], coopdyn.internal.number(s, 'the step [s]'));
+    end
+
+    function set_speed(sim, x)
+    %SET_SPEED How fast time goes against the wall clock; 0 or less: no limit.
+      sim.session.control(107, [], coopdyn.internal.number(x, 'the speed factor'));
+    end
+
+    function set_participants(sim, names)
+    %SET_PARTICIPANTS The robots that lockstep waits for, a cell array of names; empty: as the scenario says.
+      if nargin < 2
+        names = '';
+      end
+      if iscell(names)
+        names = strjoin(reshape(names, 1, []), ' ');
+      end
+      sim.session.control(191, [], [], char(names));
+    end
+
+    % --- looking
+    function s = status(sim)
+    %STATUS The whole state of the simulation (docs/protocol.md lists the fields).
+      reply = sim.session.control(100);
+      s = jsondecode(reply.text);
+    end
+
+    function h = hash(sim)
+    %HASH The hash of the state, 16 hexadecimal digits: equal runs give equal hashes.
+      s = sim.status();
+      h = char(s.hash);
+    end
+
+    function w = waiting(sim)
+    %WAITING The robots that the world waits for: a 1 x n struct with robot, why, seconds.
+      s = sim.status();
+      w = struct('robot', {}, 'why', {}, 'seconds', {});
+      for k = 1:numel(s.awaiting)
+        a = s.awaiting(k);
+        w(1, k) = struct('robot', a.robot, 'why', a.why, 'seconds', a.seconds);
+      end
+    end
+
+    function file = snapshot(sim, file, varargin)
+    %SNAPSHOT Writes a PNG picture: sim.snapshot('a.png', 'w', 640, 'h', 480, 'eye', [x y z], 'look', [x y z]).
+      options = coopdyn.internal.options(varargin, struct('w', 640, 'h', 480, 'eye', [], 'look', []));
+      s = sim.status();
+      port = regexp(char(s.http), '://.*:(\d+)/?$', 'tokens', 'once');
+      if isempty(port)
+        coopdyn.internal.fail(5, 'the daemon was started with --no-http, so there are no pictures');
+      end
+      url = sprintf('http://%s:%s/snapshot.png?w=%d&h=%d', sim.session.address.host, port{1}, ...
+                    coopdyn.internal.count(options.w, 'w'), coopdyn.internal.count(options.h, 'h'));
+      for word = {'eye', 'look'}
+        point = options.(word{1});
+        if ~isempty(point)
+          if numel(point) ~= 3
+            coopdyn.internal.fail(3, [word{1} ' is a point: write [x y z]']);
+          end
+          url = sprintf('%s&%s=%.9g,%.9g,%.9g', url, word{1}, point);
+        end
+      end
+      file = char(file);
+      try
+        if coopdyn.internal.is_octave()
+          [~, ok, message] = urlwrite(url, file);
+          if ~ok
+            error('coopdyn:not_possible', '%s', message);
+          end
+        else
+          websave(file, url);
+        end
+      catch cause
+        coopdyn.internal.fail(5, ['no picture from ' url ': ' cause.message]);
+      end
+    end
+
+    function d = describe(sim, name)
+    %DESCRIBE The commands of a module, e.g. '/robot1/motors', with their values and units.
+      d = sim.session.describe(name);
+    end
+
+    function m = modules(sim)
+    %MODULES Every name of the daemon with its address: a 1 x n struct with name, host, port.
+      sim.session.require_open();
+      m = coopdyn.internal.ask_names(sim.session.address);
+    end
+
+    function reply = call(sim, name, command, params, data, text, varargin)
+    %CALL The raw message: sim.call('/robot1/motors', 'set_velocity', params, data, text, 'timeout', s) with text,
+    %   command, params, data, time, step in the reply. In lockstep an actuator command is answered after the step.
+      if nargin < 6, text = ''; end
+      if nargin < 5, data = []; end
+      if nargin < 4, params = []; end
+      options = coopdyn.internal.options(varargin, struct('timeout', Inf));
+      reply = sim.session.call(name, command, params, data, text, options.timeout);
+    end
+
+    function close(sim)
+    %CLOSE Writes stop to the robots of this sim and frees them. Does not wait.
+      if ~sim.session.closed
+        sim.session.close();
+      end
+    end
+  end
+  methods (Access = private)
+    function loaded(sim)
+      session = sim.session;
+      session.started_anew();
+      names = sim.robots();
+      keep = true(1, numel(session.links));
+      for k = 1:numel(session.links)
+        link = session.links{k};
+        if ~any(strcmp(names, link.robot))
+          link.lost = ['the scenario that was loaded has no ' link.robot '; there are: ' strjoin(names, ', ')];
+          link.lost_code = 10;
+          link.close();
+          keep(k) = false;
+        end
+      end
+      session.links = session.links(keep);
+    end
+  end
+end
