@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace coopdyn {
 
@@ -15,8 +16,15 @@ std::string Number(const char* what, double value, const char* unit) {
   return text;
 }
 
+bool IsFinite(const BodyState& state) {
+  double sum = state.p_WB.sum() + state.v_WB.sum() + state.w_WB.sum();
+  for (const double x : state.q_WB) sum += x;
+  return std::isfinite(sum);  // a sum is finite only if all its terms are
+}
+
 /// The largest share of the stated limits that a body uses.
 double Violence(const BodyState& state) {
+  if (!IsFinite(state)) return std::numeric_limits<double>::infinity();
   return std::max(state.v_WB.norm() / kMaxSpeed_m_s, state.w_WB.norm() / kMaxTurnRate_rad_s);
 }
 
@@ -24,7 +32,7 @@ bool IsSane(dBodyID body) {
   const auto squared = [](const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
   const double* q = dBodyGetQuaternion(body);
   const double* p = dBodyGetPosition(body);
-  // A sum is finite only if all its terms are; comparisons with nan are false.
+  // Comparisons with nan are false.
   return squared(dBodyGetLinearVel(body)) <= kMaxSpeed_m_s * kMaxSpeed_m_s &&
          squared(dBodyGetAngularVel(body)) <= kMaxTurnRate_rad_s * kMaxTurnRate_rad_s &&
          std::isfinite(p[0] + p[1] + p[2] + q[0] + q[1] + q[2] + q[3]);
@@ -33,9 +41,7 @@ bool IsSane(dBodyID body) {
 }  // namespace
 
 std::optional<std::string> WhyInsane(const BodyState& state) {
-  double sum = state.p_WB.sum() + state.v_WB.sum() + state.w_WB.sum();
-  for (const double x : state.q_WB) sum += x;
-  if (!std::isfinite(sum)) return "position or speed not finite";
+  if (!IsFinite(state)) return "position or speed not finite";
   if (!(state.v_WB.norm() <= kMaxSpeed_m_s)) return Number("speed", state.v_WB.norm(), "m/s");
   if (!(state.w_WB.norm() <= kMaxTurnRate_rad_s)) return Number("turn rate", state.w_WB.norm(), "rad/s");
   return std::nullopt;

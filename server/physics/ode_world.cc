@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "server/base/mutex.h"
 #include "server/physics/ode_setup.h"
 
 namespace coopdyn {
@@ -33,6 +34,14 @@ dGeomID MakeGeom(const Shape& shape, dSpaceID space) {
 const char* KindOf(const Shape& shape) {
   constexpr const char* kKinds[] = {"box", "cylinder", "sphere"};
   return kKinds[shape.index()];
+}
+
+// Reachable, so that it does not count as leaked.
+void KeepForever(dThreadingImplementationID threading) {
+  static Mutex mutex;
+  static std::vector<dThreadingImplementationID>* const kept = new std::vector<dThreadingImplementationID>;
+  const MutexLock lock(mutex);
+  kept->push_back(threading);
 }
 
 /// Fills an OdeWorld, bodies first, in the order of Frame::bodies.
@@ -191,6 +200,10 @@ class Builder {
 };
 
 }  // namespace
+
+OdeWorld::~OdeWorld() {
+  if (broken) KeepForever(threading.release());
+}
 
 std::unique_ptr<OdeWorld> BuildOdeWorld(const Scene& scene) {
   return Builder(scene).Build();

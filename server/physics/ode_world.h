@@ -55,6 +55,11 @@ struct Owner {
 };
 
 struct OdeWorld {
+  OdeWorld() = default;
+  OdeWorld(const OdeWorld&) = delete;
+  OdeWorld& operator=(const OdeWorld&) = delete;
+  ~OdeWorld();
+
   OdeThreadingPtr threading;  // of this world alone: ODE's shared one would tie worlds together
   OdeWorldPtr world;
   OdeGroupPtr contacts;
@@ -67,6 +72,10 @@ struct OdeWorld {
       owners;  // with bodies: dynamic objects, then robots; from `first_static` on: static objects
   int first_static = 0;
   std::vector<std::array<dJointID, 2>> motors;  // left, right hinge of each robot
+
+  /// Set when ODE threw in the middle of a step: then its threading object may not be freed (it asserts that
+  /// its jobs are done) and is kept until the process ends.
+  bool broken = false;
 
   dBodyID BodyOf(const Part& part) const {
     return part.body < 0 ? nullptr : bodies[static_cast<std::size_t>(part.body)];

@@ -94,6 +94,7 @@ struct PhysicsWorld::Impl {
         done = true;
       } catch (const OdeError& error) {
         solver_seed = seed;
+        ode->broken = true;
         Rebuild();
         done = !last_sane.FreezeFastest(*ode, error.what(), frozen);
       }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 namespace coopdyn {
 
@@ -47,11 +48,15 @@ std::shared_ptr<const RobotModel> TestRobot() {
 }
 
 PhysicsScene& PhysicsScene::AddRobot(double x_m, double y_m, double heading_rad) {
+  return AddRobot({{x_m, y_m, 0}, FromRollPitchYaw(0, 0, heading_rad)});
+}
+
+PhysicsScene& PhysicsScene::AddRobot(const Pose& X_WR) {
   static const std::shared_ptr<const RobotModel> model = TestRobot();
   RobotEntry entry;
   entry.name = "robot" + std::to_string(scenario_.robots.size() + 1);
   entry.model = model;
-  entry.X_WR = {{x_m, y_m, 0}, FromRollPitchYaw(0, 0, heading_rad)};
+  entry.X_WR = X_WR;
   entry.where = {"test.scenario", 100 + static_cast<int>(scenario_.robots.size())};
   scenario_.robots.push_back(std::move(entry));
   return *this;
@@ -75,8 +80,14 @@ void PhysicsScene::Build() {
   setpoints_.resize(scene_->robots.size());
 }
 
+PhysicsWorld& PhysicsScene::world() {
+  if (!scene_) Build();
+  if (!world_) throw std::runtime_error(diagnostics_.ToString());
+  return *world_;
+}
+
 void PhysicsScene::SetWheels(int robot, double left_rad_s, double right_rad_s) {
-  if (!world_) Build();
+  world();
   setpoints_.at(static_cast<std::size_t>(robot)) = {left_rad_s, right_rad_s};
 }
 
@@ -86,9 +97,8 @@ void PhysicsScene::SetVelocity(int robot, double linear_m_s, double angular_rad_
 }
 
 void PhysicsScene::Run(int steps) {
-  if (!world_) Build();
   for (int i = 0; i < steps; ++i) {
-    world_->Step(step_length, substeps > 0 ? substeps : DefaultSubsteps(step_length), setpoints_);
+    world().Step(step_length, substeps > 0 ? substeps : DefaultSubsteps(step_length), setpoints_);
     ++step_;
     time_ += step_length;
   }
@@ -100,20 +110,19 @@ void PhysicsScene::RunFor(double duration_s) {
 }
 
 std::shared_ptr<Frame> PhysicsScene::Capture() {
-  if (!world_) Build();
   if (!frame_) {
+    world();
     frame_ = std::make_shared<Frame>();
     frame_->step = step_;
     frame_->time = time_;
     frame_->scene = scene_;
-    world_->Fill(*frame_);
+    world().Fill(*frame_);
   }
   return frame_;
 }
 
 void PhysicsScene::Restore(const Frame& frame) {
-  if (!world_) Build();
-  world_->Restore(frame);
+  world().Restore(frame);
   step_ = frame.step;
   time_ = frame.time;
   frame_.reset();

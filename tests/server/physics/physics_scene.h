@@ -20,11 +20,12 @@ std::shared_ptr<const RobotModel> TestRobot();
 class PhysicsScene {
  public:
   PhysicsScene& AddRobot(double x_m, double y_m, double heading_rad = 0);
+  PhysicsScene& AddRobot(const Pose& X_WR);
   /// A box, cylinder or sphere; mass 0: static. Named like THING_1.
   PhysicsScene& Add(const Shape& shape, const Pose& X_WO, double mass_kg = 0, double friction = 1);
   PhysicsScene& SetFloorFriction(double friction);
 
-  /// Builds physics. Called by the first Run(); a test calls it to see the diagnostics.
+  /// Builds physics. Called by the first use; a test calls it to see the diagnostics.
   void Build();
   const Diagnostics& diagnostics() const { return diagnostics_; }
   bool built() const { return world_ != nullptr; }
@@ -45,7 +46,8 @@ class PhysicsScene {
   Pose object(int index);
   const BodyState& object_body(int index);
 
-  PhysicsWorld& world() { return *world_; }
+  /// Throws if the scene could not be built.
+  PhysicsWorld& world();
   Nanoseconds step_length = kDefaultStep;
   int substeps = 0;
 

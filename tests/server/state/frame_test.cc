@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "server/state/frame_board.h"
+
+namespace coopdyn {
+namespace {
+
+/// A body at the pose of link frame `X_WL` whose inertial frame is `X_LI`.
+BodyState BodyAt(const Pose& X_WL, const Pose& X_LI) {
+  const Pose X_WI = X_WL * X_LI;
+  BodyState body;
+  body.p_WB = X_WI.p;
+  body.q_WB = {X_WI.q.w(), X_WI.q.x(), X_WI.q.y(), X_WI.q.z()};
+  return body;
+}
+
+void ExpectSame(const Pose& a, const Pose& b) {
+  EXPECT_LT((a.p - b.p).norm(), 1e-12);
+  EXPECT_LT(a.q.angularDistance(b.q), 1e-7);
+}
+
+class FramePoses : public testing::Test {
+ protected:
+  FramePoses() {
+    auto model = std::make_shared<RobotModel>();
+    model->links.resize(2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double s = 0.1 * static_cast<double>(k + 1);
+      model->links[k].X_RL = {{s, -s, 2 * s}, FromRollPitchYaw(s, 2 * s, -s)};
+      model->links[k].X_LI = {{-s, 3 * s, s}, FromRollPitchYaw(-s, s, 3 * s)};
+    }
+    auto scenario = std::make_shared<Scenario>();
+    RobotEntry entry;
+    entry.name = "robot1";
+    entry.model = model;
+    scenario->robots = {entry};
+    scenario->objects = {{"WALL", Sphere{1}, {{7, 8, 9}, FromRollPitchYaw(1, 0, 0)}, 0, {}, 1, {}},
+                         {"CRATE", Sphere{1}, {}, 1, {}, 1, {}}};
+    frame.scene = MakeScene(scenario, 1);
+    frame.bodies = {BodyAt(X_WO, {}), BodyAt(X_WR * model->links[0].X_RL, model->links[0].X_LI),
+                    BodyAt(X_WR * model->links[1].X_RL, model->links[1].X_LI)};
+    frame.robots.resize(1);
+  }
+  const Pose X_WO{{4, 5, 6}, FromRollPitchYaw(0.3, -0.2, 2)};
+  const Pose X_WR{{1, 2, 3}, FromRollPitchYaw(0.1, 0.2, 1)};
+  Frame frame;
+};
+
+TEST_F(FramePoses, RobotPoseIsOfTheFrameUnderTheAxle) {
+  ExpectSame(RobotPose(frame, 0), X_WR);
+}
+
+TEST_F(FramePoses, LinkPoseIsOfTheLinkAndNotOfItsCentreOfMass) {
+  for (int k = 0; k < 2; ++k) {
+    ExpectSame(LinkPose(frame, 0, k),
+               X_WR * frame.scene->robots[0].entry.model->links[static_cast<std::size_t>(k)].X_RL);
+  }
+}
+
+TEST_F(FramePoses, ObjectPoseIsOfTheCentreWhetherItMovesOrNot) {
+  ExpectSame(ObjectPose(frame, frame.scene->objects[0]), frame.scene->objects[0].object.X_WO);
+  ExpectSame(ObjectPose(frame, frame.scene->objects[1]), X_WO);
+}
+
+TEST(FrameBoard, IsEmptyBeforeTheFirstFrame) {
+  EXPECT_EQ(FrameBoard().Latest(), nullptr);
+}
+
+TEST(FrameBoard, GivesTheNewestFrameAndLetsTheOldOneGo) {
+  FrameBoard board;
+  auto first = std::make_shared<const Frame>();
+  const std::weak_ptr<const Frame> old = first;
+  board.Publish(std::move(first));
+  const auto second = std::make_shared<const Frame>();
+  board.Publish(second);
+  EXPECT_EQ(board.Latest(), second);
+  EXPECT_TRUE(old.expired());
+}
+
+TEST(FrameBoard, ReaderNeverSeesTimeGoBackNorHalfAFrame) {
+  FrameBoard board;
+  constexpr std::uint64_t kFrames = 2000;
+  std::thread writer([&] {
+    for (std::uint64_t k = 1; k <= kFrames; ++k) {
+      auto frame = std::make_shared<Frame>();
+      frame->step = k;
+      frame->robots.resize(50);
+      for (RobotState& robot : frame->robots) robot.wheel_angle_rad[0] = static_cast<double>(k);
+      board.Publish(std::move(frame));
+    }
+  });
+  std::uint64_t last = 0;
+  while (last < kFrames) {
+    const FramePtr frame = board.Latest();
+    if (frame == nullptr) continue;
+    EXPECT_GE(frame->step, last);
+    last = frame->step;
+    for (const RobotState& robot : frame->robots) {
+      ASSERT_EQ(robot.wheel_angle_rad[0], static_cast<double>(frame->step));
+    }
+  }
+  writer.join();
+}
+
+}  // namespace
+}  // namespace coopdyn

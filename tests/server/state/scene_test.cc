@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include "server/state/scene.h"
+
+namespace coopdyn {
+namespace {
+
+RobotEntry Robot(const std::string& name, std::size_t links) {
+  auto model = std::make_shared<RobotModel>();
+  model->links.resize(links);
+  RobotEntry entry;
+  entry.name = name;
+  entry.model = model;
+  return entry;
+}
+
+std::shared_ptr<const Scenario> TestScenario() {
+  auto scenario = std::make_shared<Scenario>();
+  scenario->floor.friction = 0.7;
+  scenario->objects = {{"WALL_1", Box{Vector3(1, 1, 1)}, {}, 0, {}, 1, {}},
+                       {"BALL_1", Sphere{0.1}, {}, 2, {}, 1, {}},
+                       {"WALL_2", Box{Vector3(1, 1, 1)}, {}, 0, {}, 1, {}},
+                       {"BALL_2", Sphere{0.1}, {}, 2, {}, 1, {}}};
+  scenario->targets.resize(2);
+  scenario->robots = {Robot("ana", 3), Robot("bob", 4)};
+  return scenario;
+}
+
+TEST(Scene, BodiesAreDynamicObjectsInFileOrderThenTheRobotsLinks) {
+  const auto scene = MakeScene(TestScenario(), 5);
+  EXPECT_EQ(scene->epoch, 5u);
+  EXPECT_EQ(scene->floor.friction, 0.7);
+  ASSERT_EQ(scene->objects.size(), 4u);
+  EXPECT_EQ(scene->objects[0].body, -1);
+  EXPECT_EQ(scene->objects[1].body, 0);
+  EXPECT_EQ(scene->objects[2].body, -1);
+  EXPECT_EQ(scene->objects[3].body, 1);
+  EXPECT_EQ(scene->robots[0].first_body, 2);
+  EXPECT_EQ(scene->robots[0].body_count, 3);
+  EXPECT_EQ(scene->robots[1].first_body, 5);
+  EXPECT_EQ(scene->robots[1].body_count, 4);
+  EXPECT_EQ(scene->body_ids.size(), 9u);
+}
+
+TEST(Scene, IdsStartAtOneInFileOrder) {
+  const auto scene = MakeScene(TestScenario(), 1);
+  for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(scene->objects[i].id.value, i + 1);
+  for (std::uint32_t i = 0; i < 2; ++i) EXPECT_EQ(scene->targets[i].id.value, i + 1);
+  for (std::uint32_t i = 0; i < 2; ++i) EXPECT_EQ(scene->robots[i].id.value, i + 1);
+  for (std::uint32_t i = 0; i < 9; ++i) EXPECT_EQ(scene->body_ids[i].value, i + 1);
+  EXPECT_EQ(scene->robots[1].slot, 1);
+  EXPECT_EQ(scene->robots[1].entry.id, scene->robots[1].id);
+}
+
+TEST(Scene, FindsRobotsByName) {
+  const auto scene = MakeScene(TestScenario(), 1);
+  EXPECT_EQ(scene->FindRobot("ana"), 0);
+  EXPECT_EQ(scene->FindRobot("bob"), 1);
+  EXPECT_EQ(scene->FindRobot("bo"), -1);
+}
+
+}  // namespace
+}  // namespace coopdyn
