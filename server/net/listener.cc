@@ -114,6 +114,11 @@ struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
 
   void Close() {
     on_accept = nullptr;
+    for (const std::shared_ptr<Port>& port : ports) {  // what waits for them holds them
+      boost::system::error_code ignored;
+      port->descriptor.close(ignored);
+      port->retry.cancel();
+    }
     ports.clear();
   }
 

@@ -40,6 +40,14 @@ TEST_F(ModuleServerTest, LoopbackListensOnBothAddressesWithOnePort) {
   thread_.Stop();  // so that it may be destroyed here
 }
 
+TEST_F(ModuleServerTest, ItsPortIsFreeAgainAtItsEnd) {
+  const int port = server_->port();
+  thread_.Call([this] { server_.reset(); });
+  EXPECT_FALSE(TestClient::Connect(port).ok());
+  server_ = std::make_unique<ModuleServer>(thread_.context(), endpoint_, services_, "/again");
+  EXPECT_EQ(server_->Listen({"127.0.0.1"}, port), "");
+}
+
 TEST_F(ModuleServerTest, AnAddressThatIsNotOursIsAnErrorThatNamesIt) {
   thread_.Stop();
   ModuleServer wrong(thread_.context(), endpoint_, services_, "/wrong");
