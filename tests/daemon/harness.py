@@ -187,6 +187,7 @@ class Daemon:
     def __init__(self, text=None, *options, name=None, env=None, expect_exit=0):
         self.folder = tempfile.TemporaryDirectory()
         self.expect_exit = expect_exit
+        self.connections = []
         if name is None:
             path = Path(self.folder.name) / "test.scenario"
             path.write_text(text if text is not None else scenario())
@@ -213,11 +214,19 @@ class Daemon:
     def stderr(self):
         return self.stderr_path.read_text(errors="replace")
 
+    def _keep(self, connection):
+        self.connections.append(connection)
+        return connection
+
     def text(self, module, direct=False):
-        return Text(self, module, direct)
+        return self._keep(Text(self, module, direct))
 
     def binary(self, module):
-        return Binary(self, module)
+        return self._keep(Binary(self, module))
+
+    def raw(self, module=None):
+        """Bytes to a module's own port; without a module, to the name port."""
+        return self._keep(Connection(("127.0.0.1", self.module_port(module)) if module else self.names))
 
     def module_port(self, module):
         connection = Connection(self.names)
@@ -253,6 +262,8 @@ class Daemon:
 
     def __exit__(self, kind, value, trace):
         code = self.end()
+        for connection in self.connections:
+            connection.close()
         self.process.stdout.close()
         self.stderr_file.close()
         said = self.stderr()
