@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The page: puts its parts together and tells them the news.
 import {Connection} from './connection.js';
 import {Console} from './console.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The viewer's camera: it looks at a point and moves round it. No DOM. Frame: world, z up; metres and radians.
 
 const MAX_ELEVATION = 1.55;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The WebSocket to the daemon: calls with replies, pushes, status and pictures. Connects again by itself.
 
 export class Connection extends EventTarget {

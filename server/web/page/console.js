@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The console: a line for any module, with completion of commands, and its reply.
 import {byId, make, setText} from './dom.js';
 

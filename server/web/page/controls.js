@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Run, pause, step, reset, …; mode, step size, speed; scenarios to choose and to upload.
 import {byId, make, say, setText} from './dom.js';
 

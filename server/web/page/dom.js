@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Small helpers for the page. Text always goes in as text, never as markup.
 
 /** The element with this id. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Ready-made lines that connect a client to a robot, with the address under which this page was reached.
 import {make} from './dom.js';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Live readings of one robot: all its modules' first readings of one frame, in one round trip, on a connection of their
 // own, five times a second while they are shown.
 import {make, setText, showNumber} from './dom.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The list of robots: who drives them, their modules and addresses, live readings of those that are open.
 import {connectionLines} from './lines.js';
 import {byId, make, say, setText} from './dom.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The strip at the top, to be read from the last row: state, mode, time, real-time factor, and whom the world waits for.
 import {byId, make, setText, showNumber} from './dom.js';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The live view: asks for pictures from the camera's place and draws them. Left button turns, right button moves, wheel
 // zooms; one finger turns, two move and zoom.
 import {Camera} from './camera.js';
