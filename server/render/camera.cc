@@ -3,47 +3,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace coopdyn {
 
 namespace {
 
-struct Bounds {
-  Vector3 min = Vector3::Constant(1e30), max = Vector3::Constant(-1e30);
+// Corners of what is to be seen.
+using Points = std::vector<Vector3>;
 
-  bool empty() const { return min.x() > max.x(); }
-  Vector3 center() const { return (min + max) / 2; }
-  Vector3 corner(int i) const {
-    return {i & 1 ? max.x() : min.x(), i & 2 ? max.y() : min.y(), i & 4 ? max.z() : min.z()};
+void AddBox(const Vector3& center, const Vector3& half, Points& points) {
+  for (int i = 0; i < 8; ++i) {
+    points.push_back(center + Vector3(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(),
+                                      i & 4 ? half.z() : -half.z()));
   }
-  void Add(const Vector3& p, const Vector3& half) {
-    min = min.cwiseMin(p - half);
-    max = max.cwiseMax(p + half);
-  }
-};
-
-Bounds FloorBounds(const Floor& floor) {
-  Bounds bounds;
-  bounds.Add(Vector3::Zero(), {floor.length_m / 2, floor.width_m / 2, 0});
-  return bounds;
 }
 
-Bounds ContentBounds(const Scene& scene) {
+Points FloorPoints(const Floor& floor) {
+  Points points;
+  AddBox(Vector3::Zero(), {floor.length_m / 2, floor.width_m / 2, 0}, points);
+  return points;
+}
+
+Points ContentPoints(const Scene& scene) {
   constexpr double kMargin_m = 0.5;
-  Bounds bounds;
+  Points points;
   for (const SceneObject& object : scene.objects) {
-    bounds.Add(object.object.X_WO.p, HalfExtents(object.object.shape, object.object.X_WO.q));
+    AddBox(object.object.X_WO.p, HalfExtents(object.object.shape, object.object.X_WO.q), points);
   }
   for (const SceneRobot& robot : scene.robots) {
-    const double r = robot.entry.model->footprint_radius_m + kMargin_m;
-    bounds.Add(robot.entry.X_WR.p, {r, r, 0});
-    bounds.max.z() = std::max(bounds.max.z(), robot.entry.X_WR.p.z() + robot.entry.model->height_m);
+    const double r = robot.entry.model->footprint_radius_m + kMargin_m, h = robot.entry.model->height_m / 2;
+    AddBox(robot.entry.X_WR.p + Vector3(0, 0, h), {r, r, h}, points);
   }
-  for (const Target& target : scene.targets) bounds.Add(target.p_WT, {kMargin_m, kMargin_m, 0});
-  if (bounds.empty()) return FloorBounds(scene.floor);
-  bounds.min.z() = 0;
-  bounds.max.z() = std::max(bounds.max.z(), 0.3);
-  return bounds;
+  for (const Target& target : scene.targets) AddBox(target.p_WT, {kMargin_m, kMargin_m, 0}, points);
+  return points.empty() ? FloorPoints(scene.floor) : points;
 }
 
 // Rows: right, up and backward of the camera in the world.
@@ -56,24 +49,23 @@ Matrix3 CameraAxes(const Vector3& backward) {
   return axes;
 }
 
-// Moves a camera that looks along −axes.row(2) so that `bounds` just fill the picture; returns the eye.
-Vector3 FitEye(const Bounds& bounds, const Matrix3& axes, double tan_x, double tan_y) {
-  // In the plane through right and forward, and through up and forward, the eye is the apex of a wedge that
-  // touches the corners on both sides; the farther apex of the two wins.
-  double back[2], across[2];
+// Where a camera that looks along −axes.row(2) stands so that `points` just fill the picture.
+Vector3 FitEye(const Points& points, const Matrix3& axes, double tan_x, double tan_y) {
+  // Seen from above, and from the side, the eye is the apex of a wedge that touches points on both sides; the
+  // farther apex of the two wins.
+  constexpr double kFar = 1e30;
   const double tans[2] = {tan_x, tan_y};
-  for (int axis = 0; axis < 2; ++axis) {
-    double high = -1e30, low = -1e30;
-    for (int i = 0; i < 8; ++i) {
-      const Vector3 c = axes * bounds.corner(i);
-      high = std::max(high, c[axis] + tans[axis] * c.z());
-      low = std::max(low, -c[axis] + tans[axis] * c.z());
+  double highest[2] = {-kFar, -kFar}, lowest[2] = {-kFar, -kFar};
+  for (const Vector3& point : points) {
+    const Vector3 p = axes * point;
+    for (int axis = 0; axis < 2; ++axis) {
+      highest[axis] = std::max(highest[axis], p[axis] + tans[axis] * p.z());
+      lowest[axis] = std::max(lowest[axis], -p[axis] + tans[axis] * p.z());
     }
-    across[axis] = (high - low) / 2;
-    back[axis] = (high + low) / (2 * tans[axis]);
   }
-  const double farther = std::max(back[0], back[1]);
-  return axes.transpose() * Vector3(across[0], across[1], farther);
+  const auto back = [&](int axis) { return (highest[axis] + lowest[axis]) / (2 * tans[axis]); };
+  const auto across = [&](int axis) { return (highest[axis] - lowest[axis]) / 2; };
+  return axes.transpose() * Vector3(across(0), across(1), std::max(back(0), back(1)));
 }
 
 }  // namespace
@@ -109,14 +101,19 @@ Camera DefaultCamera(const Scene& scene, double fov_rad, int width, int height) 
   constexpr double kAzimuth_rad =
       -1.85;                     // from the right of a robot that looks along x, and a little behind it
   constexpr double kAir = 1.06;  // around what is framed
-  const Bounds bounds = ContentBounds(scene);
+  const Points points = ContentPoints(scene);
   const Vector3 backward(std::cos(kElevation_rad) * std::cos(kAzimuth_rad),
                          std::cos(kElevation_rad) * std::sin(kAzimuth_rad), std::sin(kElevation_rad));
   const double tan_y = std::tan(fov_rad / 2) / kAir;
   Camera camera;
   camera.fov_rad = fov_rad;
-  camera.eye_W = FitEye(bounds, CameraAxes(backward), tan_y * width / height, tan_y);
-  const double distance_m = std::max((camera.eye_W - bounds.center()).dot(backward), 0.5);
+  camera.eye_W = FitEye(points, CameraAxes(backward), tan_y * width / height, tan_y);
+  double nearest_m = 1e30, farthest_m = -1e30;
+  for (const Vector3& point : points) {
+    nearest_m = std::min(nearest_m, (camera.eye_W - point).dot(backward));
+    farthest_m = std::max(farthest_m, (camera.eye_W - point).dot(backward));
+  }
+  const double distance_m = std::max((nearest_m + farthest_m) / 2, 0.5);
   camera.look_W = camera.eye_W - distance_m * backward;
   return camera;
 }
@@ -130,11 +127,9 @@ Camera CameraFor(const ImageRequest& request, const Scene& scene) {
     if ((camera.eye_W - camera.look_W).norm() < 1e-6)
       camera.look_W.x() += 1;  // an eye at the middle of the scene
   }
-  const Bounds content = ContentBounds(scene), floor = FloorBounds(scene.floor);
   double farthest_m = 10;
-  for (int i = 0; i < 8; ++i) {
-    farthest_m = std::max(
-        {farthest_m, (content.corner(i) - camera.eye_W).norm(), (floor.corner(i) - camera.eye_W).norm()});
+  for (const Points& points : {ContentPoints(scene), FloorPoints(scene.floor)}) {
+    for (const Vector3& point : points) farthest_m = std::max(farthest_m, (point - camera.eye_W).norm());
   }
   camera.near_m = std::clamp(0.01 * (camera.eye_W - camera.look_W).norm(), 0.02, 1.0);
   camera.far_m = 2 * farthest_m;  // robots may have left the floor

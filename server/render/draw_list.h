@@ -46,7 +46,7 @@ struct DrawList {
 
 /// Towards the sun; not normalised, z = 1.
 inline const Vector3& SunDirection() {
-  static const Vector3 direction(-0.42, -0.34, 1);
+  static const Vector3 direction(-0.50, -0.62, 1);
   return direction;
 }
 

@@ -14,6 +14,7 @@ constexpr double kPen = 14;  // width of the strokes, in units of the font
 constexpr Color kPlate{0.11, 0.13, 0.17};
 constexpr Color kText{0.98, 0.98, 0.98};
 constexpr std::size_t kMaxLetters = 24;
+constexpr std::size_t kCrowd = 8;  // more names than this are written smaller
 constexpr int kMaxNames = 80;  // beyond that the farthest go without
 
 void Blend(Picture& picture, int x, int y, const Color& color, double alpha) {
@@ -82,7 +83,8 @@ const LabelPainter::Mask& LabelPainter::MaskOf(char c, double cap_px) {
 }
 
 void LabelPainter::Paint(Picture& picture, const std::vector<Label>& labels) {
-  const double cap_px = std::clamp(picture.height / 48.0, 7.0, 20.0);
+  const double crowd = labels.size() > kCrowd ? 0.85 : 1;
+  const double cap_px = std::clamp(crowd * picture.height / 54.0, 6.0, 18.0);
   const auto first = labels.size() > kMaxNames ? labels.end() - kMaxNames : labels.begin();
   for (auto label = first; label != labels.end(); ++label) PaintOne(picture, *label, cap_px);
 }

@@ -91,7 +91,7 @@ void main() {
   vec3 base = floor_color * floor_color;
   vec2 cell = floor(world);
   base *= 1.0 - 0.05 * mod(cell.x + cell.y, 2.0) * (1.0 - clamp(length(fwidth(world)) * 2.0, 0.0, 1.0));
-  base = mix(base, base * vec3(0.50, 0.55, 0.64), Lines(world, 0.022));
+  base = mix(base, base * vec3(0.50, 0.55, 0.64), Lines(world, 0.013));
   result = vec4(sqrt(base * (Ambient(1.0) + kSunColor * sun.z)), 1.0);
 }
 )";
