@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+#include "clients/cpp/address.h"
+
+#include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <pwd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <sstream>
+
+#include "clients/cpp/error.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr double kYear_s = 3.2e7;
+
+std::string DefaultName() {
+  const passwd* account = getpwuid(getuid());
+  char host[256] = "";
+  gethostname(host, sizeof(host) - 1);
+  std::string name = std::string(account != nullptr ? account->pw_name : "user") + "@" + host + ":" +
+                     std::to_string(getpid());
+  std::erase_if(name, [](unsigned char c) { return c <= ' '; });
+  return name;
+}
+
+int PortOf(const std::string& text) {
+  if (text.empty() || text.size() > 5 || text.find_first_not_of("0123456789") != std::string::npos) return 0;
+  const int port = std::stoi(text);
+  return port < 65536 ? port : 0;
+}
+
+}  // namespace
+
+Deadline After(double seconds, Deadline now) {
+  return now + std::chrono::duration_cast<Clock::duration>(
+                   std::chrono::duration<double>(std::clamp(seconds, 0.0, kYear_s)));
+}
+
+double Until(Deadline deadline, Deadline now) {
+  return std::chrono::duration<double>(deadline - now).count();
+}
+
+void WaitReadable(const std::vector<int>& fds, double timeout_s) {
+  std::vector<pollfd> polled;
+  for (const int fd : fds) polled.push_back({fd, POLLIN, 0});
+  poll(polled.data(), polled.size(), static_cast<int>(std::ceil(std::clamp(timeout_s, 0.0, 3600.0) * 1000)));
+}
+
+bool WriteAll(int fd, const std::string& bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t n = send(fd, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
+    if (n >= 0) {
+      done += static_cast<std::size_t>(n);
+    } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+      pollfd writable{fd, POLLOUT, 0};
+      if (poll(&writable, 1, 10000) <= 0) return false;
+    } else if (errno != EINTR) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Address::Address(const std::string& server, const std::string& name, const std::string& token,
+                 double timeout_s)
+    : name_(name.empty() ? DefaultName() : name), token_(token), timeout_s_(timeout_s) {
+  std::string given = server;
+  if (const char* variable = std::getenv("COOPDYN_SERVER"); given.empty() && variable != nullptr)
+    given = variable;
+  if (given.empty()) given = "127.0.0.1";
+  host_ = given;
+  if (const std::size_t close = given.find(']'); given[0] == '[' && close != std::string::npos) {
+    host_ = given.substr(1, close - 1);
+    if (close + 1 < given.size()) port_ = given[close + 1] == ':' ? PortOf(given.substr(close + 2)) : 0;
+  } else if (std::count(given.begin(), given.end(), ':') == 1) {
+    host_ = given.substr(0, given.find(':'));
+    port_ = PortOf(given.substr(given.find(':') + 1));
+  }
+  if (host_.empty() || port_ == 0)
+    throw Error(4,
+                "cannot read the server '" + given + "'; write HOST or HOST:PORT, e.g. \"labserver:10100\"");
+  if (std::any_of(name_.begin(), name_.end(), [](unsigned char c) { return c <= ' '; }))
+    throw Error(3, "a client name has no spaces, not '" + name_ + "'; write e.g. \"ana\"");
+}
+
+std::string Address::text() const {
+  return (host_.find(':') != std::string::npos ? "[" + host_ + "]" : host_) + ":" + std::to_string(port_);
+}
+
+std::string Address::HelloText(bool drives) const {
+  return name_ + (drives ? "" : ":reader") + (token_.empty() ? "" : " " + token_);
+}
+
+int Address::DialOne(int fd, const void* address, unsigned length, Deadline deadline) const {
+  fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
+  if (connect(fd, static_cast<const sockaddr*>(address), length) == 0) return 0;
+  if (errno != EINPROGRESS) return errno;
+  pollfd connecting{fd, POLLOUT, 0};
+  const int timeout_ms = static_cast<int>(std::max(1.0, Until(deadline) * 1000));
+  if (poll(&connecting, 1, timeout_ms) <= 0) return ETIMEDOUT;
+  int error = 0;
+  socklen_t size = sizeof(error);
+  getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
+}
+
+int Address::Dial(Deadline deadline) const {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host_.c_str(), std::to_string(port_).c_str(), &hints, &found) != 0)
+    throw Error(Error::kNoConnection,
+                "nobody knows a machine called '" + host_ + "'; check the name, or write its address");
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
+  int error = ECONNREFUSED;
+  for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
+    const int fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
+    if (fd < 0) continue;
+    error = DialOne(fd, a->ai_addr, a->ai_addrlen, deadline);
+    if (error == 0) {
+      const int on = 1;
+      setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
+      return fd;
+    }
+    close(fd);
+  }
+  std::ostringstream why;
+  if (error == ETIMEDOUT) {
+    why << "no answer from " << text() << " within " << timeout_s_
+        << " s: the machine is off, the address is wrong, or a firewall drops the packets; try `ping`, or a "
+           "tunnel: ssh -L 10000:127.0.0.1:10000 HOST";
+    throw Error(11, why.str());
+  }
+  if (error == ECONNREFUSED) {
+    why << "nothing listens at " << text()
+        << ": start the daemon there (coopdyn serve; for other machines add --host 0.0.0.0), or name the "
+           "server: connect(\"HOST:PORT\") or COOPDYN_SERVER";
+  } else {
+    why << "cannot reach " << text() << ": " << std::strerror(error);
+  }
+  throw Error(Error::kNoConnection, why.str());
+}
+
+std::string Address::ReadLine(int fd, Deadline deadline) const {
+  std::string line;
+  while (line.empty() || line.back() != '\n') {
+    char byte = 0;
+    const ssize_t n = recv(fd, &byte, 1, 0);
+    if (n == 1) {
+      line += byte;
+      continue;
+    }
+    if (n == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) break;
+    if (Until(deadline) <= 0)
+      throw Error(11, text() +
+                          " accepts connections but does not answer: the daemon is stopped or busy, or "
+                          "something else listens there; try `coopdyn status`");
+    WaitReadable({fd}, Until(deadline));
+  }
+  while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
+  return line;
+}
+
+std::vector<Module> Address::Modules() const {
+  const Deadline deadline = After(timeout_s_);
+  const int fd = Dial(deadline);
+  std::vector<Module> modules;
+  try {
+    WriteAll(fd, "NAME_SERVER list\n");
+    for (std::string line = ReadLine(fd, deadline); !line.empty() && !line.starts_with("***");
+         line = ReadLine(fd, deadline)) {
+      std::istringstream words(line);  // registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp
+      std::string registration, word;
+      Module module;
+      words >> registration >> word >> module.name >> word >> module.host >> word >> module.port;
+      if (registration == "registration" && module.name.starts_with("/")) modules.push_back(module);
+    }
+  } catch (...) {
+    close(fd);
+    throw;
+  }
+  close(fd);
+  return modules;
+}
+
+int Address::OpenModule(const std::string& module, Deadline deadline) const {
+  const int fd = Dial(deadline);
+  try {
+    WriteAll(fd, "OPEN " + module + "\n");
+    const std::string said = ReadLine(fd, deadline);
+    if (said == "ok") return fd;
+    if (said.starts_with("***")) throw Error(10, said.substr(std::min(said.size(), std::size_t{4})));
+    throw Error(Error::kNoConnection, "what listens at " + text() + " is not a coopdyn daemon (it said '" +
+                                          said.substr(0, 60) + "')");
+  } catch (...) {
+    close(fd);
+    throw;
+  }
+}
+
+}  // namespace coopdyn::client

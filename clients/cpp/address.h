@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Where the daemon is and who we are: what every connection needs. Constant after construction.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace coopdyn::client {
+
+using Clock = std::chrono::steady_clock;
+using Deadline = Clock::time_point;
+/// `seconds` from `now`; never if they are more than a year.
+Deadline After(double seconds, Deadline now = Clock::now());
+/// Seconds from `now` to `deadline`.
+double Until(Deadline deadline, Deadline now = Clock::now());
+
+/// A name of the daemon and its own address; port 0: reached through the daemon's port only.
+struct Module {
+  std::string name, host;
+  int port = 0;
+};
+
+class Address {
+ public:
+  /// `server`: "HOST", "HOST:PORT", "[::1]:PORT"; empty: COOPDYN_SERVER, else this machine. `name` empty:
+  /// user@host:pid. Throws Error 3 or 4 for what cannot be meant.
+  Address(const std::string& server, const std::string& name, const std::string& token, double timeout_s);
+
+  const std::string& host() const { return host_; }
+  int port() const { return port_; }
+  const std::string& name() const { return name_; }
+  double timeout_s() const { return timeout_s_; }
+  std::string text() const;
+  /// What `hello` says. Only what may drive says the plain name: the same name on an actuator module takes it
+  /// over, which a reader must not do.
+  std::string HelloText(bool drives) const;
+
+  /// A connected, non-blocking socket to the daemon's port. Throws Error -1 or 11 with cause and cure.
+  int Dial(Deadline deadline) const;
+  /// Every name of the daemon.
+  std::vector<Module> Modules() const;
+  /// A socket that talks to `module`, before its first byte. Throws Error 10 if the daemon has no such name.
+  int OpenModule(const std::string& module, Deadline deadline) const;
+
+ private:
+  std::string ReadLine(int fd, Deadline deadline) const;
+  int DialOne(int fd, const void* address, unsigned length, Deadline deadline) const;
+
+  std::string host_, name_, token_;
+  int port_ = 10000;
+  double timeout_s_ = 3;
+};
+
+/// Waits until one of the descriptors has something, or the time is over.
+void WaitReadable(const std::vector<int>& fds, double timeout_s);
+/// Writes all of `bytes` to a non-blocking socket. False if the connection broke.
+bool WriteAll(int fd, const std::string& bytes);
+
+}  // namespace coopdyn::client

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+// Drives the robots of a coopdyn daemon from C++; the same names and meaning as in Python and MATLAB.
+//
+//   auto sim = coopdyn::client::connect();        // this machine, or COOPDYN_SERVER; "labserver:10100"
+//   auto r = sim.robot("robot1");
+//   r.set_velocity(0.2, 0.5);                     // m/s, rad/s; left is positive
+//   sim.step();                                   // waits for the next step of time
+//   auto p = r.get_pose();
+//   sim.close();
+//
+// In lockstep set_velocity does not wait: it is kept (the last wins) until sim.step(), which sends the
+// commands of all robots of this sim and waits for the step. In real time it is sent at once, and sim.step()
+// waits for the next step. Units: m, rad, s, m/s, rad/s; headings and bearings 0 ahead, left positive, in
+// (-pi, pi]. Everything throws Error. A simulation and its robots belong to one thread. Dropping them closes
+// their connections; close() also stops robots.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clients/cpp/address.h"
+#include "clients/cpp/error.h"
+#include "clients/cpp/json.h"
+
+namespace coopdyn::client {
+
+class Session;
+struct Link;
+
+inline constexpr double kNoTimeout_s = std::numeric_limits<double>::infinity();
+
+/// Where a robot is and how it moves, in the world frame: m, rad, m/s, rad/s.
+struct Pose {
+  double x = 0, y = 0, heading = 0, forward = 0, turn = 0;
+};
+/// Position [m], quaternion, velocity [m/s] and angular velocity [rad/s] in the world frame.
+struct Pose3d {
+  double x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0;
+  double vx = 0, vy = 0, vz = 0, wx = 0, wy = 0, wz = 0;
+};
+/// Distance [m] and bearing [rad].
+struct Bearing {
+  double distance = 0, bearing = 0;
+};
+/// A target as a robot sees it.
+struct Target {
+  int id = 0;
+  std::string colour;
+  double distance = 0, bearing = 0;
+};
+/// Another robot as a robot sees it.
+struct OtherRobot {
+  int id = 0;
+  std::string name;
+  double distance = 0, bearing = 0;
+};
+/// Where each distance sensor looks, how wide [rad] and how far [m], right to left.
+struct Geometry {
+  std::vector<double> bearing, opening, max_range;
+};
+/// Angles [rad] and speeds [rad/s] of the wheels.
+struct Wheels {
+  double left_angle = 0, right_angle = 0, left_speed = 0, right_speed = 0;
+};
+/// Limit of the wheel speeds [rad/s], wheel radius and track [m].
+struct Limits {
+  double max_wheel_speed = 0, wheel_radius = 0, track = 0;
+};
+/// All readings of a robot in one step; what the robot lacks is empty.
+struct Reading {
+  double time = 0;
+  std::int64_t step = 0;
+  std::vector<double> distances;
+  std::vector<Target> targets;
+  std::optional<Target> target;  // the one that sense() was asked for
+  std::optional<Pose> pose;
+  std::optional<Wheels> wheels;
+};
+/// A raw reply: data without the final two, time [s] and step.
+struct Reply {
+  std::string text;
+  int command = 0;
+  std::vector<std::int32_t> params;
+  std::vector<double> data;
+  double time = 0;
+  std::int64_t step = 0;
+};
+/// A pushed reading: ids and words (colours) for targets, data as the get-command has them.
+struct Update {
+  std::string module, text;
+  double time = 0;
+  std::int64_t step = 0;
+  std::vector<std::int32_t> params;
+  std::vector<double> value;
+};
+/// Whom the world waits for, why, and since when [s].
+struct Awaited {
+  std::string robot, why;
+  double seconds = 0;
+};
+/// A camera of snapshot(): points x, y, z [m] in the world; empty = the daemon's choice.
+struct View {
+  int w = 640, h = 480;
+  std::vector<double> eye = {}, look = {};
+};
+
+/// One robot. Readings are always those of the newest step.
+class Robot {
+ public:
+  const std::string& name() const;
+
+  /// Forward speed [m/s] and turn rate [rad/s], left is positive. Beyond the limits both are scaled.
+  void set_velocity(double v, double w);
+  /// Speeds of the left and right wheel [rad/s].
+  void set_wheel_speeds(double l, double r);
+  void stop();
+
+  Pose get_pose();
+  Pose3d get_pose_3d();
+  /// One range per sensor [m], right to left, from the surface of the robot; inf = nothing there.
+  std::vector<double> get_distances();
+  Geometry get_geometry();
+  std::vector<Target> get_targets();
+  /// The nearest target of a colour, or the target with an id.
+  Bearing get_target(const std::string& x);
+  Bearing get_target(int x);
+  std::vector<OtherRobot> get_robots();
+  Wheels get_wheels();
+  Limits get_limits();
+
+  /// All readings of one step in one round trip; in lockstep, right after sim.step(), those that came with
+  /// its reply, without any. With a colour, `target` is the nearest target of it.
+  Reading sense(const std::string& x = "");
+
+  /// Has the first reading of a module sent every n steps; next() takes them. n = 0 ends it. What is not
+  /// taken in time is dropped, the oldest first (64 are kept).
+  void subscribe(const std::string& module, int n = 1);
+  /// The next pushed reading of one module, or ("") of any subscribed to. Error 11 after `timeout` seconds.
+  Update next(const std::string& module = "", double timeout = kNoTimeout_s);
+
+  /// The raw message to one of this robot's modules, e.g. call("motors", "set_velocity", {}, {0.2, 0}).
+  Reply call(const std::string& module, const std::string& command, std::vector<std::int32_t> params = {},
+             std::vector<double> data = {}, const std::string& text = "", double timeout = kNoTimeout_s);
+
+ private:
+  friend class Simulation;
+  Robot(std::shared_ptr<Session> session, std::shared_ptr<Link> link);
+
+  std::shared_ptr<Session> session_;
+  std::shared_ptr<Link> link_;
+};
+
+/// A connection to a daemon: its time and its robots. Made by connect().
+class Simulation {
+ public:
+  explicit Simulation(std::shared_ptr<Session> session);
+
+  /// Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it.
+  Robot robot(const std::string& name);
+  Robot robot(int number);
+  std::vector<std::string> robots();
+
+  /// Goes on by n steps. Error 11 after `timeout` seconds. Waiting longer than 2 s it says once, on stderr,
+  /// whom for.
+  void step(int n = 1, double timeout = kNoTimeout_s);
+  /// Simulated time [s] and step number of the newest reply.
+  double time() const;
+  std::int64_t steps() const;
+  /// "realtime", "lockstep" or "free", asked now.
+  std::string mode();
+  /// Length of a step [s], asked now.
+  double dt();
+
+  void run();
+  void pause();
+  /// Stops every robot, also those of others.
+  void stop_all();
+  /// Starts again at step 0, with a new seed if one is given.
+  void reset();
+  void reset(int seed);
+  /// Loads the same scenario file again from disk.
+  void reload();
+  /// Loads a scenario: a name on the daemon's search path, a file here, or the text of one.
+  void load_scenario(const std::string& x);
+  void set_mode(const std::string& mode);
+  /// Length of a step, 0.0005 to 0.1 s.
+  void set_step(double s);
+  /// How fast time goes against the wall clock; 0 or less: no limit.
+  void set_speed(double x);
+  /// The robots that lockstep waits for; empty: as the scenario says.
+  void set_participants(const std::vector<std::string>& names = {});
+
+  /// The whole state of the simulation (docs/protocol.md lists the keys).
+  Json status();
+  /// The hash of the state, 16 hexadecimal digits: equal runs give equal hashes.
+  std::string hash();
+  std::vector<Awaited> waiting();
+  /// Writes a PNG picture to `file`; returns its name.
+  std::string snapshot(const std::string& file, const View& view = {});
+  /// The commands of a module, e.g. "/robot1/motors".
+  Json describe(const std::string& name);
+  std::vector<Module> modules();
+  /// The raw message; in lockstep an actuator command is answered after the step.
+  Reply call(const std::string& name, const std::string& command, std::vector<std::int32_t> params = {},
+             std::vector<double> data = {}, const std::string& text = "", double timeout = kNoTimeout_s);
+  /// Writes `stop` to the robots of this sim and frees them. Does not wait.
+  void close();
+
+ private:
+  std::shared_ptr<Session> session_;
+};
+
+/// Who connects, and how.
+struct Options {
+  std::string name = {};   // who drives, no spaces; empty: user@host:pid. The same name takes a robot over
+  std::string token = {};  // needed from other machines to change the world
+  double timeout = 3;      // seconds until connecting gives up
+  bool watch = false;      // never drives a robot, only looks on
+};
+
+/// Connects to "HOST" or "HOST:PORT"; empty: COOPDYN_SERVER, else this machine.
+Simulation connect(const std::string& server = "", const Options& options = {});
+/// Walks from the name of the server to a round trip; prints ok, or cause and cure, per line. True if all is
+/// ok.
+bool doctor(const std::string& server = "", const std::string& token = "");
+
+}  // namespace coopdyn::client

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Reading JSON: what get_status and describe answer. A value type; any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace coopdyn::client {
+
+/// A JSON value. What is not there reads as null, and null as 0, "" and an empty list, so that
+/// `status["robots"][0]["name"].text()` needs no checks.
+class Json {
+ public:
+  enum class Kind { kNull, kBool, kNumber, kText, kList, kObject };
+
+  Json() = default;
+  /// Parses all of `text`. Throws Error 7 if it is not JSON.
+  static Json Parse(std::string_view text);
+
+  Kind kind() const { return kind_; }
+  bool is_null() const { return kind_ == Kind::kNull; }
+  bool boolean() const { return kind_ == Kind::kBool && number_ != 0; }
+  double number() const { return number_; }
+  const std::string& text() const { return text_; }
+  std::size_t size() const { return items_.size(); }
+  /// Elements of a list, or the values of an object.
+  const std::vector<Json>& items() const { return items_; }
+  const std::vector<std::string>& keys() const { return keys_; }
+  const Json& operator[](std::size_t index) const;
+  const Json& operator[](std::string_view key) const;
+
+ private:
+  friend class JsonParser;
+  Kind kind_ = Kind::kNull;
+  double number_ = 0;
+  std::string text_;
+  std::vector<Json> items_;
+  std::vector<std::string> keys_;  // of an object, beside items_
+};
+
+}  // namespace coopdyn::client

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "clients/cpp/coopdyn_client.h"
+#include "clients/cpp/raw_call.h"
+#include "clients/cpp/session.h"
+#include "protocol/command_ids.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr double kLabelsLive_s = 0.5;  // ids and colours of targets are asked for again after this
+
+double Finite(double value, const char* what) {
+  if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
+  return value;
+}
+
+std::vector<std::string> Words(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
+
+/// Throws Error 7 if a reply is shorter than its command promises.
+std::vector<double> Values(const Message& reply, std::size_t count) {
+  if (reply.data.size() < count + 2) throw Error(7, "a reply of the daemon has too few values");
+  return {reply.data.begin(), reply.data.end() - 2};
+}
+
+Pose ToPose(const double* d) {
+  return {d[0], d[1], d[2], d[3], d[4]};
+}
+
+Target Choose(const std::vector<Target>& targets, const std::string& colour) {
+  const Target* nearest = nullptr;
+  std::string all;
+  for (const Target& t : targets) {
+    all += (all.empty() ? "" : ", ") + t.colour;
+    if (t.colour == colour && (nearest == nullptr || t.distance < nearest->distance)) nearest = &t;
+  }
+  if (nearest == nullptr) throw Error(10, "there is no target '" + colour + "'; there are: " + all);
+  return *nearest;
+}
+
+}  // namespace
+
+Robot::Robot(std::shared_ptr<Session> session, std::shared_ptr<Link> link)
+    : session_(std::move(session)), link_(std::move(link)) {}
+
+const std::string& Robot::name() const {
+  return link_->robot;
+}
+
+void Robot::set_velocity(double v, double w) {
+  session_->Actuate(*link_, command::kSetVelocity, {Finite(v, "v [m/s]"), Finite(w, "w [rad/s]")});
+}
+
+void Robot::set_wheel_speeds(double l, double r) {
+  session_->Actuate(*link_, command::kSetWheelSpeeds, {Finite(l, "l [rad/s]"), Finite(r, "r [rad/s]")});
+}
+
+void Robot::stop() {
+  session_->Actuate(*link_, command::kStop, {});
+}
+
+Pose Robot::get_pose() {
+  return ToPose(Values(session_->Read(*link_, "pose", command::kGetPose), 5).data());
+}
+
+Pose3d Robot::get_pose_3d() {
+  const std::vector<double> d = Values(session_->Read(*link_, "pose", command::kGetPose3d), 13);
+  return {d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7], d[8], d[9], d[10], d[11], d[12]};
+}
+
+std::vector<double> Robot::get_distances() {
+  return Values(session_->Read(*link_, "distance", command::kGetDistances), 0);
+}
+
+Geometry Robot::get_geometry() {
+  const std::vector<double> d = Values(session_->Read(*link_, "distance", command::kGetGeometry), 0);
+  Geometry geometry;
+  for (std::size_t i = 0; i + 2 < d.size(); i += 3) {
+    geometry.bearing.push_back(d[i]);
+    geometry.opening.push_back(d[i + 1]);
+    geometry.max_range.push_back(d[i + 2]);
+  }
+  return geometry;
+}
+
+std::vector<Target> Robot::get_targets() {
+  const Message reply = session_->Read(*link_, "target", command::kGetTargets);
+  const std::vector<std::string> colours = Words(reply.text);
+  const std::size_t count = std::min(reply.params.size(), colours.size());
+  const std::vector<double> d = Values(reply, 2 * count);
+  std::vector<Target> targets;
+  for (std::size_t i = 0; i < count; ++i)
+    targets.push_back({reply.params[i], colours[i], d[2 * i], d[2 * i + 1]});
+  return targets;
+}
+
+Bearing Robot::get_target(const std::string& x) {
+  const std::vector<double> d = Values(session_->Read(*link_, "target", command::kGetTarget, {}, x), 2);
+  return {d[0], d[1]};
+}
+
+Bearing Robot::get_target(int x) {
+  const std::vector<double> d = Values(session_->Read(*link_, "target", command::kGetTarget, {x}), 2);
+  return {d[0], d[1]};
+}
+
+std::vector<OtherRobot> Robot::get_robots() {
+  const Message reply = session_->Read(*link_, "target", command::kGetRobots);
+  const std::vector<std::string> names = Words(reply.text);
+  const std::size_t count = std::min(reply.params.size(), names.size());
+  const std::vector<double> d = Values(reply, 2 * count);
+  std::vector<OtherRobot> robots;
+  for (std::size_t i = 0; i < count; ++i)
+    robots.push_back({reply.params[i], names[i], d[2 * i], d[2 * i + 1]});
+  return robots;
+}
+
+Wheels Robot::get_wheels() {
+  const std::vector<double> d = Values(session_->Read(*link_, "motors", command::kGetWheels), 4);
+  return {d[0], d[1], d[2], d[3]};
+}
+
+Limits Robot::get_limits() {
+  const std::vector<double> d = Values(session_->Read(*link_, "motors", command::kGetLimits), 3);
+  return {d[0], d[1], d[2]};
+}
+
+Reading Robot::sense(const std::string& x) {
+  const Message reply = session_->Sense(*link_);
+  const std::vector<double> d = Values(reply, 0);
+  Reading reading;
+  reading.time = reply.data[reply.data.size() - 2];
+  reading.step = static_cast<std::int64_t>(reply.data.back());
+  const double* part = d.data();
+  const double* seen = nullptr;
+  std::size_t seen_count = 0;
+  for (std::size_t i = 0; i < link_->attached.size() && i + 1 < reply.params.size(); ++i) {
+    const std::size_t length = static_cast<std::size_t>(std::max(0, reply.params[i + 1]));
+    if (part + length > d.data() + d.size()) throw Error(7, "a reply of the daemon has too few values");
+    const std::string& module = link_->attached[i];
+    if (module == "distance") {
+      reading.distances.assign(part, part + length);
+    } else if (module == "pose" && length >= 5) {
+      reading.pose = ToPose(part);
+    } else if (module == "motors" && length >= 4) {
+      reading.wheels = Wheels{part[0], part[1], part[2], part[3]};
+    } else if (module == "target") {
+      seen = part;
+      seen_count = length / 2;
+    }
+    part += length;
+  }
+  // Ids and colours change with a reset, load or edit only: asked for again when the step did not go on, when
+  // their number changed, or after a while.
+  const Deadline now = Clock::now();
+  const double step = reply.data.back();
+  if (seen_count > 0 &&
+      (step <= link_->labels_step || now > link_->labels_until || link_->ids.size() != seen_count)) {
+    link_->ids.clear();
+    link_->colours.clear();
+    for (const Target& t : get_targets()) {
+      link_->ids.push_back(t.id);
+      link_->colours.push_back(t.colour);
+    }
+  }
+  link_->labels_step = step;
+  link_->labels_until = After(kLabelsLive_s, now);
+  for (std::size_t i = 0; i < std::min(seen_count, link_->ids.size()); ++i)
+    reading.targets.push_back({link_->ids[i], link_->colours[i], seen[2 * i], seen[2 * i + 1]});
+  if (!x.empty()) reading.target = Choose(reading.targets, x);
+  return reading;
+}
+
+void Robot::subscribe(const std::string& module, int n) {
+  session_->RequireOpen();
+  link_->pushers.erase(module);
+  if (n == 0) return;
+  if (n < 0) throw Error(4, "n must be at least 1, or 0 to end the subscription");
+  auto connection = std::make_unique<Connection>(session_->address(), "/" + name() + "/" + module, false);
+  connection->Open();
+  connection->Request(command::kSubscribe, {n});
+  link_->pushers[module] = std::move(connection);
+}
+
+Update Robot::next(const std::string& module, double timeout) {
+  if (link_->pushers.empty() || (!module.empty() && !link_->pushers.contains(module)))
+    throw Error(5, "nothing is subscribed to; write r.subscribe(\"distance\") first");
+  const Deadline deadline = After(timeout);
+  while (true) {
+    std::vector<int> fds;
+    for (auto& [name, connection] : link_->pushers) {
+      if (!module.empty() && name != module) continue;
+      if (connection->pushes.empty()) connection->TryRead();
+      if (connection->pushes.empty()) {
+        fds.push_back(connection->fd());
+        continue;
+      }
+      const Message pushed = std::move(connection->pushes.front());
+      connection->pushes.pop_front();
+      const std::vector<double> value = Values(pushed, 0);
+      return {name,
+              pushed.text,
+              pushed.data[value.size()],
+              static_cast<std::int64_t>(pushed.data.back()),
+              pushed.params,
+              value};
+    }
+    if (Until(deadline) <= 0) throw Error(11, "no reading was pushed within the timeout");
+    WaitReadable(fds, Until(deadline));
+  }
+}
+
+Reply Robot::call(const std::string& module, const std::string& command, std::vector<std::int32_t> params,
+                  std::vector<double> data, const std::string& text, double timeout) {
+  return RawCall(*session_, "/" + name() + "/" + module, command, std::move(params), std::move(data), text,
+                 timeout);
+}
+
+}  // namespace coopdyn::client

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: MIT
+#include "clients/cpp/session.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "protocol/command_ids.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr int kLockstep = 1;
+constexpr int kOwned = 6, kNoSuchName = 10, kNotPossible = 5, kTimedOut = 11;
+constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
+constexpr double kRequestTimeout_s = 10;
+
+bool CarriesMode(std::int32_t id) {
+  return id == command::kReady || id == command::kGetTime || id == command::kSetWheelSpeeds ||
+         id == command::kSetVelocity || id == command::kStop;
+}
+
+std::string Join(const std::vector<std::string>& words, const char* between) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : between) + word;
+  return out.empty() ? "none" : out;
+}
+
+}  // namespace
+
+void Link::ForgetCommands() {
+  kept.reset();
+  sent.reset();
+  carried.reset();
+}
+
+void Link::Close() {
+  if (motors) motors->Close();
+  readers.clear();
+  pushers.clear();
+}
+
+Session::Session(Address address, bool watch)
+    : address_(std::move(address)), watch_(watch), simulation_(address_, "/simulation", true) {}
+
+double Session::spin_s() const {
+  if (const char* given = std::getenv("COOPDYN_SPIN")) return std::max(0.0, std::atof(given)) * 1e-6;
+  return mode_ == kLockstep && links_.size() <= 4 ? 50e-6 : 0;
+}
+
+const Message& Session::Note(const Message& reply) {
+  if (reply.data.size() >= 2) {
+    time_ = reply.data[reply.data.size() - 2];
+    steps_ = static_cast<std::int64_t>(reply.data.back());
+  }
+  if (!reply.params.empty() && CarriesMode(reply.command)) mode_ = reply.params[0];
+  return reply;
+}
+
+void Session::RequireOpen() const {
+  if (closed_) throw Error(Error::kNoConnection, "this sim is closed; connect() again");
+}
+
+Message Session::Control(std::int32_t command, std::vector<std::int32_t> params, std::vector<double> data,
+                         std::string text, double timeout_s) {
+  RequireOpen();
+  if (!simulation_.Alive()) simulation_.Open();
+  Message reply =
+      simulation_.Request(command, std::move(params), std::move(data), std::move(text), timeout_s);
+  for (const auto& link : links_) link->carried.reset();
+  return Note(reply);
+}
+
+Json Session::Status() {
+  return Json::Parse(Control(command::kGetStatus).text);
+}
+
+Message Session::Read(Link& link, const std::string& module, std::int32_t command,
+                      std::vector<std::int32_t> params, std::string text) {
+  RequireOpen();
+  if (module == "motors" && link.motors && !link.lost) {
+    Settle(link);
+    return Note(
+        link.motors->Request(command, std::move(params), {}, std::move(text), kRequestTimeout_s, spin_s()));
+  }
+  std::unique_ptr<Connection>& reader = link.readers[module];
+  if (!reader) reader = std::make_unique<Connection>(address_, "/" + link.robot + "/" + module, false);
+  return Ask(*reader, command, std::move(params), std::move(text));
+}
+
+Message Session::Ask(Connection& connection, std::int32_t command, std::vector<std::int32_t> params,
+                     std::string text) {
+  if (connection.is_open() && !connection.busy()) {
+    try {
+      return Note(connection.Request(command, params, {}, text, kRequestTimeout_s, spin_s()));
+    } catch (const Closed&) {
+    }
+  }
+  connection.Open();
+  return Note(connection.Request(command, std::move(params), {}, std::move(text), kRequestTimeout_s));
+}
+
+Json Session::Describe(const std::string& module) {
+  RequireOpen();
+  Connection connection(address_, module, false);
+  return Json::Parse(Ask(connection, command::kDescribe, {}, "").text);
+}
+
+Message Session::Call(const std::string& module, std::int32_t command, std::vector<std::int32_t> params,
+                      std::vector<double> data, std::string text, double timeout_s) {
+  RequireOpen();
+  Link* link = nullptr;
+  for (const auto& candidate : links_) {
+    candidate->carried.reset();
+    if (candidate->motors && candidate->motors->module() == module) link = candidate.get();
+  }
+  Connection* connection = &simulation_;
+  if (link != nullptr) {
+    Settle(*link);
+    connection = link->motors.get();
+  } else if (module != "/simulation") {
+    std::unique_ptr<Connection>& other = others_[module];
+    if (!other) other = std::make_unique<Connection>(address_, module, true);
+    connection = other.get();
+  }
+  if (link == nullptr && !connection->Alive()) connection->Open();
+  std::vector<Waiting> waiting = {{connection, link}};
+  try {
+    connection->Send(command, std::move(params), std::move(data), std::move(text));
+    return Collect(waiting, timeout_s);
+  } catch (...) {
+    GiveUp(waiting, std::current_exception());
+    throw;
+  }
+}
+
+std::shared_ptr<Link> Session::Drive(const std::string& robot) {
+  RequireOpen();
+  std::erase_if(links_, [&](const auto& link) { return link->robot == robot && link->lost; });
+  for (const auto& link : links_) {
+    if (link->robot == robot) return link;
+  }
+  auto link = std::make_shared<Link>();
+  link->robot = robot;
+  link->motors = std::make_unique<Connection>(address_, "/" + robot + "/motors", true);
+  try {
+    OpenMotors(*link);
+  } catch (const Error& e) {
+    if (e.code() != kNoSuchName) throw;
+    std::set<std::string> robots;
+    for (const Module& module : address_.Modules()) {
+      const std::size_t slash = module.name.find('/', 1);
+      if (slash != std::string::npos) robots.insert(module.name.substr(1, slash - 1));
+    }
+    if (!robots.contains(robot))
+      throw Error(kNoSuchName, "there is no robot '" + robot +
+                                   "'; there are: " + Join({robots.begin(), robots.end()}, ", "));
+    link->motors.reset();  // it has no motors: it can be read only
+  }
+  links_.push_back(link);
+  return link;
+}
+
+void Session::OpenMotors(Link& link) {
+  link.sent.reset();
+  link.carried.reset();
+  Connection& motors = *link.motors;
+  motors.Open();
+  try {
+    if (!watch_) {
+      try {
+        motors.Request(command::kClaim);
+      } catch (const Error& e) {
+        if (e.code() == kOwned)
+          throw Error(kOwned, link.robot + " cannot be driven: " + e.what() +
+                                  ". Stop the other program, or free the robot on the page; to look on only: "
+                                  "connect with watch = true");
+        if (e.code() != kNotPossible) throw;  // not possible: a recording is played; reading goes on
+      }
+    }
+    if (!link.attached.empty()) motors.Request(command::kAttach, {}, {}, Join(link.attached, " "));
+    Note(motors.Request(command::kGetTime));
+  } catch (...) {
+    motors.Close();
+    throw;
+  }
+}
+
+void Session::Settle(Link& link) {
+  if (link.lost) throw Error(*link.lost);
+  Connection& motors = *link.motors;
+  if (!motors.is_open() || (motors.busy() && !link.sent)) OpenMotors(link);
+  if (!link.sent || AwaitCommand(link)) return;
+  // No reply: in lockstep it comes after the step only. Take the command back, and keep it.
+  if (Control(command::kGetTime).params.at(0) == kLockstep) {
+    if (!link.kept) link.kept = link.sent;
+    OpenMotors(link);
+    return;
+  }
+  try {
+    Note(Checked(motors.Receive(kRequestTimeout_s, 0)));
+  } catch (const Closed& e) {
+    Lose(link, e);
+  }
+  link.sent.reset();
+}
+
+bool Session::AwaitCommand(Link& link) {
+  const Deadline deadline = After(kCommandWait_s);
+  while (true) {
+    std::optional<Message> reply;
+    try {
+      reply = link.motors->TryRead();
+    } catch (const Closed& e) {
+      Lose(link, e);
+    }
+    if (reply) {
+      link.sent.reset();
+      Note(Checked(std::move(*reply)));
+      return true;
+    }
+    if (Until(deadline) <= 0) return false;
+    WaitReadable({link.motors->fd()}, Until(deadline));
+  }
+}
+
+void Session::Lose(Link& link, const Closed& closed) {
+  link.ForgetCommands();
+  if (closed.notice().empty())
+    throw Error(Error::kNoConnection,
+                "the connection to " + link.robot + " broke; is the daemon still running?");
+  // Opening it again would take the robot back from whoever got it.
+  link.lost.emplace(kOwned, link.robot + " is not driven by this sim any more: " + closed.notice() +
+                                "; sim.robot(\"" + link.robot + "\") takes it again");
+  throw Error(*link.lost);
+}
+
+void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data) {
+  RequireOpen();
+  if (watch_) throw Error(kNotPossible, "this sim only watches; connect without watch to drive");
+  if (!link.motors) throw Error(kNotPossible, link.robot + " has no motors");
+  if (link.lost) throw Error(*link.lost);
+  if (mode_ != kLockstep) Settle(link);
+  if (mode_ == kLockstep) {
+    link.kept = Command{command, std::move(data)};
+    return;
+  }
+  link.kept.reset();
+  try {
+    link.motors->Send(command, {}, data);
+  } catch (const Closed& e) {
+    Lose(link, e);
+  }
+  link.sent = Command{command, std::move(data)};
+  AwaitCommand(link);
+}
+
+void Session::Step(int n, double timeout_s) {
+  RequireOpen();
+  std::vector<Waiting> waiting;
+  if (!watch_) {
+    for (const auto& link : links_) {
+      if (!link->motors) continue;
+      Settle(*link);
+      waiting.push_back({link->motors.get(), link.get()});
+    }
+  }
+  if (waiting.empty()) {
+    if (!simulation_.Alive()) simulation_.Open();
+    waiting.push_back({&simulation_, nullptr});
+  }
+  try {
+    for (Waiting& w : waiting) {
+      Command command{command::kReady, {}};
+      if (w.link != nullptr) {
+        if (w.link->kept) command = std::move(*w.link->kept);
+        w.link->kept.reset();
+        w.link->carried.reset();
+      }
+      w.connection->Send(command.id, {n}, std::move(command.data));
+    }
+    Collect(waiting, timeout_s);
+  } catch (...) {
+    GiveUp(waiting, std::current_exception());
+    throw;
+  }
+}
+
+void Session::Attach(Link& link) {
+  std::set<std::string> names;
+  for (const Module& module : address_.Modules()) names.insert(module.name);
+  std::vector<std::string> readable;
+  for (const char* module : {"motors", "distance", "target", "pose"}) {
+    if (names.contains("/" + link.robot + "/" + module)) readable.emplace_back(module);
+  }
+  if (readable.empty()) throw Error(kNoSuchName, link.robot + " has no readings");
+  AttachedConnection(link, readable).Request(command::kAttach, {}, {}, Join(readable, " "));
+  link.attached = std::move(readable);
+}
+
+Connection& Session::AttachedConnection(Link& link, const std::vector<std::string>& modules) {
+  if (link.motors) {
+    Settle(link);
+    return *link.motors;
+  }
+  std::unique_ptr<Connection>& reader = link.readers["attached"];
+  if (!reader) reader = std::make_unique<Connection>(address_, "/" + link.robot + "/" + modules[0], false);
+  if (!reader->Alive()) {
+    reader->Open();
+    if (!link.attached.empty()) reader->Request(command::kAttach, {}, {}, Join(link.attached, " "));
+  }
+  return *reader;
+}
+
+Message Session::Sense(Link& link) {
+  RequireOpen();
+  if (link.attached.empty()) Attach(link);
+  if (link.carried) return std::move(*std::exchange(link.carried, std::nullopt));
+  Connection& connection = AttachedConnection(link, link.attached);
+  try {
+    return Note(connection.Request(command::kGetTime, {}, {}, "", kRequestTimeout_s, spin_s()));
+  } catch (const Closed& e) {
+    if (!link.motors) throw;
+    Lose(link, e);
+  }
+}
+
+void Session::StartedAnew() {
+  for (const auto& link : links_) link->ForgetCommands();
+}
+
+void Session::Loaded() {
+  StartedAnew();
+  std::vector<std::string> names;
+  const Json status = Status();
+  for (const Json& robot : status["robots"].items()) names.push_back(robot["name"].text());
+  std::erase_if(links_, [&](const auto& link) {
+    if (std::find(names.begin(), names.end(), link->robot) != names.end()) return false;
+    link->lost.emplace(kNoSuchName, "the scenario that was loaded has no " + link->robot +
+                                        "; there are: " + Join(names, ", "));
+    link->Close();
+    return true;
+  });
+}
+
+void Session::Close() {
+  if (closed_) return;
+  closed_ = true;
+  for (const auto& link : links_) {
+    if (link->motors && link->motors->is_open() && !watch_ && !link->lost) {
+      try {
+        link->motors->Send(command::kStop, {}, {});
+        link->motors->FinishSending();
+      } catch (const Error&) {
+        // It is gone already.
+      }
+    }
+    link->ForgetCommands();
+    link->Close();
+  }
+  others_.clear();
+  simulation_.Close();
+}
+
+}  // namespace coopdyn::client

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// What a simulation and its robots share: the connections of one connect(), and the rules of driving. One
+// thread.
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clients/cpp/address.h"
+#include "clients/cpp/connection.h"
+#include "clients/cpp/error.h"
+#include "clients/cpp/json.h"
+
+namespace coopdyn::client {
+
+/// An actuator command: number and data.
+struct Command {
+  std::int32_t id = 0;
+  std::vector<double> data;
+};
+
+/// A robot as this client drives it: its connections, and the command kept for the next step.
+struct Link {
+  std::string robot;
+  std::unique_ptr<Connection> motors;                          // null: it has no motors
+  std::map<std::string, std::unique_ptr<Connection>> readers;  // by module
+  std::map<std::string, std::unique_ptr<Connection>> pushers;  // subscriptions, by module
+  std::optional<Command> kept;                                 // for the next step
+  std::optional<Command> sent;                                 // its reply has not come yet
+  std::optional<Error> lost;                                   // why it is not ours any more
+  std::vector<std::string> attached;
+  std::optional<Message> carried;  // the readings that came with the reply to the last step
+  double labels_step = -1;         // of ids and colours of the targets
+  Deadline labels_until{};
+  std::vector<std::int32_t> ids;
+  std::vector<std::string> colours;
+
+  void ForgetCommands();
+  void Close();
+};
+
+class Session {
+ public:
+  Session(Address address, bool watch);
+
+  const Address& address() const { return address_; }
+  double time() const { return time_; }
+  std::int64_t steps() const { return steps_; }
+  bool closed() const { return closed_; }
+  void set_mode(int mode) { mode_ = mode; }
+  /// Microseconds of polling before a wait, from COOPDYN_SPIN; by default 50 in lockstep with up to four
+  /// robots.
+  double spin_s() const;
+
+  /// Opens the connection to /simulation.
+  void Open() { simulation_.Open(); }
+  void RequireOpen() const;
+  /// A request to /simulation.
+  Message Control(std::int32_t command, std::vector<std::int32_t> params = {}, std::vector<double> data = {},
+                  std::string text = "", double timeout_s = 10);
+  Json Status();
+  /// A reading of the newest frame. A connection that broke since it was last used is opened again.
+  Message Read(Link& link, const std::string& module, std::int32_t command,
+               std::vector<std::int32_t> params = {}, std::string text = "");
+  /// What a module says about its commands.
+  Json Describe(const std::string& module);
+  Message Call(const std::string& module, std::int32_t command, std::vector<std::int32_t> params,
+               std::vector<double> data, std::string text, double timeout_s);
+
+  /// The link to `robot`, opened and (unless watching) claimed.
+  std::shared_ptr<Link> Drive(const std::string& robot);
+  /// An actuator command: kept in lockstep, sent at once otherwise.
+  void Actuate(Link& link, std::int32_t command, std::vector<double> data);
+  void Step(int n, double timeout_s);
+  /// Attaches the first readings of all modules of the robot to its connection.
+  void Attach(Link& link);
+  /// The attached readings of the newest frame.
+  Message Sense(Link& link);
+  /// After a reset, or (with the names of the robots there are now) a load of ours.
+  void StartedAnew();
+  void Loaded();
+  /// Writes `stop` to the robots that this session drives, then closes everything. Does not wait.
+  void Close();
+
+ private:
+  struct Waiting {
+    Connection* connection;
+    Link* link;  // null: /simulation or a raw message
+    bool done = false;
+  };
+
+  const Message& Note(const Message& reply);
+  Message Ask(Connection& connection, std::int32_t command, std::vector<std::int32_t> params,
+              std::string text);
+  void OpenMotors(Link& link);
+  void Settle(Link& link);
+  bool AwaitCommand(Link& link);
+  [[noreturn]] void Lose(Link& link, const Closed& closed);
+  Connection& AttachedConnection(Link& link, const std::vector<std::string>& modules);
+  Message Collect(std::vector<Waiting>& waiting, double timeout_s);
+  void GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& cause);
+  std::string Whom() const;
+
+  Address address_;
+  bool watch_;
+  Connection simulation_;
+  std::vector<std::shared_ptr<Link>> links_;
+  std::map<std::string, std::unique_ptr<Connection>> others_;  // of Call()
+  int mode_ = 0;
+  double time_ = 0;
+  std::int64_t steps_ = 0;
+  bool closed_ = false;
+};
+
+}  // namespace coopdyn::client

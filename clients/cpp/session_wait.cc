@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// Waiting for the replies of a step, and what happens when one of them does not come.
+#include <algorithm>
+#include <iostream>
+#include <sstream>
+#include <utility>
+
+#include "clients/cpp/session.h"
+#include "protocol/command_ids.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr double kNoticeAfter_s = 2;  // a wait that is longer says once whom for
+
+}  // namespace
+
+/// Takes in the reply of every connection in `waiting` and returns the last. The first error is thrown.
+Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
+  const Deadline start = Clock::now();
+  const Deadline spin_until = After(spin_s(), start), deadline = After(timeout_s, start);
+  Deadline notice_at = After(kNoticeAfter_s, start);
+  Message last;
+  std::vector<int> fds;
+  while (true) {
+    fds.clear();
+    for (Waiting& w : waiting) {
+      if (w.done) continue;
+      std::optional<Message> reply = w.connection->TryRead();
+      if (!reply) {
+        fds.push_back(w.connection->fd());
+        continue;
+      }
+      w.done = true;
+      if (reply->error != 0)
+        throw Error(reply->error, (w.link != nullptr ? w.link->robot + ": " : "") + reply->text);
+      last = Note(*reply);
+      if (w.link != nullptr && !w.link->attached.empty() && !reply->params.empty() && reply->params[0] == 1)
+        w.link->carried = std::move(*reply);
+    }
+    if (fds.empty()) return last;
+    const Deadline now = Clock::now();
+    if (now < spin_until) continue;
+    if (now >= deadline) {
+      std::ostringstream why;
+      why << "no answer within " << timeout_s << " s; " << Whom();
+      throw Error(11, why.str());
+    }
+    if (now >= notice_at) {
+      notice_at = Deadline::max();
+      std::cerr << "coopdyn: " << Whom() << std::endl;
+    }
+    WaitReadable(fds, Until(std::min({deadline, notice_at, After(3600, now)}), now));
+  }
+}
+
+/// Connections that still wait for a reply are closed and opened again: reading on would take the next reply
+/// for the one that is missing. Throws what happened, if it is more than the cause.
+void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& cause) {
+  std::exception_ptr lost;
+  for (Waiting& w : waiting) {
+    if (w.done) continue;
+    const bool gone = !w.connection->is_open();
+    w.connection->Close();
+    if (w.link == nullptr) continue;
+    w.link->ForgetCommands();
+    if (!gone) continue;
+    try {
+      std::rethrow_exception(cause);
+    } catch (const Closed& closed) {
+      try {
+        Lose(*w.link, closed);
+      } catch (const Error&) {
+        lost = std::current_exception();
+      }
+    } catch (...) {
+      // Not the cause of this one.
+    }
+  }
+  for (Waiting& w : waiting) {
+    if (w.done || w.link == nullptr || w.link->lost) continue;
+    try {
+      OpenMotors(*w.link);
+    } catch (const Error&) {
+      // Tried again at the next use, which says what is wrong.
+    }
+  }
+  if (lost) std::rethrow_exception(lost);
+}
+
+/// One line that says what the world waits for, asked on a connection of its own.
+std::string Session::Whom() const {
+  Json status;
+  try {
+    Connection connection(address_, "/simulation", false);
+    connection.Open();
+    status = Json::Parse(connection.Request(command::kGetStatus, {}, {}, "", 1).text);
+  } catch (const Error& e) {
+    return std::string("no answer from the daemon (") + e.what() + ")";
+  }
+  const std::string& state = status["state"].text();
+  if (state == "paused") return "the simulation is paused; sim.run() or the page goes on";
+  if (state == "ended") return "the run has ended; sim.reset() starts again";
+  std::ostringstream out;
+  out.precision(1);
+  for (const Json& a : status["awaiting"].items()) {
+    out << (out.tellp() > 0 ? ", " : "") << a["robot"].text() << " (" << a["why"].text() << "), "
+        << std::fixed << a["seconds"].number() << " s";
+  }
+  return out.tellp() > 0 ? "waiting for " + out.str() : "waiting for the next step, " + state;
+}
+
+}  // namespace coopdyn::client

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <utility>
+
+#include "clients/cpp/coopdyn_client.h"
+#include "clients/cpp/raw_call.h"
+#include "clients/cpp/session.h"
+#include "protocol/command_ids.h"
+#include "protocol/command_table.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr double kLoadTimeout_s = 60;
+constexpr const char* kModes[] = {"realtime", "lockstep", "free"};
+
+double Finite(double value, const char* what) {
+  if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
+  return value;
+}
+
+int AtLeastOne(int value, const char* what) {
+  if (value < 1) throw Error(4, std::string(what) + " must be at least 1");
+  return value;
+}
+
+/// The body of the reply to a GET, whole. Throws Error 5 unless the status is 200.
+std::string HttpGet(const Address& address, const std::string& path) {
+  const Deadline deadline = After(30);
+  const int fd = address.Dial(deadline);
+  std::string reply;
+  WriteAll(fd, "GET " + path + " HTTP/1.1\r\nHost: " + address.text() + "\r\nConnection: close\r\n\r\n");
+  char buffer[65536];
+  while (Until(deadline) > 0) {
+    const ssize_t n = read(fd, buffer, sizeof(buffer));
+    if (n > 0) {
+      reply.append(buffer, static_cast<std::size_t>(n));
+    } else if (n == 0) {
+      break;
+    } else {
+      WaitReadable({fd}, Until(deadline));
+    }
+  }
+  close(fd);
+  const std::size_t body = reply.find("\r\n\r\n");
+  if (body == std::string::npos) throw Error(Error::kNoConnection, "no picture: the page does not answer");
+  const std::string content = reply.substr(body + 4);
+  if (reply.compare(0, 13, "HTTP/1.1 200 ") != 0) throw Error(5, "no picture: " + content);
+  return content;
+}
+
+std::string PointText(const std::vector<double>& point, const char* word) {
+  if (point.empty()) return "";
+  if (point.size() != 3) throw Error(3, std::string(word) + " is a point: write {x, y, z}");
+  std::ostringstream out;
+  out << "&" << word << "=" << Finite(point[0], word) << "," << Finite(point[1], word) << ","
+      << Finite(point[2], word);
+  return out.str();
+}
+
+}  // namespace
+
+Simulation::Simulation(std::shared_ptr<Session> session) : session_(std::move(session)) {}
+
+Robot Simulation::robot(const std::string& given) {
+  const std::string name = given.substr(std::min(given.find_first_not_of('/'), given.size()));
+  if (name.empty() || name.find_first_of("/ \t\n") != std::string::npos)
+    throw Error(10, "'" + given + "' is not the name of a robot; write e.g. sim.robot(\"robot1\")");
+  return Robot(session_, session_->Drive(name));
+}
+
+Robot Simulation::robot(int number) {
+  const std::vector<std::string> names = robots();
+  if (number < 1 || static_cast<std::size_t>(number) > names.size())
+    throw Error(10, "there is no robot " + std::to_string(number) + " of " + std::to_string(names.size()));
+  return robot(names[static_cast<std::size_t>(number) - 1]);
+}
+
+std::vector<std::string> Simulation::robots() {
+  std::vector<std::string> names;
+  const Json state = status();
+  for (const Json& robot : state["robots"].items()) names.push_back(robot["name"].text());
+  return names;
+}
+
+void Simulation::step(int n, double timeout) {
+  session_->Step(AtLeastOne(n, "n"), timeout);
+}
+
+double Simulation::time() const {
+  return session_->time();
+}
+
+std::int64_t Simulation::steps() const {
+  return session_->steps();
+}
+
+std::string Simulation::mode() {
+  const int mode = session_->Control(command::kGetTime).params.at(0);
+  return mode >= 0 && mode < 3 ? kModes[mode] : "";
+}
+
+double Simulation::dt() {
+  return status()["step_s"].number();
+}
+
+void Simulation::run() {
+  session_->Control(command::kRun);
+}
+
+void Simulation::pause() {
+  session_->Control(command::kPause);
+}
+
+void Simulation::stop_all() {
+  session_->Control(command::kStopAll);
+  session_->StartedAnew();
+}
+
+void Simulation::reset() {
+  session_->Control(command::kReset, {}, {}, "", kLoadTimeout_s);
+  session_->StartedAnew();
+}
+
+void Simulation::reset(int seed) {
+  session_->Control(command::kReset, {seed}, {}, "", kLoadTimeout_s);
+  session_->StartedAnew();
+}
+
+void Simulation::reload() {
+  session_->Control(command::kReload, {}, {}, "", kLoadTimeout_s);
+  session_->Loaded();
+}
+
+void Simulation::load_scenario(const std::string& x) {
+  std::string text = x;
+  std::error_code ignored;
+  if (x.find('\n') == std::string::npos && std::filesystem::is_regular_file(x, ignored)) {
+    std::ifstream file(x, std::ios::binary);
+    text.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  session_->Control(command::kLoadScenario, {}, {}, std::move(text), kLoadTimeout_s);
+  session_->Loaded();
+}
+
+void Simulation::set_mode(const std::string& mode) {
+  const auto* found = std::find(std::begin(kModes), std::end(kModes), mode);
+  if (found == std::end(kModes))
+    throw Error(4, "there is no mode '" + mode + "'; write one of realtime, lockstep, free");
+  const int number = static_cast<int>(found - std::begin(kModes));
+  session_->Control(command::kSetMode, {number});
+  session_->set_mode(number);
+}
+
+void Simulation::set_step(double s) {
+  session_->Control(command::kSetStep, {}, {Finite(s, "the step [s]")});
+}
+
+void Simulation::set_speed(double x) {
+  session_->Control(command::kSetSpeed, {}, {Finite(x, "the speed factor")});
+}
+
+void Simulation::set_participants(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
+  session_->Control(command::kSetParticipants, {}, {}, text);
+}
+
+Json Simulation::status() {
+  return session_->Status();
+}
+
+std::string Simulation::hash() {
+  return status()["hash"].text();
+}
+
+std::vector<Awaited> Simulation::waiting() {
+  std::vector<Awaited> all;
+  const Json state = status();
+  for (const Json& a : state["awaiting"].items())
+    all.push_back({a["robot"].text(), a["why"].text(), a["seconds"].number()});
+  return all;
+}
+
+std::string Simulation::snapshot(const std::string& file, const View& view) {
+  const std::string url = status()["http"].text();
+  const std::size_t colon = url.rfind(':');
+  const int port = colon == std::string::npos ? 0 : std::atoi(url.c_str() + colon + 1);
+  if (port == 0) throw Error(5, "the daemon was started with --no-http, so there are no pictures");
+  const std::string& host = session_->address().host();
+  const Address page(
+      (host.find(':') != std::string::npos ? "[" + host + "]" : host) + ":" + std::to_string(port), "", "",
+      30);
+  const std::string picture = HttpGet(page, "/snapshot.png?w=" + std::to_string(AtLeastOne(view.w, "w")) +
+                                                "&h=" + std::to_string(AtLeastOne(view.h, "h")) +
+                                                PointText(view.eye, "eye") + PointText(view.look, "look"));
+  std::ofstream out(file, std::ios::binary);
+  out << picture;
+  if (!out.flush()) throw Error(5, "cannot write " + file);
+  return file;
+}
+
+Json Simulation::describe(const std::string& name) {
+  return session_->Describe(name.starts_with("/") ? name : "/" + name);
+}
+
+std::vector<Module> Simulation::modules() {
+  session_->RequireOpen();
+  return session_->address().Modules();
+}
+
+Reply Simulation::call(const std::string& name, const std::string& command, std::vector<std::int32_t> params,
+                       std::vector<double> data, const std::string& text, double timeout) {
+  return RawCall(*session_, name.starts_with("/") ? name : "/" + name, command, std::move(params),
+                 std::move(data), text, timeout);
+}
+
+void Simulation::close() {
+  session_->Close();
+}
+
+Reply RawCall(Session& session, const std::string& module, const std::string& command,
+              std::vector<std::int32_t> params, std::vector<double> data, const std::string& text,
+              double timeout_s) {
+  std::int32_t id = 0;
+  const auto [end, error] = std::from_chars(command.data(), command.data() + command.size(), id);
+  if (error != std::errc() || end != command.data() + command.size()) {
+    std::string names;
+    bool found = false;
+    const Json description = session.Describe(module);
+    for (const Json& entry : description["commands"].items()) {
+      names += (names.empty() ? "" : ", ") + entry["name"].text();
+      if (entry["name"].text() != command) continue;
+      id = static_cast<std::int32_t>(entry["id"].number());
+      found = true;
+    }
+    if (!found) throw Error(1, module + " has no command '" + command + "'; it has: " + names);
+  }
+  Message reply = session.Call(module, id, std::move(params), std::move(data), text, timeout_s);
+  if (reply.data.size() < 2) throw Error(7, "a reply of the daemon has too few values");
+  const double time = reply.data[reply.data.size() - 2];
+  const auto step = static_cast<std::int64_t>(reply.data.back());
+  reply.data.resize(reply.data.size() - 2);
+  return {std::move(reply.text), reply.command, std::move(reply.params), std::move(reply.data), time, step};
+}
+
+Simulation connect(const std::string& server, const Options& options) {
+  auto session =
+      std::make_shared<Session>(Address(server, options.name, options.token, options.timeout), options.watch);
+  session->Open();
+  const Json status = session->Status();
+  if (const int spoken = static_cast<int>(status["protocol"].number()); spoken != kProtocolVersion)
+    throw Error(5, "the daemon at " + session->address().text() + " (version " + status["version"].text() +
+                       ") speaks protocol " + std::to_string(spoken) + ", this client speaks " +
+                       std::to_string(kProtocolVersion) + ": build it from the daemon's sources");
+  session->Control(command::kGetTime);
+  return Simulation(std::move(session));
+}
+
+}  // namespace coopdyn::client
