@@ -2,11 +2,12 @@
 #include "server/app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
-#include <map>
 #include <sstream>
 
 namespace coopdyn {
@@ -41,6 +42,7 @@ struct Raw {
   std::uint64_t seed = 0;
   double duration_s = 0;
   int name_port = 0, http_port = 0, robot_threads = 0, spin_us = 0;
+  std::string config;  // read before the arguments are: InsertConfig()
 };
 
 void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
@@ -108,6 +110,50 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
   sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
   sub->set_config("--config", "", "Read options from this file (name=value lines)")
       ->envname("COOPDYN_CONFIG");
+}
+
+/// Adds the lines of the config file to `arguments` (the program's name not among them), but for options that
+/// the command line or a variable gives.
+void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front() != "serve") return;
+  const CLI::App& serve = *app.get_subcommand("serve");
+  const auto given = [&arguments](const std::string& flag) {
+    return std::find_if(arguments.begin(), arguments.end(), [&flag](const std::string& argument) {
+      return argument == flag || argument.starts_with(flag + "=");
+    });
+  };
+  std::string file;
+  if (const auto flag = given("--config"); flag != arguments.end()) {
+    const std::size_t equals = flag->find('=');
+    if (equals != std::string::npos) {
+      file = flag->substr(equals + 1);
+    } else if (std::next(flag) != arguments.end()) {
+      file = *std::next(flag);
+    }
+  } else if (const char* variable = std::getenv("COOPDYN_CONFIG")) {
+    file = variable;
+  }
+  if (file.empty()) return;
+  std::ifstream stream(file);
+  if (!stream) throw CLI::FileError(file + " cannot be read", CLI::ExitCodes::FileError);
+  std::vector<std::string> added;
+  for (const CLI::ConfigItem& item : CLI::ConfigINI().from_config(stream)) {
+    const std::string flag = "--" + item.name;
+    const CLI::Option* option = serve.get_option_no_throw(flag);
+    if (option == nullptr || item.inputs.empty() || !item.parents.empty() || flag == "--config") {
+      throw CLI::ParseError(
+          file + ": there is no option " + item.fullname() + " (coopdyn serve --help lists them)",
+          CLI::ExitCodes::ConfigError);
+    }
+    if (given(flag) != arguments.end()) continue;
+    if (!option->get_envname().empty() && std::getenv(option->get_envname().c_str()) != nullptr) continue;
+    for (const std::string& input : item.inputs) {
+      const bool is_flag = option->get_items_expected_max() == 0;
+      if (!is_flag) added.push_back(flag + "=" + input);
+      if (is_flag && input == "true") added.push_back(flag);
+    }
+  }
+  arguments.insert(arguments.begin() + 1, added.begin(), added.end());
 }
 
 void TakeRaw(const CLI::App& sub, const Raw& raw, ServeOptions& serve) {
@@ -199,7 +245,10 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
   AddRemote(app, line.remote);
 
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    InsertConfig(app, arguments);
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+    app.parse(std::move(arguments));
   } catch (const CLI::Success& success) {  // --help, --version
     line.exit_code = app.exit(success);
     return line;

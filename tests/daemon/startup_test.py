@@ -1,0 +1,280 @@
+"""How the daemon starts, says what is wrong, and ends."""
+import json
+
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+from harness import BINARY, Daemon, scenario, until
+
+
+def run(*arguments, **more):
+    return subprocess.run([BINARY, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120, **more)
+
+
+class MistakeTest(unittest.TestCase):
+    """One clear line each, and the right exit code."""
+
+    def refused(self, text, *options):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "wrong.scenario"
+            path.write_text(text)
+            done = run("serve", str(path), "--port", "0", *options)
+            self.assertEqual(done.stdout, b"")
+            self.assertEqual(done.returncode, 1)
+            return done.stderr.decode()
+
+    def test_a_port_in_use_names_the_port_and_the_flag(self):
+        with socket.socket() as busy:
+            busy.bind(("127.0.0.1", 0))
+            busy.listen()
+            port = busy.getsockname()[1]
+            done = run("serve", "classroom", "--port", str(min(port, 65000)), "--name-port", str(port))
+            self.assertEqual(done.returncode, 1)
+            said = done.stderr.decode()
+            self.assertIn(str(port), said)
+            self.assertIn("--port", said)
+            self.assertEqual(len(said.strip().splitlines()), 1, said)
+
+    def test_a_missing_file_is_one_line(self):
+        done = run("serve", "no_such_scenario", "--port", "0")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(len(done.stderr.decode().strip().splitlines()), 1)
+        self.assertIn("no_such_scenario", done.stderr.decode())
+
+    def test_an_unknown_robot_type_is_one_line_with_its_place(self):
+        said = self.refused(scenario(1).replace("type coopbot", "type cooopbot"))
+        self.assertRegex(said, r"wrong\.scenario:\d+: error: .*cooopbot")
+        self.assertEqual(len(said.strip().splitlines()), 1, said)
+
+    def test_two_robots_of_one_name_are_one_line(self):
+        said = self.refused(scenario(2).replace("name robot2", "name robot1"))
+        self.assertRegex(said, r"wrong\.scenario:\d+: error: .*robot1")
+        self.assertEqual(len(said.strip().splitlines()), 1, said)
+
+    def test_robots_inside_one_another_are_refused_at_their_line(self):
+        said = self.refused(scenario(2).replace("position 0 2 0", "position 0.1 0 0"))
+        self.assertRegex(said, r"wrong\.scenario:\d+: error: ")
+
+    def test_wrong_use_is_exit_code_2_with_one_line(self):
+        for arguments in (("serve", "--mode", "quick"), ("serve", "--step", "3"), ("frobnicate",), (), ("step", "x"),
+                          ("serve", "--port", "99999")):
+            done = run(*arguments)
+            self.assertEqual(done.returncode, 2, arguments)
+            self.assertEqual(len(done.stderr.decode().strip().splitlines()), 1, (arguments, done.stderr))
+
+    def test_no_daemon_there_is_exit_code_3(self):
+        with socket.socket() as unused:
+            unused.bind(("127.0.0.1", 0))
+            port = unused.getsockname()[1]
+        for command in (["status"], ["list"], ["call", "/robot1/motors", "stop"], ["doctor"]):
+            done = run(*command, "--server", f"127.0.0.1:{port}")
+            self.assertEqual(done.returncode, 3, (command, done))
+
+    def test_help_of_every_command_shows_an_example(self):
+        for command in ("serve", "check", "list", "status", "run", "pause", "step", "reset", "reload", "load", "stop-all",
+                        "quit", "call", "doctor"):
+            done = run(command, "--help")
+            self.assertEqual(done.returncode, 0, command)
+            self.assertIn(f"Example: coopdyn {command}", done.stdout.decode())
+
+
+class CheckTest(unittest.TestCase):
+    def test_every_shipped_scenario_is_right_and_summed_up_in_a_line(self):
+        folder = Path(__file__).parents[2] / "scenarios"
+        names = sorted(str(path) for path in folder.glob("*.scenario"))
+        self.assertGreaterEqual(len(names), 8)
+        done = run("check", *names)
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+        self.assertEqual(len(done.stdout.decode().splitlines()), len(names))
+
+    def test_a_picture_of_a_scenario_is_a_png(self):
+        with tempfile.TemporaryDirectory() as folder:
+            picture = Path(folder) / "p.png"
+            done = run("check", "classroom", "--picture", str(picture))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+
+    def test_ten_mistakes_print_ten_diagnostics(self):
+        wrong = """[FLOOR]
+size 10 10
+[SIMULATION]
+mode quick
+step 0.2
+[TARGET]
+red 1 two 0
+[BOX_1]
+type bx
+size 1 1 1
+position 3 3
+[CRATE_1]
+type box
+size 1 -1 1
+position 0 4
+[ROBOT_1]
+type cooopbot
+name robot1
+position 0 0
+[ROBOT_2]
+type coopbot
+name ro bot
+position 0,5 2
+[ROBOT_3]
+type coopbot
+name robot3
+position 2 2
+speeed 3
+[CRATE_1]
+type sphere
+size 1
+position 4 4
+"""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "ten.scenario"
+            path.write_text(wrong)
+            done = run("check", str(path))
+            lines = done.stderr.decode().strip().splitlines()
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(len(lines), 10, "\n".join(lines))
+            self.assertTrue(all(re.match(r".*ten\.scenario:\d+: error: ", line) for line in lines), lines)
+
+
+class RemoteTest(unittest.TestCase):
+    def setUp(self):
+        self.daemon = Daemon(scenario(1))
+        self.addCleanup(self.daemon.__exit__, None, None, None)
+        self.server = f"{self.daemon.names[0]}:{self.daemon.names[1]}"
+
+    def ask(self, *words, code=0):
+        done = run(*words, "--server", self.server)
+        self.assertEqual(done.returncode, code, (words, done))
+        return (done.stdout + done.stderr).decode()
+
+    def test_the_run_is_steered_from_the_command_line(self):
+        self.assertIn("/robot1/motors", self.ask("list"))
+        self.assertIn("waiting for robot1 (no client)", self.ask("status"))
+        self.ask("pause")
+        self.assertIn("paused", self.ask("status"))
+        self.ask("run")
+        self.ask("step", "3", code=1)
+        self.ask("reset", "7")
+        self.assertEqual(self.daemon.status()["seed"], 7)
+        self.ask("load", "corridor")
+        self.assertEqual(self.daemon.status()["scenario"], "corridor")
+        self.ask("reload")
+        self.ask("stop-all")
+        self.ask("load", "nothing_of_that_name", code=1)
+
+    def test_any_command_of_any_module_can_be_called(self):
+        self.assertTrue(self.ask("call", "/robot1/motors", "set_velocity", "0.2", "-0.5").startswith('0 "" 11 1 1 '))
+        self.assertIn(" 31 ", self.ask("call", "/robot1/target", "get_target", "red"))
+        self.assertIn("set_velocity", self.ask("call", "/robot1/motors", "set_velocity", "0.2", code=1))
+        self.ask("call", "/robot9/motors", "stop", code=1)
+
+    def test_a_file_of_this_machine_is_loaded_by_its_text(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "mine.scenario"
+            path.write_text(scenario(3))
+            self.ask("load", str(path))
+        self.assertEqual(len(self.daemon.status()["robots"]), 3)
+
+    def test_doctor_finds_nothing_wrong(self):
+        self.assertNotIn("FAILED", self.ask("doctor"))
+
+    def test_quit_ends_the_daemon_in_order(self):
+        self.ask("quit")
+        self.assertEqual(self.daemon.process.wait(60), 0)
+
+
+class EndTest(unittest.TestCase):
+    def test_signals_end_the_daemon_under_load_with_exit_code_0(self):
+        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with Daemon(name="arena20") as daemon:
+                daemon.text("/simulation").must("set_mode free")
+                stop = threading.Event()
+
+                def load():
+                    try:
+                        motors = daemon.text("/robot_1/motors")
+                        motors.must("subscribe")
+                        while not stop.is_set():
+                            motors.ask("set_velocity 0.1 0.1")
+                    except (EOFError, ConnectionError, OSError):
+                        pass
+
+                workers = [threading.Thread(target=load) for _ in range(4)]
+                for worker in workers:
+                    worker.start()
+                until(lambda: daemon.status()["step"] > 10)
+                self.assertEqual(daemon.end(signum), 0)
+                stop.set()
+                for worker in workers:
+                    worker.join()
+
+    def test_waiting_clients_get_a_notice_when_the_daemon_ends(self):
+        with Daemon(scenario(2)) as daemon:
+            motors = daemon.text("/robot1/motors")
+            motors.send("set_velocity 0.2 0")
+            until(lambda: daemon.status()["robots"][0]["owner"])
+            self.assertEqual(daemon.end(), 0)
+            self.assertIn("stopping", motors.read_to_end().decode())
+
+    def test_a_run_with_a_duration_ends_by_itself_and_writes_a_summary(self):
+        with tempfile.TemporaryDirectory() as folder:
+            summary = Path(folder) / "s.json"
+            done = run("serve", "arena20", "--mode", "free", "--duration", "2", "--no-net", "--no-render", "--summary",
+                       str(summary))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stdout.decode().strip(), "ready names=off http=off robots=20")
+            told = json.loads(summary.read_text())
+            self.assertEqual((told["steps"], told["time_s"], told["robots"]), (200, 2, 20))
+            self.assertRegex(told["hash"], "^[0-9a-f]{16}$")
+
+    def test_two_runs_of_one_scenario_and_seed_give_the_same_hash(self):
+        hashes = set()
+        with tempfile.TemporaryDirectory() as folder:
+            for threads in ("1", "1", "4"):
+                summary = Path(folder) / "s.json"
+                run("serve", "formation", "--mode", "free", "--duration", "1", "--no-net", "--robot-threads", threads,
+                    "--summary", str(summary))
+                hashes.add(json.loads(summary.read_text())["hash"])
+        self.assertEqual(len(hashes), 1)
+
+
+class OptionTest(unittest.TestCase):
+    def test_flags_override_variables_which_override_the_config_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            config = Path(folder) / "c.ini"
+            config.write_text("mode=free\nstep=0.02\nseed=5\n")
+            with Daemon(scenario(1).replace("mode lockstep\nstep 0.01\n", ""), "--config", str(config), "--seed", "9",
+                        "--paused", env={"COOPDYN_STEP": "0.005"}) as daemon:
+                status = daemon.status()
+                self.assertEqual((status["mode"], status["step_s"], status["seed"]), ("free", 0.005, 9))
+
+    def test_ports_come_in_one_block_in_the_documented_order(self):
+        base = 23450
+        with Daemon(name="formation") as daemon:
+            pass  # the binary works; now with a fixed block
+        process = subprocess.Popen([BINARY, "serve", "formation", "--port", str(base), "--no-render"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        try:
+            ready = process.stdout.readline().decode()
+            self.assertIn(f"names=127.0.0.1:{base} http=http://127.0.0.1:{base + 1}/", ready)
+            listing = run("list", "--server", f"127.0.0.1:{base}").stdout.decode()
+            ports = {line.split()[0]: int(line.rsplit(":", 1)[1]) for line in listing.splitlines()}
+            for index, module in enumerate(("motors", "distance", "target", "pose")):
+                self.assertEqual(ports[f"/robot1/{module}"], base + 2 + index)
+                self.assertEqual(ports[f"/robot5/{module}"], base + 18 + index)
+            self.assertEqual(ports["/simulation"], base + 22)
+        finally:
+            process.terminate()
+            process.communicate()
+
+
+if __name__ == "__main__":
+    unittest.main()
