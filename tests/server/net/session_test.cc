@@ -312,6 +312,15 @@ TEST_F(SessionTest, TheNoticeArrivesThoughTheServerHasNotReadEverything) {
   EXPECT_EQ(client.Rest(), "0 \"taken over\" -1 0 0\n");
 }
 
+TEST_F(SessionTest, AClosingConnectionIsGivenUpThoughItsPeerNeitherReadsNorCloses) {
+  TestClient client = ConnectPair();
+  client.Send("CDS1" + Frame(ScriptedEndpoint::kBig, {1'000'000}));
+  ASSERT_TRUE(Sees("request 503"));
+  thread_.Call([this] { server_->CloseAll("taken over"); });
+  EXPECT_TRUE(Sees("closed"));  // at once; the socket follows after Session::kLinger
+  EXPECT_TRUE(NoSessions());
+}
+
 TEST_F(SessionTest, HelpAndAFirstEmptyLinePrintComments) {
   for (const char* line : {"help\n", "\r\n"}) {
     TestClient client = Connect();
