@@ -51,7 +51,9 @@ export class Console {
       const reply = await this.#connection.call({module, channel: 'describe', command: 'describe'});
       this.#connection.send({type: 'close', module, channel: 'describe'});
       if (reply.error !== 0) return;
-      this.#commands.set(module, JSON.parse(reply.text).commands);
+      // The module's own commands first; those of every module have the ids below 10.
+      const commands = JSON.parse(reply.text).commands;
+      this.#commands.set(module, commands.sort((a, b) => (a.id < 10) - (b.id < 10)));
     }
     this.#hint();
   }

@@ -25,7 +25,8 @@ export function showNumber(value, digits) {
   if (value === 'inf') return '∞';
   if (value === '-inf') return '−∞';
   if (typeof value !== 'number' || !Number.isFinite(value)) return '–';
-  return value.toFixed(digits).replace('-', '−');
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? text.replace('-', '') : text.replace('-', '−');
 }
 
 /** Says something to the person, for a while. */

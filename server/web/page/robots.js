@@ -39,7 +39,8 @@ class Card {
   update(robot, modules, namePort) {
     const owner = robot.owner ?? '';
     this.#owner.dataset.owner = owner;
-    setText(this.#owner, owner || 'nobody drives it');
+    const excuse = robot.participates === false ? ' (not waited for)' : '';
+    setText(this.#owner, (owner || 'nobody drives it') + excuse);
     this.#owner.classList.toggle('quiet', !owner);
     this.#release.disabled = !owner;
     const key = JSON.stringify([modules, namePort]);

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Starts the daemon that COOPDYN_BINARY names and opens its page in a headless Chromium.
+import {spawn} from 'node:child_process';
+import {once} from 'node:events';
+import {createInterface} from 'node:readline';
+import {chromium} from 'playwright-core';
+
+const SOURCE_DIR = new URL('../..', import.meta.url).pathname;
+
+/** A daemon on free ports: {url, names, process, stop()}. `scenario`: a name or path. */
+export async function startDaemon(scenario = 'classroom', ...flags) {
+  const binary = process.env.COOPDYN_BINARY;
+  if (!binary) throw new Error('set COOPDYN_BINARY to the daemon to test, e.g. build/release/coopdyn');
+  const child = spawn(binary, ['serve', scenario, '--port', '0', ...flags],
+    {stdio: ['ignore', 'pipe', 'pipe'], env: {...process.env, COOPDYN_PATH: SOURCE_DIR}});
+  let log = '';
+  child.stderr.on('data', (chunk) => { log += chunk; });
+  const ended = once(child, 'exit');
+  const ready = (async () => {
+    for await (const line of createInterface({input: child.stdout})) {
+      const match = /^ready names=(\S+) http=(\S+)/.exec(line);
+      if (match) return {names: match[1], url: match[2]};
+    }
+    await ended;
+    throw new Error(`the daemon ended before it was ready:\n${log}`);
+  })();
+  return {
+    ...(await ready),
+    process: child,
+    async stop() {
+      child.kill('SIGTERM');
+      await ended;
+    },
+  };
+}
+
+export function launchBrowser() {
+  return chromium.launch({
+    executablePath: process.env.COOPDYN_CHROMIUM ?? '/usr/bin/chromium',
+    args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
+      '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+  });
+}
+
+/** A page at a projector's size that has the daemon's status. Errors on it are collected in `page.mistakes`. */
+export async function openPage(browser, url) {
+  const page = await browser.newPage({viewport: {width: 1024, height: 768}});
+  page.mistakes = [];
+  page.on('pageerror', (error) => page.mistakes.push(String(error)));
+  page.on('console', (message) => { if (message.type() === 'error') page.mistakes.push(message.text()); });
+  await page.goto(url);
+  await page.waitForFunction(() => /^[\d.]+ s$/.test(document.getElementById('time').textContent));
+  return page;
+}
+
+/** The message with which `command` of a module is answered, by HTTP. */
+export async function call(url, request) {
+  const response = await fetch(new URL('api/call', url), {
+    method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(request)});
+  if (!response.ok) throw new Error(`${response.status}: ${await response.text()}`);
+  return response.json();
+}
+
+/** Waits until a picture of this or a later moment than now is shown, and returns the pixels as a data URL. */
+export async function nextPicture(page) {
+  const shown = () => page.evaluate(() => Number(document.getElementById('view').dataset.shown ?? 0));
+  const before = await shown();
+  await page.waitForFunction((count) => Number(document.getElementById('view').dataset.shown ?? 0) > count, before);
+  return picture(page);
+}
+
+export function picture(page) {
+  return page.evaluate(() => document.getElementById('view').toDataURL());
+}

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+// The page as a person uses it, in a real browser against a real daemon.
+import assert from 'node:assert/strict';
+import {after, afterEach, before, beforeEach, describe, test} from 'node:test';
+import {call, launchBrowser, nextPicture, openPage, picture, startDaemon} from './harness.js';
+
+let browser;
+let daemon;
+let page;
+
+before(async () => { browser = await launchBrowser(); });
+after(async () => { await browser?.close(); });
+
+/** Waits until the text of `selector` matches. */
+const hasText = (selector, pattern) => page.waitForFunction(
+  ([where, source]) => new RegExp(source).test(document.querySelector(where)?.textContent ?? ''),
+  [selector, pattern.source]);
+
+async function sendLine(module, line) {
+  await page.selectOption('#console-module', module);
+  await page.fill('#console-line', line);
+  await page.press('#console-line', 'Enter');
+  const reply = page.locator('#console-log > .reply').last();
+  await page.waitForFunction(() => document.querySelector('#console-log')?.lastElementChild?.classList.contains('reply'));
+  return reply.textContent();
+}
+
+const status = async () => (await fetch(new URL('api/status', daemon.url))).json();
+
+/** Position of the robot in the first open card. */
+async function position() {
+  await page.waitForSelector('.card[open] .readings dd');
+  return page.locator('.card[open] .readings dd').first().textContent();
+}
+
+describe('the page', () => {
+  beforeEach(async () => {
+    daemon = await startDaemon('classroom');
+    page = await openPage(browser, daemon.url);
+  });
+  afterEach(async () => {
+    assert.deepEqual(page.mistakes, []);
+    await page.close();
+    await daemon.stop();
+  });
+
+  test('shows the world, the robots and how the run stands', async () => {
+    await nextPicture(page);
+    await hasText('#state', /^running$/);
+    await hasText('#mode', /^realtime$/);
+    await hasText('#rtf', /^× \d/);
+    await hasText('.card[data-robot="robot1"]', /\/robot1\/motors/);
+    assert.match(await position(), /^−?\d+\.\d\d, −?\d+\.\d\d m$/);
+  });
+
+  test('a command by console drives the robot, and the picture and the readings follow', async () => {
+    await page.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
+    const before = await position();
+    const earlier = await nextPicture(page);
+    assert.match(await sendLine('/robot1/motors', 'set_velocity 0.4 0'), /^0 "" 11 /);
+    await page.waitForFunction(
+      (was) => document.querySelector('.card[open] .readings dd').textContent !== was, before);
+    assert.notEqual(await nextPicture(page), earlier);
+    await hasText('.card .owner', /^page /);
+  });
+
+  test('a wrong command is answered with what to write instead', async () => {
+    await page.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
+    assert.match(await sendLine('/robot1/motors', 'set_velocity 0,4 0'), /write 0\.4/);
+    assert.match(await sendLine('/robot1/motors', 'set_velocty 1 0'), /set_velocity/);
+  });
+
+  test('Tab completes a command and the hint explains it', async () => {
+    await page.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
+    await page.selectOption('#console-module', '/robot1/motors');
+    await page.focus('#console-line');
+    await hasText('#console-hint', /set_velocity/);
+    await page.keyboard.type('set_v');
+    await page.keyboard.press('Tab');
+    assert.equal(await page.inputValue('#console-line'), 'set_velocity ');
+    await hasText('#console-hint', /linear.*angular/);
+  });
+
+  test('run, pause, step and reset do what they say', async () => {
+    await page.click('#pause');
+    await hasText('#state', /^paused$/);
+    const {step} = await status();
+    await page.fill('#step-count', '7');
+    await page.click('#step');
+    await page.waitForFunction(async (wanted) => (await (await fetch('api/status')).json()).step === wanted, step + 7);
+    await page.fill('#seed', '42');
+    await page.click('#reset');
+    await hasText('#time', /^0\.00 s$/);
+    assert.equal((await status()).seed, 42);
+    await page.click('#run');
+    await hasText('#state', /^running$/);
+  });
+
+  test('dragging, moving and the wheel change the picture of a world that stands still', async () => {
+    await page.click('#pause');
+    await hasText('#state', /^paused$/);
+    await nextPicture(page).catch(() => {});
+    const box = await page.locator('#view').boundingBox();
+    const centre = [box.x + box.width / 2, box.y + box.height / 2];
+    const drag = async (button, dx, dy) => {
+      await page.mouse.move(...centre);
+      await page.mouse.down({button});
+      const moved = nextPicture(page);
+      await page.mouse.move(centre[0] + dx, centre[1] + dy, {steps: 4});
+      await page.mouse.up({button});
+      return moved;
+    };
+    const first = await picture(page);
+    const turned = await drag('left', 120, 30);
+    assert.notEqual(turned, first);
+    const moved = await drag('right', 80, 0);
+    assert.notEqual(moved, turned);
+    const zooming = nextPicture(page);
+    await page.mouse.wheel(0, -400);
+    assert.notEqual(await zooming, moved);
+    const back = nextPicture(page);
+    await page.click('#whole');
+    await back;
+  });
+
+  test('a world that stands still is not drawn again', async () => {
+    await page.click('#pause');
+    await hasText('#state', /^paused$/);
+    // Everything that was on its way has come when two pictures in a row are of the same moment.
+    await page.waitForFunction(async () => {
+      const {step} = await (await fetch('api/status')).json();
+      return document.getElementById('view').dataset.step === String(step);
+    });
+    const shown = () => page.evaluate(() => document.getElementById('view').dataset.shown);
+    const before = await shown();
+    for (let i = 0; i < 5; ++i) await fetch(new URL('api/status', daemon.url));
+    assert.ok(Number(await shown()) - Number(before) <= 2);
+  });
+
+  test('another scenario can be chosen', async () => {
+    await page.waitForSelector('#scenarios option[value="formation"]', {state: 'attached'});
+    await page.selectOption('#scenarios', 'formation');
+    await page.click('#load');
+    await hasText('#scenario-name', /^formation$/);
+    await page.waitForFunction(() => document.querySelectorAll('.card').length === 5);
+    await page.waitForFunction(() => [...document.querySelectorAll('#console-module option')]
+      .some((option) => option.value === '/robot5/motors'));
+  });
+
+  test('an uploaded scenario with mistakes shows them by line and changes nothing', async () => {
+    const text = '[WORLD]\nfile empty\n\n[ROBOT_1]\ntype single\nname ana\nposition 0 zero\ncolr red\n';
+    await page.setInputFiles('#upload', {name: 'mine.scenario', mimeType: 'text/plain', buffer: Buffer.from(text)});
+    await page.waitForSelector('#diagnostics li');
+    const entries = await page.locator('#diagnostics li').allTextContents();
+    assert.ok(entries.some((entry) => /^line 7: .*position 0 zero$/.test(entry)), entries.join('\n'));
+    assert.ok(entries.some((entry) => /^line 8: .*colr red$/.test(entry)), entries.join('\n'));
+    assert.equal((await status()).scenario, 'classroom');
+  });
+
+  test('an uploaded scenario is run', async () => {
+    const text = '[ROBOT_1]\ntype single\nname ana\nposition 0 0\n[ROBOT_2]\ntype single\nname bo\nposition 1 1\n';
+    await page.setInputFiles('#upload', {name: 'mine.scenario', mimeType: 'text/plain', buffer: Buffer.from(text)});
+    await page.waitForSelector('.card[data-robot="ana"]');
+    await page.waitForSelector('.card[data-robot="bo"]');
+    await page.waitForSelector('.card[data-robot="robot1"]', {state: 'detached'});
+  });
+
+  test('lockstep says whom it waits for, and can leave out robots that nobody drives', async () => {
+    await page.selectOption('#set-mode', 'lockstep');
+    await hasText('#waiting', /^waiting for robot1 \(no client\), \d+\.\d s$/);
+    await hasText('#state', /^waiting$/);
+    await page.click('#only-connected');
+    await hasText('#message', /connect one first/);
+    await page.click('#stop-all');
+    await page.selectOption('#set-mode', 'realtime');
+    await hasText('#state', /^running$/);
+    assert.equal(await page.textContent('#waiting'), '');
+  });
+
+  test('step size and speed are set', async () => {
+    await page.fill('#set-step', '20');
+    await page.press('#set-step', 'Enter');
+    await page.fill('#set-speed', '2');
+    await page.press('#set-speed', 'Enter');
+    await page.waitForFunction(async () => {
+      const {step_s, speed} = await (await fetch('api/status')).json();
+      return step_s === 0.02 && speed === 2;
+    });
+    await page.fill('#set-step', '500');
+    await page.press('#set-step', 'Enter');
+    await hasText('#message', /step size: .*(100|0\.1)/);
+  });
+
+  test('a robot can be freed', async () => {
+    await page.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
+    await sendLine('/robot1/motors', 'set_velocity 0.1 0');
+    await hasText('.card .owner', /^page /);
+    await page.click('.card summary button');
+    await hasText('.card .owner', /^nobody drives it/);
+    await hasText('#console-log', /closed: /);
+  });
+
+  test('a page that is closed frees its robots', async () => {
+    const other = await openPage(browser, daemon.url);
+    await other.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
+    await other.selectOption('#console-module', '/robot1/motors');
+    await other.fill('#console-line', 'claim');
+    await other.press('#console-line', 'Enter');
+    await hasText('.card .owner', /^page /);
+    await other.close();
+    await hasText('.card .owner', /^nobody drives it/);
+  });
+
+  test('each robot has its connection lines with the address that the browser used', async () => {
+    const lines = await page.locator('.card[open] .lines code').allTextContents();
+    const port = daemon.names.split(':').at(-1);
+    assert.ok(lines.includes(`sim = coopdyn.connect("127.0.0.1:${port}"); r = sim.robot("robot1");`), lines.join('\n'));
+    assert.ok(lines.some((line) => /^telnet 127\.0\.0\.1 \d+$/.test(line)), lines.join('\n'));
+    for (const file of ['matlab.zip', 'coopdyn.py']) {
+      const response = await fetch(new URL(file, daemon.url));
+      assert.equal(response.status, 200, file);
+      assert.ok((await response.arrayBuffer()).byteLength > 1000, file);
+    }
+  });
+
+  test('everything can be reached by keyboard', async () => {
+    await page.focus('#run');
+    const reached = new Set();
+    for (let i = 0; i < 60; ++i) {
+      reached.add(await page.evaluate(() => document.activeElement.id || document.activeElement.tagName));
+      await page.keyboard.press('Tab');
+    }
+    for (const id of ['run', 'pause', 'reset', 'stop-all', 'view', 'rays', 'console-line', 'set-mode', 'load', 'upload']) {
+      assert.ok(reached.has(id), `${id} not among ${[...reached].join(' ')}`);
+    }
+  });
+});
+
+test('twenty robots are listed, and the page stays quick', async () => {
+  daemon = await startDaemon('arena20');
+  page = await openPage(browser, daemon.url);
+  await page.waitForFunction(() => document.querySelectorAll('.card').length === 20);
+  await page.locator('.card summary strong').nth(19).click();
+  await page.waitForFunction(() => document.querySelectorAll('.card')[19].querySelectorAll('.readings dd').length > 3);
+  const moved = nextPicture(page);
+  await page.focus('#view');
+  await page.keyboard.press('ArrowLeft');
+  await moved;
+  assert.deepEqual(page.mistakes, []);
+  await page.close();
+  await daemon.stop();
+});
+
+test('a daemon that has gone is noticed, and found again', async () => {
+  daemon = await startDaemon('classroom');
+  page = await openPage(browser, daemon.url);
+  const port = new URL(daemon.url).port;
+  await daemon.stop();
+  await page.waitForSelector('#lost', {state: 'visible'});
+  daemon = await startDaemon('classroom', '--http-port', port);
+  await page.waitForSelector('#lost', {state: 'hidden'});
+  await hasText('#state', /^running$/);
+  await page.close();
+  await daemon.stop();
+});
+
+test('the API answers scripts', async () => {
+  daemon = await startDaemon('classroom');
+  const reply = await call(daemon.url, {id: 1, module: '/robot1/pose', command: 'get_pose'});
+  assert.equal(reply.error, 0);
+  assert.equal(reply.data.length, 7);
+  await daemon.stop();
+});

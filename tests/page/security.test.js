@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// What others try to do to the page and through it.
+import assert from 'node:assert/strict';
+import {once} from 'node:events';
+import {createServer} from 'node:http';
+import {connect} from 'node:net';
+import {after, before, test} from 'node:test';
+import {launchBrowser, openPage, startDaemon} from './harness.js';
+
+const MARKUP = '<img/src=x/onerror=globalThis.hit=1>';
+
+let browser;
+let daemon;
+
+before(async () => {
+  browser = await launchBrowser();
+  daemon = await startDaemon('classroom');
+});
+after(async () => {
+  await browser?.close();
+  await daemon?.stop();
+});
+
+const status = async () => (await fetch(new URL('api/status', daemon.url))).json();
+
+test('names with markup are shown as text', async () => {
+  const page = await openPage(browser, daemon.url);
+  const [host, port] = daemon.names.split(':');
+  const client = connect(Number(port), host);
+  client.write(`OPEN /robot1/motors\n`);
+  await once(client, 'data');
+  client.write(`hello ${MARKUP}\nclaim\n`);
+  await page.waitForFunction((text) => document.querySelector('.card .owner')?.textContent.includes(text), MARKUP);
+
+  const scenario = `[ROBOT_1]\ntype ${MARKUP}\n`;
+  await page.setInputFiles('#upload', {name: 'x.scenario', mimeType: 'text/plain', buffer: Buffer.from(scenario)});
+  await page.waitForFunction((text) => document.getElementById('diagnostics').textContent.includes(text), MARKUP);
+
+  await page.selectOption('#console-module', '/robot1/motors');
+  await page.fill('#console-line', MARKUP);
+  await page.press('#console-line', 'Enter');
+  await page.waitForFunction((text) => document.getElementById('console-log').textContent.includes(text), MARKUP);
+
+  assert.equal(await page.evaluate(() => document.querySelectorAll('img').length), 0);
+  assert.equal(await page.evaluate(() => globalThis.hit), undefined);
+  client.destroy();
+  await page.close();
+});
+
+test('a page of another origin can change nothing', async () => {
+  const server = createServer((request, response) => {
+    response.setHeader('Content-Type', 'text/html');
+    response.end('<!doctype html><title>elsewhere</title>');
+  });
+  server.listen(0, '127.0.0.1');
+  await once(server, 'listening');
+  const page = await browser.newPage();
+  await page.goto(`http://127.0.0.1:${server.address().port}/`);
+  const results = await page.evaluate(async (url) => {
+    const body = JSON.stringify({id: 1, module: '/simulation', command: 'pause'});
+    const attempt = async (options) => {
+      try {
+        const response = await fetch(new URL('api/call', url), {method: 'POST', body, ...options});
+        return `answered ${response.status} ${response.type}`;
+      } catch (error) {
+        return `refused: ${error.name}`;
+      }
+    };
+    const socket = await new Promise((resolve) => {
+      const opened = new WebSocket(new URL('ws', url).href.replace('http', 'ws'));
+      opened.onopen = () => { opened.send(body); resolve('open'); };
+      opened.onerror = () => resolve('refused');
+    });
+    return {
+      json: await attempt({headers: {'Content-Type': 'application/json'}}),
+      plain: await attempt({mode: 'no-cors', headers: {'Content-Type': 'text/plain'}}),
+      socket,
+    };
+  }, daemon.url);
+  assert.equal(results.socket, 'refused');
+  assert.match(results.json, /^refused/);
+  assert.notEqual((await status()).state, 'paused');
+  await page.close();
+  server.close();
+});
+
+test('the page runs no script but its own files', async () => {
+  const page = await openPage(browser, daemon.url);
+  const ran = await page.evaluate(() => {
+    const script = document.createElement('script');
+    script.textContent = 'globalThis.inline = 1';
+    document.head.append(script);
+    return globalThis.inline;
+  });
+  assert.equal(ran, undefined);
+  await page.close();
+});
