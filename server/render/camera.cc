@@ -64,8 +64,24 @@ Vector3 FitEye(const Points& points, const Matrix3& axes, double tan_x, double t
     }
   }
   const auto back = [&](int axis) { return (highest[axis] + lowest[axis]) / (2 * tans[axis]); };
-  const auto across = [&](int axis) { return (highest[axis] - lowest[axis]) / 2; };
-  return axes.transpose() * Vector3(across(0), across(1), std::max(back(0), back(1)));
+  const double distance = std::max(back(0), back(1));
+  double across[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    // On the axis with room to spare the points are centred as they appear from there.
+    double& eye = across[axis];
+    eye = (highest[axis] - lowest[axis]) / 2;
+    for (int i = 0; i < 8; ++i) {
+      double above = -kFar, below = -kFar, depth = 0;
+      for (const Vector3& point : points) {
+        const Vector3 p = axes * point;
+        depth = std::max(distance - p.z(), 1e-3);
+        above = std::max(above, (p[axis] - eye) / depth);
+        below = std::max(below, (eye - p[axis]) / depth);
+      }
+      eye += (above - below) / 2 * depth;
+    }
+  }
+  return axes.transpose() * Vector3(across[0], across[1], distance);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "server/geometry/shape.h"
 #include "server/state/image_board.h"
 #include "server/state/scene.h"
 

@@ -137,7 +137,7 @@ class Builder {
   void AddRays(int index) {
     const double width_px = 1.3 * std::max(1.0, request_.height / 480.0);
     for (const RaySegment& ray : DistanceRays(frame_, index)) {
-      const Rgba color = ray.hit ? Rgba{1, 0.35, 0.1, 0.75} : Rgba{0.1, 0.65, 0.35, 0.4};
+      const Rgba color = ray.hit ? Rgba{1, 0.35, 0.1, 0.75} : Rgba{0.1, 0.6, 0.35, 0.3};
       Vector3 to_W = ray.to_W;
       const double length_m = (to_W - ray.from_W).norm();
       if (length_m > kMaxRay_m) to_W = ray.from_W + (to_W - ray.from_W) * (kMaxRay_m / length_m);
