@@ -18,7 +18,8 @@ struct ContactList {
   std::array<ContactPoint, kMax> points;
   int count = 0;
 
-  std::span<const ContactPoint> all() const { return {points.data(), static_cast<std::size_t>(count)}; }
+  std::span<const ContactPoint> all() const& { return {points.data(), static_cast<std::size_t>(count)}; }
+  std::span<const ContactPoint> all() && = delete;  // would outlive its list
 };
 
 /// Contacts of A with B; normals from B to A.

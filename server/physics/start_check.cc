@@ -26,7 +26,8 @@ std::string NameOf(const Owner& owner) {
 
 double Depth(const Part& a, const Part& b) {
   double depth = 0;
-  for (const ContactPoint& point : Collide(a, b).all()) depth = std::max(depth, point.depth_m);
+  const ContactList contacts = Collide(a, b);
+  for (const ContactPoint& point : contacts.all()) depth = std::max(depth, point.depth_m);
   // Colliders may miss a shape that lies wholly within another.
   const PlacedRotation X_WA{dGeomGetPosition(a.geom), dGeomGetRotation(a.geom)};
   const PlacedRotation X_WB{dGeomGetPosition(b.geom), dGeomGetRotation(b.geom)};

@@ -6,6 +6,10 @@
 
 #include "tests/server/physics/physics_scene.h"
 
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
+
 namespace coopdyn {
 namespace {
 
@@ -53,6 +57,10 @@ TEST(Freeze, TheRestGoesOnBitByBit) {
 }
 
 TEST(Freeze, BodyThatIsNotFiniteIsHeldWithoutEndingTheProcess) {
+#if defined(__SANITIZE_ADDRESS__)
+  // ODE fails an assertion in the middle of its step, and loses the 80 bytes of a job when that throws.
+  const __lsan::ScopedDisabler odes_own_leak;
+#endif
   Exploding test({kNan, 0, 0});
   test.scene.Run(100);
   const auto frozen = test.scene.world().TakeFrozen();
