@@ -12,7 +12,7 @@ StatusFeed::StatusFeed(boost::asio::io_context& context, const NameTable& names)
     : context_(context), names_(names), timer_(context) {}
 
 StatusFeed::~StatusFeed() {
-  if (link_) link_->Close();
+  CloseLink();
 }
 
 void StatusFeed::Watch(std::weak_ptr<StatusWatcher> watcher) {
@@ -35,16 +35,22 @@ void StatusFeed::Ask(std::function<void(const Message&)> done) {
   }
   Message request;
   request.command = command::kGetStatus;
-  link_->Call(request, std::move(done));
+  link_->Call(request, [this, alive = std::weak_ptr(alive_), done = std::move(done)](const Message& reply) {
+    done(reply);
+    if (!alive.expired() && !polling_ && link_ && link_->waiting() == 0) CloseLink();
+  });
+}
+
+void StatusFeed::CloseLink() {
+  if (link_) link_->Close();
+  link_ = nullptr;
 }
 
 void StatusFeed::Poll() {
   std::erase_if(watchers_, [](const auto& watcher) { return watcher.expired(); });
   if (watchers_.empty()) {
     polling_ = false;
-    if (link_) link_->Close();
-    link_ = nullptr;
-    return;
+    return CloseLink();
   }
   timer_.expires_after(kPeriod);
   Ask([this, alive = std::weak_ptr(alive_)](const Message& reply) {

@@ -46,6 +46,7 @@ class StatusFeed {
  private:
   void Poll();
   void Broadcast(const Message& reply);
+  void CloseLink();
 
   boost::asio::io_context& context_;
   const NameTable& names_;

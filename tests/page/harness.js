@@ -42,12 +42,17 @@ export function launchBrowser() {
   });
 }
 
-/** A page at a projector's size that has the daemon's status. Errors on it are collected in `page.mistakes`. */
+/** A page at a projector's size that has the daemon's status. Errors on it are collected in `page.mistakes`;
+ *  `page.statuses` counts what it was told. */
 export async function openPage(browser, url) {
   const page = await browser.newPage({viewport: {width: 1024, height: 768}});
   page.mistakes = [];
   page.on('pageerror', (error) => page.mistakes.push(String(error)));
   page.on('console', (message) => { if (message.type() === 'error') page.mistakes.push(message.text()); });
+  page.statuses = 0;
+  page.on('websocket', (socket) => socket.on('framereceived', ({payload}) => {
+    if (typeof payload === 'string' && payload.startsWith('{"type":"status"')) ++page.statuses;
+  }));
   await page.goto(url);
   await page.waitForFunction(() => /^[\d.]+ s$/.test(document.getElementById('time').textContent));
   return page;
@@ -59,6 +64,14 @@ export async function call(url, request) {
     method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(request)});
   if (!response.ok) throw new Error(`${response.status}: ${await response.text()}`);
   return response.json();
+}
+
+/** Asks again and again until `condition` resolves to true; fails after ten seconds. */
+export async function eventually(condition) {
+  const end = performance.now() + 10000;
+  while (!(await condition())) {
+    if (performance.now() > end) throw new Error(`still not so after ten seconds: ${condition}`);
+  }
 }
 
 /** Waits until a picture of this or a later moment than now is shown, and returns the pixels as a data URL. */

@@ -2,7 +2,7 @@
 // The page as a person uses it, in a real browser against a real daemon.
 import assert from 'node:assert/strict';
 import {after, afterEach, before, beforeEach, describe, test} from 'node:test';
-import {call, launchBrowser, nextPicture, openPage, picture, startDaemon} from './harness.js';
+import {call, eventually, launchBrowser, nextPicture, openPage, picture, startDaemon} from './harness.js';
 
 let browser;
 let daemon;
@@ -87,7 +87,7 @@ describe('the page', () => {
     const {step} = await status();
     await page.fill('#step-count', '7');
     await page.click('#step');
-    await page.waitForFunction(async (wanted) => (await (await fetch('api/status')).json()).step === wanted, step + 7);
+    await eventually(async () => (await status()).step === step + 7);
     await page.fill('#seed', '42');
     await page.click('#reset');
     await hasText('#time', /^0\.00 s$/);
@@ -126,15 +126,13 @@ describe('the page', () => {
   test('a world that stands still is not drawn again', async () => {
     await page.click('#pause');
     await hasText('#state', /^paused$/);
-    // Everything that was on its way has come when two pictures in a row are of the same moment.
-    await page.waitForFunction(async () => {
-      const {step} = await (await fetch('api/status')).json();
-      return document.getElementById('view').dataset.step === String(step);
-    });
-    const shown = () => page.evaluate(() => document.getElementById('view').dataset.shown);
+    const {step} = await status();
+    await page.waitForFunction((last) => document.getElementById('view').dataset.step === String(last), step);
+    const shown = () => page.evaluate(() => Number(document.getElementById('view').dataset.shown));
     const before = await shown();
-    for (let i = 0; i < 5; ++i) await fetch(new URL('api/status', daemon.url));
-    assert.ok(Number(await shown()) - Number(before) <= 2);
+    const later = page.statuses + 10;  // two seconds
+    await eventually(async () => (await shown()) >= 0 && page.statuses >= later);
+    assert.ok((await shown()) - before <= 1);
   });
 
   test('another scenario can be chosen', async () => {
@@ -182,8 +180,8 @@ describe('the page', () => {
     await page.press('#set-step', 'Enter');
     await page.fill('#set-speed', '2');
     await page.press('#set-speed', 'Enter');
-    await page.waitForFunction(async () => {
-      const {step_s, speed} = await (await fetch('api/status')).json();
+    await eventually(async () => {
+      const {step_s, speed} = await status();
       return step_s === 0.02 && speed === 2;
     });
     await page.fill('#set-step', '500');
@@ -214,7 +212,7 @@ describe('the page', () => {
   test('each robot has its connection lines with the address that the browser used', async () => {
     const lines = await page.locator('.card[open] .lines code').allTextContents();
     const port = daemon.names.split(':').at(-1);
-    assert.ok(lines.includes(`sim = coopdyn.connect("127.0.0.1:${port}"); r = sim.robot("robot1");`), lines.join('\n'));
+    assert.ok(lines.includes(`sim = coopdyn.connect("127.0.0.1:${port}");\nr = sim.robot("robot1");`), lines.join('\n'));
     assert.ok(lines.some((line) => /^telnet 127\.0\.0\.1 \d+$/.test(line)), lines.join('\n'));
     for (const file of ['matlab.zip', 'coopdyn.py']) {
       const response = await fetch(new URL(file, daemon.url));

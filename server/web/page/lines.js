@@ -7,14 +7,14 @@ const DEFAULT_NAME_PORT = 10000;
 /** The host for a command line: an IPv6 address without its brackets. */
 const plainHost = () => location.hostname.replace(/^\[|\]$/g, '');
 
-/** [title, line] for each client. */
+/** [title, lines] for each client. */
 export function linesFor(robot, modules, namePort) {
   const server = namePort === DEFAULT_NAME_PORT ? location.hostname : `${location.hostname}:${namePort}`;
   const motors = modules.find((module) => module.name.endsWith('/motors')) ?? modules[0];
   const lines = [];
   if (namePort > 0) {
-    lines.push(['MATLAB', `sim = coopdyn.connect("${server}"); r = sim.robot("${robot}");`]);
-    lines.push(['Python', `import coopdyn; sim = coopdyn.connect("${server}"); r = sim.robot("${robot}")`]);
+    lines.push(['MATLAB', `sim = coopdyn.connect("${server}");\nr = sim.robot("${robot}");`]);
+    lines.push(['Python', `import coopdyn\nsim = coopdyn.connect("${server}")\nr = sim.robot("${robot}")`]);
   }
   if (motors?.port > 0) {
     lines.push(['telnet', `telnet ${plainHost()} ${motors.port}`]);

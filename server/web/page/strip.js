@@ -2,16 +2,20 @@
 // The strip at the top, to be read from the last row: state, mode, time, real-time factor, and whom the world waits for.
 import {byId, make, setText, showNumber} from './dom.js';
 
-const shownRobots = 4;
+const SHOWN_ROBOTS = 4;
 
-/** "waiting for robot2 (no client), robot3 (no client) and 5 more, 1.2 s"; empty if nobody is awaited. */
+/** "waiting for robot2 (no client), 1.2 s", "waiting for robot1, robot2 and 5 more (no client), 1.2 s"; empty if nobody
+ *  is awaited. */
 export function waitingText(status) {
   const awaiting = status.awaiting ?? [];
   if (awaiting.length === 0) return '';
-  const names = awaiting.slice(0, shownRobots).map(({robot, why}) => `${robot} (${why})`);
-  const more = (status.awaiting_count ?? awaiting.length) - names.length;
+  const first = awaiting.slice(0, SHOWN_ROBOTS);
+  const same = first.every(({why}) => why === first[0].why);
+  const names = first.map(({robot, why}) => (same ? robot : `${robot} (${why})`)).join(', ');
+  const more = (status.awaiting_count ?? awaiting.length) - first.length;
   const seconds = Math.max(...awaiting.map((entry) => entry.seconds ?? 0));
-  return `waiting for ${names.join(', ')}${more > 0 ? ` and ${more} more` : ''}, ${showNumber(seconds, 1)} s`;
+  const others = more > 0 ? ` and ${more} more` : '';
+  return `waiting for ${names}${others}${same ? ` (${first[0].why})` : ''}, ${showNumber(seconds, 1)} s`;
 }
 
 export class Strip {

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "server/web/page_bridge.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "web_fixture.h"
+
+namespace coopdyn {
+namespace {
+
+using testing::HasSubstr;
+
+/// A bridge for somebody on another machine, on a thread of its own.
+class StrangerTest : public testing::Test {
+ protected:
+  StrangerTest() {
+    thread_.Call([this] {
+      bridge_ = std::make_unique<PageBridge>(thread_.context(), world_.names, catalog_,
+                                             PeerInfo{.text = "page 10.0.0.7:5000", .trusted = false},
+                                             [this](const PageReply& reply) { replied_.set_value(reply); });
+    });
+  }
+  ~StrangerTest() override {
+    thread_.Call([this] { bridge_ = nullptr; });
+  }
+
+  Message Call(const std::string& module, const std::string& command, std::vector<double> data = {}) {
+    PageCall call;
+    call.module = module;
+    call.command_name = command;
+    call.message.data = std::move(data);
+    return Send(call);
+  }
+  Message Send(const PageCall& call) {
+    replied_ = {};
+    std::future<PageReply> reply = replied_.get_future();
+    thread_.Call([&] { bridge_->Handle(call); });
+    return reply.get().message;
+  }
+  void SetTrusted() {
+    thread_.Call([this] { bridge_->SetTrusted(true); });
+  }
+
+  WebWorld world_;
+  const ModuleCatalog catalog_;
+  IoThread thread_{"bridge", NullLogger()};
+  std::promise<PageReply> replied_;
+  std::unique_ptr<PageBridge> bridge_;
+};
+
+TEST_F(StrangerTest, MayRead) {
+  EXPECT_EQ(Call("/robot1/motors", "get_wheels").error, 0);
+  EXPECT_EQ(Call("/simulation", "get_status").error, 0);
+}
+
+TEST_F(StrangerTest, MayChangeNothing) {
+  for (const auto& [module, command] : std::vector<std::pair<std::string, std::string>>{
+           {"/robot1/motors", "set_velocity"}, {"/robot1/motors", "claim"}, {"/simulation", "quit"}}) {
+    const Message reply = Call(module, command, {0.1, 0});
+    EXPECT_EQ(reply.error, static_cast<std::int32_t>(Error::kNotAllowed)) << command;
+    EXPECT_THAT(reply.text, HasSubstr("token"));
+  }
+  EXPECT_EQ(world_.motors.open_owners, 0);
+}
+
+TEST_F(StrangerTest, CannotHideACommandInALineOrANumber) {
+  PageCall line;
+  line.module = "/robot1/motors";
+  line.line = "0 \"\" 11 0 2 0.2 0.5";
+  EXPECT_EQ(Send(line).error, static_cast<std::int32_t>(Error::kNotAllowed));
+  PageCall unknown;
+  unknown.module = "/simulation";
+  unknown.message.command = 12345;
+  EXPECT_EQ(Send(unknown).error, static_cast<std::int32_t>(Error::kNotAllowed));
+}
+
+TEST_F(StrangerTest, MayChangeThingsWithTheToken) {
+  EXPECT_EQ(Call("/simulation", "run").error, static_cast<std::int32_t>(Error::kNotAllowed));
+  SetTrusted();
+  EXPECT_EQ(Call("/simulation", "run").error, 0);
+  EXPECT_EQ(Call("/robot1/motors", "set_velocity", {0.1, 0}).error, 0);
+}
+
+TEST_F(StrangerTest, ModulesSeeAStrangerToo) {
+  Call("/simulation", "get_status");  // opens the connection as a stranger's
+  SetTrusted();                       // closes it: the next one is trusted
+  EXPECT_EQ(Call("/simulation", "run").error, 0);
+}
+
+}  // namespace
+}  // namespace coopdyn
