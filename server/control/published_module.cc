@@ -20,8 +20,7 @@ PublishedModule::~PublishedModule() {
 std::string PublishedModule::Open(const std::vector<std::string>& addresses, int port) {
   if (!addresses.empty()) {
     const std::string error = server_->Listen(addresses, port);
-    if (!error.empty())
-      return name_ + ": " + error + ": choose another range with --port P, or --port 0 for any";
+    if (!error.empty()) return name_ + ": " + error;
   }
   listed_ = names_.AddOwn(name_, server_->port(), server_->adopter());
   return listed_ ? "" : "the name " + name_ + " is taken";

@@ -49,13 +49,12 @@ std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_star
     if (error.empty()) return {};
     if (at_start || ports_.any_port()) {
       ports_.Release(port);
-      return robot.module_path(module) + ": " + error +
-             ": choose another range with --port P, or --port 0 for any";
+      return robot.module_path(module) + ": " + error;
     }
     // Stays taken in the plan: trying it again for every module would only cost time.
     services_.net.logger()->warn("{}: {}; trying the next one", robot.module_path(module), error);
   }
-  return robot.module_path(module) + ": no port is left up to 65535: choose a lower range with --port P";
+  return robot.module_path(module) + ": no port is left up to 65535";
 }
 
 std::string RobotHost::Open(Robot& robot, const RobotEntry& entry, bool at_start) {

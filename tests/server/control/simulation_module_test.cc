@@ -1,120 +1,17 @@
 // SPDX-License-Identifier: MIT
-// /simulation on the real boards, with a stepping thread that applies edits when told; no sockets, no
-// physics.
-#include "server/control/simulation_module.h"
-
+// The commands of /simulation.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <boost/json.hpp>
-#include <filesystem>
-#include <fstream>
+#include <cmath>
 
-#include "tests/server/devices/fake_client.h"
-#include "tests/server/devices/small_world.h"
+#include "tests/server/control/simulation_fixture.h"
 
 namespace coopdyn {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-namespace json = boost::json;
-
-class FakeActions final : public ControlActions {
- public:
-  void ApplyScene(const Scene& scene) override { applied.push_back(scene.scenario->name); }
-  void CloseClient(const std::string& robot, ClientId client, const std::string& reason) override {
-    closed.push_back(robot + " " + std::to_string(client) + " " + reason);
-  }
-  void Quit() override { ++quits; }
-  std::string recording() const override { return "night.run"; }
-  std::string http() const override { return ""; }
-
-  std::vector<std::string> applied, closed;
-  int quits = 0;
-};
-
-class SimulationModuleTest : public testing::Test {
- protected:
-  SimulationModuleTest() {
-    folder_ = std::filesystem::path(testing::TempDir()) / ("coopdyn_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-    Write("hall.scenario", "[FLOOR]\nsize 8 8 0.1\n");
-    Write("broken.scenario", "[FLOOR]\nsize 8 banana 0.1\n");
-    run_.SetStatus(RunStatus{});
-    module_.emplace(services_, thread_.poster());
-    client_.emplace(*module_, 1);
-  }
-  ~SimulationModuleTest() override {
-    client_.reset();
-    module_.reset();
-    std::filesystem::remove_all(folder_);
-  }
-
-  void Write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
-
-  /// What the stepping thread does: answers every edit, keeping what it was.
-  void ApplyEdits() {
-    for (Edit& each : edits_.TakeAll()) {
-      EditResult result = next_result_;
-      if (const auto* load = std::get_if<edit::Load>(&each.action); load && result.error == Error::kOk) {
-        world_.Load(load->scenario, Mode::kLockstep);
-      }
-      if (std::holds_alternative<edit::Reset>(each.action)) {
-        world_.Load(SmallScenario(2), Mode::kLockstep, StepEnd::kReset);
-      }
-      if (auto* participants = std::get_if<edit::SetParticipants>(&each.action)) {
-        const Verdict verdict = world_.board.SetParticipants(participants->names, 0);
-        result.error = verdict.error;
-        result.text = verdict.text;
-      }
-      if (auto* step = std::get_if<edit::Step>(&each.action); step && result.error == Error::kOk) {
-        world_.board.WaitSteps(step->steps, step->done);
-        applied_.push_back(std::move(each.action));
-        continue;
-      }
-      result.frame = world_.frames.Latest();
-      each.done(result);
-      applied_.push_back(std::move(each.action));
-    }
-    thread_.Run();
-  }
-  /// Sends a line, lets its edit be applied, returns the reply.
-  Message Ask(const std::string& line) {
-    client_->Send(line);
-    ApplyEdits();
-    EXPECT_FALSE(client_->is_waiting()) << line;
-    return client_->received.back();
-  }
-  template <typename T>
-  const T& LastEdit() {
-    return std::get<T>(applied_.back());
-  }
-  json::object Status(const std::string& line = "get_status") {
-    return json::parse(Ask(line).text).as_object();
-  }
-
-  std::filesystem::path folder_;
-  ManualClock clock_;
-  NameTable names_;
-  ConnectionRoster roster_;
-  TokenGuard guard_{"secret", true};
-  RobotLibrary robots_{
-      SearchPath{{std::filesystem::path(testing::TempDir()) / ("coopdyn_" + std::to_string(getpid()))}}};
-  Doorbell bell_;
-  EditQueue edits_{bell_};
-  RunControl run_;
-  FakeActions actions_;
-  SmallWorld world_{2};
-  SimulationServices services_{world_.board, world_.frames, edits_, run_,     names_, roster_,
-                               robots_,      guard_,        clock_, actions_, "1.2.3"};
-  FakeThread thread_;
-  EditResult next_result_;
-  std::vector<EditAction> applied_;
-  std::optional<SimulationModule> module_;
-  std::optional<FakeClient> client_;
-};
 
 TEST_F(SimulationModuleTest, EditsReachTheSteppingThreadAndAreAnsweredAfterIt) {
   client_->Send("run");
@@ -327,99 +224,6 @@ TEST_F(SimulationModuleTest, WrongRequestsGetTheDocumentedError) {
   client_->SendMessage(Message{0, "", 12, {}, {}});
   EXPECT_EQ(client_->received.back().error, 1);
   EXPECT_TRUE(edits_.empty());
-}
-
-TEST_F(SimulationModuleTest, StatusTellsEverything) {
-  names_.AddOwn("/robot1/motors", 10002, nullptr);
-  world_.board.Claim(world_.board.FindSlot("robot1"), {42, "bob", "peer:42", false});
-  roster_.Add({42, "/robot1/motors", "peer:42", "bob"});
-  clock_.Advance(1'500'000'000);
-  run_.AddEvent({3, 0.03, "warning", "robot1 has left the floor"});
-  RunStatus run;
-  run.mode = Mode::kLockstep;
-  run.speed = 0;
-  run.real_time_factor = std::nan("");
-  run.frozen = {"BOX_1"};
-  run_.SetStatus(run);
-  const json::object status = Status();
-  EXPECT_EQ(status.at("version"), "1.2.3");
-  EXPECT_EQ(status.at("protocol"), kProtocolVersion);
-  EXPECT_EQ(status.at("mode"), "lockstep");
-  EXPECT_EQ(status.at("state"), "waiting");
-  EXPECT_TRUE(status.at("speed").is_null());
-  EXPECT_TRUE(status.at("rtf").is_null());
-  EXPECT_TRUE(status.at("http").is_null());
-  EXPECT_EQ(status.at("recording"), "night.run");
-  EXPECT_EQ(status.at("hash").as_string(), HashText(StateHash(*world_.frames.Latest())));
-  EXPECT_EQ(status.at("hash").as_string().size(), 16u);
-  EXPECT_DOUBLE_EQ(status.at("step_s").to_number<double>(), 0.01);
-  const json::object& robot = status.at("robots").as_array().at(0).as_object();
-  EXPECT_EQ(robot.at("name"), "robot1");
-  EXPECT_EQ(robot.at("type"), "small");
-  EXPECT_EQ(robot.at("owner"), "bob");
-  EXPECT_EQ(robot.at("modules").as_array().at(0).as_object().at("port"), 10002);
-  EXPECT_TRUE(status.at("robots").as_array().at(1).as_object().at("owner").is_null());
-  EXPECT_EQ(status.at("awaiting_count"), 2);
-  const json::object& awaited = status.at("awaiting").as_array().at(1).as_object();
-  EXPECT_EQ(awaited.at("robot"), "robot2");
-  EXPECT_EQ(awaited.at("why"), "no client");
-  EXPECT_DOUBLE_EQ(awaited.at("seconds").to_number<double>(), 1.5);
-  const json::array& clients = status.at("clients").as_array();
-  ASSERT_EQ(clients.size(), 2u);
-  EXPECT_EQ(clients[0].at("module"), "/simulation");
-  EXPECT_TRUE(clients[0].at("name").is_null());
-  EXPECT_EQ(clients[1].at("owner"), true);
-  EXPECT_EQ(status.at("frozen").as_array().at(0), "BOX_1");
-  EXPECT_EQ(status.at("events").as_array().at(0).at("text"), "robot1 has left the floor");
-}
-
-TEST_F(SimulationModuleTest, ObjectsOfAListHaveTheSameKeys) {
-  world_.board.Claim(world_.board.FindSlot("robot1"), {42, "bob", "peer:42", false});
-  FakeClient named(*module_, 2);
-  named.Ask("hello ana");
-  const json::object status = Status();
-  for (const char* list : {"robots", "clients", "awaiting"}) {
-    std::vector<std::string> first;
-    for (const json::value& each : status.at(list).as_array()) {
-      std::vector<std::string> keys;
-      for (const auto& member : each.as_object()) keys.emplace_back(member.key());
-      if (first.empty()) first = keys;
-      EXPECT_EQ(keys, first) << list;
-    }
-    EXPECT_FALSE(first.empty()) << list;
-  }
-}
-
-TEST_F(SimulationModuleTest, ManyRobotsAreListedInPages) {
-  world_.Load(SmallScenario(300), Mode::kLockstep);
-  const json::object status = Status();
-  EXPECT_EQ(status.at("robots").as_array().size(), 256u);
-  EXPECT_EQ(status.at("robot_count"), 300);
-  EXPECT_EQ(status.at("awaiting").as_array().size(), 20u);
-  EXPECT_EQ(status.at("awaiting_count"), 300);
-  client_->SendMessage(Message{0, "", command::kGetStatus, {257, 1000}, {}});
-  const json::value rest = json::parse(client_->received.back().text);
-  ASSERT_EQ(rest.at("robots").as_array().size(), 44u);
-  EXPECT_EQ(rest.at("robots").as_array().at(0).at("name"), "robot257");
-}
-
-TEST_F(SimulationModuleTest, PausedIsNotWaiting) {
-  RunStatus run;
-  run.state = RunState::kPaused;
-  run_.SetStatus(run);
-  EXPECT_EQ(Status()["state"], "paused");
-}
-
-TEST_F(SimulationModuleTest, StatusIsPushedToSubscribersBeforeTheReplyOfItsStep) {
-  Ask("subscribe 1");
-  client_->Send("ready");
-  world_.Step();
-  thread_.Run();
-  ASSERT_EQ(client_->received.size(), 3u);
-  EXPECT_EQ(client_->received[1].command, -100);
-  EXPECT_EQ(StepOf(client_->received[1]), 1);
-  EXPECT_EQ(json::parse(client_->received[1].text).at("step"), 1);
-  EXPECT_EQ(client_->received[2].command, command::kReady);
 }
 
 TEST_F(SimulationModuleTest, AfterTheEndEditsAreRefused) {

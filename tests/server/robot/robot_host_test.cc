@@ -160,7 +160,7 @@ TEST_F(RobotHostTest, BusyPortAtTheStartIsNamed) {
   RobotHost host(Services(), Options(), plan);
   const std::string error = host.Apply(scene(), true);
   EXPECT_THAT(error, HasSubstr(std::to_string(busy)));
-  EXPECT_THAT(error, HasSubstr("--port"));
+  EXPECT_THAT(error, HasSubstr("/robot1/motors"));
   EXPECT_TRUE(names_.List().empty());
   EXPECT_EQ(host.Apply(scene(), false), "") << "later the next free one is taken";
   EXPECT_GT(names_.Find("/robot1/motors")->port, busy);

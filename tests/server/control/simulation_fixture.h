@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// /simulation on the real boards, with a stepping thread that applies edits when told; no sockets, no
+// physics.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <boost/json.hpp>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/control/simulation_module.h"
+#include "tests/server/devices/fake_client.h"
+#include "tests/server/devices/small_world.h"
+
+namespace coopdyn {
+
+namespace json = boost::json;
+
+class FakeActions final : public ControlActions {
+ public:
+  void ApplyScene(const Scene& scene) override { applied.push_back(scene.scenario->name); }
+  void CloseClient(const std::string& robot, ClientId client, const std::string& reason) override {
+    closed.push_back(robot + " " + std::to_string(client) + " " + reason);
+  }
+  void Quit() override { ++quits; }
+  std::string recording() const override { return "night.run"; }
+  std::string http() const override { return ""; }
+
+  std::vector<std::string> applied, closed;
+  int quits = 0;
+};
+
+class SimulationModuleTest : public testing::Test {
+ protected:
+  SimulationModuleTest() {
+    folder_ = std::filesystem::path(testing::TempDir()) / ("coopdyn_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    Write("hall.scenario", "[FLOOR]\nsize 8 8 0.1\n");
+    Write("broken.scenario", "[FLOOR]\nsize 8 banana 0.1\n");
+    run_.SetStatus(RunStatus{});
+    module_.emplace(services_, thread_.poster());
+    client_.emplace(*module_, 1);
+  }
+  ~SimulationModuleTest() override {
+    client_.reset();
+    module_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  void Write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+
+  /// What the stepping thread does: answers every edit, keeping what it was.
+  void ApplyEdits() {
+    for (Edit& each : edits_.TakeAll()) {
+      EditResult result = next_result_;
+      if (const auto* load = std::get_if<edit::Load>(&each.action); load && result.error == Error::kOk) {
+        world_.Load(load->scenario, Mode::kLockstep);
+      }
+      if (std::holds_alternative<edit::Reset>(each.action)) {
+        world_.Load(SmallScenario(2), Mode::kLockstep, StepEnd::kReset);
+      }
+      if (auto* participants = std::get_if<edit::SetParticipants>(&each.action)) {
+        const Verdict verdict = world_.board.SetParticipants(participants->names, 0);
+        result.error = verdict.error;
+        result.text = verdict.text;
+      }
+      if (auto* step = std::get_if<edit::Step>(&each.action); step && result.error == Error::kOk) {
+        world_.board.WaitSteps(step->steps, step->done);
+        applied_.push_back(std::move(each.action));
+        continue;
+      }
+      result.frame = world_.frames.Latest();
+      each.done(result);
+      applied_.push_back(std::move(each.action));
+    }
+    thread_.Run();
+  }
+  /// Sends a line, lets its edit be applied, returns the reply.
+  Message Ask(const std::string& line) {
+    client_->Send(line);
+    ApplyEdits();
+    EXPECT_FALSE(client_->is_waiting()) << line;
+    return client_->received.back();
+  }
+  template <typename T>
+  const T& LastEdit() {
+    return std::get<T>(applied_.back());
+  }
+  json::object Status(const std::string& line = "get_status") {
+    return json::parse(Ask(line).text).as_object();
+  }
+
+  std::filesystem::path folder_;
+  ManualClock clock_;
+  NameTable names_;
+  ConnectionRoster roster_;
+  TokenGuard guard_{"secret", true};
+  RobotLibrary robots_{
+      SearchPath{{std::filesystem::path(testing::TempDir()) / ("coopdyn_" + std::to_string(getpid()))}}};
+  Doorbell bell_;
+  EditQueue edits_{bell_};
+  RunControl run_;
+  FakeActions actions_;
+  SmallWorld world_{2};
+  SimulationServices services_{world_.board, world_.frames, edits_, run_,     names_, roster_,
+                               robots_,      guard_,        clock_, actions_, "1.2.3"};
+  FakeThread thread_;
+  EditResult next_result_;
+  std::vector<EditAction> applied_;
+  std::optional<SimulationModule> module_;
+  std::optional<FakeClient> client_;
+};
+
+}  // namespace coopdyn

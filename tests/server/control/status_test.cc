@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// What get_status tells.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/server/control/simulation_fixture.h"
+
+namespace coopdyn {
+namespace {
+
+TEST_F(SimulationModuleTest, StatusTellsEverything) {
+  names_.AddOwn("/robot1/motors", 10002, nullptr);
+  world_.board.Claim(world_.board.FindSlot("robot1"), {42, "bob", "peer:42", false});
+  roster_.Add({42, "/robot1/motors", "peer:42", "bob"});
+  clock_.Advance(1'500'000'000);
+  run_.AddEvent({3, 0.03, "warning", "robot1 has left the floor"});
+  RunStatus run;
+  run.mode = Mode::kLockstep;
+  run.speed = 0;
+  run.real_time_factor = std::nan("");
+  run.frozen = {"BOX_1"};
+  run_.SetStatus(run);
+  const json::object status = Status();
+  EXPECT_EQ(status.at("version"), "1.2.3");
+  EXPECT_EQ(status.at("protocol"), kProtocolVersion);
+  EXPECT_EQ(status.at("mode"), "lockstep");
+  EXPECT_EQ(status.at("state"), "waiting");
+  EXPECT_TRUE(status.at("speed").is_null());
+  EXPECT_TRUE(status.at("rtf").is_null());
+  EXPECT_TRUE(status.at("http").is_null());
+  EXPECT_EQ(status.at("recording"), "night.run");
+  EXPECT_EQ(status.at("hash").as_string(), HashText(StateHash(*world_.frames.Latest())));
+  EXPECT_EQ(status.at("hash").as_string().size(), 16u);
+  EXPECT_DOUBLE_EQ(status.at("step_s").to_number<double>(), 0.01);
+  const json::object& robot = status.at("robots").as_array().at(0).as_object();
+  EXPECT_EQ(robot.at("name"), "robot1");
+  EXPECT_EQ(robot.at("type"), "small");
+  EXPECT_EQ(robot.at("owner"), "bob");
+  EXPECT_EQ(robot.at("modules").as_array().at(0).as_object().at("port"), 10002);
+  EXPECT_TRUE(status.at("robots").as_array().at(1).as_object().at("owner").is_null());
+  EXPECT_EQ(status.at("awaiting_count"), 2);
+  const json::object& awaited = status.at("awaiting").as_array().at(1).as_object();
+  EXPECT_EQ(awaited.at("robot"), "robot2");
+  EXPECT_EQ(awaited.at("why"), "no client");
+  EXPECT_DOUBLE_EQ(awaited.at("seconds").to_number<double>(), 1.5);
+  const json::array& clients = status.at("clients").as_array();
+  ASSERT_EQ(clients.size(), 2u);
+  EXPECT_EQ(clients[0].at("module"), "/simulation");
+  EXPECT_TRUE(clients[0].at("name").is_null());
+  EXPECT_EQ(clients[1].at("owner"), true);
+  EXPECT_EQ(status.at("frozen").as_array().at(0), "BOX_1");
+  EXPECT_EQ(status.at("events").as_array().at(0).at("text"), "robot1 has left the floor");
+}
+
+TEST_F(SimulationModuleTest, ObjectsOfAListHaveTheSameKeys) {
+  world_.board.Claim(world_.board.FindSlot("robot1"), {42, "bob", "peer:42", false});
+  FakeClient named(*module_, 2);
+  named.Ask("hello ana");
+  const json::object status = Status();
+  for (const char* list : {"robots", "clients", "awaiting"}) {
+    std::vector<std::string> first;
+    for (const json::value& each : status.at(list).as_array()) {
+      std::vector<std::string> keys;
+      for (const auto& member : each.as_object()) keys.emplace_back(member.key());
+      if (first.empty()) first = keys;
+      EXPECT_EQ(keys, first) << list;
+    }
+    EXPECT_FALSE(first.empty()) << list;
+  }
+}
+
+TEST_F(SimulationModuleTest, ManyRobotsAreListedInPages) {
+  world_.Load(SmallScenario(300), Mode::kLockstep);
+  const json::object status = Status();
+  EXPECT_EQ(status.at("robots").as_array().size(), 256u);
+  EXPECT_EQ(status.at("robot_count"), 300);
+  EXPECT_EQ(status.at("awaiting").as_array().size(), 20u);
+  EXPECT_EQ(status.at("awaiting_count"), 300);
+  client_->SendMessage(Message{0, "", command::kGetStatus, {257, 1000}, {}});
+  const json::value rest = json::parse(client_->received.back().text);
+  ASSERT_EQ(rest.at("robots").as_array().size(), 44u);
+  EXPECT_EQ(rest.at("robots").as_array().at(0).at("name"), "robot257");
+}
+
+TEST_F(SimulationModuleTest, PausedIsNotWaiting) {
+  RunStatus run;
+  run.state = RunState::kPaused;
+  run_.SetStatus(run);
+  EXPECT_EQ(Status()["state"], "paused");
+}
+
+TEST_F(SimulationModuleTest, StatusIsPushedToSubscribersBeforeTheReplyOfItsStep) {
+  Ask("subscribe 1");
+  client_->Send("ready");
+  world_.Step();
+  thread_.Run();
+  ASSERT_EQ(client_->received.size(), 3u);
+  EXPECT_EQ(client_->received[1].command, -100);
+  EXPECT_EQ(StepOf(client_->received[1]), 1);
+  EXPECT_EQ(json::parse(client_->received[1].text).at("step"), 1);
+  EXPECT_EQ(client_->received[2].command, command::kReady);
+}
+
+}  // namespace
+}  // namespace coopdyn
