@@ -17,7 +17,10 @@ std::span<const dBodyID> BodiesOf(const OdeWorld& ode, const Owner& owner) {
 
 void Islands::Reset(const OdeWorld& ode) {
   parents_.resize(static_cast<std::size_t>(ode.first_static));
-  for (std::size_t i = 0; i < parents_.size(); ++i) parents_[i] = -1 - ode.owners[i].rows;
+  for (std::size_t i = 0; i < parents_.size(); ++i) {
+    const Owner& owner = ode.owners[i];
+    parents_[i] = -1 - owner.rows - (owner.robot >= 0 ? kRobotSurcharge : 0);
+  }
 }
 
 std::size_t Islands::Root(std::size_t owner) {

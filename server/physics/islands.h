@@ -10,18 +10,22 @@
 namespace coopdyn {
 
 /// The direct solver is exact, and cheap in small groups; its cost grows with the cube of a group's
-/// constraint rows. Groups beyond this many go to the iterative one. (A robot that stands has 20 rows.)
+/// constraint rows. Groups beyond this many go to the iterative one. A box on another has 12 rows: stacks up
+/// to ten are solved exactly (the iterative solver lets them creep 0.2 mm/s). A robot that stands has 20 and
+/// is charged 12 more, since robots come in crowds: groups up to three are solved exactly (up to five would
+/// make a crowd 1.5 times as dear).
 inline constexpr int kMaxDirectRows = 120;
+inline constexpr int kRobotSurcharge = 12;
 inline constexpr int kQuickIterations = 40;
 
 /// Union-find over the moving owners. Reused from substep to substep.
 class Islands {
  public:
-  /// Every owner alone, with the rows of its own joints.
+  /// Every owner alone, with the rows of its own joints and a robot's surcharge.
   void Reset(const OdeWorld& ode);
   void AddRows(std::size_t owner, int rows) { parents_[Root(owner)] -= rows; }
   void Join(std::size_t a, std::size_t b);
-  /// Rows of the group that holds `owner`.
+  /// Rows, surcharges included, of the group that holds `owner`.
   int RowsOf(std::size_t owner) { return -parents_[Root(owner)] - 1; }
 
  private:
