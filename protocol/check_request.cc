@@ -14,26 +14,26 @@ CheckResult Refuse(const CommandSpec& spec, Error error, std::string why) {
   return {static_cast<std::int32_t>(error), spec.name + " " + std::move(why) + ": " + ExampleLine(spec)};
 }
 
-/// What is wrong with number `value` by its spec; empty if nothing.
-std::string Objection(const ValueSpec& spec, double value) {
+/// `value` as a user would write it.
+std::string Written(double value) {
   std::string number;
   AppendDouble(value, number);
-  if (!std::isfinite(value)) {
-    return spec.any_number ? "" : "takes finite numbers, " + spec.name + " is " + number;
-  }
   if (number.ends_with(".0")) number.resize(number.size() - 2);
-  if (value < spec.min) {
-    std::string least;
-    AppendDouble(spec.min, least);
-    if (least.ends_with(".0")) least.resize(least.size() - 2);
-    return "takes as " + spec.name + " at least " + least + ", not " + number;
+  return number;
+}
+
+/// What is wrong with number `value` by its spec; empty if nothing.
+std::string Objection(const ValueSpec& spec, double value) {
+  if (!std::isfinite(value)) {
+    return spec.any_number ? "" : "takes finite numbers, " + spec.name + " is " + Written(value);
   }
+  if (value < spec.min) {
+    return "takes as " + spec.name + " at least " + Written(spec.min) + ", not " + Written(value);
+  }
+  if (spec.enums.empty()) return "";
   const bool listed = std::any_of(spec.enums.begin(), spec.enums.end(),
                                   [value](const auto& word) { return word.second == value; });
-  if (!spec.enums.empty() && !listed) {
-    return "takes as " + spec.name + " " + ListOfEnums(spec) + ", not " + number;
-  }
-  return "";
+  return listed ? "" : "takes as " + spec.name + " " + ListOfEnums(spec) + ", not " + Written(value);
 }
 
 CheckResult CheckText(const CommandSpec& spec, std::string_view text, std::size_t params) {

@@ -9,7 +9,8 @@
 namespace coopdyn {
 
 bool IsSubscribable(const CommandSpec& spec) {
-  return spec.name.starts_with("get_") && spec.id != command::kGetTime && TakesNothing(spec);
+  return spec.name.starts_with("get_") && spec.id != command::kGetTime &&
+         (TakesNothing(spec) || spec.id == command::kGetStatus);
 }
 
 std::vector<std::pair<std::string, std::int32_t>> ModeWords() {

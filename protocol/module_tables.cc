@@ -121,6 +121,8 @@ CommandTable PoseTable() {
 CommandTable SimulationTable() {
   CommandSpec status = Order(command::kGetStatus, "get_status", "Tells the state of the whole simulation.");
   status.reply_text = "JSON";
+  status.params = {{.name = "first", .unit = "", .optional = true, .min = 1},
+                   {.name = "count", .unit = "", .optional = true, .min = 0}};
   return CommandTable(
       "simulation",
       {

@@ -174,7 +174,8 @@ void Daemon::Stop() {
   if (std::exchange(stopped_, true)) return;
   physics_.request_stop();
   bell_.Ring();
-  if (robots_ != nullptr) robots_->Stop();
+  // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
+  if (robots_ != nullptr) control_.Call([this] { robots_->Stop(); });
   simulation_port_.reset();
   control_.Call([this] { name_server_.reset(); });
   control_.Stop();

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The yardstick of lockstep: a blocking server of one connection that computes the same step inline (physics,
+// all distances, the target) and answers with as many bytes, with nothing of the daemon's between.
+#pragma once
+
+#include <thread>
+
+namespace coopdyn {
+
+class EchoServer {
+ public:
+  /// `spin_us`: how long it polls for the next request before it blocks.
+  explicit EchoServer(int spin_us);
+  /// Joins the thread; close the connection first.
+  ~EchoServer();
+  int port() const { return port_; }
+
+ private:
+  int listener_ = -1;
+  int port_ = 0;
+  std::thread thread_;
+};
+
+/// Receives exactly `size` bytes, polling for `spin_us` before it blocks. False at the end of the stream.
+bool ReceiveExactly(int fd, char* bytes, std::size_t size, int spin_us);
+
+}  // namespace coopdyn

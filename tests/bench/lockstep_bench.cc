@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// Lockstep rounds per second over sockets. A round: every robot gets its command and answers with all
+// distances and its target. Compared with an echo server that computes the same step inline, in turns within
+// the same run.
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "bench_scene.h"
+#include "clients/cpp/coopdyn_client.h"
+#include "daemon_process.h"
+#include "echo_server.h"
+#include "protocol/codec.h"
+#include "protocol/command_ids.h"
+
+namespace coopdyn {
+namespace {
+
+struct Options {
+  int rounds = 5000;
+  int repeats = 5;
+};
+
+std::string CommandBytes() {
+  Message command;
+  command.command = command::kSetWheelSpeeds;
+  command.data = {3.0, 3.5};
+  std::string bytes;
+  EncodeBinary(command, bytes);
+  return bytes;
+}
+
+/// Reads one reply; returns its whole size.
+std::size_t ReadReply(int fd, std::vector<char>& buffer, int spin_us) {
+  buffer.resize(4);
+  if (!ReceiveExactly(fd, buffer.data(), 4, spin_us)) std::exit(1);
+  std::uint32_t size;
+  std::memcpy(&size, buffer.data(), 4);
+  buffer.resize(4 + size);
+  if (!ReceiveExactly(fd, buffer.data() + 4, size, 0)) std::exit(1);
+  return buffer.size();
+}
+
+/// Rounds per second: all commands are written, then all replies read, each in one read of the size known.
+double Rounds(const std::vector<int>& robots, int rounds, int spin_us) {
+  const std::string command = CommandBytes();
+  std::vector<char> buffer;
+  SendAll(robots[0], command);
+  for (std::size_t i = 1; i < robots.size(); ++i) SendAll(robots[i], command);
+  std::size_t size = 0;
+  for (const int fd : robots) size = ReadReply(fd, buffer, spin_us);
+  buffer.resize(size);
+  const auto start = std::chrono::steady_clock::now();
+  for (int k = 0; k < rounds; ++k) {
+    for (const int fd : robots) SendAll(fd, command);
+    for (const int fd : robots) {
+      if (!ReceiveExactly(fd, buffer.data(), size, spin_us)) std::exit(1);
+    }
+  }
+  return rounds / std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void Attach(int fd) {
+  Message attach;
+  attach.command = command::kAttach;
+  attach.text = "distance target";
+  std::string bytes;
+  EncodeBinary(attach, bytes);
+  SendAll(fd, bytes);
+  std::vector<char> buffer;
+  ReadReply(fd, buffer, 0);
+}
+
+double DaemonRounds(int robots, int rounds, int spin_us) {
+  const DaemonProcess daemon(BenchScenarioText(robots), {"--spin", std::to_string(spin_us)});
+  std::vector<int> fds;
+  for (int i = 1; i <= robots; ++i) {
+    fds.push_back(daemon.Open("/robot" + std::to_string(i) + "/motors"));
+    Attach(fds.back());
+  }
+  const double rate = Rounds(fds, rounds, spin_us);
+  for (const int fd : fds) ::close(fd);
+  return rate;
+}
+
+double EchoRounds(int rounds, int spin_us) {
+  const EchoServer server(spin_us);
+  const int fd = ConnectTo(server.port());
+  const double rate = Rounds({fd}, rounds, spin_us);
+  ::close(fd);
+  return rate;
+}
+
+double ClientRounds(int rounds, int spin_us) {
+  const DaemonProcess daemon(BenchScenarioText(1), {"--spin", std::to_string(spin_us)});
+  ::setenv("COOPDYN_SPIN", std::to_string(spin_us).c_str(), 1);
+  auto sim = client::connect("127.0.0.1:" + std::to_string(daemon.name_port()));
+  auto robot = sim.robot("robot1");
+  robot.sense("red");
+  const auto start = std::chrono::steady_clock::now();
+  for (int k = 0; k < rounds; ++k) {
+    robot.set_wheel_speeds(3.0, 3.5);
+    sim.step();
+    robot.sense("red");
+  }
+  const double rate =
+      rounds / std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  sim.close();
+  return rate;
+}
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+void Compare(const Options& options, int spin_us) {
+  std::vector<double> echo, daemon, client;
+  for (int i = 0; i < options.repeats; ++i) {
+    echo.push_back(EchoRounds(options.rounds, spin_us));
+    daemon.push_back(DaemonRounds(1, options.rounds, spin_us));
+    client.push_back(ClientRounds(options.rounds, spin_us));
+  }
+  std::printf(
+      "1 robot, spin %2d us: echo %7.0f, daemon %7.0f (%.2f of echo), C++ client %7.0f (%.2f of echo) "
+      "steps/s\n",
+      spin_us, Median(echo), Median(daemon), Median(daemon) / Median(echo), Median(client),
+      Median(client) / Median(echo));
+}
+
+void Many(const Options& options, int robots) {
+  std::vector<double> rates;
+  const int rounds = std::max(20, options.rounds / robots);
+  for (int i = 0; i < options.repeats; ++i) rates.push_back(DaemonRounds(robots, rounds, 0));
+  std::printf("%d robots, one connection each: %.0f rounds/s\n", robots, Median(rates));
+}
+
+int Main(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    if (std::strcmp(argv[i], "--rounds") == 0) options.rounds = std::atoi(argv[i + 1]);
+    if (std::strcmp(argv[i], "--repeats") == 0) options.repeats = std::atoi(argv[i + 1]);
+  }
+  Compare(options, 50);
+  Compare(options, 0);
+  Many(options, 10);
+  Many(options, 100);
+  return 0;
+}
+
+}  // namespace
+}  // namespace coopdyn
+
+int main(int argc, char** argv) {
+  return coopdyn::Main(argc, argv);
+}

@@ -1,0 +1,120 @@
+"""Runs every block of docs/guide.md, chapter by chapter, as a reader would.
+
+`sh serve` starts a daemon for the rest of the chapter (on free ports), `sh` runs commands, `python` and `matlab` (in Octave)
+are programs, `text` is typed into netcat, `scenario NAME` is saved as that file.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+BINARY = Path(os.environ["COOPDYN_BINARY"])
+BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```", re.M | re.S)
+
+
+def chapters():
+    text = (ROOT / "docs" / "guide.md").read_text()
+    parts = re.split(r"^## (.*)$", text, flags=re.M)[1:]
+    return {title: BLOCK.findall(body) for title, body in zip(parts[::2], parts[1::2])}
+
+
+class Reader:
+    """Somebody in an empty folder with coopdyn on the path and both clients at hand."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.daemon = None
+        self.env = {**os.environ, "PATH": f"{BINARY.parent}:{os.environ['PATH']}", "COOPDYN_TOKEN": "chalk",
+                    "PYTHONPATH": str(ROOT / "clients" / "python"), "COOPDYN_PATH": str(ROOT)}
+
+    def run(self, command, program=None):
+        done = subprocess.run(command, cwd=self.folder, env=self.env, input=program, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, timeout=200, text=True)
+        assert done.returncode == 0, f"{command}\n{program}\n{done.stdout}"
+        return done.stdout
+
+    def serve(self, command):
+        self.close()
+        words = command.split() + ["--port", "0"]
+        self.daemon = subprocess.Popen(words, cwd=self.folder, env=self.env, stdout=subprocess.PIPE,
+                                       stderr=subprocess.DEVNULL, text=True)
+        ready = self.daemon.stdout.readline()
+        match = re.match(r"ready names=\S*:(\d+) ", ready)
+        assert match, f"{command}: {ready!r}"
+        self.env["COOPDYN_SERVER"] = f"127.0.0.1:{match.group(1)}"
+
+    def type_text(self, lines):
+        """Each OPEN on a connection of its own; every reply must be without error."""
+        port = self.env["COOPDYN_SERVER"].rsplit(":", 1)[1]
+        for session in re.findall(r"^OPEN .*\n(?:(?!OPEN).*\n)+", lines, flags=re.M):
+            said = self.run(["nc", "-N", "127.0.0.1", port], session).splitlines()
+            assert said[0] == "ok", said
+            assert len(said) == session.count("\n") and all(line.startswith("0 ") for line in said[1:]), (session, said)
+
+    def block(self, kind, body):
+        words = kind.split()
+        if words == ["sh", "serve"]:
+            self.serve(body.strip())
+        elif words == ["sh"]:
+            self.run(["bash", "-euc", body])
+        elif words == ["python"]:
+            self.run([sys.executable, "-c", body])
+        elif words == ["matlab"]:
+            setup = f"addpath('{ROOT}/clients/matlab');\n"
+            self.run(["octave", "--no-gui", "--norc", "--quiet", "--eval", setup + body])
+        elif words == ["text"]:
+            self.type_text(body)
+        elif words[:1] == ["scenario"]:
+            (self.folder / words[1]).write_text(body)
+        else:
+            raise AssertionError(f"a block of an unknown kind: {kind!r}")
+
+    def close(self):
+        if self.daemon is not None:
+            self.daemon.terminate()
+            self.daemon.communicate()
+            self.daemon = None
+
+
+class GuideTest(unittest.TestCase):
+    def read_chapter(self, title):
+        blocks = chapters()[title]
+        self.assertTrue(blocks)
+        with tempfile.TemporaryDirectory() as folder:
+            reader = Reader(Path(folder))
+            try:
+                for kind, body in blocks:
+                    reader.block(kind, body)
+            finally:
+                reader.close()
+
+    def test_the_student(self):
+        self.read_chapter("The student")
+
+    def test_the_teacher(self):
+        self.read_chapter("The teacher")
+
+    def test_the_researcher(self):
+        self.read_chapter("The researcher")
+
+    def test_telnet(self):
+        self.read_chapter("Telnet")
+
+    def test_the_night_run(self):
+        self.read_chapter("The night run")
+
+    def test_old_coopdynsim_files(self):
+        self.read_chapter("Old CoopDynSim files")
+
+    def test_no_chapter_is_left_out(self):
+        tested = {name[5:].replace("_", " ") for name in dir(self) if name.startswith("test_")}
+        for title in chapters():
+            self.assertIn(title.lower(), tested)
+
+
+if __name__ == "__main__":
+    unittest.main()
