@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/model/readers.h"
 #include "tests/server/physics/physics_scene.h"
 
 namespace coopdyn {
@@ -118,6 +119,28 @@ TEST(Drive, OneLongSubstepIsStableToo) {
   scene.RunFor(10);
   EXPECT_NEAR(scene.robot(0).p.z(), 0, 1e-3);
   EXPECT_LT(Tilt(scene.robot(0)), 0.01);
+}
+
+TEST(Drive, TheShippedRobotDrivesAsItsModelSays) {
+  Diagnostics diagnostics;
+  PhysicsScene scene;
+  scene.robot_model = ReadRobotModel(COOPDYN_SOURCE_DIR "/robots/coopbot/model.sdf", diagnostics);
+  ASSERT_TRUE(scene.robot_model) << diagnostics.ToString();
+  const DriveModel& drive = scene.robot_model->drive;
+  scene.AddRobot(0, 0);
+  scene.RunFor(60);
+  EXPECT_LT(scene.robot(0).p.norm(), 1e-3);
+  scene.SetWheels(0, 6, 7);
+  scene.RunFor(1);
+  const Pose start = scene.robot(0);
+  const double turned = 30 * drive.wheel_radius_m / drive.track_m;
+  const double radius = 6.5 * drive.track_m;
+  const double heading = Heading(start.q);
+  const Vector3 ideal = start.p + radius * Vector3(std::sin(heading + turned) - std::sin(heading),
+                                                   std::cos(heading) - std::cos(heading + turned), 0);
+  scene.RunFor(30);
+  EXPECT_LT((scene.robot(0).p - ideal).norm(), 0.01 * radius);
+  EXPECT_NEAR(WrapAngle(Heading(scene.robot(0).q) - heading - turned), 0, 0.01);
 }
 
 TEST(Drive, SubstepsDivideAStepIntoPartsOfAtMostTenMilliseconds) {

@@ -52,10 +52,10 @@ PhysicsScene& PhysicsScene::AddRobot(double x_m, double y_m, double heading_rad)
 }
 
 PhysicsScene& PhysicsScene::AddRobot(const Pose& X_WR) {
-  static const std::shared_ptr<const RobotModel> model = TestRobot();
   RobotEntry entry;
   entry.name = "robot" + std::to_string(scenario_.robots.size() + 1);
-  entry.model = model;
+  if (!robot_model) robot_model = TestRobot();
+  entry.model = robot_model;
   entry.X_WR = X_WR;
   entry.where = {"test.scenario", 100 + static_cast<int>(scenario_.robots.size())};
   scenario_.robots.push_back(std::move(entry));

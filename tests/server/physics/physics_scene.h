@@ -50,6 +50,7 @@ class PhysicsScene {
   PhysicsWorld& world();
   Nanoseconds step_length = kDefaultStep;
   int substeps = 0;
+  std::shared_ptr<const RobotModel> robot_model;  // of robots added from now on; null: TestRobot()
 
  private:
   Scenario scenario_;
