@@ -13,7 +13,8 @@ class Doorbell {
  public:
   void Ring() EXCLUDES(mutex_);
   std::uint64_t count() const EXCLUDES(mutex_);
-  /// Returns when the bell has been rung since `seen`, or at `deadline` of the steady clock (INT64_MAX: never).
+  /// Returns when the bell has been rung since `seen`, or at `deadline` of the steady clock (INT64_MAX:
+  /// never).
   void WaitUntil(std::uint64_t seen, Nanoseconds deadline) EXCLUDES(mutex_);
 
  private:
