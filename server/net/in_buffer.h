@@ -29,7 +29,7 @@ class InBuffer {
       begin_ = end_ = 0;
       if (storage_.size() > kKeepBytes) storage_ = {};
     }
-    if (storage_.size() - end_ < kMinRoom && begin_ >= size()) {
+    if (storage_.size() - end_ < kMinRoom && begin_ > 0 && begin_ >= size()) {
       std::memmove(storage_.data(), storage_.data() + begin_, size());
       end_ -= begin_;
       begin_ = 0;
