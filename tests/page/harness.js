@@ -2,6 +2,7 @@
 // Starts the daemon that COOPDYN_BINARY names and opens its page in a headless Chromium.
 import {spawn} from 'node:child_process';
 import {once} from 'node:events';
+import {connect} from 'node:net';
 import {createInterface} from 'node:readline';
 import {chromium} from 'playwright-core';
 
@@ -64,6 +65,16 @@ export async function call(url, request) {
     method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(request)});
   if (!response.ok) throw new Error(`${response.status}: ${await response.text()}`);
   return response.json();
+}
+
+/** A text connection to a module, through the port of the names. */
+export async function openModule(names, module) {
+  const separator = names.lastIndexOf(':');
+  const client = connect(Number(names.slice(separator + 1)), names.slice(0, separator));
+  client.write(`OPEN ${module}\n`);
+  const [answer] = await once(client, 'data');
+  if (!String(answer).startsWith('ok')) throw new Error(String(answer));
+  return client;
 }
 
 /** Asks again and again until `condition` resolves to true; fails after ten seconds. */

@@ -2,7 +2,7 @@
 // The page as a person uses it, in a real browser against a real daemon.
 import assert from 'node:assert/strict';
 import {after, afterEach, before, beforeEach, describe, test} from 'node:test';
-import {call, eventually, launchBrowser, nextPicture, openPage, picture, startDaemon} from './harness.js';
+import {call, eventually, launchBrowser, nextPicture, openModule, openPage, picture, startDaemon} from './harness.js';
 
 let browser;
 let daemon;
@@ -163,16 +163,30 @@ describe('the page', () => {
     await page.waitForSelector('.card[data-robot="robot1"]', {state: 'detached'});
   });
 
-  test('lockstep says whom it waits for, and can leave out robots that nobody drives', async () => {
+  test('lockstep says whom it waits for', async () => {
     await page.selectOption('#set-mode', 'lockstep');
     await hasText('#waiting', /^waiting for robot1 \(no client\), \d+\.\d s$/);
     await hasText('#state', /^waiting$/);
-    await page.click('#only-connected');
-    await hasText('#message', /connect one first/);
-    await page.click('#stop-all');
     await page.selectOption('#set-mode', 'realtime');
     await hasText('#state', /^running$/);
     assert.equal(await page.textContent('#waiting'), '');
+  });
+
+  test('only connected robots take part, if one wants', async () => {
+    await call(daemon.url, {module: '/simulation', command: 'load_scenario', text: 'formation'});
+    await call(daemon.url, {module: '/simulation', line: 'set_mode lockstep'});
+    await hasText('#waiting', /robot1, robot2, robot3, robot4 and 1 more \(no client\)/);
+    await page.click('#only-connected');
+    await hasText('#message', /connect one first/);
+    const client = await openModule(daemon.names, '/robot3/motors');
+    client.write('claim\n');
+    await page.waitForFunction(() =>
+      !document.querySelector('.card[data-robot="robot3"] .owner').textContent.startsWith('nobody'));
+    await page.click('#only-connected');
+    await hasText('#waiting', /^waiting for robot3 \(/);
+    await page.click('#all-participants');
+    await hasText('#waiting', /robot1/);
+    client.destroy();
   });
 
   test('step size and speed are set', async () => {

@@ -3,9 +3,8 @@
 import assert from 'node:assert/strict';
 import {once} from 'node:events';
 import {createServer} from 'node:http';
-import {connect} from 'node:net';
 import {after, before, test} from 'node:test';
-import {launchBrowser, openPage, startDaemon} from './harness.js';
+import {launchBrowser, openModule, openPage, startDaemon} from './harness.js';
 
 const MARKUP = '<img/src=x/onerror=globalThis.hit=1>';
 
@@ -25,10 +24,7 @@ const status = async () => (await fetch(new URL('api/status', daemon.url))).json
 
 test('names with markup are shown as text', async () => {
   const page = await openPage(browser, daemon.url);
-  const [host, port] = daemon.names.split(':');
-  const client = connect(Number(port), host);
-  client.write(`OPEN /robot1/motors\n`);
-  await once(client, 'data');
+  const client = await openModule(daemon.names, '/robot1/motors');
   client.write(`hello ${MARKUP}\nclaim\n`);
   await page.waitForFunction((text) => document.querySelector('.card .owner')?.textContent.includes(text), MARKUP);
 

@@ -43,7 +43,7 @@ export function connectionLines(robot, modules, namePort) {
     const code = make('code', {}, line);
     const button = make('button', {type: 'button', class: 'small'}, 'copy');
     button.addEventListener('click', () => copy(button, code));
-    list.append(make('dt', {}, title), make('dd', {}, code, button));
+    list.append(make('dt', {}, title, button), make('dd', {}, code));
   }
   return list;
 }

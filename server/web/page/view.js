@@ -17,7 +17,7 @@ export class View {
   #coarse = false;
   #settle = 0;
   #asked = '';
-  #off = false;
+  #off = true;  // there is no picture yet, so nobody knows where the camera stands
 
   constructor(connection) {
     this.#connection = connection;
@@ -101,6 +101,7 @@ export class View {
     canvas.addEventListener('pointermove', (event) => this.#drag(event));
     canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
+      if (this.#off) return;
       const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1;
       this.#camera.zoom(Math.exp(0.0015 * lines * event.deltaY));
       this.#moved();
@@ -136,6 +137,7 @@ export class View {
   }
 
   #key(event) {
+    if (this.#off) return;
     const steps = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key];
     if (steps && event.shiftKey) this.#camera.translate(0.05 * steps[0], 0.05 * steps[1]);
     else if (steps) this.#camera.rotate(0.1 * steps[0], 0.1 * steps[1]);
