@@ -49,6 +49,7 @@ _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD = 108, 190, 191, 192
 _REQUEST_TIMEOUT_S = 10.0  # for what is answered at once
 _LOAD_TIMEOUT_S = 60.0  # for what builds a world
 _COMMAND_WAIT_S = 0.1  # for the reply to an actuator command in real time
+_CATCH_UP_AFTER_S = 0.1  # some robots have stepped and others have not: see _Session.catch_up
 _NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 
@@ -486,6 +487,10 @@ class _Connection:
         self.close()
         raise _Closed("")
 
+    def __del__(self) -> None:
+        if self.sock is not None:
+            self.sock.close()
+
     def alive(self) -> bool:
         """False if closed, or if the peer has closed meanwhile."""
         if self.sock is None or self.busy:
@@ -841,12 +846,17 @@ class _Session:
         spin_until = start + self.spin_s()
         deadline = start + timeout if timeout is not None else math.inf
         notice_at = start + _NOTICE_AFTER_S
+        stepped: List[_Link] = []
+        catch_up_at = math.inf
         while True:
             for connection, link in list(waiting.items()):
                 reply = connection.try_read()
                 if reply is None:
                     continue
                 del waiting[connection]
+                if link is not None:
+                    stepped.append(link)
+                    catch_up_at = _clock.monotonic() + _CATCH_UP_AFTER_S
                 if reply.error:
                     raise Error(reply.error, f"{link.robot}: {reply.text}" if link else reply.text)
                 self.note(reply)
@@ -862,8 +872,31 @@ class _Session:
             if now >= notice_at:
                 notice_at = math.inf
                 print(f"coopdyn: {self.whom()}", file=sys.stderr, flush=True)
+            if now >= catch_up_at:
+                catch_up_at = now + _CATCH_UP_AFTER_S
+                self.catch_up(stepped, waiting)
             sockets = [c.sock for c in waiting if c.sock is not None]
-            _wait_readable(sockets, min(deadline, notice_at, now + 3600) - now)
+            _wait_readable(sockets, min(deadline, notice_at, catch_up_at, now + 3600) - now)
+
+    def catch_up(self, stepped: List[_Link], waiting: Dict[_Connection, Optional[_Link]]) -> None:
+        """After an error or a timeout a command that had not run may still run while its successor is on the way: its
+        robot is then one step behind the others, and each would wait for the other for ever. The world says whether it
+        waits for robots of ours that have stepped already: these go on by one step with what they have."""
+        awaited = {a["robot"] for a in self.fresh_status().get("awaiting") or []}
+        for link in list(stepped):
+            if link.robot in awaited and link.motors is not None:
+                stepped.remove(link)
+                waiting[link.motors] = link
+                link.motors.send(encode(_READY, (1,)))
+
+    def fresh_status(self) -> Dict[str, Any]:
+        """The status, asked on a connection of its own: others may be waiting."""
+        connection = _Connection(self.address, "/simulation")
+        try:
+            connection.open(self.address.timeout)
+            return json.loads(connection.request(_GET_STATUS, timeout=self.address.timeout).text)
+        finally:
+            connection.close()
 
     def give_up(self, waiting: Dict[_Connection, Optional[_Link]], cause: BaseException) -> BaseException:
         """Connections that still wait for a reply are closed, and opened again if the cause was an error: reading on
@@ -889,15 +922,11 @@ class _Session:
         return cause
 
     def whom(self) -> str:
-        """One line that says what the world waits for, asked on a connection of its own."""
-        connection = _Connection(self.address, "/simulation")
+        """One line that says what the world waits for."""
         try:
-            connection.open(1.0)
-            status = json.loads(connection.request(_GET_STATUS, timeout=1.0).text)
+            status = self.fresh_status()
         except Error as e:
             return f"no answer from the daemon ({e.text})"
-        finally:
-            connection.close()
         if status.get("state") == "paused":
             return "the simulation is paused; sim.run() or the page goes on"
         if status.get("state") == "ended":

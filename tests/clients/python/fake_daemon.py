@@ -80,13 +80,14 @@ class Connection:
 class FakeDaemon:
     """`refuse`: the robot whose commands get error 4 while it is set. `silent`: accepts and says nothing.
     `says`: answers every line with this. `break_replies`: a reply ends in its middle, the connection with it, so many
-    times. `delay_s`: how late replies to actuator commands come in real time."""
+    times. `delay_s`: how late replies to actuator commands come in real time. `hold`: requests for a pose get no reply
+    until it is false. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
 
     def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0):
         self.robots = [Robot(i + 1) for i in range(robots)]
         self.mode, self.protocol, self.silent, self.says = mode, protocol, silent, says
-        self.dribble, self.refuse, self.delay_s, self.break_replies = dribble, refuse, delay_s, 0
-        self.dt, self.step, self.seed, self.state, self.stopping = 0.01, 0, 1, "running", False
+        self.dribble, self.refuse, self.delay_s, self.break_replies, self.hold = dribble, refuse, delay_s, 0, False
+        self.dt, self.step, self.resets, self.state, self.stopping = 0.01, 0, 0, "running", False
         self.received = []  # (module, command, params, data) of every request
         self.lock = threading.Condition()
         self.connections = []
@@ -159,9 +160,9 @@ class FakeDaemon:
 
     def _wait_steps(self, n):
         """Waits for n steps; false if a reset came."""
-        last = self.step + n
-        self.lock.wait_for(lambda: self.stopping or self.step >= last or self.step < last - n)
-        return self.step >= last
+        last, resets = self.step + n, self.resets
+        self.lock.wait_for(lambda: self.stopping or self.step >= last or self.resets != resets)
+        return self.resets == resets
 
     # --- connections ---
     def _accept(self):
@@ -237,6 +238,8 @@ class FakeDaemon:
 
     # --- commands ---
     def _answer(self, c, name, command, text, params, data):
+        if command == 40:
+            self.lock.wait_for(lambda: self.stopping or not self.hold)
         robot = next((r for r in self.robots if name.startswith(f"/{r.name}/")), None)
         kind = name.rsplit("/", 1)[1]
         if command == 0:
@@ -302,8 +305,11 @@ class FakeDaemon:
             self.state = "running"
         elif command == 102:
             self.state = "paused"
+        elif command == 108 and text.startswith("!"):
+            key, value = text[1:].split("=", 1)
+            setattr(self, key, type(getattr(self, key))(float(value) if key != "refuse" else value))
         elif command in (104, 108, 192):
-            self.step = 0
+            self.step, self.resets = 0, self.resets + 1
             for i, r in enumerate(self.robots):
                 r.place(i + 1)
         elif command == 105:

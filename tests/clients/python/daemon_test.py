@@ -1,0 +1,266 @@
+# SPDX-License-Identifier: MIT
+"""The Python client against the real daemon."""
+import math
+import os
+import pathlib
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import harness
+import coopdyn
+
+CLIENT = harness.ROOT / "clients" / "python"
+
+
+class DaemonTest(unittest.TestCase):
+    def start(self, scenario, *options):
+        daemon = harness.Daemon(scenario, *options)
+        self.addCleanup(daemon.stop)
+        return daemon
+
+    def connect(self, daemon, **options):
+        sim = coopdyn.connect(daemon.server, **options)
+        self.addCleanup(sim.close)
+        return sim
+
+    def run_program(self, daemon, program, *arguments):
+        run = subprocess.run([sys.executable, str(CLIENT / program), *arguments], timeout=110, text=True, capture_output=True,
+                             env=dict(os.environ, COOPDYN_SERVER=daemon.server))
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        return run.stdout
+
+    def assert_at_target(self, line, x, y, within):
+        """The last line of hello: `x y at t = T s`."""
+        at = [float(w) for w in line.split()[:2]]
+        self.assertLess(math.dist(at, (x, y)), within, line)
+
+
+class Programs(DaemonTest):
+    def test_hello_reaches_the_target_in_lockstep(self):
+        out = self.run_program(self.start("classroom", "--mode", "lockstep"), "hello.py")
+        self.assert_at_target(out, 1.5, 0.5, 0.45)
+
+    def test_hello_reaches_the_target_in_real_time(self):
+        out = self.run_program(self.start("classroom", "--mode", "realtime", "--speed", "5"), "hello.py")
+        self.assert_at_target(out, 1.5, 0.5, 0.6)
+
+    def test_attractor_reaches_the_target_in_every_scenario_of_one_robot(self):
+        tried = 0
+        for path in sorted((harness.ROOT / "scenarios").glob("*.scenario")):
+            text = path.read_text(encoding="utf-8").upper()
+            if text.count("[ROBOT") == 1 and "[SWARM" not in text:
+                with self.subTest(path.stem), harness.Daemon(path.stem, "--mode", "lockstep") as daemon:
+                    tried += 1
+                    self.assertIn("robot1 reached the target", self.run_program(daemon, "attractor.py"))
+        self.assertGreaterEqual(tried, 6)
+
+    def test_attractor_reaches_the_target_in_real_time(self):
+        out = self.run_program(self.start("fig4", "--mode", "realtime", "--speed", "4"), "attractor.py")
+        self.assertIn("robot1 reached the target", out)
+
+    def test_attractor_drives_five_robots(self):
+        names = [f"robot{i + 1}" for i in range(5)]
+        out = self.run_program(self.start("formation", "--mode", "lockstep"), "attractor.py", *names)
+        self.assertEqual(sorted(line.split()[0] for line in out.splitlines() if "reached" in line), names)
+
+    def test_doctor_finds_nothing_wrong(self):
+        daemon = self.start("classroom")
+        out = self.run_program(daemon, "coopdyn.py", "doctor")
+        self.assertNotIn("FAIL", out)
+        self.assertIn("robot1", out)
+        self.assertIn("hello from robot1", self.run_program(daemon, "coopdyn.py", "hello"))
+
+
+class Lockstep(DaemonTest):
+    def test_five_robots_in_one_process_do_not_deadlock_and_repeat_themselves(self):
+        sim = self.connect(self.start(harness.scenario_of(5)))
+        robots = [sim.robot(i + 1) for i in range(5)]
+        hashes = []
+        for run in range(2):
+            sim.reset(7)
+            for k in range(100):
+                for r in robots:
+                    t = r.get_target("red")
+                    d = r.get_distances()
+                    r.set_velocity(0.3 * min(1, min(d)), 1.5 * t.bearing + 0.4 * (min(d[:5]) < 0.5))
+                sim.step(timeout=60)
+            hashes.append((sim.steps, sim.hash()))
+        self.assertEqual(hashes[0], hashes[1])
+        self.assertEqual(hashes[0][0], 100)
+
+    def test_one_refused_robot_of_five_never_hangs_the_loop(self):
+        daemon = self.start(harness.scenario_of(5))
+        sim = self.connect(daemon)
+        robots = [sim.robot(i + 1) for i in range(5)]
+        thief = coopdyn.connect(daemon.server, name=sim._session.address.name)  # the same name takes robot3 over
+        thief.robot(3)
+        for r in robots:
+            r.set_velocity(0.1, 0)
+        with self.assertRaises(coopdyn.Error) as caught:
+            sim.step(timeout=60)
+        self.assertEqual(caught.exception.code, 6)
+        thief.close()
+        robots[2] = sim.robot(3)
+        for k in range(3):
+            for r in robots:
+                r.set_velocity(0.2, 0)
+            sim.step(timeout=60)
+        self.assertGreaterEqual(sim.steps, 3)
+
+    def test_after_a_timeout_the_next_reply_is_the_right_one(self):
+        daemon = self.start(harness.scenario_of(2))
+        sim = self.connect(daemon)
+        r = sim.robot(1)
+        r.set_velocity(0.1, 0)
+        with self.assertRaises(coopdyn.Error) as caught:
+            sim.step(timeout=0.1)
+        self.assertEqual(caught.exception.code, 11)
+        self.assertIn("robot2 (no client)", caught.exception.text)
+        self.assertEqual(sim.status()["robots"][0]["owner"], sim._session.address.name)
+        other = sim.robot(2)
+        for k in range(20):
+            r.set_velocity(0.3, 0)
+            other.set_velocity(0.3, 0)
+            sim.step(timeout=60)
+            self.assertEqual(r.sense().step, sim.steps)
+        self.assertGreater(r.get_pose().x, -2)
+
+    def test_a_reset_by_somebody_else_ends_the_wait(self):
+        daemon = self.start(harness.scenario_of(2))
+        sim, other = self.connect(daemon), self.connect(daemon, name="other")
+        r = sim.robot(1)
+        raised = []
+
+        def wait():
+            try:
+                sim.step(timeout=60)
+            except coopdyn.Error as e:
+                raised.append(e.code)
+
+        thread = threading.Thread(target=wait)
+        thread.start()
+        while not all(a.robot == "robot2" for a in other.waiting()):
+            pass
+        other.reset()
+        thread.join()
+        self.assertEqual(raised, [5])
+        other.robot(2)
+        r.set_velocity(0.1, 0)
+        thread = threading.Thread(target=other.step)
+        thread.start()
+        sim.step(timeout=60)
+        thread.join()
+        self.assertEqual(sim.steps, 1)
+
+    def test_sense_has_what_the_single_readings_say(self):
+        sim = self.connect(self.start("fig4", "--mode", "lockstep"))
+        r = sim.robot("robot1")
+        for k in range(3):
+            s = r.sense("red")
+            self.assertEqual(s.step, k)
+            self.assertEqual(s.distances, r.get_distances())
+            self.assertEqual(s.targets, r.get_targets())
+            self.assertEqual((s.target.distance, s.target.bearing), tuple(r.get_target("red")))
+            self.assertEqual(s.pose, r.get_pose())
+            self.assertEqual(s.wheels, r.get_wheels())
+            r.set_velocity(0.2, 0.1)
+            sim.step()
+
+    def test_a_loaded_scenario_without_the_robot_says_so(self):
+        sim = self.connect(self.start(harness.scenario_of(2)))
+        first, second = sim.robot(1), sim.robot(2)
+        sim.load_scenario(harness.scenario_of(1))
+        self.assertEqual(sim.robots(), ["robot1"])
+        first.set_velocity(0.1, 0)
+        sim.step(timeout=60)
+        self.assertEqual(sim.steps, 1)
+        with self.assertRaises(coopdyn.Error) as caught:
+            second.set_velocity(0.1, 0)
+        self.assertEqual(caught.exception.code, 10)
+
+
+class Everything(DaemonTest):
+    def test_every_call_works(self):
+        sim = self.connect(self.start(harness.scenario_of(2, "realtime")))
+        r = sim.robot("/robot1")
+        self.assertEqual((sim.mode, sim.dt, r.name), ("realtime", 0.01, "robot1"))
+        r.set_velocity(0.2, 0.1)
+        first = sim.steps
+        sim.step(2)
+        self.assertGreaterEqual(sim.steps, first + 2)
+        r.set_wheel_speeds(1, 1)
+        sim.pause()
+        self.assertEqual(sim.status()["state"], "paused")
+        sim.run()
+        r.stop()
+        self.assertEqual(len(r.get_geometry().bearing), 11)
+        self.assertEqual([t.colour for t in r.get_targets()], ["red", "green"])
+        self.assertEqual(r.get_target(2), r.get_target("green"))
+        self.assertEqual([o.name for o in r.get_robots()], ["robot2"])
+        self.assertGreater(r.get_limits().track, 0.1)
+        self.assertEqual(len(r.get_pose_3d()), 13)
+        r.subscribe("pose", 2)
+        first, second = r.next(timeout=60), r.next("pose", timeout=60)
+        self.assertEqual((first.module, second.step - first.step, len(first.value)), ("pose", 2, 5))
+        r.subscribe("pose", 0)
+        sim.set_speed(2)
+        sim.set_step(0.02)
+        self.assertEqual(sim.dt, 0.02)
+        sim.stop_all()
+        sim.set_mode("lockstep")
+        sim.set_participants(["robot1"])
+        self.assertEqual([w.robot for w in sim.waiting()], ["robot1"])
+        sim.step(timeout=60)
+        sim.reset()
+        self.assertEqual(sim.status()["step"], 0)
+        self.assertEqual(len(sim.hash()), 16)
+        sim.reload()
+        self.assertIn("set_velocity", [c["name"] for c in sim.describe("/robot1/motors")["commands"]])
+        self.assertIn("/robot2/pose", [m.name for m in sim.modules()])
+        self.assertEqual(sim.call("/robot1/pose", "ping", [1], [2.0]).data, [2.0])
+
+    def test_snapshot_writes_a_picture(self):
+        sim = self.connect(self.start("classroom"))
+        with tempfile.TemporaryDirectory() as folder:
+            file = sim.snapshot(str(pathlib.Path(folder) / "a.png"), 160, 120, eye=(0, -5, 4), look=(0, 0, 0))
+            self.assertEqual(pathlib.Path(file).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_only_the_daemons_first_port_is_needed(self):
+        daemon = self.start("classroom", "--mode", "lockstep")
+        used, real = set(), socket.create_connection
+
+        def counting(address, *a, **k):
+            used.add(address[1])
+            return real(address, *a, **k)
+
+        socket.create_connection = counting
+        try:
+            sim = self.connect(daemon)
+            r = sim.robot(1)
+            r.sense(), r.get_pose(), r.subscribe("target"), sim.modules(), sim.describe("/robot1/pose")
+            r.set_velocity(0.1, 0)
+            sim.step()
+        finally:
+            socket.create_connection = real
+        self.assertEqual(used, {int(daemon.server.rsplit(":", 1)[1])})
+
+    def test_a_mode_switched_by_somebody_else_neither_hangs_nor_spins(self):
+        daemon = self.start("classroom", "--mode", "realtime")
+        sim, teacher = self.connect(daemon), self.connect(daemon, name="teacher")
+        r = sim.robot(1)
+        for mode in ("lockstep", "realtime", "free", "lockstep"):
+            teacher.set_mode(mode)
+            steps = []
+            for k in range(5):
+                r.set_velocity(0.1, 0)
+                sim.step(timeout=60)
+                steps.append(sim.steps)
+            self.assertEqual(steps, sorted(set(steps)), mode)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""The three clients have the same calls, and their readings the same fields."""
+import inspect
+import re
+import unittest
+
+import harness
+import coopdyn
+
+MATLAB = harness.ROOT / "clients" / "matlab" / "+coopdyn"
+CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
+
+SIMULATION = set("""robot robots step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
+    set_speed set_participants status hash waiting snapshot describe modules call close""".split())
+ROBOT = set("""name set_velocity set_wheel_speeds stop get_pose get_pose_3d get_distances get_geometry get_targets
+    get_target get_robots get_wheels get_limits sense subscribe next call""".split())
+FUNCTIONS = {"connect", "doctor"}
+
+
+def python_names(cls):
+    return {n for n in vars(cls) if not n.startswith("_")}
+
+
+def matlab_names(name):
+    """Public methods and properties of a classdef file."""
+    text = (MATLAB / f"{name}.m").read_text(encoding="utf-8")
+    names = set()
+    for kind, access, body in re.findall(r"^  (methods|properties)( \([^)]*\))?\n(.*?)^  end$", text, re.M | re.S):
+        if "Access = private" in access and "SetAccess" not in access:
+            continue
+        if kind == "properties":
+            names |= set(re.findall(r"^    (\w+)", body, re.M))
+        else:
+            names |= {n for n in re.findall(r"^    function (?:[^=\n]*= ?)?([\w.]+)", body, re.M)
+                      if n != name and not n.startswith("get.")}
+    return names
+
+
+def cpp_class(name):
+    text = CPP_HEADER.read_text(encoding="utf-8")
+    return re.search(rf"^(?:class|struct) {name} {{\n(.*?)^}};$", text, re.M | re.S).group(1)
+
+
+def cpp_names(name):
+    public = cpp_class(name).split(" private:")[0]
+    public = re.sub(r"//[^\n]*", "", public)
+    calls = (re.search(r"(\w+)\(", statement) for statement in public.split(";"))
+    return {call.group(1) for call in calls if call} - {name}
+
+
+def cpp_fields(name):
+    fields = set()
+    for line in re.sub(r"//[^\n]*", "", cpp_class(name)).split(";"):
+        line = re.sub(r"^\s*[\w:]+(<.*>)?\s", "", line.strip())
+        fields |= {part.split("=")[0].strip() for part in line.split(",") if part.strip()}
+    return fields
+
+
+def matlab_struct(command):
+    text = (MATLAB / "+internal" / "value.m").read_text(encoding="utf-8")
+    case = re.search(rf"^    case {command}\n(.*?)^    (?:case|otherwise)", text, re.M | re.S).group(1)
+    return set(re.findall(r"'(\w+)', data", case))
+
+
+class NamesTest(unittest.TestCase):
+    def test_simulations_have_the_same_calls(self):
+        self.assertEqual(python_names(coopdyn.Simulation), SIMULATION)
+        self.assertEqual(matlab_names("Simulation"), SIMULATION)
+        self.assertEqual(cpp_names("Simulation"), SIMULATION)
+
+    def test_robots_have_the_same_calls(self):
+        self.assertEqual(python_names(coopdyn.Robot), ROBOT)
+        self.assertEqual(matlab_names("Robot"), ROBOT)
+        self.assertEqual(cpp_names("Robot"), ROBOT)
+
+    def test_packages_have_the_same_functions(self):
+        functions = {n for n, f in inspect.getmembers(coopdyn, inspect.isfunction)
+                     if not n.startswith("_") and f.__module__ == "coopdyn"}
+        self.assertEqual(functions - {"encode", "decode"}, FUNCTIONS)
+        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot"}, FUNCTIONS)
+        header = CPP_HEADER.read_text(encoding="utf-8")
+        self.assertEqual(set(re.findall(r"^(?:Simulation|bool) (\w+)\(", header, re.M)), FUNCTIONS)
+
+    def test_readings_have_the_same_fields(self):
+        for command, name in ((12, "Wheels"), (13, "Limits"), (21, "Geometry"), (31, "Bearing"), (40, "Pose"), (41, "Pose3d")):
+            with self.subTest(name):
+                fields = set(getattr(coopdyn, name)._fields)
+                self.assertEqual(cpp_fields(name), fields)
+                self.assertEqual(matlab_struct(command), fields)
+        for name in ("Target", "OtherRobot", "Reading", "Awaited", "Module"):
+            if name != "Module":
+                with self.subTest(name):
+                    self.assertEqual(cpp_fields(name), set(getattr(coopdyn, name)._fields))
+
+    def test_errors_have_the_same_words(self):
+        words = [coopdyn.Error(code, "").name for code in range(1, 13)]
+        matlab = (MATLAB / "+internal" / "error_name.m").read_text(encoding="utf-8")
+        self.assertEqual(re.findall(r"'(\w+)'", matlab.split("};")[0]), words)
+        cpp = (harness.ROOT / "clients" / "cpp" / "connection.cc").read_text(encoding="utf-8")
+        listed = re.search(r"kNames\[\] = \{(.*?)\};", cpp, re.S).group(1)
+        self.assertEqual(re.findall(r'"(\w+)"', listed)[1:], words)
+
+    def test_the_attractor_has_the_same_numbers(self):
+        def numbers(path, pattern):
+            text = (harness.ROOT / "clients" / path).read_text(encoding="utf-8")
+            return {re.sub(r"^k(?=[A-Z])|_(s|m|rad)$", "", key).replace("_", "").lower(): re.search(r"\d[\d.]*", value).group()
+                    for key, value in re.findall(pattern, text, re.M)}
+
+        def values(numbers):
+            return {key: float(value) for key, value in numbers.items()}
+
+        python = numbers("python/attractor.py", r"^([A-Z_]{4,}) = ([^#\n]+)")
+        self.assertGreaterEqual(len(python), 14)
+        self.assertEqual(values(numbers("cpp/attractor.cc", r"^constexpr double (k\w+) = ([^;]+);")), values(python))
+        self.assertEqual(values(numbers("matlab/attractor.m", r"^  p\.(\w+) = ([^;]+);")), values(python))
+
+
+if __name__ == "__main__":
+    unittest.main()
