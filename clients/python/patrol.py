@@ -22,14 +22,14 @@ def bearing_of(pose, goal):
 def patrol(sim, robot, seconds):
     controller = Attractor(robot.get_geometry())
     start = robot.get_pose()
-    home, outward = (start.x, start.y), True
+    home, outward, dt = (start.x, start.y), True, sim.dt
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         s = robot.sense("red")
         goal = s.target if outward else bearing_of(s.pose, home)
         if goal.distance < REACHED:
             outward = not outward
-        robot.set_velocity(*controller.command(goal, s.distances, sim.dt))
+        robot.set_velocity(*controller.command(goal, s.distances, dt))
         sim.step()
 
 
