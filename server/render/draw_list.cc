@@ -13,8 +13,8 @@ namespace coopdyn {
 namespace {
 
 constexpr double kSmall_px = 7, kLarge_px = 34;  // sizes on screen at which the level of detail changes
-constexpr double kTiny_px = 7;                    // a robot smaller than this is one cylinder
-constexpr double kNameless_px = 9;                // and below this it has no name
+constexpr double kTiny_px = 7;                   // a robot smaller than this is one cylinder
+constexpr double kNameless_px = 9;               // and below this it has no name
 constexpr double kMaxRay_m = 100;
 
 struct Rgba {

@@ -13,7 +13,6 @@ namespace {
 struct EglApi {
   decltype(&eglGetProcAddress) GetProcAddress = nullptr;
   decltype(&eglInitialize) Initialize = nullptr;
-  decltype(&eglTerminate) Terminate = nullptr;
   decltype(&eglBindAPI) BindAPI = nullptr;
   decltype(&eglChooseConfig) ChooseConfig = nullptr;
   decltype(&eglCreateContext) CreateContext = nullptr;
@@ -27,8 +26,8 @@ struct EglApi {
     GetPlatformDisplay =
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(GetProcAddress("eglGetPlatformDisplayEXT"));
     return GetPlatformDisplay && library.Get("eglInitialize", Initialize) &&
-           library.Get("eglTerminate", Terminate) && library.Get("eglBindAPI", BindAPI) &&
-           library.Get("eglChooseConfig", ChooseConfig) && library.Get("eglCreateContext", CreateContext) &&
+           library.Get("eglBindAPI", BindAPI) && library.Get("eglChooseConfig", ChooseConfig) &&
+           library.Get("eglCreateContext", CreateContext) &&
            library.Get("eglDestroyContext", DestroyContext) && library.Get("eglMakeCurrent", MakeCurrent) &&
            library.Get("eglReleaseThread", ReleaseThread);
   }
@@ -41,7 +40,8 @@ class EglContext final : public GlContext {
     if (display_ == EGL_NO_DISPLAY) return;
     api_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (context_ != EGL_NO_CONTEXT) api_.DestroyContext(display_, context_);
-    api_.Terminate(display_);
+    // The display is the process's, and stays: eglTerminate would unload the driver under its own
+    // thread-local data.
     api_.ReleaseThread();
   }
 

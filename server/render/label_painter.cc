@@ -15,7 +15,7 @@ constexpr Color kPlate{0.11, 0.13, 0.17};
 constexpr Color kText{0.98, 0.98, 0.98};
 constexpr std::size_t kMaxLetters = 24;
 constexpr std::size_t kCrowd = 8;  // more names than this are written smaller
-constexpr int kMaxNames = 80;  // beyond that the farthest go without
+constexpr int kMaxNames = 80;      // beyond that the farthest go without
 
 void Blend(Picture& picture, int x, int y, const Color& color, double alpha) {
   if (x < 0 || y < 0 || x >= picture.width || y >= picture.height || alpha <= 0) return;
