@@ -123,7 +123,7 @@ Message Session::Call(const std::string& module, std::int32_t command, std::vect
     connection = link->motors.get();
   } else if (module != "/simulation") {
     std::unique_ptr<Connection>& other = others_[module];
-    if (!other) other = std::make_unique<Connection>(address_, module, true);
+    if (!other) other = std::make_unique<Connection>(address_, module, !watch_);
     connection = other.get();
   }
   if (link == nullptr && !connection->Alive()) connection->Open();
@@ -145,7 +145,7 @@ std::shared_ptr<Link> Session::Drive(const std::string& robot) {
   }
   auto link = std::make_shared<Link>();
   link->robot = robot;
-  link->motors = std::make_unique<Connection>(address_, "/" + robot + "/motors", true);
+  link->motors = std::make_unique<Connection>(address_, "/" + robot + "/motors", !watch_);
   try {
     OpenMotors(*link);
   } catch (const Error& e) {

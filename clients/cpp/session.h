@@ -104,6 +104,8 @@ class Session {
   Connection& AttachedConnection(Link& link, const std::vector<std::string>& modules);
   Message Collect(std::vector<Waiting>& waiting, double timeout_s);
   void GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& cause);
+  void CatchUp(std::vector<Waiting>& waiting);
+  Json FreshStatus() const;
   std::string Whom() const;
 
   Address address_;

@@ -11,7 +11,8 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr double kNoticeAfter_s = 2;  // a wait that is longer says once whom for
+constexpr double kCatchUpAfter_s = 0.1;  // some robots have stepped and others have not: see CatchUp()
+constexpr double kNoticeAfter_s = 2;     // a wait that is longer says once whom for
 
 }  // namespace
 
@@ -19,7 +20,7 @@ constexpr double kNoticeAfter_s = 2;  // a wait that is longer says once whom fo
 Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   const Deadline start = Clock::now();
   const Deadline spin_until = After(spin_s(), start), deadline = After(timeout_s, start);
-  Deadline notice_at = After(kNoticeAfter_s, start);
+  Deadline notice_at = After(kNoticeAfter_s, start), catch_up_at = Deadline::max();
   Message last;
   std::vector<int> fds;
   while (true) {
@@ -32,6 +33,7 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
         continue;
       }
       w.done = true;
+      catch_up_at = After(kCatchUpAfter_s);
       if (reply->error != 0)
         throw Error(reply->error, (w.link != nullptr ? w.link->robot + ": " : "") + reply->text);
       last = Note(*reply);
@@ -50,8 +52,34 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
       notice_at = Deadline::max();
       std::cerr << "coopdyn: " << Whom() << std::endl;
     }
-    WaitReadable(fds, Until(std::min({deadline, notice_at, After(3600, now)}), now));
+    if (now >= catch_up_at) {
+      catch_up_at = After(kCatchUpAfter_s, now);
+      CatchUp(waiting);
+    }
+    WaitReadable(fds, Until(std::min({deadline, notice_at, catch_up_at, After(3600, now)}), now));
   }
+}
+
+/// After an error or a timeout a command that had not run may still run while its successor is on the way:
+/// its robot is then one step behind the others, and each would wait for the other for ever. The world says
+/// whether it waits for robots of ours that have stepped already: these go on by one step with what they
+/// have.
+void Session::CatchUp(std::vector<Waiting>& waiting) {
+  const Json status = FreshStatus();
+  for (const Json& awaited : status["awaiting"].items()) {
+    for (Waiting& w : waiting) {
+      if (!w.done || w.link == nullptr || w.link->robot != awaited["robot"].text()) continue;
+      w.done = false;
+      w.connection->Send(command::kReady, {1}, {});
+    }
+  }
+}
+
+/// The status, asked on a connection of its own: others may be waiting.
+Json Session::FreshStatus() const {
+  Connection connection(address_, "/simulation", false);
+  connection.Open();
+  return Json::Parse(connection.Request(command::kGetStatus, {}, {}, "", address_.timeout_s()).text);
 }
 
 /// Connections that still wait for a reply are closed and opened again: reading on would take the next reply
@@ -88,13 +116,11 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
   if (lost) std::rethrow_exception(lost);
 }
 
-/// One line that says what the world waits for, asked on a connection of its own.
+/// One line that says what the world waits for.
 std::string Session::Whom() const {
   Json status;
   try {
-    Connection connection(address_, "/simulation", false);
-    connection.Open();
-    status = Json::Parse(connection.Request(command::kGetStatus, {}, {}, "", 1).text);
+    status = FreshStatus();
   } catch (const Error& e) {
     return std::string("no answer from the daemon (") + e.what() + ")";
   }

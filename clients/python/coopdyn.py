@@ -613,7 +613,7 @@ class _Link:
 
     def __init__(self, session: "_Session", robot: str) -> None:
         self.robot = robot
-        self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors", drives=True)
+        self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors", drives=not session.watch)
         self.readers: Dict[str, _Connection] = {}
         self.pushers: Dict[str, _Connection] = {}
         self.kept: Optional[Tuple[int, Tuple[float, ...]]] = None  # for the next step
@@ -1395,7 +1395,7 @@ def _call(
     elif name == "/simulation":
         connection = session.simulation
     else:
-        connection = session.others.setdefault(name, _Connection(session.address, name, drives=True))
+        connection = session.others.setdefault(name, _Connection(session.address, name, drives=not session.watch))
     if link is None and not connection.alive():
         connection.open(session.address.timeout)
     for other in session.links:

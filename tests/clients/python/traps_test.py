@@ -313,6 +313,15 @@ class Stepping(TrapTest):
         self.assert_error(3, lambda: r.set_velocity([1, 2], 0))
         self.assertEqual(len(daemon.received), received)
 
+    def test_watching_takes_nothing_over_from_a_driver_in_the_same_process(self):
+        daemon = self.start(mode=1)
+        sim = self.connect(daemon)
+        r = sim.robot(1)
+        self.connect(daemon, watch=True).robot(1).sense()
+        r.set_velocity(0.1, 0)
+        sim.step(timeout=30)
+        self.assertEqual(r.get_pose().forward, 0.1)
+
     def test_watching_claims_nothing_and_waits_for_steps(self):
         daemon = self.start(mode=0)
         sim = self.connect(daemon, watch=True)

@@ -15,9 +15,9 @@ classdef Link < handle
     labels = struct('step', -1, 'when', uint64(0), 'ids', {{}}, 'colours', {{}})  % ids and colours of the targets
   end
   methods
-    function link = Link(address, robot)
+    function link = Link(address, robot, drives)
       link.robot = robot;
-      link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], true);
+      link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], drives);
     end
 
     function forget_commands(link)

@@ -111,7 +111,7 @@ classdef Session < handle
           keep(k) = false;
         end
       end
-      link = coopdyn.internal.Link(s.address, robot);
+      link = coopdyn.internal.Link(s.address, robot, ~s.watch);
       try
         s.open_motors(link);
       catch cause
@@ -343,6 +343,8 @@ classdef Session < handle
     function collect(s, connections, links, limit)
     % Takes in the reply of every connection; the first error is raised.
       waiting = 1:numel(connections);
+      stepped = [];
+      stepped_s = Inf;
       started = [];
       noticed = false;
       checked = 0;
@@ -366,6 +368,11 @@ classdef Session < handle
             coopdyn.internal.check_reply(reply, who);
           end
           s.note(reply);
+          stepped(end + 1) = k; %#ok<AGROW>
+          stepped_s = 0;
+          if ~isempty(started)
+            stepped_s = toc(started);
+          end
           if ~isempty(link) && ~isempty(link.attached) && reply.params(1) == 1
             link.carried = reply;
           end
@@ -385,11 +392,35 @@ classdef Session < handle
           noticed = true;
           fprintf(2, 'coopdyn: %s\n', s.whom());
         end
+        if now_s - stepped_s > 0.1
+          stepped_s = now_s;
+          behind = s.catch_up(connections, links, stepped);
+          stepped = setdiff(stepped, behind);
+          waiting = [waiting behind]; %#ok<AGROW>
+        end
         patient = now_s - checked > 0.5;  % sees a peer that is gone
         if patient
           checked = now_s;
         end
         pause(0.001);
+      end
+    end
+
+    function again = catch_up(s, connections, links, stepped)
+    % After an error or a timeout a command that had not run may still run while its successor is on the way: its robot
+    % is then one step behind the others, and each would wait for the other for ever. The world says whether it waits
+    % for robots of ours that have stepped already: these go on by one step with what they have.
+      again = [];
+      status = s.fresh_status();
+      for k = 1:numel(status.awaiting)
+        for j = stepped
+          link = links{j};
+          if ~isempty(link) && strcmp(link.robot, status.awaiting(k).robot)
+            c = connections{j};
+            c.send(2, coopdyn.internal.encode(2, 1, []));
+            again(end + 1) = j; %#ok<AGROW>
+          end
+        end
       end
     end
 
@@ -523,7 +554,7 @@ classdef Session < handle
           return
         end
       end
-      c = coopdyn.internal.Connection(s.address, name, true);
+      c = coopdyn.internal.Connection(s.address, name, ~s.watch);
       s.others{end + 1} = c;
     end
 
@@ -642,6 +673,7 @@ classdef Session < handle
             % it is gone already
           end
         end
+        link.forget_commands();
         link.close();
       end
       for k = 1:numel(s.others)

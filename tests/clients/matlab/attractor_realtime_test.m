@@ -1,0 +1,4 @@
+% SPDX-License-Identifier: MIT
+% needs: daemon fig4 --mode realtime --speed 3
+assert(attractor('robot1'));
+disp('passed')

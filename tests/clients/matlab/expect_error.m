@@ -1,0 +1,14 @@
+% SPDX-License-Identifier: MIT
+function expect_error(identifier, call, varargin)
+%EXPECT_ERROR Asserts that the call fails with this identifier and says each of the words.
+  try
+    call();
+  catch cause
+    assert(strcmp(cause.identifier, identifier), ['got ' cause.identifier ': ' cause.message]);
+    for k = 1:numel(varargin)
+      assert(~isempty(strfind(cause.message, varargin{k})), ['"' varargin{k} '" is not in: ' cause.message]);
+    end
+    return
+  end
+  error('test:nothing', '%s', ['no error, expected ' identifier]);
+end

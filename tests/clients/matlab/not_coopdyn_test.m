@@ -1,0 +1,4 @@
+% SPDX-License-Identifier: MIT
+% needs: fake --says SSH-2.0-OpenSSH
+expect_error('coopdyn:connection', @() coopdyn.connect(), 'not a coopdyn daemon', 'SSH-2.0');
+disp('passed')

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: MIT
+"""Runs one test script in Octave: python3 run_octave.py NAME_test.m
+
+The first line after the licence says what it needs: `% needs: nothing`, `% needs: fake --robots 2 --mode lockstep` (the
+scripted daemon) or `% needs: daemon classroom --mode lockstep` (the real one). COOPDYN_SERVER tells the script where it
+is. A script passes if it ends by printing `passed`.
+"""
+import os
+import pathlib
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "python"))
+import harness  # noqa: E402
+
+
+def octave(script, server):
+    paths = "".join(f"addpath('{p}'); " for p in (harness.ROOT / "clients" / "matlab", HERE))
+    env = dict(os.environ, COOPDYN_SERVER=server, COOPDYN_ROOT=str(harness.ROOT))
+    env.pop("DISPLAY", None)
+    run = subprocess.run(["octave", "--no-gui", "--norc", "--eval", f"{paths}{script.stem}"], env=env, text=True,
+                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=170)
+    print(run.stdout)
+    return 0 if run.returncode == 0 and run.stdout.rstrip().splitlines()[-1:] and "\npassed\n" in "\n" + run.stdout else 1
+
+
+def main():
+    script = HERE / sys.argv[1]
+    needs = next(l for l in script.read_text(encoding="utf-8").splitlines() if l.startswith("% needs: ")).split()[2:]
+    if needs[0] == "nothing":
+        return octave(script, "")
+    if needs[0] == "daemon":
+        with harness.Daemon(needs[1], *needs[2:]) as daemon:
+            return octave(script, daemon.server)
+    command = [sys.executable, str(HERE.parent / "python" / "fake_daemon.py"), *needs[1:]]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as fake:
+        server = fake.stdout.readline().split("names=")[1].split()[0]
+        try:
+            return octave(script, server)
+        finally:
+            fake.stdin.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
