@@ -16,7 +16,7 @@ struct RayItem {
   Shape shape;
   Vector3 p_WG = Vector3::Zero();
   Matrix3 R_WG = Matrix3::Identity();
-  std::uint32_t owner = 0;  // shapes of one owner can be ignored together
+  std::uint32_t owner = 0;  // shapes of one owner can be ignored together; 0: nobody's
 };
 
 struct RayHit {
@@ -28,7 +28,8 @@ struct RayHit {
 
 class RayGrid {
  public:
-  /// @pre all poses finite, cell_m > 0.
+  /// Fastest if the items of one owner follow each other and lie close together. @pre all poses finite,
+  /// cell_m > 0.
   explicit RayGrid(std::vector<RayItem> items, double cell_m = 1.0);
 
   /// The nearest hit at `max_range_m` or nearer; shapes of `ignored_owner` let the ray pass.
@@ -37,10 +38,31 @@ class RayGrid {
   const std::vector<RayItem>& items() const { return items_; }
 
  private:
-  void Test(std::uint32_t item, const Ray& ray_W, std::uint32_t ignored_owner, RayHit& nearest) const;
+  // What decides about most items without looking at their shapes.
+  struct Bounds {
+    Vector3 center_W = Vector3::Zero();
+    double radius_m = 0;
+    double min_z = 0, max_z = 0;
+  };
+  // Items that follow each other and have one owner: in the grid they are one.
+  struct Group {
+    Bounds bounds;
+    std::uint32_t owner = 0;
+    std::uint32_t first = 0, end = 0;  // in items_
+  };
+  struct Query {
+    Ray ray_W;
+    double min_z = 0, max_z = 0;  // that the ray reaches within its range
+    std::uint32_t ignored_owner = 0;
+
+    bool MayMeet(const Bounds& bounds, double nearest_m) const;
+  };
+  Group MakeGroup(std::uint32_t first, std::uint32_t end, Aabb2& box) const;
+  void Test(const Group& group, const Query& query, RayHit& nearest) const;
 
   std::vector<RayItem> items_;
-  std::vector<double> radii_m_;  // bounding spheres
+  std::vector<Bounds> bounds_;  // of items_
+  std::vector<Group> groups_;
   UniformGrid grid_;
 };
 
