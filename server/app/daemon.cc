@@ -3,6 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/random.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -160,6 +161,8 @@ std::string Daemon::OpenPage() {
   WebOptions web;
   web.host_names = options_.hosts;
   if (!options_.advertise.empty()) web.host_names.push_back(options_.advertise);
+  std::array<char, 256> own_name{};
+  if (::gethostname(own_name.data(), own_name.size() - 1) == 0) web.host_names.emplace_back(own_name.data());
   web.token = token_;
   web.version = kVersion;
   web.name_port = name_server_->port();

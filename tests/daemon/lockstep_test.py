@@ -415,10 +415,11 @@ class InterruptionTest(unittest.TestCase):
             simulation = daemon.text("/simulation")
             motors = self.waiting_pair(daemon)
             simulation.must("stop_all")
-            daemon.text("/robot2/motors").must("ready")
+            two = daemon.text("/robot2/motors")
+            two.must("ready")
             self.assertEqual(motors.receive().error, 0)
             motors.send("ready 50")
-            daemon.text("/robot2/motors").must("ready 50")
+            two.must("ready 50")
             self.assertLess(abs(daemon.text("/robot1/pose").must("get_pose").data[0]), 1e-3)
 
 
