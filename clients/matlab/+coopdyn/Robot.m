@@ -21,11 +21,16 @@ classdef Robot < handle
     % --- commands
     function set_velocity(r, v, w)
     %SET_VELOCITY Forward speed v [m/s] and turn rate w [rad/s], left is positive. Beyond the limits both are scaled.
-      if ~(isa(v, 'double') && isa(w, 'double') && numel(v) == 1 && numel(w) == 1 && isfinite(v) && isfinite(w))
-        v = coopdyn.internal.number(v, 'v [m/s]');
-        w = coopdyn.internal.number(w, 'w [rad/s]');
+      command = [v w];
+      if ~isa(command, 'double') || numel(command) ~= 2 || ~isreal(command) || ~all(isfinite(command))
+        command = [coopdyn.internal.number(v, 'v [m/s]') coopdyn.internal.number(w, 'w [rad/s]')];
       end
-      r.session.command(r.link, 11, [v w]);
+      link = r.link;
+      if link.drives && r.session.mode == 1
+        link.kept = {11, command};  % lockstep: what Session.command does
+      else
+        r.session.command(link, 11, command);
+      end
     end
 
     function set_wheel_speeds(r, left, right)
@@ -95,13 +100,16 @@ classdef Robot < handle
     %   s = r.sense('red'): s.target is the nearest target of that colour (or with that id); error if there is none.
     %   In lockstep, right after sim.step(), the readings that came with its reply, without any round trip.
       link = r.link;
-      if isempty(link.attached)
+      attached = link.attached;
+      if isempty(attached)
         r.attach();
+        attached = link.attached;
       end
       reply = link.carried;
-      link.carried = [];
       if isempty(reply)
         reply = r.ask_attached();
+      else
+        link.carried = [];
       end
       data = reply.data;
       params = reply.params;
@@ -111,7 +119,6 @@ classdef Robot < handle
       pose = [];
       wheels = [];
       at = 0;
-      attached = link.attached;
       for k = 1:numel(attached)
         n = params(k + 1);
         part = data(at + 1:at + n);
@@ -238,6 +245,7 @@ classdef Robot < handle
       c = r.attached_connection(readable);
       c.request(9, [], [], strjoin(readable, ' '));
       r.link.attached = readable;
+      r.link.carried = [];
     end
 
     function c = attached_connection(r, readable)

@@ -81,11 +81,11 @@ classdef Simulation < handle
     end
 
     function t = get.time(sim)
-      t = sim.session.time;
+      t = sim.session.newest(1);
     end
 
     function k = get.steps(sim)
-      k = sim.session.steps;
+      k = sim.session.newest(2);
     end
 
     function word = get.mode(sim)

@@ -3,7 +3,7 @@
 
 The first line after the licence says what it needs: `% needs: nothing`, `% needs: fake --robots 2 --mode lockstep` (the
 scripted daemon) or `% needs: daemon classroom --mode lockstep` (the real one). COOPDYN_SERVER tells the script where it
-is. A script passes if it ends by printing `passed`.
+is. A script passes if it prints `passed` at the end, and each text of a line `% prints once: TEXT` just once.
 """
 import os
 import pathlib
@@ -22,7 +22,9 @@ def octave(script, server):
     run = subprocess.run(["octave", "--no-gui", "--norc", "--eval", f"{paths}{script.stem}"], env=env, text=True,
                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=170)
     print(run.stdout)
-    return 0 if run.returncode == 0 and run.stdout.rstrip().splitlines()[-1:] and "\npassed\n" in "\n" + run.stdout else 1
+    once = [l.split(": ", 1)[1] for l in script.read_text(encoding="utf-8").splitlines() if l.startswith("% prints once: ")]
+    passed = run.returncode == 0 and "passed" in run.stdout.splitlines()
+    return 0 if passed and all(run.stdout.count(text) == 1 for text in once) else 1
 
 
 def main():

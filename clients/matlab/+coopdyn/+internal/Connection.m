@@ -16,6 +16,7 @@ classdef Connection < handle
     hello
     buffer = zeros(1, 0, 'uint8')
     octave = false
+    fast = []    % the socket in Octave, whose read waits for what is asked for
     sizes = 24 * ones(1, 256)
     asked = 1
   end
@@ -45,6 +46,9 @@ classdef Connection < handle
         coopdyn.internal.fail(-1, ['what listens at ' c.address.text ' is not a coopdyn daemon (it said "' said '")']);
       end
       c.socket = socket;
+      if c.octave
+        c.fast = socket;
+      end
       c.busy = true;
       write(socket, [uint8('CDS1') coopdyn.internal.encode(6, [], [], c.hello)]);
       c.asked = 7;
@@ -58,6 +62,7 @@ classdef Connection < handle
 
     function close(c)
       c.socket = [];
+      c.fast = [];
       c.busy = false;
       c.buffer = zeros(1, 0, 'uint8');
       c.pushes = {};
@@ -76,34 +81,33 @@ classdef Connection < handle
 
     function message = exchange(c, command, bytes)
     % Writes a request and takes its reply, [] if it does not come at once: one write and one read of the right length.
-      c.busy = true;
-      c.asked = command + 1;
-      if ~c.octave
+      socket = c.fast;
+      if isempty(socket)
         c.send(command, bytes);
         message = c.poll(true);
         return
       end
-      socket = c.socket;
+      c.busy = true;
       try
         write(socket, bytes);
         bytes = read(socket, c.sizes(command + 1));
       catch
         c.lost();
       end
-      c.buffer = bytes;
       n = numel(bytes);
       if n >= 24
         h = double(typecast(bytes(1:24), 'int32'));
-        if h(1) + 4 == n && h(2) == 0 && h(3) == command && h(4) == 0 && h(1) == 20 + 4 * h(5) + 8 * h(6)
-          at = 24 + 4 * h(5);
+        at = 24 + 4 * h(5);
+        if h(1) == n - 4 && h(2) == 0 && h(3) == command && h(4) == 0 && n == at + 8 * h(6)
+          c.busy = false;
           message = struct('error', 0, 'text', '', 'command', command, ...
                            'params', double(typecast(bytes(25:at), 'int32')), ...
                            'data', typecast(bytes(at + 1:n), 'double'));
-          c.busy = false;
-          c.buffer = zeros(1, 0, 'uint8');
           return
         end
       end
+      c.asked = command + 1;
+      c.buffer = bytes;
       message = c.poll(false);
     end
 

@@ -6,6 +6,7 @@ classdef Link < handle
     motors = []        % the connection that commands go through; [] = it has no motors
     readers = struct() % connections to other modules, by module
     pushers = struct() % connections that readings are pushed on, by module
+    drives = false     % open, ours and not lost
     kept = []          % struct of command and data, for the next step
     sent = []          % likewise: its reply has not come yet
     lost = ''          % why it is not ours any more
@@ -27,6 +28,7 @@ classdef Link < handle
     end
 
     function close(link)
+      link.drives = false;
       if ~isempty(link.motors)
         link.motors.close();
       end

@@ -9,8 +9,7 @@ classdef Session < handle
     others = {}      % connections of call
     described = {}   % names and numbers of commands, by module: {module, names, ids; ...}
     mode = 0
-    time = 0
-    steps = 0
+    newest = [0 0]   % time [s] and step of the newest reply
     closed = false
   end
   methods
@@ -24,8 +23,7 @@ classdef Session < handle
     % Takes time and step out of a reply, and the mode if it carries one.
       data = reply.data;
       if numel(data) >= 2
-        s.time = data(end - 1);
-        s.steps = data(end);
+        s.newest = data(end - 1:end);
       end
       if ~isempty(reply.params)
         switch reply.command
@@ -134,6 +132,7 @@ classdef Session < handle
     % Opens (again) the connection that commands go through: hello takes the module back, claim makes it ours.
       link.sent = [];
       link.carried = [];
+      link.drives = false;
       c = link.motors;
       c.open();
       try
@@ -154,6 +153,7 @@ classdef Session < handle
           c.request(9, [], [], strjoin(link.attached, ' '));
         end
         s.note(c.request(3, [], []));
+        link.drives = ~s.watch;
       catch cause
         c.close();
         rethrow(cause);
@@ -244,10 +244,17 @@ classdef Session < handle
 
     function step(s, n, limit)
     % Sends what was kept (or ready) to every robot of this sim, then takes in the replies.
-      s.require_open();
-      if numel(s.links) == 1 && ~s.watch && s.step_one(s.links{1}, n, limit)
-        return
+      links = s.links;
+      if numel(links) == 1 && ~s.watch
+        % One robot: the same as below with less to do, if its connection is in order.
+        link = links{1};
+        c = link.motors;
+        if ~isempty(c) && ~c.busy && ~isempty(c.socket)
+          s.step_one(link, c, n, limit);
+          return
+        end
       end
+      s.require_open();
       connections = {};
       links = {};
       if ~s.watch
@@ -293,14 +300,7 @@ classdef Session < handle
       end
     end
 
-    function done = step_one(s, link, n, limit)
-    % The step of a sim with one robot: the same as for many with less to do. False: nothing was done, because the
-    % connection is not in order.
-      done = false;
-      c = link.motors;
-      if isempty(c) || c.busy || isempty(c.socket) || ~isempty(link.lost)
-        return
-      end
+    function step_one(s, link, c, n, limit)
       kept = link.kept;
       if isempty(kept)
         number = 2;
@@ -315,12 +315,11 @@ classdef Session < handle
         end
         link.kept = [];
       end
-      link.carried = [];
       try
         reply = c.exchange(number, bytes);
         if isempty(reply)
+          link.carried = [];
           s.collect({c}, {link}, limit);
-          done = true;
           return
         end
         if reply.error ~= 0
@@ -329,15 +328,16 @@ classdef Session < handle
       catch cause
         s.give_up({c}, {link}, cause);
       end
-      data = reply.data;
-      s.time = data(end - 1);
-      s.steps = data(end);
+      s.newest = reply.data(end - 1:end);
       mode = reply.params(1);
-      s.mode = mode;
-      if mode == 1 && ~isempty(link.attached)
-        link.carried = reply;
+      if mode ~= s.mode
+        s.mode = mode;
       end
-      done = true;
+      if mode == 1
+        link.carried = reply;
+      else
+        link.carried = [];
+      end
     end
 
     function collect(s, connections, links, limit)
@@ -373,7 +373,7 @@ classdef Session < handle
           if ~isempty(started)
             stepped_s = toc(started);
           end
-          if ~isempty(link) && ~isempty(link.attached) && reply.params(1) == 1
+          if ~isempty(link) && reply.params(1) == 1
             link.carried = reply;
           end
         end
@@ -469,6 +469,7 @@ classdef Session < handle
         rethrow(cause);
       end
       link.forget_commands();
+      link.drives = false;
       why = link.motors.notice;
       if isempty(why)  % Octave loses a notice that comes together with the end of the connection
         why = s.new_owner(link.robot);
