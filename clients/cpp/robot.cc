@@ -43,7 +43,7 @@ Target Choose(const std::vector<Target>& targets, const std::string& colour) {
     all += (all.empty() ? "" : ", ") + t.colour;
     if (t.colour == colour && (nearest == nullptr || t.distance < nearest->distance)) nearest = &t;
   }
-  if (nearest == nullptr) throw Error(10, "there is no target '" + colour + "'; there are: " + all);
+  if (nearest == nullptr) throw Error(10, "there is no target '" + colour + "'; there are: " + (all.empty() ? "none" : all));
   return *nearest;
 }
 

@@ -146,8 +146,12 @@ classdef Robot < handle
       labels.step = step;
       labels.when = tic;
       link.labels = labels;
-      targets = struct('id', labels.ids, 'colour', labels.colours, 'distance', num2cell(seen(1:2:end)), ...
-                       'bearing', num2cell(seen(2:2:end)));
+      if isempty(seen)
+        targets = coopdyn.internal.sightings([], 'colour', {}, []);
+      else
+        targets = struct('id', labels.ids, 'colour', labels.colours, 'distance', num2cell(seen(1:2:end)), ...
+                         'bearing', num2cell(seen(2:2:end)));
+      end
       target = [];
       if nargin > 1
         target = coopdyn.internal.choose_target(targets, x);

@@ -83,7 +83,8 @@ class FakeDaemon:
     times. `delay_s`: how late replies to actuator commands come in real time. `hold`: requests for a pose get no reply
     until it is false. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
 
-    def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0):
+    def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0, targets=TARGETS):
+        self.targets = targets
         self.robots = [Robot(i + 1) for i in range(robots)]
         self.mode, self.protocol, self.silent, self.says = mode, protocol, silent, says
         self.dribble, self.refuse, self.delay_s, self.break_replies, self.hold = dribble, refuse, delay_s, 0, False
@@ -338,9 +339,9 @@ class FakeDaemon:
         if reading == 21:
             return "", (), [x for i in range(11) for x in ((i - 5) * math.pi / 9, math.pi / 9, 4.0)]
         if reading == 30:
-            return " ".join(t[1] for t in TARGETS), [t[0] for t in TARGETS], [v for t in TARGETS for v in seen(t[2], t[3])]
+            return " ".join(t[1] for t in self.targets), [t[0] for t in self.targets], [v for t in self.targets for v in seen(t[2], t[3])]
         if reading == 31:
-            fits = [seen(t[2], t[3]) for t in TARGETS if t[1] == text or t[0] in params]
+            fits = [seen(t[2], t[3]) for t in self.targets if t[1] == text or t[0] in params]
             return "", (), min(fits) if fits else None
         if reading == 32:
             others = [(i + 1, r) for i, r in enumerate(self.robots) if r is not robot]
@@ -378,8 +379,9 @@ def main():
     parser.add_argument("--dribble", action="store_true")
     parser.add_argument("--refuse", default="")
     parser.add_argument("--delay", type=float, default=0.0)
+    parser.add_argument("--no-targets", action="store_true")
     a = parser.parse_args()
-    daemon = FakeDaemon(a.robots, MODES.index(a.mode), a.protocol, a.silent, a.says, a.dribble, a.refuse, a.delay)
+    daemon = FakeDaemon(a.robots, MODES.index(a.mode), a.protocol, a.silent, a.says, a.dribble, a.refuse, a.delay, () if a.no_targets else TARGETS)
     print(f"ready names={daemon.server} http=off robots={a.robots}", flush=True)
     sys.stdin.read()  # until whoever started it goes away
     daemon.stop()

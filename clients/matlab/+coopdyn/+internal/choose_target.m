@@ -7,7 +7,11 @@ function t = choose_target(targets, x)
     fits = find(strcmp({targets.colour}, char(x)));
   end
   if isempty(fits)
-    coopdyn.internal.fail(10, ['there is no target ' num2str(x) '; there are: ' strjoin({targets.colour}, ', ')]);
+    there = strjoin({targets.colour}, ', ');
+    if isempty(there)
+      there = 'none';
+    end
+    coopdyn.internal.fail(10, ['there is no target ' num2str(x) '; there are: ' there]);
   end
   [~, nearest] = min([targets(fits).distance]);
   t = targets(fits(nearest));
