@@ -2,6 +2,8 @@
 #include "server/net/io_thread.h"
 
 #include <pthread.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <exception>
 #include <future>
@@ -9,7 +11,7 @@
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/post.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
 
 namespace coopdyn {
 namespace {
@@ -20,10 +22,25 @@ constexpr std::size_t kThreadNameBytes = 15;  // the kernel's limit
 
 }  // namespace
 
+/// An eventfd: written by whoever posts, read by the loop.
+struct IoThread::Wakeup {
+  explicit Wakeup(boost::asio::io_context& context)
+      : event(context, ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+
+  void Ring() {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t written = ::write(event.native_handle(), &one, sizeof one);
+  }
+
+  boost::asio::posix::stream_descriptor event;
+  std::uint64_t rings = 0;
+};
+
 IoThread::IoThread(std::string name, Logger logger, std::chrono::microseconds spin)
     : name_(std::move(name)),
       logger_(std::move(logger)),
       context_(std::make_unique<boost::asio::io_context>(1)),
+      wakeup_(std::make_unique<Wakeup>(*context_)),
       spin_ns_(std::chrono::nanoseconds(spin).count()),
       thread_([this] { Run(); }) {}
 
@@ -32,7 +49,34 @@ IoThread::~IoThread() {
 }
 
 void IoThread::Post(std::function<void()> work) {
-  boost::asio::post(*context_, std::move(work));
+  bool ring = false;
+  {
+    const MutexLock lock(mutex_);
+    ring = posted_.empty();
+    posted_.push_back(std::move(work));
+  }
+  if (ring) wakeup_->Ring();
+}
+
+void IoThread::RunPosted() {
+  wakeup_->event.async_read_some(boost::asio::buffer(&wakeup_->rings, sizeof wakeup_->rings),
+                                 [this](const boost::system::error_code& error, std::size_t) {
+                                   if (!error) RunPosted();
+                                 });
+  std::vector<std::function<void()>> work;
+  {
+    const MutexLock lock(mutex_);
+    work.swap(posted_);
+  }
+  for (std::function<void()>& one : work) {
+    try {
+      if (!stop_) one();
+    } catch (const std::exception& error) {
+      logger_->error("{}: {}", name_, error.what());
+    } catch (...) {
+      logger_->error("{}: an exception of unknown type", name_);
+    }
+  }
 }
 
 void IoThread::Dispatch(std::function<void()> work) {
@@ -81,6 +125,7 @@ void IoThread::Run() {
   thread_id_ = std::this_thread::get_id();
   pthread_setname_np(pthread_self(), name_.substr(0, kThreadNameBytes).c_str());
   auto work_guard = boost::asio::make_work_guard(*context_);
+  RunPosted();
   auto last_activity = steady_clock::now();
   while (!stop_) {
     try {

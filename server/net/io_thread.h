@@ -10,8 +10,10 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "server/base/log.h"
+#include "server/base/mutex.h"
 
 namespace boost::asio {
 class io_context;
@@ -47,11 +49,19 @@ class IoThread {
   void Stop();
 
  private:
+  struct Wakeup;
+
   void Run();
+  /// Runs what Post() was given, then waits for the next wake-up.
+  void RunPosted();
 
   std::string name_;
   Logger logger_;
   std::unique_ptr<boost::asio::io_context> context_;
+  std::unique_ptr<Wakeup>
+      wakeup_;  // io_context::post() wakes with its lock held, at the cost of two more switches
+  Mutex mutex_;
+  std::vector<std::function<void()>> posted_ GUARDED_BY(mutex_);
   std::atomic<std::int64_t> spin_ns_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};          // the loop runs nothing any more
