@@ -224,7 +224,10 @@ describe('the page', () => {
   });
 
   test('each robot has its connection lines with the address that the browser used', async () => {
-    const lines = await page.locator('.card[open] .lines code').allTextContents();
+    const card = page.locator('.card[data-robot="robot1"]');
+    if (!(await card.evaluate((element) => element.open))) await card.locator('summary').click();
+    await card.locator('.lines code').first().waitFor();
+    const lines = await card.locator('.lines code').allTextContents();
     const port = daemon.names.split(':').at(-1);
     assert.ok(lines.includes(`sim = coopdyn.connect("127.0.0.1:${port}");\nr = sim.robot("robot1");`), lines.join('\n'));
     assert.ok(lines.some((line) => /^telnet 127\.0\.0\.1 \d+$/.test(line)), lines.join('\n'));
