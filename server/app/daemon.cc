@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/daemon.h"
 
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <spdlog/fmt/fmt.h>
 #include <sys/random.h>
 #include <unistd.h>
@@ -61,6 +64,23 @@ std::vector<std::string> Addresses(const std::vector<std::string>& hosts) {
     }
   }
   return addresses;
+}
+
+/// The first address of this machine that others can reach; empty if there is none.
+std::string LanAddress() {
+  ifaddrs* found = nullptr;
+  if (::getifaddrs(&found) != 0) return {};
+  std::string address;
+  for (const ifaddrs* one = found; one != nullptr && address.empty(); one = one->ifa_next) {
+    const bool usable = one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET &&
+                        (one->ifa_flags & IFF_LOOPBACK) == 0 && (one->ifa_flags & IFF_UP) != 0;
+    if (!usable) continue;
+    std::array<char, INET_ADDRSTRLEN> text{};
+    const auto* ip = reinterpret_cast<const sockaddr_in*>(one->ifa_addr);
+    if (::inet_ntop(AF_INET, &ip->sin_addr, text.data(), text.size()) != nullptr) address = text.data();
+  }
+  ::freeifaddrs(found);
+  return address;
 }
 
 std::string Bracketed(const std::string& host) {
@@ -167,7 +187,8 @@ std::string Daemon::OpenPage() {
   web.version = kVersion;
   web.name_port = name_server_->port();
   web.scenarios = [this] { return models_.path().ScenarioNames(); };
-  web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_, net_);
+  web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
+                                     net_);
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
   const std::string error = web_->Listen(Addresses(options_.hosts), port);
   return error.empty() ? error : error + ": choose another block of ports with --port, or --http-port";
@@ -253,13 +274,17 @@ std::string Daemon::ReadyLine() const {
 std::string Daemon::HowToGoOn() const {
   std::ostringstream out;
   if (name_server_ == nullptr) return {};
-  const std::string host = told_host();
+  // With --host 0.0.0.0 the others need an address of this machine, not 127.0.0.1.
+  std::string host = told_host();
+  if (BeyondLoopback(options_) && IsLoopback(host)) {
+    if (const std::string lan = LanAddress(); !lan.empty()) host = lan;
+  }
   const int port = name_server_->port();
   const std::string server =
       port == 10000 && IsLoopback(host) ? "" : fmt::format("\"{}:{}\"", Bracketed(host), port);
   const auto& robots = frames_.Latest()->scene->robots;
   const std::string robot = robots.empty() ? "robot1" : robots.front().entry.name;
-  if (web_ != nullptr) out << "page:    " << http() << '\n';
+  if (web_ != nullptr) out << fmt::format("page:    http://{}:{}/\n", Bracketed(host), web_->port());
   out << "MATLAB:  sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot << "\");\n"
       << "Python:  import coopdyn; sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot
       << "\")\n"

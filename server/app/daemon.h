@@ -60,7 +60,6 @@ class Daemon final : private ControlActions {
   /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
   void TellYarpServer();
   std::chrono::microseconds Spin() const;
-  bool listens_beyond_loopback() const;
   /// The address that other programs should use.
   std::string told_host() const;
 

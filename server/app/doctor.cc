@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <string_view>
 #include <vector>
 
 #include "protocol/command_ids.h"
@@ -38,6 +39,26 @@ double MedianRoundTrip(RemoteConnection& connection) {
   return static_cast<double>(times[kPings / 2]) * 1e-3;
 }
 
+/// Asks the first robot of the list where it is.
+int VisitRobot(const ServerAddress& server, const std::vector<std::string>& registrations) {
+  constexpr std::string_view kBefore = "registration name ", kModule = "/pose ";
+  for (const std::string& registration : registrations) {
+    const std::size_t end = registration.find(kModule);
+    if (!registration.starts_with(kBefore) || end == std::string::npos) continue;
+    const std::string robot = registration.substr(kBefore.size(), end - kBefore.size());
+    RemoteConnection connection;
+    std::string error = connection.Connect(server);
+    if (error.empty()) error = connection.Open(robot + "/pose");
+    Message get_pose, reply;
+    get_pose.command = command::kGetPose;
+    if (error.empty()) error = connection.Call(get_pose, reply);
+    if (error.empty() && reply.error != 0) error = reply.text;
+    return Say(robot.substr(1) + " says where it is", error) ? kExitOk : kExitErrors;
+  }
+  std::printf("ok       the scenario has no robots\n");
+  return kExitOk;
+}
+
 }  // namespace
 
 int Doctor(const RemoteOptions& options) {
@@ -69,7 +90,8 @@ int Doctor(const RemoteOptions& options) {
   if (!Say(text, round_trip_us < 0 ? "a ping was not answered" : "")) return kExitErrors;
   if (round_trip_us > 20000)
     std::printf("         that is slow: a wireless or far network limits lockstep\n");
-  return kExitOk;
+}
+return VisitRobot(*server, lines);
 }
 
 }  // namespace coopdyn

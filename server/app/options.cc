@@ -112,6 +112,18 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
       ->envname("COOPDYN_CONFIG");
 }
 
+/// Says which commands there are if the first argument is none.
+void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (!arguments.empty() && arguments[0].starts_with("-")) return;
+  std::string commands;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (!arguments.empty() && sub->get_name() == arguments[0]) return;
+    commands += (commands.empty() ? "" : ", ") + sub->get_name();
+  }
+  const std::string what = arguments.empty() ? "a command is missing" : "there is no command " + arguments[0];
+  throw CLI::ParseError(what + ": write one of " + commands, CLI::ExitCodes::InvalidError);
+}
+
 /// Adds the lines of the config file to `arguments` (the program's name not among them), but for options that
 /// the command line or a variable gives.
 void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
@@ -246,6 +258,7 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
 
   try {
     std::vector<std::string> arguments(argv + 1, argv + argc);
+    CheckCommand(app, arguments);
     InsertConfig(app, arguments);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     app.parse(std::move(arguments));
@@ -257,6 +270,12 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
     line.exit_code = kWrongUse;
     return line;
   }
+  const auto variable = [](const char* name, std::string& value) {
+    const char* given = value.empty() ? std::getenv(name) : nullptr;
+    if (given != nullptr) value = given;
+  };
+  variable("COOPDYN_SERVER", line.remote.server);
+  variable("COOPDYN_TOKEN", line.remote.token);
   const CLI::App* sub = app.get_subcommands().front();
   if (sub->get_name() == "serve") {
     TakeRaw(*sub, raw, line.serve);

@@ -76,6 +76,22 @@ class MistakeTest(unittest.TestCase):
             done = run(*command, "--server", f"127.0.0.1:{port}")
             self.assertEqual(done.returncode, 3, (command, done))
 
+    def test_the_server_flag_overrides_the_variable(self):
+        with socket.socket() as unused:
+            unused.bind(("127.0.0.1", 0))
+            port = unused.getsockname()[1]
+        with Daemon(scenario(1)) as daemon:
+            env = {**os.environ, "COOPDYN_SERVER": f"127.0.0.1:{daemon.names[1]}"}
+            self.assertEqual(run("status", env=env).returncode, 0)
+            for command in (["status"], ["pause"], ["call", "/robot1/motors", "stop"]):
+                self.assertEqual(run(*command, "--server", f"127.0.0.1:{port}", env=env).returncode, 3, command)
+            self.assertEqual(daemon.status()["state"], "waiting")
+
+    def test_an_unknown_command_is_named_and_the_known_ones_listed(self):
+        said = run("frobnicate").stderr.decode()
+        self.assertIn("frobnicate", said)
+        self.assertIn("serve", said)
+
     def test_help_of_every_command_shows_an_example(self):
         for command in ("serve", "check", "list", "status", "run", "pause", "step", "reset", "reload", "load", "stop-all",
                         "quit", "call", "doctor"):

@@ -3,17 +3,27 @@
 import {byId, make, setText, showNumber} from './dom.js';
 
 const SHOWN_ROBOTS = 4;
+const SHORT_WAIT_S = 0.5;  // a lockstep world awaits its robots before every step; shorter waits are no news
+
+/** Seconds of the robot that is awaited longest; 0 if nobody is. */
+const longestWait = (status) => Math.max(0, ...(status.awaiting ?? []).map((entry) => entry.seconds ?? 0));
+
+/** The state to show: a world that steps steadily is running, although each step awaits the robots for a moment. */
+export function stateText(status) {
+  const advancing = status.state === 'waiting' && (status.awaiting ?? []).length > 0 && longestWait(status) < SHORT_WAIT_S;
+  return advancing ? 'running' : status.state;
+}
 
 /** "waiting for robot2 (no client), 1.2 s", "waiting for robot1, robot2 and 5 more (no client), 1.2 s"; empty if nobody
- *  is awaited. */
+ *  has been awaited for long. */
 export function waitingText(status) {
   const awaiting = status.awaiting ?? [];
-  if (awaiting.length === 0) return '';
+  const seconds = longestWait(status);
+  if (seconds < SHORT_WAIT_S) return '';
   const first = awaiting.slice(0, SHOWN_ROBOTS);
   const same = first.every(({why}) => why === first[0].why);
   const names = first.map(({robot, why}) => (same ? robot : `${robot} (${why})`)).join(', ');
   const more = (status.awaiting_count ?? awaiting.length) - first.length;
-  const seconds = Math.max(...awaiting.map((entry) => entry.seconds ?? 0));
   const others = more > 0 ? ` and ${more} more` : '';
   return `waiting for ${names}${others}${same ? ` (${first[0].why})` : ''}, ${showNumber(seconds, 1)} s`;
 }
@@ -22,7 +32,7 @@ export class Strip {
   #lastEvents = '';
 
   update(status) {
-    const state = status?.state ?? 'no answer';
+    const state = status ? stateText(status) : 'no answer';
     setText(byId('state'), state);
     byId('state').dataset.state = state;
     setText(byId('mode'), status?.mode ?? '');
