@@ -89,9 +89,8 @@ int Doctor(const RemoteOptions& options) {
   std::snprintf(text, sizeof text, "a round trip takes %.0f us (median of %d)", round_trip_us, kPings);
   if (!Say(text, round_trip_us < 0 ? "a ping was not answered" : "")) return kExitErrors;
   if (round_trip_us > 20000)
-    std::printf("         that is slow: a wireless or far network limits lockstep\n");
-}
-return VisitRobot(*server, lines);
+    std::printf("         that is slow: a far or wireless network limits lockstep\n");
+  return VisitRobot(*server, lines);
 }
 
 }  // namespace coopdyn
