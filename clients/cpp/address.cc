@@ -174,14 +174,22 @@ std::string Address::ReadLine(int fd, Deadline deadline) const {
   return line;
 }
 
+Error Address::NotADaemon(const std::string& said) const {
+  const std::string heard =
+      said.empty() ? "it closed the connection without an answer" : "it said '" + said.substr(0, 60) + "'";
+  return Error(Error::kNoConnection,
+               "what listens at " + text() + " is not a coopdyn daemon (" + heard +
+                   "); name the server's port, which `coopdyn serve` prints: HOST:PORT");
+}
+
 std::vector<Module> Address::Modules() const {
   const Deadline deadline = After(timeout_s_);
   const int fd = Dial(deadline);
   std::vector<Module> modules;
   try {
     WriteAll(fd, "NAME_SERVER list\n");
-    for (std::string line = ReadLine(fd, deadline); !line.empty() && !line.starts_with("***");
-         line = ReadLine(fd, deadline)) {
+    for (std::string line = ReadLine(fd, deadline); !line.starts_with("***"); line = ReadLine(fd, deadline)) {
+      if (!line.starts_with("registration ")) throw NotADaemon(line);
       std::istringstream words(line);  // registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp
       std::string registration, word;
       Module module;
@@ -202,9 +210,13 @@ int Address::OpenModule(const std::string& module, Deadline deadline) const {
     WriteAll(fd, "OPEN " + module + "\n");
     const std::string said = ReadLine(fd, deadline);
     if (said == "ok") return fd;
-    if (said.starts_with("***")) throw Error(10, said.substr(std::min(said.size(), std::size_t{4})));
-    throw Error(Error::kNoConnection, "what listens at " + text() + " is not a coopdyn daemon (it said '" +
-                                          said.substr(0, 60) + "')");
+    // error 10 no such name /robot9/motors; did you mean /robot1/motors
+    std::istringstream words(said);
+    std::string word, why;
+    int code = 0;
+    if (words >> word >> code >> std::ws && word == "error" && std::getline(words, why))
+      throw Error(code, why);
+    throw NotADaemon(said);
   } catch (...) {
     close(fd);
     throw;

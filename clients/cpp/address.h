@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "clients/cpp/error.h"
+
 namespace coopdyn::client {
 
 using Clock = std::chrono::steady_clock;
@@ -44,6 +46,7 @@ class Address {
   int OpenModule(const std::string& module, Deadline deadline) const;
 
  private:
+  Error NotADaemon(const std::string& said) const;
   std::string ReadLine(int fd, Deadline deadline) const;
   int DialOne(int fd, const void* address, unsigned length, Deadline deadline) const;
 

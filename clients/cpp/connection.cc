@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "clients/cpp/connection.h"
 
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <sstream>
 #include <utility>
@@ -139,6 +142,17 @@ Message Connection::Request(std::int32_t command, std::vector<std::int32_t> para
 void Connection::FinishSending() {
   TryRead();  // what is unread would make closing a reset, which loses what was sent
   if (fd_ >= 0) shutdown(fd_, SHUT_WR);
+}
+
+void Connection::AwaitEnd(std::chrono::steady_clock::time_point deadline) {
+  using std::chrono::milliseconds;
+  std::array<char, 4096> bytes;
+  for (;;) {
+    const auto left = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
+    pollfd waiting{fd_, POLLIN, 0};
+    if (fd_ < 0 || poll(&waiting, 1, std::max(0, static_cast<int>(left.count()))) != 1) return;
+    if (recv(fd_, bytes.data(), bytes.size(), 0) <= 0) return;
+  }
 }
 
 }  // namespace coopdyn::client

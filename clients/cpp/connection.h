@@ -2,6 +2,7 @@
 // One connection to one module. One thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -46,6 +47,8 @@ class Connection {
                   std::string text = "", double timeout_s = 10, double spin_s = 0);
   /// Ends the sending side after what was sent, so that nothing of it is lost.
   void FinishSending();
+  /// Waits until the daemon has answered all and closed, at most until `deadline` of the steady clock.
+  void AwaitEnd(std::chrono::steady_clock::time_point deadline);
 
   std::deque<Message> pushes;
 

@@ -358,6 +358,12 @@ void Session::Close() {
         // It is gone already.
       }
     }
+  }
+  // Lets the daemon read the last `stop`, so that what this program does next, a reset say, comes after it.
+  // In lockstep the step it asks for may be far off.
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+  for (const auto& link : links_) {
+    if (link->motors && link->motors->is_open() && !watch_ && !link->lost) link->motors->AwaitEnd(deadline);
     link->ForgetCommands();
     link->Close();
   }

@@ -46,6 +46,7 @@ _GET_POSE, _GET_POSE_3D = 40, 41
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD = 108, 190, 191, 192
 
+_CLOSE_S = 0.2
 _REQUEST_TIMEOUT_S = 10.0  # for what is answered at once
 _LOAD_TIMEOUT_S = 60.0  # for what builds a world
 _COMMAND_WAIT_S = 0.1  # for the reply to an actuator command in real time
@@ -343,6 +344,11 @@ class _Address:
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return sock
 
+    def not_a_daemon(self, said: str) -> Error:
+        heard = f"it said {said[:60]!r}" if said else "it closed the connection without an answer"
+        return Error(-1, f"what listens at {self} is not a coopdyn daemon ({heard}); name the server's port, which "
+                         "`coopdyn serve` prints: HOST:PORT")
+
     def ask_names(self, command: str) -> List[str]:
         """The lines that the name server answers, without the last."""
         deadline = _clock.monotonic() + self.timeout
@@ -351,9 +357,11 @@ class _Address:
             received = b""
             while b"*** end of message" not in received:
                 more = self._receive(sock, deadline)
-                if not more:
-                    break
                 received += more
+                first = received.split(b"\n")[0]
+                known = first.startswith((b"registration ", b"***"))
+                if not more or (b"\n" in received and not known):
+                    raise self.not_a_daemon(first.decode("utf-8", "replace").strip())
         lines = received.decode("utf-8", "replace").splitlines()
         return [line for line in lines if not line.startswith("***")]
 
@@ -391,9 +399,10 @@ class _Address:
                 line += byte
             said = line.decode("utf-8", "replace").strip()
             if said != "ok":
-                if said.startswith("***"):
-                    raise Error(10, said.strip("* ") or f"the daemon at {self} has no {module}")
-                raise Error(-1, f"what listens at {self} is not a coopdyn daemon (it said {said[:60]!r})")
+                words = said.split(" ", 2)  # error 10 no such name /robot9/motors; did you mean /robot1/motors
+                if len(words) == 3 and words[0] == "error" and words[1].isdigit():
+                    raise Error(int(words[1]), words[2])
+                raise self.not_a_daemon(said)
             sock.sendall(_MAGIC)
             sock.setblocking(False)
             return sock
@@ -940,6 +949,7 @@ class _Session:
             link.forget_commands()
 
     def close(self) -> None:
+        stopping = []
         for link in self.links:
             if link.motors is not None and link.motors.sock is not None and not self.watch and link.lost is None:
                 try:
@@ -947,14 +957,29 @@ class _Session:
                     link.motors.try_read()  # what is unread would make closing a reset, which loses the stop
                     assert link.motors.sock is not None
                     link.motors.sock.shutdown(socket.SHUT_WR)
+                    stopping.append(link.motors.sock)
                 except (Error, OSError):
                     pass
+        _await_ends(stopping)
+        for link in self.links:
             for connection in link.connections():
                 connection.close()
         for connection in self.others.values():
             connection.close()
         self.simulation.close()
         self.closed = True
+
+
+def _await_ends(sockets: List[socket.socket]) -> None:
+    """Lets the daemon read the last `stop`, so that what this program does next, a reset say, comes after it. In lockstep the
+    step it asks for may be far off: waits no longer than _CLOSE_S for all of them."""
+    deadline = _clock.monotonic() + _CLOSE_S
+    for sock in sockets:
+        try:
+            while select.select([sock], [], [], max(0.0, deadline - _clock.monotonic()))[0] and sock.recv(65536):
+                pass
+        except OSError:
+            pass
 
 
 def _owned_text(text: str) -> str:

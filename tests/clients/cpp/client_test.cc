@@ -169,6 +169,30 @@ TEST(Stepping, WatchingClaimsNothing) {
   EXPECT_EQ(ErrorOf([&] { other.robot(1); }).code(), 0);
 }
 
+TEST(WrongNames, AreError10WithTheHintOfTheDaemon) {
+  const auto daemon = ServerProcess::Real("classroom", {});
+  auto sim = connect(daemon.server());
+  auto robot = sim.robot(1);
+  for (const auto& [error, hint] : std::vector<std::pair<Error, std::string>>{
+           {ErrorOf([&] { sim.describe("/robot9/motors"); }), "did you mean /robot1/motors"},
+           {ErrorOf([&] { sim.call("/robot1/moters", "stop"); }), "did you mean /robot1/motors"},
+           {ErrorOf([&] { robot.subscribe("distanc"); }), "did you mean /robot1/distance"},
+           {ErrorOf([&] { sim.robot("robot9"); }), "there are: robot1"}}) {
+    EXPECT_EQ(error.code(), 10) << error.text();
+    EXPECT_EQ(error.name(), "no_such_name");
+    EXPECT_TRUE(Says(error, hint)) << error.text();
+  }
+  robot.set_velocity(0.1, 0);  // the sim goes on
+  sim.step(1, 30);
+}
+
+TEST(Connecting, TheModulesOfSomethingElseAreAnError) {
+  const auto other = ServerProcess::Fake({"--says", "220 ftp"});
+  const Error error = ErrorOf([&] { Address(other.server(), "", "", 3).Modules(); });
+  EXPECT_EQ(error.code(), Error::kNoConnection);
+  EXPECT_TRUE(Says(error, "not a coopdyn daemon (it said '220 ftp')")) << error.text();
+}
+
 TEST(Stepping, AModeSwitchedBySomebodyElseNeitherHangsNorSpins) {
   const auto daemon = ServerProcess::Real("classroom", {"--mode", "realtime"});
   auto sim = connect(daemon.server());

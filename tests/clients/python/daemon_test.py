@@ -75,6 +75,32 @@ class Programs(DaemonTest):
         self.assertIn("hello from robot1", self.run_program(daemon, "coopdyn.py", "hello"))
 
 
+class WrongNames(DaemonTest):
+    def test_a_wrong_robot_or_module_is_error_10_with_the_hint_of_the_daemon(self):
+        sim = self.connect(self.start("classroom"))
+        r = sim.robot(1)
+        for call, hint in ((lambda: sim.describe("/robot9/motors"), "did you mean /robot1/motors"),
+                           (lambda: sim.call("/robot1/moters", "stop"), "did you mean /robot1/motors"),
+                           (lambda: r.call("poze", "get_pose"), "did you mean /robot1/pose"),
+                           (lambda: r.subscribe("distanc"), "did you mean /robot1/distance"),
+                           (lambda: sim.call("/kitchen", 0), "no such name /kitchen"),
+                           (lambda: sim.robot("robot9"), "there are: robot1")):
+            with self.subTest(hint), self.assertRaises(coopdyn.Error) as caught:
+                call()
+            self.assertEqual((caught.exception.code, caught.exception.name), (10, "no_such_name"))
+            self.assertIn(hint, caught.exception.text)
+        r.set_velocity(0.1, 0)  # the sim goes on
+        sim.step()
+
+    def test_doctor_fails_where_something_else_listens(self):
+        page = self.start("classroom").http.split("://")[1].strip("/")  # the page's port instead of the daemon's
+        run = subprocess.run([sys.executable, str(CLIENT / "coopdyn.py"), "doctor", page], timeout=60, text=True,
+                             capture_output=True)
+        self.assertEqual(run.returncode, 1)
+        self.assertRegex(run.stdout, "FAIL .* is not a coopdyn daemon")
+        self.assertNotIn("names:", run.stdout)
+
+
 class Lockstep(DaemonTest):
     def test_five_robots_in_one_process_do_not_deadlock_and_repeat_themselves(self):
         sim = self.connect(self.start(harness.scenario_of(5)))

@@ -9,6 +9,7 @@ line as the daemon: `python3 fake_daemon.py --robots 2 --mode lockstep`.
 from __future__ import annotations
 
 import argparse
+import difflib
 import json
 import math
 import socket
@@ -203,15 +204,22 @@ class FakeDaemon:
         if self.says:
             c.write(self.says.encode() + b"\r\n")
             return
-        if line.startswith("NAME_SERVER list"):
-            for name in self.modules():
-                c.write(f"registration name {name} ip 127.0.0.1 port {self.port} type tcp\r\n".encode())
-            c.write(b"*** end of message\r\n")
-            return
-        name = line[5:] if line.startswith("OPEN ") else ""
-        if name not in self.modules():
-            c.write(b"*** refused: no such name\r\n")
-            return
+        name = ""
+        while name not in self.modules():
+            if line.startswith("NAME_SERVER list"):
+                for known in self.modules():
+                    c.write(f"registration name {known} ip 127.0.0.1 port {self.port} type tcp\r\n".encode())
+                c.write(b"*** end of message\r\n")
+            name = line[5:] if line.startswith("OPEN ") else ""
+            if name and name not in self.modules():
+                near = difflib.get_close_matches(name, self.modules(), 1)
+                hint = f"did you mean {near[0]}" if near else "list shows all"
+                c.write(f"error 10 no such name {name}; {hint}\n".encode())
+            if name not in self.modules():
+                line = file.readline().decode()
+                if not line:
+                    return
+                line = line.strip()
         c.write(b"ok\n")
         if file.read(4) != b"CDS1":
             return

@@ -40,10 +40,12 @@ classdef Connection < handle
       write(socket, uint8(['OPEN ' c.module char(10)]));
       said = c.line_of(socket);
       if ~strcmp(said, 'ok')
-        if strncmp(said, '***', 3)
-          coopdyn.internal.fail(10, strtrim(strrep(said, '*', '')));
+        % error 10 no such name /robot9/motors; did you mean /robot1/motors
+        found = regexp(said, '^error (\d+) (.+)$', 'tokens', 'once');
+        if ~isempty(found)
+          coopdyn.internal.fail(str2double(found{1}), found{2});
         end
-        coopdyn.internal.fail(-1, ['what listens at ' c.address.text ' is not a coopdyn daemon (it said "' said '")']);
+        coopdyn.internal.not_a_daemon(c.address, said);
       end
       c.socket = socket;
       if c.octave
@@ -203,6 +205,18 @@ classdef Connection < handle
       end
       if message.error ~= 0
         coopdyn.internal.check_reply(message, '');
+      end
+    end
+
+    function yes = has_bytes(c)
+    % Something can be read, or the connection is gone.
+      yes = true;
+      if ~isempty(c.socket)
+        try
+          yes = c.socket.NumBytesAvailable > 0;
+        catch
+          % gone
+        end
       end
     end
 

@@ -664,16 +664,28 @@ classdef Session < handle
     end
 
     function close(s)
-    % Writes stop to the robots of this sim and closes everything. Does not wait.
+    % Writes stop to the robots of this sim and closes everything. Does not wait for the step, but lets the daemon read
+    % the stop, so that what the program does next, a reset say, comes after it.
+      stopping = {};
       for k = 1:numel(s.links)
         link = s.links{k};
         if ~isempty(link.motors) && ~s.watch && isempty(link.lost) && link.motors.alive()
           try
             link.motors.send(14, coopdyn.internal.encode(14, [], []));
+            stopping{end + 1} = link.motors;
           catch
             % it is gone already
           end
         end
+      end
+      started = tic;
+      for k = 1:numel(stopping)
+        while ~stopping{k}.has_bytes() && toc(started) < 0.2
+          pause(0.001);
+        end
+      end
+      for k = 1:numel(s.links)
+        link = s.links{k};
         link.forget_commands();
         link.close();
       end

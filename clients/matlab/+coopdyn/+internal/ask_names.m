@@ -9,6 +9,9 @@ function modules = ask_names(a)
     n = socket.NumBytesAvailable;
     if n > 0
       said = [said char(read(socket, n))]; %#ok<AGROW>
+      if any(said == char(10)) && isempty(regexp(said, '^(registration |\*\*\*)', 'once'))
+        coopdyn.internal.not_a_daemon(a, strtrim(strtok(said, char(10))));
+      end
     elseif toc(started) > a.timeout
       coopdyn.internal.fail(11, [a.text ' does not answer: the daemon is stopped or busy, or something else listens there']);
     else
