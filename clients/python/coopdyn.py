@@ -52,6 +52,8 @@ _LOAD_TIMEOUT_S = 60.0  # for what builds a world
 _COMMAND_WAIT_S = 0.1  # for the reply to an actuator command in real time
 _CATCH_UP_AFTER_S = 0.1  # some robots have stepped and others have not: see _Session.catch_up
 _NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
+_HELD_UP_S = 0.5  # lockstep awaits its robots before every step; a shorter wait holds nobody up
+_NAMED_ROBOTS = 4
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 
 _ERROR_NAMES = {
@@ -843,11 +845,11 @@ class _Session:
                     waiting[link.motors] = link
                     link.motors.send(encode(command, (n,), data))
             except BaseException as e:
-                raise self.give_up(waiting, e)
+                raise self.give_up(waiting, e) from None
         try:
             self.collect(waiting, timeout)
         except BaseException as e:
-            raise self.give_up(waiting, e)
+            raise self.give_up(waiting, e) from None
 
     def collect(self, waiting: Dict[_Connection, Optional[_Link]], timeout: Optional[float]) -> None:
         """Takes in the reply of every connection in `waiting`, which is empty then. The first error is raised."""
@@ -930,8 +932,8 @@ class _Session:
                         pass  # tried again at the next use, which says what is wrong
         return cause
 
-    def whom(self) -> str:
-        """One line that says what the world waits for."""
+    def whom(self, held_up: bool = False) -> str:
+        """One line that says what the world waits for; with `held_up` empty if its steps go on."""
         try:
             status = self.fresh_status()
         except Error as e:
@@ -940,8 +942,14 @@ class _Session:
             return "the simulation is paused; sim.run() or the page goes on"
         if status.get("state") == "ended":
             return "the run has ended; sim.reset() starts again"
-        awaited = ", ".join(f"{a['robot']} ({a['why']}), {a['seconds']:.1f} s" for a in status.get("awaiting") or [])
-        return f"waiting for {awaited}" if awaited else f"waiting for the next step, {status.get('state')}"
+        awaiting = status.get("awaiting") or []
+        if held_up and max((a["seconds"] or 0 for a in awaiting), default=0) < _HELD_UP_S:
+            return ""
+        if not awaiting:
+            return f"waiting for the next step, {status.get('state')}"
+        first = ", ".join(f"{a['robot']} ({a['why']}), {a['seconds'] or 0:.1f} s" for a in awaiting[:_NAMED_ROBOTS])
+        more = int(status.get("awaiting_count") or len(awaiting)) - _NAMED_ROBOTS
+        return f"waiting for {first}" + (f" and {more} more" if more > 0 else "")
 
     def started_anew(self) -> None:
         """After a reset or load of ours: what was kept belongs to the old world."""
@@ -1102,12 +1110,14 @@ class Robot:
 
     def next(self, module: Optional[str] = None, timeout: Optional[float] = None) -> Update:
         """Waits for the next pushed reading, of one module or of any that was subscribed to. Error 11 after `timeout`
-        seconds."""
+        seconds. If the world is held up for more than 2 s it says once, on stderr, whom for."""
         pushers = self._link.pushers
         chosen = [module] if module else list(pushers)
         if not chosen or any(m not in pushers for m in chosen):
             raise Error(5, f'nothing is subscribed to; write r.subscribe("{module or "distance"}") first')
-        deadline = _clock.monotonic() + timeout if timeout is not None else math.inf
+        start = _clock.monotonic()
+        deadline = start + timeout if timeout is not None else math.inf
+        notice_at = start + _NOTICE_AFTER_S
         while True:
             for m in chosen:
                 connection = pushers[m]
@@ -1124,9 +1134,14 @@ class Robot:
                     return Update(m, pushed.data[-2], int(pushed.data[-1]), value, pushed.text)
             now = _clock.monotonic()
             if now >= deadline:
-                raise Error(11, f"no reading of {_list_of(chosen)} within {timeout:g} s")
+                raise Error(11, f"no reading of {_list_of(chosen)} within {timeout:g} s; {self._session.whom()}")
+            if now >= notice_at:
+                whom = self._session.whom(held_up=True)
+                notice_at = math.inf if whom else now + _NOTICE_AFTER_S
+                if whom:
+                    print(f"coopdyn: {whom}", file=sys.stderr, flush=True)
             sockets = [s for s in (pushers[m].sock for m in chosen) if s is not None]
-            _wait_readable(sockets, min(deadline - now, 3600))
+            _wait_readable(sockets, min(deadline, notice_at, now + 3600) - now)
 
     def call(
         self, module: str, command: Union[str, int], params: Sequence[int] = (), data: Sequence[float] = (),
@@ -1432,7 +1447,7 @@ def _call(
     except BaseException as e:
         if isinstance(e, Error) and connection.sock is not None and not connection.busy:
             raise  # an error reply: the connection is in order
-        raise session.give_up(waiting, e)
+        raise session.give_up(waiting, e) from None
     return Reply(reply.text, reply.command, reply.params, reply.data[:-2], reply.data[-2], int(reply.data[-1]))
 
 

@@ -512,8 +512,9 @@ classdef Session < handle
       status = jsondecode(reply.text);
     end
 
-    function text = whom(s)
-    % One line that says what the world waits for.
+    function text = whom(s, held_up)
+    % One line that says what the world waits for; with held_up empty if its steps go on: lockstep awaits its robots
+    % before every step, and a wait of less than 0.5 s holds nobody up.
       try
         status = s.fresh_status();
       catch cause
@@ -528,14 +529,26 @@ classdef Session < handle
         return
       end
       text = '';
-      for k = 1:numel(status.awaiting)
-        a = status.awaiting(k);
+      awaiting = status.awaiting;
+      if nargin > 1 && held_up && (isempty(awaiting) || max([awaiting.seconds 0]) < 0.5)
+        return
+      end
+      if isempty(awaiting)
+        text = ['waiting for the next step, ' status.state];
+        return
+      end
+      named = min(numel(awaiting), 4);
+      for k = 1:named
+        a = awaiting(k);
         text = sprintf('%s%s (%s), %.1f s, ', text, a.robot, a.why, a.seconds);
       end
-      if isempty(text)
-        text = ['waiting for the next step, ' status.state];
-      else
-        text = ['waiting for ' text(1:end - 2)];
+      text = ['waiting for ' text(1:end - 2)];
+      more = numel(awaiting) - named;
+      if isfield(status, 'awaiting_count')
+        more = status.awaiting_count - named;
+      end
+      if more > 0
+        text = sprintf('%s and %d more', text, more);
       end
     end
 
