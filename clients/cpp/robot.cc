@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <sstream>
 #include <utility>
 
@@ -43,7 +44,8 @@ Target Choose(const std::vector<Target>& targets, const std::string& colour) {
     all += (all.empty() ? "" : ", ") + t.colour;
     if (t.colour == colour && (nearest == nullptr || t.distance < nearest->distance)) nearest = &t;
   }
-  if (nearest == nullptr) throw Error(10, "there is no target '" + colour + "'; there are: " + (all.empty() ? "none" : all));
+  if (nearest == nullptr)
+    throw Error(10, "there is no target '" + colour + "'; there are: " + (all.empty() ? "none" : all));
   return *nearest;
 }
 
@@ -195,6 +197,7 @@ Update Robot::next(const std::string& module, double timeout) {
   if (link_->pushers.empty() || (!module.empty() && !link_->pushers.contains(module)))
     throw Error(5, "nothing is subscribed to; write r.subscribe(\"distance\") first");
   const Deadline deadline = After(timeout);
+  Deadline notice_at = After(kNoticeAfter_s);
   while (true) {
     std::vector<int> fds;
     for (auto& [name, connection] : link_->pushers) {
@@ -214,8 +217,14 @@ Update Robot::next(const std::string& module, double timeout) {
               pushed.params,
               value};
     }
-    if (Until(deadline) <= 0) throw Error(11, "no reading was pushed within the timeout");
-    WaitReadable(fds, Until(deadline));
+    const Deadline now = Clock::now();
+    if (now >= deadline) throw Error(11, "no reading was pushed within the timeout; " + session_->Whom());
+    if (now >= notice_at) {
+      const std::string whom = session_->Whom(true);
+      notice_at = whom.empty() ? After(kNoticeAfter_s, now) : Deadline::max();
+      if (!whom.empty()) std::cerr << "coopdyn: " << whom << std::endl;
+    }
+    WaitReadable(fds, Until(std::min({deadline, notice_at, After(3600, now)}), now));
   }
 }
 

@@ -18,6 +18,8 @@
 
 namespace coopdyn::client {
 
+inline constexpr double kNoticeAfter_s = 2;  ///< a wait that is longer says once whom for
+
 /// An actuator command: number and data.
 struct Command {
   std::int32_t id = 0;
@@ -84,6 +86,8 @@ class Session {
   /// After a reset, or (with the names of the robots there are now) a load of ours.
   void StartedAnew();
   void Loaded();
+  /// One line that says what the world waits for; with `held_up` empty if its steps go on.
+  std::string Whom(bool held_up = false) const;
   /// Writes `stop` to the robots that this session drives, then closes everything. Does not wait.
   void Close();
 
@@ -106,7 +110,6 @@ class Session {
   void GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& cause);
   void CatchUp(std::vector<Waiting>& waiting);
   Json FreshStatus() const;
-  std::string Whom() const;
 
   Address address_;
   bool watch_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Waiting for the replies of a step, and what happens when one of them does not come.
 #include <algorithm>
+#include <iomanip>
 #include <iostream>
 #include <sstream>
 #include <utility>
@@ -12,7 +13,9 @@ namespace coopdyn::client {
 namespace {
 
 constexpr double kCatchUpAfter_s = 0.1;  // some robots have stepped and others have not: see CatchUp()
-constexpr double kNoticeAfter_s = 2;     // a wait that is longer says once whom for
+constexpr double kHeldUp_s =
+    0.5;  // lockstep awaits its robots before every step; a shorter wait holds nobody up
+constexpr std::size_t kNamedRobots = 4;
 
 }  // namespace
 
@@ -116,8 +119,7 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
   if (lost) std::rethrow_exception(lost);
 }
 
-/// One line that says what the world waits for.
-std::string Session::Whom() const {
+std::string Session::Whom(bool held_up) const {
   Json status;
   try {
     status = FreshStatus();
@@ -127,13 +129,23 @@ std::string Session::Whom() const {
   const std::string& state = status["state"].text();
   if (state == "paused") return "the simulation is paused; sim.run() or the page goes on";
   if (state == "ended") return "the run has ended; sim.reset() starts again";
+  const std::vector<Json>& awaiting = status["awaiting"].items();
+  double longest_s = 0;
+  for (const Json& a : awaiting) longest_s = std::max(longest_s, a["seconds"].number());
+  if (held_up && longest_s < kHeldUp_s) return "";
+  if (awaiting.empty()) return "waiting for the next step, " + state;
   std::ostringstream out;
-  out.precision(1);
-  for (const Json& a : status["awaiting"].items()) {
-    out << (out.tellp() > 0 ? ", " : "") << a["robot"].text() << " (" << a["why"].text() << "), "
-        << std::fixed << a["seconds"].number() << " s";
+  out << std::fixed << std::setprecision(1) << "waiting for ";
+  const std::size_t named = std::min(awaiting.size(), kNamedRobots);
+  for (std::size_t i = 0; i < named; ++i) {
+    const Json& a = awaiting[i];
+    out << (i > 0 ? ", " : "") << a["robot"].text() << " (" << a["why"].text() << "), "
+        << a["seconds"].number() << " s";
   }
-  return out.tellp() > 0 ? "waiting for " + out.str() : "waiting for the next step, " + state;
+  const std::size_t all =
+      std::max(awaiting.size(), static_cast<std::size_t>(std::max(0.0, status["awaiting_count"].number())));
+  if (all > named) out << " and " << all - named << " more";
+  return out.str();
 }
 
 }  // namespace coopdyn::client

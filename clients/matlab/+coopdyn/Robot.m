@@ -21,8 +21,10 @@ classdef Robot < handle
     % --- commands
     function set_velocity(r, v, w)
     %SET_VELOCITY Forward speed v [m/s] and turn rate w [rad/s], left is positive. Beyond the limits both are scaled.
-      command = [v w];
-      if ~isa(command, 'double') || numel(command) ~= 2 || ~isreal(command) || ~all(isfinite(command))
+      if isa(v, 'double') && isa(w, 'double') && numel(v) == 1 && numel(w) == 1 && isreal(v) && isreal(w) ...
+          && isfinite(v) && isfinite(w)
+        command = [v w];
+      else
         command = [coopdyn.internal.number(v, 'v [m/s]') coopdyn.internal.number(w, 'w [rad/s]')];
       end
       link = r.link;
@@ -189,6 +191,7 @@ classdef Robot < handle
     function u = next(r, varargin)
     %NEXT Waits for the next pushed reading: module, time, step, value (what the get-command returns), text.
     %   r.next() of any module that was subscribed to, r.next('pose') of one; r.next('timeout', 2) waits 2 s at most.
+    %   If the world is held up for more than 2 s it says once whom for.
       chosen = fieldnames(r.link.pushers)';
       if mod(numel(varargin), 2) == 1
         chosen = {char(varargin{1})};
@@ -199,6 +202,7 @@ classdef Robot < handle
         coopdyn.internal.fail(5, 'nothing is subscribed to; write r.subscribe(''distance'') first');
       end
       started = tic;
+      notice_s = 2;
       while true
         for k = 1:numel(chosen)
           c = r.link.pushers.(chosen{k});
@@ -217,7 +221,16 @@ classdef Robot < handle
           end
         end
         if toc(started) > options.timeout
-          coopdyn.internal.fail(11, sprintf('no reading of %s within %g s', strjoin(chosen, ', '), options.timeout));
+          coopdyn.internal.fail(11, sprintf('no reading of %s within %g s; %s', strjoin(chosen, ', '), ...
+                                            options.timeout, r.session.whom()));
+        end
+        if toc(started) > notice_s
+          text = r.session.whom(true);
+          notice_s = notice_s + 2;
+          if ~isempty(text)
+            notice_s = Inf;
+            fprintf(2, 'coopdyn: %s\n', text);
+          end
         end
         pause(0.001);
       end

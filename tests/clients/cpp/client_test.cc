@@ -186,6 +186,28 @@ TEST(WrongNames, AreError10WithTheHintOfTheDaemon) {
   sim.step(1, 30);
 }
 
+TEST(Waiting, NextWithNobodySteppingSaysOnceWhomFor) {
+  const auto daemon = ServerProcess::Real("formation", {"--mode", "lockstep"});
+  auto robot = connect(daemon.server()).robot(1);
+  robot.subscribe("pose");
+  testing::internal::CaptureStderr();
+  const Error error = ErrorOf([&] { robot.next("pose", 2.5); });
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(error.code(), 11);
+  EXPECT_TRUE(Says(error, "robot2 (no client)")) << error.text();
+  EXPECT_EQ(said.find("coopdyn: waiting for robot1"), 0u) << said;
+  EXPECT_EQ(said.rfind("coopdyn: "), 0u) << said;
+}
+
+TEST(Waiting, OfManyRobotsFourAreNamed) {
+  const auto daemon = ServerProcess::Real("formation", {"--mode", "lockstep"});
+  auto sim = connect(daemon.server());
+  const Error error = ErrorOf([&] { sim.step(1, 0.2); });
+  EXPECT_EQ(error.code(), 11);
+  EXPECT_TRUE(Says(error, " s and 1 more")) << error.text();
+  EXPECT_FALSE(Says(error, "robot5")) << error.text();
+}
+
 TEST(Connecting, TheModulesOfSomethingElseAreAnError) {
   const auto other = ServerProcess::Fake({"--says", "220 ftp"});
   const Error error = ErrorOf([&] { Address(other.server(), "", "", 3).Modules(); });

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The Python client against the real daemon."""
+import contextlib
+import io
 import math
 import os
 import pathlib
@@ -99,6 +101,53 @@ class WrongNames(DaemonTest):
         self.assertEqual(run.returncode, 1)
         self.assertRegex(run.stdout, "FAIL .* is not a coopdyn daemon")
         self.assertNotIn("names:", run.stdout)
+
+
+class Waiting(DaemonTest):
+    def notices_after(self, seconds):
+        before, coopdyn._NOTICE_AFTER_S = coopdyn._NOTICE_AFTER_S, seconds
+        self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", before)
+
+    def test_next_with_nobody_stepping_says_once_whom_for(self):
+        r = self.connect(self.start(harness.scenario_of(2))).robot(1)
+        self.notices_after(0.1)
+        r.subscribe("pose")
+        with contextlib.redirect_stderr(io.StringIO()) as said, self.assertRaises(coopdyn.Error) as caught:
+            r.next(timeout=2)
+        self.assertEqual(caught.exception.code, 11)
+        self.assertIn("robot2 (no client)", caught.exception.text)
+        self.assertEqual(said.getvalue().count("coopdyn: waiting for robot1"), 1, said.getvalue())
+        self.assertIn("robot2 (no client)", said.getvalue())
+
+    def test_next_of_a_world_that_goes_on_says_nothing(self):
+        r = self.connect(self.start(harness.scenario_of(1, "realtime"))).robot(1)
+        self.notices_after(0.05)
+        r.subscribe("pose", 40)
+        r.next(timeout=30)
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            r.next(timeout=30)
+        self.assertEqual(said.getvalue(), "")
+
+    def test_of_many_robots_four_are_named(self):
+        sim = self.connect(self.start(harness.scenario_of(7)))
+        with self.assertRaises(coopdyn.Error) as caught:
+            sim.step(timeout=0.2)
+        self.assertEqual(caught.exception.text.count("(no client)"), 4)
+        self.assertTrue(caught.exception.text.endswith(" s and 3 more"), caught.exception.text)
+
+    def test_a_daemon_that_dies_gives_one_traceback(self):
+        program = "import coopdyn\nsim = coopdyn.connect()\nr = sim.robot(1)\nwhile True:\n    r.set_velocity(0.1, 0)\n" \
+                  "    sim.step()\n    print('stepped', flush=True)\n"
+        for mode in ("lockstep", "realtime"):
+            with self.subTest(mode):
+                daemon = self.start(harness.scenario_of(1, mode))
+                with subprocess.Popen([sys.executable, "-c", program], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                      env=dict(os.environ, COOPDYN_SERVER=daemon.server, PYTHONPATH=str(CLIENT))) as run:
+                    self.assertEqual(run.stdout.readline(), "stepped\n")
+                    daemon.process.kill()
+                    _, said = run.communicate(timeout=60)
+                self.assertEqual(said.count("Traceback"), 1, said)
+                self.assertIn("is the daemon still running?", said)
 
 
 class Lockstep(DaemonTest):
