@@ -196,6 +196,7 @@ std::vector<Module> Address::Modules() const {
       words >> registration >> word >> module.name >> word >> module.host >> word >> module.port;
       if (registration == "registration" && module.name.starts_with("/")) modules.push_back(module);
     }
+    if (modules.empty()) throw NotADaemon("a list without modules");
   } catch (...) {
     close(fd);
     throw;

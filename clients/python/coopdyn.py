@@ -373,6 +373,8 @@ class _Address:
             words = line.split()  # registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp
             if len(words) >= 7 and words[0] == "registration" and words[2].startswith("/"):
                 found.append(Module(words[2], words[4], int(words[6])))
+        if not found:
+            raise self.not_a_daemon("a list without modules")
         return found
 
     def _receive(self, sock: socket.socket, deadline: float, size: int = 65536) -> bytes:

@@ -224,11 +224,13 @@ class Connecting(TrapTest):
 
     def test_doctor_says_ok_or_cause_and_cure(self):
         for options, ok, says in (({}, True, "round trip"), ({"protocol": 2}, False, "take the coopdyn.py"),
-                                  ({"says": "220 ftp"}, False, "not a coopdyn daemon")):
+                                  ({"says": "220 ftp"}, False, "not a coopdyn daemon"),
+                                  ({"says": "*** end of message"}, False, "not a coopdyn daemon")):
             with self.subTest(says), contextlib.redirect_stdout(io.StringIO()) as out:
                 self.assertEqual(coopdyn.doctor(self.start(**options).server), ok)
             self.assertIn(says, out.getvalue())
             self.assertEqual("FAIL" in out.getvalue(), not ok)
+            self.assertNotIn("names: 0", out.getvalue())
 
 
 class Stepping(TrapTest):

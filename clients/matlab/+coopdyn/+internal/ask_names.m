@@ -19,6 +19,9 @@ function modules = ask_names(a)
     end
   end
   found = regexp(said, 'registration name (/\S+) ip (\S+) port (\d+)', 'tokens');
+  if isempty(found)
+    coopdyn.internal.not_a_daemon(a, 'a list without modules');
+  end
   modules = struct('name', {}, 'host', {}, 'port', {});
   for k = 1:numel(found)
     modules(1, k) = struct('name', found{k}{1}, 'host', found{k}{2}, 'port', str2double(found{k}{3}));
