@@ -14,7 +14,7 @@ namespace coopdyn::client {
 namespace {
 
 constexpr int kLockstep = 1;
-constexpr int kOwned = 6, kNoSuchName = 10, kNotPossible = 5, kTimedOut = 11;
+constexpr int kOwned = 6, kNoSuchName = 10, kNotPossible = 5;
 constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
 constexpr double kRequestTimeout_s = 10;
 

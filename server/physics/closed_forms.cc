@@ -27,8 +27,8 @@ Overlap OfHeights(double z_a, double half_a, double z_b, double half_b) {
   return {top - bottom, (top + bottom) / 2};
 }
 
-constexpr ClosedForm kNoContact{true, std::nullopt};
-constexpr ClosedForm kDoesNotApply{false, std::nullopt};
+const ClosedForm kNoContact{true, std::nullopt};
+const ClosedForm kDoesNotApply{false, std::nullopt};
 
 }  // namespace
 
