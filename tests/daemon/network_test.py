@@ -1,0 +1,167 @@
+"""Strangers and firewalls, in network namespaces of their own: who may do what, and that one open port is enough.
+
+Each test starts this file again inside `unshare --net`, where nothing of the machine's network exists but what the test makes.
+"""
+import fcntl
+import os
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+from harness import BINARY, Daemon, Text, scenario
+
+OUTER = "10.9.9.9"  # exists only inside the namespace
+CLIENT = Path(__file__).resolve().parents[2] / "clients" / "python"
+
+
+def set_address(interface, address):
+    """Gives an interface of this namespace an address and switches it on."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as handle:
+        name = interface.encode().ljust(16, b"\0")
+        packed = struct.pack("=HH4s8x", socket.AF_INET, 0, socket.inet_aton(address))
+        fcntl.ioctl(handle, 0x8916, name + packed)  # SIOCSIFADDR
+        fcntl.ioctl(handle, 0x8914, name + struct.pack("=h", 0x1 | 0x40) + bytes(14))  # SIOCSIFFLAGS: up, running
+
+
+def inside(scene, *arguments):
+    """Runs a scene of this file in a new network namespace; returns what it printed."""
+    command = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
+    done = subprocess.run([*command, sys.executable, __file__, scene, *map(str, arguments)], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, timeout=100, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"})
+    if done.returncode != 0:
+        raise AssertionError(f"{scene}: exit code {done.returncode}\n{done.stdout.decode()}")
+    return done.stdout.decode()
+
+
+def pump(source, sink):
+    """Passes on what comes until the end, which it passes on too."""
+    try:
+        while chunk := source.recv(65536):
+            sink.sendall(chunk)
+        sink.shutdown(socket.SHUT_WR)
+    except OSError:
+        pass
+
+
+def relay(listener, onward):
+    """Connects whoever comes to the listener with onward(), in the background."""
+    def serve():
+        while True:
+            try:
+                near = listener.accept()[0]
+            except OSError:
+                return
+            far = onward()
+            for pair in ((near, far), (far, near)):
+                threading.Thread(target=pump, args=pair, daemon=True).start()
+
+    threading.Thread(target=serve, daemon=True).start()
+
+
+class Stranger(Text):
+    """A connection that does not come from loopback."""
+
+    def __init__(self, daemon, module):
+        names, daemon.names = daemon.names, (OUTER, daemon.names[1])
+        try:
+            super().__init__(daemon, module)
+        finally:
+            daemon.names = names
+
+
+class StrangerScenes(unittest.TestCase):
+    """Run by main below, inside the namespace."""
+
+    def scene_world(self):
+        with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk") as daemon:
+            stranger = Stranger(daemon, "/simulation")
+            for line in ("pause", "step 1", "reset", "run", "set_mode lockstep", "set_step 0.02", "set_speed 2", "quit", "stop_all",
+                         "load_scenario empty", "reload", "set_participants robot1", "release_robot robot1"):
+                reply = stranger.ask(line)
+                self.assertEqual(reply.error, 12, line)
+                self.assertIn("TOKEN", reply.text)
+            for line in ("get_status", "get_time", "ready"):
+                stranger.must(line)
+            self.assertEqual(daemon.status()["state"], "running")
+            self.assertEqual(stranger.ask("hello eve wrong").error, 12)
+            self.assertEqual(stranger.ask("pause").error, 12)
+            stranger.must("hello ana chalk")
+            stranger.must("pause")
+            self.assertEqual(daemon.status()["state"], "paused")
+            daemon.text("/simulation").must("run")  # from loopback nobody asks
+            stranger.close()
+
+    def scene_robots(self):
+        for options, error in (([], 0), (["--private"], 12)):
+            with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk", *options) as daemon:
+                stranger = Stranger(daemon, "/robot1/motors")
+                for line in ("set_velocity 0.1 0", "stop", "claim", "ready"):
+                    self.assertEqual(stranger.ask(line).error, error, line)
+                stranger.must("hello ana chalk")
+                stranger.must("set_velocity 0.1 0")
+                stranger.close()
+
+    def scene_addresses(self):
+        with Daemon(scenario(1), "--host", "0.0.0.0") as daemon:
+            for host in ("127.0.0.1", OUTER):
+                with socket.create_connection((host, daemon.names[1]), timeout=30) as names:
+                    names.sendall(b"NAME_SERVER query /robot1/motors\n")
+                    answer = names.makefile().readline()
+                self.assertIn(f" ip {host} ", answer)  # the address at which it was asked, never 0.0.0.0
+        with Daemon(scenario(1)) as daemon:  # without --host: this machine only
+            with self.assertRaises(ConnectionRefusedError):
+                socket.create_connection((OUTER, daemon.names[1]), timeout=30)
+
+    def scene_one_port(self, relay_path, port):
+        """The Python client where only the port of names can be reached: a relay over a Unix socket is all there is."""
+        def onward():
+            far = socket.socket(socket.AF_UNIX)
+            far.connect(relay_path)
+            return far
+
+        relay(socket.create_server(("127.0.0.1", int(port))), onward)
+        sys.path.insert(0, str(CLIENT))
+        import coopdyn
+        with coopdyn.connect(f"127.0.0.1:{port}") as sim:
+            robot = sim.robot("robot1")
+            for _ in range(20):
+                robot.get_distances()
+                robot.set_velocity(0.3, 0.1)
+                sim.step()
+            self.assertGreater(robot.get_pose().x, 0.01)
+
+
+class NetworkTest(unittest.TestCase):
+    def test_strangers_change_the_world_only_with_the_token(self):
+        inside("world")
+
+    def test_strangers_drive_robots_unless_the_daemon_is_private(self):
+        inside("robots")
+
+    def test_names_are_told_with_the_address_at_which_they_were_asked(self):
+        inside("addresses")
+
+    def test_the_python_client_needs_no_port_but_that_of_the_names(self):
+        for mode in ("lockstep", "realtime"):
+            with Daemon(scenario(1, mode=mode)) as daemon, tempfile.TemporaryDirectory() as folder:
+                path = str(Path(folder) / "relay")
+                listener = socket.socket(socket.AF_UNIX)
+                listener.bind(path)
+                listener.listen()
+                relay(listener, lambda names=daemon.names: socket.create_connection(names))
+                try:
+                    inside("one_port", path, daemon.names[1])
+                finally:
+                    listener.shutdown(socket.SHUT_RDWR)
+                    listener.close()
+
+
+if __name__ == "__main__":
+    set_address("lo", "127.0.0.1")
+    set_address("lo:1", OUTER)
+    getattr(StrangerScenes(), "scene_" + sys.argv[1])(*sys.argv[2:])
