@@ -125,8 +125,10 @@ void PageSocket::OnMessage(std::string_view text) {
 
 void PageSocket::OnHello(const PageHello& hello) {
   if (TokenMatches(hello.token, context_.options.token)) bridge_.SetTrusted(true);
+  const bool wrong = !hello.token.empty() && !bridge_.trusted();
   Send(R"({"type":"hello","version":)" + JsonString(context_.options.version) +
        (bridge_.trusted() ? R"(,"trusted":true)" : R"(,"trusted":false)") +
+       (wrong ? R"(,"wrong_token":true)" : "") +
        (context_.pictures.available() ? R"(,"pictures":true})" : R"(,"pictures":false})"));
 }
 

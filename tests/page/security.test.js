@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import {once} from 'node:events';
 import {createServer} from 'node:http';
+import {networkInterfaces} from 'node:os';
 import {after, before, test} from 'node:test';
 import {launchBrowser, openModule, openPage, startDaemon} from './harness.js';
 
@@ -90,4 +91,36 @@ test('the page runs no script but its own files', async () => {
   });
   assert.equal(ran, undefined);
   await page.close();
+});
+
+test('from another machine the token unlocks the page, and a wrong one is told', async () => {
+  const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
+  assert.ok(outer, 'this test needs a network address besides loopback');
+  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'right');
+  const address = new URL(open.url);
+  address.hostname = outer.address;
+  const page = await openPage(browser, address.href);
+  const says = (id, text) => page.waitForFunction(
+    ([where, part]) => document.getElementById(where).textContent.includes(part), [id, text]);
+  await page.waitForSelector('#locked', {state: 'visible'});
+  await page.click('#pause');
+  await says('message', 'press Unlock');
+  await page.fill('#token', 'wrong');
+  await page.click('#locked button');
+  await says('token-answer', 'not the token');
+  await page.fill('#token', 'right');
+  await page.click('#locked button');
+  await page.waitForSelector('#locked', {state: 'hidden'});
+  assert.equal(await page.locator('#message.error').count(), 0);
+  await page.reload();
+  await page.click('#pause');
+  await page.waitForFunction(() => document.getElementById('state').textContent === 'paused');
+  assert.ok(await page.locator('#locked').isHidden());
+  await page.goto(new URL('?token=stale', address).href);
+  await page.waitForSelector('#locked', {state: 'visible'});
+  await says('token-answer', 'not the token');
+  assert.equal(new URL(page.url()).search, '');
+  assert.deepEqual(page.mistakes, []);
+  await page.close();
+  await open.stop();
 });

@@ -3,12 +3,13 @@
 import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
-import {byId} from './dom.js';
+import {byId, say, setText} from './dom.js';
 import {Robots} from './robots.js';
 import {Strip} from './strip.js';
+import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
 
-const connection = new Connection(new URLSearchParams(location.search).get('token') ?? '');
+const connection = new Connection(rememberedToken());
 const strip = new Strip();
 const controls = new Controls(connection);
 const robots = new Robots(connection);
@@ -42,7 +43,25 @@ connection.addEventListener('status', ({detail: status}) => {
     refreshModules();
   }
 });
-connection.addEventListener('hello', ({detail}) => { byId('locked').hidden = detail.trusted; });
+let unlocking = false;
+connection.addEventListener('hello', ({detail}) => {
+  // A token that was kept is on its way when the daemon greets: nothing is asked before it is answered.
+  const underWay = connection.token !== '' && !detail.wrong_token;
+  byId('locked').hidden = detail.trusted || underWay;
+  setText(byId('token-answer'), detail.wrong_token ? 'This is not the token: look again at what the daemon printed.' : '');
+  if (detail.wrong_token) {
+    connection.forgetToken();
+    keepToken('');
+    if (unlocking) byId('token').select();
+  } else if (detail.trusted) {
+    if (connection.token) keepToken(connection.token);
+    if (unlocking) say('unlocked');
+    byId('token').value = '';
+  } else if (underWay) {
+    return;
+  }
+  unlocking = false;
+});
 connection.addEventListener('open', () => {
   byId('lost').hidden = true;
   scenario = undefined;
@@ -53,5 +72,8 @@ connection.addEventListener('lost', () => {
 });
 byId('locked').addEventListener('submit', (event) => {
   event.preventDefault();
-  connection.unlock(byId('token').value.trim());
+  const token = byId('token').value.trim();
+  if (!token) return setText(byId('token-answer'), 'Enter the token first.');
+  unlocking = true;
+  connection.unlock(token);
 });

@@ -9,7 +9,8 @@ export class Connection extends EventTarget {
   #heard = 0;
   #token;
 
-  /** Events: open, lost, hello (detail: {trusted, pictures, version}), status (detail: object or null),
+  /** Events: open, lost, hello (detail: {trusted, pictures, version} and wrong_token: true if the token that was sent is
+   *  not the daemon's), status (detail: object or null),
    *  picture (detail: {about, jpeg}), push (detail: message). */
   constructor(token) {
     super();
@@ -24,11 +25,14 @@ export class Connection extends EventTarget {
   get isOpen() { return this.#socket?.readyState === WebSocket.OPEN; }
   get token() { return this.#token; }
 
-  /** Gives this page its rights. */
+  /** Gives this page its rights; answered by hello. */
   unlock(token) {
     this.#token = token;
     this.send({type: 'hello', token});
   }
+
+  /** Sends no token when it connects again. */
+  forgetToken() { this.#token = ''; }
 
   send(message) {
     if (this.isOpen) this.#socket.send(JSON.stringify(message));

@@ -3,10 +3,14 @@
 import {byId, make, say, setText} from './dom.js';
 
 const MODULE = '/simulation';
+const MAX_INT32 = 2 ** 31 - 1;
+const MIN_STEP_MS = 0.5;
+const MAX_STEP_MS = 100;
 
 export class Controls {
   #connection;
   #status = null;
+  #scenario = '';  // that the list was last set to
   #uploaded = null;  // lines of the file that was sent last
 
   constructor(connection) {
@@ -15,6 +19,7 @@ export class Controls {
     on('run', 'click', () => this.#order('run'));
     on('pause', 'click', () => this.#order('pause'));
     on('step', 'click', () => this.#step());
+    on('step-count', 'change', () => this.#stepCount());
     on('reset', 'click', () => this.#reset());
     on('reload', 'click', () => this.#load({command: 'reload'}));
     on('stop-all', 'click', () => this.#order('stop_all'));
@@ -37,6 +42,7 @@ export class Controls {
       const input = byId(id);
       if (document.activeElement !== input && input.value !== value) input.value = value;
     };
+    this.#followScenario();
     set('set-mode', status.mode);
     set('set-step', String(+(1000 * status.step_s).toPrecision(6)));
     set('set-speed', status.speed > 0 ? String(+status.speed.toPrecision(6)) : '');
@@ -45,10 +51,21 @@ export class Controls {
   async refreshScenarios() {
     const names = await (await fetch('api/scenarios')).json();
     const select = byId('scenarios');
-    const chosen = select.value || this.#status?.scenario;
+    const chosen = select.value;
     select.replaceChildren(...names.map((name) => make('option', {value: name}, name)));
     if (names.includes(chosen)) select.value = chosen;
+    if (!chosen) this.#scenario = '';
+    this.#followScenario();
     byId('load').disabled = names.length === 0;
+  }
+
+  /** The list shows the scenario that runs when that has changed, also by somebody else; else what was chosen. */
+  #followScenario() {
+    const scenario = this.#status?.scenario ?? '';
+    const select = byId('scenarios');
+    if (scenario === this.#scenario || select.options.length === 0) return;
+    this.#scenario = scenario;
+    if ([...select.options].some((option) => option.value === scenario)) select.value = scenario;
   }
 
   /** Sends a command without values, or as `request` says, and shows an error. */
@@ -59,21 +76,42 @@ export class Controls {
     return reply;
   }
 
+  /** At least 1, and the field says so. */
+  #stepCount() {
+    const field = byId('step-count');
+    const count = Math.max(1, Math.floor(Number(field.value) || 1));
+    if (field.value !== String(count)) field.value = String(count);
+    return count;
+  }
+
   #step() {
-    const count = Math.max(1, Math.floor(Number(byId('step-count').value) || 1));
+    const count = this.#stepCount();
     // Answered when the steps have run, which may need somebody's commands: on a connection of its own.
     this.#order('step', {command: 'step', params: [count], channel: 'step'});
   }
 
   #reset() {
-    const seed = byId('seed').value.trim();
-    this.#order('reset', {command: 'reset', params: seed === '' ? [] : [Math.floor(Number(seed))]});
+    const field = byId('seed');
+    const seed = Number(field.value);
+    if (field.validity.badInput || !Number.isInteger(seed) || seed < 0 || seed > MAX_INT32) {
+      return say(`seed must be a whole number up to ${MAX_INT32}`, true);
+    }
+    this.#order('reset', {command: 'reset', params: field.value.trim() === '' ? [] : [seed]});
   }
 
   async #setStep() {
-    const value = Number(byId('set-step').value) / 1000;
-    await this.#order('step size', {command: 'set_step', data: [Number(value.toPrecision(9))]});
-    byId('set-step').blur();
+    const field = byId('set-step');
+    const value = Number(field.value);
+    if (field.value.trim() === '') {
+      if (field.validity.badInput) say('step size: write a number of ms, e.g. 10', true);
+    } else if (value < MIN_STEP_MS || value > MAX_STEP_MS) {
+      say(`step size: a step lasts ${MIN_STEP_MS} to ${MAX_STEP_MS} ms, not ${value} ms`, true);
+    } else if (Math.abs(1000 * value - Math.round(1000 * value)) > 1e-6) {
+      say(`step size: a step lasts whole microseconds: write ${Math.round(1000 * value) / 1000} ms`, true);
+    } else {
+      await this.#order('step size', {command: 'set_step', data: [Number((value / 1000).toPrecision(9))]});
+    }
+    field.blur();  // shows what holds
   }
 
   async #setSpeed(text) {
@@ -126,6 +164,7 @@ export class Controls {
     });
     byId('diagnostics').hidden = entries.length === 0;
     byId('diagnostics').replaceChildren(...entries);
+    if (entries.length > 0) byId('diagnostics').scrollIntoView({block: 'nearest'});
   }
 }
 
