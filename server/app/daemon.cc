@@ -57,6 +57,8 @@ std::vector<std::string> Addresses(const std::vector<std::string>& hosts) {
   if (hosts.empty()) return ListenAddresses("");
   std::vector<std::string> addresses;
   for (const std::string& host : hosts) {
+    const bool wildcard = host == "0.0.0.0" || host == "::" || host == "any";
+    if (wildcard) return ListenAddresses(host);  // which holds all others
     for (std::string& address : ListenAddresses(host)) {
       if (std::find(addresses.begin(), addresses.end(), address) == addresses.end()) {
         addresses.push_back(std::move(address));
@@ -81,6 +83,14 @@ std::string LanAddress() {
   }
   ::freeifaddrs(found);
   return address;
+}
+
+/// An error of listening, with the flag that helps if the port is the matter.
+std::string WithAdvice(const std::string& error, const char* flags) {
+  if (error.empty()) return error;
+  return error + (error.find("in use") != std::string::npos
+                      ? std::string(": choose another block of ports with ") + flags
+                      : ": see --host and --port");
 }
 
 std::string Bracketed(const std::string& host) {
@@ -115,6 +125,9 @@ std::string Daemon::Start() {
   const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
   if (!built) return diagnostics.ToString();
   for (const Diagnostic& warning : diagnostics.all()) logger_->warn("{}", ToString(warning));
+  if (options_.no_net && board_.mode() == Mode::kLockstep && !board_.AllReady()) {
+    return "--no-net leaves nobody to drive the robots in lockstep: use --mode free";
+  }
   duration_s_ = options_.run.duration_s.value_or(scenario->simulation.duration_s.value_or(0));
 
   if (!options_.no_render) {
@@ -140,7 +153,7 @@ std::string Daemon::OpenNames() {
   name_server_ = std::make_unique<NameServer>(control_.context(), names_, net_, options_.advertise);
   const int port = options_.name_port.value_or(options_.port);
   std::string error = name_server_->Listen(Addresses(options_.hosts), port);
-  if (!error.empty()) return error + ": choose another block of ports with --port, or --name-port";
+  if (!error.empty()) return WithAdvice(error, "--port, or --name-port");
   ports_.Reserve(name_server_->port());
   ports_.Reserve(options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1));
   return {};
@@ -156,7 +169,7 @@ std::string Daemon::OpenRobots() {
                                      devices_, robot_guard_, clock_, kVersion};
   robots_ = std::make_unique<RobotHost>(robot_services, host, ports_);
   if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
-    return error + ": choose another block of ports with --port";
+    return WithAdvice(error, "--port");
   }
   const SimulationServices services{board_,  frames_,        edits_, run_,  names_,  roster_,
                                     models_, control_guard_, clock_, *this, kVersion};
@@ -164,7 +177,7 @@ std::string Daemon::OpenRobots() {
       services, [this](std::function<void()> work) { control_.Post(std::move(work)); });
   simulation_port_ = std::make_unique<PublishedModule>("/simulation", *simulation_, control_, net_, names_);
   const std::string error = simulation_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);
-  if (!error.empty()) return error + ": choose another block of ports with --port";
+  if (!error.empty()) return WithAdvice(error, "--port");
   if (!options_.yarp_server.empty() && host.sockets) {
     std::string yarp_host;
     int yarp_port = 0;
@@ -191,13 +204,15 @@ std::string Daemon::OpenPage() {
                                      net_);
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
   const std::string error = web_->Listen(Addresses(options_.hosts), port);
-  return error.empty() ? error : error + ": choose another block of ports with --port, or --http-port";
+  return WithAdvice(error, "--port, or --http-port");
 }
 
 void Daemon::Stop() {
   if (std::exchange(stopped_, true)) return;
+  // Ends every wait with an answer, which goes out before the robots close their connections.
   physics_.request_stop();
   bell_.Ring();
+  if (physics_.joinable()) physics_.join();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
   if (robots_ != nullptr) control_.Call([this] { robots_->Stop(); });
   simulation_port_.reset();
@@ -205,7 +220,6 @@ void Daemon::Stop() {
   control_.Stop();
   name_client_.reset();
   if (web_ != nullptr) web_->Stop();
-  if (physics_.joinable()) physics_.join();
   simulation_.reset();
   if (render_ != nullptr) render_->Stop();
 }
@@ -219,6 +233,24 @@ std::chrono::microseconds Daemon::Spin() const {
 void Daemon::UpdateSpin() {
   const auto spin = Spin();
   control_.Post([this, spin] { robots_->SetSpin(spin); });
+}
+
+void Daemon::LogWaiting() {
+  constexpr double kLogAfter_s = 2;
+  constexpr Nanoseconds kAgainAfter = 60 * kNanosecondsPerSecond;
+  const Nanoseconds now = clock_.Now();
+  std::size_t total = 0;
+  const std::vector<Awaited> awaited = board_.Awaiting(now, 1, &total);
+  const bool waits =
+      !awaited.empty() && awaited[0].seconds >= kLogAfter_s && status().state == RunState::kRunning;
+  if (!waits) {
+    waiting_logged_ = 0;
+  } else if (waiting_logged_ == 0 || now - waiting_logged_ >= kAgainAfter) {
+    waiting_logged_ = now;
+    const std::string others = total > 1 ? fmt::format(" and {} more", total - 1) : "";
+    logger_->info("waiting for {} ({}){}, {:.1f} s", awaited[0].robot, awaited[0].why, others,
+                  awaited[0].seconds);
+  }
 }
 
 void Daemon::ApplyScene(const Scene& scene) {

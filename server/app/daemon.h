@@ -45,6 +45,8 @@ class Daemon final : private ControlActions {
   double duration_s() const { return duration_s_; }
   /// Follows a mode that was switched: `--spin` is for lockstep. Called now and then.
   void UpdateSpin();
+  /// Says in the log, now and then, whom a lockstep world waits for. Called now and then.
+  void LogWaiting();
 
  private:
   // ControlActions, on the control thread.
@@ -97,6 +99,7 @@ class Daemon final : private ControlActions {
   std::unique_ptr<WebServer> web_;
   std::jthread physics_;
   bool stopped_ = false;
+  Nanoseconds waiting_logged_ = 0;  // when LogWaiting() last said something; 0: nobody is awaited
 };
 
 }  // namespace coopdyn

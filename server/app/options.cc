@@ -34,6 +34,25 @@ std::string CheckPositive(const std::string& text) {
   return {};
 }
 
+std::string CheckFinite(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
+    return "must be a finite number, not " + text;
+  return {};
+}
+
+std::string CheckSeed(const std::string& text) {
+  const bool digits =
+      !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return digits ? "" : "--seed must be a whole number from 0, not " + text;
+}
+
+std::string CheckToken(const std::string& text) {
+  return text.find_first_of(" \t\r\n") == std::string::npos
+             ? ""
+             : "--token must be one word: hello NAME TOKEN is split at blanks";
+}
+
 /// The raw values CLI11 fills before they are turned into options.
 struct Raw {
   std::string mode;
@@ -57,12 +76,15 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
       ->check(CLI::Validator(CheckStep, ""))
       ->envname("COOPDYN_STEP");
   sub->add_option("--speed", raw.speed, "Times the wall clock; 0 or less: no limit")
+      ->check(CLI::Validator(CheckFinite, ""))
       ->envname("COOPDYN_SPEED");
-  sub->add_option("--seed", raw.seed, "Of noise and solver")->envname("COOPDYN_SEED");
+  sub->add_option("--seed", raw.seed, "Of noise and solver")
+      ->check(CLI::Validator(CheckSeed, ""))
+      ->envname("COOPDYN_SEED");
   sub->add_option("--duration", raw.duration_s, "End the run at this simulated time, s")
       ->check(CLI::Validator(CheckPositive, ""))
       ->envname("COOPDYN_DURATION");
-  sub->add_flag("--paused", serve.run.paused, "Start paused");
+  sub->add_flag("--paused", serve.run.paused, "Start paused")->envname("COOPDYN_PAUSED");
   sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
       ->check(CLI::Range(0, 65000))
       ->envname("COOPDYN_PORT")
@@ -79,13 +101,15 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
   sub->add_option("--advertise", serve.advertise, "Address that the name server tells")
       ->envname("COOPDYN_ADVERTISE");
   sub->add_option("--token", serve.token, "What changing commands from other machines must show")
+      ->check(CLI::Validator(CheckToken, ""))
       ->envname("COOPDYN_TOKEN");
-  sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
+  sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too")
+      ->envname("COOPDYN_PRIVATE");
   sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT")
       ->envname("COOPDYN_YARP_SERVER");
-  sub->add_flag("--no-render", serve.no_render, "No pictures");
-  sub->add_flag("--no-http", serve.no_http, "No page");
-  sub->add_flag("--no-net", serve.no_net, "No sockets at all");
+  sub->add_flag("--no-render", serve.no_render, "No pictures")->envname("COOPDYN_NO_RENDER");
+  sub->add_flag("--no-http", serve.no_http, "No page")->envname("COOPDYN_NO_HTTP");
+  sub->add_flag("--no-net", serve.no_net, "No sockets at all")->envname("COOPDYN_NO_NET");
   sub->add_option("--render-fps", serve.render_fps, "Pictures per second of the live view")
       ->check(CLI::Range(0.1, 60.0))
       ->envname("COOPDYN_RENDER_FPS")
@@ -207,11 +231,11 @@ constexpr Verb kVerbs[] = {
 
 void AddRemote(CLI::App& app, RemoteOptions& remote) {
   const auto common = [&remote](CLI::App* sub) {
+    // Not CLI11's envname: it would apply the variable once more for each command that is not given.
     sub->add_option("--server", remote.server,
-                    "HOST[:PORT] of the daemon (default: this machine, port 10000)")
-        ->envname("COOPDYN_SERVER");
-    sub->add_option("--token", remote.token, "The daemon's token, from another machine")
-        ->envname("COOPDYN_TOKEN");
+                    "HOST[:PORT] of the daemon (default: COOPDYN_SERVER, else this machine, port 10000)");
+    sub->add_option("--token", remote.token,
+                    "The daemon's token, from another machine (default: COOPDYN_TOKEN)");
   };
   for (const Verb& verb : kVerbs) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.help);

@@ -158,6 +158,16 @@ std::string MakeRequest(const RemoteOptions& options, Message& request) {
   return {};
 }
 
+/// Diagnostics of a file that was sent as a text carry its name again.
+std::string WithFileName(std::string text, const RemoteOptions& options) {
+  constexpr std::string_view kText = "(text):";
+  if (options.verb != "load") return text;
+  for (std::size_t at = text.find(kText); at != std::string::npos; at = text.find(kText, at)) {
+    text.replace(at, kText.size() - 1, options.words.front());
+  }
+  return text;
+}
+
 int CallModule(RemoteConnection& connection, const RemoteOptions& options) {
   if (const std::string error = connection.Open(options.words[0]); !error.empty())
     return Fail(kExitErrors, error);
@@ -206,7 +216,10 @@ int Remote(const RemoteOptions& options) {
   }
   if (const std::string error = connection.Call(request, reply); !error.empty())
     return Fail(kExitErrors, error);
-  if (reply.error != 0) return Fail(kExitErrors, reply.text);
+  if (reply.error == static_cast<std::int32_t>(Error::kNotAllowed)) {
+    return Fail(kExitErrors, "this needs the daemon's token: give it with --token, or in COOPDYN_TOKEN");
+  }
+  if (reply.error != 0) return Fail(kExitErrors, WithFileName(reply.text, options));
   if (options.verb == "status") return PrintStatus(reply.text);
   std::cout << options.verb << ": ok" << Moment(reply) << '\n';
   return kExitOk;

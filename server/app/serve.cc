@@ -25,6 +25,7 @@ void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock) {
   Nanoseconds told = clock.Now();
   while (!shutdown.Wait(bar ? kBarTick : kTick)) {
     daemon.UpdateSpin();
+    daemon.LogWaiting();
     const Nanoseconds now = clock.Now();
     if (bar) {
       std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << std::flush;

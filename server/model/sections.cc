@@ -71,7 +71,7 @@ class SectionsReader {
     const auto [first, is_new] = lines_.emplace(section.word, line_);
     if (!is_new) {
       Error("[" + section.name + "] stands here twice (first in line " + std::to_string(first->second) +
-            "): give it another number, as in [NAME_2], or put both together");
+            "): put both together, or give an object or robot another number, as in [WALL_2]");
     }
     sections_.push_back(std::move(section));
   }

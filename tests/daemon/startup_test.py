@@ -1,6 +1,6 @@
 """How the daemon starts, says what is wrong, and ends."""
 import json
-
+import os
 import re
 import signal
 import socket
@@ -63,7 +63,8 @@ class MistakeTest(unittest.TestCase):
 
     def test_wrong_use_is_exit_code_2_with_one_line(self):
         for arguments in (("serve", "--mode", "quick"), ("serve", "--step", "3"), ("frobnicate",), (), ("step", "x"),
-                          ("serve", "--port", "99999")):
+                          ("serve", "--port", "99999"), ("serve", "--seed", "-1"), ("serve", "--speed", "nan"),
+                          ("serve", "--token", "x y")):
             done = run(*arguments)
             self.assertEqual(done.returncode, 2, arguments)
             self.assertEqual(len(done.stderr.decode().strip().splitlines()), 1, (arguments, done.stderr))
@@ -250,6 +251,22 @@ class EndTest(unittest.TestCase):
             told = json.loads(summary.read_text())
             self.assertEqual((told["steps"], told["time_s"], told["robots"]), (200, 2, 20))
             self.assertRegex(told["hash"], "^[0-9a-f]{16}$")
+
+    def test_a_request_that_waits_when_the_duration_ends_is_answered(self):
+        with Daemon(scenario(1), "--duration", "0.05") as daemon:
+            motors = daemon.text("/robot1/motors")
+            reply = motors.ask("ready 10")
+            self.assertEqual((reply.error, reply.text), (5, "the daemon is stopping"))
+            self.assertEqual(daemon.process.wait(60), 0)
+
+    def test_a_lockstep_run_that_nobody_could_drive_is_refused(self):
+        done = run("serve", "formation", "--mode", "lockstep", "--no-net", "--duration", "1")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("--mode free", done.stderr.decode())
+
+    def test_the_log_says_whom_the_world_waits_for(self):
+        with Daemon(scenario(1)) as daemon:
+            until(lambda: "waiting for robot1 (no client)" in daemon.stderr())
 
     def test_two_runs_of_one_scenario_and_seed_give_the_same_hash(self):
         hashes = set()
