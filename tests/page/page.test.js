@@ -143,6 +143,8 @@ describe('the page', () => {
     await page.waitForFunction(() => document.querySelectorAll('.card').length === 5);
     await page.waitForFunction(() => [...document.querySelectorAll('#console-module option')]
       .some((option) => option.value === '/robot5/motors'));
+    await call(daemon.url, {module: '/simulation', command: 'load_scenario', text: 'classroom'});
+    await page.waitForFunction(() => document.getElementById('scenarios').value === 'classroom');
   });
 
   test('an uploaded scenario with mistakes shows them by line and changes nothing', async () => {
@@ -170,6 +172,43 @@ describe('the page', () => {
     await page.selectOption('#set-mode', 'realtime');
     await hasText('#state', /^running$/);
     assert.equal(await page.textContent('#waiting'), '');
+  });
+
+  test('lockstep that advances is shown as running', async () => {
+    const client = await openModule(daemon.names, '/robot1/motors');
+    let replies = 0;
+    client.on('data', (data) => {
+      replies += String(data).split('\n').length - 1;
+      client.write('set_velocity 0.1 0\n');
+    });
+    await page.selectOption('#set-mode', 'lockstep');
+    await hasText('#waiting', /^waiting for robot1/);
+    const height = await page.locator('#strip').evaluate((strip) => strip.offsetHeight);
+    client.write('set_velocity 0.1 0\n');
+    await hasText('#state', /^running$/);
+    await page.evaluate(() => {
+      globalThis.waits = 0;
+      new MutationObserver(() => { globalThis.waits += document.getElementById('waiting').textContent ? 1 : 0; })
+        .observe(document.getElementById('strip'), {childList: true, subtree: true, characterData: true});
+    });
+    const later = page.statuses + 10;
+    const earlier = replies;
+    const waits = () => page.evaluate(() => globalThis.waits);
+    await eventually(async () => (await waits()) >= 0 && page.statuses >= later && replies > earlier);
+    assert.equal(await waits(), 0);
+    assert.equal(await page.textContent('#mode'), 'lockstep');
+    assert.equal(await page.locator('#strip').evaluate((strip) => strip.offsetHeight), height);
+    client.destroy();
+  });
+
+  test('time and scenario are in sight', async () => {
+    for (const [width, height] of [[1024, 768], [1440, 900]]) {
+      await page.setViewportSize({width, height});
+      for (const id of ['set-mode', 'set-step', 'set-speed', 'scenarios', 'load']) {
+        const box = await page.locator(`#${id}`).boundingBox();
+        assert.ok(box.y >= 0 && box.y + box.height <= height, `${id} at ${width} x ${height}`);
+      }
+    }
   });
 
   test('only connected robots take part, if one wants', async () => {
@@ -200,7 +239,24 @@ describe('the page', () => {
     });
     await page.fill('#set-step', '500');
     await page.press('#set-step', 'Enter');
-    await hasText('#message', /step size: .*(100|0\.1)/);
+    await hasText('#message', /^step size: a step lasts 0\.5 to 100 ms, not 500 ms$/);
+    await page.fill('#set-step', '');
+    await page.press('#set-step', 'Enter');
+    await page.waitForFunction(() => document.getElementById('set-step').value === '20');
+  });
+
+  test('a seed or a number of steps that cannot be is not sent', async () => {
+    await page.fill('#seed', '2147483648');
+    await page.click('#reset');
+    await hasText('#message', /^seed must be a whole number up to 2147483647$/);
+    await page.click('#pause');
+    await hasText('#state', /^paused$/);
+    const {step} = await status();
+    assert.ok(step > 0);
+    await page.fill('#step-count', '0');
+    await page.click('#step');
+    assert.equal(await page.inputValue('#step-count'), '1');
+    await eventually(async () => (await status()).step === step + 1);
   });
 
   test('a robot can be freed', async () => {
