@@ -51,9 +51,9 @@ ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots
 
 ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots) {
   if (current.file.empty()) {
-    return Refusal(
-        Error::kNotPossible,
-        "this scenario came as a text, there is no file to read again: upload it again, or coopdyn load FILE");
+    return Refusal(Error::kNotPossible,
+                   "this scenario came as a text, there is no file to read again: upload it again, or "
+                   "coopdyn load FILE");
   }
   Diagnostics diagnostics;
   return Finish(LoadScenario(current.file, robots, diagnostics), diagnostics);

@@ -219,7 +219,7 @@ void SimulationModule::OnEditDone(ClientId client, const EditResult& result, boo
   }
   Message answer;
   answer.command = peer.command;
-  answer.text = result.text.empty() ? std::move(peer.text) : result.text;
+  answer.text = result.text.empty() ? peer.text : result.text;
   ModuleCore::Stamp(answer, *frame);
   reply(std::move(answer));
 }

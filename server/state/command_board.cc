@@ -49,8 +49,10 @@ Verdict CommandBoard::TakeOwnership(Slot& slot, const Client& client) {
   if (stopping_) return Refusal(Error::kNotPossible, "the daemon is stopping");
   if (slot.owner != 0 && slot.owner != client.id) {
     const std::string& who = slot.owner_name.empty() ? slot.owner_peer : slot.owner_name;
-    return Refusal(Error::kOwned, slot.robot + " is driven by " + who +
-                                      ": wait until that program ends, or free the robot (release_robot of /simulation, or the page)");
+    return Refusal(
+        Error::kOwned,
+        slot.robot + " is driven by " + who +
+            ": wait until that program ends, or free the robot (release_robot of /simulation, or the page)");
   }
   if (client.input_ended) {
     slot.former = client.id;

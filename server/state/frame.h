@@ -17,12 +17,12 @@ namespace coopdyn {
 
 /// A dynamic body; raw numbers as the physics engine holds them, so that a frame restores bit-exactly.
 struct BodyState {
-  Vector3 p_WB = Vector3::Zero();      // centre of mass, m
-  std::array<double, 4> q_WB{1, 0, 0, 0};  // w x y z
+  Vector3 p_WB = Vector3::Zero();                         // centre of mass, m
+  std::array<double, 4> q_WB{1, 0, 0, 0};                 // w x y z
   std::array<double, 9> R_WB{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
-  Vector3 v_WB = Vector3::Zero();      // m/s
-  Vector3 w_WB = Vector3::Zero();      // rad/s
-  std::uint64_t sleep_counter = 0;        // kFrozen: exploded, held where it was last sane
+  Vector3 v_WB = Vector3::Zero();                         // m/s
+  Vector3 w_WB = Vector3::Zero();                         // rad/s
+  std::uint64_t sleep_counter = 0;                        // kFrozen: exploded, held where it was last sane
 
   static constexpr std::uint64_t kFrozen = ~std::uint64_t{0};
   bool frozen() const { return sleep_counter == kFrozen; }
@@ -31,10 +31,10 @@ struct BodyState {
 
 /// A robot's drive.
 struct RobotState {
-  std::array<double, 2> wheel_angle_rad{};        // left, right; since the start, not wrapped
-  std::array<double, 2> wheel_speed_rad_s{};      // as turned in the last step
-  std::array<double, 2> setpoint_rad_s{};         // latched for the step that made this frame, after scaling
-  bool frozen = false;                            // its body exploded and is held where it was last sane
+  std::array<double, 2> wheel_angle_rad{};    // left, right; since the start, not wrapped
+  std::array<double, 2> wheel_speed_rad_s{};  // as turned in the last step
+  std::array<double, 2> setpoint_rad_s{};     // latched for the step that made this frame, after scaling
+  bool frozen = false;                        // its body exploded and is held where it was last sane
 };
 
 /// Values derived from a frame at first use, e.g. by sensing. Freed with the frame.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The pose memory: one writer (physics or player), any number of readers. A reader holds a whole frame, so it never
-// sees half a step and never blocks physics for longer than one pointer copy.
+// The pose memory: one writer (physics or player), any number of readers. A reader holds a whole frame, so it
+// never sees half a step and never blocks physics for longer than one pointer copy.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What stands in the world now: the scenario's things with their places in a frame. Immutable once published; a world
-// edit makes a new one. Any thread.
+// What stands in the world now: the scenario's things with their places in a frame. Immutable once published;
+// a world edit makes a new one. Any thread.
 #pragma once
 
 #include <cstdint>
