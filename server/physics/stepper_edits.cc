@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What each edit does to the run, between two steps, by the holder of the baton.
+#include <cmath>
 #include <utility>
 
 #include "server/physics/stepper.h"
@@ -79,7 +80,7 @@ void Stepper::TakeOptions(const SimulationOptions& said) {
   if (said.speed && !options_.speed) given = said.speed;
   const std::optional<double> duration_s = options_.duration_s ? options_.duration_s : said.duration_s;
   duration_.reset();
-  if (duration_s) duration_ = static_cast<Nanoseconds>(*duration_s * 1e9 + 0.5);
+  if (duration_s) duration_ = std::llround(*duration_s * 1e9);
 }
 
 void Stepper::Install(std::unique_ptr<PhysicsWorld> world, std::shared_ptr<const Scene> scene, StepEnd end) {
