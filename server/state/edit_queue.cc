@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/state/edit_queue.h"
 
+#include <optional>
 #include <utility>
 
 namespace coopdyn {
@@ -14,14 +15,16 @@ void Refuse(const Edit& edit) {
 }  // namespace
 
 void EditQueue::Push(Edit edit) {
+  std::optional<Edit> refused;
   {
     const MutexLock lock(mutex_);
-    if (!closed_) {
+    if (closed_) {
+      refused = std::move(edit);
+    } else {
       edits_.push_back(std::move(edit));
-      edit.done = nullptr;
     }
   }
-  Refuse(edit);
+  if (refused) Refuse(*refused);
   bell_.Ring();
 }
 
