@@ -117,14 +117,21 @@ class StrangerScenes(unittest.TestCase):
             with self.assertRaises(ConnectionRefusedError):
                 socket.create_connection((OUTER, daemon.names[1]), timeout=30)
 
-    def scene_one_port(self, relay_path, port):
-        """The Python client where only the port of names can be reached: a relay over a Unix socket is all there is."""
+    def scene_one_port(self, relay_path, port, *program):
+        """A client where only the port of names can be reached: a relay over a Unix socket is all there is. Without a program
+        the Python client in this very process."""
         def onward():
             far = socket.socket(socket.AF_UNIX)
             far.connect(relay_path)
             return far
 
         relay(socket.create_server(("127.0.0.1", int(port))), onward)
+        if program:
+            done = subprocess.run(program, env={**os.environ, "COOPDYN_SERVER": f"127.0.0.1:{port}"}, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, timeout=90)
+            self.assertEqual(done.returncode, 0, done.stdout.decode())
+            self.assertRegex(done.stdout.decode(), r"at t = \d")
+            return
         sys.path.insert(0, str(CLIENT))
         import coopdyn
         with coopdyn.connect(f"127.0.0.1:{port}") as sim:
@@ -147,18 +154,29 @@ class NetworkTest(unittest.TestCase):
         inside("addresses")
 
     def test_the_python_client_needs_no_port_but_that_of_the_names(self):
-        for mode in ("lockstep", "realtime"):
-            with Daemon(scenario(1, mode=mode)) as daemon, tempfile.TemporaryDirectory() as folder:
-                path = str(Path(folder) / "relay")
-                listener = socket.socket(socket.AF_UNIX)
-                listener.bind(path)
-                listener.listen()
-                relay(listener, lambda names=daemon.names: socket.create_connection(names))
-                try:
-                    inside("one_port", path, daemon.names[1])
-                finally:
-                    listener.shutdown(socket.SHUT_RDWR)
-                    listener.close()
+        self.through_one_port("lockstep")
+        self.through_one_port("realtime")
+
+    def test_the_cpp_client_needs_no_port_but_that_of_the_names(self):
+        self.through_one_port("lockstep", str(Path(BINARY).parent / "clients" / "cpp" / "client_hello"))
+
+    def test_the_octave_client_needs_no_port_but_that_of_the_names(self):
+        folder = CLIENT.parent / "matlab"
+        self.through_one_port("lockstep", "octave", "--no-gui", "--norc", "--quiet", "--eval",
+                              f"addpath('{folder}'); hello")
+
+    def through_one_port(self, mode, *program):
+        with Daemon(scenario(1, mode=mode)) as daemon, tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "relay")
+            listener = socket.socket(socket.AF_UNIX)
+            listener.bind(path)
+            listener.listen()
+            relay(listener, lambda names=daemon.names: socket.create_connection(names))
+            try:
+                inside("one_port", path, daemon.names[1], *program)
+            finally:
+                listener.shutdown(socket.SHUT_RDWR)
+                listener.close()
 
 
 if __name__ == "__main__":
