@@ -463,7 +463,10 @@ class OwnershipTest(unittest.TestCase):
             old.send("set_wheel_speeds (100) 5 5")
             two.must("ready")
             new.must("hello ana")
+            new.send("verbose")
             new.send("set_wheel_speeds 0 0")
+            while "waiting for robot2" not in new.read_line():  # so the command has arrived
+                pass
             two.must("ready")
             self.assertEqual(new.receive().step, 2)
             two.send("ready")

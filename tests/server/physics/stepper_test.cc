@@ -179,8 +179,10 @@ TEST_F(StepperTest, ALoadThatCannotBeBuiltChangesNothing) {
   EXPECT_NE(result.error, Error::kOk);
   EXPECT_NE(result.text.find("test.scenario:"), std::string::npos) << result.text;
   EXPECT_EQ(StateHash(*result.frame), before);
-  board_.Ready(board_.FindSlot("robot2"), bob_, 1, [](const StepResult&) {});
-  EXPECT_EQ(frames_.Latest()->step, 1u);
+  StepDone done;
+  auto ran = Expect(done);
+  board_.Ready(board_.FindSlot("robot2"), bob_, 1, done);
+  EXPECT_EQ(ran.get().frame->step, 1u);
 }
 
 TEST_F(StepperTest, TheRunEndsAtItsDuration) {
