@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "protocol/command_ids.h"
+#include "protocol/text_scan.h"
 #include "server/app/commands.h"
 #include "server/app/remote_connection.h"
 
@@ -27,29 +28,9 @@ int Fail(int code, const std::string& text) {
 /// A word of the shell as it stands in a line of the text encoding.
 std::string Quoted(const std::string& word) {
   if (word.find_first_of(" \t\r\n\"\\") == std::string::npos && !word.empty()) return word;
-  std::string out = "\"";
-  for (const char c : word) {
-    switch (c) {
-      case '"':
-        out += "\\\"";
-        break;
-      case '\\':
-        out += "\\\\";
-        break;
-      case '\n':
-        out += "\\n";
-        break;
-      case '\r':
-        out += "\\r";
-        break;
-      case '\t':
-        out += "\\t";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out + '"';
+  std::string out;
+  AppendQuotedText(word, out);
+  return out;
 }
 
 std::string Moment(const Message& reply) {
