@@ -32,7 +32,8 @@ class Daemon final : private ControlActions {
   /// Reads the scenario, builds its physics, opens all ports, starts all threads. An error text of one or
   /// more lines, empty if everything listens.
   std::string Start();
-  /// Ends everything in order: waits released, robots, control, page, physics, render. Again does nothing.
+  /// Ends everything in order: physics (which answers all waits), robots, control, page, render. Again does
+  /// nothing.
   void Stop();
 
   /// The line `ready names=HOST:PORT http=URL robots=N`.

@@ -32,7 +32,7 @@ BroadPhase::BroadPhase(const OdeWorld& ode) {
 const std::vector<std::pair<std::uint32_t, std::uint32_t>>& BroadPhase::FindPairs(OdeWorld& ode) {
   for (std::size_t i = 0; i < moving_boxes_.size(); ++i) {
     const Owner& owner = ode.owners[i];
-    const dBodyID body = ode.bodies[static_cast<std::size_t>(owner.first_body)];
+    dBodyID body = ode.bodies[static_cast<std::size_t>(owner.first_body)];
     double half_x = owner.radius_m, half_y = owner.radius_m;
     if (owner.robot < 0) {
       Part& part = ode.parts[static_cast<std::size_t>(owner.first_part)];

@@ -50,7 +50,7 @@ std::optional<std::string> WhyInsane(const BodyState& state) {
 void Hold(OdeWorld& ode, Owner& owner) {
   owner.frozen = true;
   for (int i = owner.first_body; i < owner.first_body + owner.body_count; ++i) {
-    const dBodyID body = ode.bodies[static_cast<std::size_t>(i)];
+    dBodyID body = ode.bodies[static_cast<std::size_t>(i)];
     dBodySetLinearVel(body, 0, 0, 0);
     dBodySetAngularVel(body, 0, 0, 0);
     dBodySetForce(body, 0, 0, 0);

@@ -42,7 +42,7 @@ void Islands::Join(std::size_t a, std::size_t b) {
 }
 
 void Solve(OdeWorld& ode, Islands& islands, double dt_s) {
-  const dWorldID world = ode.world.get();
+  dWorldID world = ode.world.get();
   const std::size_t count = static_cast<std::size_t>(ode.first_static);
   const auto is_large = [&](std::size_t i) { return islands.RowsOf(i) > kMaxDirectRows; };
   bool any_large = false;
@@ -56,7 +56,7 @@ void Solve(OdeWorld& ode, Islands& islands, double dt_s) {
     for (std::size_t i = 0; i < count; ++i) {
       if (ode.owners[i].frozen) continue;
       const bool on = is_large(i) ? large : small;
-      for (const dBodyID body : BodiesOf(ode, ode.owners[i])) on ? dBodyEnable(body) : dBodyDisable(body);
+      for (dBodyID body : BodiesOf(ode, ode.owners[i])) on ? dBodyEnable(body) : dBodyDisable(body);
     }
   };
   enable(true, false);

@@ -77,7 +77,7 @@ class Builder {
   }
 
   int AddBody(double mass_kg, const Vector3& inertia_kg_m2, const Pose& X_WB) {
-    const dBodyID body = dBodyCreate(ode_->world.get());
+    dBodyID body = dBodyCreate(ode_->world.get());
     dMass mass;
     dMassSetParameters(&mass, mass_kg, 0, 0, 0, inertia_kg_m2.x(), inertia_kg_m2.y(), inertia_kg_m2.z(), 0, 0,
                        0);
@@ -174,9 +174,9 @@ class Builder {
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
       const JointModel& joint = model.joints[j];
       const auto body = [&](int link) {
-        return ode_->bodies[static_cast<std::size_t>(owner.first_body + link)];
+        return ode_->bodies[static_cast<std::size_t>(owner.first_body) + static_cast<std::size_t>(link)];
       };
-      const dJointID hinge = dJointCreateHinge(ode_->world.get(), nullptr);
+      dJointID hinge = dJointCreateHinge(ode_->world.get(), nullptr);
       dJointAttach(hinge, body(joint.child),
                    body(joint.parent));  // so that its rate is the child's in the parent
       const Vector3 p = entry.X_WR * joint.p_RJ;

@@ -37,7 +37,8 @@ double Depth(const Part& a, const Part& b) {
 
 template <typename Visit>
 void ForEachPart(const OdeWorld& ode, const Owner& owner, Visit visit) {
-  for (int i = 0; i < owner.part_count; ++i) visit(ode.parts[static_cast<std::size_t>(owner.first_part + i)]);
+  for (int i = 0; i < owner.part_count; ++i)
+    visit(ode.parts[static_cast<std::size_t>(owner.first_part) + static_cast<std::size_t>(i)]);
 }
 
 }  // namespace

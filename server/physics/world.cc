@@ -38,7 +38,7 @@ struct PhysicsWorld::Impl {
 
   void BuildWorld() {
     ode = BuildOdeWorld(*scene);
-    const dWorldID world = ode->world.get();
+    dWorldID world = ode->world.get();
     dWorldSetERP(world, kErp);
     dWorldSetCFM(world, kCfm);
     dWorldSetContactMaxCorrectingVel(world, kMaxPushOut_m_s);
@@ -51,7 +51,7 @@ struct PhysicsWorld::Impl {
     for (std::size_t i = 0; i < robots.size(); ++i) {
       robots[i].setpoint_rad_s = i < setpoints.size() ? setpoints[i] : std::array<double, 2>{};
       for (std::size_t side = 0; side < 2; ++side) {
-        const dJointID hinge = ode->motors[i][side];
+        dJointID hinge = ode->motors[i][side];
         if (hinge != nullptr) dJointSetHingeParam(hinge, dParamVel, robots[i].setpoint_rad_s[side]);
       }
     }
@@ -117,7 +117,7 @@ struct PhysicsWorld::Impl {
   void TurnWheels(double dt_s, double share) {
     for (std::size_t i = 0; i < robots.size(); ++i) {
       for (std::size_t side = 0; side < 2; ++side) {
-        const dJointID hinge = ode->motors[i][side];
+        dJointID hinge = ode->motors[i][side];
         const double rate = hinge == nullptr ? 0 : dJointGetHingeAngleRate(hinge);
         robots[i].wheel_angle_rad[side] += rate * dt_s;
         robots[i].wheel_speed_rad_s[side] += rate * share;
@@ -164,7 +164,8 @@ void PhysicsWorld::Fill(Frame& frame) const {
     if (!owner.frozen) continue;
     if (owner.robot >= 0) frame.robots[static_cast<std::size_t>(owner.robot)].frozen = true;
     for (int i = 0; i < owner.body_count; ++i) {
-      frame.bodies[static_cast<std::size_t>(owner.first_body + i)].sleep_counter = BodyState::kFrozen;
+      frame.bodies[static_cast<std::size_t>(owner.first_body) + static_cast<std::size_t>(i)].sleep_counter =
+          BodyState::kFrozen;
     }
   }
   frame.solver_seed = impl_->solver_seed;
@@ -182,7 +183,7 @@ void PhysicsWorld::Restore(const Frame& frame) {
     }
     owner.frozen = false;
     for (int i = 0; i < owner.body_count; ++i) {
-      dBodyEnable(ode.bodies[static_cast<std::size_t>(owner.first_body + i)]);
+      dBodyEnable(ode.bodies[static_cast<std::size_t>(owner.first_body) + static_cast<std::size_t>(i)]);
     }
   }
   impl_->robots = frame.robots;

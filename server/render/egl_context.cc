@@ -70,8 +70,7 @@ class EglContext final : public GlContext {
 
  private:
   bool OpenDisplay() {
-    const EGLDisplay display =
-        api_.GetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+    EGLDisplay display = api_.GetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
     if (display == EGL_NO_DISPLAY || !api_.Initialize(display, nullptr, nullptr)) return false;
     display_ = display;
     return true;

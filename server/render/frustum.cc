@@ -15,8 +15,8 @@ Frustum::Frustum(const Camera& camera, int width, int height)
   const Eigen::Vector4d w = clip_from_W_.row(3);
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector4d along = clip_from_W_.row(axis);
-    planes_[static_cast<std::size_t>(2 * axis)] = w + along;
-    planes_[static_cast<std::size_t>(2 * axis + 1)] = w - along;
+    planes_[2 * static_cast<std::size_t>(axis)] = w + along;
+    planes_[2 * static_cast<std::size_t>(axis) + 1] = w - along;
   }
   for (Eigen::Vector4d& plane : planes_) plane /= plane.head<3>().norm();
 }

@@ -122,7 +122,8 @@ void LabelPainter::PaintOne(Picture& picture, const Label& label, double cap_px)
     const int left = static_cast<int>(std::round(pen_x));
     for (int y = 0; y < mask.height; ++y) {
       for (int x = 0; x < mask.width; ++x) {
-        const auto index = static_cast<std::size_t>(y * mask.width + x);
+        const auto index =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) + static_cast<std::size_t>(x);
         Blend(picture, left + x, top + y, kText, static_cast<double>(mask.cover[index]));
       }
     }
