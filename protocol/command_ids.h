@@ -23,6 +23,10 @@ inline constexpr Id kGetDistances = 20, kGetGeometry = 21;
 inline constexpr Id kGetTargets = 30, kGetTarget = 31, kGetRobots = 32;
 // /R/pose
 inline constexpr Id kGetPose = 40, kGetPose3d = 41;
+// /R/neighbours
+inline constexpr Id kGetNeighbours = 200, kSendMessage = 201, kGetMessages = 202, kGetLink = 203;
+// /swarm
+inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetTeam = 113, kStopTeam = 114;
 // /simulation
 inline constexpr Id kGetStatus = 100, kRun = 101, kPause = 102, kStep = 103, kReset = 104, kSetMode = 105,
                     kSetStep = 106, kSetSpeed = 107, kLoadScenario = 108, kQuit = 109, kStopAll = 190,

@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
       return coopdyn::Remote(line.remote);
     case CommandLine::Action::kDoctor:
       return coopdyn::Doctor(line.remote);
+    case CommandLine::Action::kOther:
+      return line.other();
     case CommandLine::Action::kExit:
       break;
   }

@@ -10,6 +10,8 @@
 #include <iostream>
 #include <sstream>
 
+#include "server/app/more_commands.h"
+
 namespace coopdyn {
 
 namespace {
@@ -279,6 +281,7 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
   check->add_option("--scenarios", line.check.scenario_folders, "A folder with scenarios, worlds and robots");
 
   AddRemote(app, line.remote);
+  AddMoreCommands(app, line.other);
 
   try {
     std::vector<std::string> arguments(argv + 1, argv + argc);
@@ -308,6 +311,8 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
     line.action = CommandLine::Action::kCheck;
   } else if (sub->get_name() == "doctor") {
     line.action = CommandLine::Action::kDoctor;
+  } else if (line.other) {
+    line.action = CommandLine::Action::kOther;
   } else {
     line.action = CommandLine::Action::kRemote;
   }

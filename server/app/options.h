@@ -2,6 +2,7 @@
 // The command line, as values. Flags override COOPDYN_* variables, which override the config file.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ struct ServeOptions {
   double render_fps = 10;
   std::string renderer = "auto";  // auto, osmesa, egl
   std::optional<int> robot_threads;
+  int threads = 1;  // of sensing, controllers and physics
+  bool controllers_in_process = false;
   std::optional<int> spin_us;
   std::string log_level = "info";
   std::string summary_file;
@@ -46,12 +49,13 @@ struct RemoteOptions {
 
 /// What the command line asks for.
 struct CommandLine {
-  enum class Action { kServe, kCheck, kRemote, kDoctor, kExit };
+  enum class Action { kServe, kCheck, kRemote, kDoctor, kOther, kExit };
   Action action = Action::kExit;
   int exit_code = 0;  // of kExit: help was printed, or the use was wrong
   ServeOptions serve;
   CheckOptions check;
   RemoteOptions remote;
+  std::function<int()> other;  // of kOther: does it and returns the exit code
 };
 
 /// Parses the arguments; prints help to stdout and one line about wrong use to stderr by itself.

@@ -70,9 +70,19 @@ struct TargetSensorModel {
   double bearing_noise_stddev_rad = 0;
 };
 
+/// The neighbours module: range and bearing to robots nearby, and short broadcasts to them.
+struct NeighboursModel {
+  double range_m = 0;          // of sight, between the robots' centres, in the plane; 0: no such module
+  double message_range_m = 0;  // of broadcasts
+  double loss = 0;             // probability that one receiver misses a message, 0…1
+  int delay_steps = 0;         // from sending to hearing, beyond the one step that every message takes
+  double distance_noise_stddev_m = 0;
+  double bearing_noise_stddev_rad = 0;
+};
+
 /// A hardware module: its socket is /ROBOT/name.
 struct ModuleModel {
-  std::string type;  // motors, distance, target, pose
+  std::string type;  // motors, distance, target, pose, neighbours
   std::string name;
 };
 
@@ -85,7 +95,8 @@ struct RobotModel {
   DriveModel drive;
   std::vector<DistanceSensorModel> distance_sensors;  // by increasing bearing (right to left)
   TargetSensorModel target_sensor;
-  std::vector<ModuleModel> modules;  // motors, distance, target, pose, others
+  NeighboursModel neighbours;
+  std::vector<ModuleModel> modules;  // motors, distance, target, pose, neighbours, others
   double footprint_radius_m = 0;     // of the smallest vertical cylinder about R's z axis that holds it
   double height_m = 0;
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/clock.h"
@@ -39,6 +40,16 @@ struct SimulationOptions {
   double gravity_m_s2 = 9.81;        // downwards
 };
 
+/// `controller diffuse speed=0.2`: a loaded controller and its options.
+struct ControllerChoice {
+  std::string name;  // empty: none
+  std::string file;  // the shared object, as found on the search path
+  std::vector<std::pair<std::string, double>> options;  // in file order, SI units
+  SourceLine where;
+
+  bool empty() const { return name.empty(); }
+};
+
 /// [ROBOT_n], or one of a [SWARM_n].
 struct RobotEntry {
   RobotId id;
@@ -52,7 +63,7 @@ struct RobotEntry {
   LossPolicy on_deadline = LossPolicy::kHold;
   std::optional<LossPolicy> on_disconnect;  // default: wait in lockstep; in realtime set-points stay
   Fidelity fidelity = Fidelity::kFull;
-  std::string controller;  // a loaded controller and its options; empty: none
+  ControllerChoice controller;  // empty: clients drive it
   bool sockets = true;
   SourceLine where;
 

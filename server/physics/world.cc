@@ -127,7 +127,7 @@ struct PhysicsWorld::Impl {
 };
 
 std::unique_ptr<PhysicsWorld> PhysicsWorld::Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
-                                                  Diagnostics& diagnostics) {
+                                                  Diagnostics& diagnostics, WorkerPool* /*pool*/) {
   const int errors = diagnostics.errors();
   CheckModels(*scene, diagnostics);
   if (diagnostics.errors() > errors) return nullptr;

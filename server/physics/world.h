@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/base/diagnostics.h"
+#include "server/base/worker_pool.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -24,9 +25,9 @@ struct FrozenBody {
 class PhysicsWorld {
  public:
   /// Builds the bodies of `scene`. Null, with errors at the model's lines, if a dynamic body starts inside
-  /// another.
+  /// another. `pool` (null: none) outlives it and makes steps faster, never different.
   static std::unique_ptr<PhysicsWorld> Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
-                                             Diagnostics& diagnostics);
+                                             Diagnostics& diagnostics, WorkerPool* pool = nullptr);
   ~PhysicsWorld();
 
   /// Advances by `step` in `substeps` equal parts. `setpoints`: wheel speeds left, right (rad/s) of each

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "server/base/worker_pool.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -24,6 +25,25 @@ std::span<const double> Distances(const Frame& frame, int robot);
 std::vector<Sighting> SeenTargets(const Frame& frame, int robot);
 /// Other robots seen by `robot`, by increasing id.
 std::vector<Sighting> SeenRobots(const Frame& frame, int robot);
+
+/// Others within the range of `robot`'s neighbours module, by increasing id. Seen through obstacles.
+/// Empty if its model has no such module.
+std::vector<Sighting> Neighbours(const Frame& frame, int robot);
+
+/// A broadcast that `robot` hears in this frame.
+struct HeardMessage {
+  int sender = 0;                         // index into scene->robots
+  Sighting from;                          // where the sender is now; index = sender
+  const RobotMessage* message = nullptr;  // lives as long as the frame
+};
+/// What `robot` hears in this frame, by increasing id of the sender: messages that were sent
+/// model.neighbours.delay_steps steps before this one, from within the message range as the robots stand in
+/// this frame, and not lost. Loss is a function of (seed, sender, receiver, step).
+std::vector<HeardMessage> HeardMessages(const Frame& frame, int robot);
+
+/// Computes the distances of `robots` (indices into the scene) now, in parallel; Distances() then costs
+/// nothing. The values do not depend on the number of threads.
+void PrepareDistances(const Frame& frame, std::span<const int> robots, WorkerPool& pool);
 
 /// For drawing: where each ray of robot's distance sensors starts and ends in the world.
 struct RaySegment {

@@ -37,6 +37,20 @@ struct RobotState {
   bool frozen = false;                        // its body exploded and is held where it was last sane
 };
 
+/// What a robot broadcasts in one step: up to 8 numbers. count 0: nothing.
+struct RobotMessage {
+  static constexpr std::size_t kMaxValues = 8;
+  std::uint32_t count = 0;
+  std::array<double, kMaxValues> values{};
+};
+
+/// A broadcast on its way. Who hears it, and when, is up to sensing (range, loss and delay of the models).
+struct SentMessage {
+  std::uint32_t robot = 0;  // sender, index into scene->robots
+  std::uint64_t step = 0;   // that latched it; the frame of that step is the first that can deliver it
+  RobotMessage message;
+};
+
 /// Values derived from a frame at first use, e.g. by sensing. Freed with the frame.
 struct FrameCache {
   virtual ~FrameCache() = default;
@@ -52,6 +66,11 @@ struct Frame {
   std::shared_ptr<const Scene> scene;
   std::vector<BodyState> bodies;   // by increasing body id; scene->body_ids
   std::vector<RobotState> robots;  // as scene->robots
+  /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
+  std::vector<SentMessage> messages;
+
+  /// No message is delayed by more steps than this.
+  static constexpr std::uint64_t kMessageSteps = 100;
 
   double time_s() const { return ToSeconds(time); }
 

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/* Controllers that coopdyn loads at run time: one shared object NAME.so that exports coopdyn_controller_entry(), in C or
+ * anything that can pass for C. A scenario names it (`controller NAME option=value`); `coopdyn new-controller NAME`
+ * writes a start.
+ *
+ * Where it runs: in a child process of the daemon, so that whatever goes wrong stops one robot and nothing else.
+ * Controllers of different robots may be stepped at the same time by different threads, one instance never by two:
+ * keep what changes in the instance, not in globals. To be repeatable use the seed given, never clock() or rand().
+ * Units are SI; headings and bearings 0 ahead, left positive, in (-pi, pi]. */
+#ifndef COOPDYN_CONTROLLER_H
+#define COOPDYN_CONTROLLER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Of this file. A controller built against another one is refused. */
+#define COOPDYN_CONTROLLER_VERSION 1
+
+#define COOPDYN_MAX_MESSAGE 8 /* numbers in one broadcast */
+
+/* Which readings a controller wants: the others cost nothing and are empty. */
+enum coopdyn_reading {
+  COOPDYN_DISTANCES = 1,
+  COOPDYN_POSE = 2, /* ground truth */
+  COOPDYN_WHEELS = 4,
+  COOPDYN_TARGETS = 8,
+  COOPDYN_NEIGHBOURS = 16,
+  COOPDYN_MESSAGES = 32
+};
+
+/* An option of a scenario's controller line. */
+typedef struct coopdyn_option {
+  const char* name; /* [a-z][a-z0-9_]* */
+  const char* help; /* one line, with the unit */
+  double value;     /* if the line does not give it */
+  double min, max;
+} coopdyn_option;
+
+typedef struct coopdyn_description {
+  const char* help;    /* one line */
+  uint32_t readings;   /* of enum coopdyn_reading, added up */
+  uint32_t state_size; /* bytes that save() writes: all that step() changes; at most 65536 */
+  uint32_t option_count;
+  const coopdyn_option* options;
+} coopdyn_description;
+
+/* The robot that a controller drives. Valid until destroy(). */
+typedef struct coopdyn_robot {
+  uint32_t id;
+  const char* name;
+  double radius_m; /* of its footprint */
+  double wheel_radius_m, track_m, max_wheel_speed_rad_s;
+  size_t distance_count; /* sensors, right to left */
+  const double* distance_bearing_rad;
+  const double* distance_max_m;
+} coopdyn_robot;
+
+typedef struct coopdyn_sighting {
+  uint32_t id;
+  double distance_m, bearing_rad;
+} coopdyn_sighting;
+
+/* A broadcast of another robot, and where that one is now. */
+typedef struct coopdyn_heard {
+  coopdyn_sighting from;
+  uint32_t count;
+  double values[COOPDYN_MAX_MESSAGE];
+} coopdyn_heard;
+
+/* What the robot feels before a step. Valid during step() only. */
+typedef struct coopdyn_readings {
+  uint64_t seed; /* of the run */
+  uint64_t step; /* of these readings: 0, 1, ... */
+  double time_s, step_s;
+  size_t distance_count; /* metres from the chassis, inf = nothing there */
+  const double* distance_m;
+  double x_m, y_m, heading_rad, forward_m_s, turn_rad_s; /* COOPDYN_POSE */
+  double wheel_angle_rad[2], wheel_speed_rad_s[2];       /* COOPDYN_WHEELS: left, right */
+  size_t target_count;
+  const coopdyn_sighting* targets;
+  size_t neighbour_count;
+  const coopdyn_sighting* neighbours;
+  size_t heard_count;
+  const coopdyn_heard* heard;
+} coopdyn_readings;
+
+/* What the robot does in the step. All zero when step() is called: it stands and is silent. */
+typedef struct coopdyn_command {
+  double forward_m_s, turn_rad_s; /* beyond the wheels' limit both are scaled alike */
+  uint32_t message_count;         /* numbers to broadcast; 0: nothing */
+  double message[COOPDYN_MAX_MESSAGE];
+} coopdyn_command;
+
+typedef struct coopdyn_controller {
+  uint32_t version; /* COOPDYN_CONTROLLER_VERSION; first for ever */
+  const coopdyn_description* (*describe)(void);
+  /* A new instance; `options` holds one value for each described option. NULL: it cannot drive this robot, and
+   * `error` (a text of at most `error_size` bytes) says why. */
+  void* (*create)(const coopdyn_robot* robot, const double* options, char* error, size_t error_size);
+  /* Back to the start of a run. Called once before the first step(). */
+  void (*reset)(void* instance, uint64_t seed);
+  void (*step)(void* instance, const coopdyn_readings* readings, coopdyn_command* command);
+  /* Writes state_size bytes. What restore() reads makes the next steps the same, in another process too. */
+  void (*save)(const void* instance, void* state);
+  void (*restore)(void* instance, const void* state);
+  void (*destroy)(void* instance);
+} coopdyn_controller;
+
+/* What the shared object exports, under this name. */
+const coopdyn_controller* coopdyn_controller_entry(void);
+#define COOPDYN_CONTROLLER_ENTRY "coopdyn_controller_entry"
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Loaded controllers as the stepping thread sees them; server/controllers has the one implementation. All
+// calls by the holder of the step baton.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/state/command_board.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// A controller that does not drive its robot any more: the robot stands.
+struct StoppedController {
+  std::string robot;
+  std::string why;  // e.g. "controller diffuse crashed (segmentation fault)"
+};
+
+class ControllerDriver {
+ public:
+  virtual ~ControllerDriver() = default;
+
+  /// Looks whether the controllers of `scenario` take the options that it gives them; says at their lines
+  /// what they do not. What is wrong with a controller itself (its version, a crash) is no error: it stops
+  /// its robots.
+  virtual void Check(const Scenario& scenario, Diagnostics& diagnostics) = 0;
+  /// Frame 0 of a scene that has just been put in force: makes afresh (`seed` of the frame) the controllers
+  /// of all robots that have one, and forgets the others.
+  virtual void Configure(const FramePtr& frame) = 0;
+  /// What the controllers make of `frame`, for the next step: overwrites the set-points of the robots they
+  /// drive (a stopped one: zeros) and appends their broadcasts by increasing robot. `setpoints` and `robot`
+  /// are by the scene's order.
+  virtual void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
+                    std::vector<SentMessage>& messages) = 0;
+  /// The robot's controller is taken away (`release_robot`): from now on it is driven by clients.
+  virtual void Unload(int robot) = 0;
+  /// Controllers stopped since the last call.
+  virtual std::vector<StoppedController> TakeStopped() = 0;
+  /// CPU time that the controllers have used outside this process, s.
+  virtual double child_cpu_s() const = 0;
+};
+
+}  // namespace coopdyn
