@@ -73,7 +73,9 @@ CheckResult CheckCounts(const CommandSpec& spec, std::string_view text, std::siz
     const std::string noun = spec.params.size() == 1 ? "the param " : "the params ";
     return Refuse(spec, Error::kWrongParams,
                   (CountFits(spec.params, 0) ? "takes at most " : "takes ") + noun + ListOf(spec.params) +
-                      (brackets ? ", in brackets before the data" : ""));
+                      (!brackets                     ? ""
+                       : spec.text == TextUse::kRest ? ", in brackets before the text"
+                                                     : ", in brackets before the data"));
   }
   if (!CountFits(spec.data, data)) {
     if (TakesNothing(spec)) return Refuse(spec, Error::kWrongData, "takes no values");

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <iterator>
+#include <utility>
 
 #include "protocol/ascii.h"
 #include "protocol/common_commands.h"
@@ -47,7 +47,15 @@ bool AllUnique(const std::vector<CommandSpec>& commands) {
 
 CommandTable::CommandTable(std::string module, std::vector<CommandSpec> own)
     : module_(std::move(module)), commands_(CommonCommands(own)) {
-  commands_.insert(commands_.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
+  for (CommandSpec& spec : own) {
+    const auto common = std::find_if(commands_.begin(), commands_.end(),
+                                     [&](const CommandSpec& other) { return other.id == spec.id; });
+    if (common != commands_.end()) {
+      *common = std::move(spec);
+    } else {
+      commands_.push_back(std::move(spec));
+    }
+  }
   assert(AllUnique(commands_));
 }
 

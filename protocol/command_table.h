@@ -28,7 +28,7 @@ struct ValueSpec {
 /// How a command uses the text field of a request.
 enum class TextUse {
   kNone,      // must be empty
-  kRest,      // declares only TEXT: a named line gives it the rest of the line
+  kRest,      // a named line gives TEXT the rest of the line; params, all optional, stand before in brackets
   kOrNumber,  // TEXT or the params: a token that starts with a letter is TEXT (`get_target red`)
   kFirst,     // an optional TEXT token comes first
 };
@@ -54,7 +54,7 @@ struct CommandSpec {
 /// The commands of one module: those that every module has, then its own.
 class CommandTable {
  public:
-  /// @pre ids and names are unique.
+  /// @pre ids and names are unique; one with the id of a common command takes that command's place.
   CommandTable(std::string module, std::vector<CommandSpec> own);
 
   const std::string& module() const { return module_; }  // e.g. "motors"

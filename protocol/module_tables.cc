@@ -118,6 +118,36 @@ CommandTable PoseTable() {
       });
 }
 
+CommandTable NeighboursTable() {
+  CommandSpec neighbours =
+      Reading(command::kGetNeighbours, "get_neighbours",
+              "Tells distance and bearing of every robot within range, obstacles or not.",
+              {Repeated("distance", "m"), Repeated("bearing", "rad")});
+  neighbours.reply_params = {Repeated("id")};
+  neighbours.reply_text = "their names, in the same order, separated by spaces";
+  CommandSpec send{.id = command::kSendMessage,
+                   .name = "send_message",
+                   .help = "Broadcasts one to eight numbers in the next step; the last one before it counts.",
+                   .data = {Value("value1")},
+                   .example = "send_message 1 0.5"};
+  for (int i = 2; i <= 8; ++i) {
+    send.data.push_back({.name = "value" + std::to_string(i), .unit = "", .optional = true});
+  }
+  CommandSpec messages =
+      Reading(command::kGetMessages, "get_messages",
+              "Tells what is heard now, per message: distance m, bearing rad of the sender, "
+              "then the numbers it sent.",
+              {Repeated("value")});
+  messages.reply_params = {Repeated("sender"), Repeated("count")};
+  CommandSpec link =
+      Reading(command::kGetLink, "get_link",
+              "Tells how far this robot sees others and is heard, which part of the messages is "
+              "lost, and how late they come.",
+              {Value("range", "m"), Value("message_range", "m"), Value("loss"), Value("delay", "s")});
+  return CommandTable("neighbours",
+                      {std::move(neighbours), std::move(send), std::move(messages), std::move(link)});
+}
+
 CommandTable SimulationTable() {
   CommandSpec status = Order(command::kGetStatus, "get_status", "Tells the state of the whole simulation.");
   status.reply_text = "JSON";
@@ -181,13 +211,80 @@ CommandTable SimulationTable() {
       });
 }
 
+CommandTable SwarmTable() {
+  const auto team = [](std::int32_t id, std::string name, std::string help) {
+    CommandSpec spec = Order(id, std::move(name), std::move(help));
+    spec.reply_params = {Repeated("id")};
+    spec.reply_text = "the names of the team, separated by spaces";
+    return spec;
+  };
+  CommandSpec claim =
+      team(command::kClaim, "claim",
+           "Takes robots or whole swarms with all their actuators, or none; without names all "
+           "that nobody drives.");
+  CommandSpec release =
+      team(command::kRelease, "release", "Gives robots or whole swarms of this team up; without names all.");
+  for (CommandSpec* spec : {&claim, &release}) {
+    spec->text = TextUse::kRest;
+    spec->text_name = "NAME…";
+    spec->text_optional = true;
+  }
+  claim.example = "claim robot1 robot2";
+  release.example = "release robot2";
+  const ValueSpec robot{.name = "robot", .unit = "", .repeated = true, .min = 1};
+  const std::vector<ValueSpec> table_shape = {
+      {.name = "mode", .unit = "", .enums = ModeWords()}, Value("rows"), Value("columns")};
+  return CommandTable(
+      "swarm",
+      {
+          std::move(claim),
+          std::move(release),
+          {.id = command::kStepAll,
+           .name = "step_all",
+           .help =
+               "Sets the speeds of robots of the team (none named: all; others are claimed), or with wheels "
+               "left and right rad/s; without data keeps them; answered after the next step.",
+           .text = TextUse::kFirst,
+           .text_name = "velocities or wheels",
+           .params = {robot},
+           .data = {Repeated("linear", "m/s"), Repeated("angular", "rad/s")},
+           .reply_params = table_shape,
+           .reply_data = {Repeated("reading")},
+           .reply_text = "`limited N robots` if some were scaled; who was taken from the team",
+           .example = "step_all (1 2) 0.2 0.5 0.1 0"},
+          {.id = command::kSelectReadings,
+           .name = "select_readings",
+           .help =
+               "Chooses the columns of step_all and read_all among pose, distances, targets, neighbours (so "
+               "many nearest, else 8) and wheels; without words pose distances.",
+           .text = TextUse::kRest,
+           .text_name = "READING…",
+           .params = {{.name = "nearest", .unit = "", .optional = true, .min = 1}},
+           .reply_params = {Repeated("columns")},
+           .reply_text = "the names of the readings, separated by spaces",
+           .example = "select_readings pose distances",
+           .text_optional = true},
+          {.id = command::kReadAll,
+           .name = "read_all",
+           .help = "Tells the same as step_all, at once, of the team or of any robots.",
+           .params = {robot},
+           .reply_params = table_shape,
+           .reply_data = {Repeated("reading")},
+           .example = "read_all 1 2"},
+          team(command::kGetTeam, "get_team", "Tells which robots this connection owns."),
+          Order(command::kStopTeam, "stop_team", "Stops all robots of the team."),
+      });
+}
+
 std::vector<CommandTable> AllModuleTables() {
   std::vector<CommandTable> tables;
   tables.push_back(MotorsTable());
   tables.push_back(DistanceTable());
   tables.push_back(TargetTable());
   tables.push_back(PoseTable());
+  tables.push_back(NeighboursTable());
   tables.push_back(SimulationTable());
+  tables.push_back(SwarmTable());
   return tables;
 }
 

@@ -15,7 +15,9 @@ CommandTable MotorsTable();      // /R/motors
 CommandTable DistanceTable();    // /R/distance
 CommandTable TargetTable();      // /R/target
 CommandTable PoseTable();        // /R/pose
+CommandTable NeighboursTable();  // /R/neighbours
 CommandTable SimulationTable();  // /simulation
+CommandTable SwarmTable();       // /swarm
 
 /// All of the above, in that order.
 std::vector<CommandTable> AllModuleTables();

@@ -50,6 +50,7 @@ class NamedReader {
 
   Message Read() {
     if (spec_.text == TextUse::kRest) {
+      if (!spec_.params.empty()) ReadBrackets();
       ReadRest();
     } else if (TakesNothing(spec_) && !line_.AtEnd()) {
       Refuse(Error::kWrongParams, spec_.name + " takes no values: " + ExampleLine(spec_));
@@ -73,7 +74,7 @@ class NamedReader {
   }
 
   void ReadRest() {
-    if (line_.AtEnd()) return;
+    if (problem_ || line_.AtEnd()) return;
     if (line_.Peek() != '"') {
       std::string_view rest = line_.rest();
       while (IsBlank(rest.back())) rest.remove_suffix(1);

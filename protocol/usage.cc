@@ -61,6 +61,7 @@ bool TakesNothing(const CommandSpec& spec) {
 
 std::span<const ValueSpec> BareParams(const CommandSpec& spec) {
   const std::span<const ValueSpec> params = spec.params;
+  if (spec.text == TextUse::kRest) return params.first(0);
   return spec.data.empty() ? params : params.first(RequiredCount(params));
 }
 
