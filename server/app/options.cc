@@ -329,6 +329,8 @@ std::vector<std::string> DataFolders(const std::vector<std::string>& given) {
   }
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  // Controllers that were built with the program.
+  if (std::filesystem::is_directory(program / "controllers", error)) folders.push_back(program.string());
   // Installed (bin/ beside share/), or in the build tree (build/<preset>/).
   for (const char* relative : {"../share/coopdyn", "../.."}) {
     const std::filesystem::path folder = std::filesystem::weakly_canonical(program / relative, error);

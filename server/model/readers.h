@@ -3,6 +3,7 @@
 // they give up.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,7 +18,8 @@
 namespace coopdyn {
 
 /// Where files are looked for: beside the naming file, then these folders in order (`--scenarios DIR`,
-/// COOPDYN_PATH, the installed data). In each, also in its subfolders `scenarios/`, `worlds/`, `robots/`.
+/// COOPDYN_PATH, the program's folder, the installed data). In each, also in its subfolders `scenarios/`,
+/// `worlds/`, `robots/`, `controllers/`.
 struct SearchPath {
   std::vector<std::filesystem::path> folders;
 
@@ -28,6 +30,11 @@ struct SearchPath {
                                                  const std::filesystem::path& beside) const;
   /// robots/<type>/model.sdf
   std::optional<std::filesystem::path> FindRobot(const std::string& type) const;
+  /// controllers/<name>.so or <name>.so in `beside` (unless that is empty) or on the path, for a bare name.
+  std::optional<std::filesystem::path> FindController(const std::string& name,
+                                                      const std::filesystem::path& beside = {}) const;
+  /// Names of all controllers that FindController() finds, sorted.
+  std::vector<std::string> ControllerNames(const std::filesystem::path& beside = {}) const;
   /// Names of all scenarios on the path, sorted, without extension.
   std::vector<std::string> ScenarioNames() const;
 };
@@ -55,13 +62,17 @@ std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& fi
 WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics);
 
 /// Reads the text of a .scenario and all that it names. Nothing if there are errors.
-/// `file`: for messages and for what lies beside it. `by_socket`: worlds and robots only by bare name on the
-/// path.
+/// `file`: for messages and for what lies beside it. `by_socket`: worlds, robots and controllers only by bare
+/// name on the path. `seed`: instead of the scenario's (`--seed`), for the places of swarms too; a `seed` in
+/// their own sections stays.
 std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
-                                             RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics);
+                                             RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics,
+                                             std::optional<std::uint64_t> seed = std::nullopt);
 /// Finds and reads a scenario (or a .world, as a scenario without robots) by path or bare name.
-/// `by_socket`: the name came over a socket, so only a bare name on the search path will do.
+/// `by_socket`: the name came over a socket, so only a bare name on the search path will do. `seed`: as
+/// above.
 std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots,
-                                             Diagnostics& diagnostics, bool by_socket = false);
+                                             Diagnostics& diagnostics, bool by_socket = false,
+                                             std::optional<std::uint64_t> seed = std::nullopt);
 
 }  // namespace coopdyn

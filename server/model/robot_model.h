@@ -76,6 +76,7 @@ struct NeighboursModel {
   double message_range_m = 0;  // of broadcasts
   double loss = 0;             // probability that one receiver misses a message, 0…1
   int delay_steps = 0;         // from sending to hearing, beyond the one step that every message takes
+  static constexpr int kMaxDelaySteps = 99;  // frames keep the broadcasts of 100 steps
   double distance_noise_stddev_m = 0;
   double bearing_noise_stddev_rad = 0;
 };

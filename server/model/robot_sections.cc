@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "server/model/controller_line.h"
 #include "server/model/world_sections.h"
 
 namespace coopdyn {
@@ -76,16 +77,12 @@ void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
   entry.where = reader.where();
   if (const auto color = reader.ColorValue("color")) entry.color = *color;
   const std::vector<std::string> fidelities = {"full", "rolling", "planar"};
-  if (reader.Choice("fidelity", fidelities).value_or(0) != 0) {
-    reader.ErrorAt("fidelity",
-                   "fidelity 'rolling' and 'planar' are not available in this version: write 'full', or "
-                   "leave the line out");
+  if (const auto fidelity = reader.Choice("fidelity", fidelities)) {
+    entry.fidelity = static_cast<Fidelity>(*fidelity);
   }
-  if (reader.Text("controller")) {
-    reader.ErrorAt("controller",
-                   "controllers loaded by the daemon are not available in this version; drive " +
-                       (entry.name.empty() ? "the robot" : entry.name) +
-                       " over its sockets and leave the line out");
+  entry.controller = ReadController(reader, library_.path(), beside_);
+  if (!entry.controller.empty() && entry.model != nullptr && !entry.model->has_actuators()) {
+    reader.ErrorAt("controller", "a " + entry.model->type + " has no motors that a controller could drive");
   }
   if (const auto sockets = reader.YesNo("sockets")) entry.sockets = *sockets;
 }
@@ -104,6 +101,21 @@ void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
   }
   if (const auto policy = reader.Choice("on_disconnect", words)) {
     entry.on_disconnect = static_cast<LossPolicy>(*policy);
+  }
+}
+
+void RobotSections::CheckDriver(SectionReader& reader, const RobotEntry& entry) {
+  if (entry.controller.empty()) return;
+  const auto contradicts = [&reader](const std::string& key) {
+    reader.ErrorAt(key, "'" + key + "' contradicts 'controller': a robot that the daemon drives itself is " +
+                            "not waited for; keep one of the two lines");
+  };
+  if (reader.Has("sync") && entry.sync) contradicts("sync");
+  if (reader.Has("waits_for")) contradicts("waits_for");
+  for (const char* key : {"deadline", "on_disconnect"}) {
+    if (!reader.Has(key)) continue;
+    reader.WarningAt(key, std::string("'") + key + "' has no effect as long as the controller drives '" +
+                              entry.name + "'");
   }
 }
 
@@ -145,6 +157,7 @@ void RobotSections::ReadRobot(SectionReader& reader) {
       }
     }
   }
+  CheckDriver(reader, entry);
   reader.Finish();
   if (!team) {
     Add(std::move(entry), reader.LineOf("name"));
@@ -185,7 +198,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   entry.model = ReadType(reader, team);
   if (team) reader.ErrorAt("type", "a swarm has one robot after the other: write 'type single'");
   reader.Require("count", "count 20");
-  reader.Require("name", "name ant (the robots are then ant_1, ant_2, …)");
+  entry.name = DefaultName(reader.section().word);
   const auto count = reader.WholeNumber("count", 1, kMaxSwarm);
   if (const auto name = reader.Word("name")) entry.name = WithoutSlash(*name);
   ReadShared(reader, entry);
@@ -198,7 +211,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
     reader.ErrorAt("area", "length and width of the area must be above 0");
     return;
   }
-  if (entry.model == nullptr || team || !count || entry.name.empty()) return;
+  if (entry.model == nullptr || team || !count) return;
 
   SwarmRequest request;
   request.count = static_cast<int>(*count);
@@ -230,6 +243,12 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
     return;
   }
   const std::string name = entry.name;
+  scenario_.swarms.push_back(
+      {name, DefaultName(reader.section().word), 0, static_cast<std::size_t>(*count), reader.where()});
+  if (const auto robot = names_.find(ToLower(name)); robot != names_.end()) {
+    reader.ErrorAt("name", "a robot is called '" + name + "' too (in line " +
+                               std::to_string(robot->second.line) + "): give the swarm another name");
+  }
   for (std::size_t i = 0; i < places.size(); ++i) {
     entry.name = name + "_" + std::to_string(i + 1);
     entry.X_WR = {Vector3(places[i].x_m, places[i].y_m, 0), FromRollPitchYaw(0, 0, places[i].heading_rad)};
@@ -244,6 +263,12 @@ void RobotSections::SortAsInFile() {
                    [](const RobotEntry& a, const RobotEntry& b) { return a.where.line < b.where.line; });
   for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
     scenario_.robots[i].id = RobotId{static_cast<std::uint32_t>(i + 1)};
+  }
+  for (SwarmEntry& swarm : scenario_.swarms) {
+    const auto first =
+        std::lower_bound(scenario_.robots.begin(), scenario_.robots.end(), swarm.where.line,
+                         [](const RobotEntry& robot, int line) { return robot.where.line < line; });
+    swarm.first = static_cast<std::size_t>(first - scenario_.robots.begin());
   }
 }
 

@@ -2,9 +2,12 @@
 // [ROBOT_n] and [SWARM_n] of a scenario.
 #pragma once
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "server/model/readers.h"
@@ -16,21 +19,25 @@ namespace coopdyn {
 /// Reads the robots of one scenario, in file order. Everything passed in outlives it. One thread.
 class RobotSections {
  public:
-  RobotSections(Scenario& scenario, RobotLibrary& library, Diagnostics& diagnostics)
-      : scenario_(scenario), library_(library), diagnostics_(diagnostics) {}
+  /// `beside`: the scenario's folder, where controllers may lie; nothing if it came by socket.
+  RobotSections(Scenario& scenario, RobotLibrary& library, std::optional<std::filesystem::path> beside,
+                Diagnostics& diagnostics)
+      : scenario_(scenario), library_(library), beside_(std::move(beside)), diagnostics_(diagnostics) {}
 
   /// Adds the robot of a [ROBOT_n], or the two of a team2.
   void ReadRobot(SectionReader& reader);
   /// Adds the robots of a [SWARM_n]; their places are those left by objects and robots added before, so read
   /// swarms after everything else and call SortAsInFile() then.
   void ReadSwarm(SectionReader& reader);
-  /// Puts the robots into the order of their sections, then numbers them.
+  /// Puts the robots into the order of their sections, then numbers them; says where each swarm stands.
   void SortAsInFile();
 
  private:
   /// The model of `type`; `team`: two of them. Null with an error.
   std::shared_ptr<const RobotModel> ReadType(SectionReader& reader, bool& team);
   void ReadShared(SectionReader& reader, RobotEntry& entry);
+  /// Reports what a robot with a controller cannot have.
+  void CheckDriver(SectionReader& reader, const RobotEntry& entry);
   void ReadLosses(SectionReader& reader, RobotEntry& entry);
   /// `where`: of its name, for messages.
   void Add(RobotEntry entry, const SourceLine& where);
@@ -38,6 +45,7 @@ class RobotSections {
 
   Scenario& scenario_;
   RobotLibrary& library_;
+  const std::optional<std::filesystem::path> beside_;
   Diagnostics& diagnostics_;
   std::unordered_map<std::string, SourceLine> names_;   // lower case
   std::unordered_map<std::string, bool> broken_types_;  // said what is wrong with them

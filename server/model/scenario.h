@@ -42,8 +42,8 @@ struct SimulationOptions {
 
 /// `controller diffuse speed=0.2`: a loaded controller and its options.
 struct ControllerChoice {
-  std::string name;  // empty: none
-  std::string file;  // the shared object, as found on the search path
+  std::string name;                                     // empty: none
+  std::string file;                                     // the shared object, as found on the search path
   std::vector<std::pair<std::string, double>> options;  // in file order, SI units
   SourceLine where;
 
@@ -71,6 +71,15 @@ struct RobotEntry {
   bool participates() const { return sync && controller.empty() && model->has_actuators(); }
 };
 
+/// The robots of one [SWARM_n]: `count` of them from robots[first], called NAME_1 to NAME_count.
+struct SwarmEntry {
+  std::string name;
+  std::string section;  // swarm1 for [SWARM_1]
+  std::size_t first = 0;
+  std::size_t count = 0;
+  SourceLine where;
+};
+
 struct Scenario {
   std::string name;                  // file name without folder and extension; "(text)" if it came by socket
   std::string file;                  // as found; empty if it came by socket
@@ -80,6 +89,7 @@ struct Scenario {
   std::vector<WorldObject> objects;  // the world's, then the scenario's own; ids are index + 1
   std::vector<Target> targets;
   std::vector<RobotEntry> robots;
+  std::vector<SwarmEntry> swarms;  // in file order
   SimulationOptions simulation;
 };
 

@@ -20,14 +20,23 @@ bool IsBareName(const std::string& name) {
   return name.find_first_of("/\\:") == std::string::npos && !name.starts_with('.');
 }
 
+/// Where a scenario's own files lie; nothing if it came by socket.
+std::optional<std::filesystem::path> FolderOf(const std::string& file, bool by_socket) {
+  if (by_socket) return std::nullopt;
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  return folder.empty() ? std::filesystem::path(".") : folder;
+}
+
 class ScenarioReader {
  public:
-  ScenarioReader(const std::string& file, RobotLibrary& library, bool by_socket, Diagnostics& diagnostics)
+  ScenarioReader(const std::string& file, RobotLibrary& library, bool by_socket,
+                 std::optional<std::uint64_t> seed, Diagnostics& diagnostics)
       : label_(file.empty() ? "(text)" : file),
         library_(library),
         by_socket_(by_socket),
+        seed_(seed),
         diagnostics_(diagnostics),
-        robots_(*scenario_, library, diagnostics) {
+        robots_(*scenario_, library, FolderOf(file, by_socket), diagnostics) {
     scenario_->file = by_socket ? "" : file;
     scenario_->name = file.empty() ? "(text)" : std::filesystem::path(file).stem().string();
   }
@@ -40,6 +49,7 @@ class ScenarioReader {
     FindDegrees();
     // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.
     ReadFirst("simulation", [this](SectionReader& reader) { ReadSimulation(reader); });
+    if (seed_) scenario_->simulation.seed = *seed_;
     ReadFirst("world", [this](SectionReader& reader) { ReadWorldFile(reader); });
     ReadFirst("floor", [this](SectionReader& reader) { ReadOwnFloor(reader); });
     ReadFirst("target", [this](SectionReader& reader) { ReadTargets(reader); });
@@ -139,10 +149,8 @@ class ScenarioReader {
                          "search path, for example: file corridor.world");
       return;
     }
-    const std::filesystem::path beside =
-        by_socket_ ? std::filesystem::path() : std::filesystem::path(label_).parent_path();
-    const bool here = !by_socket_ && beside.empty();
-    const auto path = library_.path().FindWorld(*name, here ? std::filesystem::path(".") : beside);
+    const std::filesystem::path beside = FolderOf(label_, by_socket_).value_or(std::filesystem::path());
+    const auto path = library_.path().FindWorld(*name, beside);
     if (!path) {
       diagnostics_.Error(where,
                          "there is no world '" + *name + "' beside the scenario or on the search path");
@@ -234,6 +242,7 @@ class ScenarioReader {
   const std::string label_;  // in messages
   RobotLibrary& library_;
   const bool by_socket_;
+  const std::optional<std::uint64_t> seed_;
   Diagnostics& diagnostics_;
   std::shared_ptr<Scenario> scenario_ = std::make_shared<Scenario>();
   RobotSections robots_;
@@ -276,15 +285,17 @@ Diagnostics InFileOrder(const Diagnostics& found, const std::string& file) {
 }  // namespace
 
 std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
-                                             RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics) {
+                                             RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics,
+                                             std::optional<std::uint64_t> seed) {
   Diagnostics found;
-  std::shared_ptr<const Scenario> scenario = ScenarioReader(file, robots, by_socket, found).Read(text);
+  std::shared_ptr<const Scenario> scenario = ScenarioReader(file, robots, by_socket, seed, found).Read(text);
   diagnostics.Append(InFileOrder(found, file.empty() ? "(text)" : file));
   return scenario;
 }
 
 std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots,
-                                             Diagnostics& diagnostics, bool by_socket) {
+                                             Diagnostics& diagnostics, bool by_socket,
+                                             std::optional<std::uint64_t> seed) {
   if (by_socket && !IsBareName(name)) {
     diagnostics.Error({name, 0},
                       "over a socket a scenario is named by its bare name on the search path, for "
@@ -303,7 +314,8 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   std::shared_ptr<const Scenario> scenario;
   if (text) {
     const bool world = ToLower(path->extension().string()) == ".world";
-    scenario = world ? WorldAsScenario(*text, file, found) : ReadScenario(*text, file, robots, false, found);
+    scenario =
+        world ? WorldAsScenario(*text, file, found) : ReadScenario(*text, file, robots, false, found, seed);
   }
   diagnostics.Append(found);
   return scenario;

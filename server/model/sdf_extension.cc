@@ -32,6 +32,12 @@ struct SectorDefaults {
   double noise_stddev_m = 0;
 };
 
+/// In the order of their ports.
+const std::vector<std::string>& ModuleTypes() {
+  static const std::vector<std::string> kTypes = {"motors", "distance", "target", "pose", "neighbours"};
+  return kTypes;
+}
+
 class ExtensionReader {
  public:
   ExtensionReader(const std::string& file, std::span<const double> max_speeds, RobotModel& robot,
@@ -40,7 +46,7 @@ class ExtensionReader {
 
   void Read(const XMLElement& model) {
     const std::vector<std::string> known = {"coopdyn:drive", "coopdyn:distance_sensors",
-                                            "coopdyn:target_sensor", "coopdyn:module"};
+                                            "coopdyn:target_sensor", "coopdyn:neighbours", "coopdyn:module"};
     std::set<std::string> seen;
     for (const XMLElement* child = model.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
@@ -58,6 +64,7 @@ class ExtensionReader {
       if (name == "coopdyn:drive") ReadDrive(*child);
       if (name == "coopdyn:distance_sensors") ReadDistanceSensors(*child);
       if (name == "coopdyn:target_sensor") ReadTargetSensor(*child);
+      if (name == "coopdyn:neighbours") ReadNeighbours(*child);
       if (name == "coopdyn:module") ReadModule(*child);
     }
     CheckModules(model);
@@ -235,10 +242,28 @@ class ExtensionReader {
     attributes.Finish();
   }
 
+  void ReadNeighbours(const XMLElement& element) {
+    XmlAttributes attributes(element, file_, diagnostics_);
+    attributes.Require("range");
+    NeighboursModel& sensor = robot_.neighbours;
+    neighbours_ = &element;
+    if (auto v = attributes.Number("range", 1e-3, kMaxLength_m)) sensor.range_m = *v;
+    sensor.message_range_m = attributes.Number("message_range", 0, kMaxLength_m).value_or(sensor.range_m);
+    if (auto v = attributes.Number("loss", 0, 1)) sensor.loss = *v;
+    if (auto v = attributes.Integer("delay_steps", 0, NeighboursModel::kMaxDelaySteps))
+      sensor.delay_steps = *v;
+    if (auto v = attributes.Number("distance_noise_stddev", 0, kMaxLength_m))
+      sensor.distance_noise_stddev_m = *v;
+    if (auto v = attributes.Number("bearing_noise_stddev_deg", 0, 180)) {
+      sensor.bearing_noise_stddev_rad = *v * kDegree;
+    }
+    attributes.Finish();
+  }
+
   void ReadModule(const XMLElement& element) {
     XmlAttributes attributes(element, file_, diagnostics_);
     attributes.Require("type");
-    const std::vector<std::string> types = {"motors", "distance", "target", "pose"};
+    const std::vector<std::string>& types = ModuleTypes();
     const std::optional<std::string> type = attributes.Text("type");
     const std::string name = attributes.Text("name").value_or(type.value_or(""));
     attributes.Finish();
@@ -263,17 +288,27 @@ class ExtensionReader {
     if (*type == "distance" && robot_.distance_sensors.empty() && !diagnostics_.has_errors()) {
       attributes.Error("a module 'distance' needs <coopdyn:distance_sensors> before it");
     }
+    if (*type == "neighbours" && neighbours_ == nullptr && !diagnostics_.has_errors()) {
+      attributes.Error("a module 'neighbours' needs <coopdyn:neighbours range=\"1\"/> before it");
+    }
   }
 
   /// Ports are given in this order.
   void CheckModules(const XMLElement& model) {
-    const std::vector<std::string> order = {"motors", "distance", "target", "pose"};
+    const std::vector<std::string>& order = ModuleTypes();
     std::stable_sort(robot_.modules.begin(), robot_.modules.end(), [&](const auto& a, const auto& b) {
       return std::find(order.begin(), order.end(), a.type) < std::find(order.begin(), order.end(), b.type);
     });
     if (robot_.modules.empty()) {
       diagnostics_.Error({file_, model.GetLineNum()},
                          "the robot has no module: write e.g. <coopdyn:module type=\"motors\"/>");
+    }
+    const bool has_neighbours = std::any_of(robot_.modules.begin(), robot_.modules.end(),
+                                            [](const auto& module) { return module.type == "neighbours"; });
+    if (neighbours_ != nullptr && !has_neighbours) {
+      diagnostics_.Error({file_, neighbours_->GetLineNum()},
+                         "<coopdyn:neighbours> needs its module: write <coopdyn:module type=\"neighbours\"/> "
+                         "after it");
     }
   }
 
@@ -282,6 +317,7 @@ class ExtensionReader {
   RobotModel& robot_;
   Diagnostics& diagnostics_;
   double contact_y_[2] = {0, 0};  // of the left and the right wheel
+  const XMLElement* neighbours_ = nullptr;
 };
 
 }  // namespace

@@ -56,6 +56,19 @@ bool IsBareWord(const std::string& type) {
              std::string::npos;
 }
 
+/// Where a controller's file may lie, in the order in which they are tried.
+std::vector<fs::path> ControllerFolders(const SearchPath& path, const fs::path& beside) {
+  std::vector<fs::path> roots;
+  if (!beside.empty()) roots.push_back(beside);
+  roots.insert(roots.end(), path.folders.begin(), path.folders.end());
+  std::vector<fs::path> folders;
+  for (const fs::path& root : roots) {
+    folders.push_back(root / "controllers");
+    folders.push_back(root);
+  }
+  return folders;
+}
+
 }  // namespace
 
 std::optional<fs::path> SearchPath::FindScenario(const std::string& name) const {
@@ -110,6 +123,27 @@ std::optional<fs::path> SearchPath::FindRobot(const std::string& type) const {
     }
   }
   return std::nullopt;
+}
+
+std::optional<fs::path> SearchPath::FindController(const std::string& name, const fs::path& beside) const {
+  if (!IsBareWord(name)) return std::nullopt;
+  for (const fs::path& folder : ControllerFolders(*this, beside)) {
+    const fs::path file = (folder / (name + ".so")).lexically_normal();
+    std::error_code code;
+    if (fs::is_regular_file(file, code)) return file;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> SearchPath::ControllerNames(const fs::path& beside) const {
+  std::set<std::string> names;
+  for (const fs::path& folder : ControllerFolders(*this, beside)) {
+    std::error_code code;
+    for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+      if (it->path().extension() == ".so") names.insert(it->path().stem().string());
+    }
+  }
+  return {names.begin(), names.end()};
 }
 
 std::vector<std::string> SearchPath::ScenarioNames() const {

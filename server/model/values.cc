@@ -32,7 +32,7 @@ constexpr Unit kUnits[] = {
 std::string UnitsOf(Quantity quantity) {
   std::vector<std::string> names;
   for (const Unit& unit : kUnits) {
-    if (unit.quantity == quantity) names.emplace_back(unit.name);
+    if (unit.quantity == quantity || quantity == Quantity::kAny) names.emplace_back(unit.name);
   }
   return names.empty() ? "no unit belongs here" : "units here are " + JoinNames(names);
 }
@@ -90,7 +90,7 @@ ParsedNumber ParseNumber(std::string_view word, Quantity quantity) {
   const std::string unit_word = ToLower(digits.substr(static_cast<std::size_t>(end - digits.data())));
   if (unit_word.empty()) return out;
   for (const Unit& unit : kUnits) {
-    if (unit.name == unit_word && unit.quantity == quantity) {
+    if (unit.name == unit_word && (unit.quantity == quantity || quantity == Quantity::kAny)) {
       out.value *= unit.factor;
       out.has_unit = true;
       return out;

@@ -12,7 +12,7 @@
 namespace coopdyn {
 
 /// What a number measures: which units may stand right behind it.
-enum class Quantity { kPlain, kLength, kAngle, kMass, kTime };
+enum class Quantity { kPlain, kLength, kAngle, kMass, kTime, kAny };
 
 /// A number in SI units, or what is wrong with it.
 struct ParsedNumber {

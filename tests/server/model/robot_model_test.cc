@@ -280,5 +280,54 @@ TEST(RobotLibraryTest, TypesAreBareNames) {
   EXPECT_TRUE(diagnostics.has_errors());
 }
 
+const std::string kPoseModule = "<coopdyn:module type=\"pose\"/>";
+
+/// What the reader says about the shipped robot with more elements before its last module.
+std::string WithElements(const std::string& elements) {
+  return ReadChanged(kPoseModule, elements + kPoseModule);
+}
+
+TEST(NeighboursTest, ElementAndModuleAreRead) {
+  std::string text = CoopbotText();
+  text.replace(text.find(kPoseModule), kPoseModule.size(),
+               "<coopdyn:neighbours range=\"1.5\" message_range=\"0.5\" loss=\"0.25\" delay_steps=\"3\" "
+               "distance_noise_stddev=\"0.01\" bearing_noise_stddev_deg=\"2\"/>"
+               "<coopdyn:module type=\"neighbours\"/>" +
+                   kPoseModule);
+  const TempFolder folder;
+  Diagnostics diagnostics;
+  const auto robot = ReadRobotModel(folder.Write("robot/model.sdf", text), diagnostics);
+  ASSERT_NE(robot, nullptr) << diagnostics.ToString();
+  EXPECT_EQ(robot->neighbours.range_m, 1.5);
+  EXPECT_EQ(robot->neighbours.message_range_m, 0.5);
+  EXPECT_EQ(robot->neighbours.loss, 0.25);
+  EXPECT_EQ(robot->neighbours.delay_steps, 3);
+  EXPECT_EQ(robot->neighbours.distance_noise_stddev_m, 0.01);
+  EXPECT_DOUBLE_EQ(robot->neighbours.bearing_noise_stddev_rad, 2 * kDegree);
+  ASSERT_EQ(robot->modules.size(), 5u);
+  EXPECT_EQ(robot->modules.back().type, "neighbours");
+}
+
+TEST(NeighboursTest, RobotsWithoutHaveNone) {
+  EXPECT_EQ(Coopbot()->neighbours.range_m, 0);
+}
+
+TEST(NeighboursTest, ElementAndModuleNeedEachOther) {
+  EXPECT_THAT(WithElements("<coopdyn:neighbours range=\"1\"/>"), HasSubstr("needs its module: write"));
+  EXPECT_THAT(WithElements("<coopdyn:module type=\"neighbours\"/>"),
+              HasSubstr("needs <coopdyn:neighbours range=\"1\"/> before it"));
+}
+
+TEST(NeighboursTest, BadValuesAreErrors) {
+  const std::string module = "<coopdyn:module type=\"neighbours\"/>";
+  for (const char* attributes :
+       {"", "range=\"0\"", "range=\"-1\"", "range=\"nan\"", "range=\"1\" loss=\"1.1\"",
+        "range=\"1\" delay_steps=\"100\"", "range=\"1\" delay_steps=\"0.5\"", "range=\"1\" delay=\"1\""}) {
+    EXPECT_THAT(WithElements("<coopdyn:neighbours " + std::string(attributes) + "/>" + module),
+                HasSubstr("error: <coopdyn:neighbours>:"))
+        << attributes;
+  }
+}
+
 }  // namespace
 }  // namespace coopdyn

@@ -110,16 +110,13 @@ TEST(RobotTest, PoliciesAreChecked) {
   EXPECT_THAT(With("on_deadline hold"), HasSubstr("warning: 'on_deadline' has no effect without 'deadline'"));
 }
 
-TEST(RobotTest, LoadedControllersAreRefusedClearly) {
-  EXPECT_EQ(
-      With("name ana\ncontroller wander"),
-      "test.scenario:5: error: controllers loaded by the daemon are not available in this version; drive ana "
-      "over its sockets and leave the line out\n");
-}
-
-TEST(RobotTest, OtherFidelitiesAreRefusedClearly) {
-  EXPECT_THAT(With("fidelity rolling"), HasSubstr("not available in this version: write 'full'"));
-  EXPECT_THAT(With("fidelity planar"), HasSubstr("not available in this version: write 'full'"));
+TEST(RobotTest, FidelityIsOneOfThree) {
+  EXPECT_EQ(Good(kRobot)->robots.at(0).fidelity, Fidelity::kFull);
+  EXPECT_EQ(Good(kRobot + "fidelity Rolling")->robots.at(0).fidelity, Fidelity::kRolling);
+  EXPECT_EQ(Good(kRobot + "fidelity planar")->robots.at(0).fidelity, Fidelity::kPlanar);
+  EXPECT_EQ(Good(kSwarm + "fidelity rolling")->robots.at(39).fidelity, Fidelity::kRolling);
+  EXPECT_THAT(With("fidelity roling"),
+              HasSubstr(":4: error: 'fidelity' cannot be 'roling'; did you mean 'rolling'?"));
 }
 
 TEST(RobotTest, YesAndNo) {
@@ -145,6 +142,25 @@ TEST(SwarmTest, NamesAndDefaults) {
   EXPECT_EQ(scenario->robots[39].name, "ant_40");
   EXPECT_EQ(scenario->robots[39].id, RobotId{40});
   EXPECT_FALSE(scenario->robots[0].sockets);
+  const auto nameless = Good("[SWARM_2]\ntype coopbot\ncount 2\n");
+  EXPECT_EQ(nameless->robots.at(1).name, "swarm2_2");
+}
+
+TEST(SwarmTest, ScenarioSaysWhereTheyStand) {
+  const auto scenario = Good(kSwarm + kRobot + "[SWARM_7]\ntype coopbot\nname bee\ncount 3\n");
+  ASSERT_EQ(scenario->swarms.size(), 2u);
+  EXPECT_EQ(scenario->swarms[0].name, "ant");
+  EXPECT_EQ(scenario->swarms[0].first, 0u);
+  EXPECT_EQ(scenario->swarms[0].count, 40u);
+  EXPECT_EQ(scenario->swarms[1].name, "bee");
+  EXPECT_EQ(scenario->swarms[1].section, "swarm7");
+  EXPECT_EQ(scenario->swarms[1].first, 41u);
+  EXPECT_EQ(scenario->robots[41].name, "bee_1");
+}
+
+TEST(SwarmTest, NameIsNoRobotsName) {
+  EXPECT_THAT(Read(kRobot + "name Ant\n" + kSwarm).messages,
+              HasSubstr(":7: error: a robot is called 'ant' too (in line 4): give the swarm another name"));
 }
 
 TEST(SwarmTest, OrderIsThatOfTheFile) {
@@ -160,6 +176,18 @@ TEST(SwarmTest, SamePlacesForTheSameSeedOnly) {
   EXPECT_EQ(a->robots[7].X_WR.q.coeffs(), b->robots[7].X_WR.q.coeffs());
   EXPECT_NE(a->robots[7].X_WR.p, c->robots[7].X_WR.p);
   EXPECT_NE(a->robots[7].X_WR.p, Good("[SIMULATION]\nseed 2\n" + kSwarm)->robots[7].X_WR.p);
+}
+
+TEST(SwarmTest, SeedOfTheRunReplacesTheScenarios) {
+  const auto with_seed = [](const std::string& text, std::uint64_t seed) {
+    Diagnostics diagnostics;
+    return ReadScenario(text, "test.scenario", ShippedRobots(), false, diagnostics, seed);
+  };
+  const auto scenario = with_seed("[SIMULATION]\nseed 5\n" + kSwarm, 2);
+  EXPECT_EQ(scenario->simulation.seed, 2u);
+  EXPECT_EQ(scenario->robots[7].X_WR.p, Good(kSwarm + "seed 2\n")->robots[7].X_WR.p);
+  // A seed of the swarm's own fixes the places.
+  EXPECT_EQ(with_seed(kSwarm + "seed 2\n", 9)->robots[7].X_WR.p, scenario->robots[7].X_WR.p);
 }
 
 TEST(SwarmTest, PlacesAreClearOfObjectsRobotsAndOneAnother) {
@@ -198,7 +226,6 @@ TEST(SwarmTest, TooManyForTheAreaIsAnError) {
 
 TEST(SwarmTest, MistakesAreErrors) {
   EXPECT_THAT(Read("[SWARM]\ntype single\n").messages, HasSubstr("[SWARM] needs 'count'"));
-  EXPECT_THAT(Read("[SWARM]\ntype single\n").messages, HasSubstr("[SWARM] needs 'name'"));
   EXPECT_THAT(Read(kSwarm + "spacing 0.2\n").messages,
               HasSubstr("at least 0.36 m, the diameter of a coopbot"));
   EXPECT_THAT(Read(kSwarm + "area 0 0 -1 1\n").messages, HasSubstr("must be above 0"));
