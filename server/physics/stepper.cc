@@ -18,8 +18,8 @@ constexpr Nanoseconds kLookAgain = 250'000'000;
 
 }  // namespace
 
-Stepper::Stepper(Boards boards, const Clock& clock, Logger logger, RunOptions options)
-    : boards_(boards), clock_(clock), logger_(std::move(logger)), options_(options) {
+Stepper::Stepper(Boards boards, const Clock& clock, Logger logger, RunOptions options, StepHelpers helpers)
+    : boards_(boards), clock_(clock), logger_(std::move(logger)), options_(options), helpers_(helpers) {
   boards_.commands.set_all_ready_hook([this] { StepHere(); });
 }
 
@@ -27,7 +27,7 @@ bool Stepper::Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagn
   baton_.Take();
   seed_ = options_.seed.value_or(scenario->simulation.seed);
   auto scene = MakeScene(scenario, 1);
-  auto world = PhysicsWorld::Build(scene, seed_, diagnostics);
+  auto world = BuildWorld(scene, seed_, diagnostics);
   const bool built = world != nullptr;
   if (built) {
     paused_ = options_.paused;
@@ -109,15 +109,21 @@ Nanoseconds Stepper::StepIfDue(Nanoseconds now) {
 }
 
 void Stepper::StepNow(Nanoseconds now) {
-  const std::span<const Setpoint> setpoints = boards_.commands.Latch();
+  const std::span<const Setpoint> setpoints = TakeSetpoints();
   const int substeps = std::max(DefaultSubsteps(step_length_), substeps_.value_or(1));
+  const Nanoseconds began = clock_.Now();
   world_->Step(step_length_, substeps, setpoints);
+  const Nanoseconds stepped = clock_.Now();
   ++step_;
   time_ += step_length_;
   if (allowed_steps_ > 0) --allowed_steps_;
   std::shared_ptr<Frame> frame = MakeFrame();
   for (std::size_t i = 0; i < setpoints.size(); ++i) frame->robots[i].setpoint_rad_s = setpoints[i];
+  frame->messages = messages_;
   boards_.frames.Publish(frame);
+  times_.physics += stepped - began;
+  times_.publish += clock_.Now() - stepped;
+  if (has_controllers_) NoteStoppedControllers();
   for (const FrozenBody& frozen : world_->TakeFrozen()) {
     status_.frozen.push_back(frozen.name);
     AddEvent("error", frozen.name + " exploded (" + frozen.why + ") and is frozen where it was last sane");
@@ -135,8 +141,27 @@ void Stepper::StepNow(Nanoseconds now) {
   }
 }
 
-std::shared_ptr<Frame> Stepper::MakeFrame() const {
-  auto frame = std::make_shared<Frame>();
+std::span<const Setpoint> Stepper::TakeSetpoints() {
+  const std::span<const Setpoint> latched = boards_.commands.Latch();
+  const std::uint64_t oldest = step_ + 1 - std::min(step_ + 1, message_steps_);
+  std::erase_if(messages_, [oldest](const SentMessage& sent) { return sent.step < oldest; });
+  if (!has_controllers_) return latched;
+  setpoints_.assign(latched.begin(), latched.end());
+  const auto first = static_cast<std::ptrdiff_t>(messages_.size());
+  helpers_.controllers->Step(boards_.frames.Latest(), setpoints_, messages_);
+  std::stable_sort(messages_.begin() + first, messages_.end(),
+                   [](const SentMessage& a, const SentMessage& b) { return a.robot < b.robot; });
+  return setpoints_;
+}
+
+void Stepper::NoteStoppedControllers() {
+  for (const StoppedController& stopped : helpers_.controllers->TakeStopped()) {
+    AddEvent("error", stopped.robot + " stands: " + stopped.why);
+  }
+}
+
+std::shared_ptr<Frame> Stepper::MakeFrame() {
+  std::shared_ptr<Frame> frame = frames_.Take();
   frame->step = step_;
   frame->time = time_;
   frame->step_length = step_length_;
@@ -149,12 +174,24 @@ std::shared_ptr<Frame> Stepper::MakeFrame() const {
 void Stepper::NoteFloorLeft(const Frame& frame) {
   const double half_length = scene_->floor.length_m / 2;
   const double half_width = scene_->floor.width_m / 2;
-  for (std::size_t i = 0; i < scene_->robots.size(); ++i) {
-    const Vector3& p = frame.bodies[static_cast<std::size_t>(scene_->robots[i].first_body)].p_WB;
+  for (std::size_t i = 0; i < chassis_.size(); ++i) {
+    const Vector3& p = frame.bodies[chassis_[i]].p_WB;
     const bool off = std::abs(p.x()) > half_length || std::abs(p.y()) > half_width;
     if (off && !off_floor_[i]) AddEvent("warning", scene_->robots[i].entry.name + " has left the floor");
     off_floor_[i] = off;
   }
+}
+
+PhaseTimes Stepper::phase_times() {
+  baton_.Take();
+  PhaseTimes times = times_;
+  baton_.Pass();
+  if (helpers_.controllers != nullptr) {
+    const PhaseTimes outside = helpers_.controllers->times();
+    times.sense += outside.sense;
+    times.control += outside.control;
+  }
+  return times;
 }
 
 double Stepper::speed() const {

@@ -17,11 +17,15 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/mutex.h"
+#include "server/base/worker_pool.h"
 #include "server/physics/world.h"
 #include "server/state/command_board.h"
+#include "server/state/controller_driver.h"
 #include "server/state/doorbell.h"
 #include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
+#include "server/state/frame_pool.h"
+#include "server/state/phase_times.h"
 #include "server/state/run_control.h"
 #include "server/timing/pacer.h"
 #include "server/timing/rate_meter.h"
@@ -49,6 +53,12 @@ struct RunOptions {
   bool paused = false;
 };
 
+/// What else takes part in a step; outlives the stepper.
+struct StepHelpers {
+  WorkerPool* pool = nullptr;               // null: everything on the stepping thread
+  ControllerDriver* controllers = nullptr;  // null: robots that ask for a controller are errors
+};
+
 class Stepper {
  public:
   struct Boards {
@@ -59,7 +69,7 @@ class Stepper {
     Doorbell& bell;
   };
 
-  Stepper(Boards boards, const Clock& clock, Logger logger, RunOptions options);
+  Stepper(Boards boards, const Clock& clock, Logger logger, RunOptions options, StepHelpers helpers = {});
 
   /// Builds the world of `scenario` and publishes frame 0. False, with errors, if it cannot be built. Before
   /// Run().
@@ -70,6 +80,8 @@ class Stepper {
   /// Runs the step that has just become possible on the calling thread if the baton is free and time allows;
   /// otherwise wakes the physics thread. Any thread, no lock held.
   void StepHere() EXCLUDES(baton_);
+  /// How long the parts of stepping have taken so far. Any thread.
+  PhaseTimes phase_times() EXCLUDES(baton_);
   /// Called on the stepping thread when `duration_s` has been reached. Set before Run().
   void set_on_ended(std::function<void()> on_ended) { on_ended_ = std::move(on_ended); }
 
@@ -85,16 +97,23 @@ class Stepper {
   EditResult Apply(const edit::SetSpeed&) REQUIRES(baton_);
   EditResult Apply(const edit::SetParticipants&) REQUIRES(baton_);
   EditResult Apply(const edit::StopAll&) REQUIRES(baton_);
+  EditResult Apply(const edit::UnloadController&) REQUIRES(baton_);
 
   void ApplyEdits() REQUIRES(baton_);
   /// Does what is due now and returns when to look again.
   Nanoseconds WorkOnce() EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
+  /// The set-points of the coming step, of clients and of loaded controllers; collects what is broadcast.
+  std::span<const Setpoint> TakeSetpoints() REQUIRES(baton_);
+  void NoteStoppedControllers() REQUIRES(baton_);
+  /// Builds the world of `scene`; null, with errors, if it or its controllers do not fit.
+  std::unique_ptr<PhysicsWorld> BuildWorld(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
+                                           Diagnostics& diagnostics) REQUIRES(baton_);
   /// Puts a freshly built world in force and publishes its frame 0.
   void Install(std::unique_ptr<PhysicsWorld> world, std::shared_ptr<const Scene> scene, StepEnd end)
       REQUIRES(baton_);
-  std::shared_ptr<Frame> MakeFrame() const REQUIRES(baton_);
+  std::shared_ptr<Frame> MakeFrame() REQUIRES(baton_);
   /// Builds the world of `scenario` and puts it in force; what goes wrong is the text of the result.
   EditResult Rebuild(std::shared_ptr<const Scenario> scenario, std::uint64_t seed, StepEnd end)
       REQUIRES(baton_);
@@ -113,6 +132,7 @@ class Stepper {
   const Clock& clock_;
   const Logger logger_;
   const RunOptions options_;
+  const StepHelpers helpers_;
   std::function<void()> on_ended_;
 
   Baton baton_;
@@ -137,6 +157,13 @@ class Stepper {
   bool has_deadlines_ GUARDED_BY(baton_) = false;
   Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;  // until then the physics thread sleeps
   std::vector<bool> off_floor_ GUARDED_BY(baton_);     // by robot
+  FramePool frames_ GUARDED_BY(baton_);
+  PhaseTimes times_ GUARDED_BY(baton_);
+  bool has_controllers_ GUARDED_BY(baton_) = false;
+  std::vector<Setpoint> setpoints_ GUARDED_BY(baton_);    // with those of controllers
+  std::vector<SentMessage> messages_ GUARDED_BY(baton_);  // that may still be heard
+  std::uint64_t message_steps_ GUARDED_BY(baton_) = 0;    // for so long
+  std::vector<std::size_t> chassis_ GUARDED_BY(baton_);   // first body of each robot
 };
 
 }  // namespace coopdyn

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What each edit does to the run, between two steps, by the holder of the baton.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -62,7 +63,7 @@ EditResult Stepper::Apply(const edit::Load& load) {
 EditResult Stepper::Rebuild(std::shared_ptr<const Scenario> scenario, std::uint64_t seed, StepEnd end) {
   Diagnostics diagnostics;
   auto scene = MakeScene(scenario, scene_->epoch + 1);
-  auto world = PhysicsWorld::Build(scene, seed, diagnostics);
+  auto world = BuildWorld(scene, seed, diagnostics);
   if (world == nullptr) return Refusal(Error::kMalformed, diagnostics.ToString());
   seed_ = seed;
   if (end == StepEnd::kLoad) {
@@ -71,6 +72,21 @@ EditResult Stepper::Rebuild(std::shared_ptr<const Scenario> scenario, std::uint6
   }
   Install(std::move(world), std::move(scene), end);
   return {};
+}
+
+std::unique_ptr<PhysicsWorld> Stepper::BuildWorld(const std::shared_ptr<const Scene>& scene,
+                                                  std::uint64_t seed, Diagnostics& diagnostics) {
+  const int errors = diagnostics.errors();
+  if (helpers_.controllers != nullptr) {
+    helpers_.controllers->Check(*scene->scenario, diagnostics);
+  } else {
+    for (const RobotEntry& robot : scene->scenario->robots) {
+      if (robot.controller.empty()) continue;
+      diagnostics.Error(robot.controller.where, "controllers are not loaded here: leave the line out");
+    }
+  }
+  if (diagnostics.errors() > errors) return nullptr;
+  return PhysicsWorld::Build(scene, seed, diagnostics, helpers_.pool);
 }
 
 void Stepper::TakeOptions(const SimulationOptions& said) {
@@ -92,14 +108,28 @@ void Stepper::Install(std::unique_ptr<PhysicsWorld> world, std::shared_ptr<const
   allowed_steps_ = 0;
   status_.frozen.clear();
   off_floor_.assign(scene_->robots.size(), false);
-  has_deadlines_ = false;
-  for (const SceneRobot& robot : scene_->robots) has_deadlines_ |= robot.entry.deadline_s.has_value();
+  chassis_.clear();
+  messages_.clear();
+  message_steps_ = 0;
+  has_deadlines_ = has_controllers_ = false;
+  for (const SceneRobot& robot : scene_->robots) {
+    chassis_.push_back(static_cast<std::size_t>(robot.first_body));
+    has_deadlines_ |= robot.entry.deadline_s.has_value();
+    has_controllers_ |= !robot.entry.controller.empty();
+    const NeighboursModel& neighbours = robot.entry.model->neighbours;
+    const bool hears = neighbours.message_range_m > 0;
+    if (hears) message_steps_ = std::max(message_steps_, static_cast<std::uint64_t>(neighbours.delay_steps));
+  }
   const Nanoseconds now = clock_.Now();
   const std::shared_ptr<Frame> frame = MakeFrame();
   for (RobotState& robot : frame->robots) robot.setpoint_rad_s = {};
   boards_.frames.Publish(frame);
   boards_.commands.SetMode(mode_, now);
   boards_.commands.Configure(*scene_, end, frame, now);
+  if (helpers_.controllers != nullptr) {
+    helpers_.controllers->Configure(frame);
+    NoteStoppedControllers();
+  }
   rate_.Reset();
   RestartPace(now);
   PublishStatus(now, true);
@@ -134,6 +164,13 @@ EditResult Stepper::Apply(const edit::SetParticipants& set) {
 
 EditResult Stepper::Apply(const edit::StopAll&) {
   boards_.commands.StopAll();
+  return {};
+}
+
+EditResult Stepper::Apply(const edit::UnloadController& unload) {
+  const int robot = scene_->FindRobot(unload.robot);
+  if (robot < 0) return Refusal(Error::kNoSuchName, "there is no robot " + unload.robot);
+  if (helpers_.controllers != nullptr) helpers_.controllers->Unload(robot);
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include "server/base/diagnostics.h"
 #include "server/state/command_board.h"
 #include "server/state/frame.h"
+#include "server/state/phase_times.h"
 
 namespace coopdyn {
 
@@ -40,6 +41,8 @@ class ControllerDriver {
   virtual void Unload(int robot) = 0;
   /// Controllers stopped since the last call.
   virtual std::vector<StoppedController> TakeStopped() = 0;
+  /// Time spent on sensing and control since the start.
+  virtual PhaseTimes times() const = 0;
   /// CPU time that the controllers have used outside this process, s.
   virtual double child_cpu_s() const = 0;
 };

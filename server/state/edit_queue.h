@@ -48,10 +48,15 @@ struct SetParticipants {
   std::vector<std::string> names;
 };
 struct StopAll {};
+/// Takes the loaded controller of `robot` away; clients may drive it from then on.
+struct UnloadController {
+  std::string robot;
+};
 }  // namespace edit
 
-using EditAction = std::variant<edit::Run, edit::Pause, edit::Step, edit::Reset, edit::Load, edit::SetMode,
-                                edit::SetStep, edit::SetSpeed, edit::SetParticipants, edit::StopAll>;
+using EditAction =
+    std::variant<edit::Run, edit::Pause, edit::Step, edit::Reset, edit::Load, edit::SetMode, edit::SetStep,
+                 edit::SetSpeed, edit::SetParticipants, edit::StopAll, edit::UnloadController>;
 
 struct EditResult {
   Error error = Error::kOk;

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "server/state/frame_pool.h"
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "server/base/mutex.h"
+
+namespace coopdyn {
+
+class FramePool::Store {
+ public:
+  struct Buffers {
+    std::vector<BodyState> bodies;
+    std::vector<RobotState> robots;
+    std::vector<SentMessage> messages;
+  };
+
+  Buffers Take() EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    if (free_.empty()) return {};
+    Buffers buffers = std::move(free_.back());
+    free_.pop_back();
+    return buffers;
+  }
+
+  void Give(Buffers buffers) EXCLUDES(mutex_) {
+    buffers.bodies.clear();
+    buffers.robots.clear();
+    buffers.messages.clear();
+    const MutexLock lock(mutex_);
+    if (free_.size() < kMost) free_.push_back(std::move(buffers));
+  }
+
+ private:
+  // The newest frame, the one in the making, and a reader's or two.
+  static constexpr std::size_t kMost = 4;
+
+  Mutex mutex_;
+  std::vector<Buffers> free_ GUARDED_BY(mutex_);
+};
+
+FramePool::FramePool() : store_(std::make_shared<Store>()) {}
+
+std::shared_ptr<Frame> FramePool::Take() {
+  std::shared_ptr<Frame> frame(new Frame, [store = store_](Frame* old) {
+    const std::unique_ptr<Frame> owned(old);
+    owned->cache.reset();  // it may refer to what goes back
+    store->Give({std::move(owned->bodies), std::move(owned->robots), std::move(owned->messages)});
+  });
+  Store::Buffers buffers = store_->Take();
+  frame->bodies = std::move(buffers.bodies);
+  frame->robots = std::move(buffers.robots);
+  frame->messages = std::move(buffers.messages);
+  return frame;
+}
+
+}  // namespace coopdyn
