@@ -121,7 +121,7 @@ Daemon::~Daemon() {
 
 std::string Daemon::Start() {
   Diagnostics diagnostics;
-  const auto scenario = LoadScenario(options_.scenario, models_, diagnostics);
+  const auto scenario = LoadScenario(options_.scenario, models_, diagnostics, false, options_.run.seed);
   const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
   if (!built) return diagnostics.ToString();
   for (const Diagnostic& warning : diagnostics.all()) logger_->warn("{}", ToString(warning));
@@ -171,8 +171,8 @@ std::string Daemon::OpenRobots() {
   if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
     return WithAdvice(error, "--port");
   }
-  const SimulationServices services{board_,  frames_,        edits_, run_,  names_,  roster_,
-                                    models_, control_guard_, clock_, *this, kVersion};
+  const SimulationServices services{board_,  frames_,        edits_, run_,  names_,   roster_,
+                                    models_, control_guard_, clock_, *this, kVersion, options_.run.seed};
   simulation_ = std::make_unique<SimulationModule>(
       services, [this](std::function<void()> work) { control_.Post(std::move(work)); });
   simulation_port_ = std::make_unique<PublishedModule>("/simulation", *simulation_, control_, net_, names_);

@@ -57,7 +57,7 @@ std::string CheckToken(const std::string& text) {
 
 /// The raw values CLI11 fills before they are turned into options.
 struct Raw {
-  std::string mode;
+  std::string mode, controllers;
   double step_s = 0;
   double speed = 0;
   std::uint64_t seed = 0;
@@ -124,6 +124,16 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
                   "Threads for the robots (default: one each up to 100)")
       ->check(CLI::Range(1, 10000))
       ->envname("COOPDYN_ROBOT_THREADS");
+  sub->add_option("--threads", serve.threads,
+                  "Threads that share out sensing, controllers and physics; the results stay the same")
+      ->check(CLI::Range(1, 256))
+      ->envname("COOPDYN_THREADS")
+      ->capture_default_str();
+  sub->add_option(
+         "--controllers", raw.controllers,
+         "Where loaded controllers run: child (a process of their own) or in-process (for a debugger)")
+      ->check(CLI::IsMember({"child", "in-process"}))
+      ->envname("COOPDYN_CONTROLLERS");
   sub->add_option("--spin", raw.spin_us, "Poll this many microseconds before sleeping")
       ->check(CLI::Range(0, 1000000))
       ->envname("COOPDYN_SPIN");
@@ -197,6 +207,7 @@ void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
 void TakeRaw(const CLI::App& sub, const Raw& raw, ServeOptions& serve) {
   const auto given = [&sub](const char* name) { return sub.get_option(name)->count() > 0; };
   if (given("--mode")) serve.run.mode = ParseMode(raw.mode);
+  serve.controllers_in_process = raw.controllers == "in-process";
   if (given("--step")) serve.run.step = std::llround(raw.step_s * 1e6) * 1000;
   if (given("--speed")) serve.run.speed = raw.speed;
   if (given("--seed")) serve.run.seed = raw.seed;

@@ -32,10 +32,11 @@ std::string KnownNames(const RobotLibrary& robots) {
 
 }  // namespace
 
-ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots) {
+ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots,
+                                   std::optional<std::uint64_t> seed) {
   Diagnostics diagnostics;
   if (text.find_first_of("\n[") != std::string::npos) {
-    return Finish(ReadScenario(text, "(text)", robots, true, diagnostics), diagnostics);
+    return Finish(ReadScenario(text, "(text)", robots, true, diagnostics, seed), diagnostics);
   }
   if (text.find_first_of("/\\") != std::string::npos || text.starts_with('.')) {
     return Refusal(Error::kNoSuchName,
@@ -46,17 +47,18 @@ ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots
   if (!robots.path().FindScenario(text)) {
     return Refusal(Error::kNoSuchName, "there is no scenario " + text + ": " + KnownNames(robots));
   }
-  return Finish(LoadScenario(text, robots, diagnostics), diagnostics);
+  return Finish(LoadScenario(text, robots, diagnostics, false, seed), diagnostics);
 }
 
-ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots) {
+ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
+                               std::optional<std::uint64_t> seed) {
   if (current.file.empty()) {
     return Refusal(Error::kNotPossible,
                    "this scenario came as a text, there is no file to read again: upload it again, or "
                    "coopdyn load FILE");
   }
   Diagnostics diagnostics;
-  return Finish(LoadScenario(current.file, robots, diagnostics), diagnostics);
+  return Finish(LoadScenario(current.file, robots, diagnostics, false, seed), diagnostics);
 }
 
 }  // namespace coopdyn

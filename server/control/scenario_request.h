@@ -2,7 +2,9 @@
 // Reads the scenario that a client names or sends. Reads files; the control thread.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "protocol/message.h"
@@ -16,9 +18,12 @@ struct ScenarioRead {
   std::string text;  // the diagnostics, one a line; warnings if it could be read
 };
 
-/// `text`: a bare name on the search path, or the text of a file if it has a line end or a '['.
-ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots);
+/// `text`: a bare name on the search path, or the text of a file if it has a line end or a '['. `seed`: of
+/// `--seed`, if it was given.
+ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots,
+                                   std::optional<std::uint64_t> seed = std::nullopt);
 /// The file of `current` again, from disk. Error 5 if it came as a text.
-ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots);
+ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
+                               std::optional<std::uint64_t> seed = std::nullopt);
 
 }  // namespace coopdyn

@@ -164,9 +164,10 @@ std::optional<Message> SimulationModule::Reset(Peer& peer, const Message& reques
 }
 
 std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request) {
-  ScenarioRead read = request.command == command::kReload
-                          ? ReadScenarioAgain(*services_.frames.Latest()->scene->scenario, services_.robots)
-                          : ReadRequestedScenario(request.text, services_.robots);
+  ScenarioRead read =
+      request.command == command::kReload
+          ? ReadScenarioAgain(*services_.frames.Latest()->scene->scenario, services_.robots, services_.seed)
+          : ReadRequestedScenario(request.text, services_.robots, services_.seed);
   if (read.scenario == nullptr) return ErrorReply(request.command, read.error, std::move(read.text));
   peer.text = std::move(read.text);
   return Push(peer, edit::Load{std::move(read.scenario)});

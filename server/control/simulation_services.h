@@ -2,6 +2,8 @@
 // What /simulation acts on. All that it refers to outlives the module.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "server/base/clock.h"
@@ -44,6 +46,7 @@ struct SimulationServices {
   const Clock& clock;
   ControlActions& actions;
   std::string version;
+  std::optional<std::uint64_t> seed = std::nullopt;  // `--seed`: of every scenario that is loaded
 };
 
 }  // namespace coopdyn

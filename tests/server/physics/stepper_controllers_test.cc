@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// What the stepper makes of loaded controllers, with a driver written by hand. No threads: the tests run the
+// steps.
+#include <gtest/gtest.h>
+
+#include "server/model/readers.h"
+#include "server/physics/stepper.h"
+
+namespace coopdyn {
+namespace {
+
+/// Drives robot 0 at 2 rad/s and lets it broadcast the number of each step.
+class Driver final : public ControllerDriver {
+ public:
+  void Check(const Scenario& scenario, Diagnostics& diagnostics) override {
+    for (const RobotEntry& robot : scenario.robots) {
+      if (robot.controller.name == "bad") diagnostics.Error(robot.controller.where, "no such option");
+    }
+  }
+  void Configure(const FramePtr& frame) override {
+    ++configured;
+    EXPECT_EQ(frame->step, 0u);
+    if (stops_at_once) stopped.push_back({"robot1", "it crashed"});
+  }
+  void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
+            std::vector<SentMessage>& messages) override {
+    seen.push_back(frame->step);
+    setpoints[0] = {2, 2};
+    RobotMessage message;
+    message.count = 1;
+    message.values[0] = static_cast<double>(frame->step + 1);
+    messages.push_back({1, frame->step + 1, {}});
+    messages.push_back({0, frame->step + 1, message});
+    if (frame->step == 1) stopped.push_back({"robot1", "it divided by zero"});
+  }
+  void Unload(int robot) override { unloaded.push_back(robot); }
+  std::vector<StoppedController> TakeStopped() override { return std::exchange(stopped, {}); }
+  PhaseTimes times() const override { return {10, 20, 0, 0}; }
+  double child_cpu_s() const override { return 0; }
+
+  bool stops_at_once = false;
+  int configured = 0;
+  std::vector<std::uint64_t> seen;
+  std::vector<int> unloaded;
+  std::vector<StoppedController> stopped;
+};
+
+class StepperControllersTest : public testing::Test {
+ protected:
+  /// robot1, driven by `controller`, and robot2; both hear each other after `delay_steps`.
+  static std::shared_ptr<const Scenario> TwoRobots(const std::string& controller, int delay_steps = 0) {
+    SearchPath path;
+    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+    RobotLibrary library(path);
+    Diagnostics diagnostics;
+    const auto read = ReadScenario(
+        "[ROBOT_1]\ntype coopbot\nname robot1\nposition 0 0\n"
+        "[ROBOT_2]\ntype coopbot\nname robot2\nposition 0 2\n",
+        "two.scenario", library, false, diagnostics);
+    auto scenario = std::make_shared<Scenario>(*read);
+    auto model = std::make_shared<RobotModel>(*read->robots[0].model);
+    model->neighbours.range_m = model->neighbours.message_range_m = 5;
+    model->neighbours.delay_steps = delay_steps;
+    for (RobotEntry& robot : scenario->robots) robot.model = model;
+    scenario->robots[0].controller = {controller, controller + ".so", {}, {"two.scenario", 4}};
+    return scenario;
+  }
+
+  std::string Start(std::shared_ptr<const Scenario> scenario, ControllerDriver* driver) {
+    RunOptions options;
+    options.mode = Mode::kLockstep;
+    stepper_ = std::make_unique<Stepper>(Stepper::Boards{frames_, board_, edits_, control_, bell_}, clock_,
+                                         NullLogger(), options, StepHelpers{nullptr, driver});
+    Diagnostics diagnostics;
+    stepper_->Start(std::move(scenario), diagnostics);
+    return diagnostics.ToString();
+  }
+  /// Makes robot2, the one participant, ready: which runs the step.
+  void Step() {
+    board_.Ready(board_.FindSlot("robot2"), {1, "ana", "a"}, 1, [](const StepResult&) {});
+  }
+
+  SteadyClock clock_;
+  Doorbell bell_;
+  FrameBoard frames_;
+  CommandBoard board_;
+  EditQueue edits_{bell_};
+  RunControl control_;
+  Driver driver_;
+  std::unique_ptr<Stepper> stepper_;
+};
+
+TEST_F(StepperControllersTest, ADrivenRobotMovesAsItsControllerSays) {
+  EXPECT_EQ(Start(TwoRobots("good"), &driver_), "");
+  EXPECT_EQ(driver_.configured, 1);
+  for (int k = 0; k < 3; ++k) Step();
+  EXPECT_EQ(driver_.seen, (std::vector<std::uint64_t>{0, 1, 2}));
+  EXPECT_EQ(frames_.Latest()->robots[0].setpoint_rad_s, (Setpoint{2, 2}));
+  EXPECT_EQ(frames_.Latest()->robots[1].setpoint_rad_s, (Setpoint{0, 0}));
+}
+
+TEST_F(StepperControllersTest, LockstepDoesNotWaitForADrivenRobot) {
+  Start(TwoRobots("good"), &driver_);
+  Step();
+  EXPECT_EQ(frames_.Latest()->step, 1u);
+}
+
+TEST_F(StepperControllersTest, AStoppedControllerIsAnEvent) {
+  Start(TwoRobots("good"), &driver_);
+  for (int k = 0; k < 3; ++k) Step();
+  const std::vector<Event> events = control_.events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].step, 2u);
+  EXPECT_EQ(events[0].level, "error");
+  EXPECT_EQ(events[0].text, "robot1 stands: it divided by zero");
+}
+
+TEST_F(StepperControllersTest, AControllerThatCannotStartIsAnEventAtStepZero) {
+  driver_.stops_at_once = true;
+  EXPECT_EQ(Start(TwoRobots("good"), &driver_), "");
+  ASSERT_EQ(control_.events().size(), 1u);
+  EXPECT_EQ(control_.events()[0].step, 0u);
+}
+
+TEST_F(StepperControllersTest, WrongOptionsAreErrorsOfTheScenario) {
+  EXPECT_EQ(Start(TwoRobots("bad"), &driver_), "two.scenario:4: error: no such option\n");
+}
+
+TEST_F(StepperControllersTest, WithoutADriverAControllerIsAnError) {
+  EXPECT_NE(Start(TwoRobots("good"), nullptr).find("two.scenario:4: error: "), std::string::npos);
+}
+
+TEST_F(StepperControllersTest, BroadcastsOfAStepLieInItsFrameBySender) {
+  Start(TwoRobots("good"), &driver_);
+  for (int k = 0; k < 2; ++k) Step();
+  const FramePtr frame = frames_.Latest();
+  ASSERT_EQ(frame->messages.size(), 2u);
+  EXPECT_EQ(frame->messages[0].robot, 0u);
+  EXPECT_EQ(frame->messages[0].step, 2u);
+  EXPECT_EQ(frame->messages[0].message.values[0], 2);
+  EXPECT_EQ(frame->messages[1].robot, 1u);
+}
+
+TEST_F(StepperControllersTest, BroadcastsStayAsLongAsTheyMayBeHeard) {
+  Start(TwoRobots("good", 3), &driver_);
+  for (int k = 0; k < 10; ++k) Step();
+  const FramePtr frame = frames_.Latest();
+  ASSERT_EQ(frame->messages.size(), 8u);  // of steps 7, 8, 9 and 10
+  EXPECT_EQ(frame->messages.front().step, 7u);
+  EXPECT_EQ(frame->messages.back().step, 10u);
+}
+
+TEST_F(StepperControllersTest, TimesAddThoseOfTheControllers) {
+  Start(TwoRobots("good"), &driver_);
+  Step();
+  const PhaseTimes times = stepper_->phase_times();
+  EXPECT_EQ(times.sense, 10);
+  EXPECT_EQ(times.control, 20);
+  EXPECT_GT(times.physics, 0);
+}
+
+}  // namespace
+}  // namespace coopdyn
