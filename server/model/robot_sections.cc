@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kTeamDistance_m = 1.0;  // from leader to helper
 constexpr std::size_t kMaxName = 63;
-constexpr std::uint64_t kMaxSwarm = 100'000;
 
 /// Names of the global modules: /simulation and so on.
 const std::vector<std::string>& ReservedNames() {
@@ -203,23 +202,17 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   if (const auto name = reader.Word("name")) entry.name = WithoutSlash(*name);
   ReadShared(reader, entry);
   const auto spacing = reader.Number("spacing", Quantity::kLength, 0, kMaxFileLength_m);
-  const auto area = reader.Numbers("area", Quantity::kLength, {4}, "x y of the centre, length, width",
-                                   -kMaxFileLength_m, kMaxFileLength_m);
+  const std::optional<FloorArea> area = ReadArea(reader);
   const auto seed = reader.WholeNumber("seed", 0, std::numeric_limits<std::uint64_t>::max());
   reader.Finish();
-  if (area && ((*area)[2] <= 0 || (*area)[3] <= 0)) {
-    reader.ErrorAt("area", "length and width of the area must be above 0");
-    return;
-  }
-  if (entry.model == nullptr || team || !count) return;
+  if (entry.model == nullptr || team || !count || (reader.Has("area") && !area)) return;
 
   SwarmRequest request;
   request.count = static_cast<int>(*count);
   request.radius_m = entry.model->footprint_radius_m;
   request.height_m = entry.model->height_m;
   request.spacing_m = spacing.value_or(2.5 * request.radius_m);
-  request.area = {0, 0, scenario_.floor.length_m, scenario_.floor.width_m};
-  if (area) request.area = {(*area)[0], (*area)[1], (*area)[2], (*area)[3]};
+  request.area = area.value_or(FloorArea{0, 0, scenario_.floor.length_m, scenario_.floor.width_m});
   request.seed = seed.value_or(scenario_.simulation.seed);
   if (request.spacing_m < 2 * request.radius_m) {
     reader.ErrorAt("spacing", "'spacing' is the distance between the robots' centres: at least " +
@@ -227,12 +220,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
                                   entry.model->type);
     return;
   }
-  std::vector<FloorPlace> taken;
-  for (const RobotEntry& robot : scenario_.robots) {
-    if (robot.model == nullptr) continue;
-    taken.push_back({robot.X_WR.p.x(), robot.X_WR.p.y(), 0, robot.model->footprint_radius_m});
-  }
-  const std::vector<FloorPlace> places = PlaceSwarm(request, scenario_.objects, taken);
+  const std::vector<FloorPlace> places = PlaceSwarm(request, scenario_.objects, TakenPlaces());
   if (places.size() < *count) {
     reader.ErrorAt("count",
                    "only " + std::to_string(places.size()) + " of " + std::to_string(*count) +
@@ -256,6 +244,15 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
     std::string why;
     if (!IsGoodName(entry.name, why)) return;  // once is enough
   }
+}
+
+std::vector<FloorPlace> RobotSections::TakenPlaces() const {
+  std::vector<FloorPlace> taken;
+  for (const RobotEntry& robot : scenario_.robots) {
+    if (robot.model == nullptr) continue;
+    taken.push_back({robot.X_WR.p.x(), robot.X_WR.p.y(), 0, robot.model->footprint_radius_m});
+  }
+  return taken;
 }
 
 void RobotSections::SortAsInFile() {

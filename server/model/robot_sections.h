@@ -29,6 +29,8 @@ class RobotSections {
   /// Adds the robots of a [SWARM_n]; their places are those left by objects and robots added before, so read
   /// swarms after everything else and call SortAsInFile() then.
   void ReadSwarm(SectionReader& reader);
+  /// Where the robots read up to now stand.
+  std::vector<FloorPlace> TakenPlaces() const;
   /// Puts the robots into the order of their sections, then numbers them; says where each swarm stands.
   void SortAsInFile();
 

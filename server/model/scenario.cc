@@ -25,4 +25,24 @@ std::optional<Mode> ParseMode(const std::string& word) {
   return std::nullopt;
 }
 
+const char* ToString(Fidelity fidelity) {
+  switch (fidelity) {
+    case Fidelity::kFull:
+      return "full";
+    case Fidelity::kRolling:
+      return "rolling";
+    case Fidelity::kPlanar:
+      return "planar";
+  }
+  return "full";
+}
+
+std::optional<Fidelity> ParseFidelity(const std::string& word) {
+  const std::string lower = ToLower(word);
+  for (const Fidelity fidelity : {Fidelity::kFull, Fidelity::kRolling, Fidelity::kPlanar}) {
+    if (lower == ToString(fidelity)) return fidelity;
+  }
+  return std::nullopt;
+}
+
 }  // namespace coopdyn

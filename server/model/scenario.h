@@ -22,7 +22,10 @@ std::optional<Mode> ParseMode(const std::string& word);
 
 /// What happens when a robot is late (on_deadline) or loses its client (on_disconnect).
 enum class LossPolicy { kWait, kHold, kStop, kDrop };
+/// How a robot's drive is simulated; sensors, modules and commands are the same.
 enum class Fidelity { kFull, kRolling, kPlanar };
+const char* ToString(Fidelity fidelity);  // full, rolling, planar
+std::optional<Fidelity> ParseFidelity(const std::string& word);
 
 inline constexpr Nanoseconds kMinStep = 500'000;         // 0.5 ms
 inline constexpr Nanoseconds kMaxStep = 100'000'000;     // 100 ms

@@ -9,6 +9,7 @@
 #include "server/model/colors.h"
 #include "server/model/readers.h"
 #include "server/model/robot_sections.h"
+#include "server/model/scattered.h"
 #include "server/model/text_file.h"
 #include "server/model/world_sections.h"
 
@@ -54,6 +55,7 @@ class ScenarioReader {
     ReadFirst("floor", [this](SectionReader& reader) { ReadOwnFloor(reader); });
     ReadFirst("target", [this](SectionReader& reader) { ReadTargets(reader); });
     for (const Section& section : sections_) ReadPlain(section);
+    AddScattered(scattered_, robots_.TakenPlaces(), *scenario_, diagnostics_);
     for (const Section& section : sections_) {
       if (!IsNumbered(section.word, "swarm")) continue;
       SectionReader reader(section, label_, degrees_, diagnostics_);
@@ -162,6 +164,7 @@ class ScenarioReader {
     scenario_->world = ReadWorld(*text, file, diagnostics_);
     if (scenario_->world.floor) scenario_->floor = *scenario_->world.floor;
     for (const WorldObject& object : scenario_->world.objects) AddObject(object);
+    scattered_ = scenario_->world.scattered;
   }
 
   void ReadOwnFloor(SectionReader& reader) {
@@ -223,9 +226,9 @@ class ScenarioReader {
       return;
     }
     const std::string near = Nearest(section.name, kOwn);
-    const std::optional<WorldObject> object =
-        ReadObject(reader, near.empty() ? "" : "; or did you mean [" + near + "]?");
-    if (object) AddObject(*object);
+    ObjectSection read = ReadObject(reader, near.empty() ? "" : "; or did you mean [" + near + "]?");
+    if (read.object) AddObject(*read.object);
+    if (read.scattered) scattered_.push_back(std::move(*read.scattered));
   }
 
   void AddObject(const WorldObject& object) {
@@ -249,11 +252,12 @@ class ScenarioReader {
   std::vector<Section> sections_;
   bool degrees_ = false;
   std::unordered_map<std::string, SourceLine> objects_;  // by name in lower case
+  std::vector<ScatteredObjects> scattered_;              // the world's, then the scenario's own
 };
 
 /// A .world as a scenario without robots.
 std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const std::string& file,
-                                                Diagnostics& diagnostics) {
+                                                std::optional<std::uint64_t> seed, Diagnostics& diagnostics) {
   auto scenario = std::make_shared<Scenario>();
   const WorldModel world = ReadWorld(text, file, diagnostics);
   scenario->name = std::filesystem::path(file).stem().string();
@@ -261,6 +265,8 @@ std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const s
   scenario->text = world.text;
   scenario->floor = world.floor.value_or(Floor());
   scenario->objects = world.objects;
+  if (seed) scenario->simulation.seed = *seed;
+  AddScattered(world.scattered, {}, *scenario, diagnostics);
   return diagnostics.has_errors() ? nullptr : scenario;
 }
 
@@ -314,8 +320,8 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   std::shared_ptr<const Scenario> scenario;
   if (text) {
     const bool world = ToLower(path->extension().string()) == ".world";
-    scenario =
-        world ? WorldAsScenario(*text, file, found) : ReadScenario(*text, file, robots, false, found, seed);
+    scenario = world ? WorldAsScenario(*text, file, seed, found)
+                     : ReadScenario(*text, file, robots, false, found, seed);
   }
   diagnostics.Append(found);
   return scenario;

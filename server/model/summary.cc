@@ -16,6 +16,29 @@ std::string Counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
+/// "swarm ant", or "3 swarms".
+std::string Swarms(const Scenario& scenario) {
+  const std::size_t count = scenario.swarms.size();
+  return count == 1 ? "swarm " + scenario.swarms[0].name : std::to_string(count) + " swarms";
+}
+
+/// How the robots are simulated and driven, as far as it is not the usual: "rolling", "50 controller
+/// diffuse".
+std::vector<std::string> Drives(const std::vector<RobotEntry>& robots) {
+  std::map<std::string, std::size_t> fidelities, controllers;
+  for (const RobotEntry& robot : robots) {
+    if (robot.fidelity != Fidelity::kFull) ++fidelities[ToString(robot.fidelity)];
+    if (!robot.controller.empty()) ++controllers["controller " + robot.controller.name];
+  }
+  std::vector<std::string> texts;
+  for (const auto& counts : {fidelities, controllers}) {
+    for (const auto& [text, count] : counts) {
+      texts.push_back(count == robots.size() ? text : std::to_string(count) + " " + text);
+    }
+  }
+  return texts;
+}
+
 }  // namespace
 
 std::string Summary(const Scenario& scenario) {
@@ -26,7 +49,12 @@ std::string Summary(const Scenario& scenario) {
     type_texts.push_back(types.size() == 1 ? type : std::to_string(count) + " " + type);
   }
   std::string out = Counted(scenario.robots.size(), "robot");
-  if (!types.empty()) out += " (" + JoinNames(type_texts) + ")";
+  if (!scenario.swarms.empty()) out += " in " + Swarms(scenario);
+  if (!types.empty()) {
+    out += " (" + JoinNames(type_texts);
+    for (const std::string& text : Drives(scenario.robots)) out += ", " + text;
+    out += ")";
+  }
 
   const auto fixed = std::count_if(scenario.objects.begin(), scenario.objects.end(),
                                    [](const WorldObject& object) { return object.is_static(); });

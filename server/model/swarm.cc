@@ -114,6 +114,17 @@ class Obstacles {
 
 }  // namespace
 
+double FootprintRadius(const Shape& shape, const Quaternion& q) {
+  const bool upright = std::abs(q.toRotationMatrix()(2, 2)) > 1 - 1e-9;
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return sphere->radius_m;
+  const auto* cylinder = std::get_if<Cylinder>(&shape);
+  if (cylinder != nullptr && upright) return cylinder->radius_m;
+  const auto* box = std::get_if<Box>(&shape);
+  if (box != nullptr && upright) return std::hypot(box->size_m.x(), box->size_m.y()) / 2;
+  const Vector3 half = HalfExtents(shape, q);
+  return std::hypot(half.x(), half.y());
+}
+
 double DistanceToShadow(const WorldObject& object, double x_m, double y_m) {
   const Vector3& centre = object.X_WO.p;
   const Matrix3 R = object.X_WO.q.toRotationMatrix();

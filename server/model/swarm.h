@@ -16,19 +16,18 @@ struct FloorPlace {
   double radius_m = 0;
 };
 
-struct SwarmArea {
-  double center_x_m = 0, center_y_m = 0;
-  double length_m = 0, width_m = 0;  // along x and y
-};
-
 struct SwarmRequest {
   int count = 0;
   double spacing_m = 0;  // least distance between the centres of two of the swarm
   double radius_m = 0;   // of a robot's footprint
   double height_m = 0;   // of a robot: what is higher is no obstacle
-  SwarmArea area;        // robots stand wholly inside
+  FloorArea area;        // robots stand wholly inside
   std::uint64_t seed = 1;
 };
+
+/// The radius of the upright cylinder about the shape's centre that holds it when turned by `q`, and by any
+/// angle about the vertical besides. Exact for upright shapes, otherwise enough.
+double FootprintRadius(const Shape& shape, const Quaternion& q);
 
 /// Up to `request.count` places, fewer if no more fit. The same arguments give the same places.
 std::vector<FloorPlace> PlaceSwarm(const SwarmRequest& request, std::span<const WorldObject> objects,

@@ -2,6 +2,7 @@
 // The fixed description of a world: floor and objects. Constant once read; any thread.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,12 +42,28 @@ struct WorldObject {
   bool is_static() const { return mass_kg <= 0; }
 };
 
+/// A rectangle on the floor.
+struct FloorArea {
+  double center_x_m = 0, center_y_m = 0;
+  double length_m = 0, width_m = 0;  // along x and y
+};
+
+/// An object section with `count` instead of `position`: copies at places to be found.
+struct ScatteredObjects {
+  WorldObject object;  // the pattern; X_WO.q: how it stands before it is turned about the vertical
+  std::size_t count = 0;
+  std::optional<double> spacing_m;    // least distance between the middles of two copies
+  std::optional<FloorArea> area;      // copies stand wholly inside; default: the floor
+  std::optional<std::uint64_t> seed;  // default: the run's
+};
+
 /// What a .world file says.
 struct WorldModel {
   std::string file;  // as found; empty: none
   std::string text;  // as read
   std::optional<Floor> floor;
-  std::vector<WorldObject> objects;  // in file order
+  std::vector<WorldObject> objects;         // in file order
+  std::vector<ScatteredObjects> scattered;  // in file order
 };
 
 /// A coloured landmark without collision.

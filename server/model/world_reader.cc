@@ -33,9 +33,9 @@ WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnosti
       continue;
     }
     const std::string near = Nearest(section.name, own);
-    std::optional<WorldObject> object =
-        ReadObject(reader, near.empty() ? "" : "; or did you mean [" + near + "]?");
-    if (object) world.objects.push_back(std::move(*object));
+    ObjectSection read = ReadObject(reader, near.empty() ? "" : "; or did you mean [" + near + "]?");
+    if (read.object) world.objects.push_back(std::move(*read.object));
+    if (read.scattered) world.scattered.push_back(std::move(*read.scattered));
   }
   return world;
 }

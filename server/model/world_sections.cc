@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace coopdyn {
@@ -66,7 +67,18 @@ Floor ReadFloor(SectionReader& reader) {
   return floor;
 }
 
-std::optional<WorldObject> ReadObject(SectionReader& reader, const std::string& hint) {
+std::optional<FloorArea> ReadArea(SectionReader& reader) {
+  const auto area = reader.Numbers("area", Quantity::kLength, {4}, "x y of the centre, length, width",
+                                   -kMaxFileLength_m, kMaxFileLength_m);
+  if (!area) return std::nullopt;
+  if ((*area)[2] <= 0 || (*area)[3] <= 0) {
+    reader.ErrorAt("area", "length and width of the area must be above 0");
+    return std::nullopt;
+  }
+  return FloorArea{(*area)[0], (*area)[1], (*area)[2], (*area)[3]};
+}
+
+ObjectSection ReadObject(SectionReader& reader, const std::string& hint) {
   WorldObject object;
   object.name = reader.section().name;
   object.where = reader.where();
@@ -77,7 +89,8 @@ std::optional<WorldObject> ReadObject(SectionReader& reader, const std::string& 
                  hint);
   }
   reader.Require("size", "size 1 0.5 0.3");
-  reader.Require("position", "position 2 0");
+  const bool many = reader.Has("count");
+  if (!many) reader.Require("position", "position 2 0");
   // Without its type a size cannot be judged.
   const std::optional<Shape> shape = type ? ReadShape(reader, *type) : std::nullopt;
   if (!type) reader.Has("size");
@@ -93,13 +106,32 @@ std::optional<WorldObject> ReadObject(SectionReader& reader, const std::string& 
   if (const auto color = reader.ColorValue("color")) object.color = *color;
   if (const auto friction = reader.Number("friction", Quantity::kPlain, 0, kMaxFriction))
     object.friction = *friction;
+  ScatteredObjects scattered;
+  const auto count = reader.WholeNumber("count", 1, kMaxSwarm);
+  if (many) {
+    scattered.count = count.value_or(0);
+    scattered.spacing_m = reader.Number("spacing", Quantity::kLength, 0, kMaxFileLength_m);
+    scattered.area = ReadArea(reader);
+    scattered.seed = reader.WholeNumber("seed", 0, std::numeric_limits<std::uint64_t>::max());
+    if (reader.Has("position")) {
+      reader.ErrorAt("position",
+                     "'position' and 'count' exclude each other: with 'count' the places are found, in an "
+                     "'area x y length width' if given");
+    }
+  }
   // In the section of another kind that was misspelt, every key would be unknown: one diagnostic is enough.
   if (has_type || hint.empty()) reader.Finish();
-  if (!shape || !position) return std::nullopt;
+  if (!shape) return {};
   object.shape = *shape;
+  if (many) {
+    if (!count) return {};
+    scattered.object = std::move(object);
+    return {std::nullopt, std::move(scattered)};
+  }
+  if (!position) return {};
   const double z = position->size() == 3 ? (*position)[2] : HalfExtents(object.shape, object.X_WO.q).z();
   object.X_WO.p = Vector3((*position)[0], (*position)[1], z);
-  return object;
+  return {std::move(object), std::nullopt};
 }
 
 bool IsNumbered(const std::string& word, const std::string& kind) {

@@ -250,5 +250,16 @@ TEST(SummaryTest, OneLine) {
             "1 robot (coopbot), 1 object (0 static), 1 target, floor 20 x 20 m, lockstep 20 ms");
 }
 
+TEST(SummaryTest, SwarmsAndHowTheyAreSimulated) {
+  EXPECT_EQ(
+      Summary(*Good(kSwarm + "fidelity rolling\n")),
+      "40 robots in swarm ant (coopbot, rolling), no objects, no targets, floor 20 x 20 m, realtime 10 ms");
+  EXPECT_EQ(
+      Summary(*Good("[FLOOR]\nsize 30 30\n" + kSwarm + "fidelity planar\n[SWARM_2]\ntype minibot\ncount 2\n" +
+                    kRobot)),
+      "43 robots in 2 swarms (41 coopbot and 2 minibot, 40 planar), no objects, no targets, floor 30 x 30 m, "
+      "realtime 10 ms");
+}
+
 }  // namespace
 }  // namespace coopdyn
