@@ -171,6 +171,7 @@ EditResult Stepper::Apply(const edit::UnloadController& unload) {
   const int robot = scene_->FindRobot(unload.robot);
   if (robot < 0) return Refusal(Error::kNoSuchName, "there is no robot " + unload.robot);
   if (helpers_.controllers != nullptr) helpers_.controllers->Unload(robot);
+  boards_.commands.SetDriven(static_cast<std::size_t>(robot), "", clock_.Now());
   return {};
 }
 

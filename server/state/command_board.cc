@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that robot and control threads call; command_board_steps.cc is the stepping thread's.
+// The part of the board that robots' threads call, for one robot at a time. command_board_team.cc has the
+// calls for many, command_board_steps.cc those of the stepping thread.
 #include "server/state/command_board.h"
 
 #include <algorithm>
@@ -9,70 +10,180 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kNoSlot = static_cast<std::size_t>(-1);
-
 Verdict Refusal(Error error, std::string text) {
   return {error, std::move(text), true, Mode::kRealtime, 0};
 }
 
 }  // namespace
 
-CommandBoard::Slot* CommandBoard::Find(SlotId id) {
-  if (id >= slot_index_.size() || slot_index_[id] == kNoSlot) return nullptr;
-  return &slots_[slot_index_[id]];
+// --- what all parts use
+// -------------------------------------------------------------------------------------
+
+std::size_t CommandBoard::Find(SlotId id) const {
+  return id < slot_index_.size() ? slot_index_[id] : kNoSlot;
 }
 
-SlotId CommandBoard::FindSlot(const std::string& robot) const {
-  const MutexLock lock(mutex_);
-  for (const Slot& slot : slots_) {
-    if (slot.robot == robot) return slot.id;
-  }
-  return 0;
+Verdict CommandBoard::Gone() {
+  return Refusal(Error::kNotPossible, "this robot is no longer part of the scenario");
 }
 
-bool CommandBoard::IsAwaited(const Slot& slot) const {
-  return slot.participates && !slot.dropped && !slot.excused && !slot.pending.active;
+std::string CommandBoard::Who(std::size_t index) const {
+  const Slot& slot = slots_[index];
+  if (drives_[index].driven) return "controller " + slot.controller;
+  return slot.owner_name.empty() ? slot.owner_peer : slot.owner_name;
 }
 
-bool CommandBoard::NoteChange(const Slot& slot, bool was_awaited) {
-  const bool is_awaited = IsAwaited(slot);
+bool CommandBoard::NoteChange(std::size_t index, bool was_awaited) {
+  const bool is_awaited = IsAwaited(drives_[index]);
   if (was_awaited == is_awaited) return false;
   awaited_ += is_awaited ? 1 : -1;
   return awaited_ == 0 && mode_ == Mode::kLockstep;
 }
 
-void CommandBoard::Call(Completions& completions) {
-  for (auto& [done, result] : completions) done(result);
+void CommandBoard::Completions::Call() const {
+  StepResult result{StepEnd::kRan, frame, mode};
+  for (const auto& [done, end] : calls) {
+    result.end = end;
+    done(result);
+  }
 }
 
-Verdict CommandBoard::TakeOwnership(Slot& slot, const Client& client) {
+std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& client) const {
   if (stopping_) return Refusal(Error::kNotPossible, "the daemon is stopping");
-  if (slot.owner != 0 && slot.owner != client.id) {
-    const std::string& who = slot.owner_name.empty() ? slot.owner_peer : slot.owner_name;
-    return Refusal(
-        Error::kOwned,
-        slot.robot + " is driven by " + who +
-            ": wait until that program ends, or free the robot (release_robot of /simulation, or the page)");
+  const Drive& drive = drives_[index];
+  const std::string& robot = slots_[index].robot;
+  if (drive.driven) {
+    return Refusal(Error::kOwned, robot + " is owned by " + Who(index) + ": release_robot " + robot +
+                                      " of /simulation, or the page, unloads it");
   }
+  if (drive.owner != 0 && drive.owner != client.id) {
+    return Refusal(Error::kOwned, robot + " is driven by " + Who(index) +
+                                      ": wait until that program ends, or free the robot (release_robot of "
+                                      "/simulation, or the page)");
+  }
+  return std::nullopt;
+}
+
+void CommandBoard::TakeOwnership(std::size_t index, const Client& client) {
+  Drive& drive = drives_[index];
   if (client.input_ended) {
-    slot.former = client.id;
-  } else {
-    slot.owner = client.id;
+    slots_[index].former = client.id;
+    return;
+  }
+  if (drive.owner != client.id) {
+    Slot& slot = slots_[index];
+    drive.owner = client.id;
     slot.owner_name = client.name;
     slot.owner_peer = client.peer;
+    slot.owner_is_team = client.is_team;
     slot.former = 0;
-    slot.after_pending.reset();
+    drive.has_policy = false;
+    if (client.is_team) NoteTeams();
   }
-  return {Error::kOk, {}, true, mode_, 0};
 }
 
-void CommandBoard::ReplacePending(Slot& slot, const Client& client, Completions& completions) {
-  if (!slot.pending.active || slot.pending.client == client.id) return;
-  if (slot.pending.done) {
-    completions.emplace_back(std::move(slot.pending.done),
-                             StepResult{StepEnd::kReplaced, last_frame_, mode_});
+void CommandBoard::Disown(std::size_t index) {
+  Slot& slot = slots_[index];
+  if (slot.owner_is_team) NoteTeams();
+  drives_[index].owner = 0;
+  slot.owner_name.clear();
+  slot.owner_peer.clear();
+  slot.owner_is_team = false;
+}
+
+void CommandBoard::ClearPending(std::size_t index) {
+  Drive& drive = drives_[index];
+  drive.pending = drive.has_setpoint = drive.latched = false;
+  drive.pending_from = 0;
+  drive.batch = 0;
+  drive.steps_left = 0;
+  if (drive.has_done) slots_[index].done = nullptr;
+  drive.has_done = false;
+}
+
+void CommandBoard::ReplacePending(std::size_t index, const Client& client, Completions& completions) {
+  Drive& drive = drives_[index];
+  if (!drive.pending || drive.pending_from == client.id) return;
+  if (drive.has_done) completions.calls.emplace_back(std::move(slots_[index].done), StepEnd::kReplaced);
+  if (drive.batch != 0) {
+    const auto waiter = std::find_if(waiters_.begin(), waiters_.end(), [&drive](const Waiter& candidate) {
+      return candidate.batch == drive.batch;
+    });
+    if (waiter != waiters_.end() && --waiter->members == 0) {
+      completions.calls.emplace_back(std::move(waiter->done), StepEnd::kReplaced);
+      waiters_.erase(waiter);
+    }
   }
-  slot.pending = {};
+  ClearPending(index);
+}
+
+void CommandBoard::SetPending(std::size_t index, const Client& client, const Setpoint* setpoint, int steps) {
+  Drive& drive = drives_[index];
+  drive.excused = false;
+  drive.dropped = false;
+  if (setpoint != nullptr) {
+    drive.commanded = *setpoint;
+    drive.has_setpoint = true;
+  } else if (!drive.pending) {
+    drive.has_setpoint = false;
+  }
+  drive.pending = true;
+  drive.latched = false;  // a step that runs now did not see it
+  drive.pending_from = client.id;
+  drive.batch = 0;
+  drive.steps_left = steps;
+}
+
+void CommandBoard::ApplyPolicy(std::size_t index, LossPolicy policy) {
+  Drive& drive = drives_[index];
+  switch (policy) {
+    case LossPolicy::kWait:
+      return;
+    case LossPolicy::kHold:
+      drive.excused = true;
+      return;
+    case LossPolicy::kStop:
+      drive.in_force = {};
+      drive.excused = true;
+      return;
+    case LossPolicy::kDrop:
+      drive.in_force = {};
+      drive.dropped = true;
+      return;
+  }
+}
+
+void CommandBoard::LoseClient(std::size_t index) {
+  Disown(index);
+  Slot& slot = slots_[index];
+  slot.former = 0;
+  const LossPolicy policy = slot.on_disconnect.value_or(LossPolicy::kWait);
+  if (drives_[index].pending) {
+    slot.after_pending = policy;
+    drives_[index].has_policy = true;
+  } else {
+    ApplyPolicy(index, policy);
+  }
+}
+
+// --- one robot
+// ----------------------------------------------------------------------------------------------
+
+SlotId CommandBoard::FindSlot(const std::string& robot) const {
+  const MutexLock lock(mutex_);
+  const auto found = by_name_.find(robot);
+  return found == by_name_.end() ? 0 : slots_[found->second].id;
+}
+
+std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
+  const MutexLock lock(mutex_);
+  std::vector<SlotId> slots;
+  slots.reserve(scene.robots.size());
+  for (const SceneRobot& robot : scene.robots) {
+    const auto found = by_name_.find(robot.entry.name);
+    slots.push_back(found == by_name_.end() ? 0 : slots_[found->second].id);
+  }
+  return slots;
 }
 
 Verdict CommandBoard::Place(SlotId id, const Client& client, const Setpoint* setpoint,
@@ -82,29 +193,21 @@ Verdict CommandBoard::Place(SlotId id, const Client& client, const Setpoint* set
   bool became_ready = false;
   {
     const MutexLock lock(mutex_);
-    Slot* slot = Find(id);
-    if (slot == nullptr) return Refusal(Error::kNotPossible, "this robot is no longer part of the scenario");
-    const bool was_awaited = IsAwaited(*slot);
-    verdict = TakeOwnership(*slot, client);
-    if (verdict.error != Error::kOk) return verdict;
-    ReplacePending(*slot, client, completions);
-    slot->excused = false;
-    slot->dropped = false;
-    Pending& pending = slot->pending;
-    if (setpoint != nullptr) {
-      pending.setpoint = *setpoint;
-    } else if (!pending.active) {
-      pending.setpoint.reset();
-    }
-    pending.active = true;
-    pending.latched = false;  // a step that runs now did not see it
-    pending.client = client.id;
-    pending.steps_left = steps.value_or(1);
+    const std::size_t index = Find(id);
+    if (index == kNoSlot) return Gone();
+    if (std::optional<Verdict> objection = Objection(index, client)) return *std::move(objection);
+    completions = MakeCompletions();
+    const bool was_awaited = IsAwaited(drives_[index]);
+    TakeOwnership(index, client);
+    ReplacePending(index, client, completions);
+    SetPending(index, client, setpoint, steps.value_or(1));
+    verdict = Fine();
     verdict.answer_now = !steps.has_value() && mode_ != Mode::kLockstep;
-    pending.done = verdict.answer_now ? nullptr : std::move(done);
-    became_ready = NoteChange(*slot, was_awaited);
+    drives_[index].has_done = !verdict.answer_now;
+    slots_[index].done = verdict.answer_now ? nullptr : std::move(done);
+    became_ready = NoteChange(index, was_awaited);
   }
-  Call(completions);
+  completions.Call();
   if (became_ready && all_ready_hook_) all_ready_hook_();
   return verdict;
 }
@@ -120,100 +223,99 @@ Verdict CommandBoard::Ready(SlotId slot, const Client& client, int steps, StepDo
 
 Verdict CommandBoard::Claim(SlotId id, const Client& client) {
   const MutexLock lock(mutex_);
-  Slot* slot = Find(id);
-  if (slot == nullptr) return Refusal(Error::kNotPossible, "this robot is no longer part of the scenario");
-  return TakeOwnership(*slot, client);
+  const std::size_t index = Find(id);
+  if (index == kNoSlot) return Gone();
+  if (std::optional<Verdict> objection = Objection(index, client)) return *std::move(objection);
+  TakeOwnership(index, client);
+  return Fine();
 }
 
 Verdict CommandBoard::Release(SlotId id, const Client& client) {
   const MutexLock lock(mutex_);
-  Slot* slot = Find(id);
-  if (slot == nullptr) return Refusal(Error::kNotPossible, "this robot is no longer part of the scenario");
-  if (slot->owner == client.id) {
-    slot->owner = 0;
-    slot->owner_name.clear();
-    slot->owner_peer.clear();
-  } else if (slot->owner != 0) {
-    return Refusal(Error::kOwned, slot->robot + " is driven by " +
-                                      (slot->owner_name.empty() ? slot->owner_peer : slot->owner_name) +
-                                      ": only its owner can release it");
+  const std::size_t index = Find(id);
+  if (index == kNoSlot) return Gone();
+  const ClientId owner = drives_[index].owner;
+  if (owner == client.id) {
+    Disown(index);
+  } else if (owner != 0 || drives_[index].driven) {
+    return Refusal(Error::kOwned,
+                   slots_[index].robot + " is driven by " + Who(index) + ": only its owner can release it");
   }
-  return {Error::kOk, {}, true, mode_, 0};
+  return Fine();
 }
 
 Verdict CommandBoard::Hello(SlotId id, const Client& client) {
   const MutexLock lock(mutex_);
-  Verdict verdict{Error::kOk, {}, true, mode_, 0};
-  Slot* slot = Find(id);
-  if (slot == nullptr || slot->owner == 0) return verdict;
-  if (slot->owner == client.id) {
-    slot->owner_name = client.name;
-  } else if (!client.name.empty() && slot->owner_name == client.name) {
-    verdict.displaced = slot->owner;
-    slot->owner = client.id;
-    slot->owner_peer = client.peer;
+  Verdict verdict = Fine();
+  const std::size_t index = Find(id);
+  if (index == kNoSlot || drives_[index].owner == 0) return verdict;
+  Drive& drive = drives_[index];
+  Slot& slot = slots_[index];
+  if (drive.owner == client.id) {
+    slot.owner_name = client.name;
+  } else if (!client.name.empty() && slot.owner_name == client.name && slot.owner_is_team == client.is_team) {
+    verdict.displaced = drive.owner;
+    drive.owner = client.id;
+    slot.owner_peer = client.peer;
   }
   return verdict;
 }
 
 void CommandBoard::InputEnded(SlotId id, ClientId client) {
   const MutexLock lock(mutex_);
-  Slot* slot = Find(id);
-  if (slot == nullptr || slot->owner != client) return;
-  slot->owner = 0;
-  slot->owner_name.clear();
-  slot->owner_peer.clear();
-  slot->former = client;
+  const std::size_t index = Find(id);
+  if (index == kNoSlot || drives_[index].owner != client) return;
+  Disown(index);
+  slots_[index].former = client;
 }
 
 void CommandBoard::Closed(SlotId id, ClientId client) {
   bool became_ready = false;
   {
     const MutexLock lock(mutex_);
-    Slot* slot = Find(id);
-    if (slot == nullptr) return;
-    const bool was_owner = slot->owner == client;
-    const bool was_former = slot->owner == 0 && slot->former == client;
-    if (!was_owner && !was_former) return;
-    slot->owner = 0;
-    slot->owner_name.clear();
-    slot->owner_peer.clear();
-    slot->former = 0;
-    const LossPolicy policy = slot->on_disconnect.value_or(LossPolicy::kWait);
-    if (slot->pending.active) {
-      slot->after_pending = policy;
-    } else {
-      const bool was_awaited = IsAwaited(*slot);
-      ApplyPolicy(*slot, policy);
-      became_ready = NoteChange(*slot, was_awaited);
-    }
+    const std::size_t index = Find(id);
+    if (index == kNoSlot) return;
+    const ClientId owner = drives_[index].owner;
+    const bool was_former = owner == 0 && slots_[index].former == client;
+    if (owner != client && !was_former) return;
+    const bool was_awaited = IsAwaited(drives_[index]);
+    LoseClient(index);
+    became_ready = NoteChange(index, was_awaited);
   }
   if (became_ready && all_ready_hook_) all_ready_hook_();
 }
 
-void CommandBoard::ApplyPolicy(Slot& slot, LossPolicy policy) {
-  switch (policy) {
-    case LossPolicy::kWait:
-      return;
-    case LossPolicy::kHold:
-      slot.excused = true;
-      return;
-    case LossPolicy::kStop:
-      slot.in_force = {};
-      slot.excused = true;
-      return;
-    case LossPolicy::kDrop:
-      slot.in_force = {};
-      slot.dropped = true;
-      return;
+Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& message) {
+  const MutexLock lock(mutex_);
+  const std::size_t index = Find(id);
+  if (index == kNoSlot) return Gone();
+  if (stopping_) return Refusal(Error::kNotPossible, "the daemon is stopping");
+  Slot& slot = slots_[index];
+  if (drives_[index].driven) {
+    return Refusal(Error::kOwned, slot.robot + " is owned by " + Who(index) + ", which sends for it: " +
+                                      "release_robot " + slot.robot + " of /simulation unloads it");
   }
+  if (drives_[index].owner != 0 && slot.owner_name != client.name) {
+    return Refusal(Error::kOwned, slot.robot + " is driven by " + Who(index) +
+                                      ": only a client of the same name (hello) may send for it");
+  }
+  if (slot.message == kNoMessage) {
+    slot.message = static_cast<std::uint32_t>(messages_.size());
+    messages_.push_back({static_cast<std::uint32_t>(index), 0, message});
+  } else {
+    messages_[slot.message].message = message;
+  }
+  return Fine();
 }
+
+// --- waiting, watching
+// --------------------------------------------------------------------------------------
 
 void CommandBoard::WaitSteps(int steps, StepDone done) {
   {
     const MutexLock lock(mutex_);
     if (!stopping_) {
-      waiters_.push_back({steps, false, std::move(done)});
+      waiters_.push_back({0, 0, steps, false, std::move(done)});
       return;
     }
   }
@@ -235,9 +337,10 @@ std::vector<CommandBoard::Owner> CommandBoard::Owners() const {
   const MutexLock lock(mutex_);
   std::vector<Owner> owners;
   owners.reserve(slots_.size());
-  for (const Slot& slot : slots_) {
-    owners.push_back({slot.robot, slot.owner, slot.owner_name.empty() ? slot.owner_peer : slot.owner_name,
-                      slot.participates && !slot.dropped, slot.dropped});
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const Drive& drive = drives_[i];
+    owners.push_back({slots_[i].robot, drive.owner, Who(i), drive.participates && !drive.dropped,
+                      drive.dropped, slots_[i].owner_is_team, drive.driven});
   }
   return owners;
 }
@@ -248,12 +351,10 @@ std::vector<Awaited> CommandBoard::Awaiting(Nanoseconds now, std::size_t max, st
   const bool waits = mode_ == Mode::kLockstep;
   if (total != nullptr) *total = waits ? awaited_ : 0;
   if (!waits || awaited_ == 0) return awaiting;
-  for (const Slot& slot : slots_) {
-    if (awaiting.size() >= max) break;
-    if (!IsAwaited(slot)) continue;
-    const std::string& who = slot.owner_name.empty() ? slot.owner_peer : slot.owner_name;
-    awaiting.push_back({slot.robot, slot.owner == 0 ? "no client" : "no command from " + who,
-                        ToSeconds(now - slot.waiting_since)});
+  for (std::size_t i = 0; i < slots_.size() && awaiting.size() < max; ++i) {
+    if (!IsAwaited(drives_[i])) continue;
+    awaiting.push_back({slots_[i].robot, drives_[i].owner == 0 ? "no client" : "no command from " + Who(i),
+                        ToSeconds(now - waiting_since_)});
   }
   return awaiting;
 }

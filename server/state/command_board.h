@@ -5,12 +5,15 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "protocol/message.h"
@@ -31,6 +34,7 @@ struct Client {
   std::string name;          // of `hello`; empty: none
   std::string peer;          // e.g. "127.0.0.1:53120"
   bool input_ended = false;  // may still have requests executed, but owns nothing
+  bool is_team = false;      // a connection to /swarm: its name takes over from its like only
 };
 
 /// How a wait for a step ended.
@@ -67,6 +71,13 @@ struct Awaited {
   double seconds = 0;
 };
 
+/// What one connection wants of many robots in one step: all of it is accepted, or nothing happens.
+struct TeamStep {
+  std::span<const SlotId> slots;
+  std::span<const Setpoint> setpoints;  // of `slots`; empty: they keep theirs
+  std::span<const SlotId> others = {};  // more of the client's robots: they keep their set-points
+};
+
 /// A deadline that fired: an input of the run.
 struct FiredDeadline {
   std::string robot;
@@ -79,6 +90,8 @@ class CommandBoard {
   // --------------------------------------------------------------------
   /// The slot of `robot`'s drive; 0 if there is no such robot.
   SlotId FindSlot(const std::string& robot) const;
+  /// The slots of the robots of `scene` in its order, by their names.
+  std::vector<SlotId> FindSlots(const Scene& scene) const;
   /// An actuator command: the client becomes owner if there is none. `steps` empty: one step, answered at
   /// once unless in lockstep; given (≥ 1): it stands for that many steps and is answered after the last, in
   /// every mode. If the verdict says answer_now, `done` is never called.
@@ -95,6 +108,31 @@ class CommandBoard {
   void InputEnded(SlotId slot, ClientId client);
   /// The last of the connection, its backlog included: `on_disconnect` acts.
   void Closed(SlotId slot, ClientId client);
+  /// The robot broadcasts `message` in the next step, instead of what it was to broadcast so far. Refused if
+  /// a loaded controller drives it, or a client of another name does.
+  Verdict Send(SlotId slot, const Client& client, const RobotMessage& message);
+
+  // Many robots with one lock: the connections of /swarm. `client.is_team`.
+  /// Every participant among the robots is ready for `steps` steps; `done` after the last of them, in every
+  /// mode. Unowned ones are claimed. kOwned names the first robot that somebody else owns.
+  Verdict StepAll(const TeamStep& step, const Client& client, int steps, StepDone done);
+  Verdict ClaimAll(std::span<const SlotId> slots, const Client& client);
+  /// Claims whatever nobody owns and no controller drives.
+  Verdict ClaimFree(const Client& client);
+  /// As Release() of each; unowned ones are left alone.
+  Verdict ReleaseAll(std::span<const SlotId> slots, const Client& client);
+  /// Zeroes the set-points of these robots if they are the client's, also those still to come.
+  void StopTeam(std::span<const SlotId> slots, const Client& client);
+  /// All robots of older teams of that name are the client's from now on; returns the older connections.
+  std::vector<ClientId> HelloAll(const Client& client);
+  /// InputEnded() and Closed() of all that the client owns.
+  void InputEndedAll(ClientId client);
+  void ClosedAll(ClientId client);
+  /// The robots of a client in the scene's order; after the end of its input those that it has left.
+  std::vector<SlotId> Team(ClientId client) const;
+  /// Grows whenever a team loses or gets a robot and with each Configure(). Without lock.
+  std::uint64_t team_revision() const { return team_revision_.load(std::memory_order_acquire); }
+
   /// Waits for `steps` steps without making anybody ready (`ready` elsewhere, `step n`).
   void WaitSteps(int steps, StepDone done);
   /// Registers a function called after every step before any StepDone of it (subscriptions). Returns its key.
@@ -107,9 +145,11 @@ class CommandBoard {
   struct Owner {
     std::string robot;
     ClientId id = 0;
-    std::string name;  // client name, else peer
+    std::string name;  // client name, else peer; or `controller diffuse`, with id 0
     bool participates = false;
     bool dropped = false;
+    bool is_team = false;  // owned through /swarm
+    bool driven = false;   // by a loaded controller
   };
   /// All slots in the scene's order.
   std::vector<Owner> Owners() const;
@@ -126,12 +166,18 @@ class CommandBoard {
   /// Names of the robots to wait for; empty: as in the scenario. Unknown names: error 10, nothing changes.
   Verdict SetParticipants(std::span<const std::string> names, Nanoseconds now);
   /// Zeroes set-points and replaces commands that have not run.
+  /// Also drops broadcasts that wait.
   void StopAll();
+  /// The robot (its index in the scene) is driven by the loaded controller `name`, which ends whatever a
+  /// client owned or wanted of it; or, `name` empty, by clients from now on, from a stand.
+  void SetDriven(std::size_t robot, const std::string& name, Nanoseconds now);
   /// Every participant is ready for the next step.
   bool AllReady() const;
-  /// Takes the pending set-points in force; the result is by the scene's robot order, valid until
-  /// Configure().
-  std::span<const Setpoint> Latch();
+  /// Takes the pending set-points in force for step number `step`, which is to run now; the result is by the
+  /// scene's robot order, valid until Configure(). What is written into it is for this step only.
+  std::span<Setpoint> Latch(std::uint64_t step);
+  /// The broadcasts of the step latched last, by increasing robot; valid until the next Latch().
+  std::span<const SentMessage> LatchedMessages() const { return latched_messages_; }
   /// After the step: answers whom it ends the wait of. Observers first. Calls the callbacks.
   void FinishStep(const FramePtr& frame, Nanoseconds now);
   /// Waiting starts anew (after a pause): deadlines count from `now`.
@@ -144,34 +190,46 @@ class CommandBoard {
   void Stop(FramePtr frame);
 
  private:
-  struct Pending {
-    bool active = false;
-    std::optional<Setpoint> setpoint;  // empty: keeps what is in force
-    int steps_left = 0;
-    bool latched = false;  // was there when the step that runs now began
-    ClientId client = 0;
-    StepDone done;  // null: answered already
-  };
-  struct Slot {
-    SlotId id = 0;
-    std::string robot, type;
-    ClientId owner = 0;
-    std::string owner_name, owner_peer;
-    ClientId former = 0;                      // its input has ended, its requests may still run
-    std::optional<LossPolicy> after_pending;  // on_disconnect, once what is pending has run
-    std::optional<double> deadline_s;
-    LossPolicy on_deadline = LossPolicy::kHold;
-    std::optional<LossPolicy> on_disconnect;
+  /// What every step looks at, small so that thousands stay in the cache.
+  struct Drive {
+    Setpoint in_force{};
+    Setpoint commanded{};  // of what is pending
+    ClientId owner = 0;    // connection; 0: nobody, or a controller
+    ClientId pending_from = 0;
+    std::uint64_t batch = 0;  // the Waiter that what is pending belongs to; 0: none
+    std::int32_t steps_left = 0;
+    bool pending = false;       // a command or `ready` for the next step is there
+    bool has_setpoint = false;  // it brings `commanded`; else what is in force is kept
+    bool latched = false;       // it was there when the step that runs now began
+    bool has_done = false;      // somebody waits for its end: Slot::done
+    bool has_policy = false;    // Slot::after_pending
     bool participates = false;  // by scenario or set_participants
-    bool participates_by_scene = false;
     bool excused =
         false;  // late or without client, by policy hold or stop: not waited for until its next command
     bool dropped = false;  // by policy drop: takes no part until its next command
-    Pending pending;
-    Setpoint in_force{};
-    Nanoseconds waiting_since = 0;
+    bool driven = false;   // by a loaded controller
+    bool has_actuators = false;
+  };
+  /// The rest.
+  struct Slot {
+    SlotId id = 0;
+    std::string robot, type;
+    std::string owner_name, owner_peer;
+    bool owner_is_team = false;
+    std::string controller;                        // while driven
+    ClientId former = 0;                           // its input has ended, its requests may still run
+    StepDone done;                                 // of what is pending; null: answered already
+    LossPolicy after_pending = LossPolicy::kWait;  // on_disconnect, once what is pending has run
+    std::optional<double> deadline_s;
+    LossPolicy on_deadline = LossPolicy::kHold;
+    std::optional<LossPolicy> on_disconnect;
+    bool participates_by_scene = false;
+    bool may_participate = false;        // by its entry, were it not for the controller
+    std::uint32_t message = kNoMessage;  // index into messages_
   };
   struct Waiter {
+    std::uint64_t batch = 0;  // 0: of nobody's robots
+    std::size_t members = 0;  // robots of the batch that nobody has taken yet
     int steps_left = 0;
     bool latched = false;
     StepDone done;
@@ -180,35 +238,72 @@ class CommandBoard {
     std::uint64_t key = 0;
     std::shared_ptr<const StepObserver> call;
   };
-  using Completions = std::vector<std::pair<StepDone, StepResult>>;
+  /// Whom to call once the lock is gone.
+  struct Completions {
+    FramePtr frame;
+    Mode mode = Mode::kRealtime;
+    std::vector<std::pair<StepDone, StepEnd>> calls;
 
-  Slot* Find(SlotId id) REQUIRES(mutex_);
-  /// Refuses a client that may not act on `slot`; else makes it owner (unless its input has ended).
-  Verdict TakeOwnership(Slot& slot, const Client& client) REQUIRES(mutex_);
+    void Call() const;
+  };
+  static constexpr std::size_t kNoSlot = static_cast<std::size_t>(-1);
+  static constexpr std::uint32_t kNoMessage = static_cast<std::uint32_t>(-1);
+
+  /// Index of a slot; kNoSlot if the robot is gone.
+  std::size_t Find(SlotId id) const REQUIRES(mutex_);
+  static Verdict Gone();
+  /// What keeps `client` from acting on a robot, if anything does.
+  std::optional<Verdict> Objection(std::size_t index, const Client& client) const REQUIRES(mutex_);
+  std::optional<Verdict> TeamObjection(std::size_t index, const Client& client) const REQUIRES(mutex_);
+  /// The client owns the robot, or did until its input ended.
+  bool IsOf(std::size_t index, ClientId client) const REQUIRES(mutex_);
+  /// Makes the client owner, unless its input has ended. @pre no Objection()
+  void TakeOwnership(std::size_t index, const Client& client) REQUIRES(mutex_);
+  void Disown(std::size_t index) REQUIRES(mutex_);
   /// Clears what another client has pending, which then gets kReplaced.
-  void ReplacePending(Slot& slot, const Client& client, Completions& completions) REQUIRES(mutex_);
+  void ReplacePending(std::size_t index, const Client& client, Completions& completions) REQUIRES(mutex_);
+  /// Something new is pending from `client`; `setpoint` null: what is in force is kept.
+  void SetPending(std::size_t index, const Client& client, const Setpoint* setpoint, int steps)
+      REQUIRES(mutex_);
+  void ClearPending(std::size_t index) REQUIRES(mutex_);
   Verdict Place(SlotId id, const Client& client, const Setpoint* setpoint, std::optional<int> steps,
                 StepDone done) EXCLUDES(mutex_);
-  void ApplyPolicy(Slot& slot, LossPolicy policy) REQUIRES(mutex_);
-  bool IsAwaited(const Slot& slot) const REQUIRES(mutex_);
-  void EndAllWaits(StepEnd end, const FramePtr& frame, Completions& completions) REQUIRES(mutex_);
+  void ApplyPolicy(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
+  void LoseClient(std::size_t index) REQUIRES(mutex_);
+  static bool IsAwaited(const Drive& drive) {
+    return drive.participates && !drive.dropped && !drive.excused && !drive.pending;
+  }
+  std::string Who(std::size_t index) const REQUIRES(mutex_);
+  void EndAllWaits(StepEnd end, Completions& completions) REQUIRES(mutex_);
   void CountAwaited() REQUIRES(mutex_);
-  /// Corrects the count of awaited robots after a change of `slot`; true if that made the last one ready.
-  bool NoteChange(const Slot& slot, bool was_awaited) REQUIRES(mutex_);
-  static void Call(Completions& completions);
+  /// Corrects the count of awaited robots after a change of a slot; true if that made the last one ready.
+  bool NoteChange(std::size_t index, bool was_awaited) REQUIRES(mutex_);
+  void ClearMessages() REQUIRES(mutex_);
+  void NoteTeams() { team_revision_.fetch_add(1, std::memory_order_release); }
+  Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}}; }
+  Verdict Fine() const REQUIRES(mutex_) { return {Error::kOk, {}, true, mode_, 0}; }
 
   mutable Mutex mutex_;
-  std::vector<Slot> slots_ GUARDED_BY(mutex_);  // the scene's robots in order
-  std::vector<Setpoint> latched_;               // stepping thread only
+  std::vector<Drive> drives_ GUARDED_BY(mutex_);          // the scene's robots in order
+  std::vector<Slot> slots_ GUARDED_BY(mutex_);            // likewise
+  std::vector<Setpoint> latched_;                         // stepping thread only
+  std::vector<SentMessage> latched_messages_;             // stepping thread only
+  std::vector<SentMessage> messages_ GUARDED_BY(mutex_);  // for the next step, in order of arrival
   std::vector<Waiter> waiters_ GUARDED_BY(mutex_);
   std::vector<Observer> observers_ GUARDED_BY(mutex_);
   std::vector<std::size_t> slot_index_ GUARDED_BY(mutex_);  // SlotId → index into slots_, or kNoSlot
+  std::unordered_map<std::string, std::size_t> by_name_ GUARDED_BY(mutex_);  // robot → index into slots_
   Mode mode_ GUARDED_BY(mutex_) = Mode::kRealtime;
-  std::size_t awaited_ GUARDED_BY(mutex_) = 0;  // participants that are not ready
+  std::size_t awaited_ GUARDED_BY(mutex_) = 0;        // participants that are not ready
+  std::size_t calls_at_once_ GUARDED_BY(mutex_) = 0;  // the most that one step had to answer
+  Nanoseconds waiting_since_ GUARDED_BY(mutex_) = 0;
+  bool has_deadlines_ GUARDED_BY(mutex_) = false;
   SlotId next_slot_ GUARDED_BY(mutex_) = 1;
   std::uint64_t next_observer_ GUARDED_BY(mutex_) = 1;
+  std::uint64_t next_batch_ GUARDED_BY(mutex_) = 1;
   bool stopping_ GUARDED_BY(mutex_) = false;
   FramePtr last_frame_ GUARDED_BY(mutex_);
+  std::atomic<std::uint64_t> team_revision_{1};
   std::function<void()> all_ready_hook_;  // constant after construction
 };
 

@@ -2,8 +2,6 @@
 // The part of the board that the stepping thread calls.
 #include <algorithm>
 #include <limits>
-#include <string_view>
-#include <unordered_map>
 #include <utility>
 
 #include "server/state/command_board.h"
@@ -12,7 +10,6 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kNoSlot = static_cast<std::size_t>(-1);
 constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 
 Nanoseconds DeadlineOf(double deadline_s, Nanoseconds waiting_since) {
@@ -21,68 +18,88 @@ Nanoseconds DeadlineOf(double deadline_s, Nanoseconds waiting_since) {
 
 }  // namespace
 
-void CommandBoard::EndAllWaits(StepEnd end, const FramePtr& frame, Completions& completions) {
-  for (Slot& slot : slots_) {
-    if (slot.pending.done)
-      completions.emplace_back(std::move(slot.pending.done), StepResult{end, frame, mode_});
-    slot.pending = {};
+void CommandBoard::EndAllWaits(StepEnd end, Completions& completions) {
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    if (drives_[i].has_done) completions.calls.emplace_back(std::move(slots_[i].done), end);
+    ClearPending(i);
   }
-  for (Waiter& waiter : waiters_)
-    completions.emplace_back(std::move(waiter.done), StepResult{end, frame, mode_});
+  for (Waiter& waiter : waiters_) completions.calls.emplace_back(std::move(waiter.done), end);
   waiters_.clear();
 }
 
 void CommandBoard::CountAwaited() {
-  awaited_ = static_cast<std::size_t>(std::count_if(
-      slots_.begin(), slots_.end(), [this](const Slot& slot) REQUIRES(mutex_) { return IsAwaited(slot); }));
+  awaited_ = static_cast<std::size_t>(std::count_if(drives_.begin(), drives_.end(), IsAwaited));
+}
+
+void CommandBoard::ClearMessages() {
+  for (const SentMessage& sent : messages_) slots_[sent.robot].message = kNoMessage;
+  messages_.clear();
 }
 
 void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Nanoseconds now) {
   Completions completions;
   {
     const MutexLock lock(mutex_);
-    EndAllWaits(end, frame, completions);
     last_frame_ = std::move(frame);
-    std::vector<Slot> old = std::exchange(slots_, {});
+    completions = MakeCompletions();
+    EndAllWaits(end, completions);
+    messages_.clear();
+    const std::vector<Slot> old = std::exchange(slots_, {});
+    const std::vector<Drive> old_drives = std::exchange(drives_, {});
+    const auto old_names = std::exchange(by_name_, {});
     slots_.reserve(scene.robots.size());
-    std::unordered_map<std::string_view, Slot*> kept;
-    for (Slot& slot : old) kept.emplace(slot.robot, &slot);
+    drives_.reserve(scene.robots.size());
+    has_deadlines_ = false;
     for (const SceneRobot& robot : scene.robots) {
       Slot slot;
-      slot.robot = robot.entry.name;
-      slot.type = robot.entry.model->type;
-      slot.deadline_s = robot.entry.deadline_s;
-      slot.on_deadline = robot.entry.on_deadline;
-      slot.on_disconnect = robot.entry.on_disconnect;
-      slot.participates_by_scene = robot.entry.participates();
-      slot.participates = slot.participates_by_scene;
-      slot.waiting_since = now;
-      const auto before = kept.find(slot.robot);
-      if (before != kept.end() && before->second->type == slot.type) {
-        const Slot& same = *before->second;
+      Drive drive;
+      const RobotEntry& entry = robot.entry;
+      slot.robot = entry.name;
+      slot.type = entry.model->type;
+      slot.controller = entry.controller.name;
+      slot.deadline_s = entry.deadline_s;
+      slot.on_deadline = entry.on_deadline;
+      slot.on_disconnect = entry.on_disconnect;
+      slot.participates_by_scene = entry.participates();
+      drive.has_actuators = entry.model->has_actuators();
+      slot.may_participate = entry.sync && drive.has_actuators;
+      drive.driven = !entry.controller.empty();
+      drive.participates = slot.participates_by_scene;
+      has_deadlines_ |= slot.deadline_s.has_value();
+      const auto before = old_names.find(slot.robot);
+      if (before != old_names.end() && old[before->second].type == slot.type) {
+        const Slot& same = old[before->second];
         slot.id = same.id;
-        slot.owner = same.owner;
-        slot.owner_name = same.owner_name;
-        slot.owner_peer = same.owner_peer;
-        slot.former = same.former;
-        if (end == StepEnd::kReset) slot.participates = same.participates;
+        if (!drive.driven) {
+          drive.owner = old_drives[before->second].owner;
+          slot.owner_name = same.owner_name;
+          slot.owner_peer = same.owner_peer;
+          slot.owner_is_team = same.owner_is_team;
+          slot.former = same.former;
+          if (end == StepEnd::kReset) drive.participates = old_drives[before->second].participates;
+        }
       } else {
         slot.id = next_slot_++;
       }
+      by_name_.emplace(slot.robot, slots_.size());
       slots_.push_back(std::move(slot));
+      drives_.push_back(drive);
     }
     slot_index_.assign(next_slot_, kNoSlot);
     for (std::size_t i = 0; i < slots_.size(); ++i) slot_index_[slots_[i].id] = i;
     latched_.assign(slots_.size(), Setpoint{});
+    latched_messages_.clear();
+    waiting_since_ = now;
     CountAwaited();
+    NoteTeams();
   }
-  Call(completions);
+  completions.Call();
 }
 
 void CommandBoard::SetMode(Mode mode, Nanoseconds now) {
   const MutexLock lock(mutex_);
   mode_ = mode;
-  for (Slot& slot : slots_) slot.waiting_since = now;
+  waiting_since_ = now;
 }
 
 Mode CommandBoard::mode() const {
@@ -94,28 +111,61 @@ Verdict CommandBoard::SetParticipants(std::span<const std::string> names, Nanose
   const MutexLock lock(mutex_);
   std::vector<bool> chosen(slots_.size(), false);
   for (const std::string& name : names) {
-    const auto slot = std::find_if(slots_.begin(), slots_.end(),
-                                   [&](const Slot& candidate) { return candidate.robot == name; });
-    if (slot == slots_.end()) {
+    const auto found = by_name_.find(name);
+    if (found == by_name_.end()) {
       return {Error::kNoSuchName, "no robot is called " + name + ": list shows the names", true, mode_, 0};
     }
-    chosen[static_cast<std::size_t>(slot - slots_.begin())] = true;
+    const Drive& drive = drives_[found->second];
+    if (drive.driven || !drive.has_actuators) {
+      const std::string why = drive.driven ? " is driven by " + Who(found->second) : " has no actuators";
+      return {Error::kNotPossible, name + why + ": only robots that clients drive can be waited for", true,
+              mode_, 0};
+    }
+    chosen[found->second] = true;
   }
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    slots_[i].participates = names.empty() ? slots_[i].participates_by_scene : chosen[i];
-    slots_[i].dropped = false;
-    slots_[i].waiting_since = now;
+    Drive& drive = drives_[i];
+    const bool by_scene = drive.driven ? false : slots_[i].participates_by_scene;
+    drive.participates = names.empty() ? by_scene : chosen[i];
+    drive.dropped = false;
   }
+  waiting_since_ = now;
   CountAwaited();
-  return {Error::kOk, {}, true, mode_, 0};
+  return Fine();
+}
+
+void CommandBoard::SetDriven(std::size_t robot, const std::string& name, Nanoseconds now) {
+  Completions completions;
+  {
+    const MutexLock lock(mutex_);
+    if (robot >= drives_.size()) return;
+    completions = MakeCompletions();
+    ReplacePending(robot, Client{}, completions);
+    Disown(robot);
+    Drive& drive = drives_[robot];
+    Slot& slot = slots_[robot];
+    drive.in_force = {};
+    drive.excused = drive.dropped = drive.has_policy = false;
+    drive.driven = !name.empty();
+    drive.participates = !drive.driven && slot.may_participate;
+    slot.participates_by_scene = drive.participates;
+    slot.controller = name;
+    slot.former = 0;
+    waiting_since_ = now;
+    CountAwaited();
+  }
+  completions.Call();
 }
 
 void CommandBoard::StopAll() {
   const MutexLock lock(mutex_);
-  for (Slot& slot : slots_) {
-    slot.in_force = {};
-    if (slot.pending.active) slot.pending.setpoint = Setpoint{};
+  for (Drive& drive : drives_) {
+    drive.in_force = {};
+    if (!drive.pending) continue;
+    drive.commanded = {};
+    drive.has_setpoint = true;
   }
+  ClearMessages();
 }
 
 bool CommandBoard::AllReady() const {
@@ -123,15 +173,26 @@ bool CommandBoard::AllReady() const {
   return awaited_ == 0;
 }
 
-std::span<const Setpoint> CommandBoard::Latch() {
+std::span<Setpoint> CommandBoard::Latch(std::uint64_t step) {
   const MutexLock lock(mutex_);
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    Slot& slot = slots_[i];
-    if (slot.pending.active && slot.pending.setpoint) slot.in_force = *slot.pending.setpoint;
-    slot.pending.latched = slot.pending.active;
-    latched_[i] = slot.in_force;
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    Drive& drive = drives_[i];
+    if (drive.pending) {
+      if (drive.has_setpoint) drive.in_force = drive.commanded;
+      drive.latched = true;
+    }
+    latched_[i] = drive.in_force;
   }
   for (Waiter& waiter : waiters_) waiter.latched = true;
+  latched_messages_.clear();
+  if (!messages_.empty()) {
+    latched_messages_ = messages_;
+    ClearMessages();
+    // By robot, so that the order in which they arrived makes no difference.
+    std::sort(latched_messages_.begin(), latched_messages_.end(),
+              [](const SentMessage& a, const SentMessage& b) { return a.robot < b.robot; });
+    for (SentMessage& sent : latched_messages_) sent.step = step;
+  }
   return latched_;
 }
 
@@ -141,46 +202,51 @@ void CommandBoard::FinishStep(const FramePtr& frame, Nanoseconds now) {
   {
     const MutexLock lock(mutex_);
     last_frame_ = frame;
+    waiting_since_ = now;
     observers.reserve(observers_.size());
     for (const Observer& observer : observers_) observers.push_back(observer.call);
-    const StepResult result{StepEnd::kRan, frame, mode_};
-    for (Slot& slot : slots_) {
-      Pending& pending = slot.pending;
-      slot.waiting_since = now;
-      if (!pending.active || !pending.latched || --pending.steps_left > 0) continue;
-      if (pending.done) completions.emplace_back(std::move(pending.done), result);
-      pending = {};
-      if (slot.after_pending) ApplyPolicy(slot, *std::exchange(slot.after_pending, std::nullopt));
+    completions = MakeCompletions();
+    completions.calls.reserve(calls_at_once_);
+    awaited_ = 0;
+    for (std::size_t i = 0; i < drives_.size(); ++i) {
+      Drive& drive = drives_[i];
+      if (drive.pending && drive.latched && --drive.steps_left <= 0) {
+        if (drive.has_done) completions.calls.emplace_back(std::move(slots_[i].done), StepEnd::kRan);
+        ClearPending(i);
+        if (std::exchange(drive.has_policy, false)) ApplyPolicy(i, slots_[i].after_pending);
+      }
+      if (IsAwaited(drive)) ++awaited_;
     }
     std::size_t kept = 0;
     for (Waiter& waiter : waiters_) {
       if (waiter.latched && --waiter.steps_left <= 0) {
-        completions.emplace_back(std::move(waiter.done), result);
+        completions.calls.emplace_back(std::move(waiter.done), StepEnd::kRan);
       } else {
         if (&waiters_[kept] != &waiter) waiters_[kept] = std::move(waiter);
         ++kept;
       }
     }
     waiters_.resize(kept);
-    CountAwaited();
+    calls_at_once_ = std::max(calls_at_once_, completions.calls.size());
   }
   for (const auto& observer : observers) (*observer)(frame);
-  Call(completions);
+  completions.Call();
 }
 
 void CommandBoard::RestartWaiting(Nanoseconds now) {
   const MutexLock lock(mutex_);
-  for (Slot& slot : slots_) slot.waiting_since = now;
+  waiting_since_ = now;
 }
 
 std::vector<FiredDeadline> CommandBoard::FireDeadlines(Nanoseconds now) {
   const MutexLock lock(mutex_);
   std::vector<FiredDeadline> fired;
-  if (awaited_ == 0) return fired;
-  for (Slot& slot : slots_) {
-    if (!slot.deadline_s || !IsAwaited(slot) || now < DeadlineOf(*slot.deadline_s, slot.waiting_since))
+  if (awaited_ == 0 || !has_deadlines_) return fired;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const Slot& slot = slots_[i];
+    if (!IsAwaited(drives_[i]) || !slot.deadline_s || now < DeadlineOf(*slot.deadline_s, waiting_since_))
       continue;
-    ApplyPolicy(slot, slot.on_deadline);
+    ApplyPolicy(i, slot.on_deadline);
     fired.push_back({slot.robot, slot.on_deadline});
   }
   CountAwaited();
@@ -190,10 +256,10 @@ std::vector<FiredDeadline> CommandBoard::FireDeadlines(Nanoseconds now) {
 Nanoseconds CommandBoard::NextDeadline() const {
   const MutexLock lock(mutex_);
   Nanoseconds next = kNever;
-  if (awaited_ == 0) return next;
-  for (const Slot& slot : slots_) {
-    if (slot.deadline_s && IsAwaited(slot))
-      next = std::min(next, DeadlineOf(*slot.deadline_s, slot.waiting_since));
+  if (awaited_ == 0 || !has_deadlines_) return next;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (IsAwaited(drives_[i]) && slots_[i].deadline_s)
+      next = std::min(next, DeadlineOf(*slots_[i].deadline_s, waiting_since_));
   }
   return next;
 }
@@ -203,10 +269,12 @@ void CommandBoard::Stop(FramePtr frame) {
   {
     const MutexLock lock(mutex_);
     stopping_ = true;
-    EndAllWaits(StepEnd::kStopping, frame, completions);
+    last_frame_ = std::move(frame);
+    completions = MakeCompletions();
+    EndAllWaits(StepEnd::kStopping, completions);
     CountAwaited();
   }
-  Call(completions);
+  completions.Call();
 }
 
 }  // namespace coopdyn

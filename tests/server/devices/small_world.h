@@ -94,8 +94,7 @@ class SmallWorld {
     Finish();
   }
   void Publish() {
-    const std::span<const Setpoint> setpoints = board.Latch();
-    ++step_;
+    const std::span<const Setpoint> setpoints = board.Latch(++step_);
     frames.Publish(MakeFrame({setpoints.begin(), setpoints.end()}));
   }
   void Finish() { board.FinishStep(frames.Latest(), 0); }

@@ -1,82 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The lockstep contract (DESIGN §4) at the level of the board: no sockets, no threads, time as an argument.
-#include "server/state/command_board.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <memory>
+
+#include "command_board_fixture.h"
 
 namespace coopdyn {
 namespace {
-
-constexpr Nanoseconds kSecond = kNanosecondsPerSecond;
-
-class CommandBoardTest : public testing::Test {
- protected:
-  CommandBoardTest() { UseRobots({"robot1", "robot2"}); }
-
-  RobotEntry MakeRobot(const std::string& name) {
-    RobotEntry entry;
-    entry.name = name;
-    entry.model = model_;
-    return entry;
-  }
-
-  void UseRobots(const std::vector<std::string>& names, StepEnd end = StepEnd::kLoad) {
-    std::vector<RobotEntry> entries;
-    for (const std::string& name : names) entries.push_back(MakeRobot(name));
-    UseEntries(std::move(entries), end);
-  }
-
-  void UseEntries(std::vector<RobotEntry> entries, StepEnd end = StepEnd::kLoad) {
-    auto scene = std::make_shared<Scene>();
-    for (RobotEntry& entry : entries) {
-      SceneRobot robot;
-      robot.entry = std::move(entry);
-      scene->robots.push_back(std::move(robot));
-    }
-    scene_ = scene;
-    board_.SetMode(Mode::kLockstep, now_);
-    board_.Configure(*scene_, end, MakeFrame(0), now_);
-  }
-
-  FramePtr MakeFrame(std::uint64_t step) {
-    auto frame = std::make_shared<Frame>();
-    frame->step = step;
-    frame->scene = scene_;
-    return frame;
-  }
-
-  /// One whole step; returns the set-points that it used.
-  std::vector<Setpoint> RunStep() {
-    const std::span<const Setpoint> latched = board_.Latch();
-    std::vector<Setpoint> result(latched.begin(), latched.end());
-    board_.FinishStep(MakeFrame(++step_), now_);
-    return result;
-  }
-
-  /// A StepDone that writes what came into `answers_[key]`.
-  StepDone Note(const std::string& key) {
-    return [this, key](const StepResult& result) { answers_[key].push_back(result); };
-  }
-
-  SlotId slot(const std::string& robot) { return board_.FindSlot(robot); }
-
-  std::shared_ptr<RobotModel> model_ = [] {
-    auto model = std::make_shared<RobotModel>();
-    model->type = "test";
-    model->modules = {{"motors", "motors"}};
-    return model;
-  }();
-  CommandBoard board_;
-  std::shared_ptr<const Scene> scene_;
-  Nanoseconds now_ = 0;
-  std::uint64_t step_ = 0;
-  std::map<std::string, std::vector<StepResult>> answers_;
-  const Client ana_{1, "ana", "127.0.0.1:1"};
-  const Client bob_{2, "bob", "127.0.0.1:2"};
-};
 
 TEST_F(CommandBoardTest, AStepNeedsEveryParticipant) {
   EXPECT_FALSE(board_.AllReady());
@@ -140,7 +71,7 @@ TEST_F(CommandBoardTest, AGivenNumberOfStepsIsWaitedForInRealtimeToo) {
 TEST_F(CommandBoardTest, ACommandDuringAStepCountsForTheNextOne) {
   board_.SetMode(Mode::kRealtime, now_);
   board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
-  board_.Latch();
+  board_.Latch(step_ + 1);
   board_.Command(slot("robot1"), ana_, {2, 2}, {}, Note("ana"));
   board_.FinishStep(MakeFrame(++step_), now_);
   EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
