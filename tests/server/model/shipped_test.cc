@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
+#include <tuple>
 
 #include "server/model/summary.h"
 #include "server/model/swarm.h"
@@ -19,9 +21,25 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kSource = COOPDYN_SOURCE_DIR;
 
+/// What ships, and files in the place of the controllers, which the build makes elsewhere.
+class ShippedLibrary {
+ public:
+  ShippedLibrary() : library_(SearchPath{{COOPDYN_SOURCE_DIR, folder_.path()}}) {
+    for (const char* name : {"aggregate", "attractor", "braitenberg", "diffuse", "flock"}) {
+      folder_.Write(std::string("controllers/") + name + ".so", "");
+    }
+  }
+  RobotLibrary& library() { return library_; }
+
+ private:
+  TempFolder folder_;
+  RobotLibrary library_;
+};
+
 ReadResult Load(const std::string& name) {
+  static ShippedLibrary shipped;
   Diagnostics diagnostics;
-  auto scenario = LoadScenario(name, ShippedRobots(), diagnostics);
+  auto scenario = LoadScenario(name, shipped.library(), diagnostics);
   return {scenario, diagnostics.ToString()};
 }
 
@@ -52,8 +70,9 @@ TEST(ShippedTest, EveryWorldLoadsWithoutDiagnostics) {
 
 TEST(ShippedTest, NamesAreListedSorted) {
   EXPECT_THAT(ShippedRobots().path().ScenarioNames(),
-              ::testing::ElementsAre("arena20", "box_maze", "classroom", "cluttered", "corridor", "empty",
-                                     "fig4", "formation"));
+              ::testing::ElementsAre("aggregate50", "arena20", "box_maze", "classroom", "cluttered",
+                                     "corridor", "crowd200", "diffuse100", "empty", "fig4", "flock50",
+                                     "formation", "swarm100", "swarm1000", "swarm5000"));
 }
 
 TEST(ShippedTest, RobotsStartClearOfEverything) {
@@ -67,9 +86,12 @@ TEST(ShippedTest, RobotsStartClearOfEverything) {
         EXPECT_GT(DistanceToShadow(object, p.x(), p.y()), robot.model->footprint_radius_m)
             << file << object.name;
       }
+      double nearest_m = std::numeric_limits<double>::infinity();
       for (std::size_t j = 0; j < i; ++j) {
-        EXPECT_GT((scenario->robots[j].X_WR.p - p).norm(), 2 * robot.model->footprint_radius_m) << file;
+        const Vector3& q = scenario->robots[j].X_WR.p;
+        nearest_m = std::min(nearest_m, std::hypot(p.x() - q.x(), p.y() - q.y()));
       }
+      EXPECT_GT(nearest_m, 2 * robot.model->footprint_radius_m) << file;
     }
   }
 }
@@ -142,6 +164,22 @@ TEST(ShippedTest, ArenaHasTwentyRobotsWithSockets) {
   ASSERT_NE(scenario, nullptr);
   EXPECT_EQ(scenario->robots.size(), 20u);
   for (const RobotEntry& robot : scenario->robots) EXPECT_TRUE(robot.sockets);
+}
+
+TEST(ShippedTest, SwarmsAreOnePerSquareMetreAndTheCrowdIsDenser) {
+  for (const auto& [name, count, area_m2] :
+       {std::tuple("swarm100", 100u, 100.0), std::tuple("diffuse100", 100u, 100.0),
+        std::tuple("swarm1000", 1000u, 1024.0), std::tuple("swarm5000", 5000u, 5041.0),
+        std::tuple("crowd200", 200u, 60.0625)}) {
+    const auto scenario = Load(name).scenario;
+    ASSERT_NE(scenario, nullptr);
+    EXPECT_EQ(scenario->robots.size(), count);
+    EXPECT_EQ(scenario->robots[0].fidelity, Fidelity::kRolling);
+    // Between the walls, which are 0.1 m thick and stand on the floor's edge.
+    EXPECT_NEAR((scenario->floor.length_m - 0.2) * (scenario->floor.width_m - 0.2), area_m2, 1e-6);
+    EXPECT_EQ(scenario->objects.size(), 4u);
+    EXPECT_EQ(scenario->robots[0].participates(), std::string_view(name) == "swarm100");
+  }
 }
 
 /// The fenced blocks of docs/formats.md whose language is `language`.
