@@ -39,6 +39,8 @@ class Device {
   virtual void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const = 0;
   /// The meaning of an actuator command; nothing if `request` is none. @pre as for Read().
   virtual std::optional<Actuation> Actuate(const Message& /*request*/) const { return std::nullopt; }
+  /// What the robot is to broadcast; nothing if `request` is no order to. @pre as for Read().
+  virtual std::optional<RobotMessage> Broadcast(const Message& /*request*/) const { return std::nullopt; }
 };
 
 /// A reply to `request` without error; the caller fills it in.

@@ -6,13 +6,18 @@
 #include "protocol/module_tables.h"
 #include "server/devices/distance.h"
 #include "server/devices/motors.h"
+#include "server/devices/neighbours.h"
 #include "server/devices/pose.h"
 #include "server/devices/target.h"
 
 namespace coopdyn {
 
 DeviceFactory::DeviceFactory()
-    : motors_(MotorsTable()), distance_(DistanceTable()), target_(TargetTable()), pose_(PoseTable()) {}
+    : motors_(MotorsTable()),
+      distance_(DistanceTable()),
+      target_(TargetTable()),
+      pose_(PoseTable()),
+      neighbours_(NeighboursTable()) {}
 
 std::unique_ptr<Device> DeviceFactory::Make(const ModuleModel& module,
                                             std::shared_ptr<const RobotModel> model) const {

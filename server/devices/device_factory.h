@@ -17,7 +17,7 @@ class DeviceFactory {
   std::unique_ptr<Device> Make(const ModuleModel& module, std::shared_ptr<const RobotModel> model) const;
 
  private:
-  const CommandTable motors_, distance_, target_, pose_;
+  const CommandTable motors_, distance_, target_, pose_, neighbours_;
 };
 
 }  // namespace coopdyn

@@ -3,42 +3,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
-#include <cmath>
+#include "server/devices/wheels.h"
 
 namespace coopdyn {
-
-namespace {
-
-/// Beyond any limit, and still far from overflow when divided by a wheel radius.
-constexpr double kHuge = 1e100;
-
-}  // namespace
-
-Setpoint MotorsDevice::Limit(Setpoint wheels, double& factor) const {
-  const double fastest = std::max(std::abs(wheels[0]), std::abs(wheels[1]));
-  if (fastest <= drive_.max_wheel_speed_rad_s) return wheels;
-  const double scale = drive_.max_wheel_speed_rad_s / fastest;
-  factor *= scale;
-  for (double& wheel : wheels) {
-    // Rounding must not bring it beyond the limit again.
-    wheel = std::clamp(wheel * scale, -drive_.max_wheel_speed_rad_s, drive_.max_wheel_speed_rad_s);
-  }
-  return wheels;
-}
-
-Setpoint MotorsDevice::WheelSpeeds(double linear_m_s, double angular_rad_s, double& factor) const {
-  const double largest = std::max(std::abs(linear_m_s), std::abs(angular_rad_s));
-  if (largest > kHuge) {
-    factor = kHuge / largest;
-    linear_m_s *= factor;
-    angular_rad_s *= factor;
-  }
-  const double half_turn_m_s = angular_rad_s * drive_.track_m / 2;
-  return Limit({(linear_m_s - half_turn_m_s) / drive_.wheel_radius_m,
-                (linear_m_s + half_turn_m_s) / drive_.wheel_radius_m},
-               factor);
-}
 
 std::optional<Actuation> MotorsDevice::Actuate(const Message& request) const {
   Actuation actuation;
@@ -46,14 +13,14 @@ std::optional<Actuation> MotorsDevice::Actuate(const Message& request) const {
   double factor = 1;
   switch (request.command) {
     case command::kSetWheelSpeeds:
-      actuation.wheel_speed_rad_s = Limit({request.data[0], request.data[1]}, factor);
+      actuation.wheel_speed_rad_s = LimitWheels(drive_, {request.data[0], request.data[1]}, factor);
       if (factor != 1) {
         actuation.limited = fmt::format("limited to {:.6g} {:.6g} rad/s", actuation.wheel_speed_rad_s[0],
                                         actuation.wheel_speed_rad_s[1]);
       }
       return actuation;
     case command::kSetVelocity:
-      actuation.wheel_speed_rad_s = WheelSpeeds(request.data[0], request.data[1], factor);
+      actuation.wheel_speed_rad_s = WheelsFor(drive_, request.data[0], request.data[1], factor);
       if (factor != 1) {
         actuation.limited = fmt::format("limited to {:.6g} m/s {:.6g} rad/s", request.data[0] * factor,
                                         request.data[1] * factor);

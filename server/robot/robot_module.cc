@@ -56,6 +56,9 @@ std::optional<Message> RobotModule::Answer(Peer& peer, const Message& request) {
   if (std::optional<Actuation> actuation = device_.Actuate(request)) {
     return Drive(peer, request, std::move(*actuation));
   }
+  if (const std::optional<RobotMessage> message = device_.Broadcast(request)) {
+    return Send(peer, request, *message);
+  }
   const FramePtr frame = robot_.inbox().Current();
   if (frame == nullptr)
     return ErrorReply(request.command, Error::kNotPossible, "the simulation has not begun yet");
@@ -74,6 +77,15 @@ std::optional<Message> RobotModule::Drive(Peer& peer, const Message& request, Ac
   peer.text = std::move(actuation.limited);
   return Settle(peer, board().Command(robot_.slot(), peer.client.client, actuation.wheel_speed_rad_s,
                                       actuation.steps, robot_.inbox().Waiter(*this, peer.client.client.id)));
+}
+
+Message RobotModule::Send(Peer& peer, const Message& request, const RobotMessage& message) {
+  if (!core_.MayChange(peer.client)) return ModuleCore::NotAllowed(request);
+  const Verdict verdict = board().Send(robot_.slot(), peer.client.client, message);
+  if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
+  Message reply = ReplyTo(request);
+  ModuleCore::Stamp(reply, *robot_.inbox().Current());
+  return reply;
 }
 
 std::optional<Message> RobotModule::Ready(Peer& peer, const Message& request) {

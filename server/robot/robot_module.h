@@ -55,6 +55,7 @@ class RobotModule final : public Endpoint, private ReadingSource, private StepLi
   /// Answers what needs no step; nothing if the request must wait (and has its reply in `peer`).
   std::optional<Message> Answer(Peer& peer, const Message& request);
   std::optional<Message> Drive(Peer& peer, const Message& request, Actuation actuation);
+  Message Send(Peer& peer, const Message& request, const RobotMessage& message);
   std::optional<Message> Ready(Peer& peer, const Message& request);
   Message Hello(Peer& peer, const Message& request);
   Message ClaimOrRelease(Peer& peer, const Message& request);
