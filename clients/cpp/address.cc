@@ -100,8 +100,9 @@ std::string Address::text() const {
   return (host_.find(':') != std::string::npos ? "[" + host_ + "]" : host_) + ":" + std::to_string(port_);
 }
 
-std::string Address::HelloText(bool drives) const {
-  return name_ + (drives ? "" : ":reader") + (token_.empty() ? "" : " " + token_);
+std::string Address::HelloText(bool drives, int number) const {
+  return name_ + (drives ? "" : ":reader") + (number > 1 ? ":" + std::to_string(number) : "") +
+         (token_.empty() ? "" : " " + token_);
 }
 
 int Address::DialOne(int fd, const void* address, unsigned length, Deadline deadline) const {

@@ -35,8 +35,8 @@ class Address {
   double timeout_s() const { return timeout_s_; }
   std::string text() const;
   /// What `hello` says. Only what may drive says the plain name: the same name on an actuator module takes it
-  /// over, which a reader must not do.
-  std::string HelloText(bool drives) const;
+  /// over, which a reader must not do. A second team of one program is another name: `number`.
+  std::string HelloText(bool drives, int number = 1) const;
 
   /// A connected, non-blocking socket to the daemon's port. Throws Error -1 or 11 with cause and cure.
   int Dial(Deadline deadline) const;

@@ -34,12 +34,19 @@ Message Checked(Message reply) {
 Connection::Connection(const Address& address, std::string module, bool drives)
     : address_(address), module_(std::move(module)), drives_(drives) {}
 
+Connection::Connection(const Address& address, std::string module, int team_number)
+    : address_(address),
+      module_(std::move(module)),
+      drives_(true),
+      number_(team_number),
+      bulk_(BulkReader()) {}
+
 void Connection::Open() {
   Close();
   fd_ = address_.OpenModule(module_, After(address_.timeout_s()));
   try {
     if (!WriteAll(fd_, std::string(kBinaryMagic))) throw Closed("");
-    Request(command::kHello, {}, {}, address_.HelloText(drives_), address_.timeout_s());
+    Request(command::kHello, {}, {}, address_.HelloText(drives_, number_), address_.timeout_s());
   } catch (...) {
     Close();
     throw;
@@ -51,6 +58,7 @@ void Connection::Close() {
   fd_ = -1;
   busy_ = false;
   in_.clear();
+  if (bulk_) bulk_->Clear();
   pushes.clear();
 }
 
@@ -64,11 +72,11 @@ bool Connection::Alive() {
   return true;
 }
 
-void Connection::Send(std::int32_t command, std::vector<std::int32_t> params, std::vector<double> data,
+void Connection::Send(std::int32_t command, std::vector<std::int32_t> params, std::span<const double> data,
                       std::string text) {
   request_.command = command;
   request_.params = std::move(params);
-  request_.data = std::move(data);
+  request_.data.assign(data.begin(), data.end());
   request_.text = std::move(text);
   out_.clear();
   EncodeBinary(request_, out_);
@@ -80,7 +88,24 @@ void Connection::Send(std::int32_t command, std::vector<std::int32_t> params, st
   throw Closed("");
 }
 
+std::optional<Message> Connection::TryReadBulk() {
+  try {
+    while (std::optional<Message> message = bulk_->Read(fd_)) {
+      if (message->command >= 0 || message->error != 0) {
+        busy_ = false;
+        return message;
+      }
+      if (message->command == command::kClosing) throw Closed(message->text);
+    }
+  } catch (const Error&) {
+    Close();
+    throw;
+  }
+  return std::nullopt;
+}
+
 std::optional<Message> Connection::TryRead() {
+  if (bulk_) return TryReadBulk();
   while (true) {
     if (!in_.empty()) {
       Decoded decoded = DecodeBinary(in_, kMaxReplyBytes);
@@ -133,9 +158,9 @@ Message Connection::Receive(double timeout_s, double spin_s) {
   }
 }
 
-Message Connection::Request(std::int32_t command, std::vector<std::int32_t> params, std::vector<double> data,
-                            std::string text, double timeout_s, double spin_s) {
-  Send(command, std::move(params), std::move(data), std::move(text));
+Message Connection::Request(std::int32_t command, std::vector<std::int32_t> params,
+                            std::span<const double> data, std::string text, double timeout_s, double spin_s) {
+  Send(command, std::move(params), data, std::move(text));
   return Checked(Receive(timeout_s, spin_s));
 }
 

@@ -16,7 +16,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,13 +24,12 @@
 #include "clients/cpp/address.h"
 #include "clients/cpp/error.h"
 #include "clients/cpp/json.h"
+#include "clients/cpp/team.h"
 
 namespace coopdyn::client {
 
 class Session;
 struct Link;
-
-inline constexpr double kNoTimeout_s = std::numeric_limits<double>::infinity();
 
 /// Where a robot is and how it moves, in the world frame: m, rad, m/s, rad/s.
 struct Pose {
@@ -57,6 +55,17 @@ struct OtherRobot {
   int id = 0;
   std::string name;
   double distance = 0, bearing = 0;
+};
+/// A robot within range.
+struct Neighbour {
+  int id = 0;
+  double distance = 0, bearing = 0;
+};
+/// What another robot sent, and where that one is now.
+struct Heard {
+  int id = 0;
+  double distance = 0, bearing = 0;
+  std::vector<double> values;
 };
 /// Where each distance sensor looks, how wide [rad] and how far [m], right to left.
 struct Geometry {
@@ -129,6 +138,13 @@ class Robot {
   Bearing get_target(const std::string& x);
   Bearing get_target(int x);
   std::vector<OtherRobot> get_robots();
+  /// Every robot within range. For robots with a module `neighbours`, as the next two.
+  std::vector<Neighbour> get_neighbours();
+  /// What is heard in this step.
+  std::vector<Heard> get_messages();
+  /// Broadcasts one to eight numbers with the next step, to the robots within range; the last message before
+  /// the step counts.
+  void send_message(const std::vector<double>& values);
   Wheels get_wheels();
   Limits get_limits();
 
@@ -163,9 +179,14 @@ class Simulation {
   Robot robot(const std::string& name);
   Robot robot(int number);
   std::vector<std::string> robots();
+  /// Takes robots to be driven together, through one connection: names of swarms or robots, or all that
+  /// nobody drives. Error 6 if another client owns one of them; then none is taken.
+  Team team(const std::string& name);
+  Team team(const std::vector<std::string>& names);
+  Team team();
 
-  /// Goes on by n steps. Error 11 after `timeout` seconds. Waiting longer than 2 s it says once, on stderr,
-  /// whom for.
+  /// Goes on by n steps; teams keep their speeds. Error 11 after `timeout` seconds. Waiting longer than 2 s
+  /// it says once, on stderr, whom for.
   void step(int n = 1, double timeout = kNoTimeout_s);
   /// Simulated time [s] and step number of the newest reply.
   double time() const;

@@ -13,6 +13,7 @@
 namespace coopdyn::client {
 namespace {
 
+constexpr std::size_t kMaxMessage = 8;
 constexpr double kLabelsLive_s = 0.5;  // ids and colours of targets are asked for again after this
 
 double Finite(double value, const char* what) {
@@ -124,6 +125,36 @@ std::vector<OtherRobot> Robot::get_robots() {
   for (std::size_t i = 0; i < count; ++i)
     robots.push_back({reply.params[i], names[i], d[2 * i], d[2 * i + 1]});
   return robots;
+}
+
+std::vector<Neighbour> Robot::get_neighbours() {
+  const Message reply = session_->Read(*link_, "neighbours", command::kGetNeighbours);
+  const std::vector<double> d = Values(reply, 2 * reply.params.size());
+  std::vector<Neighbour> neighbours;
+  for (std::size_t i = 0; i < reply.params.size(); ++i)
+    neighbours.push_back({reply.params[i], d[2 * i], d[2 * i + 1]});
+  return neighbours;
+}
+
+std::vector<Heard> Robot::get_messages() {
+  const Message reply = session_->Read(*link_, "neighbours", command::kGetMessages);
+  std::vector<Heard> messages;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i + 1 < reply.params.size(); i += 2) {
+    const std::size_t count = static_cast<std::size_t>(std::max(0, reply.params[i + 1]));
+    if (at + 2 + count > reply.data.size()) throw Error(7, "a reply of the daemon has too few values");
+    const double* d = reply.data.data() + at;
+    messages.push_back({reply.params[i], d[0], d[1], {d + 2, d + 2 + count}});
+    at += 2 + count;
+  }
+  return messages;
+}
+
+void Robot::send_message(const std::vector<double>& values) {
+  if (values.empty() || values.size() > kMaxMessage)
+    throw Error(3, "a message has 1 to 8 numbers, not " + std::to_string(values.size()));
+  for (const double value : values) Finite(value, "a value of a message");
+  session_->Send(*link_, values);
 }
 
 Wheels Robot::get_wheels() {

@@ -20,7 +20,7 @@ constexpr double kRequestTimeout_s = 10;
 
 bool CarriesMode(std::int32_t id) {
   return id == command::kReady || id == command::kGetTime || id == command::kSetWheelSpeeds ||
-         id == command::kSetVelocity || id == command::kStop;
+         id == command::kSetVelocity || id == command::kStop || id == command::kStepAll;
 }
 
 std::string Join(const std::vector<std::string>& words, const char* between) {
@@ -48,7 +48,7 @@ Session::Session(Address address, bool watch)
 
 double Session::spin_s() const {
   if (const char* given = std::getenv("COOPDYN_SPIN")) return std::max(0.0, std::atof(given)) * 1e-6;
-  return mode_ == kLockstep && links_.size() <= 4 ? 50e-6 : 0;
+  return mode_ == kLockstep && links_.size() + teams_.size() <= 4 ? 50e-6 : 0;
 }
 
 const Message& Session::Note(const Message& reply) {
@@ -68,8 +68,7 @@ Message Session::Control(std::int32_t command, std::vector<std::int32_t> params,
                          std::string text, double timeout_s) {
   RequireOpen();
   if (!simulation_.Alive()) simulation_.Open();
-  Message reply =
-      simulation_.Request(command, std::move(params), std::move(data), std::move(text), timeout_s);
+  Message reply = simulation_.Request(command, std::move(params), data, std::move(text), timeout_s);
   for (const auto& link : links_) link->carried.reset();
   return Note(reply);
 }
@@ -78,8 +77,20 @@ Json Session::Status() {
   return Json::Parse(Control(command::kGetStatus).text);
 }
 
+std::vector<std::string> Session::RobotNames() {
+  std::vector<std::string> names;
+  while (true) {  // a status lists some hundred at a time
+    std::vector<std::int32_t> first;
+    if (!names.empty()) first.push_back(static_cast<std::int32_t>(names.size() + 1));
+    const Json status = Json::Parse(Control(command::kGetStatus, first).text);
+    for (const Json& robot : status["robots"].items()) names.push_back(robot["name"].text());
+    if (status["robots"].size() == 0 || static_cast<double>(names.size()) >= status["robot_count"].number())
+      return names;
+  }
+}
+
 Message Session::Read(Link& link, const std::string& module, std::int32_t command,
-                      std::vector<std::int32_t> params, std::string text) {
+                      std::vector<std::int32_t> params, std::string text, std::vector<double> data) {
   RequireOpen();
   if (module == "motors" && link.motors && !link.lost) {
     Settle(link);
@@ -87,20 +98,28 @@ Message Session::Read(Link& link, const std::string& module, std::int32_t comman
         link.motors->Request(command, std::move(params), {}, std::move(text), kRequestTimeout_s, spin_s()));
   }
   std::unique_ptr<Connection>& reader = link.readers[module];
-  if (!reader) reader = std::make_unique<Connection>(address_, "/" + link.robot + "/" + module, false);
-  return Ask(*reader, command, std::move(params), std::move(text));
+  // What a robot sends is its driver's to say: that connection has the driver's name.
+  const bool sends = module == "neighbours" && !watch_;
+  if (!reader) reader = std::make_unique<Connection>(address_, "/" + link.robot + "/" + module, sends);
+  try {
+    return Ask(*reader, command, std::move(params), std::move(text), std::move(data));
+  } catch (const Error& e) {
+    if (e.code() != kNoSuchName || module != "neighbours" || reader->is_open()) throw;
+    throw Error(kNotPossible, link.robot + " has no module neighbours, its type has none: a robot of type " +
+                                  "minibot has one, or add it to the robot's model.sdf (docs/formats.md)");
+  }
 }
 
 Message Session::Ask(Connection& connection, std::int32_t command, std::vector<std::int32_t> params,
-                     std::string text) {
+                     std::string text, std::vector<double> data) {
   if (connection.is_open() && !connection.busy()) {
     try {
-      return Note(connection.Request(command, params, {}, text, kRequestTimeout_s, spin_s()));
+      return Note(connection.Request(command, params, data, text, kRequestTimeout_s, spin_s()));
     } catch (const Closed&) {
     }
   }
   connection.Open();
-  return Note(connection.Request(command, std::move(params), {}, std::move(text), kRequestTimeout_s));
+  return Note(connection.Request(command, std::move(params), data, std::move(text), kRequestTimeout_s));
 }
 
 Json Session::Describe(const std::string& module) {
@@ -129,7 +148,7 @@ Message Session::Call(const std::string& module, std::int32_t command, std::vect
   if (link == nullptr && !connection->Alive()) connection->Open();
   std::vector<Waiting> waiting = {{connection, link}};
   try {
-    connection->Send(command, std::move(params), std::move(data), std::move(text));
+    connection->Send(command, std::move(params), data, std::move(text));
     return Collect(waiting, timeout_s);
   } catch (...) {
     GiveUp(waiting, std::current_exception());
@@ -139,12 +158,22 @@ Message Session::Call(const std::string& module, std::int32_t command, std::vect
 
 std::shared_ptr<Link> Session::Drive(const std::string& robot) {
   RequireOpen();
-  std::erase_if(links_, [&](const auto& link) { return link->robot == robot && link->lost; });
+  const bool in_team = std::any_of(teams_.begin(), teams_.end(), [&](const auto& team) {
+    return !team->lost && std::find(team->names.begin(), team->names.end(), robot) != team->names.end();
+  });
+  std::erase_if(links_, [&](const auto& link) {
+    return link->robot == robot && (link->lost || link->in_team != in_team);
+  });
   for (const auto& link : links_) {
     if (link->robot == robot) return link;
   }
   auto link = std::make_shared<Link>();
   link->robot = robot;
+  if (in_team) {
+    link->in_team = true;
+    links_.push_back(link);
+    return link;
+  }
   link->motors = std::make_unique<Connection>(address_, "/" + robot + "/motors", !watch_);
   try {
     OpenMotors(*link);
@@ -229,19 +258,24 @@ bool Session::AwaitCommand(Link& link) {
 
 void Session::Lose(Link& link, const Closed& closed) {
   link.ForgetCommands();
+  throw Lost(closed, link.robot, "sim.robot(\"" + link.robot + "\")", link.lost);
+}
+
+Error Session::Lost(const Closed& closed, const std::string& label, const std::string& take_again,
+                    std::optional<Error>& lost) {
   if (closed.notice().empty())
-    throw Error(Error::kNoConnection,
-                "the connection to " + link.robot + " broke; is the daemon still running?");
+    return {Error::kNoConnection, "the connection to " + label + " broke; is the daemon still running?"};
   // Opening it again would take the robot back from whoever got it.
-  link.lost.emplace(kOwned, link.robot + " is not driven by this sim any more: " + closed.notice() +
-                                "; sim.robot(\"" + link.robot + "\") takes it again");
-  throw Error(*link.lost);
+  lost.emplace(kOwned, label + " is not driven by this sim any more: " + closed.notice() + "; " + take_again +
+                           " takes it again");
+  return *lost;
 }
 
 void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data) {
   RequireOpen();
   if (watch_) throw Error(kNotPossible, "this sim only watches; connect without watch to drive");
-  if (!link.motors) throw Error(kNotPossible, link.robot + " has no motors");
+  if (!link.motors)
+    throw Error(kNotPossible, link.robot + (link.in_team ? " is driven by its team" : " has no motors"));
   if (link.lost) throw Error(*link.lost);
   if (mode_ != kLockstep) Settle(link);
   if (mode_ == kLockstep) {
@@ -258,7 +292,7 @@ void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data
   AwaitCommand(link);
 }
 
-void Session::Step(int n, double timeout_s) {
+void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
   RequireOpen();
   std::vector<Waiting> waiting;
   if (!watch_) {
@@ -267,6 +301,10 @@ void Session::Step(int n, double timeout_s) {
       Settle(*link);
       waiting.push_back({link->motors.get(), link.get()});
     }
+    for (const auto& team : teams_) {
+      team->steps_left = n;
+      waiting.push_back({&SettleTeam(*team), nullptr, team.get()});
+    }
   }
   if (waiting.empty()) {
     if (!simulation_.Alive()) simulation_.Open();
@@ -274,13 +312,19 @@ void Session::Step(int n, double timeout_s) {
   }
   try {
     for (Waiting& w : waiting) {
+      if (w.team != nullptr) {
+        const bool is_it = w.team == team_command.team;
+        w.connection->Send(command::kStepAll, {}, is_it ? team_command.values : std::span<const double>(),
+                           is_it ? team_command.text : "");
+        continue;
+      }
       Command command{command::kReady, {}};
       if (w.link != nullptr) {
         if (w.link->kept) command = std::move(*w.link->kept);
         w.link->kept.reset();
         w.link->carried.reset();
       }
-      w.connection->Send(command.id, {n}, std::move(command.data));
+      w.connection->Send(command.id, {n}, command.data);
     }
     Collect(waiting, timeout_s);
   } catch (...) {
@@ -334,9 +378,8 @@ void Session::StartedAnew() {
 
 void Session::Loaded() {
   StartedAnew();
-  std::vector<std::string> names;
-  const Json status = Status();
-  for (const Json& robot : status["robots"].items()) names.push_back(robot["name"].text());
+  for (const auto& team : teams_) team->connection->Close();  // opened again with the robots there are now
+  const std::vector<std::string> names = RobotNames();
   std::erase_if(links_, [&](const auto& link) {
     if (std::find(names.begin(), names.end(), link->robot) != names.end()) return false;
     link->lost.emplace(kNoSuchName, "the scenario that was loaded has no " + link->robot +
@@ -348,6 +391,7 @@ void Session::Loaded() {
 
 void Session::Close() {
   if (closed_) return;
+  while (!teams_.empty()) CloseTeam(*std::shared_ptr<TeamLink>(teams_.back()), true);
   closed_ = true;
   for (const auto& link : links_) {
     if (link->motors && link->motors->is_open() && !watch_ && !link->lost) {

@@ -15,6 +15,7 @@
 #include "clients/cpp/connection.h"
 #include "clients/cpp/error.h"
 #include "clients/cpp/json.h"
+#include "clients/cpp/team_link.h"
 
 namespace coopdyn::client {
 
@@ -29,12 +30,13 @@ struct Command {
 /// A robot as this client drives it: its connections, and the command kept for the next step.
 struct Link {
   std::string robot;
-  std::unique_ptr<Connection> motors;                          // null: it has no motors
+  std::unique_ptr<Connection> motors;                          // null: it has no motors, or `in_team`
   std::map<std::string, std::unique_ptr<Connection>> readers;  // by module
   std::map<std::string, std::unique_ptr<Connection>> pushers;  // subscriptions, by module
   std::optional<Command> kept;                                 // for the next step
   std::optional<Command> sent;                                 // its reply has not come yet
   std::optional<Error> lost;                                   // why it is not ours any more
+  bool in_team = false;                                        // a team of ours drives it: for reading only
   std::vector<std::string> attached;
   std::optional<Message> carried;  // the readings that came with the reply to the last step
   double labels_step = -1;         // of ids and colours of the targets
@@ -66,9 +68,13 @@ class Session {
   Message Control(std::int32_t command, std::vector<std::int32_t> params = {}, std::vector<double> data = {},
                   std::string text = "", double timeout_s = 10);
   Json Status();
+  /// The names of all robots, in the order of the scenario.
+  std::vector<std::string> RobotNames();
   /// A reading of the newest frame. A connection that broke since it was last used is opened again.
   Message Read(Link& link, const std::string& module, std::int32_t command,
-               std::vector<std::int32_t> params = {}, std::string text = "");
+               std::vector<std::int32_t> params = {}, std::string text = "", std::vector<double> data = {});
+  /// Broadcasts a message of the robot.
+  void Send(Link& link, const std::vector<double>& values);
   /// What a module says about its commands.
   Json Describe(const std::string& module);
   Message Call(const std::string& module, std::int32_t command, std::vector<std::int32_t> params,
@@ -78,7 +84,23 @@ class Session {
   std::shared_ptr<Link> Drive(const std::string& robot);
   /// An actuator command: kept in lockstep, sent at once otherwise.
   void Actuate(Link& link, std::int32_t command, std::vector<double> data);
-  void Step(int n, double timeout_s);
+  /// Steps with what was kept, or `ready`, for every robot and every team of this session.
+  void Step(int n, double timeout_s, const TeamCommand& command = {});
+
+  /// The team of these names, opened and claimed.
+  std::shared_ptr<TeamLink> DriveTeam(const std::string& text);
+  /// The connection of a team, free for a request.
+  Connection& SettleTeam(TeamLink& team);
+  /// One step of the world, in which a team does what the command says.
+  Message StepTeam(const TeamCommand& command, double timeout_s);
+  /// A request that is answered at once.
+  Message AskTeam(TeamLink& team, std::int32_t command);
+  void Select(TeamLink& team, const std::string& words, int neighbours);
+  /// What of a row changes if robots or targets have come or gone; asked anew.
+  void RefreshTeam(TeamLink& team);
+  /// Gives the robots up, after stopping them if wished.
+  void CloseTeam(TeamLink& team, bool stop);
+
   /// Attaches the first readings of all modules of the robot to its connection.
   void Attach(Link& link);
   /// The attached readings of the newest frame.
@@ -94,18 +116,24 @@ class Session {
  private:
   struct Waiting {
     Connection* connection;
-    Link* link;  // null: /simulation or a raw message
+    Link* link;  // null: /simulation, a raw message, or a team
+    TeamLink* team = nullptr;
     bool done = false;
   };
 
   const Message& Note(const Message& reply);
   Message Ask(Connection& connection, std::int32_t command, std::vector<std::int32_t> params,
-              std::string text);
+              std::string text, std::vector<double> data = {});
   void OpenMotors(Link& link);
   void Settle(Link& link);
   bool AwaitCommand(Link& link);
   [[noreturn]] void Lose(Link& link, const Closed& closed);
+  /// The daemon closed the connection of `label`: the error, kept in `lost` if it must not be opened again.
+  static Error Lost(const Closed& closed, const std::string& label, const std::string& take_again,
+                    std::optional<Error>& lost);
+  void OpenTeam(TeamLink& team);
   Connection& AttachedConnection(Link& link, const std::vector<std::string>& modules);
+  static std::string Label(const Waiting& w);
   Message Collect(std::vector<Waiting>& waiting, double timeout_s);
   void GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& cause);
   void CatchUp(std::vector<Waiting>& waiting);
@@ -115,6 +143,7 @@ class Session {
   bool watch_;
   Connection simulation_;
   std::vector<std::shared_ptr<Link>> links_;
+  std::vector<std::shared_ptr<TeamLink>> teams_;
   std::map<std::string, std::unique_ptr<Connection>> others_;  // of Call()
   int mode_ = 0;
   double time_ = 0;

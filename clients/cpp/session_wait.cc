@@ -19,6 +19,11 @@ constexpr std::size_t kNamedRobots = 4;
 
 }  // namespace
 
+std::string Session::Label(const Waiting& w) {
+  if (w.team != nullptr) return w.team->label() + ": ";
+  return w.link != nullptr ? w.link->robot + ": " : "";
+}
+
 /// Takes in the reply of every connection in `waiting` and returns the last. The first error is thrown.
 Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   const Deadline start = Clock::now();
@@ -35,10 +40,20 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
         fds.push_back(w.connection->fd());
         continue;
       }
+      if (w.team != nullptr && reply->error == 0 && w.team->steps_left > 1) {
+        --w.team->steps_left;  // a team goes step by step
+        w.connection->Send(command::kStepAll, {}, {});
+        fds.push_back(w.connection->fd());
+        continue;
+      }
       w.done = true;
       catch_up_at = After(kCatchUpAfter_s);
-      if (reply->error != 0)
-        throw Error(reply->error, (w.link != nullptr ? w.link->robot + ": " : "") + reply->text);
+      if (reply->error != 0) throw Error(reply->error, Label(w) + reply->text);
+      if (w.team != nullptr) {
+        Note(*reply);
+        w.team->reply = std::move(*reply);
+        continue;
+      }
       last = Note(*reply);
       if (w.link != nullptr && !w.link->attached.empty() && !reply->params.empty() && reply->params[0] == 1)
         w.link->carried = std::move(*reply);
@@ -70,10 +85,17 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
 void Session::CatchUp(std::vector<Waiting>& waiting) {
   const Json status = FreshStatus();
   for (const Json& awaited : status["awaiting"].items()) {
+    const std::string& robot = awaited["robot"].text();
     for (Waiting& w : waiting) {
-      if (!w.done || w.link == nullptr || w.link->robot != awaited["robot"].text()) continue;
-      w.done = false;
-      w.connection->Send(command::kReady, {1}, {});
+      if (!w.done) continue;
+      if (w.link != nullptr && w.link->robot == robot) {
+        w.done = false;
+        w.connection->Send(command::kReady, {1}, {});
+      } else if (w.team != nullptr &&
+                 std::find(w.team->names.begin(), w.team->names.end(), robot) != w.team->names.end()) {
+        w.done = false;
+        w.connection->Send(command::kStepAll, {}, {});
+      }
     }
   }
 }
@@ -93,13 +115,13 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
     if (w.done) continue;
     const bool gone = !w.connection->is_open();
     w.connection->Close();
-    if (w.link == nullptr) continue;
-    w.link->ForgetCommands();
-    if (!gone) continue;
+    if (w.link != nullptr) w.link->ForgetCommands();
+    if (!gone || (w.link == nullptr && w.team == nullptr)) continue;
     try {
       std::rethrow_exception(cause);
     } catch (const Closed& closed) {
       try {
+        if (w.team != nullptr) throw Lost(closed, w.team->label(), w.team->TakeAgain(), w.team->lost);
         Lose(*w.link, closed);
       } catch (const Error&) {
         lost = std::current_exception();
@@ -109,9 +131,10 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
     }
   }
   for (Waiting& w : waiting) {
-    if (w.done || w.link == nullptr || w.link->lost) continue;
+    if (w.done || (w.link == nullptr && w.team == nullptr)) continue;
     try {
-      OpenMotors(*w.link);
+      if (w.team != nullptr && !w.team->lost) OpenTeam(*w.team);
+      if (w.link != nullptr && !w.link->lost) OpenMotors(*w.link);
     } catch (const Error&) {
       // Tried again at the next use, which says what is wrong.
     }

@@ -85,10 +85,28 @@ Robot Simulation::robot(int number) {
 }
 
 std::vector<std::string> Simulation::robots() {
-  std::vector<std::string> names;
-  const Json state = status();
-  for (const Json& robot : state["robots"].items()) names.push_back(robot["name"].text());
-  return names;
+  return session_->RobotNames();
+}
+
+Team Simulation::team(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::string name : names) {
+    name.erase(0, std::min(name.find_first_not_of('/'), name.size()));
+    if (name.empty() || name.find_first_of("/\t\n") != std::string::npos)
+      throw Error(10, "'" + name + "' is not the name of a robot or swarm; write e.g. sim.team(\"swarm1\")");
+    text += (text.empty() ? "" : " ") + name;
+  }
+  if (text.empty())
+    throw Error(3, "no names: write e.g. sim.team(\"swarm1\"), or sim.team() for all that nobody drives");
+  return Team(session_, session_->DriveTeam(text));
+}
+
+Team Simulation::team(const std::string& name) {
+  return team(std::vector<std::string>{name});
+}
+
+Team Simulation::team() {
+  return Team(session_, session_->DriveTeam(""));
 }
 
 void Simulation::step(int n, double timeout) {

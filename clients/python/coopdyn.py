@@ -9,6 +9,11 @@
     print(r.get_pose())
     sim.close()
 
+    team = sim.team("swarm1")                # five robots or five thousand, through one connection
+    s = team.read()
+    for k in range(1000):
+        s = team.step([(0.1, 0.5 if min(d) < 0.05 else 0.0) for d in s.distances])
+
 The same program runs in every time mode and with one or many robots. In lockstep `set_velocity` does not wait: it is
 kept (the last wins) until `sim.step()`, which sends the commands of all robots of this `sim` and waits for the step.
 In real time it is sent at once, and `sim.step()` waits for the next step.
@@ -19,7 +24,9 @@ Use a `sim` and its robots from one thread. On a command line: `python3 coopdyn.
 """
 from __future__ import annotations
 
+import array
 import getpass
+import itertools
 import json
 import math
 import os
@@ -28,7 +35,7 @@ import socket
 import struct
 import sys
 import time as _clock
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 __version__ = "0.1.0"
 PROTOCOL = 1
@@ -38,13 +45,16 @@ MODES = ("realtime", "lockstep", "free")
 _LOCKSTEP = 1
 
 # Numbers of the commands that this file uses; docs/protocol.md is the whole table.
-_READY, _GET_TIME, _SUBSCRIBE, _HELLO, _CLAIM, _ATTACH, _DESCRIBE = 2, 3, 4, 6, 7, 9, 1
+_READY, _GET_TIME, _SUBSCRIBE, _HELLO, _CLAIM, _RELEASE, _ATTACH, _DESCRIBE = 2, 3, 4, 6, 7, 8, 9, 1
 _SET_WHEEL_SPEEDS, _SET_VELOCITY, _GET_WHEELS, _GET_LIMITS, _STOP = 10, 11, 12, 13, 14
 _GET_DISTANCES, _GET_GEOMETRY = 20, 21
 _GET_TARGETS, _GET_TARGET, _GET_ROBOTS = 30, 31, 32
 _GET_POSE, _GET_POSE_3D = 40, 41
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD = 108, 190, 191, 192
+_STEP_ALL, _SELECT_READINGS, _READ_ALL, _GET_TEAM, _STOP_TEAM = 110, 111, 112, 113, 114
+_CARRY_MODE = frozenset((_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP, _STEP_ALL))
+_GET_NEIGHBOURS, _SEND_MESSAGE, _GET_MESSAGES = 200, 201, 202
 
 _CLOSE_S = 0.2
 _REQUEST_TIMEOUT_S = 10.0  # for what is answered at once
@@ -55,6 +65,9 @@ _NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
 _HELD_UP_S = 0.5  # lockstep awaits its robots before every step; a shorter wait holds nobody up
 _NAMED_ROBOTS = 4
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
+_READINGS = ("pose", "distances", "targets", "neighbours", "wheels")  # of a team
+_NEIGHBOURS = 8  # of each robot of a team, unless told
+_MAX_MESSAGE = 8  # numbers in one message between robots
 
 _ERROR_NAMES = {
     -1: "connection",
@@ -167,6 +180,23 @@ class OtherRobot(NamedTuple):
     bearing: float
 
 
+class Neighbour(NamedTuple):
+    """A robot within range: distance [m], bearing [rad]."""
+
+    id: int
+    distance: float
+    bearing: float
+
+
+class Heard(NamedTuple):
+    """What another robot sent, and where that one is now: distance [m], bearing [rad]."""
+
+    id: int
+    distance: float
+    bearing: float
+    values: List[float]
+
+
 class Geometry(NamedTuple):
     """Where each distance sensor looks [rad], how wide [rad] and how far [m], right to left."""
 
@@ -202,6 +232,76 @@ class Reading(NamedTuple):
     target: Optional[Target]
     pose: Optional[Pose]
     wheels: Optional[Wheels]
+
+
+class Rows:
+    """Numbers in n rows, one for each robot of a team: `rows[i]` is a tuple, `rows[i][j]` a number, `for x, y, heading
+    in s.pose` goes through all. `numpy.asarray(rows)` shares the memory."""
+
+    __slots__ = ("_data", "_stride", "_first", "shape")
+
+    def __init__(self, data: "array.array[float]", stride: int, first: int, shape: Tuple[int, int]) -> None:
+        self._data, self._stride, self._first, self.shape = data, stride, first, shape
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, i: Any) -> Any:
+        if isinstance(i, slice):
+            return [self[k] for k in range(*i.indices(self.shape[0]))]
+        if not -self.shape[0] <= i < self.shape[0]:
+            raise IndexError(f"there is no row {i} of {self.shape[0]}")
+        at = i % self.shape[0] * self._stride + self._first
+        return tuple(self._data[at : at + self.shape[1]])
+
+    def __iter__(self) -> Iterator[Tuple[float, ...]]:
+        rows, columns = self.shape
+        if columns == 0:
+            return iter([()] * rows)
+        end, first = rows * self._stride, self._first
+        return zip(*(self._data[k : end : self._stride] for k in range(first, first + columns)))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Rows) and self.shape == other.shape and list(self) == list(other)
+
+    def __repr__(self) -> str:
+        return f"<{self.shape[0]} x {self.shape[1]} numbers>"
+
+    @property
+    def __array_interface__(self) -> Dict[str, Any]:
+        return {"version": 3, "typestr": "<f8" if sys.byteorder == "little" else ">f8", "shape": self.shape,
+                "data": self._data, "offset": 8 * self._first, "strides": (8 * self._stride, 8)}
+
+
+class TeamReading:
+    """All readings of a team in one step, those chosen with `team.select`; a row for each robot in the order of
+    `team.names`: `pose` (x, y [m], heading [rad]), `distances` [m], `targets` (distance [m], bearing [rad] of each),
+    `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels)."""
+
+    time: float
+    step: int
+    pose: Rows
+    distances: Rows
+    targets: Rows
+    neighbours: Rows
+    wheels: Rows
+
+    def __init__(self, names: Sequence[str], columns: Sequence[int], n: int, data: "array.array[float]") -> None:
+        self.time, self.step = data[-2], int(data[-1])
+        stride, first = sum(columns), 0
+        for name, count in zip(names, columns):
+            self.__dict__[name] = Rows(data, stride, first, (n, count))
+            first += count
+
+    def __getattr__(self, name: str) -> Any:
+        if name in _READINGS:
+            chosen = [word for word in _READINGS if word in self.__dict__] + [name]
+            raise AttributeError(f'{name} was not chosen; write team.select({", ".join(map(repr, chosen))})')
+        raise AttributeError(f"a reading of a team has no {name!r}")
+
+    def __repr__(self) -> str:
+        rows = ", ".join(f"{k} {v.shape[0]} x {v.shape[1]}" for k, v in self.__dict__.items() if isinstance(v, Rows))
+        return f"<readings of step {self.step}: {rows}>"
 
 
 class Update(NamedTuple):
@@ -430,11 +530,14 @@ class _Connection:
         self.busy = False
         self.pushes: List[Message] = []
 
+    def hello_text(self) -> str:
+        return self.address.hello_text(self.drives)
+
     def open(self, timeout_s: float) -> None:
         self.close()
         self.sock = self.address.open_module(self.module, _clock.monotonic() + timeout_s)
         try:
-            self.request(_HELLO, text=self.address.hello_text(self.drives), timeout=timeout_s)
+            self.request(_HELLO, text=self.hello_text(), timeout=timeout_s)
         except BaseException:
             self.close()
             raise
@@ -552,6 +655,77 @@ class _Connection:
         return _checked(reply)
 
 
+class _TeamConnection(_Connection):
+    """The connection of a team: replies of up to megabytes are read at their exact length, their data as one array."""
+
+    def __init__(self, address: _Address, number: int) -> None:
+        super().__init__(address, "/swarm", drives=True)
+        self.number = number
+        self.raw = bytearray(4096)
+        self.have = 0
+        self.want = 24  # bytes of the message that comes, as far as known; or of the last one, which is likely
+
+    def hello_text(self) -> str:
+        name, _, token = self.address.hello_text(True).partition(" ")
+        return f"{name if self.number == 1 else f'{name}:{self.number}'} {token}".rstrip()
+
+    def close(self) -> None:
+        super().close()
+        self.have, self.want = 0, 24
+
+    def try_read(self) -> Optional[Message]:
+        assert self.sock is not None
+        while True:
+            while self.have < 24 or self.have < self.want:
+                try:
+                    got = self.sock.recv_into(memoryview(self.raw)[self.have : max(24, self.want)])
+                except (BlockingIOError, InterruptedError):
+                    return None
+                except OSError:
+                    got = 0
+                if got == 0:
+                    self.close()
+                    raise _Closed("")
+                self.have += got
+                if self.have >= 24:
+                    self._size_up()
+            message = self._take()
+            if message.command < 0 and message.error == 0:
+                if message.command == -1:
+                    self.close()
+                    raise _Closed(message.text)
+                continue  # nothing was subscribed to
+            self.busy = False
+            return message
+
+    def _size_up(self) -> None:
+        """The length of the message of which the header is there."""
+        size, _, _, t, m, n = _HEADER.unpack_from(self.raw)
+        if size != 20 + t + 4 * m + 8 * n:
+            self.close()
+            raise Error(7, "the bytes received are not a coopdyn message")
+        self.want = 4 + size
+        if len(self.raw) < self.want:
+            self.raw.extend(bytes(self.want - len(self.raw)))
+
+    def _take(self) -> Message:
+        _, error, command, t, m, n = _HEADER.unpack_from(self.raw)
+        text = self.raw[24 : 24 + t].decode("utf-8", "replace") if t else ""
+        params = list(struct.unpack_from(f"<{m}i", self.raw, 24 + t))
+        end = self.want
+        data = array.array("d")
+        data.frombytes(memoryview(self.raw)[end - 8 * n : end])
+        if sys.byteorder == "big":
+            data.byteswap()
+        more = self.have - end  # of the next message, if this one was shorter than the last
+        if more:
+            self.raw[:more] = self.raw[end : self.have]
+        self.have = more
+        if more >= 24:
+            self._size_up()
+        return Message(error, text, command, params, data)  # type: ignore[arg-type]
+
+
 class _Closed(Error):
     """The daemon closed the connection; `notice` says why, if it said so."""
 
@@ -587,6 +761,47 @@ def _count(value: Any, what: str) -> int:
     return int(value)
 
 
+def _speeds(values: Any, names: Sequence[str], what: str, columns: str) -> bytes:
+    """Two numbers for each robot, row after row: from rows of two, one row for all, a flat list, or anything with the
+    buffer protocol, as numpy's arrays."""
+    n = len(names)
+    flat: "array.array[float]" = array.array("d")
+    regular = True
+    try:
+        view = memoryview(values)
+    except TypeError:
+        view = None
+    try:
+        if view is None:
+            rows = list(values)
+            lengths = set(map(len, rows)) if rows and hasattr(rows[0], "__len__") else set()
+            shape, regular = (len(rows), *sorted(lengths)[-1:]), len(lengths) <= 1
+        else:
+            rows, shape = None, tuple(view.shape or ())
+            if view.format in ("d", "=d", "@d", "<d" if sys.byteorder == "little" else ">d"):
+                flat.frombytes(view.tobytes())
+            else:
+                rows = view.tolist()
+        if rows is not None:
+            flat = array.array("d", list(itertools.chain.from_iterable(rows)) if len(shape) == 2 else rows)
+    except (TypeError, NotImplementedError):
+        raise Error(3, f"{what} is one row [{columns}] for each robot, or one for all, of numbers only") from None
+    if not regular or shape not in ((n, 2), (1, 2), (2,), (2 * n,)):
+        said = " x ".join(map(str, shape)) + (" numbers" if len(shape) == 1 else "" if regular else " at most")
+        raise Error(3, f"{what} is {said}, the team has {n} robots; write {n} x 2, one row [{columns}] for each robot, "
+                       "or one row for all")
+    if not math.isfinite(sum(flat)):
+        for k, number in enumerate(flat):
+            if not math.isfinite(number):
+                whose = f"row {k // 2} of {what} ({names[k // 2]})" if len(flat) == 2 * n else what
+                raise Error(4, f"{whose} must be finite, not {flat[k // 2 * 2]}, {flat[k // 2 * 2 + 1]}")
+    if len(flat) == 2 and n != 1:
+        flat = flat * n
+    if sys.byteorder == "big":
+        flat.byteswap()
+    return flat.tobytes()
+
+
 # --- readings out of messages -----------------------------------------------------------------------------------------
 
 
@@ -596,6 +811,14 @@ def _pairs(data: Sequence[float]) -> List[Tuple[float, float]]:
 
 def _targets(params: Sequence[int], text: str, data: Sequence[float]) -> List[Target]:
     return [Target(i, c, d, b) for i, c, (d, b) in zip(params, text.split(), _pairs(data))]
+
+
+def _heard(params: Sequence[int], data: Sequence[float]) -> List[Heard]:
+    messages, at = [], 0
+    for sender, count in zip(params[0::2], params[1::2]):
+        messages.append(Heard(sender, data[at], data[at + 1], list(data[at + 2 : at + 2 + count])))
+        at += 2 + count
+    return messages
 
 
 def _choose(targets: Sequence[Target], x: Union[str, int]) -> Target:
@@ -612,6 +835,10 @@ def _reading_value(command: int, message: Message) -> Any:
         return _targets(message.params, message.text, data)
     if command == _GET_ROBOTS:
         return [OtherRobot(i, c, d, b) for i, c, (d, b) in zip(message.params, message.text.split(), _pairs(data))]
+    if command == _GET_NEIGHBOURS:
+        return [Neighbour(i, d, b) for i, (d, b) in zip(message.params, _pairs(data))]
+    if command == _GET_MESSAGES:
+        return _heard(message.params, data)
     if command == _GET_GEOMETRY:
         return Geometry(data[0::3], data[1::3], data[2::3])
     kinds = {_GET_WHEELS: Wheels, _GET_LIMITS: Limits, _GET_TARGET: Bearing, _GET_POSE: Pose, _GET_POSE_3D: Pose3d}
@@ -626,6 +853,8 @@ class _Link:
 
     def __init__(self, session: "_Session", robot: str) -> None:
         self.robot = robot
+        self.label = robot  # in errors
+        self.in_team = False  # a team of this sim drives it: for reading only
         self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors", drives=not session.watch)
         self.readers: Dict[str, _Connection] = {}
         self.pushers: Dict[str, _Connection] = {}
@@ -642,6 +871,73 @@ class _Link:
     def forget_commands(self) -> None:
         self.kept = self.sent = self.carried = None
 
+    def is_among(self, robots: "set[str]") -> bool:
+        return self.robot in robots
+
+    def reopen(self, session: "_Session") -> None:
+        session.open_motors(self)
+
+    def take_again(self) -> str:
+        return f'sim.robot("{self.robot}")'
+
+
+class _TeamLink:
+    """A team as this client drives it: one connection to /swarm, which owns all its robots."""
+
+    def __init__(self, address: _Address, text: str, number: int) -> None:
+        self.text = text  # as it was asked for
+        self.label = f"team {text}" if text else "the team"
+        self.connection = _TeamConnection(address, number)
+        self.selected: Tuple[str, int] = ("pose distances", _NEIGHBOURS)
+        self.names: List[str] = []
+        self.ids: List[int] = []
+        self.readings: List[str] = []  # in the order of a row
+        self.columns: List[int] = []
+        self.steps_left = 0
+        self.reply: Optional[Message] = None
+        self.lost: Optional[Error] = None
+
+    def open(self, session: "_Session") -> None:
+        """Opens (again): `hello` takes over from an older connection of this client, `claim` makes the robots ours."""
+        timeout = session.address.timeout
+        self.connection.open(timeout)
+        try:
+            self.named(self.connection.request(_CLAIM, text=self.text))
+            self.ask_for(*self.selected)
+            session.note(self.connection.request(_GET_TIME, timeout=timeout))
+        except BaseException:
+            self.connection.close()
+            raise
+
+    def named(self, reply: Message) -> None:
+        """Takes over who is in the team."""
+        self.ids, self.names = reply.params, reply.text.split()
+
+    def ask_for(self, words: str, neighbours: int) -> None:
+        params = (neighbours,) if "neighbours" in words.split() else ()
+        reply = self.connection.request(_SELECT_READINGS, params, (), words)
+        self.selected = (words, neighbours)
+        self.readings, self.columns = reply.text.split(), reply.params
+
+    def request(self, command: int, data: bytes = b"") -> bytes:
+        """The frame of a command with numbers that are bytes already."""
+        return _HEADER.pack(20 + len(data), 0, command, 0, 0, len(data) // 8) + data
+
+    def forget_commands(self) -> None:
+        self.steps_left = 0
+
+    def is_among(self, robots: "set[str]") -> bool:
+        return not robots.isdisjoint(self.names)
+
+    def reopen(self, session: "_Session") -> None:
+        self.open(session)
+
+    def take_again(self) -> str:
+        return f'sim.team("{self.text}")' if self.text else "sim.team()"
+
+
+_Driven = Union[_Link, _TeamLink]
+
 
 class _Session:
     """The connections of one `connect`, shared by the simulation and its robots. Refers to neither of them."""
@@ -651,6 +947,7 @@ class _Session:
         self.watch = watch
         self.simulation = _Connection(address, "/simulation", drives=True)
         self.links: List[_Link] = []
+        self.teams: List[_TeamLink] = []
         self.others: Dict[str, _Connection] = {}  # of call()
         self.commands: Dict[str, Dict[str, int]] = {}  # numbers of commands by module and name
         self.mode = 0
@@ -659,13 +956,13 @@ class _Session:
         self.closed = False
 
     def spin_s(self) -> float:
-        return _spin_s(self.mode == _LOCKSTEP, len(self.links))
+        return _spin_s(self.mode == _LOCKSTEP, len(self.links) + len(self.teams))
 
     def note(self, reply: Message) -> Message:
         """Takes time and step out of a reply, and the mode if it carries one."""
         if len(reply.data) >= 2:
             self.time, self.steps = reply.data[-2], int(reply.data[-1])
-        if reply.params and reply.command in (_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP):
+        if reply.params and reply.command in _CARRY_MODE:
             self.mode = reply.params[0]
         return reply
 
@@ -687,15 +984,25 @@ class _Session:
             link.carried = None
         return self.note(reply)
 
-    def read(self, link: _Link, module: str, command: int, params: Sequence[int] = (), text: str = "") -> Message:
+    def read(
+        self, link: _Link, module: str, command: int, params: Sequence[int] = (), text: str = "",
+        data: Sequence[float] = (),
+    ) -> Message:
         """A reading of the newest frame. A connection that broke since it was last used is opened again."""
         self.require_open()
         if module == "motors" and link.motors is not None:
             if link.lost is None:
                 self.settle(link)
                 return self.note(link.motors.request(command, params, (), text, spin_s=self.spin_s()))
-        connection = link.readers.setdefault(module, _Connection(self.address, f"/{link.robot}/{module}"))
-        return self.ask(connection, command, params, (), text)
+        sends = module == "neighbours" and not self.watch  # what a robot sends is its driver's to say
+        connection = link.readers.setdefault(module, _Connection(self.address, f"/{link.robot}/{module}", drives=sends))
+        try:
+            return self.ask(connection, command, params, data, text)
+        except Error as e:
+            if e.code != 10 or module != "neighbours" or connection.sock is not None:
+                raise
+            raise Error(5, f"{link.robot} has no module neighbours, its type has none: a robot of type minibot has one, "
+                           "or add it to the robot's model.sdf (docs/formats.md)") from None
 
     def ask(
         self, connection: _Connection, command: int, params: Sequence[int], data: Sequence[float], text: str
@@ -712,12 +1019,15 @@ class _Session:
     def drive(self, robot: str) -> _Link:
         """The link to `robot`, opened and (unless watching) claimed."""
         self.require_open()
+        in_team = any(robot in team.names for team in self.teams if team.lost is None)
         for link in self.links:
-            if link.robot == robot and link.lost is None:
+            if link.robot == robot and link.lost is None and link.in_team == in_team:
                 return link
         link = _Link(self, robot)
+        link.in_team = in_team
         try:
-            self.open_motors(link)
+            if not in_team:
+                self.open_motors(link)
         except Error as e:
             if e.code != 10:
                 raise
@@ -726,6 +1036,8 @@ class _Session:
                 robots = sorted({m.name.split("/")[1] for m in modules if m.name.count("/") == 2})
                 raise Error(10, f"there is no robot {robot!r}; there are: {_list_of(robots)}") from None
             link.motors = None  # it has no motors: it can be read only
+        if in_team:
+            link.motors = None
         self.links = [other for other in self.links if other.robot != robot] + [link]
         return link
 
@@ -795,14 +1107,14 @@ class _Session:
         except _Closed as e:
             raise self.lose(link, e) from None
 
-    def lose(self, link: _Link, closed: _Closed) -> Error:
-        """The motors connection was closed by the daemon. With a notice (taken over, freed, gone) it is not opened
+    def lose(self, link: _Driven, closed: _Closed) -> Error:
+        """The connection for commands was closed by the daemon. With a notice (taken over, freed, gone) it is not opened
         again by itself: that would take the robot back from whoever got it."""
         link.forget_commands()
         if not closed.notice:
-            return Error(-1, f"the connection to {link.robot} broke; is the daemon still running?")
-        link.lost = Error(6, f"{link.robot} is not driven by this sim any more: {closed.notice}; "
-                             f'sim.robot("{link.robot}") takes it again')
+            return Error(-1, f"the connection to {link.label} broke; is the daemon still running?")
+        link.lost = Error(6, f"{link.label} is not driven by this sim any more: {closed.notice}; "
+                             f"{link.take_again()} takes it again")
         return link.lost
 
     def command(self, link: _Link, command: int, data: Tuple[float, ...]) -> None:
@@ -811,7 +1123,7 @@ class _Session:
         if self.watch:
             raise Error(5, "this sim only watches; connect() without watch=True to drive")
         if link.motors is None:
-            raise Error(5, f"{link.robot} has no motors")
+            raise Error(5, f"{link.robot} {'is driven by its team' if link.in_team else 'has no motors'}")
         if link.lost is not None:
             raise link.lost
         if self.mode != _LOCKSTEP:
@@ -827,17 +1139,70 @@ class _Session:
         link.sent = (command, data)
         self.await_command(link)
 
-    def step(self, n: int, timeout: Optional[float]) -> None:
+    # --- teams ---
+    def team(self, text: str) -> _TeamLink:
+        """The team of these names, opened and claimed."""
+        self.require_open()
+        if self.watch:
+            raise Error(5, "this sim only watches; connect() without watch=True to drive a team")
+        self.teams = [team for team in self.teams if team.lost is None]
+        for team in self.teams:
+            if team.text == text:
+                return team
+        taken = {team.connection.number for team in self.teams}
+        team = _TeamLink(self.address, text, next(k for k in itertools.count(1) if k not in taken))
+        try:
+            team.open(self)
+        except Error as e:
+            if e.code == 6:
+                raise Error(6, f"{team.label} {_owned_text(e.text)}") from None
+            raise
+        if not team.names:
+            team.connection.close()
+            raise Error(10, "there is no robot that nobody drives")
+        self.teams.append(team)
+        return team
+
+    def settle_team(self, team: _TeamLink) -> _TeamConnection:
+        """Makes the connection of a team free for a request."""
+        self.require_open()
+        if team.lost is not None:
+            raise team.lost
+        if team.connection.sock is None or team.connection.busy:  # interrupted, or never opened again
+            team.open(self)
+        return team.connection
+
+    def ask_team(self, team: _TeamLink, command: int, text: str = "") -> Message:
+        """A request that is answered at once."""
+        connection = self.settle_team(team)
+        try:
+            return self.note(connection.request(command, (), (), text, spin_s=self.spin_s()))
+        except _Closed as e:
+            raise self.lose(team, e) from None
+
+    def step_team(self, team: _TeamLink, frame: bytes, timeout: Optional[float]) -> Message:
+        """One step of the world, in which the team does what the frame says."""
+        self.step(1, timeout, team, frame)
+        reply, team.reply = team.reply, None
+        assert reply is not None
+        return reply
+
+    # --- a step of the world ---
+    def step(self, n: int, timeout: Optional[float], team: Optional[_TeamLink] = None, frame: bytes = b"") -> None:
+        """Sends what was kept (or `ready`) for every robot and every team of this sim, then takes in the replies."""
         self.require_open()
         driven = [link for link in self.links if link.motors is not None]
-        if self.watch or not driven:
+        waiting: Dict[_Connection, Optional[_Driven]]
+        if self.watch or not (driven or self.teams):
             if not self.simulation.alive():
                 self.simulation.open(self.address.timeout)
-            waiting: Dict[_Connection, Optional[_Link]] = {self.simulation: None}
+            waiting = {self.simulation: None}
             self.simulation.send(encode(_READY, (n,)))
         else:
             for link in driven:
                 self.settle(link)
+            for other in self.teams:
+                self.settle_team(other)
             waiting = {}
             try:
                 for link in driven:
@@ -846,6 +1211,10 @@ class _Session:
                     link.kept = link.carried = None
                     waiting[link.motors] = link
                     link.motors.send(encode(command, (n,), data))
+                for other in self.teams:
+                    other.steps_left = n
+                    waiting[other.connection] = other
+                    other.connection.send(frame if other is team else other.request(_STEP_ALL))
             except BaseException as e:
                 raise self.give_up(waiting, e) from None
         try:
@@ -853,27 +1222,33 @@ class _Session:
         except BaseException as e:
             raise self.give_up(waiting, e) from None
 
-    def collect(self, waiting: Dict[_Connection, Optional[_Link]], timeout: Optional[float]) -> None:
+    def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> None:
         """Takes in the reply of every connection in `waiting`, which is empty then. The first error is raised."""
         start = now = _clock.monotonic()
         spin_until = start + self.spin_s()
         deadline = start + timeout if timeout is not None else math.inf
         notice_at = start + _NOTICE_AFTER_S
-        stepped: List[_Link] = []
+        stepped: List[_Driven] = []
         catch_up_at = math.inf
         while True:
             for connection, link in list(waiting.items()):
                 reply = connection.try_read()
                 if reply is None:
                     continue
+                if isinstance(link, _TeamLink) and not reply.error and link.steps_left > 1:
+                    link.steps_left -= 1  # a team goes step by step
+                    connection.send(link.request(_STEP_ALL))
+                    continue
                 del waiting[connection]
                 if link is not None:
                     stepped.append(link)
                     catch_up_at = _clock.monotonic() + _CATCH_UP_AFTER_S
                 if reply.error:
-                    raise Error(reply.error, f"{link.robot}: {reply.text}" if link else reply.text)
+                    raise Error(reply.error, f"{link.label}: {reply.text}" if link else reply.text)
                 self.note(reply)
-                if link is not None and link.attached and reply.params[0] == _LOCKSTEP:
+                if isinstance(link, _TeamLink):
+                    link.reply = reply
+                elif link is not None and link.attached and reply.params[0] == _LOCKSTEP:
                     link.carried = reply
             if not waiting:
                 return
@@ -891,14 +1266,19 @@ class _Session:
             sockets = [c.sock for c in waiting if c.sock is not None]
             _wait_readable(sockets, min(deadline, notice_at, catch_up_at, now + 3600) - now)
 
-    def catch_up(self, stepped: List[_Link], waiting: Dict[_Connection, Optional[_Link]]) -> None:
+    def catch_up(self, stepped: List[_Driven], waiting: Dict[_Connection, Optional[_Driven]]) -> None:
         """After an error or a timeout a command that had not run may still run while its successor is on the way: its
         robot is then one step behind the others, and each would wait for the other for ever. The world says whether it
         waits for robots of ours that have stepped already: these go on by one step with what they have."""
         awaited = {a["robot"] for a in self.fresh_status().get("awaiting") or []}
         for link in list(stepped):
-            if link.robot in awaited and link.motors is not None:
-                stepped.remove(link)
+            if not link.is_among(awaited):
+                continue
+            stepped.remove(link)
+            if isinstance(link, _TeamLink):
+                waiting[link.connection] = link
+                link.connection.send(link.request(_STEP_ALL))
+            elif link.motors is not None:
                 waiting[link.motors] = link
                 link.motors.send(encode(_READY, (1,)))
 
@@ -911,7 +1291,7 @@ class _Session:
         finally:
             connection.close()
 
-    def give_up(self, waiting: Dict[_Connection, Optional[_Link]], cause: BaseException) -> BaseException:
+    def give_up(self, waiting: Dict[_Connection, Optional[_Driven]], cause: BaseException) -> BaseException:
         """Connections that still wait for a reply are closed, and opened again if the cause was an error: reading on
         would take the next reply for the one that is missing."""
         if isinstance(cause, _Closed):
@@ -929,7 +1309,7 @@ class _Session:
             for link in again:
                 if link.lost is None:
                     try:
-                        self.open_motors(link)
+                        link.reopen(self)
                     except Error:
                         pass  # tried again at the next use, which says what is wrong
         return cause
@@ -958,7 +1338,24 @@ class _Session:
         for link in self.links:
             link.forget_commands()
 
+    def close_team(self, team: _TeamLink, stop: bool) -> None:
+        """Gives the robots of a team up, after stopping them if wished."""
+        connection = team.connection
+        if connection.sock is not None and team.lost is None:
+            try:
+                connection.send((team.request(_STOP_TEAM) if stop else b"") + team.request(_RELEASE))
+                connection.sock.shutdown(socket.SHUT_WR)
+                _await_ends([connection.sock])
+            except (Error, OSError):
+                pass
+        connection.close()
+        team.lost = team.lost or Error(5, f"{team.label} was given up; {team.take_again()} takes it again")
+        if team in self.teams:
+            self.teams.remove(team)
+
     def close(self) -> None:
+        for team in list(self.teams):
+            self.close_team(team, True)
         stopping = []
         for link in self.links:
             if link.motors is not None and link.motors.sock is not None and not self.watch and link.lost is None:
@@ -1027,7 +1424,29 @@ class Robot:
         """Stops both wheels; like the other commands, in lockstep with the next `sim.step()`."""
         self._session.command(self._current(), _STOP, ())
 
+    def send_message(self, values: Sequence[float]) -> None:
+        """Broadcasts one to eight numbers with the next step, to the robots within range; the last message before the
+        step counts. For robots with a module `neighbours`."""
+        try:
+            numbers = [_number(value, "a value of a message") for value in values]
+        except TypeError:
+            numbers = [_number(values, "a message")]
+        if not 1 <= len(numbers) <= _MAX_MESSAGE:
+            raise Error(3, f"a message has 1 to {_MAX_MESSAGE} numbers, not {len(numbers)}")
+        if self._session.watch:
+            raise Error(5, "this sim only watches; connect() without watch=True to drive")
+        self._session.read(self._link, "neighbours", _SEND_MESSAGE, data=numbers)
+
     # --- readings ---
+    def get_neighbours(self) -> List[Neighbour]:
+        """Id, distance [m] and bearing [rad] of every robot within range. For robots with a module `neighbours`."""
+        return self._get("neighbours", _GET_NEIGHBOURS)
+
+    def get_messages(self) -> List[Heard]:
+        """What is heard in this step: id, distance [m] and bearing [rad] of the sender, and the values it sent. For
+        robots with a module `neighbours`."""
+        return self._get("neighbours", _GET_MESSAGES)
+
     def get_pose(self) -> Pose:
         """x, y [m], heading [rad], forward [m/s], turn [rad/s], in the world frame."""
         return self._get("pose", _GET_POSE)
@@ -1202,6 +1621,104 @@ class Robot:
         return ids, colours
 
 
+class Team:
+    """Robots that are driven together, through one connection: as well five as five thousand. Made by `sim.team`.
+
+        team = sim.team("swarm1")
+        s = team.read()
+        for k in range(1000):
+            s = team.step([(0.1, 0.0)] * team.n)       # forward [m/s], turn [rad/s] of each robot
+            print(s.time, s.pose[0], min(s.distances[0]))
+    """
+
+    def __init__(self, session: _Session, link: _TeamLink) -> None:
+        self._session = session
+        self._link = link
+
+    def __repr__(self) -> str:
+        return f"<coopdyn team of {self.n} robots>"
+
+    def __len__(self) -> int:
+        return len(self._link.names)
+
+    @property
+    def n(self) -> int:
+        """How many robots."""
+        return len(self._link.names)
+
+    @property
+    def names(self) -> List[str]:
+        """The names of the robots, in the order of the rows."""
+        return list(self._link.names)
+
+    @property
+    def ids(self) -> List[int]:
+        """The ids of the robots, likewise, as `get_neighbours` tells them."""
+        return list(self._link.ids)
+
+    def step(self, V: Any = None, timeout: Optional[float] = None) -> TeamReading:
+        """One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the step
+        has run, in every mode, and returns the readings after it. V has one row of two for each robot (or one for all): a
+        list of pairs, an array("d"), numpy's arrays; without V they keep their speeds. In lockstep the other robots of
+        this sim step too, with what they were told. Error 11 after `timeout` seconds."""
+        return self._step(V, "V", "forward, turn", "", timeout)
+
+    def step_wheels(self, W: Any, timeout: Optional[float] = None) -> TeamReading:
+        """The same with the speeds of the left and right wheel [rad/s]."""
+        return self._step(W, "W", "left, right", "wheels", timeout)
+
+    def read(self) -> TeamReading:
+        """The readings of the newest step, without a step."""
+        return self._reading(self._session.ask_team(self._link, _READ_ALL))
+
+    def select(self, *readings: str, neighbours: int = _NEIGHBOURS) -> None:
+        """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (so many nearest) and
+        "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing."""
+        words = " ".join(readings).split()
+        for word in words:
+            if word not in _READINGS:
+                raise Error(4, f"there is no reading {word!r}; there are: {_list_of(_READINGS)}")
+        if not words:
+            raise Error(3, f"nothing was chosen; there are: {_list_of(_READINGS)}")
+        self._session.settle_team(self._link)
+        self._link.ask_for(" ".join(words), _count(neighbours, "neighbours"))
+
+    def stop(self) -> None:
+        """Stops all robots of the team."""
+        self._session.ask_team(self._link, _STOP_TEAM)
+
+    def release(self) -> None:
+        """Gives the robots up to others; they go on as they were told last."""
+        self._session.close_team(self._link, False)
+
+    def close(self) -> None:
+        """Stops the robots and gives them up."""
+        self._session.close_team(self._link, True)
+
+    # --- inside ---
+    def _step(self, values: Any, what: str, columns: str, text: str, timeout: Optional[float]) -> TeamReading:
+        session, link = self._session, self._link
+        session.settle_team(link)
+        data = _speeds(values, link.names, what, columns) if values is not None else b""
+        raw = text.encode()
+        frame = _HEADER.pack(20 + len(raw) + len(data), 0, _STEP_ALL, len(raw), 0, len(data) // 8) + raw + data
+        limit = None if timeout is None else _number(timeout, "timeout [s]")
+        return self._reading(session.step_team(link, frame, limit))
+
+    def _reading(self, reply: Message) -> TeamReading:
+        """The readings out of a reply. If robots or targets have come or gone, what belongs to a row is asked anew."""
+        link = self._link
+        n, m = reply.params[-2:]
+        if n != len(link.names):
+            link.named(self._session.ask_team(link, _GET_TEAM))
+        if m != sum(link.columns):
+            self._session.settle_team(link)
+            link.ask_for(*link.selected)
+        if (n, m) != (len(link.names), sum(link.columns)):  # it has changed once more meanwhile
+            return self.read()
+        return TeamReading(link.readings, link.columns, n, reply.data)  # type: ignore[arg-type]
+
+
 class Simulation:
     """A connection to a daemon: its time and its robots. What `connect` returns; also a context manager."""
 
@@ -1233,13 +1750,31 @@ class Simulation:
 
     def robots(self) -> List[str]:
         """The names of all robots, in the order of the scenario."""
-        return [robot["name"] for robot in self.status()["robots"]]
+        names: List[str] = []
+        while True:  # a status lists some hundred at a time
+            status = json.loads(self._session.control(_GET_STATUS, (len(names) + 1,)).text if names else
+                                self._session.control(_GET_STATUS).text)
+            names += [robot["name"] for robot in status["robots"]]
+            if not status["robots"] or len(names) >= int(status.get("robot_count") or 0):
+                return names
+
+    def team(self, names: Union[str, Sequence[str], None] = None) -> Team:
+        """Takes robots to be driven together, through one connection: the name of a swarm or robot, a list of such, or
+        all that nobody drives. Error 6 if another client owns one of them; then none is taken."""
+        words = [] if names is None else names.split() if isinstance(names, str) else [str(name) for name in names]
+        if names is not None and not words:
+            raise Error(3, 'no names: write e.g. sim.team("swarm1"), or sim.team() for all robots that nobody drives')
+        words = [word.lstrip("/") for word in words]
+        for word in words:
+            if not word or "/" in word or len(word.split()) != 1:
+                raise Error(10, f'{word!r} is not the name of a robot or swarm; write e.g. sim.team("swarm1")')
+        return Team(self._session, self._session.team(" ".join(words)))
 
     # --- time ---
     def step(self, n: int = 1, timeout: Optional[float] = None) -> None:
         """Goes on by n steps: sends what the robots of this sim were told and waits until the steps have run, in
-        lockstep; waits for the n-th next step otherwise. Error 11 after `timeout` seconds (default: never). Waiting
-        longer than 2 s it says once, on stderr, whom for."""
+        lockstep; waits for the n-th next step otherwise. Its teams keep their speeds. Error 11 after `timeout` seconds
+        (default: never). Waiting longer than 2 s it says once, on stderr, whom for."""
         if timeout is not None:
             timeout = _number(timeout, "timeout [s]")
         self._session.step(_count(n, "n"), timeout)
@@ -1382,6 +1917,8 @@ class Simulation:
     def _loaded(self) -> None:
         session = self._session
         session.started_anew()
+        for team in session.teams:
+            team.connection.close()  # opened again with the robots that there are now
         names = set(self.robots())
         for link in session.links:
             if link.robot not in names:
@@ -1442,7 +1979,7 @@ def _call(
         connection.open(session.address.timeout)
     for other in session.links:
         other.carried = None
-    waiting: Dict[_Connection, Optional[_Link]] = {connection: link}
+    waiting: Dict[_Connection, Optional[_Driven]] = {connection: link}
     try:
         connection.send(encode(command, list(params), numbers, text))
         reply = _await_one(session, connection, timeout)

@@ -1,8 +1,9 @@
 % SPDX-License-Identifier: MIT
 classdef Robot < handle
 %ROBOT One robot of a simulation. Readings are always those of the newest step.
-%   Commands: set_velocity, set_wheel_speeds, stop. Readings: get_pose, get_pose_3d, get_distances, get_geometry,
-%   get_targets, get_target, get_robots, get_wheels, get_limits; sense: all of one step at once.
+%   Commands: set_velocity, set_wheel_speeds, stop, send_message. Readings: get_pose, get_pose_3d, get_distances,
+%   get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages, get_wheels, get_limits; sense: all
+%   of one step at once.
 %   Units: m, rad, m/s, rad/s; bearings 0 ahead, left positive. Rows are 1 x n.
   properties (SetAccess = private)
     name
@@ -40,6 +41,21 @@ classdef Robot < handle
       left = coopdyn.internal.number(left, 'left [rad/s]');
       right = coopdyn.internal.number(right, 'right [rad/s]');
       r.session.command(r.link, 10, [left right]);
+    end
+
+    function send_message(r, values)
+    %SEND_MESSAGE Broadcasts one to eight numbers with the next step, to the robots within range; the last message before
+    %   the step counts. For robots with a module neighbours.
+      if ~isnumeric(values) || isempty(values) || numel(values) > 8
+        coopdyn.internal.fail(3, 'a message is a row of 1 to 8 numbers');
+      end
+      for k = 1:numel(values)
+        coopdyn.internal.number(values(k), 'a value of a message');
+      end
+      if r.session.watch
+        coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive');
+      end
+      r.session.read(r.link, 'neighbours', 201, [], '', double(values));
     end
 
     function stop(r)
@@ -85,6 +101,18 @@ classdef Robot < handle
     function o = get_robots(r)
     %GET_ROBOTS id, name, distance [m] and bearing [rad] of every other robot, a 1 x n struct.
       o = r.get('target', 32, [], '');
+    end
+
+    function n = get_neighbours(r)
+    %GET_NEIGHBOURS id, distance [m] and bearing [rad] of every robot within range, a 1 x n struct. For robots with a
+    %   module neighbours.
+      n = r.get('neighbours', 200, [], '');
+    end
+
+    function m = get_messages(r)
+    %GET_MESSAGES What is heard in this step, a 1 x n struct: id, distance [m] and bearing [rad] of the sender, and the
+    %   values that it sent. For robots with a module neighbours.
+      m = r.get('neighbours', 202, [], '');
     end
 
     function w = get_wheels(r)
@@ -222,10 +250,10 @@ classdef Robot < handle
         end
         if toc(started) > options.timeout
           coopdyn.internal.fail(11, sprintf('no reading of %s within %g s; %s', strjoin(chosen, ', '), ...
-                                            options.timeout, r.session.whom()));
+                                            options.timeout, coopdyn.internal.whom(r.session.address)));
         end
         if toc(started) > notice_s
-          text = r.session.whom(true);
+          text = coopdyn.internal.whom(r.session.address, true);
           notice_s = notice_s + 2;
           if ~isempty(text)
             notice_s = Inf;
@@ -242,7 +270,7 @@ classdef Robot < handle
       if nargin < 5, data = []; end
       if nargin < 4, params = []; end
       options = coopdyn.internal.options(varargin, struct('timeout', Inf));
-      reply = r.session.call(['/' r.name '/' char(module)], command, params, data, text, options.timeout);
+      reply = coopdyn.internal.raw_call(r.session, ['/' r.name '/' char(module)], command, params, data, text, options.timeout);
     end
   end
   methods (Access = private)

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 classdef Simulation < handle
 %SIMULATION A connection to a daemon: its time and its robots. Made by coopdyn.connect.
-%   robot, robots, step; time, steps, mode, dt; run, pause, stop_all, reset, reload, load_scenario, set_mode, set_step,
+%   robot, team, robots, step; time, steps, mode, dt; run, pause, stop_all, reset, reload, load_scenario, set_mode, set_step,
 %   set_speed, set_participants; status, hash, waiting, snapshot, describe, modules, call, close.
 %   In lockstep set_velocity does not wait: it is kept (the last wins) until sim.step(), which sends the commands of all
 %   robots of this sim and waits for the step. In real time it is sent at once, and sim.step() waits for the next step.
@@ -55,17 +55,49 @@ classdef Simulation < handle
 
     function names = robots(sim)
     %ROBOTS The names of all robots, in the order of the scenario.
+      names = {};
       s = sim.status();
-      names = cell(1, numel(s.robots));
-      for k = 1:numel(s.robots)
-        names{k} = s.robots(k).name;
+      while true  % a status lists some hundred at a time
+        if isempty(s.robots)
+          return
+        end
+        names = [names reshape({s.robots.name}, 1, [])]; %#ok<AGROW>
+        if ~isfield(s, 'robot_count') || numel(names) >= s.robot_count
+          return
+        end
+        reply = sim.session.control(100, numel(names) + 1);
+        s = jsondecode(reply.text);
       end
+    end
+
+    function t = team(sim, names)
+    %TEAM Takes robots to be driven together, through one connection: the name of a swarm or robot, a cell array of such,
+    %   or without names all that nobody drives. Error if another client owns one of them; then none is taken.
+      text = '';
+      if nargin > 1
+        if iscell(names)
+          names = strjoin(cellfun(@char, reshape(names, 1, []), 'UniformOutput', false), ' ');
+        end
+        words = strsplit(strtrim(char(names)), ' ');
+        words = regexprep(words(~cellfun(@isempty, words)), '^/+', '');
+        if isempty(words)
+          coopdyn.internal.fail(3, 'no names: write e.g. sim.team(''swarm1''), or sim.team() for all that nobody drives');
+        end
+        for k = 1:numel(words)
+          if isempty(regexp(words{k}, '^[^\s/]+$', 'once'))
+            coopdyn.internal.fail(10, ['''' words{k} ''' is not the name of a robot or swarm; write e.g. sim.team(''swarm1'')']);
+          end
+        end
+        text = strjoin(words, ' ');
+      end
+      link = sim.session.team(text);
+      t = coopdyn.Team(sim.session, link);
     end
 
     % --- time
     function step(sim, varargin)
     %STEP Goes on by one step, or by n: sim.step(n). In lockstep sends what the robots of this sim were told and waits
-    %   until the steps have run; otherwise waits for the n-th next step. sim.step(1, 'timeout', 5): error after 5 s.
+    %   until the steps have run, teams keeping their speeds; otherwise waits for the n-th next step. sim.step(1, 'timeout', 5): error after 5 s.
     %   Waiting longer than 2 s it says once whom for.
       n = 1;
       limit = Inf;
@@ -238,7 +270,7 @@ classdef Simulation < handle
 
     function d = describe(sim, name)
     %DESCRIBE The commands of a module, e.g. '/robot1/motors', with their values and units.
-      d = sim.session.describe(name);
+      d = coopdyn.internal.describe(sim.session, name);
     end
 
     function m = modules(sim)
@@ -254,7 +286,7 @@ classdef Simulation < handle
       if nargin < 5, data = []; end
       if nargin < 4, params = []; end
       options = coopdyn.internal.options(varargin, struct('timeout', Inf));
-      reply = sim.session.call(name, command, params, data, text, options.timeout);
+      reply = coopdyn.internal.raw_call(sim.session, name, command, params, data, text, options.timeout);
     end
 
     function close(sim)
@@ -268,6 +300,10 @@ classdef Simulation < handle
     function loaded(sim)
       session = sim.session;
       session.started_anew();
+      for k = 1:numel(session.teams)
+        team = session.teams{k};
+        team.connection.close();  % opened again with the robots that there are now
+      end
       names = sim.robots();
       keep = true(1, numel(session.links));
       for k = 1:numel(session.links)

@@ -18,7 +18,7 @@ import coopdyn
 CLIENT = harness.ROOT / "clients" / "python"
 
 
-class DaemonTest(unittest.TestCase):
+class DaemonTestCase(unittest.TestCase):
     def start(self, scenario, *options):
         daemon = harness.Daemon(scenario, *options)
         self.addCleanup(daemon.stop)
@@ -41,7 +41,7 @@ class DaemonTest(unittest.TestCase):
         self.assertLess(math.dist(at, (x, y)), within, line)
 
 
-class Programs(DaemonTest):
+class Programs(DaemonTestCase):
     def test_hello_reaches_the_target_in_lockstep(self):
         out = self.run_program(self.start("classroom", "--mode", "lockstep"), "hello.py")
         self.assert_at_target(out, 1.5, 0.5, 0.45)
@@ -77,7 +77,7 @@ class Programs(DaemonTest):
         self.assertIn("hello from robot1", self.run_program(daemon, "coopdyn.py", "hello"))
 
 
-class WrongNames(DaemonTest):
+class WrongNames(DaemonTestCase):
     def test_a_wrong_robot_or_module_is_error_10_with_the_hint_of_the_daemon(self):
         sim = self.connect(self.start("classroom"))
         r = sim.robot(1)
@@ -103,7 +103,7 @@ class WrongNames(DaemonTest):
         self.assertNotIn("names:", run.stdout)
 
 
-class Waiting(DaemonTest):
+class Waiting(DaemonTestCase):
     def notices_after(self, seconds):
         before, coopdyn._NOTICE_AFTER_S = coopdyn._NOTICE_AFTER_S, seconds
         self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", before)
@@ -150,7 +150,7 @@ class Waiting(DaemonTest):
                 self.assertIn("is the daemon still running?", said)
 
 
-class Lockstep(DaemonTest):
+class Lockstep(DaemonTestCase):
     def test_five_robots_in_one_process_do_not_deadlock_and_repeat_themselves(self):
         sim = self.connect(self.start(harness.scenario_of(5)))
         robots = [sim.robot(i + 1) for i in range(5)]
@@ -258,7 +258,7 @@ class Lockstep(DaemonTest):
         self.assertEqual(caught.exception.code, 10)
 
 
-class Everything(DaemonTest):
+class Everything(DaemonTestCase):
     def test_every_call_works(self):
         sim = self.connect(self.start(harness.scenario_of(2, "realtime")))
         r = sim.robot("/robot1")

@@ -9,11 +9,14 @@ import coopdyn
 
 MATLAB = harness.ROOT / "clients" / "matlab" / "+coopdyn"
 CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
+CPP_TEAM = CPP_HEADER.parent / "team.h"
 
-SIMULATION = set("""robot robots step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
+SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
     set_speed set_participants status hash waiting snapshot describe modules call close""".split())
 ROBOT = set("""name set_velocity set_wheel_speeds stop get_pose get_pose_3d get_distances get_geometry get_targets
-    get_target get_robots get_wheels get_limits sense subscribe next call""".split())
+    get_target get_robots get_neighbours get_messages send_message get_wheels get_limits sense subscribe next call""".split())
+TEAM = set("n names ids step step_wheels read select stop release close".split())
+READINGS = set("pose distances targets neighbours wheels".split())
 FUNCTIONS = {"connect", "doctor"}
 
 
@@ -37,7 +40,7 @@ def matlab_names(name):
 
 
 def cpp_class(name):
-    text = CPP_HEADER.read_text(encoding="utf-8")
+    text = "".join(path.read_text(encoding="utf-8") for path in (CPP_HEADER, CPP_TEAM))
     return re.search(rf"^(?:class|struct) {name} {{\n(.*?)^}};$", text, re.M | re.S).group(1)
 
 
@@ -73,11 +76,23 @@ class NamesTest(unittest.TestCase):
         self.assertEqual(matlab_names("Robot"), ROBOT)
         self.assertEqual(cpp_names("Robot"), ROBOT)
 
+    def test_teams_have_the_same_calls(self):
+        self.assertEqual(python_names(coopdyn.Team), TEAM)
+        self.assertEqual(matlab_names("Team"), TEAM)
+        self.assertEqual(cpp_names("Team"), TEAM)
+
+    def test_teams_have_the_same_readings(self):
+        self.assertEqual(set(coopdyn._READINGS), READINGS)
+        self.assertEqual(set(coopdyn.TeamReading.__annotations__), READINGS | {"time", "step"})
+        self.assertEqual(cpp_fields("TeamReading"), READINGS | {"time", "step", "values"})
+        known = re.search(r"known = {(.*?)}", (MATLAB / "Team.m").read_text(encoding="utf-8")).group(1)
+        self.assertEqual(set(re.findall(r"'(\w+)'", known)), READINGS)
+
     def test_packages_have_the_same_functions(self):
         functions = {n for n, f in inspect.getmembers(coopdyn, inspect.isfunction)
                      if not n.startswith("_") and f.__module__ == "coopdyn"}
         self.assertEqual(functions - {"encode", "decode"}, FUNCTIONS)
-        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot"}, FUNCTIONS)
+        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot", "Team"}, FUNCTIONS)
         header = CPP_HEADER.read_text(encoding="utf-8")
         self.assertEqual(set(re.findall(r"^(?:Simulation|bool) (\w+)\(", header, re.M)), FUNCTIONS)
 
@@ -87,7 +102,7 @@ class NamesTest(unittest.TestCase):
                 fields = set(getattr(coopdyn, name)._fields)
                 self.assertEqual(cpp_fields(name), fields)
                 self.assertEqual(matlab_struct(command), fields)
-        for name in ("Target", "OtherRobot", "Reading", "Awaited", "Module"):
+        for name in ("Target", "OtherRobot", "Neighbour", "Heard", "Reading", "Awaited", "Module"):
             if name != "Module":
                 with self.subTest(name):
                     self.assertEqual(cpp_fields(name), set(getattr(coopdyn, name)._fields))

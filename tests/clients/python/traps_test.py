@@ -16,7 +16,7 @@ import coopdyn
 from fake_daemon import FakeDaemon
 
 
-class TrapTest(unittest.TestCase):
+class TrapTestCase(unittest.TestCase):
     def start(self, **options):
         daemon = FakeDaemon(**options)
         self.addCleanup(daemon.stop)
@@ -35,7 +35,7 @@ class TrapTest(unittest.TestCase):
             self.assertIn(word, caught.exception.text)
 
 
-class RunningTwice(TrapTest):
+class RunningTwice(TrapTestCase):
     def test_the_same_client_name_takes_over(self):
         daemon = self.start(mode=1)
         old = self.connect(daemon)
@@ -99,7 +99,7 @@ class RunningTwice(TrapTest):
         self.assertIsNotNone(daemon.robots[0].owner)
 
 
-class Interrupted(TrapTest):
+class Interrupted(TrapTestCase):
     def test_after_a_timeout_the_next_reply_is_the_right_one(self):
         daemon = self.start(mode=1, robots=2)
         sim = self.connect(daemon)
@@ -175,7 +175,7 @@ class Interrupted(TrapTest):
         self.assertEqual(sim.steps, 3)
 
 
-class Connecting(TrapTest):
+class Connecting(TrapTestCase):
     def test_nothing_listens_says_how_to_start_the_daemon(self):
         with socket.create_server(("127.0.0.1", 0)) as s:
             port = s.getsockname()[1]
@@ -233,7 +233,7 @@ class Connecting(TrapTest):
             self.assertNotIn("names: 0", out.getvalue())
 
 
-class Stepping(TrapTest):
+class Stepping(TrapTestCase):
     def test_a_long_wait_says_once_whom_for(self):
         daemon = self.start(mode=1, robots=2)
         sim = self.connect(daemon)

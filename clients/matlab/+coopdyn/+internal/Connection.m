@@ -21,11 +21,15 @@ classdef Connection < handle
     asked = 1
   end
   methods
-    function c = Connection(address, module, drives)
+    function c = Connection(address, module, drives, number)
     % drives: says the plain name; the same name on an actuator module takes it over, which a reader must not do.
+    % number: of a team; a second team of one program is another name.
       c.hello = address.reader_hello;
       if nargin > 2 && drives
         c.hello = address.hello;
+      end
+      if nargin > 3 && number > 1
+        c.hello = sprintf('%s:%d%s', address.name, number, address.hello(numel(address.name) + 1:end));
       end
       c.address = address;
       c.module = module;

@@ -3,6 +3,10 @@ classdef Link < handle
 %LINK A robot as this client drives it: its connections, and the command kept for the next step.
   properties
     robot
+    label              % in errors
+    names              % of the robots that this drives
+    is_team = false
+    in_team = false    % a team of this sim drives it: for reading only
     motors = []        % the connection that commands go through; [] = it has no motors
     readers = struct() % connections to other modules, by module
     pushers = struct() % connections that readings are pushed on, by module
@@ -18,7 +22,17 @@ classdef Link < handle
   methods
     function link = Link(address, robot, drives)
       link.robot = robot;
+      link.label = robot;
+      link.names = {robot};
       link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], drives);
+    end
+
+    function reopen(link, session)
+      session.open_motors(link);
+    end
+
+    function text = take_again(link)
+      text = ['sim.robot(''' link.robot ''')'];
     end
 
     function forget_commands(link)

@@ -6,6 +6,7 @@ classdef Session < handle
     watch
     simulation       % connection to /simulation
     links = {}
+    teams = {}
     others = {}      % connections of call
     described = {}   % names and numbers of commands, by module: {module, names, ids; ...}
     mode = 0
@@ -27,7 +28,7 @@ classdef Session < handle
       end
       if ~isempty(reply.params)
         switch reply.command
-          case {2, 3, 10, 11, 14}
+          case {2, 3, 10, 11, 14, 110}
             s.mode = reply.params(1);
         end
       end
@@ -58,8 +59,9 @@ classdef Session < handle
       s.note(reply);
     end
 
-    function reply = read(s, link, module, command, params, text)
+    function reply = read(s, link, module, command, params, text, data)
     % A reading of the newest frame.
+      if nargin < 7, data = []; end
       s.require_open();
       if strcmp(module, 'motors') && ~isempty(link.motors) && isempty(link.lost)
         s.settle(link);
@@ -67,21 +69,32 @@ classdef Session < handle
         s.note(reply);
         return
       end
-      reply = s.ask(s.reader(link, module, module), command, params, text);
+      c = s.reader(link, module, module);
+      try
+        reply = s.ask(c, command, params, text, data);
+      catch cause
+        if isempty(c.socket) && strcmp(module, 'neighbours') && strcmp(cause.identifier, 'coopdyn:no_such_name')
+          coopdyn.internal.fail(5, [link.robot ' has no module neighbours, its type has none: a robot of type minibot ' ...
+            'has one, or add it to the robot''s model.sdf (docs/formats.md)']);
+        end
+        rethrow(cause);
+      end
     end
 
     function c = reader(s, link, key, module)
       if ~isfield(link.readers, key)
-        link.readers.(key) = coopdyn.internal.Connection(s.address, ['/' link.robot '/' module]);
+        sends = strcmp(module, 'neighbours') && ~s.watch;  % what a robot sends is its driver's to say
+        link.readers.(key) = coopdyn.internal.Connection(s.address, ['/' link.robot '/' module], sends);
       end
       c = link.readers.(key);
     end
 
-    function reply = ask(s, c, command, params, text)
+    function reply = ask(s, c, command, params, text, data)
     % A request that may be repeated: a connection that broke since it was last used is opened again.
+      if nargin < 6, data = []; end
       if ~isempty(c.socket) && ~c.busy
         try
-          reply = c.request(command, params, [], text);
+          reply = c.request(command, params, data, text);
           s.note(reply);
           return
         catch cause
@@ -91,7 +104,7 @@ classdef Session < handle
         end
       end
       c.open();
-      reply = c.request(command, params, [], text);
+      reply = c.request(command, params, data, text);
       s.note(reply);
     end
 
@@ -99,17 +112,27 @@ classdef Session < handle
     function link = drive(s, robot)
     % The link to a robot, opened and (unless watching) claimed.
       s.require_open();
+      in_team = false;
+      for k = 1:numel(s.teams)
+        in_team = in_team || any(strcmp(s.teams{k}.names, robot));
+      end
       keep = true(1, numel(s.links));
       for k = 1:numel(s.links)
         link = s.links{k};
         if strcmp(link.robot, robot)
-          if isempty(link.lost)
+          if isempty(link.lost) && link.in_team == in_team
             return
           end
           keep(k) = false;
         end
       end
       link = coopdyn.internal.Link(s.address, robot, ~s.watch);
+      if in_team
+        link.in_team = true;
+        link.motors = [];
+        s.links = [s.links(keep) {link}];
+        return
+      end
       try
         s.open_motors(link);
       catch cause
@@ -220,6 +243,9 @@ classdef Session < handle
         coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive');
       end
       if isempty(link.motors)
+        if link.in_team
+          coopdyn.internal.fail(5, [link.robot ' is driven by its team']);
+        end
         coopdyn.internal.fail(5, [link.robot ' has no motors']);
       end
       if ~isempty(link.lost)
@@ -242,10 +268,65 @@ classdef Session < handle
       s.await_command(link);
     end
 
-    function step(s, n, limit)
-    % Sends what was kept (or ready) to every robot of this sim, then takes in the replies.
+    % --- teams
+    function team = team(s, text)
+    % The team of these names, opened and claimed.
+      s.require_open();
+      if s.watch
+        coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive a team');
+      end
+      s.drop_lost_teams();
+      numbers = zeros(1, 0);
+      for k = 1:numel(s.teams)
+        team = s.teams{k};
+        if strcmp(team.text, text)
+          return
+        end
+        numbers(end + 1) = team.number; %#ok<AGROW>
+      end
+      team = coopdyn.internal.TeamLink(s.address, text, min(setdiff(1:numel(numbers) + 1, numbers)));
+      try
+        team.open(s);
+      catch cause
+        if strcmp(cause.identifier, 'coopdyn:owned')
+          coopdyn.internal.fail(6, [team.label ' cannot be driven: ' cause.message '. Stop the other program, or free ' ...
+            'the robot on the page']);
+        end
+        rethrow(cause);
+      end
+      if isempty(team.names)
+        team.connection.close();
+        coopdyn.internal.fail(10, 'there is no robot that nobody drives');
+      end
+      s.teams{end + 1} = team;
+    end
+
+    function drop_lost_teams(s)
+      s.teams = s.teams(cellfun(@(t) isempty(t.lost), s.teams));
+    end
+
+    function reply = step_team(s, team, bytes, limit)
+    % One step of the world, in which the team does what the bytes say.
+      s.step(1, limit, team, bytes);
+      reply = team.reply;
+      team.reply = [];
+    end
+
+    % --- a step of the world
+    function step(s, n, limit, commanded, bytes)
+    % Sends what was kept (or ready) for every robot and every team of this sim, then takes in the replies. One of the
+    % teams may be commanded otherwise: bytes.
       links = s.links;
-      if numel(links) == 1 && ~s.watch
+      keep = typecast(int32([20 0 110 0 0 0]), 'uint8');  % step_all
+      if isempty(links) && numel(s.teams) == 1 && nargin > 3
+        % One team alone: the same as below with less to do, if its connection is in order.
+        c = commanded.connection;
+        if ~c.busy && ~isempty(c.socket) && ~s.closed
+          s.step_one_team(commanded, c, bytes, limit);
+          return
+        end
+      end
+      if numel(links) == 1 && isempty(s.teams) && ~s.watch
         % One robot: the same as below with less to do, if its connection is in order.
         link = links{1};
         c = link.motors;
@@ -268,6 +349,13 @@ classdef Session < handle
             connections{end + 1} = link.motors; %#ok<AGROW>
           end
         end
+        for k = 1:numel(s.teams)
+          team = s.teams{k};
+          team.settle(s);
+          team.steps_left = n;
+          links{end + 1} = team; %#ok<AGROW>
+          connections{end + 1} = team.connection; %#ok<AGROW>
+        end
       end
       if isempty(links)
         if ~s.simulation.alive()
@@ -281,8 +369,17 @@ classdef Session < handle
       try
         for current = 1:numel(links)
           link = links{current};
+          c = connections{current};
           number = 2;
           data = [];
+          if ~isempty(link) && link.is_team
+            if nargin > 3 && link.number == commanded.number
+              c.send(110, bytes);
+            else
+              c.send(110, keep);
+            end
+            continue
+          end
           if ~isempty(link)
             if ~isempty(link.kept)
               number = link.kept{1};
@@ -291,7 +388,6 @@ classdef Session < handle
             end
             link.carried = [];
           end
-          c = connections{current};
           c.send(number, coopdyn.internal.encode(number, n, data));
         end
         s.collect(connections, links, limit);
@@ -340,6 +436,24 @@ classdef Session < handle
       end
     end
 
+    function step_one_team(s, team, c, bytes, limit)
+      team.steps_left = 1;
+      try
+        reply = c.exchange(110, bytes);
+        if isempty(reply)
+          s.collect({c}, {team}, limit);
+          return
+        end
+        if reply.error ~= 0
+          coopdyn.internal.check_reply(reply, [team.label ': ']);
+        end
+      catch cause
+        s.give_up({c}, {team}, cause);
+      end
+      s.note(reply);
+      team.reply = reply;
+    end
+
     function collect(s, connections, links, limit)
     % Takes in the reply of every connection; the first error is raised.
       waiting = 1:numel(connections);
@@ -360,10 +474,16 @@ classdef Session < handle
             continue
           end
           link = links{k};
+          if reply.error == 0 && ~isempty(link) && link.is_team && link.steps_left > 1
+            link.steps_left = link.steps_left - 1;  % a team goes step by step
+            c.send(110, typecast(int32([20 0 110 0 0 0]), 'uint8'));
+            left(end + 1) = k; %#ok<AGROW>
+            continue
+          end
           if reply.error ~= 0
             who = '';
             if ~isempty(link)
-              who = [link.robot ': '];
+              who = [link.label ': '];
             end
             coopdyn.internal.check_reply(reply, who);
           end
@@ -373,8 +493,12 @@ classdef Session < handle
           if ~isempty(started)
             stepped_s = toc(started);
           end
-          if ~isempty(link) && reply.params(1) == 1
-            link.carried = reply;
+          if ~isempty(link)
+            if link.is_team
+              link.reply = reply;
+            elseif reply.params(1) == 1
+              link.carried = reply;
+            end
           end
         end
         waiting = left;
@@ -386,11 +510,11 @@ classdef Session < handle
         end
         now_s = toc(started);
         if now_s > limit
-          coopdyn.internal.fail(11, sprintf('the step did not come within %g s; %s', limit, s.whom()));
+          coopdyn.internal.fail(11, sprintf('the step did not come within %g s; %s', limit, coopdyn.internal.whom(s.address)));
         end
         if now_s > 2 && ~noticed
           noticed = true;
-          fprintf(2, 'coopdyn: %s\n', s.whom());
+          fprintf(2, 'coopdyn: %s\n', coopdyn.internal.whom(s.address));
         end
         if now_s - stepped_s > 0.1
           stepped_s = now_s;
@@ -411,16 +535,25 @@ classdef Session < handle
     % is then one step behind the others, and each would wait for the other for ever. The world says whether it waits
     % for robots of ours that have stepped already: these go on by one step with what they have.
       again = [];
-      status = s.fresh_status();
-      for k = 1:numel(status.awaiting)
-        for j = stepped
-          link = links{j};
-          if ~isempty(link) && strcmp(link.robot, status.awaiting(k).robot)
-            c = connections{j};
-            c.send(2, coopdyn.internal.encode(2, 1, []));
-            again(end + 1) = j; %#ok<AGROW>
-          end
+      status = coopdyn.internal.fresh_status(s.address);
+      if isempty(status.awaiting)
+        return
+      end
+      awaited = {status.awaiting.robot};
+      for j = stepped
+        link = links{j};
+        if isempty(link) || ~any(ismember(awaited, link.names))
+          continue
         end
+        number = 2;
+        steps = 1;
+        if link.is_team
+          number = 110;
+          steps = [];
+        end
+        c = connections{j};
+        c.send(number, coopdyn.internal.encode(number, steps, []));
+        again(end + 1) = j; %#ok<AGROW>
       end
     end
 
@@ -453,7 +586,7 @@ classdef Session < handle
         link = again{k};
         if isempty(link.lost)
           try
-            s.open_motors(link);
+            link.reopen(s);
           catch
             % tried again at the next use, which says what is wrong
           end
@@ -469,87 +602,21 @@ classdef Session < handle
         rethrow(cause);
       end
       link.forget_commands();
-      link.drives = false;
-      why = link.motors.notice;
+      if link.is_team
+        why = link.connection.notice;
+      else
+        link.drives = false;
+        why = link.motors.notice;
+      end
       if isempty(why)  % Octave loses a notice that comes together with the end of the connection
-        why = s.new_owner(link.robot);
+        why = coopdyn.internal.new_owner(s.address, link.names{1});
       end
       if isempty(why)
-        coopdyn.internal.fail(-1, ['the connection to ' link.robot ' broke; is the daemon still running?']);
+        coopdyn.internal.fail(-1, ['the connection to ' link.label ' broke; is the daemon still running?']);
       end
-      link.lost = [link.robot ' is not driven by this sim any more: ' why '; sim.robot(''' link.robot ''') takes it again'];
+      link.lost = [link.label ' is not driven by this sim any more: ' why '; ' link.take_again() ' takes it again'];
       link.lost_code = 6;
       coopdyn.internal.fail(6, link.lost);
-    end
-
-    function why = new_owner(s, robot)
-      why = '';
-      try
-        status = s.fresh_status();
-      catch
-        return
-      end
-      for k = 1:numel(status.robots)
-        if strcmp(status.robots(k).name, robot)
-          owner = char(status.robots(k).owner);
-          if isempty(owner)
-            why = 'it was freed';
-          else
-            why = ['it is driven by ' owner];
-          end
-          return
-        end
-      end
-      why = 'it is not there any more';
-    end
-
-    function status = fresh_status(s)
-    % The status, asked on a connection of its own.
-      c = coopdyn.internal.Connection(s.address, '/simulation');
-      c.open();
-      reply = c.request(100, [], [], '', 1);
-      c.close();
-      status = jsondecode(reply.text);
-    end
-
-    function text = whom(s, held_up)
-    % One line that says what the world waits for; with held_up empty if its steps go on: lockstep awaits its robots
-    % before every step, and a wait of less than 0.5 s holds nobody up.
-      try
-        status = s.fresh_status();
-      catch cause
-        text = ['no answer from the daemon (' cause.message ')'];
-        return
-      end
-      if strcmp(status.state, 'paused')
-        text = 'the simulation is paused; sim.run() or the page goes on';
-        return
-      elseif strcmp(status.state, 'ended')
-        text = 'the run has ended; sim.reset() starts again';
-        return
-      end
-      text = '';
-      awaiting = status.awaiting;
-      if nargin > 1 && held_up && (isempty(awaiting) || max([awaiting.seconds 0]) < 0.5)
-        return
-      end
-      if isempty(awaiting)
-        text = ['waiting for the next step, ' status.state];
-        return
-      end
-      named = min(numel(awaiting), 4);
-      for k = 1:named
-        a = awaiting(k);
-        text = sprintf('%s%s (%s), %.1f s, ', text, a.robot, a.why, a.seconds);
-      end
-      text = ['waiting for ' text(1:end - 2)];
-      more = numel(awaiting) - named;
-      if isfield(status, 'awaiting_count')
-        more = status.awaiting_count - named;
-      end
-      if more > 0
-        text = sprintf('%s and %d more', text, more);
-      end
     end
 
     function started_anew(s)
@@ -560,125 +627,14 @@ classdef Session < handle
       end
     end
 
-    function c = other(s, name)
-    % The connection of call to any module.
-      for k = 1:numel(s.others)
-        c = s.others{k};
-        if strcmp(c.module, name)
-          return
-        end
-      end
-      c = coopdyn.internal.Connection(s.address, name, ~s.watch);
-      s.others{end + 1} = c;
-    end
-
-    function d = describe(s, name)
-    % What a module says about its commands, asked on a connection of its own.
-      s.require_open();
-      c = coopdyn.internal.Connection(s.address, ['/' regexprep(char(name), '^/|/$', '')]);
-      reply = s.ask(c, 1, [], '');
-      c.close();
-      d = jsondecode(reply.text);
-    end
-
-    function number = number_of(s, name, command)
-    % The number of a command, from the module's own description.
-      for k = 1:size(s.described, 1)
-        if strcmp(s.described{k, 1}, name)
-          entry = s.described(k, :);
-        end
-      end
-      if ~exist('entry', 'var')
-        description = s.describe(name);
-        commands = description.commands;
-        if iscell(commands)
-          names = cellfun(@(c) c.name, commands, 'UniformOutput', false);
-          ids = cellfun(@(c) c.id, commands);
-        else
-          names = {commands.name};
-          ids = [commands.id];
-        end
-        entry = {name, names, ids};
-        s.described(end + 1, :) = entry;
-      end
-      at = find(strcmp(entry{2}, command), 1);
-      if isempty(at)
-        coopdyn.internal.fail(1, [name ' has no command ''' command '''; it has: ' strjoin(reshape(entry{2}, 1, []), ', ')]);
-      end
-      number = entry{3}(at);
-    end
-
-    function reply = call(s, name, command, params, data, text, limit)
-    % The raw message.
-      s.require_open();
-      name = ['/' regexprep(char(name), '^/|/$', '')];
-      if ~isnumeric(command)
-        command = s.number_of(name, char(command));
-      end
-      params = double(params);
-      if any(params ~= round(params)) || any(abs(params) > 2147483648)
-        coopdyn.internal.fail(2, 'params are whole numbers of 32 bits');
-      end
-      owner = [];
-      for k = 1:numel(s.links)
-        link = s.links{k};
-        link.carried = [];
-        if ~isempty(link.motors) && strcmp(link.motors.module, name)
-          owner = link;
-        end
-      end
-      if ~isempty(owner)
-        s.settle(owner);
-        c = owner.motors;
-      else
-        if strcmp(name, '/simulation')
-          c = s.simulation;
-        else
-          c = s.other(name);
-        end
-        if ~c.alive()
-          c.open();
-        end
-      end
-      try
-        c.send(command, coopdyn.internal.encode(command, params, data, text));
-        message = s.await_one(c, limit);
-      catch cause
-        s.give_up({c}, {owner}, cause);
-      end
-      coopdyn.internal.check_reply(message, '');
-      s.note(message);
-      reply = struct('text', message.text, 'command', message.command, 'params', message.params, ...
-                     'data', message.data(1:end - 2), 'time', message.data(end - 1), 'step', message.data(end));
-    end
-
-    function message = await_one(s, c, limit)
-    % The reply to a raw message, which may have to wait for a step; says once whom for.
-      message = c.poll(true);
-      started = tic;
-      noticed = false;
-      checked = 0;
-      while isempty(message)
-        now_s = toc(started);
-        if now_s > limit
-          coopdyn.internal.fail(11, sprintf('no answer from %s within %g s; %s', c.module, limit, s.whom()));
-        end
-        if now_s > 2 && ~noticed
-          noticed = true;
-          fprintf(2, 'coopdyn: %s\n', s.whom());
-        end
-        pause(0.001);
-        patient = now_s - checked > 0.5;
-        if patient
-          checked = now_s;
-        end
-        message = c.poll(patient);
-      end
-    end
-
     function close(s)
     % Writes stop to the robots of this sim and closes everything. Does not wait for the step, but lets the daemon read
     % the stop, so that what the program does next, a reset say, comes after it.
+      for k = 1:numel(s.teams)
+        team = s.teams{k};
+        team.give_up(true);
+      end
+      s.teams = {};
       stopping = {};
       for k = 1:numel(s.links)
         link = s.links{k};

@@ -15,6 +15,20 @@ function v = value(command, params, text, data)
       end
       words = strsplit(strtrim(text), ' ');
       v = coopdyn.internal.sightings(params, word, words, data);
+    case 200
+      v = struct('id', {}, 'distance', {}, 'bearing', {});
+      for k = 1:numel(params)
+        v(1, k) = struct('id', params(k), 'distance', data(2 * k - 1), 'bearing', data(2 * k));
+      end
+    case 202
+      v = struct('id', {}, 'distance', {}, 'bearing', {}, 'values', {});
+      at = 0;
+      for k = 1:numel(params) / 2
+        count = params(2 * k);
+        v(1, k) = struct('id', params(2 * k - 1), 'distance', data(at + 1), 'bearing', data(at + 2), ...
+                         'values', data(at + 3:at + 2 + count));
+        at = at + 2 + count;
+      end
     case 31
       v = struct('distance', data(1), 'bearing', data(2));
     case 40

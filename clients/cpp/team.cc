@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "clients/cpp/team.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+#include "clients/cpp/error.h"
+#include "clients/cpp/session.h"
+#include "protocol/command_ids.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr const char* kReadings[] = {"pose", "distances", "targets", "neighbours", "wheels"};
+constexpr const char* kListed = "pose, distances, targets, neighbours, wheels";
+
+Rows TeamReading::*RowsOf(const std::string& name) {
+  static constexpr Rows TeamReading::*kRows[] = {&TeamReading::pose, &TeamReading::distances,
+                                                 &TeamReading::targets, &TeamReading::neighbours,
+                                                 &TeamReading::wheels};
+  const auto* found = std::find(std::begin(kReadings), std::end(kReadings), name);
+  return found == std::end(kReadings) ? nullptr : kRows[found - kReadings];
+}
+
+/// Throws Error 3 or 4 unless there are two finite numbers for each robot, or two for all.
+void CheckSpeeds(std::span<const double> values, const std::vector<std::string>& names, const char* what,
+                 const char* columns) {
+  const std::size_t n = names.size();
+  if (values.size() != 2 && values.size() != 2 * n) {
+    std::ostringstream why;
+    why << what << " has " << values.size() << " numbers, the team has " << n << " robots; write 2 x " << n
+        << ", " << columns << " of each robot, or 2 for all";
+    throw Error(3, why.str());
+  }
+  const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+  if (bad == values.end()) return;
+  const auto row = static_cast<std::size_t>(bad - values.begin()) / 2;
+  std::ostringstream why;
+  if (values.size() == 2 * n) {
+    why << "row " << row << " of " << what << " (" << names[row] << ")";
+  } else {
+    why << what;
+  }
+  why << " must be finite, not " << values[2 * row] << ", " << values[2 * row + 1];
+  throw Error(4, why.str());
+}
+
+}  // namespace
+
+void Rows::NoSuchRow(std::size_t i) const {
+  throw Error(4, rows_ == 0 ? "this reading was not chosen; write e.g. team.select({\"pose\", \"targets\"})"
+                            : "there is no row " + std::to_string(i) + " of " + std::to_string(rows_));
+}
+
+Team::Team(std::shared_ptr<Session> session, std::shared_ptr<TeamLink> link)
+    : session_(std::move(session)), link_(std::move(link)) {}
+
+std::size_t Team::n() const {
+  return link_->names.size();
+}
+
+const std::vector<std::string>& Team::names() const {
+  return link_->names;
+}
+
+const std::vector<std::int32_t>& Team::ids() const {
+  return link_->ids;
+}
+
+TeamReading Team::step(std::span<const double> V, double timeout) {
+  return Step(V, "V", "forward and turn", "", timeout);
+}
+
+TeamReading Team::step_wheels(std::span<const double> W, double timeout) {
+  return Step(W, "W", "left and right", "wheels", timeout);
+}
+
+TeamReading Team::Step(std::span<const double> values, const char* what, const char* columns,
+                       const char* text, double timeout) {
+  session_->SettleTeam(*link_);
+  std::vector<double> for_all;
+  const bool keep = values.empty() && *text == '\0';
+  if (!keep) CheckSpeeds(values, link_->names, what, columns);
+  if (values.size() == 2 && n() > 1) {
+    for_all.resize(2 * n());
+    for (std::size_t i = 0; i < for_all.size(); ++i) for_all[i] = values[i % 2];
+    values = for_all;
+  }
+  return ToReading(session_->StepTeam({link_.get(), text, values}, timeout));
+}
+
+TeamReading Team::read() {
+  return ToReading(session_->AskTeam(*link_, command::kReadAll));
+}
+
+TeamReading Team::ToReading(Message reply) {
+  TeamLink& link = *link_;
+  if (reply.params.size() < 2) throw Error(7, "a reply of the daemon has too few values");
+  const auto rows = static_cast<std::size_t>(reply.params[reply.params.size() - 2]);
+  const auto stride = static_cast<std::size_t>(reply.params.back());
+  const auto columns = [&] {
+    return static_cast<std::size_t>(std::accumulate(link.columns.begin(), link.columns.end(), 0));
+  };
+  if (rows != link.names.size() || stride != columns()) session_->RefreshTeam(link);
+  if (rows != link.names.size() || stride != columns()) return read();  // it has changed once more meanwhile
+  if (reply.data.size() != rows * stride + 2) throw Error(7, "a reply of the daemon has too few values");
+
+  auto values = std::make_shared<std::vector<double>>(std::move(reply.data));
+  TeamReading reading;
+  reading.time = values->end()[-2];
+  reading.step = static_cast<std::int64_t>(values->back());
+  const double* first = values->data();
+  for (std::size_t i = 0; i < link.readings.size(); ++i) {
+    const auto count = static_cast<std::size_t>(link.columns[i]);
+    if (Rows TeamReading::*const member = RowsOf(link.readings[i]))
+      reading.*member = Rows(first, rows, count, stride);
+    first += count;
+  }
+  for (std::shared_ptr<std::vector<double>>& kept : link.handed_out) {
+    if (kept) continue;
+    kept = values;
+    break;
+  }
+  reading.values = std::move(values);
+  return reading;
+}
+
+void Team::select(const std::vector<std::string>& readings, int neighbours) {
+  std::string words;
+  for (const std::string& name : readings) {
+    if (RowsOf(name) == nullptr) throw Error(4, "there is no reading '" + name + "'; there are: " + kListed);
+    words += (words.empty() ? "" : " ") + name;
+  }
+  if (words.empty()) throw Error(3, std::string("nothing was chosen; there are: ") + kListed);
+  if (neighbours < 1) throw Error(4, "neighbours must be at least 1");
+  session_->SettleTeam(*link_);
+  session_->Select(*link_, words, neighbours);
+}
+
+void Team::stop() {
+  session_->AskTeam(*link_, command::kStopTeam);
+}
+
+void Team::release() {
+  session_->CloseTeam(*link_, false);
+}
+
+void Team::close() {
+  session_->CloseTeam(*link_, true);
+}
+
+}  // namespace coopdyn::client

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// Robots that are driven together, through one connection: as well five as five thousand. One thread, that of
+// their simulation.
+//
+//   auto team = sim.team("swarm1");
+//   auto s = team.read();
+//   std::vector<double> v(2 * team.n());             // forward [m/s], turn [rad/s] of each robot
+//   for (int k = 0; k < 1000; ++k) {
+//     for (std::size_t i = 0; i < team.n(); ++i) v[2 * i] = s.distances[i][0] < 0.05 ? 0.0 : 0.1;
+//     s = team.step(v);                              // the readings after the step
+//   }
+//   team.close();
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "protocol/message.h"
+
+namespace coopdyn::client {
+
+class Session;
+struct TeamLink;
+
+inline constexpr double kNoTimeout_s = std::numeric_limits<double>::infinity();
+
+/// Numbers in rows of the same length, one for each robot of a team: rows[i][j].
+class Rows {
+ public:
+  Rows() = default;
+  /// `first` points to the first number; a row begins every `stride` numbers.
+  Rows(const double* first, std::size_t rows, std::size_t columns, std::size_t stride)
+      : first_(first), rows_(rows), columns_(columns), stride_(stride) {}
+
+  std::size_t size() const { return rows_; }
+  std::size_t columns() const { return columns_; }
+  /// Throws Error 4 if there is no such row, as of a reading that was not chosen.
+  std::span<const double> operator[](std::size_t i) const {
+    if (i >= rows_) NoSuchRow(i);
+    return {first_ + i * stride_, columns_};
+  }
+
+ private:
+  [[noreturn]] void NoSuchRow(std::size_t i) const;
+
+  const double* first_ = nullptr;
+  std::size_t rows_ = 0, columns_ = 0, stride_ = 0;
+};
+
+/// All readings of a team in one step, those chosen with Team::select, in rows in the order of Team::names;
+/// the others have no rows. Copies share the numbers.
+struct TeamReading {
+  double time = 0;
+  std::int64_t step = 0;
+  Rows pose;        // x, y [m], heading [rad]
+  Rows distances;   // [m], right to left
+  Rows targets;     // distance [m], bearing [rad] of each target
+  Rows neighbours;  // id, distance [m], bearing [rad] of each; 0, inf, nan: none
+  Rows wheels;      // angles [rad] left, right, speeds [rad/s] left, right
+  std::shared_ptr<const std::vector<double>> values;  // what the rows point into
+};
+
+class Team {
+ public:
+  /// How many robots, their names and their ids, in the order of the rows.
+  std::size_t n() const;
+  const std::vector<std::string>& names() const;
+  const std::vector<std::int32_t>& ids() const;
+
+  /// One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the
+  /// step has run, in every mode, and returns the readings after it. V holds two numbers for each robot, row
+  /// after row, or two for all; empty: they keep their speeds. In lockstep the other robots of this sim step
+  /// too, with what they were told. Error 11 after `timeout` seconds.
+  TeamReading step(std::span<const double> V = {}, double timeout = kNoTimeout_s);
+  /// The same with the speeds of the left and right wheel [rad/s].
+  TeamReading step_wheels(std::span<const double> W, double timeout = kNoTimeout_s);
+  /// The readings of the newest step, without a step.
+  TeamReading read();
+  /// Chooses what step() and read() return, among "pose", "distances", "targets", "neighbours" (so many
+  /// nearest) and "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing.
+  void select(const std::vector<std::string>& readings, int neighbours = 8);
+  /// Stops all robots of the team.
+  void stop();
+  /// Gives the robots up to others; they go on as they were told last.
+  void release();
+  /// Stops the robots and gives them up.
+  void close();
+
+ private:
+  friend class Simulation;
+  Team(std::shared_ptr<Session> session, std::shared_ptr<TeamLink> link);
+  TeamReading Step(std::span<const double> values, const char* what, const char* columns, const char* text,
+                   double timeout);
+  TeamReading ToReading(Message reply);
+
+  std::shared_ptr<Session> session_;
+  std::shared_ptr<TeamLink> link_;
+};
+
+}  // namespace coopdyn::client

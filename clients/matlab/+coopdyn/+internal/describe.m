@@ -1,0 +1,9 @@
+% SPDX-License-Identifier: MIT
+function d = describe(session, name)
+%DESCRIBE What a module says about its commands, asked on a connection of its own.
+  session.require_open();
+  c = coopdyn.internal.Connection(session.address, ['/' regexprep(char(name), '^/|/$', '')]);
+  reply = session.ask(c, 1, [], '');
+  c.close();
+  d = jsondecode(reply.text);
+end

@@ -1,0 +1,108 @@
+% SPDX-License-Identifier: MIT
+function reply = raw_call(session, name, command, params, data, text, limit)
+%RAW_CALL The raw message, by the name of its command or its number.
+  session.require_open();
+  name = ['/' regexprep(char(name), '^/|/$', '')];
+  if ~isnumeric(command)
+    command = number_of(session, name, char(command));
+  end
+  params = double(params);
+  if any(params ~= round(params)) || any(abs(params) > 2147483648)
+    coopdyn.internal.fail(2, 'params are whole numbers of 32 bits');
+  end
+  owner = [];
+  for k = 1:numel(session.links)
+    link = session.links{k};
+    link.carried = [];
+    if ~isempty(link.motors) && strcmp(link.motors.module, name)
+      owner = link;
+    end
+  end
+  if ~isempty(owner)
+    session.settle(owner);
+    c = owner.motors;
+  else
+    if strcmp(name, '/simulation')
+      c = session.simulation;
+    else
+      c = connection_to(session, name);
+    end
+    if ~c.alive()
+      c.open();
+    end
+  end
+  try
+    c.send(command, coopdyn.internal.encode(command, params, data, text));
+    message = await_one(session, c, limit);
+  catch cause
+    session.give_up({c}, {owner}, cause);
+  end
+  coopdyn.internal.check_reply(message, '');
+  session.note(message);
+  reply = struct('text', message.text, 'command', message.command, 'params', message.params, ...
+                 'data', message.data(1:end - 2), 'time', message.data(end - 1), 'step', message.data(end));
+end
+
+function c = connection_to(session, name)
+  for k = 1:numel(session.others)
+    c = session.others{k};
+    if strcmp(c.module, name)
+      return
+    end
+  end
+  c = coopdyn.internal.Connection(session.address, name, ~session.watch);
+  session.others{end + 1} = c;
+end
+
+function number = number_of(session, name, command)
+% From the module's own description, which is asked for once.
+  entry = {};
+  for k = 1:size(session.described, 1)
+    if strcmp(session.described{k, 1}, name)
+      entry = session.described(k, :);
+    end
+  end
+  if isempty(entry)
+    description = coopdyn.internal.describe(session, name);
+    commands = description.commands;
+    if iscell(commands)
+      names = cellfun(@(c) c.name, commands, 'UniformOutput', false);
+      ids = cellfun(@(c) c.id, commands);
+    else
+      names = {commands.name};
+      ids = [commands.id];
+    end
+    entry = {name, names, ids};
+    session.described(end + 1, :) = entry;
+  end
+  at = find(strcmp(entry{2}, command), 1);
+  if isempty(at)
+    coopdyn.internal.fail(1, [name ' has no command ''' command '''; it has: ' strjoin(reshape(entry{2}, 1, []), ', ')]);
+  end
+  number = entry{3}(at);
+end
+
+function message = await_one(session, c, limit)
+% The reply, which may have to wait for a step; says once whom for.
+  message = c.poll(true);
+  started = tic;
+  noticed = false;
+  checked = 0;
+  while isempty(message)
+    now_s = toc(started);
+    if now_s > limit
+      coopdyn.internal.fail(11, sprintf('no answer from %s within %g s; %s', c.module, limit, ...
+                                        coopdyn.internal.whom(session.address)));
+    end
+    if now_s > 2 && ~noticed
+      noticed = true;
+      fprintf(2, 'coopdyn: %s\n', coopdyn.internal.whom(session.address));
+    end
+    pause(0.001);
+    patient = now_s - checked > 0.5;
+    if patient
+      checked = now_s;
+    end
+    message = c.poll(patient);
+  end
+end

@@ -1,0 +1,40 @@
+% SPDX-License-Identifier: MIT
+function text = whom(address, held_up)
+%WHOM One line that says what the world waits for; with held_up empty if its steps go on: lockstep awaits its robots
+%   before every step, and a wait of less than 0.5 s holds nobody up.
+  try
+    status = coopdyn.internal.fresh_status(address);
+  catch cause
+    text = ['no answer from the daemon (' cause.message ')'];
+    return
+  end
+  if strcmp(status.state, 'paused')
+    text = 'the simulation is paused; sim.run() or the page goes on';
+    return
+  elseif strcmp(status.state, 'ended')
+    text = 'the run has ended; sim.reset() starts again';
+    return
+  end
+  text = '';
+  awaiting = status.awaiting;
+  if nargin > 1 && held_up && (isempty(awaiting) || max([awaiting.seconds 0]) < 0.5)
+    return
+  end
+  if isempty(awaiting)
+    text = ['waiting for the next step, ' status.state];
+    return
+  end
+  named = min(numel(awaiting), 4);
+  for k = 1:named
+    a = awaiting(k);
+    text = sprintf('%s%s (%s), %.1f s, ', text, a.robot, a.why, a.seconds);
+  end
+  text = ['waiting for ' text(1:end - 2)];
+  more = numel(awaiting) - named;
+  if isfield(status, 'awaiting_count')
+    more = status.awaiting_count - named;
+  end
+  if more > 0
+    text = sprintf('%s and %d more', text, more);
+  end
+end

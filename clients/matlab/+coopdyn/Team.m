@@ -1,0 +1,173 @@
+% SPDX-License-Identifier: MIT
+classdef Team < handle
+%TEAM Robots that are driven together, through one connection: as well five as five thousand. Made by sim.team.
+%     team = sim.team('swarm1');
+%     s = team.read();
+%     for k = 1:1000
+%       V = [0.1 * ones(team.n, 1), 0.5 * (min(s.distances, [], 2) < 0.05)];   % forward [m/s], turn [rad/s] of each
+%       s = team.step(V);
+%     end
+%     team.close();
+%   names, ids, n; step, step_wheels, read, select, stop, release, close.
+%   Readings are a struct with time, step and, of those chosen with select, matrices with a row for each robot in the order
+%   of team.names: pose (x, y [m], heading [rad]), distances [m], targets (distance [m], bearing [rad] of each), neighbours
+%   (id, distance, bearing of each; 0, inf, nan: none), wheels (as get_wheels).
+  properties (Dependent)
+    n      % how many robots
+    names  % their names, in the order of the rows
+    ids    % their ids, likewise, as get_neighbours tells them
+  end
+  properties (Access = private)
+    session
+    link
+  end
+  methods
+    function t = Team(session, link)
+      t.session = session;
+      t.link = link;
+    end
+
+    function n = get.n(t)
+      n = numel(t.link.names);
+    end
+
+    function names = get.names(t)
+      names = t.link.names;
+    end
+
+    function ids = get.ids(t)
+      ids = t.link.ids;
+    end
+
+    function s = step(t, V, varargin)
+    %STEP One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the step has
+    %   run, in every mode, and returns the readings after it. V is n x 2, or 1 x 2 for all; without V, or with [], they
+    %   keep their speeds. In lockstep the other robots of this sim step too, with what they were told.
+    %   team.step(V, 'timeout', 5): error after 5 s.
+      if nargin < 2
+        V = [];
+      end
+      s = t.go(V, 'V', 'forward turn', '', varargin);
+    end
+
+    function s = step_wheels(t, W, varargin)
+    %STEP_WHEELS The same with the speeds of the left and right wheel [rad/s].
+      if isempty(W)
+        t.speeds(W, 'W', 'left right');
+      end
+      s = t.go(W, 'W', 'left right', 'wheels', varargin);
+    end
+
+    function s = read(t)
+    %READ The readings of the newest step, without a step.
+      s = t.readings(t.link.ask(t.session, 112));
+    end
+
+    function select(t, varargin)
+    %SELECT Chooses what step and read return, among 'pose', 'distances', 'targets', 'neighbours' and 'wheels'; pose and
+    %   distances to begin with. What is not chosen costs nothing. team.select('pose', 'neighbours', 4): the 4 nearest
+    %   (otherwise 8).
+      known = {'pose', 'distances', 'targets', 'neighbours', 'wheels'};
+      words = {};
+      nearest = 8;
+      for k = 1:numel(varargin)
+        word = varargin{k};
+        if isnumeric(word) && k > 1 && strcmp(words{end}, 'neighbours')
+          nearest = coopdyn.internal.count(word, 'neighbours');
+        elseif isnumeric(word) || ~any(strcmp(known, char(word)))
+          coopdyn.internal.fail(4, ['there is no reading ''' num2str(word) '''; there are: ' strjoin(known, ', ')]);
+        elseif ~any(strcmp(words, char(word)))
+          words{end + 1} = char(word); %#ok<AGROW>
+        end
+      end
+      if isempty(words)
+        coopdyn.internal.fail(3, ['nothing was chosen; there are: ' strjoin(known, ', ')]);
+      end
+      t.link.settle(t.session);
+      t.link.choose(strjoin(words, ' '), nearest);
+    end
+
+    function stop(t)
+    %STOP Stops all robots of the team.
+      t.link.ask(t.session, 114);
+    end
+
+    function release(t)
+    %RELEASE Gives the robots up to others; they go on as they were told last.
+      t.link.give_up(false);
+      t.session.drop_lost_teams();
+    end
+
+    function close(t)
+    %CLOSE Stops the robots and gives them up.
+      t.link.give_up(true);
+      t.session.drop_lost_teams();
+    end
+  end
+  methods (Access = private)
+    function s = go(t, V, what, columns, text, pairs)
+      link = t.link;
+      link.settle(t.session);
+      limit = Inf;
+      if ~isempty(pairs)
+        options = coopdyn.internal.options(pairs, struct('timeout', Inf));
+        limit = options.timeout;
+      end
+      raw = uint8(text);
+      bytes = zeros(1, 0, 'uint8');
+      if ~isempty(V)
+        V = t.speeds(V, what, columns);
+        bytes = typecast(reshape(V.', 1, []), 'uint8');  % row after row
+      end
+      head = typecast(int32([20 + numel(raw) + numel(bytes), 0, 110, numel(raw), 0, numel(bytes) / 8]), 'uint8');
+      s = t.readings(t.session.step_team(link, [head raw bytes], limit));
+    end
+
+    function V = speeds(t, V, what, columns)
+    % n x 2 finite doubles.
+      names = t.link.names;
+      n = numel(names);
+      if ~isnumeric(V) || ~isreal(V) || ~ismatrix(V)
+        coopdyn.internal.fail(3, sprintf('%s is a matrix of numbers, %d x 2: a row [%s] for each robot', what, n, columns));
+      end
+      if size(V, 2) ~= 2 || ~any(size(V, 1) == [1 n])
+        coopdyn.internal.fail(3, sprintf(['%s is %d x %d, the team has %d robots; write %d x 2, one row [%s] for each ' ...
+          'robot, or one row for all'], what, size(V, 1), size(V, 2), n, n, columns));
+      end
+      bad = find(~all(isfinite(V), 2), 1);
+      if ~isempty(bad)
+        whose = what;
+        if size(V, 1) == n
+          whose = sprintf('row %d of %s (%s)', bad, what, names{bad});
+        end
+        coopdyn.internal.fail(4, sprintf('%s must be finite, not %g, %g', whose, V(bad, 1), V(bad, 2)));
+      end
+      V = double(V);
+      if size(V, 1) < n
+        V = repmat(V, n, 1);
+      end
+    end
+
+    function s = readings(t, reply)
+    % The matrices out of a reply. If robots or targets have come or gone, what belongs to a row is asked anew.
+      link = t.link;
+      n = reply.params(end - 1);
+      m = reply.params(end);
+      if n ~= numel(link.names) || m ~= sum(link.columns)
+        link.refresh(t.session);
+        if n ~= numel(link.names) || m ~= sum(link.columns)
+          s = t.read();  % it has changed once more meanwhile
+          return
+        end
+      end
+      data = reply.data;
+      rows = reshape(data(1:n * m), m, n).';
+      s = struct('time', data(end - 1), 'step', data(end));
+      first = 0;
+      for k = 1:numel(link.readings)
+        s.(link.readings{k}) = rows(:, first + 1:first + link.columns(k));
+        first = first + link.columns(k);
+      end
+    end
+  end
+end
