@@ -142,18 +142,17 @@ void Stepper::StepNow(Nanoseconds now) {
 }
 
 std::span<const Setpoint> Stepper::TakeSetpoints() {
-  const std::span<const Setpoint> latched = boards_.commands.Latch(step_ + 1);
+  const std::span<Setpoint> setpoints = boards_.commands.Latch(step_ + 1);
   const std::uint64_t oldest = step_ + 1 - std::min(step_ + 1, message_steps_);
   std::erase_if(messages_, [oldest](const SentMessage& sent) { return sent.step < oldest; });
   const auto first = static_cast<std::ptrdiff_t>(messages_.size());
   const std::span<const SentMessage> sent = boards_.commands.LatchedMessages();
   messages_.insert(messages_.end(), sent.begin(), sent.end());
-  if (!has_controllers_) return latched;
-  setpoints_.assign(latched.begin(), latched.end());
-  helpers_.controllers->Step(boards_.frames.Latest(), setpoints_, messages_);
+  if (!has_controllers_) return setpoints;
+  helpers_.controllers->Step(boards_.frames.Latest(), setpoints, messages_);
   std::stable_sort(messages_.begin() + first, messages_.end(),
                    [](const SentMessage& a, const SentMessage& b) { return a.robot < b.robot; });
-  return setpoints_;
+  return setpoints;
 }
 
 void Stepper::NoteStoppedControllers() {

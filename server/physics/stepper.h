@@ -160,7 +160,6 @@ class Stepper {
   FramePool frames_ GUARDED_BY(baton_);
   PhaseTimes times_ GUARDED_BY(baton_);
   bool has_controllers_ GUARDED_BY(baton_) = false;
-  std::vector<Setpoint> setpoints_ GUARDED_BY(baton_);    // with those of controllers
   std::vector<SentMessage> messages_ GUARDED_BY(baton_);  // that may still be heard
   std::uint64_t message_steps_ GUARDED_BY(baton_) = 0;    // for so long
   std::vector<std::size_t> chassis_ GUARDED_BY(baton_);   // first body of each robot
