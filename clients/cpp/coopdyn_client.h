@@ -56,11 +56,6 @@ struct OtherRobot {
   std::string name;
   double distance = 0, bearing = 0;
 };
-/// A robot within range.
-struct Neighbour {
-  int id = 0;
-  double distance = 0, bearing = 0;
-};
 /// What another robot sent, and where that one is now.
 struct Heard {
   int id = 0;
@@ -139,7 +134,7 @@ class Robot {
   Bearing get_target(int x);
   std::vector<OtherRobot> get_robots();
   /// Every robot within range. For robots with a module `neighbours`, as the next two.
-  std::vector<Neighbour> get_neighbours();
+  std::vector<OtherRobot> get_neighbours();
   /// What is heard in this step.
   std::vector<Heard> get_messages();
   /// Broadcasts one to eight numbers with the next step, to the robots within range; the last message before

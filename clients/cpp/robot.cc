@@ -34,6 +34,16 @@ std::vector<double> Values(const Message& reply, std::size_t count) {
   return {reply.data.begin(), reply.data.end() - 2};
 }
 
+std::vector<OtherRobot> ToOtherRobots(const Message& reply) {
+  const std::vector<std::string> names = Words(reply.text);
+  const std::size_t count = std::min(reply.params.size(), names.size());
+  const std::vector<double> d = Values(reply, 2 * count);
+  std::vector<OtherRobot> robots;
+  for (std::size_t i = 0; i < count; ++i)
+    robots.push_back({reply.params[i], names[i], d[2 * i], d[2 * i + 1]});
+  return robots;
+}
+
 Pose ToPose(const double* d) {
   return {d[0], d[1], d[2], d[3], d[4]};
 }
@@ -117,23 +127,11 @@ Bearing Robot::get_target(int x) {
 }
 
 std::vector<OtherRobot> Robot::get_robots() {
-  const Message reply = session_->Read(*link_, "target", command::kGetRobots);
-  const std::vector<std::string> names = Words(reply.text);
-  const std::size_t count = std::min(reply.params.size(), names.size());
-  const std::vector<double> d = Values(reply, 2 * count);
-  std::vector<OtherRobot> robots;
-  for (std::size_t i = 0; i < count; ++i)
-    robots.push_back({reply.params[i], names[i], d[2 * i], d[2 * i + 1]});
-  return robots;
+  return ToOtherRobots(session_->Read(*link_, "target", command::kGetRobots));
 }
 
-std::vector<Neighbour> Robot::get_neighbours() {
-  const Message reply = session_->Read(*link_, "neighbours", command::kGetNeighbours);
-  const std::vector<double> d = Values(reply, 2 * reply.params.size());
-  std::vector<Neighbour> neighbours;
-  for (std::size_t i = 0; i < reply.params.size(); ++i)
-    neighbours.push_back({reply.params[i], d[2 * i], d[2 * i + 1]});
-  return neighbours;
+std::vector<OtherRobot> Robot::get_neighbours() {
+  return ToOtherRobots(session_->Read(*link_, "neighbours", command::kGetNeighbours));
 }
 
 std::vector<Heard> Robot::get_messages() {

@@ -180,14 +180,6 @@ class OtherRobot(NamedTuple):
     bearing: float
 
 
-class Neighbour(NamedTuple):
-    """A robot within range: distance [m], bearing [rad]."""
-
-    id: int
-    distance: float
-    bearing: float
-
-
 class Heard(NamedTuple):
     """What another robot sent, and where that one is now: distance [m], bearing [rad]."""
 
@@ -833,10 +825,8 @@ def _reading_value(command: int, message: Message) -> Any:
     data = message.data[:-2]
     if command == _GET_TARGETS:
         return _targets(message.params, message.text, data)
-    if command == _GET_ROBOTS:
+    if command in (_GET_ROBOTS, _GET_NEIGHBOURS):
         return [OtherRobot(i, c, d, b) for i, c, (d, b) in zip(message.params, message.text.split(), _pairs(data))]
-    if command == _GET_NEIGHBOURS:
-        return [Neighbour(i, d, b) for i, (d, b) in zip(message.params, _pairs(data))]
     if command == _GET_MESSAGES:
         return _heard(message.params, data)
     if command == _GET_GEOMETRY:
@@ -1438,8 +1428,8 @@ class Robot:
         self._session.read(self._link, "neighbours", _SEND_MESSAGE, data=numbers)
 
     # --- readings ---
-    def get_neighbours(self) -> List[Neighbour]:
-        """Id, distance [m] and bearing [rad] of every robot within range. For robots with a module `neighbours`."""
+    def get_neighbours(self) -> List[OtherRobot]:
+        """Id, name, distance [m] and bearing [rad] of every robot within range. For robots with a module `neighbours`."""
         return self._get("neighbours", _GET_NEIGHBOURS)
 
     def get_messages(self) -> List[Heard]:

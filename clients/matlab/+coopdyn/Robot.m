@@ -104,7 +104,7 @@ classdef Robot < handle
     end
 
     function n = get_neighbours(r)
-    %GET_NEIGHBOURS id, distance [m] and bearing [rad] of every robot within range, a 1 x n struct. For robots with a
+    %GET_NEIGHBOURS id, name, distance [m] and bearing [rad] of every robot within range, a 1 x n struct. For robots with a
     %   module neighbours.
       n = r.get('neighbours', 200, [], '');
     end

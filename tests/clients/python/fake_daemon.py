@@ -18,6 +18,9 @@ import sys
 import threading
 import time
 
+import fake_swarm
+from fake_swarm import encode
+
 MODES = ("realtime", "lockstep", "free")
 NAMES = {
     "common": {"ping": 0, "describe": 1, "ready": 2, "get_time": 3, "subscribe": 4, "unsubscribe": 5, "hello": 6,
@@ -26,18 +29,13 @@ NAMES = {
     "distance": {"get_distances": 20, "get_geometry": 21},
     "target": {"get_targets": 30, "get_target": 31, "get_robots": 32},
     "pose": {"get_pose": 40, "get_pose_3d": 41},
+    "swarm": fake_swarm.NAMES,
     "simulation": {"get_status": 100, "run": 101, "pause": 102, "step": 103, "reset": 104, "set_mode": 105,
                    "set_step": 106, "set_speed": 107, "load_scenario": 108, "quit": 109, "stop_all": 190,
                    "set_participants": 191, "reload": 192, "release_robot": 193},
 }
 FIRST = {"motors": 12, "distance": 20, "target": 30, "pose": 40}
 TARGETS = ((1, "red", 2.0, 0.0), (2, "green", 0.0, 3.0))
-
-
-def encode(error, text, command, params=(), data=()):
-    raw = text.encode()
-    return struct.pack(f"<IiiIII{len(raw)}s{len(params)}i{len(data)}d", 20 + len(raw) + 4 * len(params) + 8 * len(data),
-                       error, command, len(raw), len(params), len(data), raw, *params, *data)
 
 
 class Robot:
@@ -90,6 +88,7 @@ class FakeDaemon:
         self.mode, self.protocol, self.silent, self.says = mode, protocol, silent, says
         self.dribble, self.refuse, self.delay_s, self.break_replies, self.hold = dribble, refuse, delay_s, 0, False
         self.dt, self.step, self.resets, self.state, self.stopping = 0.01, 0, 0, "running", False
+        self.swarm = fake_swarm.Swarm(self)
         self.received = []  # (module, command, params, data) of every request
         self.lock = threading.Condition()
         self.connections = []
@@ -243,7 +242,7 @@ class FakeDaemon:
                 c.write(reply)
 
     def modules(self):
-        return [f"/{r.name}/{m}" for r in self.robots for m in FIRST] + ["/simulation"]
+        return [f"/{r.name}/{m}" for r in self.robots for m in FIRST] + ["/simulation", "/swarm"]
 
     # --- commands ---
     def _answer(self, c, name, command, text, params, data):
@@ -261,6 +260,8 @@ class FakeDaemon:
             if kind == "motors" and robot.owner not in (None, c) and robot.owner.client == c.client:
                 robot.owner.close(f"taken over by a new connection of {c.client}")
                 robot.owner = c
+            elif kind == "swarm":
+                self.swarm.hello(c)
             return encode(0, "", 6, (), self.clock())
         if command == 9:
             c.attached = text.split()
@@ -272,6 +273,8 @@ class FakeDaemon:
             return encode(0, "", 4, (), self.clock())
         if kind == "motors" and command in (2, 7, 10, 11, 14):
             return self._drive(c, robot, command, params, data)
+        if kind == "swarm" and command != 2:
+            return self.swarm.answer(c, command, text, params, data)
         if command == 2:
             return self._step_reply(c, robot, 2) if self._wait_steps(params[0] if params else 1) else encode(5, "reset", 2)
         if kind == "simulation":
@@ -389,7 +392,8 @@ def main():
     parser.add_argument("--delay", type=float, default=0.0)
     parser.add_argument("--no-targets", action="store_true")
     a = parser.parse_args()
-    daemon = FakeDaemon(a.robots, MODES.index(a.mode), a.protocol, a.silent, a.says, a.dribble, a.refuse, a.delay, () if a.no_targets else TARGETS)
+    targets = () if a.no_targets else TARGETS
+    daemon = FakeDaemon(a.robots, MODES.index(a.mode), a.protocol, a.silent, a.says, a.dribble, a.refuse, a.delay, targets)
     print(f"ready names={daemon.server} http=off robots={a.robots}", flush=True)
     sys.stdin.read()  # until whoever started it goes away
     daemon.stop()

@@ -102,7 +102,7 @@ class NamesTest(unittest.TestCase):
                 fields = set(getattr(coopdyn, name)._fields)
                 self.assertEqual(cpp_fields(name), fields)
                 self.assertEqual(matlab_struct(command), fields)
-        for name in ("Target", "OtherRobot", "Neighbour", "Heard", "Reading", "Awaited", "Module"):
+        for name in ("Target", "OtherRobot", "Heard", "Reading", "Awaited", "Module"):
             if name != "Module":
                 with self.subTest(name):
                     self.assertEqual(cpp_fields(name), set(getattr(coopdyn, name)._fields))

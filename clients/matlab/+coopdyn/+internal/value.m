@@ -8,18 +8,13 @@ function v = value(command, params, text, data)
       v = struct('max_wheel_speed', data(1), 'wheel_radius', data(2), 'track', data(3));
     case 21
       v = struct('bearing', data(1:3:end), 'opening', data(2:3:end), 'max_range', data(3:3:end));
-    case {30, 32}
+    case {30, 32, 200}
       word = 'colour';
-      if command == 32
+      if command ~= 30
         word = 'name';
       end
       words = strsplit(strtrim(text), ' ');
       v = coopdyn.internal.sightings(params, word, words, data);
-    case 200
-      v = struct('id', {}, 'distance', {}, 'bearing', {});
-      for k = 1:numel(params)
-        v(1, k) = struct('id', params(k), 'distance', data(2 * k - 1), 'bearing', data(2 * k));
-      end
     case 202
       v = struct('id', {}, 'distance', {}, 'bearing', {}, 'values', {});
       at = 0;
