@@ -173,13 +173,19 @@ std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request
   return Push(peer, edit::Load{std::move(read.scenario)});
 }
 
-Message SimulationModule::ReleaseRobot(Peer& peer, const Message& request) {
+std::optional<Message> SimulationModule::ReleaseRobot(Peer& peer, const Message& request) {
   std::string robot = request.text;
   if (robot.starts_with('/')) robot.erase(0, 1);
   const std::vector<CommandBoard::Owner> owners = services_.board.Owners();
   for (const CommandBoard::Owner& owner : owners) {
     if (owner.robot != robot) continue;
-    if (owner.id != 0) {
+    if (owner.driven) return Push(peer, edit::UnloadController{robot});
+    if (owner.is_team) {
+      // The team goes on without it, and is told with its next step.
+      const SlotId slot = services_.board.FindSlot(robot);
+      services_.board.InputEnded(slot, owner.id);
+      services_.board.Closed(slot, owner.id);
+    } else if (owner.id != 0) {
       const Client& by = peer.client.client;
       // Free at once; what the policy for a lost client says acts when the connection has closed.
       services_.board.InputEnded(services_.board.FindSlot(robot), owner.id);

@@ -60,7 +60,7 @@ class SimulationModule final : public Endpoint, private ReadingSource, private S
   std::optional<Message> SetStep(Peer& peer, const Message& request);
   std::optional<Message> Reset(Peer& peer, const Message& request);
   std::optional<Message> Load(Peer& peer, const Message& request);
-  Message ReleaseRobot(Peer& peer, const Message& request);
+  std::optional<Message> ReleaseRobot(Peer& peer, const Message& request);
   /// Hands the edit to the stepping thread; the reply follows.
   std::optional<Message> Push(Peer& peer, EditAction action);
   void OnEditDone(ClientId client, const EditResult& result, bool new_scene);

@@ -23,7 +23,7 @@ StatusInput::Robot DescribeRobot(const SceneRobot& robot, const CommandBoard::Ow
     line.modules.push_back({path, module.type, entry ? entry->port : 0});
   }
   if (owner != nullptr) {
-    if (owner->id != 0) line.owner = owner->name;
+    if (owner->id != 0 || owner->driven) line.owner = owner->name;
     line.participates = owner->participates;
     line.dropped = owner->dropped;
   }

@@ -132,6 +132,8 @@ class CommandBoard {
   std::vector<SlotId> Team(ClientId client) const;
   /// Grows whenever a team loses or gets a robot and with each Configure(). Without lock.
   std::uint64_t team_revision() const { return team_revision_.load(std::memory_order_acquire); }
+  /// Grows with each Configure(): slots may be others. Without lock.
+  std::uint64_t layout_revision() const { return layout_revision_.load(std::memory_order_acquire); }
 
   /// Waits for `steps` steps without making anybody ready (`ready` elsewhere, `step n`).
   void WaitSteps(int steps, StepDone done);
@@ -304,6 +306,7 @@ class CommandBoard {
   bool stopping_ GUARDED_BY(mutex_) = false;
   FramePtr last_frame_ GUARDED_BY(mutex_);
   std::atomic<std::uint64_t> team_revision_{1};
+  std::atomic<std::uint64_t> layout_revision_{1};
   std::function<void()> all_ready_hook_;  // constant after construction
 };
 

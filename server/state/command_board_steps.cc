@@ -92,6 +92,7 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
     waiting_since_ = now;
     CountAwaited();
     NoteTeams();
+    layout_revision_.fetch_add(1, std::memory_order_release);
   }
   completions.Call();
 }

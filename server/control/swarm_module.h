@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+// /swarm: one connection drives many robots, one step of all of them per round trip. Free of sockets. The
+// control thread only.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "protocol/command_table.h"
+#include "server/base/clock.h"
+#include "server/base/worker_pool.h"
+#include "server/control/team_readings.h"
+#include "server/devices/connection_roster.h"
+#include "server/devices/module_core.h"
+#include "server/devices/step_inbox.h"
+#include "server/devices/token_guard.h"
+#include "server/net/endpoint.h"
+#include "server/state/command_board.h"
+#include "server/state/frame_board.h"
+
+namespace coopdyn {
+
+/// What /swarm acts on. All that it refers to outlives the module.
+struct SwarmServices {
+  CommandBoard& board;
+  const FrameBoard& frames;
+  ConnectionRoster& roster;
+  const TokenGuard& guard;  // that of the robots' own modules
+  const Clock& clock;
+  int threads = 1;  // that compute readings
+  std::string version;
+};
+
+class SwarmModule final : public Endpoint, private ReadingSource, private StepListener {
+ public:
+  /// Any thread. `post` runs a function on the control thread.
+  SwarmModule(SwarmServices services, StepInbox::Post post);
+  /// On the control thread, or when it has stopped.
+  ~SwarmModule() override;
+
+  const CommandTable& table() const override { return table_; }
+  void OnOpen(Connection& connection) override;
+  void OnRequest(Connection& connection, Message request, ReplyFunction reply) override;
+  void OnInputEnded(Connection& connection) override;
+  void OnClosed(Connection& connection) override;
+  std::string WaitingFor() override;
+
+ private:
+  /// A connection, its team, and the request that it waits for.
+  struct Peer {
+    Connection* connection = nullptr;
+    ModuleClient client;
+    ReplyFunction reply;  // null: nothing is waiting
+    command::Id command = 0;
+    std::string text;  // of the reply
+    TeamReadings readings;
+
+    std::vector<int> team;               // what it owns: indices into `scene`, increasing
+    std::size_t sensors = 0;             // distance sensors of the team's robot with the most
+    std::shared_ptr<const Scene> scene;  // of `team`
+    std::uint64_t team_revision = 0;     // of the board, when `team` was asked for
+    std::uint64_t layout_revision = 0;
+    std::vector<std::string> lost;  // robots that others took away, not told yet
+    std::vector<int> rows;          // of the reply to step_all
+    std::shared_ptr<const Scene> rows_scene;
+  };
+
+  // ReadingSource
+  Message Read(const Message& request, const Frame& frame) override;
+  command::Id first_reading() const override { return command::kGetTeam; }
+  std::span<const std::string> attachable() const override { return {}; }
+  void AppendReading(std::size_t, const Frame&, std::vector<double>&) override {}
+  // StepListener
+  void OnStepEnd(ClientId client, const StepResult& result) override;
+  void OnFrame(const FramePtr& frame, int dropped) override;
+
+  /// Answers at once; nothing if the reply comes later (it is kept in `peer`).
+  std::optional<Message> Answer(Peer& peer, const Message& request);
+  std::optional<Message> Change(Peer& peer, const Message& request, const Frame& frame);
+  Message Hello(Peer& peer, const Message& request);
+  Message ClaimOrRelease(Peer& peer, const Message& request, const Frame& frame);
+  std::optional<Message> Ready(Peer& peer, const Message& request);
+  std::optional<Message> StepAll(Peer& peer, const Message& request);
+  Message Select(Peer& peer, const Message& request, const Frame& frame);
+  Message ReadAll(Peer& peer, const Message& request, const Frame& frame);
+  Message Team(const Peer& peer, command::Id command) const;
+  /// mode, rows, columns and the readings of `rows` in `frame`; or error 8.
+  Message Table(const Peer& peer, command::Id command, const Frame& frame, Mode mode,
+                std::span<const int> rows);
+
+  /// Brings the peer's team up to date with board and scene. `quiet`: what is missing was given up by the
+  /// peer itself.
+  void Refresh(Peer& peer, const Frame& frame, bool quiet = false);
+  /// Notes which robots of `old` are not in the team any more.
+  static void NoteLost(Peer& peer, std::span<const int> old, const std::shared_ptr<const Scene>& old_scene);
+  /// `no longer in the team: robot3`; empty if there are none.
+  static std::string LostText(std::span<const std::string> lost);
+  /// The rows of the reply in the scene of `frame`.
+  static void MoveRows(Peer& peer, const Frame& frame);
+  /// The robots that the params name, or the whole team without; an error reply if they cannot be told.
+  std::optional<Message> FindRows(const Peer& peer, const Message& request, std::vector<int>& rows);
+  /// What wants room for more than a reply may have gets error 8.
+  static std::optional<Message> RefuseSize(const Peer& peer, command::Id command, const Scene& scene,
+                                           std::span<const int> rows);
+  /// Distance sensors of the robot with the most, but not less than `at_least`.
+  static std::size_t MostSensors(const Scene& scene, std::span<const int> rows, std::size_t at_least);
+  /// Set-points of `rows` from the data of step_all; how many were beyond their limits.
+  std::size_t MakeSetpoints(const Peer& peer, const Message& request);
+  std::vector<SlotId> SlotsOf(std::span<const int> robots) const;
+  void ListenForSteps();
+
+  const SwarmServices services_;
+  const CommandTable table_;
+  ModuleCore core_;
+  WorkerPool pool_;
+  std::unordered_map<ClientId, Peer> peers_;
+  const Peer* pushed_to_ = nullptr;  // while its subscriptions are served
+
+  std::shared_ptr<const Scene> scene_;  // the newest seen
+  std::uint64_t layout_revision_ = 0;   // of the board, when slots_ was asked for
+  std::vector<SlotId> slots_;           // of the robots of scene_
+  std::vector<int> robot_of_slot_;      // SlotId → index into scene_, −1: none
+  std::vector<std::uint32_t> marks_;    // by robot of scene_: named by the request number mark_
+  std::uint32_t mark_ = 0;
+  std::vector<Setpoint> setpoints_;  // of the present request
+  StepInbox inbox_;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// The readings of many robots as one array: a row per robot, the columns that a client has chosen. Units and
+// frames are those of the robots' own modules. The control thread; computing uses the pool's threads too.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/base/worker_pool.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// What one connection has chosen with select_readings.
+class TeamReadings {
+ public:
+  static constexpr int kDefaultNearest = 8;
+  static constexpr int kMaxNearest = 10'000;
+
+  /// pose distances
+  TeamReadings() = default;
+
+  /// Chooses by words in any order; without words pose distances. What is wrong with them, or empty.
+  std::string Select(std::string_view text, int nearest);
+  /// `pose distances`
+  std::string Names() const;
+  /// Columns of each reading in order. `sensors`: of the robot with the most distance sensors.
+  std::vector<std::int32_t> Columns(const Scene& scene, std::size_t sensors) const;
+  /// Writes the rows of `robots` (indices into the scene; −1: gone, nan) one after the other into `data`,
+  /// which has room for as many times the sum of Columns().
+  ///   pose        x m, y m, heading rad, world frame
+  ///   distances   one range m per sensor, right to left; nan beyond the robot's own sensors
+  ///   targets     distance m, bearing rad per target by id; inf, nan if unseen
+  ///   neighbours  id, distance m, bearing rad of the nearest, nearest first, ties by id; then 0, inf, nan
+  ///   wheels      angle left, right rad, speed left, right rad/s
+  void Fill(const Frame& frame, std::span<const int> robots, std::size_t sensors, WorkerPool& pool,
+            std::span<double> data) const;
+
+ private:
+  enum class Kind { kPose, kDistances, kTargets, kNeighbours, kWheels };
+  static constexpr std::size_t kKinds = 5;
+  static const std::vector<std::string>& Words();
+
+  std::size_t ColumnsOf(Kind kind, const Scene& scene, std::size_t sensors) const;
+  void FillOne(Kind kind, const Frame& frame, int robot, std::span<double> columns) const;
+  void FillNeighbours(const Frame& frame, int robot, std::span<double> columns) const;
+
+  std::vector<Kind> kinds_{Kind::kPose, Kind::kDistances};
+  int nearest_ = kDefaultNearest;
+};
+
+}  // namespace coopdyn
