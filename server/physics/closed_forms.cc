@@ -36,17 +36,17 @@ bool PlacedRotation::upright() const {
   return std::abs(R[10]) > 0.9995;
 }
 
-ClosedForm WheelOnFloor(double radius_m, const PlacedRotation& wheel) {
+ClosedForm WheelOnFloor(double radius_m, const PlacedRotation& wheel, double margin_m) {
   const Vector3 axle = wheel.axis(2);
   if (std::abs(axle.z()) > kLyingWheel) return kDoesNotApply;
-  if (wheel.p[2] > radius_m) return kNoContact;
+  if (wheel.p[2] > radius_m + margin_m) return kNoContact;
   const Vector3 p = LowestOfDisc(wheel.position(), axle, radius_m, Vector3::UnitZ());
-  if (p.z() >= 0) return kNoContact;
+  if (-p.z() <= -margin_m) return kNoContact;
   return {true, ContactPoint{p, Vector3::UnitZ(), -p.z()}};
 }
 
 ClosedForm WheelOnBox(double radius_m, const PlacedRotation& wheel, const Box& box,
-                      const PlacedRotation& X_WB) {
+                      const PlacedRotation& X_WB, double margin_m) {
   const Vector3 from_box = wheel.position() - X_WB.position();
   int top = 0;
   for (int i = 1; i < 3; ++i) {
@@ -62,13 +62,13 @@ ClosedForm WheelOnBox(double radius_m, const PlacedRotation& wheel, const Box& b
   }
   const double half = box.size_m[top] / 2;
   const double depth = half - p_from_box.dot(normal);
-  if (depth <= 0) return kNoContact;
+  if (depth <= -margin_m) return kNoContact;
   if (depth > radius_m / 2 || from_box.dot(normal) < half) return kDoesNotApply;
   return {true, ContactPoint{p, normal, depth}};
 }
 
 ClosedForm UprightCylinders(const Cylinder& a, const PlacedRotation& X_WA, const Cylinder& b,
-                            const PlacedRotation& X_WB) {
+                            const PlacedRotation& X_WB, double margin_m) {
   if (!X_WA.upright() || !X_WB.upright()) return kDoesNotApply;
   const Overlap height = OfHeights(X_WA.p[2], a.length_m / 2, X_WB.p[2], b.length_m / 2);
   if (height.depth_m <= 0) return kNoContact;
@@ -76,7 +76,7 @@ ClosedForm UprightCylinders(const Cylinder& a, const PlacedRotation& X_WA, const
   const double dy = X_WA.p[1] - X_WB.p[1];
   const double distance = std::hypot(dx, dy);
   const double depth = a.radius_m + b.radius_m - distance;
-  if (depth <= 0) return kNoContact;
+  if (depth <= -margin_m) return kNoContact;
   if (height.depth_m < depth) return kDoesNotApply;
   const Vector3 n = distance > 0 ? Vector3(dx / distance, dy / distance, 0) : Vector3::UnitX();
   const double along = b.radius_m - depth / 2;
@@ -85,7 +85,7 @@ ClosedForm UprightCylinders(const Cylinder& a, const PlacedRotation& X_WA, const
 }
 
 ClosedForm UprightCylinderAndBox(const Cylinder& a, const PlacedRotation& X_WA, const Box& b,
-                                 const PlacedRotation& X_WB) {
+                                 const PlacedRotation& X_WB, double margin_m) {
   if (!X_WA.upright() || !X_WB.upright()) return kDoesNotApply;
   const Overlap height = OfHeights(X_WA.p[2], a.length_m / 2, X_WB.p[2], b.size_m.z() / 2);
   if (height.depth_m <= 0) return kNoContact;
@@ -100,7 +100,7 @@ ClosedForm UprightCylinderAndBox(const Cylinder& a, const PlacedRotation& X_WA, 
   if (beyond_x != 0 || beyond_y != 0) {
     const double distance = std::hypot(beyond_x, beyond_y);
     depth = a.radius_m - distance;
-    if (depth <= 0) return kNoContact;
+    if (depth <= -margin_m) return kNoContact;
     n_x = beyond_x / distance;
     n_y = beyond_y / distance;
   } else if (hx - std::abs(x) < hy - std::abs(y)) {

@@ -5,10 +5,8 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "server/physics/ode_world.h"
-#include "server/physics/world.h"
 
 namespace coopdyn {
 
@@ -18,22 +16,10 @@ inline constexpr double kMaxTurnRate_rad_s = 1000;
 /// Why `state` is not sane, e.g. "speed 312 m/s"; nothing if it is.
 std::optional<std::string> WhyInsane(const BodyState& state);
 
-/// All bodies before a substep.
-class LastSane {
- public:
-  void Remember(const OdeWorld& ode);
-  /// Holds every owner with an insane body at the remembered state, at rest. Appends what it froze to
-  /// `frozen`.
-  void FreezeInsane(OdeWorld& ode, std::vector<FrozenBody>& frozen) const;
-  /// After a failure inside ODE: takes all bodies back and freezes the owner that was fastest. False if all
-  /// are frozen.
-  bool FreezeFastest(OdeWorld& ode, const std::string& why, std::vector<FrozenBody>& frozen) const;
+/// The largest share of these limits that a body uses; infinite if it is not finite.
+double Violence(const BodyState& state);
 
- private:
-  std::vector<BodyState> bodies_;
-};
-
-/// Holds `owner` where its bodies are: at rest, disabled, its contacts those of a static thing.
-void Hold(OdeWorld& ode, Owner& owner);
+/// Holds the bodies that `owner` has in ODE where they are: at rest, disabled.
+void Hold(const OdeWorld& ode, const Owner& owner);
 
 }  // namespace coopdyn

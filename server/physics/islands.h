@@ -3,6 +3,8 @@
 // Only server/physics includes this file.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "server/physics/ode_world.h"
@@ -21,21 +23,22 @@ inline constexpr int kQuickIterations = 40;
 /// Union-find over the moving owners. Reused from substep to substep.
 class Islands {
  public:
-  /// Every owner alone, with the rows of its own joints and a robot's surcharge.
-  void Reset(const OdeWorld& ode);
-  void AddRows(std::size_t owner, int rows) { parents_[Root(owner)] -= rows; }
+  /// Each owner of `active` alone, with the rows of its own joints and a robot's surcharge.
+  void Reset(const OdeWorld& ode, std::span<const std::uint32_t> active);
+  void AddRows(std::size_t owner, int rows) { parents_[RootOf(owner)] -= rows; }
   void Join(std::size_t a, std::size_t b);
   /// Rows, surcharges included, of the group that holds `owner`.
-  int RowsOf(std::size_t owner) { return -parents_[Root(owner)] - 1; }
+  int RowsOf(std::size_t owner) { return -parents_[RootOf(owner)] - 1; }
+  /// One member of the group stands for it.
+  std::size_t RootOf(std::size_t owner);
 
  private:
-  std::size_t Root(std::size_t owner);
   // Of a root: −1 − its rows; of others: the index of a member nearer to the root.
   std::vector<int> parents_;
 };
 
-/// Advances all bodies by `dt_s`: small groups by dWorldStep, large ones by dWorldQuickStep. No contact joins
-/// the two.
-void Solve(OdeWorld& ode, Islands& islands, double dt_s);
+/// Advances the owners of `active`, whose bodies are the enabled ones, by `dt_s`: small groups by dWorldStep,
+/// large ones by dWorldQuickStep. No contact joins the two.
+void Solve(OdeWorld& ode, Islands& islands, std::span<const std::uint32_t> active, double dt_s);
 
 }  // namespace coopdyn

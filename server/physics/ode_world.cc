@@ -2,39 +2,13 @@
 #include "server/physics/ode_world.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <utility>
 
 #include "server/base/mutex.h"
-#include "server/physics/ode_setup.h"
 
 namespace coopdyn {
 
 namespace {
-
-dQuaternion& CopyTo(dQuaternion& to, const Quaternion& q) {
-  to[0] = q.w();
-  to[1] = q.x();
-  to[2] = q.y();
-  to[3] = q.z();
-  return to;
-}
-
-dGeomID MakeGeom(const Shape& shape, dSpaceID space) {
-  if (const Box* box = std::get_if<Box>(&shape)) {
-    return dCreateBox(space, box->size_m.x(), box->size_m.y(), box->size_m.z());
-  }
-  if (const Cylinder* cylinder = std::get_if<Cylinder>(&shape)) {
-    return dCreateCylinder(space, cylinder->radius_m, cylinder->length_m);
-  }
-  return dCreateSphere(space, std::get<Sphere>(shape).radius_m);
-}
-
-const char* KindOf(const Shape& shape) {
-  constexpr const char* kKinds[] = {"box", "cylinder", "sphere"};
-  return kKinds[shape.index()];
-}
 
 // Reachable, so that it does not count as leaked.
 void KeepForever(dThreadingImplementationID threading) {
@@ -44,169 +18,84 @@ void KeepForever(dThreadingImplementationID threading) {
   kept->push_back(threading);
 }
 
-/// Fills an OdeWorld, bodies first, in the order of Frame::bodies.
-class Builder {
- public:
-  explicit Builder(const Scene& scene) : scene_(scene), ode_(std::make_unique<OdeWorld>()) {}
-
-  std::unique_ptr<OdeWorld> Build() {
-    EnsureOde();
-    MakeWorld();
-    for (const SceneObject& object : scene_.objects) {
-      if (object.body >= 0) AddObject(object.object, AddBody(object.object));
-    }
-    for (std::size_t i = 0; i < scene_.robots.size(); ++i) AddRobot(static_cast<int>(i));
-    ode_->first_static = static_cast<int>(ode_->owners.size());
-    for (const SceneObject& object : scene_.objects) {
-      if (object.body < 0) AddObject(object.object, -1);
-    }
-    return std::move(ode_);
-  }
-
- private:
-  void MakeWorld() {
-    ode_->threading.reset(dThreadingAllocateSelfThreadedImplementation());
-    ode_->world.reset(dWorldCreate());
-    dWorldSetStepThreadingImplementation(ode_->world.get(),
-                                         dThreadingImplementationGetFunctions(ode_->threading.get()),
-                                         ode_->threading.get());
-    ode_->contacts.reset(dJointGroupCreate(0));
-    ode_->geoms.reset(dSimpleSpaceCreate(nullptr));
-    ode_->floor = dCreatePlane(ode_->geoms.get(), 0, 0, 1, 0);
-    dWorldSetGravity(ode_->world.get(), 0, 0, -scene_.scenario->simulation.gravity_m_s2);
-  }
-
-  int AddBody(double mass_kg, const Vector3& inertia_kg_m2, const Pose& X_WB) {
-    dBodyID body = dBodyCreate(ode_->world.get());
-    dMass mass;
-    dMassSetParameters(&mass, mass_kg, 0, 0, 0, inertia_kg_m2.x(), inertia_kg_m2.y(), inertia_kg_m2.z(), 0, 0,
-                       0);
-    dBodySetMass(body, &mass);
-    dBodySetPosition(body, X_WB.p.x(), X_WB.p.y(), X_WB.p.z());
-    dQuaternion q;
-    dBodySetQuaternion(body, CopyTo(q, X_WB.q));
-    dBodySetAutoDisableFlag(body, 0);
-    ode_->bodies.push_back(body);
-    return static_cast<int>(ode_->bodies.size()) - 1;
-  }
-  int AddBody(const WorldObject& object) {
-    return AddBody(object.mass_kg, SolidInertia(object.shape, object.mass_kg), object.X_WO);
-  }
-
-  /// `X_BG`: of the shape in its body, or in the world if it has none.
-  Part& AddPart(const Shape& shape, double friction, int body, const Pose& X_BG) {
-    Part part{shape, MakeGeom(shape, ode_->geoms.get()), body, friction, false, HalfExtents(shape, X_BG.q)};
-    dQuaternion q;
-    CopyTo(q, X_BG.q);
-    if (body < 0) {
-      dGeomSetPosition(part.geom, X_BG.p.x(), X_BG.p.y(), X_BG.p.z());
-      dGeomSetQuaternion(part.geom, q);
-    } else {
-      dGeomSetBody(part.geom, ode_->BodyOf(part));
-      if (!X_BG.p.isZero(0) || X_BG.q.vec().squaredNorm() > 0) {
-        dGeomSetOffsetPosition(part.geom, X_BG.p.x(), X_BG.p.y(), X_BG.p.z());
-        dGeomSetOffsetQuaternion(part.geom, q);
-      }
-    }
-    ode_->parts.push_back(std::move(part));
-    return ode_->parts.back();
-  }
-
-  void AddObject(const WorldObject& object, int body) {
-    Owner owner{KindOf(object.shape), object.name, object.where};
-    owner.first_part = static_cast<int>(ode_->parts.size());
-    owner.part_count = 1;
-    owner.first_body = body;
-    owner.body_count = body < 0 ? 0 : 1;
-    owner.radius_m = BoundingRadius(object.shape);
-    AddPart(object.shape, object.friction, body, body < 0 ? object.X_WO : Pose{});
-    if (body >= 0) ode_->parts.back().half_m = HalfExtents(object.shape, object.X_WO.q);
-    ode_->owners.push_back(std::move(owner));
-  }
-
-  void AddRobot(int index) {
-    const RobotEntry& entry = scene_.robots[static_cast<std::size_t>(index)].entry;
-    const RobotModel& model = *entry.model;
-    Owner owner{"robot", entry.name, entry.where};
-    owner.robot = index;
-    owner.first_body = static_cast<int>(ode_->bodies.size());
-    owner.body_count = static_cast<int>(model.links.size());
-    owner.first_part = static_cast<int>(ode_->parts.size());
-    for (const LinkModel& link : model.links) {
-      AddBody(link.mass_kg, link.inertia_kg_m2, entry.X_WR * link.X_RL * link.X_LI);
-    }
-    const Vector3 p_RB = model.links.front().X_RL * model.links.front().X_LI.p;  // of the first body
-    for (std::size_t k = 0; k < model.links.size(); ++k) {
-      const LinkModel& link = model.links[k];
-      const double arm_m = (link.X_RL * link.X_LI.p - p_RB).norm();
-      for (const LinkShape& collision : link.collisions) {
-        const Pose X_IG = link.X_LI.Inverse() * collision.X_LG;
-        Part& part =
-            AddPart(collision.shape, collision.friction, owner.first_body + static_cast<int>(k), X_IG);
-        part.is_wheel = IsWheel(model, static_cast<int>(k), collision);
-        part.half_m = Vector3::Constant(BoundingRadius(collision.shape));
-        owner.radius_m = std::max(owner.radius_m, arm_m + X_IG.p.norm() + BoundingRadius(collision.shape));
-      }
-    }
-    constexpr double kHingeSlack_m = 0.01;  // links give way a little under load
-    owner.radius_m += kHingeSlack_m;
-    owner.part_count = static_cast<int>(ode_->parts.size()) - owner.first_part;
-    AddHinges(entry, owner);
-    ode_->owners.push_back(std::move(owner));
-  }
-
-  static bool IsWheel(const RobotModel& model, int link, const LinkShape& collision) {
-    if (!std::holds_alternative<Cylinder>(collision.shape)) return false;
-    for (std::size_t j = 0; j < model.joints.size(); ++j) {
-      const JointModel& joint = model.joints[j];
-      const bool driven =
-          static_cast<int>(j) == model.drive.left_joint || static_cast<int>(j) == model.drive.right_joint;
-      if (!driven || joint.child != link) continue;
-      const Quaternion q_RG = model.links[static_cast<std::size_t>(link)].X_RL.q * collision.X_LG.q;
-      return std::abs((q_RG * Vector3::UnitZ()).dot(joint.axis_R.normalized())) > 0.999;
-    }
-    return false;
-  }
-
-  void AddHinges(const RobotEntry& entry, Owner& owner) {
-    const RobotModel& model = *entry.model;
-    std::array<dJointID, 2> motors{};
-    for (std::size_t j = 0; j < model.joints.size(); ++j) {
-      const JointModel& joint = model.joints[j];
-      const auto body = [&](int link) {
-        return ode_->bodies[static_cast<std::size_t>(owner.first_body) + static_cast<std::size_t>(link)];
-      };
-      dJointID hinge = dJointCreateHinge(ode_->world.get(), nullptr);
-      dJointAttach(hinge, body(joint.child),
-                   body(joint.parent));  // so that its rate is the child's in the parent
-      const Vector3 p = entry.X_WR * joint.p_RJ;
-      const Vector3 axis = entry.X_WR.q * joint.axis_R;
-      dJointSetHingeAnchor(hinge, p.x(), p.y(), p.z());
-      dJointSetHingeAxis(hinge, axis.x(), axis.y(), axis.z());
-      owner.rows += 5;
-      for (std::size_t side = 0; side < 2; ++side) {
-        const int driven = side == 0 ? model.drive.left_joint : model.drive.right_joint;
-        if (driven != static_cast<int>(j)) continue;
-        motors[side] = hinge;
-        dJointSetHingeParam(hinge, dParamFMax, model.drive.max_torque_nm);
-        owner.rows += 1;
-      }
-    }
-    ode_->motors.push_back(motors);
-  }
-
-  const Scene& scene_;
-  std::unique_ptr<OdeWorld> ode_;
-};
-
 }  // namespace
 
 OdeWorld::~OdeWorld() {
   if (broken) KeepForever(threading.release());
 }
 
-std::unique_ptr<OdeWorld> BuildOdeWorld(const Scene& scene) {
-  return Builder(scene).Build();
+std::span<const Part> OdeWorld::PartsOf(const Owner& owner) const {
+  if (owner.one_body != nullptr) return owner.one_body->parts;
+  return std::span(parts).subspan(static_cast<std::size_t>(owner.first_part),
+                                  static_cast<std::size_t>(owner.part_count));
+}
+
+PlacedRotation OdeWorld::PlaceOf(const Owner& owner, std::size_t part) const {
+  if (owner.one_body != nullptr) {
+    const std::size_t first = static_cast<std::size_t>(first_places[static_cast<std::size_t>(owner.slot)]);
+    const Place& place = places[first + part];
+    return {place.p, place.R};
+  }
+  dGeomID geom = parts[static_cast<std::size_t>(owner.first_part) + part].geom;
+  return {dGeomGetPosition(geom), dGeomGetRotation(geom)};
+}
+
+dBodyID OdeWorld::BodyOf(const Owner& owner, const Part& part) const {
+  if (owner.one_body != nullptr) return slots[static_cast<std::size_t>(owner.slot)].body;
+  return part.body < 0 ? nullptr : bodies[static_cast<std::size_t>(part.body)];
+}
+
+void OdeWorld::TakeSlot(Owner& owner, const BodyState& state) {
+  const std::size_t slot = static_cast<std::size_t>(slots_in_use++);
+  owner.slot = static_cast<int>(slot);
+  if (slot == slots.size()) {
+    slots.push_back({dBodyCreate(world.get())});
+    dBodySetAutoDisableFlag(slots.back().body, 0);
+    dBodyDisable(slots.back().body);
+    first_places.push_back(0);
+  }
+  first_places[slot] = static_cast<int>(places.size());
+  const auto& R = state.R_WB;
+  for (const Part& part : owner.one_body->parts) {
+    Place& place = places.emplace_back();
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double* r = R.data() + 3 * row;
+      place.p[row] = state.p_WB[static_cast<Eigen::Index>(row)] + r[0] * part.p_BG.x() +
+                     r[1] * part.p_BG.y() + r[2] * part.p_BG.z();
+      for (int column = 0; column < 3; ++column) {
+        place.R[4 * row + static_cast<std::size_t>(column)] =
+            r[0] * part.R_BG(0, column) + r[1] * part.R_BG(1, column) + r[2] * part.R_BG(2, column);
+      }
+      place.R[4 * row + 3] = 0;
+    }
+  }
+}
+
+void OdeWorld::LoadSlot(const Owner& owner, const BodyState& state) {
+  Slot& slot = slots[static_cast<std::size_t>(owner.slot)];
+  const OneBody& robot = *owner.one_body;
+  if (slot.loaded != &robot) {
+    slot.loaded = &robot;
+    Matrix3 I = robot.inertia_kg_m2;
+    if (robot.planar) {
+      // Nothing tilts it; its own friction with the floor stands for its weight.
+      constexpr double kUntiltable_kg_m2 = 1e6;
+      I.setZero();
+      I.diagonal() = Vector3(kUntiltable_kg_m2, kUntiltable_kg_m2, robot.inertia_kg_m2(2, 2));
+    }
+    dMass mass;
+    dMassSetParameters(&mass, robot.mass_kg, 0, 0, 0, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
+    dBodySetMass(slot.body, &mass);
+    dBodySetGravityMode(slot.body, robot.planar ? 0 : 1);
+  }
+  WriteBody(slot.body, state);
+  dBodyEnable(slot.body);
+}
+
+void OdeWorld::FreeSlots() {
+  for (int i = 0; i < slots_in_use; ++i) dBodyDisable(slots[static_cast<std::size_t>(i)].body);
+  slots_in_use = 0;
+  places.clear();
 }
 
 BodyState ReadBody(dBodyID body) {

@@ -8,10 +8,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "server/physics/closed_forms.h"
+#include "server/physics/one_body.h"
+#include "server/physics/part.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -30,28 +34,39 @@ using OdeGroupPtr = std::unique_ptr<std::remove_pointer_t<dJointGroupID>, OdeDel
 using OdeThreadingPtr = std::unique_ptr<std::remove_pointer_t<dThreadingImplementationID>,
                                         OdeDelete<dThreadingFreeImplementation>>;
 
-/// One collision shape.
-struct Part {
-  Shape shape;
-  dGeomID geom = nullptr;
-  int body = -1;          // index into OdeWorld::bodies; -1: static
-  double friction = 1;    // Coulomb
-  bool is_wheel = false;  // a cylinder about a driven axle: rolls on one contact at its tread
-  Vector3
-      half_m;  // half of a box along the world's axes that holds it in its present (robots: any) orientation
-};
-
 /// A thing that collides as a whole: a robot or an object. Its own parts do not collide with each other.
 struct Owner {
   std::string kind;  // robot, box, cylinder, sphere
   std::string name;
   SourceLine where;
-  int robot = -1;  // index into Scene::robots; -1: an object
-  int first_part = 0, part_count = 0;
+  int robot = -1;                      // index into Scene::robots; -1: an object
+  int first_part = 0, part_count = 0;  // of OdeWorld::parts; none for a OneBody
   int first_body = 0, body_count = 0;  // none: static
-  double radius_m = 0;  // of a sphere about its first body that holds it however its links turn
-  int rows = 0;         // constraint rows of its own joints
-  bool frozen = false;  // held in place: its bodies are disabled and nothing is joined to them
+  int rows = 0;                        // constraint rows of its own joints
+  bool frozen = false;                 // held in place: its bodies are disabled and nothing is joined to them
+
+  // Robots only.
+  const OneBody* one_body = nullptr;  // fidelity rolling and planar
+  Vector3 p_BR = Vector3::Zero();     // R's origin in the first body
+  Vector3 up_B = Vector3::UnitZ();    // R's z axis in the first body
+  double radius_m = 0;                // of the vertical cylinder about R's z axis that holds it when upright
+  double reach_m = 0;                 // of the sphere about R's origin that holds it however its links turn
+  double height_m = 0;
+  double rest_z_m = 0;  // OneBody: height of its centre of mass at rest
+  int shell = -1;       // the upright cylinder among its parts that covers all others in plan; -1: none
+  int slot = -1;        // OneBody: its place in OdeWorld::slots and ::places for this substep; -1: none
+};
+
+/// A body of ODE that stands for one robot of fidelity rolling or planar during one substep.
+struct Slot {
+  dBodyID body = nullptr;
+  const OneBody* loaded = nullptr;  // whose mass it has
+};
+
+/// Where a part of a OneBody is, as ODE keeps such things.
+struct Place {
+  double p[3];
+  double R[12];
 };
 
 struct OdeWorld {
@@ -66,20 +81,35 @@ struct OdeWorld {
   OdeSpacePtr geoms;  // owns the shapes and the floor; never asked for collisions
   dGeomID floor = nullptr;
 
-  std::vector<dBodyID> bodies;  // as Frame::bodies
+  std::vector<dBodyID> bodies;  // as Frame::bodies; null for a OneBody's
   std::vector<Part> parts;
-  std::vector<Owner>
-      owners;  // with bodies: dynamic objects, then robots; from `first_static` on: static objects
+  std::vector<Owner> owners;  // dynamic objects, then robots from `first_robot` on, then static objects
+  int first_robot = 0;
   int first_static = 0;
   std::vector<std::array<dJointID, 2>> motors;  // left, right hinge of each robot
+  std::vector<std::unique_ptr<OneBody>> one_bodies;
+
+  // Robots of fidelity rolling and planar live in Frame-like states; those that touch something are lent a
+  // body for one substep, in the order of robots, so that ODE remembers nothing of them.
+  std::vector<Slot> slots;
+  std::vector<Place> places;  // of the parts of robot k in its slot: from first_places[slot] + k
+  std::vector<int> first_places;
+  int slots_in_use = 0;
 
   /// Set when ODE threw in the middle of a step: then its threading object may not be freed (it asserts that
   /// its jobs are done) and is kept until the process ends.
   bool broken = false;
 
-  dBodyID BodyOf(const Part& part) const {
-    return part.body < 0 ? nullptr : bodies[static_cast<std::size_t>(part.body)];
-  }
+  std::span<const Part> PartsOf(const Owner& owner) const;
+  PlacedRotation PlaceOf(const Owner& owner, std::size_t part) const;
+  /// The body that a part moves with; null: static.
+  dBodyID BodyOf(const Owner& owner, const Part& part) const;
+
+  /// Gives a OneBody the next slot and places its parts. Its body is not loaded yet, and disabled.
+  void TakeSlot(Owner& owner, const BodyState& state);
+  /// Makes the slot's body the robot, enabled.
+  void LoadSlot(const Owner& owner, const BodyState& state);
+  void FreeSlots();
 };
 
 /// Builds `scene` in its initial poses. Every mass and inertia must be positive (CheckStart() says so).

@@ -24,21 +24,53 @@ std::string NameOf(const Owner& owner) {
   return owner.kind + " " + owner.name;
 }
 
-double Depth(const Part& a, const Part& b) {
+double Depth(const PlacedPart& a, const PlacedPart& b) {
   double depth = 0;
-  const ContactList contacts = Collide(a, b);
+  const ContactList contacts = Collide(a, b, 0);
   for (const ContactPoint& point : contacts.all()) depth = std::max(depth, point.depth_m);
   // Colliders may miss a shape that lies wholly within another.
-  const PlacedRotation X_WA{dGeomGetPosition(a.geom), dGeomGetRotation(a.geom)};
-  const PlacedRotation X_WB{dGeomGetPosition(b.geom), dGeomGetRotation(b.geom)};
-  return std::max(
-      {depth, DepthInside(b.shape, X_WB, X_WA.position()), DepthInside(a.shape, X_WA, X_WB.position())});
+  return std::max({depth, DepthInside(b.part.shape, b.place, a.place.position()),
+                   DepthInside(a.part.shape, a.place, b.place.position())});
 }
 
-template <typename Visit>
-void ForEachPart(const OdeWorld& ode, const Owner& owner, Visit visit) {
-  for (int i = 0; i < owner.part_count; ++i)
-    visit(ode.parts[static_cast<std::size_t>(owner.first_part) + static_cast<std::size_t>(i)]);
+double DepthOfPair(const OdeWorld& ode, const Owner& a, const Owner& b) {
+  double depth = 0;
+  const auto parts_a = ode.PartsOf(a), parts_b = ode.PartsOf(b);
+  for (std::size_t i = 0; i < parts_a.size(); ++i) {
+    for (std::size_t j = 0; j < parts_b.size(); ++j) {
+      depth = std::max(depth, Depth({parts_a[i], ode.PlaceOf(a, i)}, {parts_b[j], ode.PlaceOf(b, j)}));
+    }
+  }
+  return depth;
+}
+
+double DepthBelowFloor(const OdeWorld& ode, const Owner& owner) {
+  double below = 0;
+  const auto parts = ode.PartsOf(owner);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const PlacedRotation place = ode.PlaceOf(owner, i);
+    Matrix3 R;
+    R << place.R[0], place.R[1], place.R[2], place.R[4], place.R[5], place.R[6], place.R[8], place.R[9],
+        place.R[10];
+    below = std::max(below, HalfExtents(parts[i].shape, R).z() - place.p[2]);
+  }
+  return below;
+}
+
+/// Fidelity rolling and planar need wheels that their formulas fit.
+void CheckFidelity(const RobotEntry& entry, Diagnostics& diagnostics) {
+  if (entry.fidelity == Fidelity::kFull) return;
+  const std::string name = entry.fidelity == Fidelity::kPlanar ? "planar" : "rolling";
+  const std::string who = "robot " + entry.name + ": fidelity " + name;
+  std::string why;
+  if (entry.model->has_actuators() && !FindWheels(*entry.model, why)) {
+    diagnostics.Error(entry.where,
+                      who + " does not fit " + entry.model->type + ", since " + why + ": use fidelity full");
+  }
+  const Vector3 up = entry.X_WR.q * Vector3::UnitZ();
+  if (entry.fidelity == Fidelity::kPlanar && up.z() < 1 - 1e-9) {
+    diagnostics.Error(entry.where, who + " needs an upright robot: use fidelity rolling or full");
+  }
 }
 
 }  // namespace
@@ -51,44 +83,38 @@ void CheckModels(const Scene& scene, Diagnostics& diagnostics) {
       diagnostics.Error(entry.where, "robot " + entry.name + ": link " + link.name + " of " +
                                          entry.model->type + " needs a mass and moments of inertia above 0");
     }
-    if (entry.fidelity != Fidelity::kFull) {
-      diagnostics.Warning(entry.where,
-                          "robot " + entry.name + " runs with fidelity full, the only one of this version");
-    }
+    CheckFidelity(entry, diagnostics);
   }
 }
 
-void CheckStart(OdeWorld& ode, Diagnostics& diagnostics) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(ode.first_static); ++i) {
-    const Owner& owner = ode.owners[i];
-    double below = 0;
-    ForEachPart(ode, owner, [&](const Part& part) {
-      const double* R = dGeomGetRotation(part.geom);
-      Matrix3 rotation;
-      rotation << R[0], R[1], R[2], R[4], R[5], R[6], R[8], R[9], R[10];
-      below =
-          std::max(below, HalfExtents(part.shape, Quaternion(rotation)).z() - dGeomGetPosition(part.geom)[2]);
-    });
+void CheckStart(OdeWorld& ode, std::span<const BodyState> bodies, Diagnostics& diagnostics) {
+  BroadPhase broad_phase(ode);
+  const std::size_t dynamic = static_cast<std::size_t>(ode.first_static);
+  for (std::size_t i = 0; i < dynamic; ++i) {
+    Owner& owner = ode.owners[i];
+    const BodyState& body = bodies[static_cast<std::size_t>(owner.first_body)];
+    if (owner.one_body != nullptr) ode.TakeSlot(owner, body);
+    if (owner.robot >= 0) {
+      broad_phase.spaces()[static_cast<std::size_t>(owner.robot)] = SpaceOf(owner, body, 0);
+    }
+    const double below = DepthBelowFloor(ode, owner);
     if (below > kTolerance_m) {
       diagnostics.Error(owner.where,
                         NameOf(owner) + " starts " + Metres(below) + " below the floor (z = 0): move it up");
     }
   }
-  BroadPhase broad_phase(ode);
-  for (const auto& [a, b] : broad_phase.FindPairs(ode)) {
-    double depth = 0;
-    ForEachPart(ode, ode.owners[a], [&](const Part& part_a) {
-      ForEachPart(ode, ode.owners[b],
-                  [&](const Part& part_b) { depth = std::max(depth, Depth(part_a, part_b)); });
-    });
+  const std::vector<std::uint8_t> all(dynamic, 1);
+  for (const auto& [a, b] : broad_phase.FindPairs(ode, all)) {
+    const double depth = DepthOfPair(ode, ode.owners[a], ode.owners[b]);
     if (depth <= kTolerance_m) continue;
     // Of two that move, the later one is to be moved; static things stay.
-    const bool static_b = b >= static_cast<std::uint32_t>(ode.first_static);
+    const bool static_b = b >= dynamic;
     const Owner& moved = ode.owners[static_b ? a : b];
     const Owner& other = ode.owners[static_b ? b : a];
     diagnostics.Error(moved.where,
                       NameOf(moved) + " starts " + Metres(depth) + " inside " + other.name + ": move it");
   }
+  ode.FreeSlots();
 }
 
 }  // namespace coopdyn

@@ -9,21 +9,22 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kWheelRadius_m = 0.075, kTrack_m = 0.28;
-
-LinkModel Wheel(const char* name, double y_m) {
-  const Cylinder tyre{kWheelRadius_m, 0.025};
+LinkModel Wheel(const char* name, double y_m, const Cylinder& tyre, double mass_kg, const Vector3& inertia) {
   LinkModel link;
   link.name = name;
-  link.X_RL = {{0, y_m, kWheelRadius_m}, FromRollPitchYaw(-std::numbers::pi / 2, 0, 0)};
-  link.mass_kg = 0.5;
-  link.inertia_kg_m2 = {0.000729167, 0.000729167, 0.00140625};
+  link.X_RL = {{0, y_m, tyre.radius_m}, FromRollPitchYaw(-std::numbers::pi / 2, 0, 0)};
+  link.mass_kg = mass_kg;
+  link.inertia_kg_m2 = inertia;
   link.collisions = {{tyre, {}, {}, 1, false}};
   return link;
 }
 
-JointModel Hinge(const char* name, int child, double y_m) {
-  return {name, 0, child, {0, y_m, kWheelRadius_m}, Vector3::UnitY(), 1.0};
+JointModel Hinge(const char* name, int child, double y_m, double z_m, double effort_nm) {
+  return {name, 0, child, {0, y_m, z_m}, Vector3::UnitY(), effort_nm};
+}
+
+Pose Raised(double x_m, double z_m) {
+  return {{x_m, 0, z_m}, Quaternion::Identity()};
 }
 
 }  // namespace
@@ -36,15 +37,46 @@ std::shared_ptr<const RobotModel> TestRobot() {
   chassis.mass_kg = 9;
   chassis.X_LI.p = {0, 0, 0.09};
   chassis.inertia_kg_m2 = {0.0684, 0.0684, 0.1152};
-  chassis.collisions = {{Cylinder{0.18, 0.21}, {{0, 0, 0.155}, Quaternion::Identity()}, {}, 0.3, false},
-                        {Sphere{0.025}, {{0.14, 0, 0.025}, Quaternion::Identity()}, {}, 0, false},
-                        {Sphere{0.025}, {{-0.14, 0, 0.025}, Quaternion::Identity()}, {}, 0, false}};
-  model->links = {chassis, Wheel("left_wheel", kTrack_m / 2), Wheel("right_wheel", -kTrack_m / 2)};
-  model->joints = {Hinge("left", 1, kTrack_m / 2), Hinge("right", 2, -kTrack_m / 2)};
-  model->drive = {0, 1, kWheelRadius_m, kTrack_m, 14, 1};
+  chassis.collisions = {{Cylinder{0.18, 0.21}, Raised(0, 0.155), {}, 0.3, false},
+                        {Sphere{0.025}, Raised(0.14, 0.025), {}, 0, false},
+                        {Sphere{0.025}, Raised(-0.14, 0.025), {}, 0, false}};
+  const Cylinder tyre{0.075, 0.025};
+  const Vector3 inertia{0.000729167, 0.000729167, 0.00140625};
+  model->links = {chassis, Wheel("left_wheel", 0.14, tyre, 0.5, inertia),
+                  Wheel("right_wheel", -0.14, tyre, 0.5, inertia)};
+  model->joints = {Hinge("left", 1, 0.14, 0.075, 1), Hinge("right", 2, -0.14, 0.075, 1)};
+  model->drive = {0, 1, 0.075, 0.28, 14, 1};
+  model->modules = {{"motors", "motors"}};
   model->footprint_radius_m = 0.18;
   model->height_m = 0.26;
   return model;
+}
+
+std::shared_ptr<const RobotModel> SmallRobot() {
+  auto model = std::make_shared<RobotModel>();
+  model->type = "smallbot";
+  LinkModel chassis;
+  chassis.name = "chassis";
+  chassis.mass_kg = 1.5;
+  chassis.X_LI.p = {0, 0, 0.045};
+  chassis.inertia_kg_m2 = {0.00291, 0.00291, 0.00422};
+  chassis.collisions = {{Cylinder{0.085, 0.1}, Raised(0, 0.07), {}, 0.3, false},
+                        {Sphere{0.012}, Raised(0.065, 0.012), {}, 0, false},
+                        {Sphere{0.012}, Raised(-0.065, 0.012), {}, 0, false}};
+  const Cylinder tyre{0.03, 0.015};
+  const Vector3 inertia{1.21875e-5, 1.21875e-5, 2.25e-5};
+  model->links = {chassis, Wheel("left_wheel", 0.07, tyre, 0.05, inertia),
+                  Wheel("right_wheel", -0.07, tyre, 0.05, inertia)};
+  model->joints = {Hinge("left", 1, 0.07, 0.03, 0.08), Hinge("right", 2, -0.07, 0.03, 0.08)};
+  model->drive = {0, 1, 0.03, 0.14, 17, 0.08};
+  model->modules = {{"motors", "motors"}};
+  model->footprint_radius_m = 0.085;
+  model->height_m = 0.12;
+  return model;
+}
+
+double TiltOf(const Pose& pose) {
+  return std::acos(std::min(1.0, (pose.q * Vector3::UnitZ()).z()));
 }
 
 PhysicsScene& PhysicsScene::AddRobot(double x_m, double y_m, double heading_rad) {
@@ -57,6 +89,7 @@ PhysicsScene& PhysicsScene::AddRobot(const Pose& X_WR) {
   if (!robot_model) robot_model = TestRobot();
   entry.model = robot_model;
   entry.X_WR = X_WR;
+  entry.fidelity = fidelity;
   entry.where = {"test.scenario", 100 + static_cast<int>(scenario_.robots.size())};
   scenario_.robots.push_back(std::move(entry));
   return *this;
@@ -76,7 +109,7 @@ PhysicsScene& PhysicsScene::SetFloorFriction(double friction) {
 
 void PhysicsScene::Build() {
   scene_ = MakeScene(std::make_shared<const Scenario>(scenario_), 1);
-  world_ = PhysicsWorld::Build(scene_, 1, diagnostics_);
+  world_ = PhysicsWorld::Build(scene_, 1, diagnostics_, pool);
   setpoints_.resize(scene_->robots.size());
 }
 
@@ -92,8 +125,9 @@ void PhysicsScene::SetWheels(int robot, double left_rad_s, double right_rad_s) {
 }
 
 void PhysicsScene::SetVelocity(int robot, double linear_m_s, double angular_rad_s) {
-  const double turn = angular_rad_s * kTrack_m / 2;
-  SetWheels(robot, (linear_m_s - turn) / kWheelRadius_m, (linear_m_s + turn) / kWheelRadius_m);
+  const DriveModel& drive = scenario_.robots.at(static_cast<std::size_t>(robot)).model->drive;
+  const double turn = angular_rad_s * drive.track_m / 2;
+  SetWheels(robot, (linear_m_s - turn) / drive.wheel_radius_m, (linear_m_s + turn) / drive.wheel_radius_m);
 }
 
 void PhysicsScene::Run(int steps) {

@@ -15,6 +15,11 @@ namespace coopdyn {
 
 /// A two-wheeled robot with the dimensions of coopbot: wheels of 7.5 cm, track 28 cm, 10 kg.
 std::shared_ptr<const RobotModel> TestRobot();
+/// One with the dimensions of minibot: wheels of 3 cm, track 14 cm, 1.6 kg.
+std::shared_ptr<const RobotModel> SmallRobot();
+
+/// Angle between a robot's z axis and the vertical, rad.
+double TiltOf(const Pose& pose);
 
 /// A scene, its physics and its newest frame.
 class PhysicsScene {
@@ -32,7 +37,7 @@ class PhysicsScene {
 
   /// Wheel speeds (left, right, rad/s) of a robot until the next call.
   void SetWheels(int robot, double left_rad_s, double right_rad_s);
-  /// Wheel speeds of an ideal differential drive.
+  /// Wheel speeds of an ideal differential drive, of the robot's own dimensions.
   void SetVelocity(int robot, double linear_m_s, double angular_rad_s);
   /// Makes `steps` steps of `step_length`, with `substeps` (0: the default).
   void Run(int steps);
@@ -43,6 +48,7 @@ class PhysicsScene {
   void Restore(const Frame& frame);
 
   Pose robot(int index);
+  int robot_count() const { return static_cast<int>(scenario_.robots.size()); }
   Pose object(int index);
   const BodyState& object_body(int index);
 
@@ -50,7 +56,10 @@ class PhysicsScene {
   PhysicsWorld& world();
   Nanoseconds step_length = kDefaultStep;
   int substeps = 0;
-  std::shared_ptr<const RobotModel> robot_model;  // of robots added from now on; null: TestRobot()
+  // Of robots added from now on.
+  std::shared_ptr<const RobotModel> robot_model;  // null: TestRobot()
+  Fidelity fidelity = Fidelity::kFull;
+  WorkerPool* pool = nullptr;  // of the world to be built
 
  private:
   Scenario scenario_;
