@@ -13,11 +13,14 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 
+#include "server/net/socket_poller.h"
+
 namespace coopdyn {
 namespace {
 
 using std::chrono::steady_clock;
 
+constexpr int kLooksAtSockets = 8;            // while polling, before timers and posted work have their turn
 constexpr std::size_t kThreadNameBytes = 15;  // the kernel's limit
 
 }  // namespace
@@ -40,6 +43,7 @@ IoThread::IoThread(std::string name, Logger logger, std::chrono::microseconds sp
     : name_(std::move(name)),
       logger_(std::move(logger)),
       context_(std::make_unique<boost::asio::io_context>(1)),
+      poller_(SocketPoller::Of(*context_)),
       wakeup_(std::make_unique<Wakeup>(*context_)),
       spin_ns_(std::chrono::nanoseconds(spin).count()),
       thread_([this] { Run(); }) {}
@@ -121,23 +125,31 @@ void IoThread::Stop() {
   if (!is_current() && thread_.joinable()) thread_.join();
 }
 
+void IoThread::RunSome(steady_clock::time_point& active_at) {
+  const std::chrono::nanoseconds spin{spin_ns_.load(std::memory_order_relaxed)};
+  if (spin.count() > 0) {
+    // A look at the sockets is one system call, one at everything two more.
+    std::size_t handled = 0;
+    for (int i = 0; i < kLooksAtSockets && handled == 0; ++i) handled = poller_.Poll();
+    handled += context_->poll_one();
+    const auto now = steady_clock::now();
+    if (handled > 0) active_at = now;
+    if (now - active_at < spin) return;
+  }
+  poller_.Arm();
+  context_->run_one();
+  active_at = steady_clock::now();
+}
+
 void IoThread::Run() {
   thread_id_ = std::this_thread::get_id();
   pthread_setname_np(pthread_self(), name_.substr(0, kThreadNameBytes).c_str());
   auto work_guard = boost::asio::make_work_guard(*context_);
   RunPosted();
-  auto last_activity = steady_clock::now();
+  auto active_at = steady_clock::now();
   while (!stop_) {
     try {
-      const std::int64_t spin_ns = spin_ns_.load(std::memory_order_relaxed);
-      if (spin_ns == 0) {
-        context_->run_one();
-      } else if (context_->poll_one() > 0) {
-        last_activity = steady_clock::now();
-      } else if (steady_clock::now() - last_activity >= std::chrono::nanoseconds(spin_ns)) {
-        context_->run_one();
-        last_activity = steady_clock::now();
-      }
+      RunSome(active_at);
     } catch (const std::exception& error) {
       logger_->error("{}: {}", name_, error.what());
     } catch (...) {

@@ -21,6 +21,8 @@ class io_context;
 
 namespace coopdyn {
 
+class SocketPoller;
+
 /// All members from any thread unless they say otherwise. Exceptions of what runs here are logged; the loop
 /// goes on.
 class IoThread {
@@ -52,12 +54,15 @@ class IoThread {
   struct Wakeup;
 
   void Run();
+  /// Handles what is due, waiting for it if need be; `active_at` is when something was last.
+  void RunSome(std::chrono::steady_clock::time_point& active_at);
   /// Runs what Post() was given, then waits for the next wake-up.
   void RunPosted();
 
   std::string name_;
   Logger logger_;
   std::unique_ptr<boost::asio::io_context> context_;
+  SocketPoller& poller_;  // of context_
   std::unique_ptr<Wakeup>
       wakeup_;  // io_context::post() wakes with its lock held, at the cost of two more switches
   Mutex mutex_;

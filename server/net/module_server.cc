@@ -22,13 +22,13 @@ namespace {
 
 namespace asio = boost::asio;
 
-constexpr auto kSweepPeriod = std::chrono::seconds(4);  // keepalive's 20 s + this < 25 s
-
-int ProtocolOf(int fd, int option) {
-  int value = 0;
-  socklen_t size = sizeof value;
-  return getsockopt(fd, SOL_SOCKET, option, &value, &size) == 0 ? value : 0;
+bool IsStreamSocket(int fd) {
+  int type = 0;
+  socklen_t size = sizeof type;
+  return ::getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_STREAM;
 }
+
+constexpr auto kSweepPeriod = std::chrono::seconds(4);  // keepalive's 20 s + this < 25 s
 
 }  // namespace
 
@@ -64,16 +64,11 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
   }
 
   void Open(UniqueFd fd, const std::string& already_read, PeerInfo peer) {
+    if (!IsStreamSocket(fd.get()))
+      return services.logger()->error("{}: cannot take a connection: not a stream socket", name);
     SetClientSocketOptions(fd.get());
-    Session::Socket socket(context);
-    boost::system::error_code error;
-    const Session::Socket::protocol_type protocol(ProtocolOf(fd.get(), SO_DOMAIN),
-                                                  ProtocolOf(fd.get(), SO_PROTOCOL));
-    socket.assign(protocol, fd.get(), error);
-    if (error) return services.logger()->error("{}: cannot take a connection: {}", name, error.message());
-    fd.Release();
     if (!peer.trusted) Sweep();
-    auto session = std::make_shared<Session>(std::move(socket), endpoint, services, std::move(peer),
+    auto session = std::make_shared<Session>(context, std::move(fd), endpoint, services, std::move(peer),
                                              [this](ClientId id) { Forget(id); });
     sessions.emplace(session->id(), session);
     count = sessions.size();

@@ -4,9 +4,8 @@
 #include <poll.h>
 #include <sys/socket.h>
 
-#include <exception>
+#include <cerrno>
 
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 
 #include "protocol/command_ids.h"
@@ -27,9 +26,11 @@ constexpr const char* kMagicText =
 
 }  // namespace
 
-Session::Session(Socket socket, Endpoint& endpoint, NetServices& services, PeerInfo peer,
-                 std::function<void(ClientId)> on_end)
-    : socket_(std::move(socket)),
+Session::Session(asio::io_context& context, UniqueFd socket, Endpoint& endpoint, NetServices& services,
+                 PeerInfo peer, std::function<void(ClientId)> on_end)
+    : context_(context),
+      poller_(SocketPoller::Of(context)),
+      socket_(std::move(socket)),
       endpoint_(&endpoint),
       services_(services),
       id_(services.NextClient()),
@@ -37,24 +38,7 @@ Session::Session(Socket socket, Endpoint& endpoint, NetServices& services, PeerI
       on_end_(std::move(on_end)),
       out_(endpoint.table()) {}
 
-/// Calls `function(endpoint)`; what it throws is logged. Returns false then.
-template <typename Function>
-bool Session::CallEndpoint(Function&& function) {
-  if (endpoint_ == nullptr) return true;
-  try {
-    function(*endpoint_);
-    return true;
-  } catch (const std::exception& error) {
-    Log(spdlog::level::err, std::string("internal error: ") + error.what());
-  } catch (...) {
-    Log(spdlog::level::err, "internal error of unknown type");
-  }
-  return false;
-}
-
 void Session::Start(std::string_view already_read) {
-  ErrorCode error;
-  socket_.non_blocking(true, error);
   CallEndpoint([this](Endpoint& endpoint) { endpoint.OnOpen(*this); });
   in_.Append(already_read);
   if (in_.size() > 0) Process();
@@ -64,29 +48,50 @@ void Session::Start(std::string_view already_read) {
 // --- reading
 // ------------------------------------------------------------------------------------------------------
 
-void Session::StartRead() {
-  if (reading_ || eof_ || closed_) return;
-  if (!closing_ && (waiting_ || blocked_ || process_posted_) && in_.size() >= kMaxReadAhead)
-    return WatchPeer();
-  const std::span<char> room = in_.Room();
-  reading_ = true;
-  socket_.async_read_some(
-      asio::buffer(room.data(), room.size()),
-      [self = shared_from_this()](const ErrorCode& error, std::size_t count) { self->OnRead(error, count); });
+void Session::ChangeInterest() {
+  const std::uint32_t wanted =
+      (reading_ ? std::uint32_t{EPOLLIN} : 0U) | (blocked_ ? std::uint32_t{EPOLLOUT} : 0U);
+  if (closed_ || poller_.Change(socket_.get(), *this, interest_, wanted)) {
+    interest_ = wanted;
+  } else {
+    Log(spdlog::level::err, "cannot be waited for: the machine has no memory left");
+    asio::post(context_, [self = shared_from_this()] { self->HardClose(); });
+  }
 }
 
-void Session::OnRead(const ErrorCode& error, std::size_t count) {
-  reading_ = false;
-  if (closed_) return;
-  in_.Added(count);
+void Session::OnReady(std::uint32_t events) {
+  const std::shared_ptr<Session> self = shared_from_this();
+  constexpr std::uint32_t kEnd = EPOLLERR | EPOLLHUP;
+  if (blocked_ && (events & (EPOLLOUT | kEnd)) != 0) OnWritable();
+  if (reading_ && (events & (EPOLLIN | kEnd)) != 0) Read();
+}
+
+void Session::StartRead() {
+  if (eof_ || closed_) return;
+  const bool far_ahead =
+      !closing_ && (waiting_ || blocked_ || process_posted_) && in_.size() >= kMaxReadAhead;
+  if (reading_ == far_ahead) {
+    reading_ = !far_ahead;
+    ChangeInterest();
+  }
+  if (far_ahead) WatchPeer();
+}
+
+void Session::Read() {
+  const std::span<char> room = in_.Room();
+  const ssize_t count = ::recv(socket_.get(), room.data(), room.size(), MSG_DONTWAIT);
+  if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return;
+  if (count > 0) in_.Added(static_cast<std::size_t>(count));
   if (closing_) in_.Clear();  // only waiting for the peer to close
-  if (error) return EndInput();
+  if (count <= 0) return EndInput();
   Process();
   StartRead();
 }
 
 void Session::EndInput() {
   eof_ = true;
+  reading_ = false;
+  ChangeInterest();
   TellInputEnded();
   if (closing_ && fin_sent_) return HardClose();
   Process();
@@ -100,11 +105,11 @@ void Session::TellInputEnded() {
 // While reading rests because the client is far ahead, its end is looked for from time to time.
 void Session::WatchPeer() {
   if (input_ended_) return;
-  if (!watch_timer_) watch_timer_.emplace(socket_.get_executor());
+  if (!watch_timer_) watch_timer_.emplace(context_);
   watch_timer_->expires_after(kWatchPeriod);
   watch_timer_->async_wait([self = shared_from_this()](const ErrorCode& aborted) {
     if (aborted || self->closed_) return;
-    pollfd state{self->socket_.native_handle(), POLLRDHUP, 0};
+    pollfd state{self->socket_.get(), POLLRDHUP, 0};
     if (::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0) {
       self->TellInputEnded();  // what is still to be read is read and executed in its turn
     }
@@ -133,7 +138,7 @@ void Session::Process() {
 
 void Session::PostProcess() {
   if (std::exchange(process_posted_, true)) return;
-  asio::post(socket_.get_executor(), [self = shared_from_this()] {
+  asio::post(context_, [self = shared_from_this()] {
     self->process_posted_ = false;
     if (self->closed_) return;
     self->Process();
@@ -259,20 +264,22 @@ void Session::Flush() {
       out_.Clear();
       break;
     }
-    ErrorCode error;
     const std::string_view bytes = out_.unsent();
-    const std::size_t count = socket_.write_some(asio::buffer(bytes.data(), bytes.size()), error);
-    if (error == asio::error::would_block || error == asio::error::try_again) return WaitWritable();
-    if (error) write_dead_ = true;
-    out_.Sent(count);
+    const ssize_t count = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (count >= 0) {
+      out_.Sent(static_cast<std::size_t>(count));
+    } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+      return WaitWritable();
+    } else if (errno != EINTR) {
+      write_dead_ = true;
+    }
   }
   if (!closing_ || fin_sent_ || blocked_ || closed_) return;
   // All is written. The socket is closed only when the peer has closed its side: closing with unread input
   // would make its kernel throw the notice away.
   fin_sent_ = true;
-  ErrorCode ignored;
-  socket_.shutdown(Socket::shutdown_send, ignored);
-  asio::post(socket_.get_executor(), [self = shared_from_this()] {
+  ::shutdown(socket_.get(), SHUT_WR);
+  asio::post(context_, [self = shared_from_this()] {
     if (self->closed_) return;
     if (self->eof_ || self->write_dead_) return self->HardClose();
     self->in_.Clear();
@@ -283,20 +290,21 @@ void Session::Flush() {
 void Session::WaitWritable() {
   blocked_ = true;
   out_.set_blocked(true);
-  socket_.async_wait(Socket::wait_write, [self = shared_from_this()](const ErrorCode& error) {
-    self->blocked_ = false;
-    self->out_.set_blocked(false);
-    if (self->closed_) return;
-    if (error) self->write_dead_ = true;
-    self->Flush();
-    self->Process();
-    self->StartRead();
-  });
+  ChangeInterest();
+}
+
+void Session::OnWritable() {
+  blocked_ = false;
+  out_.set_blocked(false);
+  ChangeInterest();
+  Flush();
+  Process();
+  StartRead();
 }
 
 // One timer runs while requests wait; it goes on from one request to the next.
 void Session::WatchWait() {
-  if (!verbose_timer_) verbose_timer_.emplace(socket_.get_executor());
+  if (!verbose_timer_) verbose_timer_.emplace(context_);
   if (verbose_timer_->expiry() > steady_clock::now()) return;
   verbose_timer_->expires_after(waiting_note_.Pause(serial_));
   verbose_timer_->async_wait([self = shared_from_this(), serial = serial_](const ErrorCode& aborted) {
@@ -312,85 +320,6 @@ void Session::TellWaiting() {
   if (blocked_) return;
   out_.AddRaw(waiting_note_.Line(serial_, whom, steady_clock::now()));
   Flush();
-}
-
-// --- the end
-// ------------------------------------------------------------------------------------------------------
-
-void Session::FinishIfDone() {
-  if (eof_ && !closing_ && !waiting_ && !process_posted_ && out_.empty()) HardClose();
-}
-
-void Session::CloseWithLine(std::string line, const std::string& why) {
-  if (closing_ || closed_) return;
-  out_.AddRaw(std::move(line));
-  BeginClosing(spdlog::level::warn, why);
-}
-
-void Session::Close(const std::string& reason) {
-  if (closing_ || closed_) return;
-  Message notice;
-  notice.command = command::kClosing;
-  notice.text = reason;
-  if (encoding_ == Encoding::kUndecided) {
-    out_.AddRaw("# " + reason + "\n");
-  } else {
-    out_.AddReply(std::move(notice));
-  }
-  BeginClosing(spdlog::level::debug, reason);
-}
-
-void Session::BeginClosing(spdlog::level::level_enum level, const std::string& why) {
-  closing_ = true;
-  Log(level, "closed: " + why);
-  linger_timer_.emplace(socket_.get_executor(), kLinger);
-  linger_timer_->async_wait([self = shared_from_this()](const ErrorCode& aborted) {
-    if (!aborted) self->HardClose();
-  });
-  asio::post(socket_.get_executor(), [self = shared_from_this()] { self->DeliverClosed(); });
-  if (!processing_) Flush();
-}
-
-void Session::DeliverClosed() {
-  if (endpoint_ == nullptr) return;
-  CallEndpoint([this](Endpoint& endpoint) { endpoint.OnClosed(*this); });
-  endpoint_ = nullptr;
-}
-
-void Session::HardClose() {
-  if (std::exchange(closed_, true)) return;
-  const std::shared_ptr<Session> self = shared_from_this();
-  ErrorCode ignored;
-  socket_.close(ignored);
-  linger_timer_.reset();
-  watch_timer_.reset();
-  verbose_timer_.reset();
-  DeliverClosed();
-  out_.Clear();
-  if (on_end_) std::exchange(on_end_, nullptr)(id_);
-}
-
-void Session::Abort(const std::string& reason) {
-  on_end_ = nullptr;
-  if (!closed_) Close(reason);
-  if (closed_) return;
-  char rest[4096];
-  ErrorCode error;
-  while (!error && socket_.read_some(asio::buffer(rest), error) > 0) {
-  }
-  HardClose();
-}
-
-void Session::CheckPeerLives() {
-  if (closed_ || peer_.trusted || !PeerLooksDead(socket_.native_handle())) return;
-  Log(spdlog::level::info, "its machine does not answer any more");
-  write_dead_ = true;
-  ErrorCode ignored;
-  socket_.shutdown(Socket::shutdown_both, ignored);  // the pending read ends with it
-}
-
-void Session::Log(spdlog::level::level_enum level, const std::string& text) {
-  services_.LogPeer(level, peer_.text, text);
 }
 
 }  // namespace coopdyn

@@ -6,13 +6,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "protocol/codec.h"
@@ -21,25 +22,25 @@
 #include "server/net/net_services.h"
 #include "server/net/out_queue.h"
 #include "server/net/peer.h"
+#include "server/net/socket_poller.h"
+#include "server/net/unique_fd.h"
 #include "server/net/waiting_note.h"
 
 namespace coopdyn {
 
 /// The endpoint is called from event handlers only, never from within Push(), Close() or a ReplyFunction, so
 /// that it may call those while it walks its own lists.
-class Session final : public Connection, public std::enable_shared_from_this<Session> {
+class Session final : public Connection, private SocketHandler, public std::enable_shared_from_this<Session> {
  public:
-  using Socket = boost::asio::generic::stream_protocol::socket;
-
   /// Read ahead of a request that has not been answered yet; then the client has to wait.
   static constexpr std::size_t kMaxReadAhead = kMaxRequestBytes + (std::size_t{64} << 10);
   static constexpr int kMaxMalformed = 20;  // in a row
   /// How long a closing connection waits for its peer to read what is left and to close.
   static constexpr std::chrono::seconds kLinger{5};
 
-  /// `on_end` is called once the socket is closed.
-  Session(Socket socket, Endpoint& endpoint, NetServices& services, PeerInfo peer,
-          std::function<void(ClientId)> on_end);
+  /// `socket`: of any stream. `on_end` is called once it is closed; until then the caller keeps the session.
+  Session(boost::asio::io_context& context, UniqueFd socket, Endpoint& endpoint, NetServices& services,
+          PeerInfo peer, std::function<void(ClientId)> on_end);
 
   /// Opens it at the endpoint and begins with `already_read`.
   void Start(std::string_view already_read);
@@ -59,8 +60,10 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   using ErrorCode = boost::system::error_code;
 
   // Reading.
+  void OnReady(std::uint32_t events) override;
+  void Read();
+  /// Reads on, or rests while the client is far ahead.
   void StartRead();
-  void OnRead(const ErrorCode& error, std::size_t count);
   void EndInput();
   void TellInputEnded();
   void WatchPeer();
@@ -76,6 +79,9 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   // Writing.
   void Flush();
   void WaitWritable();
+  void OnWritable();
+  /// Asks the poller for what reading_ and blocked_ want.
+  void ChangeInterest();
   void WatchWait();
   void TellWaiting();
   // The end.
@@ -85,11 +91,26 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   void DeliverClosed();
   void HardClose();
   void Log(spdlog::level::level_enum level, const std::string& text);
+  /// Calls `function(endpoint)`; what it throws is logged. Returns false then.
   template <typename Function>
-  bool CallEndpoint(Function&& function);
+  bool CallEndpoint(Function&& function) {
+    if (endpoint_ == nullptr) return true;
+    try {
+      function(*endpoint_);
+      return true;
+    } catch (const std::exception& error) {
+      Log(spdlog::level::err, std::string("internal error: ") + error.what());
+    } catch (...) {
+      Log(spdlog::level::err, "internal error of unknown type");
+    }
+    return false;
+  }
 
-  Socket socket_;
-  Endpoint* endpoint_;  // null after OnClosed()
+  boost::asio::io_context& context_;
+  SocketPoller& poller_;
+  UniqueFd socket_;
+  std::uint32_t interest_ = 0;  // what the poller tells of
+  Endpoint* endpoint_;          // null after OnClosed()
   NetServices& services_;
   const ClientId id_;
   const PeerInfo peer_;
@@ -107,7 +128,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool waiting_ = false;      // for its reply
   bool processing_ = false;   // Process() runs
   bool process_posted_ = false;
-  bool reading_ = false;      // a read is pending
+  bool reading_ = false;      // what comes is read
   bool blocked_ = false;      // the peer takes nothing more; waiting until it does
   bool write_dead_ = false;   // writing has failed: what is left is dropped
   bool input_ended_ = false;  // told to the endpoint
