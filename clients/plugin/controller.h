@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Controllers that coopdyn loads at run time: one shared object NAME.so that exports coopdyn_controller_entry(), in C or
- * anything that can pass for C. A scenario names it (`controller NAME option=value`); `coopdyn new-controller NAME`
- * writes a start.
+/* Controllers that coopdyn loads at run time: one shared object NAME.so that exports
+ * coopdyn_controller_entry(), in C or anything that can pass for C. A scenario names it (`controller NAME
+ * option=value`); `coopdyn new-controller NAME` writes a start.
  *
- * Where it runs: in a child process of the daemon, so that whatever goes wrong stops one robot and nothing else.
- * Controllers of different robots may be stepped at the same time by different threads, one instance never by two:
- * keep what changes in the instance, not in globals. To be repeatable use the seed given, never clock() or rand().
- * Units are SI; headings and bearings 0 ahead, left positive, in (-pi, pi]. */
+ * Where it runs: in a child process of the daemon, so that whatever goes wrong stops one robot and nothing
+ * else. Controllers of different robots may be stepped at the same time by different threads, one instance
+ * never by two: keep what changes in the instance, not in globals. To be repeatable use the seed given, never
+ * clock() or rand(). Units are SI; headings and bearings 0 ahead, left positive, in (-pi, pi]. */
 #ifndef COOPDYN_CONTROLLER_H
 #define COOPDYN_CONTROLLER_H
 
@@ -20,7 +20,9 @@ extern "C" {
 /* Of this file. A controller built against another one is refused. */
 #define COOPDYN_CONTROLLER_VERSION 1
 
-#define COOPDYN_MAX_MESSAGE 8 /* numbers in one broadcast */
+#define COOPDYN_MAX_MESSAGE 8   /* numbers in one broadcast */
+#define COOPDYN_MAX_OPTIONS 64  /* of one controller */
+#define COOPDYN_MAX_STATE 65536 /* bytes */
 
 /* Which readings a controller wants: the others cost nothing and are empty. */
 enum coopdyn_reading {
@@ -41,10 +43,10 @@ typedef struct coopdyn_option {
 } coopdyn_option;
 
 typedef struct coopdyn_description {
-  const char* help;    /* one line */
-  uint32_t readings;   /* of enum coopdyn_reading, added up */
-  uint32_t state_size; /* bytes that save() writes: all that step() changes; at most 65536 */
-  uint32_t option_count;
+  const char* help;      /* one line */
+  uint32_t readings;     /* of enum coopdyn_reading, added up */
+  uint32_t state_size;   /* bytes that save() writes: all that step() changes; at most COOPDYN_MAX_STATE */
+  uint32_t option_count; /* at most COOPDYN_MAX_OPTIONS */
   const coopdyn_option* options;
 } coopdyn_description;
 
@@ -54,15 +56,24 @@ typedef struct coopdyn_robot {
   const char* name;
   double radius_m; /* of its footprint */
   double wheel_radius_m, track_m, max_wheel_speed_rad_s;
-  size_t distance_count; /* sensors, right to left */
-  const double* distance_bearing_rad;
+  size_t distance_count;              /* sensors, right to left */
+  const double* distance_bearing_rad; /* of the sector's middle */
+  const double* distance_opening_rad; /* of the whole sector */
   const double* distance_max_m;
 } coopdyn_robot;
 
+/* Another robot, as seen from the middle of this one's axle. */
 typedef struct coopdyn_sighting {
   uint32_t id;
   double distance_m, bearing_rad;
 } coopdyn_sighting;
+
+/* A target, seen in the same way. Its colour is from 0 to 1. */
+typedef struct coopdyn_target {
+  uint32_t id;
+  double distance_m, bearing_rad;
+  double red, green, blue;
+} coopdyn_target;
 
 /* A broadcast of another robot, and where that one is now. */
 typedef struct coopdyn_heard {
@@ -81,7 +92,7 @@ typedef struct coopdyn_readings {
   double x_m, y_m, heading_rad, forward_m_s, turn_rad_s; /* COOPDYN_POSE */
   double wheel_angle_rad[2], wheel_speed_rad_s[2];       /* COOPDYN_WHEELS: left, right */
   size_t target_count;
-  const coopdyn_sighting* targets;
+  const coopdyn_target* targets;
   size_t neighbour_count;
   const coopdyn_sighting* neighbours;
   size_t heard_count;
@@ -95,23 +106,34 @@ typedef struct coopdyn_command {
   double message[COOPDYN_MAX_MESSAGE];
 } coopdyn_command;
 
+/* What a controller is made of. Only save() and restore() may be NULL, if state_size is 0. The order of calls
+ * is create, reset, [restore,] { step, save }, destroy. C++ exceptions that escape stop the robot, with their
+ * text. */
 typedef struct coopdyn_controller {
   uint32_t version; /* COOPDYN_CONTROLLER_VERSION; first for ever */
+  /* Constant, and valid for ever. */
   const coopdyn_description* (*describe)(void);
-  /* A new instance; `options` holds one value for each described option. NULL: it cannot drive this robot, and
-   * `error` (a text of at most `error_size` bytes) says why. */
+  /* A new instance; `options` holds one value for each described option. NULL: it cannot drive this robot,
+   * and `error` (a text of at most `error_size` bytes, the final 0 included) says why. */
   void* (*create)(const coopdyn_robot* robot, const double* options, char* error, size_t error_size);
   /* Back to the start of a run. Called once before the first step(). */
   void (*reset)(void* instance, uint64_t seed);
   void (*step)(void* instance, const coopdyn_readings* readings, coopdyn_command* command);
-  /* Writes state_size bytes. What restore() reads makes the next steps the same, in another process too. */
+  /* Writes state_size bytes, after every step. What restore() reads makes the next steps the same, in another
+   * process too: no pointers. */
   void (*save)(const void* instance, void* state);
   void (*restore)(void* instance, const void* state);
   void (*destroy)(void* instance);
 } coopdyn_controller;
 
+#if defined(__GNUC__)
+#define COOPDYN_EXPORT __attribute__((visibility("default")))
+#else
+#define COOPDYN_EXPORT
+#endif
+
 /* What the shared object exports, under this name. */
-const coopdyn_controller* coopdyn_controller_entry(void);
+COOPDYN_EXPORT const coopdyn_controller* coopdyn_controller_entry(void);
 #define COOPDYN_CONTROLLER_ENTRY "coopdyn_controller_entry"
 
 #ifdef __cplusplus

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// For controllers written in C++: makes the functions of controller.h from a class. The class has
+//
+//   struct State { ... };                       plain values: all that Step() changes
+//   State state;
+//   static const coopdyn_description* Describe();   its state_size is sizeof(State)
+//   MyClass(const coopdyn_robot& robot, const double* options);   may throw: the robot then stands
+//   void Reset(std::uint64_t seed);
+//   void Step(const coopdyn_readings& readings, coopdyn_command& command);
+//
+// and the file ends with
+//
+//   extern "C" const coopdyn_controller* coopdyn_controller_entry() { return coopdyn::Entry<MyClass>(); }
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <initializer_list>
+#include <type_traits>
+
+#include "controller.h"
+
+namespace coopdyn {
+
+template <typename Controller>
+const coopdyn_controller* Entry() {
+  static_assert(std::is_trivially_copyable_v<decltype(Controller::state)>, "save() copies its bytes");
+  static const coopdyn_controller functions = {
+      COOPDYN_CONTROLLER_VERSION,
+      [] { return Controller::Describe(); },
+      [](const coopdyn_robot* robot, const double* options, char*, std::size_t) -> void* {
+        return new Controller(*robot, options);
+      },
+      [](void* instance, std::uint64_t seed) { static_cast<Controller*>(instance)->Reset(seed); },
+      [](void* instance, const coopdyn_readings* readings, coopdyn_command* command) {
+        static_cast<Controller*>(instance)->Step(*readings, *command);
+      },
+      [](const void* instance, void* state) {
+        const Controller& controller = *static_cast<const Controller*>(instance);
+        std::memcpy(state, &controller.state, sizeof(controller.state));
+      },
+      [](void* instance, const void* state) {
+        Controller& controller = *static_cast<Controller*>(instance);
+        std::memcpy(&controller.state, state, sizeof(controller.state));
+      },
+      [](void* instance) { delete static_cast<Controller*>(instance); }};
+  return &functions;
+}
+
+/// A number from 0 up to but not 1 that depends on its arguments alone: the same in every run, on every
+/// thread.
+inline double Random(std::uint64_t seed, std::uint32_t robot, std::uint64_t step, std::uint32_t use = 0) {
+  std::uint64_t x = seed;
+  for (const std::uint64_t part : {std::uint64_t{robot}, step, std::uint64_t{use}}) {
+    x += part + 0x9e3779b97f4a7c15;  // splitmix64
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+    x ^= x >> 31;
+  }
+  return static_cast<double>(x >> 11) * 0x1p-53;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+#include "server/controllers/controller_host.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "server/controllers/option_values.h"
+#include "server/model/drive.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// The shared objects that the robots name, each once, in the order of first use.
+template <typename Robots, typename GetChoice>
+std::vector<std::string> FilesOf(const Robots& robots, GetChoice choice_of) {
+  std::vector<std::string> files;
+  std::set<std::string> known;
+  for (const auto& robot : robots) {
+    const ControllerChoice& choice = choice_of(robot);
+    if (!choice.empty() && !choice.file.empty() && known.insert(choice.file).second)
+      files.push_back(choice.file);
+  }
+  return files;
+}
+
+}  // namespace
+
+ControllerHost::ControllerHost(ControllerOptions options, const Clock& clock, Logger logger, WorkerPool& pool)
+    : options_(std::move(options)), clock_(clock), logger_(std::move(logger)), pool_(pool), readings_(pool) {}
+
+ControllerHost::~ControllerHost() = default;
+
+std::unique_ptr<ControllerSet> ControllerHost::SetOf(std::vector<std::string> files) {
+  std::unique_ptr<ControllerSet> set = std::move(checked_);
+  const auto same = [](const LoadedController& loaded, const std::string& file) {
+    return loaded.file == file;
+  };
+  if (set && set->is_fresh() &&
+      std::equal(set->loaded().begin(), set->loaded().end(), files.begin(), files.end(), same)) {
+    return set;
+  }
+  return std::make_unique<ControllerSet>(std::move(files), options_, clock_, logger_, pool_);
+}
+
+void ControllerHost::Check(const Scenario& scenario, Diagnostics& diagnostics) {
+  const auto choice_of = [](const RobotEntry& entry) -> const ControllerChoice& { return entry.controller; };
+  std::vector<std::string> files = FilesOf(scenario.robots, choice_of);
+  if (files.empty()) return;
+  if (options_.in_process) set_.reset();  // what is loaded already would be taken for what is on disk now
+  checked_ = SetOf(std::move(files));
+  std::map<std::string, const LoadedController*> loaded;
+  for (const LoadedController& one : checked_->loaded()) loaded[one.file] = &one;
+  // All robots of a swarm share a line.
+  std::set<std::pair<int, std::string>> said;
+  for (const RobotEntry& entry : scenario.robots) {
+    const ControllerChoice& choice = entry.controller;
+    const auto found = loaded.find(choice.file);
+    if (choice.empty() || found == loaded.end()) continue;
+    const LoadedController& one = *found->second;
+    if (!one.description) {
+      const std::string text = "controller " + choice.name + " " + one.why + "; its robots will stand";
+      if (said.emplace(choice.where.line, text).second) diagnostics.Warning(choice.where, text);
+      continue;
+    }
+    for (const std::string& text : CheckOptions(choice, *one.description)) {
+      if (said.emplace(choice.where.line, text).second) diagnostics.Error(choice.where, text);
+    }
+  }
+}
+
+void ControllerHost::List(const Scene& scene) {
+  if (set_) ended_cpu_s_ += set_->child_cpu_s();
+  set_.reset();
+  driven_.clear();
+  driven_of_slot_.clear();
+  stopped_.clear();
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const SceneRobot& robot = scene.robots[i];
+    if (robot.entry.controller.empty()) continue;
+    Driven driven;
+    driven.id = robot.id;
+    driven.robot = static_cast<int>(i);
+    driven.name = robot.entry.name;
+    driven.controller = robot.entry.controller.name;
+    driven.drive = robot.entry.model->drive;
+    driven_.push_back(std::move(driven));
+  }
+}
+
+void ControllerHost::Configure(const FramePtr& frame) {
+  List(*frame->scene);
+  Create(frame);
+}
+
+void ControllerHost::Create(const FramePtr& frame) {
+  scene_ = frame->scene;
+  const auto choice_of = [](const SceneRobot& robot) -> const ControllerChoice& {
+    return robot.entry.controller;
+  };
+  std::vector<std::string> files = FilesOf(scene_->robots, choice_of);
+  std::vector<ControlledRobot> robots;
+  try {
+    if (!files.empty()) set_ = SetOf(std::move(files));
+    for (std::uint32_t i = 0; i < driven_.size(); ++i) {
+      Driven& driven = driven_[i];
+      if (driven.status != Status::kDrives) continue;
+      const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(driven.robot)];
+      const ControllerChoice& choice = robot.entry.controller;
+      std::uint32_t file = 0;
+      while (set_ && file < set_->loaded().size() && set_->loaded()[file].file != choice.file) ++file;
+      if (!set_ || file == set_->loaded().size()) {
+        Stop(driven, "was not found");
+        continue;
+      }
+      const LoadedController& loaded = set_->loaded()[file];
+      if (!loaded.description) {
+        Stop(driven, loaded.why);
+        continue;
+      }
+      if (const std::vector<std::string> faults = CheckOptions(choice, *loaded.description);
+          !faults.empty()) {
+        Stop(driven, "was not started: " + faults.front());
+        continue;
+      }
+      if (!driven.restored.empty() && driven.restored.size() != loaded.description->state_size) {
+        Stop(driven, "is not the one that saved its state: their state_size differs");
+        continue;
+      }
+      driven.slot = static_cast<std::uint32_t>(robots.size());
+      driven.readings = loaded.description->readings;
+      driven_of_slot_.push_back(i);
+      robots.push_back({file, &robot, OptionValues(choice, *loaded.description), driven.restored});
+    }
+    if (set_) StopCasualties(set_->Create(robots, frame->seed));
+  } catch (const std::exception& exception) {
+    for (Driven& driven : driven_) Stop(driven, std::string("could not be started: ") + exception.what());
+  }
+  for (Driven& driven : driven_) driven.restored = {};
+  ListItems();
+}
+
+void ControllerHost::Rebind(const std::shared_ptr<const Scene>& scene) {
+  std::map<RobotId, int> index;
+  for (std::size_t i = 0; i < scene->robots.size(); ++i) index[scene->robots[i].id] = static_cast<int>(i);
+  for (Driven& driven : driven_) {
+    const auto found = index.find(driven.id);
+    driven.robot = found == index.end() ? -1 : found->second;
+  }
+  scene_ = scene;
+  ListItems();
+}
+
+void ControllerHost::ListItems() {
+  items_.clear();
+  wanted_.clear();
+  for (const std::uint32_t index : driven_of_slot_) {
+    const Driven& driven = driven_[index];
+    if (driven.status != Status::kDrives || driven.robot < 0) continue;
+    items_.push_back(driven.slot);
+    wanted_.push_back({driven.slot, driven.robot, driven.readings});
+  }
+}
+
+void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
+                          std::vector<SentMessage>& messages) {
+  if (driven_.empty()) return;
+  if (frame->scene != scene_) Rebind(frame->scene);
+  if (!items_.empty()) {
+    const Nanoseconds begun = clock_.Now();
+    readings_.Write(*frame, wanted_, *set_);
+    const Nanoseconds sensed = clock_.Now();
+    StopCasualties(set_->Step(*frame, items_));
+    times_.sense += sensed - begun;
+    times_.control += clock_.Now() - sensed;
+  }
+  bool stopped = false;
+  const Areas* areas = set_ ? &set_->areas() : nullptr;
+  for (Driven& driven : driven_) {
+    if (driven.status == Status::kUnloaded || driven.robot < 0) continue;
+    Setpoint& setpoint = setpoints[static_cast<std::size_t>(driven.robot)];
+    setpoint = {};
+    if (driven.status != Status::kDrives) continue;
+    const RobotResult& result = areas->result(driven.slot);
+    SentMessage sent;
+    sent.robot = static_cast<std::uint32_t>(driven.robot);
+    sent.step = frame->step + 1;
+    sent.message.count = result.message_count;
+    bool sound = std::isfinite(result.forward_m_s) && std::isfinite(result.turn_rad_s) &&
+                 sent.message.count <= RobotMessage::kMaxValues;
+    for (std::uint32_t i = 0; sound && i < sent.message.count; ++i) {
+      sent.message.values[i] = result.message[i];
+      sound = std::isfinite(result.message[i]);
+    }
+    if (!sound) {  // the child has looked already: since then somebody has written there
+      Stop(driven, "had its command overwritten by another controller");
+      stopped = true;
+      continue;
+    }
+    double factor = 1;
+    setpoint = WheelsFor(driven.drive, result.forward_m_s, result.turn_rad_s, factor);
+    if (sent.message.count > 0) messages.push_back(sent);
+  }
+  if (stopped) ListItems();
+}
+
+void ControllerHost::StopCasualties(std::span<const Casualty> casualties) {
+  if (casualties.empty()) return;
+  for (const Casualty& casualty : casualties) Stop(driven_[driven_of_slot_[casualty.item]], casualty.why);
+  ListItems();
+}
+
+void ControllerHost::Stop(Driven& driven, const std::string& why) {
+  if (driven.status != Status::kDrives) return;
+  driven.status = Status::kStopped;
+  driven.why = "controller " + driven.controller + " " + why;
+  stopped_.push_back({driven.name, driven.why});
+}
+
+void ControllerHost::Unload(int robot) {
+  for (Driven& driven : driven_) {
+    if (driven.robot != robot) continue;
+    if (driven.status == Status::kDrives && set_) set_->Drop(driven.slot);
+    driven.status = Status::kUnloaded;
+  }
+  ListItems();
+}
+
+std::vector<StoppedController> ControllerHost::TakeStopped() {
+  return std::exchange(stopped_, {});
+}
+
+double ControllerHost::child_cpu_s() const {
+  return ended_cpu_s_ + (set_ ? set_->child_cpu_s() : 0) + (checked_ ? checked_->child_cpu_s() : 0);
+}
+
+}  // namespace coopdyn

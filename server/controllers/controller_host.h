@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Controllers loaded at run time: the one implementation of ControllerDriver. They run in a child process, so
+// that a crash, a hang, a number that is not finite or an exception stops one robot and nothing else; or in
+// the daemon itself, for debugging, with the same results. All calls by the holder of the step baton.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/worker_pool.h"
+#include "server/controllers/controller_set.h"
+#include "server/controllers/readings_writer.h"
+#include "server/state/controller_driver.h"
+
+namespace coopdyn {
+
+class ControllerHost final : public ControllerDriver {
+ public:
+  /// Clock and pool outlive it. No process is started before there is a controller to run.
+  ControllerHost(ControllerOptions options, const Clock& clock, Logger logger, WorkerPool& pool);
+  ~ControllerHost() override;
+
+  void Check(const Scenario& scenario, Diagnostics& diagnostics) override;
+  void Configure(const FramePtr& frame) override;
+  void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
+            std::vector<SentMessage>& messages) override;
+  void Unload(int robot) override;
+  std::vector<StoppedController> TakeStopped() override;
+  PhaseTimes times() const override { return times_; }
+  double child_cpu_s() const override;
+
+  /// All that decides what the controllers do from here on, as bytes: which drive, which are stopped and why,
+  /// and what each has saved.
+  std::vector<std::byte> Save() const;
+  /// Instead of Configure(): the controllers of the scene of `frame` as they were when Save() gave `saved`
+  /// after the step that made `frame`. False, with all controllers at their start, if `saved` does not belong
+  /// to this scene. One whose state has another size by now is stopped.
+  bool Restore(const FramePtr& frame, std::span<const std::byte> saved);
+
+  /// The process in which the controllers run; -1: none now.
+  int child_pid() const { return set_ ? set_->child_pid() : -1; }
+
+ private:
+  enum class Status : std::uint8_t { kDrives, kStopped, kUnloaded };
+  /// A robot that has a controller.
+  struct Driven {
+    RobotId id;
+    int robot = 0;  // index into the scene; -1: it is not there any more
+    std::string name, controller;
+    DriveModel drive;
+    Status status = Status::kDrives;
+    std::string why;                  // it is stopped
+    std::uint32_t slot = 0;           // its number in the set
+    std::uint32_t readings = 0;       // of enum coopdyn_reading
+    std::vector<std::byte> restored;  // state to begin with, until it is created
+  };
+
+  /// The set that Check() has made ready, if it has these files as they are now, else a new one.
+  std::unique_ptr<ControllerSet> SetOf(std::vector<std::string> files);
+  /// Forgets all controllers and lists the robots that have one.
+  void List(const Scene& scene);
+  /// Makes the instances of all that are to drive.
+  void Create(const FramePtr& frame);
+  /// The scene has changed: finds the robots again.
+  void Rebind(const std::shared_ptr<const Scene>& scene);
+  /// Which robots are stepped from now on.
+  void ListItems();
+  /// `why` follows "controller NAME ".
+  void Stop(Driven& driven, const std::string& why);
+  void StopCasualties(std::span<const Casualty> casualties);
+
+  const ControllerOptions options_;
+  const Clock& clock_;
+  const Logger logger_;
+  WorkerPool& pool_;
+  std::unique_ptr<ControllerSet> checked_;  // by Check(), for the Configure() that may follow
+  std::unique_ptr<ControllerSet> set_;
+  std::vector<Driven> driven_;  // by increasing id
+  std::vector<std::uint32_t> driven_of_slot_;
+  std::vector<std::uint32_t> items_;    // slots to step
+  std::vector<ReadingsWanted> wanted_;  // as items_
+  std::shared_ptr<const Scene> scene_;  // that driven_ is bound to
+  ReadingsWriter readings_;
+  std::vector<StoppedController> stopped_;  // not taken yet
+  PhaseTimes times_;
+  double ended_cpu_s_ = 0;  // of sets that are gone
+};
+
+}  // namespace coopdyn

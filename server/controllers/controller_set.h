@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// The controllers of one scene: their shared objects loaded, one instance for each robot, stepped together.
+// The stepping thread (holder of the baton) only.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/worker_pool.h"
+#include "server/controllers/backend.h"
+#include "server/controllers/plugin.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+struct ControllerOptions {
+  bool in_process = false;                           // for debugging: a crash is the daemon's
+  int threads = 1;                                   // of the child
+  Nanoseconds deadline = 2 * kNanosecondsPerSecond;  // wall clock, for one robot's step; 0: none
+  std::string program = "/proc/self/exe";            // which becomes the child with `controller-child 3`
+};
+
+/// A loaded shared object, or why it is none.
+struct LoadedController {
+  std::string file;
+  std::optional<ControllerDescription> description;
+  std::string why;  // follows "controller NAME "
+};
+
+/// A robot and what drives it.
+struct ControlledRobot {
+  std::uint32_t file = 0;  // index
+  const SceneRobot* robot = nullptr;
+  std::vector<double> options;       // one for each described
+  std::span<const std::byte> state;  // to restore; empty: from the start
+};
+
+class ControllerSet {
+ public:
+  /// Loads `files`. Clock and pool outlive it. Throws std::system_error if there is no memory to share.
+  ControllerSet(std::vector<std::string> files, const ControllerOptions& options, const Clock& clock,
+                const Logger& logger, WorkerPool& pool);
+  ~ControllerSet();
+
+  /// In the order of the files given.
+  const std::vector<LoadedController>& loaded() const { return loaded_; }
+  /// No file has been written to since it was loaded.
+  bool is_fresh() const;
+
+  /// Makes the instances; call once. Returns which could not be made, and why. Robots are numbered as given.
+  std::vector<Casualty> Create(std::span<const ControlledRobot> robots, std::uint64_t seed);
+  /// The areas, to write readings into before Step(). Places may only be added behind `readings_end()`.
+  Areas& areas() { return *areas_; }
+  Place readings_end() const { return readings_end_; }
+
+  /// Steps `items` (robots as numbered in Create()); their commands are then in the areas' results.
+  /// Returns which failed: those have no command and are not to be stepped again. Valid until the next call.
+  std::span<const Casualty> Step(const Frame& frame, std::span<const std::uint32_t> items);
+  /// The state after the last step, as saved by the robot's controller.
+  std::span<const std::byte> StateOf(std::uint32_t robot) const;
+  /// The robot is not to be stepped again.
+  void Drop(std::uint32_t robot) { backend_->Drop(robot); }
+  double child_cpu_s() const { return backend_->child_cpu_s(); }
+  /// Process in which they run; -1: this one, or none now.
+  int child_pid() const;
+
+ private:
+  void Run(Operation operation, std::span<const std::uint32_t> items);
+  /// Adds those that failed without taking their process with them.
+  void AddFailures(std::span<const std::uint32_t> items);
+
+  WorkerPool& pool_;
+  const int threads_;
+  std::vector<LoadedController> loaded_;
+  std::vector<std::int64_t> written_;  // when each file was
+  std::unique_ptr<Areas> areas_;       // before the backend, which refers to it
+  std::unique_ptr<Backend> backend_;
+  std::vector<Casualty> casualties_;
+  Place items_ = 0, readings_end_ = 0;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "server/controllers/readings_writer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::size_t kGrain = 64;
+constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
+
+/// As /R/pose: of the point on the floor under the axle's middle.
+void WritePose(const Frame& frame, int robot, RobotReadings& readings) {
+  const SceneRobot& scene_robot = frame.scene->robots[static_cast<std::size_t>(robot)];
+  const BodyState& chassis = frame.bodies[static_cast<std::size_t>(scene_robot.first_body)];
+  const Pose X_WR = RobotPose(frame, robot);
+  const Vector3 v_WR = chassis.v_WB + chassis.w_WB.cross(X_WR.p - chassis.p_WB);
+  readings.x_m = X_WR.p.x();
+  readings.y_m = X_WR.p.y();
+  readings.heading_rad = Heading(X_WR.q);
+  readings.forward_m_s =
+      v_WR.x() * std::cos(readings.heading_rad) + v_WR.y() * std::sin(readings.heading_rad);
+  readings.turn_rad_s = chassis.w_WB.z();
+}
+
+coopdyn_sighting FromSighting(const Sighting& sighting, const Frame& frame) {
+  return {frame.scene->robots[static_cast<std::size_t>(sighting.index)].id.value, sighting.distance_m,
+          sighting.bearing_rad};
+}
+
+}  // namespace
+
+void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> wanted, ControllerSet& set) {
+  robots_.clear();
+  bool listed = false;
+  for (const ReadingsWanted& one : wanted) {
+    if ((one.readings & COOPDYN_DISTANCES) != 0) robots_.push_back(one.robot);
+    listed = listed || (one.readings & kListed) != 0;
+  }
+  if (!robots_.empty()) PrepareDistances(frame, robots_, pool_);
+  if (lists_.size() < wanted.size()) lists_.resize(wanted.size());
+  const Areas& areas = set.areas();
+  pool_.For(wanted.size(), kGrain, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      WriteFixed(frame, wanted[i], areas);
+      if (listed) Collect(frame, wanted[i], lists_[i]);
+    }
+  });
+  if (listed) PlaceLists(wanted, set);
+}
+
+void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted, const Areas& areas) const {
+  RobotReadings& readings = areas.in.At<RobotReadings>(areas.header().readings)[wanted.slot];
+  readings = {};
+  if ((wanted.readings & COOPDYN_DISTANCES) != 0) {
+    const std::span<const double> distances = Distances(frame, wanted.robot);
+    readings.distance_count = distances.size();
+    std::copy(distances.begin(), distances.end(), areas.in.At<double>(areas.setup(wanted.slot).distances));
+  }
+  if ((wanted.readings & COOPDYN_POSE) != 0) WritePose(frame, wanted.robot, readings);
+  if ((wanted.readings & COOPDYN_WHEELS) != 0) {
+    const RobotState& state = frame.robots[static_cast<std::size_t>(wanted.robot)];
+    for (std::size_t side = 0; side < 2; ++side) {
+      readings.wheel_angle_rad[side] = state.wheel_angle_rad[side];
+      readings.wheel_speed_rad_s[side] = state.wheel_speed_rad_s[side];
+    }
+  }
+}
+
+void ReadingsWriter::Collect(const Frame& frame, const ReadingsWanted& wanted, Lists& lists) {
+  lists.targets.clear();
+  lists.neighbours.clear();
+  lists.heard.clear();
+  if ((wanted.readings & COOPDYN_TARGETS) != 0) {
+    for (const Sighting& seen : SeenTargets(frame, wanted.robot)) {
+      const Target& target = frame.scene->targets[static_cast<std::size_t>(seen.index)];
+      lists.targets.push_back({target.id.value, seen.distance_m, seen.bearing_rad, target.color.r,
+                               target.color.g, target.color.b});
+    }
+  }
+  if ((wanted.readings & COOPDYN_NEIGHBOURS) != 0) {
+    for (const Sighting& seen : Neighbours(frame, wanted.robot)) {
+      lists.neighbours.push_back(FromSighting(seen, frame));
+    }
+  }
+  if ((wanted.readings & COOPDYN_MESSAGES) != 0) {
+    for (const HeardMessage& message : HeardMessages(frame, wanted.robot)) {
+      coopdyn_heard heard{};
+      heard.from = FromSighting(message.from, frame);
+      heard.count = message.message->count;
+      std::copy_n(message.message->values.begin(), heard.count, heard.values);
+      lists.heard.push_back(heard);
+    }
+  }
+}
+
+void ReadingsWriter::PlaceLists(std::span<const ReadingsWanted> wanted, ControllerSet& set) {
+  Areas& areas = set.areas();
+  Layout layout(set.readings_end());
+  RobotReadings* readings = areas.in.At<RobotReadings>(areas.header().readings);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    RobotReadings& one = readings[wanted[i].slot];
+    one.target_count = lists_[i].targets.size();
+    one.targets = layout.Add<coopdyn_target>(one.target_count);
+    one.neighbour_count = lists_[i].neighbours.size();
+    one.neighbours = layout.Add<coopdyn_sighting>(one.neighbour_count);
+    one.heard_count = lists_[i].heard.size();
+    one.heard = layout.Add<coopdyn_heard>(one.heard_count);
+  }
+  // More than is needed now, so that growing is rare.
+  if (layout.end() > areas.in.bytes()) areas.in.Grow(2 * layout.end());
+  readings = areas.in.At<RobotReadings>(areas.header().readings);
+  const auto copy = [&areas](const auto& list, Place place) {
+    if (!list.empty()) std::memcpy(areas.in.At<std::byte>(place), list.data(), list.size() * sizeof(list[0]));
+  };
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const RobotReadings& one = readings[wanted[i].slot];
+    copy(lists_[i].targets, one.targets);
+    copy(lists_[i].neighbours, one.neighbours);
+    copy(lists_[i].heard, one.heard);
+  }
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// Loads, creates and steps controllers as the `in` area says, and leaves what came of it in the `out` area.
+// It runs in the controllers' process, or with `--controllers in-process` in the daemon: the same code, so
+// the same results. One thread calls Run(); steps are shared out to a pool.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/base/worker_pool.h"
+#include "server/controllers/guarded_buffer.h"
+#include "server/controllers/plugin.h"
+#include "server/controllers/shared_layout.h"
+
+namespace coopdyn {
+
+class Runner {
+ public:
+  Runner();
+  /// Does not destroy the instances: kEnd does.
+  ~Runner();
+
+  /// Does the operation in the header at `in`. The areas may lie elsewhere in the next call.
+  void Run(const std::byte* in, std::byte* out, WorkerPool& pool);
+
+ private:
+  struct Instance;
+  struct Worker {
+    GuardedBuffer command{sizeof(coopdyn_command)};
+    GuardedBuffer state{COOPDYN_MAX_STATE};
+  };
+
+  template <typename T>
+  const T* In(Place place) const {
+    return reinterpret_cast<const T*>(in_ + place);
+  }
+  template <typename T>
+  T* Out(Place place) const {
+    return reinterpret_cast<T*>(out_ + place);
+  }
+  const InHeader& header() const { return *In<InHeader>(0); }
+  RobotResult& result(std::uint32_t robot) const { return Out<RobotResult>(header().robot_results)[robot]; }
+
+  void Load(std::uint32_t file);
+  void Create(std::uint32_t robot, Worker& worker);
+  /// Steps items until there are none left.
+  void StepSome(std::size_t worker);
+  void Step(std::uint32_t robot, Worker& worker);
+  /// The instance's state into `place`, by way of memory with a guard.
+  void Save(const Instance& instance, Place place, Worker& worker) const;
+  void End();
+  /// The robot's controller failed: `why` follows "controller NAME ".
+  void Fail(std::uint32_t robot, const std::string& why) const;
+  void Begin(std::size_t worker, std::uint32_t item) const;
+
+  const std::byte* in_ = nullptr;
+  std::byte* out_ = nullptr;
+  std::vector<std::optional<Plugin>> plugins_;        // by file
+  std::vector<std::unique_ptr<Instance>> instances_;  // by robot; null: none
+  std::vector<Worker> workers_;
+  std::atomic<std::size_t> next_{0};  // item that nobody has begun
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// What lies in the two areas that the daemon shares with the controllers' process. `in` is written by the
+// daemon and mapped read-only by the child; `out` is written by the child, so the daemon trusts nothing in it
+// but its own knowledge of where things lie. Places are byte offsets from the area's start. Both sides are
+// the same program.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "clients/plugin/controller.h"
+
+namespace coopdyn {
+
+/// Byte offset in one of the areas.
+using Place = std::uint64_t;
+
+/// What the child is to do with the items listed.
+enum class Operation : std::uint32_t {
+  kLoad,    // items: files
+  kCreate,  // items: robots
+  kStep,    // items: robots
+  kEnd,     // destroys all instances and ends
+};
+
+inline constexpr std::size_t kMaxWorkers = 64;
+inline constexpr std::size_t kTextSize = 240;
+inline constexpr std::size_t kNameSize = 64;
+
+/// At the start of `in`, one page.
+struct InHeader {
+  std::atomic<std::uint32_t> go;  // futex: another value for each operation sent
+  Operation operation;
+  std::uint64_t serial;  // of the operation; the same again when it is finished after a crash
+  std::uint64_t in_bytes, out_bytes;
+  std::uint32_t file_count, robot_count, item_count, workers;
+  std::uint32_t reviving;  // 1: kCreate leaves results alone, it only brings back what was lost
+  Place items;             // std::uint32_t
+  Place files;             // FileSetup
+  Place file_results;      // in `out`: FileResult
+  Place robots;            // RobotSetup
+  Place robot_results;     // in `out`: RobotResult
+  Place texts;             // in `out`: char[kTextSize] for each robot
+  Place readings;          // RobotReadings
+  std::uint64_t seed, step;
+  double time_s, step_s;
+};
+
+struct FileSetup {
+  Place path;  // ends with 0
+};
+
+inline constexpr std::int32_t kNoState = -1;
+
+/// What does not change from step to step. Strings end with 0.
+struct RobotSetup {
+  std::uint32_t file, id;
+  Place name;
+  double radius_m, wheel_radius_m, track_m, max_wheel_speed_rad_s;
+  std::uint64_t distance_count;           // of the model
+  Place bearing_rad, opening_rad, max_m;  // distance_count doubles each
+  Place options;                          // doubles
+  Place distances;                        // doubles, written before each step
+  Place states[2];                        // in `out`: written in turn, by the serial's parity
+  std::int32_t restore;                   // kCreate: which of the states to restore, or kNoState
+};
+
+/// What a robot feels, as far as its controller asks for it; the rest is 0.
+struct RobotReadings {
+  double x_m, y_m, heading_rad, forward_m_s, turn_rad_s;
+  double wheel_angle_rad[2], wheel_speed_rad_s[2];
+  std::uint64_t distance_count, target_count, neighbour_count, heard_count;
+  Place targets, neighbours, heard;
+};
+
+/// What a worker has in hand: (count of items begun << 32) + item + 1; item 0: nothing.
+struct alignas(64) WorkerProgress {
+  std::atomic<std::uint64_t> word;
+};
+
+/// At the start of `out`.
+struct OutHeader {
+  alignas(64) std::atomic<std::uint32_t> reply;  // futex: `go`, when the operation is done
+  WorkerProgress workers[kMaxWorkers];
+};
+
+struct OptionRecord {
+  char name[kNameSize];
+  char help[kTextSize];
+  double value, min, max;
+};
+
+struct FileResult {
+  std::atomic<std::uint64_t> done;  // the serial, once loaded or refused
+  std::uint32_t refused;            // 1: `why`
+  std::uint32_t readings, state_size, option_count;
+  char why[2 * kTextSize];
+  char help[kTextSize];
+  OptionRecord options[COOPDYN_MAX_OPTIONS];
+};
+
+struct RobotResult {
+  std::atomic<std::uint64_t> done;  // the serial, once the item is complete
+  std::uint32_t failed;             // 1: its text says why
+  std::uint32_t message_count;
+  double forward_m_s, turn_rad_s;
+  double message[COOPDYN_MAX_MESSAGE];
+};
+
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+static_assert(sizeof(InHeader) <= 4096);
+
+}  // namespace coopdyn

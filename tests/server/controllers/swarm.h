@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+// A swarm without physics for tests of controllers: robots on a lattice that move exactly as their wheels
+// say.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/controllers/controller_host.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// A disc with `sensors` distance sensors all round and neighbours.
+inline std::shared_ptr<RobotModel> DiscModel(int sensors = 8) {
+  auto model = std::make_shared<RobotModel>();
+  model->type = "disc";
+  LinkModel chassis;
+  chassis.mass_kg = 1;
+  chassis.collisions = {{Cylinder{0.08, 0.1}, {{0, 0, 0.06}, Quaternion::Identity()}, {}, 1, true}};
+  model->links = {chassis};
+  for (int i = 0; i < sensors; ++i) {
+    DistanceSensorModel sensor;
+    sensor.bearing_rad = 2 * std::numbers::pi * (i + 0.5) / sensors - std::numbers::pi;
+    sensor.opening_rad = 0.2;
+    sensor.X_RS.q = FromRollPitchYaw(0, 0, sensor.bearing_rad);
+    sensor.X_RS.p = sensor.X_RS.q * Vector3(0.08, 0, 0) + Vector3(0, 0, 0.05);
+    sensor.max_range_m = 0.5;
+    model->distance_sensors.push_back(sensor);
+  }
+  model->drive.wheel_radius_m = 0.03;
+  model->drive.track_m = 0.14;
+  model->drive.max_wheel_speed_rad_s = 10;
+  model->neighbours.range_m = 1.5;
+  model->neighbours.message_range_m = 1.5;
+  model->footprint_radius_m = 0.085;
+  model->height_m = 0.11;
+  return model;
+}
+
+/// Robots, their controllers, and the frame in which they stand.
+class Swarm {
+ public:
+  Swarm() : model_(DiscModel()) {}
+
+  /// Another robot, robot1, robot2, ..., driven by the shared object `file`.
+  Swarm& Add(const std::string& file, std::vector<std::pair<std::string, double>> options = {}) {
+    RobotEntry entry;
+    const int index = static_cast<int>(scenario_.robots.size());
+    entry.name = "robot" + std::to_string(index + 1);
+    entry.model = model_;
+    entry.X_WR = {{0.4 * (index % 10), 0.4 * (index / 10), 0}, FromRollPitchYaw(0, 0, 0.9 * index)};
+    if (!file.empty()) {
+      const std::size_t slash = file.rfind('/');
+      entry.controller.name = file.substr(slash + 1, file.size() - slash - 4);
+      entry.controller.file = file;
+      entry.controller.options = std::move(options);
+      entry.controller.where = {"test.scenario", 10 + index};
+    }
+    scenario_.robots.push_back(std::move(entry));
+    return *this;
+  }
+  Swarm& Mark(double x_m, double y_m) {
+    Target target;
+    target.color = {1, 0, 0};
+    target.p_WT = {x_m, y_m, 0};
+    scenario_.targets.push_back(target);
+    return *this;
+  }
+
+  const Scenario& scenario() const { return scenario_; }
+  std::size_t size() const { return scenario_.robots.size(); }
+
+  FramePtr Start(std::uint64_t seed = 1) const {
+    auto frame = std::make_shared<Frame>();
+    frame->scene = MakeScene(std::make_shared<Scenario>(scenario_), 1);
+    frame->seed = seed;
+    frame->bodies.resize(frame->scene->body_ids.size());
+    frame->robots.resize(size());
+    for (std::size_t i = 0; i < size(); ++i) {
+      Put(scenario_.robots[i].X_WR,
+          frame->bodies[static_cast<std::size_t>(frame->scene->robots[i].first_body)]);
+    }
+    return frame;
+  }
+
+  /// The frame after `frame` if the wheels turn so.
+  FramePtr Next(const FramePtr& frame, const std::vector<Setpoint>& setpoints,
+                std::vector<SentMessage> messages) const {
+    auto next = std::make_shared<Frame>();
+    next->scene = frame->scene;
+    next->seed = frame->seed;
+    next->step = frame->step + 1;
+    next->time = frame->time + frame->step_length;
+    next->bodies = frame->bodies;
+    next->robots = frame->robots;
+    next->messages = std::move(messages);
+    const double step_s = ToSeconds(frame->step_length);
+    for (std::size_t i = 0; i < size(); ++i) {
+      const DriveModel& drive = model_->drive;
+      const double left = setpoints[i][0] * drive.wheel_radius_m,
+                   right = setpoints[i][1] * drive.wheel_radius_m;
+      Pose X_WR = RobotPose(*frame, static_cast<int>(i));
+      const double heading = Heading(X_WR.q);
+      X_WR.p += (left + right) / 2 * step_s * Vector3(std::cos(heading), std::sin(heading), 0);
+      X_WR.q = FromRollPitchYaw(0, 0, heading + (right - left) / drive.track_m * step_s);
+      Put(X_WR, next->bodies[static_cast<std::size_t>(frame->scene->robots[i].first_body)]);
+    }
+    return next;
+  }
+
+ private:
+  static void Put(const Pose& X_WR, BodyState& body) {
+    body.p_WB = X_WR.p;
+    body.q_WB = {X_WR.q.w(), X_WR.q.x(), X_WR.q.y(), X_WR.q.z()};
+  }
+
+  std::shared_ptr<const RobotModel> model_;
+  Scenario scenario_;
+};
+
+/// What came of a run.
+struct Record {
+  std::vector<std::vector<Setpoint>> setpoints;  // by step, then robot
+  std::vector<SentMessage> messages;
+  std::vector<StoppedController> stopped;
+};
+
+/// Options for a child that is the tests' own program.
+ControllerOptions TestOptions(bool in_process = false, int threads = 1);
+
+/// Clock, pool and host, and the swarm that it drives.
+class Driven {
+ public:
+  explicit Driven(Swarm swarm, ControllerOptions options = TestOptions())
+      : swarm_(std::move(swarm)), pool_(options.threads), host_(options, clock_, NullLogger(), pool_) {}
+
+  ControllerHost& host() { return host_; }
+  const FramePtr& frame() const { return frame_; }
+  void Start(std::uint64_t seed = 1) {
+    frame_ = swarm_.Start(seed);
+    host_.Configure(frame_);
+    TakeStopped();
+  }
+  /// One more step; a robot without controller keeps (0.25, 0.5).
+  void Step() {
+    std::vector<Setpoint> setpoints(swarm_.size(), Setpoint{0.25, 0.5});
+    std::vector<SentMessage> messages;
+    host_.Step(frame_, setpoints, messages);
+    frame_ = swarm_.Next(frame_, setpoints, messages);
+    run_.setpoints.push_back(std::move(setpoints));
+    run_.messages.insert(run_.messages.end(), messages.begin(), messages.end());
+    TakeStopped();
+  }
+  const Record& Steps(int count) {
+    for (int i = 0; i < count; ++i) Step();
+    return run_;
+  }
+  const Record& run() const { return run_; }
+  /// Continues at `frame` with what was saved there.
+  bool Restore(const FramePtr& frame, std::span<const std::byte> saved) {
+    frame_ = frame;
+    return host_.Restore(frame, saved);
+  }
+
+ private:
+  void TakeStopped() {
+    for (StoppedController& stopped : host_.TakeStopped()) run_.stopped.push_back(std::move(stopped));
+  }
+
+  Swarm swarm_;
+  SteadyClock clock_;
+  WorkerPool pool_;
+  ControllerHost host_;
+  FramePtr frame_;
+  Record run_;
+};
+
+inline ControllerOptions TestOptions(bool in_process, int threads) {
+  ControllerOptions options;
+  options.in_process = in_process;
+  options.threads = threads;
+  options.program = CONTROLLERS_TEST_CHILD;
+  return options;
+}
+
+/// A shipped sample, and a shared object of these tests.
+inline std::string Sample(const std::string& name) {
+  return std::string(SAMPLE_CONTROLLERS) + "/" + name + ".so";
+}
+inline std::string TestPlugin(const std::string& name) {
+  return std::string(TEST_CONTROLLERS) + "/" + name + ".so";
+}
+
+}  // namespace coopdyn
