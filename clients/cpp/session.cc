@@ -302,7 +302,6 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
       waiting.push_back({link->motors.get(), link.get()});
     }
     for (const auto& team : teams_) {
-      team->steps_left = n;
       waiting.push_back({&SettleTeam(*team), nullptr, team.get()});
     }
   }
@@ -313,9 +312,11 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
   try {
     for (Waiting& w : waiting) {
       if (w.team != nullptr) {
-        const bool is_it = w.team == team_command.team;
-        w.connection->Send(command::kStepAll, {}, is_it ? team_command.values : std::span<const double>(),
-                           is_it ? team_command.text : "");
+        if (w.team == team_command.team) {
+          w.connection->Send(command::kStepAll, {}, team_command.values, team_command.text);
+        } else {
+          w.connection->Send(command::kReady, {n}, {});
+        }
         continue;
       }
       Command command{command::kReady, {}};
@@ -378,7 +379,10 @@ void Session::StartedAnew() {
 
 void Session::Loaded() {
   StartedAnew();
-  for (const auto& team : teams_) team->connection->Close();  // opened again with the robots there are now
+  for (const auto& team : teams_) {  // opened again with the robots there are now
+    team->connection->Close();
+    team->names.clear();
+  }
   const std::vector<std::string> names = RobotNames();
   std::erase_if(links_, [&](const auto& link) {
     if (std::find(names.begin(), names.end(), link->robot) != names.end()) return false;

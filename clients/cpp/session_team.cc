@@ -24,6 +24,20 @@ std::vector<std::string> Words(const std::string& text) {
 void Name(TeamLink& team, Message reply) {
   team.names = Words(reply.text);
   team.ids = std::move(reply.params);
+  team.stale = false;
+}
+
+Message Claim(TeamLink& team) {
+  Connection& connection = *team.connection;
+  if (!team.text.empty() || team.names.empty()) return connection.Request(command::kClaim, {}, {}, team.text);
+  std::string names;
+  for (const std::string& name : team.names) names += (names.empty() ? "" : " ") + name;
+  try {  // again all that were free, not what is free by now
+    return connection.Request(command::kClaim, {}, {}, names);
+  } catch (const Error& e) {
+    if (e.code() != kNoSuchName) throw;
+  }
+  return connection.Request(command::kClaim);
 }
 
 }  // namespace
@@ -56,7 +70,8 @@ void Session::OpenTeam(TeamLink& team) {
   Connection& connection = *team.connection;
   connection.Open();
   try {
-    Name(team, connection.Request(command::kClaim, {}, {}, team.text));
+    if (team.names.empty()) connection.Request(command::kRelease);  // an older team may have been of others
+    Name(team, Claim(team));
     Select(team, team.selected, team.neighbours);
     Note(connection.Request(command::kGetTime));
   } catch (...) {
@@ -69,6 +84,7 @@ Connection& Session::SettleTeam(TeamLink& team) {
   RequireOpen();
   if (team.lost) throw Error(*team.lost);
   if (!team.connection->is_open() || team.connection->busy()) OpenTeam(team);
+  if (team.stale) Name(team, team.connection->Request(command::kGetTeam));
   return *team.connection;
 }
 

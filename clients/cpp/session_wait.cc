@@ -40,15 +40,12 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
         fds.push_back(w.connection->fd());
         continue;
       }
-      if (w.team != nullptr && reply->error == 0 && w.team->steps_left > 1) {
-        --w.team->steps_left;  // a team goes step by step
-        w.connection->Send(command::kStepAll, {}, {});
-        fds.push_back(w.connection->fd());
-        continue;
-      }
       w.done = true;
       catch_up_at = After(kCatchUpAfter_s);
-      if (reply->error != 0) throw Error(reply->error, Label(w) + reply->text);
+      if (reply->error != 0) {
+        if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
+        throw Error(reply->error, Label(w) + reply->text);
+      }
       if (w.team != nullptr) {
         Note(*reply);
         w.team->reply = std::move(*reply);
@@ -137,6 +134,14 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
       if (w.link != nullptr && !w.link->lost) OpenMotors(*w.link);
     } catch (const Error&) {
       // Tried again at the next use, which says what is wrong.
+    }
+  }
+  for (const auto& team : teams_) {
+    if (!team->stale || team->lost) continue;
+    try {
+      SettleTeam(*team);
+    } catch (const Error&) {
+      // Likewise.
     }
   }
   if (lost) std::rethrow_exception(lost);

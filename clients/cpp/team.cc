@@ -112,6 +112,7 @@ TeamReading Team::ToReading(Message reply) {
   TeamReading reading;
   reading.time = values->end()[-2];
   reading.step = static_cast<std::int64_t>(values->back());
+  reading.text = std::move(reply.text);
   const double* first = values->data();
   for (std::size_t i = 0; i < link.readings.size(); ++i) {
     const auto count = static_cast<std::size_t>(link.columns[i]);

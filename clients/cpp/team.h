@@ -57,11 +57,12 @@ class Rows {
 struct TeamReading {
   double time = 0;
   std::int64_t step = 0;
-  Rows pose;        // x, y [m], heading [rad]
-  Rows distances;   // [m], right to left
-  Rows targets;     // distance [m], bearing [rad] of each target
-  Rows neighbours;  // id, distance [m], bearing [rad] of each; 0, inf, nan: none
-  Rows wheels;      // angles [rad] left, right, speeds [rad/s] left, right
+  std::string text;  // says if speeds were limited, and who was taken from the team
+  Rows pose;         // x, y [m], heading [rad]
+  Rows distances;    // [m], right to left
+  Rows targets;      // distance [m], bearing [rad] of each target
+  Rows neighbours;   // id, distance [m], bearing [rad] of each; 0, inf, nan: none
+  Rows wheels;       // angles [rad] left, right, speeds [rad/s] left, right
   std::shared_ptr<const std::vector<double>> values;  // what the rows point into
 };
 

@@ -27,9 +27,9 @@ struct TeamLink {
   std::vector<std::int32_t> ids;
   std::vector<std::string> readings;  // in the order of a row
   std::vector<std::int32_t> columns;  // of each
-  int steps_left = 0;
-  std::optional<Message> reply;  // to the step that ran last
-  std::optional<Error> lost;     // why it is not ours any more
+  bool stale = false;                 // who is in it must be asked anew
+  std::optional<Message> reply;       // to the step that ran last
+  std::optional<Error> lost;          // why it is not ours any more
   /// Numbers that were handed out; whose readers are gone is used again.
   std::array<std::shared_ptr<std::vector<double>>, 2> handed_out;
 

@@ -268,18 +268,22 @@ class Rows:
 class TeamReading:
     """All readings of a team in one step, those chosen with `team.select`; a row for each robot in the order of
     `team.names`: `pose` (x, y [m], heading [rad]), `distances` [m], `targets` (distance [m], bearing [rad] of each),
-    `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels)."""
+    `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels). `text` says if speeds were
+    limited, and who was taken from the team."""
 
     time: float
     step: int
+    text: str
     pose: Rows
     distances: Rows
     targets: Rows
     neighbours: Rows
     wheels: Rows
 
-    def __init__(self, names: Sequence[str], columns: Sequence[int], n: int, data: "array.array[float]") -> None:
-        self.time, self.step = data[-2], int(data[-1])
+    def __init__(self, names: Sequence[str], columns: Sequence[int], reply: Message) -> None:
+        data: "array.array[float]" = reply.data  # type: ignore[assignment]
+        n = reply.params[-2]
+        self.time, self.step, self.text = data[-2], int(data[-1]), reply.text
         stride, first = sum(columns), 0
         for name, count in zip(names, columns):
             self.__dict__[name] = Rows(data, stride, first, (n, count))
@@ -883,7 +887,7 @@ class _TeamLink:
         self.ids: List[int] = []
         self.readings: List[str] = []  # in the order of a row
         self.columns: List[int] = []
-        self.steps_left = 0
+        self.stale = False  # who is in it must be asked anew
         self.reply: Optional[Message] = None
         self.lost: Optional[Error] = None
 
@@ -892,16 +896,28 @@ class _TeamLink:
         timeout = session.address.timeout
         self.connection.open(timeout)
         try:
-            self.named(self.connection.request(_CLAIM, text=self.text))
+            if not self.names:
+                self.connection.request(_RELEASE)  # an older team may have been of others
+            self.named(self.claim())
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:
             self.connection.close()
             raise
 
+    def claim(self) -> Message:
+        if self.text or not self.names:
+            return self.connection.request(_CLAIM, text=self.text)
+        try:  # again all that were free, not what is free by now
+            return self.connection.request(_CLAIM, text=" ".join(self.names))
+        except Error as e:
+            if e.code != 10:
+                raise
+        return self.connection.request(_CLAIM)
+
     def named(self, reply: Message) -> None:
         """Takes over who is in the team."""
-        self.ids, self.names = reply.params, reply.text.split()
+        self.ids, self.names, self.stale = reply.params, reply.text.split(), False
 
     def ask_for(self, words: str, neighbours: int) -> None:
         params = (neighbours,) if "neighbours" in words.split() else ()
@@ -909,12 +925,8 @@ class _TeamLink:
         self.selected = (words, neighbours)
         self.readings, self.columns = reply.text.split(), reply.params
 
-    def request(self, command: int, data: bytes = b"") -> bytes:
-        """The frame of a command with numbers that are bytes already."""
-        return _HEADER.pack(20 + len(data), 0, command, 0, 0, len(data) // 8) + data
-
     def forget_commands(self) -> None:
-        self.steps_left = 0
+        self.reply = None
 
     def is_among(self, robots: "set[str]") -> bool:
         return not robots.isdisjoint(self.names)
@@ -1160,6 +1172,8 @@ class _Session:
             raise team.lost
         if team.connection.sock is None or team.connection.busy:  # interrupted, or never opened again
             team.open(self)
+        elif team.stale:
+            team.named(team.connection.request(_GET_TEAM))
         return team.connection
 
     def ask_team(self, team: _TeamLink, command: int, text: str = "") -> Message:
@@ -1202,9 +1216,8 @@ class _Session:
                     waiting[link.motors] = link
                     link.motors.send(encode(command, (n,), data))
                 for other in self.teams:
-                    other.steps_left = n
                     waiting[other.connection] = other
-                    other.connection.send(frame if other is team else other.request(_STEP_ALL))
+                    other.connection.send(frame if other is team else encode(_READY, (n,)))
             except BaseException as e:
                 raise self.give_up(waiting, e) from None
         try:
@@ -1225,15 +1238,13 @@ class _Session:
                 reply = connection.try_read()
                 if reply is None:
                     continue
-                if isinstance(link, _TeamLink) and not reply.error and link.steps_left > 1:
-                    link.steps_left -= 1  # a team goes step by step
-                    connection.send(link.request(_STEP_ALL))
-                    continue
                 del waiting[connection]
                 if link is not None:
                     stepped.append(link)
                     catch_up_at = _clock.monotonic() + _CATCH_UP_AFTER_S
                 if reply.error:
+                    if isinstance(link, _TeamLink):
+                        link.stale = True  # a robot may have been taken from it
                     raise Error(reply.error, f"{link.label}: {reply.text}" if link else reply.text)
                 self.note(reply)
                 if isinstance(link, _TeamLink):
@@ -1267,7 +1278,7 @@ class _Session:
             stepped.remove(link)
             if isinstance(link, _TeamLink):
                 waiting[link.connection] = link
-                link.connection.send(link.request(_STEP_ALL))
+                link.connection.send(encode(_STEP_ALL))
             elif link.motors is not None:
                 waiting[link.motors] = link
                 link.motors.send(encode(_READY, (1,)))
@@ -1302,6 +1313,12 @@ class _Session:
                         link.reopen(self)
                     except Error:
                         pass  # tried again at the next use, which says what is wrong
+            for team in self.teams:
+                if team.stale:
+                    try:
+                        self.settle_team(team)
+                    except Error:
+                        pass  # likewise
         return cause
 
     def whom(self, held_up: bool = False) -> str:
@@ -1333,7 +1350,7 @@ class _Session:
         connection = team.connection
         if connection.sock is not None and team.lost is None:
             try:
-                connection.send((team.request(_STOP_TEAM) if stop else b"") + team.request(_RELEASE))
+                connection.send((encode(_STOP_TEAM) if stop else b"") + encode(_RELEASE))
                 connection.sock.shutdown(socket.SHUT_WR)
                 _await_ends([connection.sock])
             except (Error, OSError):
@@ -1706,7 +1723,7 @@ class Team:
             link.ask_for(*link.selected)
         if (n, m) != (len(link.names), sum(link.columns)):  # it has changed once more meanwhile
             return self.read()
-        return TeamReading(link.readings, link.columns, n, reply.data)  # type: ignore[arg-type]
+        return TeamReading(link.readings, link.columns, reply)
 
 
 class Simulation:
@@ -1907,8 +1924,9 @@ class Simulation:
     def _loaded(self) -> None:
         session = self._session
         session.started_anew()
-        for team in session.teams:
-            team.connection.close()  # opened again with the robots that there are now
+        for team in session.teams:  # opened again with the robots that there are now
+            team.connection.close()
+            team.names = []
         names = set(self.robots())
         for link in session.links:
             if link.robot not in names:

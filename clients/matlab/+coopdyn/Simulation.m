@@ -301,8 +301,9 @@ classdef Simulation < handle
       session = sim.session;
       session.started_anew();
       for k = 1:numel(session.teams)
-        team = session.teams{k};
-        team.connection.close();  % opened again with the robots that there are now
+        team = session.teams{k};  % opened again with the robots that there are now
+        team.connection.close();
+        team.names = {};
       end
       names = sim.robots();
       keep = true(1, numel(session.links));

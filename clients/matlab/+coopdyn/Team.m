@@ -9,7 +9,7 @@ classdef Team < handle
 %     end
 %     team.close();
 %   names, ids, n; step, step_wheels, read, select, stop, release, close.
-%   Readings are a struct with time, step and, of those chosen with select, matrices with a row for each robot in the order
+%   Readings are a struct with time, step, text (says if speeds were limited, who was taken away) and, of those chosen with select, matrices with a row for each robot in the order
 %   of team.names: pose (x, y [m], heading [rad]), distances [m], targets (distance [m], bearing [rad] of each), neighbours
 %   (id, distance, bearing of each; 0, inf, nan: none), wheels (as get_wheels).
   properties (Dependent)
@@ -162,7 +162,7 @@ classdef Team < handle
       end
       data = reply.data;
       rows = reshape(data(1:n * m), m, n).';
-      s = struct('time', data(end - 1), 'step', data(end));
+      s = struct('time', data(end - 1), 'step', data(end), 'text', reply.text);
       first = 0;
       for k = 1:numel(link.readings)
         s.(link.readings{k}) = rows(:, first + 1:first + link.columns(k));

@@ -273,7 +273,7 @@ class FakeDaemon:
             return encode(0, "", 4, (), self.clock())
         if kind == "motors" and command in (2, 7, 10, 11, 14):
             return self._drive(c, robot, command, params, data)
-        if kind == "swarm" and command != 2:
+        if kind == "swarm":
             return self.swarm.answer(c, command, text, params, data)
         if command == 2:
             return self._step_reply(c, robot, 2) if self._wait_steps(params[0] if params else 1) else encode(5, "reset", 2)

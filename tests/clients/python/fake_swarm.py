@@ -31,6 +31,8 @@ class Swarm:
 
     def answer(self, c, command, text, params, data):
         team = [r for r in self.daemon.robots if r.owner is c]
+        if command == 2:
+            return self._ready(c, team, params[0] if params else 1)
         if command == 7:
             names = text.split()
             chosen = [r for r in self.daemon.robots if (r.name in names if names else r.owner in (None, c))]
@@ -60,6 +62,14 @@ class Swarm:
     def _team(self, c, command):
         team = [(i + 1, r.name) for i, r in enumerate(self.daemon.robots) if r.owner is c]
         return encode(0, " ".join(n for _, n in team), command, [i for i, _ in team], self.daemon.clock())
+
+    def _ready(self, c, team, steps):
+        for r in team:
+            r.command, r.steps_left = (None, None, c), steps
+        self.daemon.lock.notify_all()
+        if not self.daemon._wait_steps(steps):
+            return encode(5, "reset", 2)
+        return encode(0, "", 2, (self.daemon.mode,), self.daemon.clock())
 
     def _step(self, c, team, data):
         if len(data) not in (0, 2 * len(team)):

@@ -207,6 +207,31 @@ class RunningTwice(TeamTestCase):
         self.assert_error(6, lambda: ben.team(["robot2", "robot3"]), "team robot2 robot3", "robot3 is owned by ana")
         self.assertEqual(ben.team().names, ["robot2"])
 
+    def test_a_team_of_others_than_before_lets_the_former_go(self):
+        daemon = self.start(robots=3)
+        self.connect(daemon).team()
+        team = self.connect(daemon).team("robot2")
+        self.assertEqual(team.names, ["robot2"])
+        self.assertEqual([r.owner is None for r in daemon.robots], [True, False, True])
+
+    def test_a_robot_that_was_taken_away_is_told_once_and_the_rest_goes_on(self):
+        daemon = self.start(mode=0, robots=3)
+        team = self.connect(daemon).team()
+        daemon.robots[1].owner = None
+        self.assert_error(3, lambda: team.step([(0.1, 0)] * 3, timeout=30), "6 numbers for 2 robots")
+        self.assertEqual(team.names, ["robot1", "robot3"])
+        self.assertEqual(len(team.step([(0.1, 0)] * 2, timeout=30).pose), 2)
+
+    def test_after_a_timeout_a_team_of_all_that_were_free_is_the_same(self):
+        daemon = self.start(mode=1, robots=3)
+        other = self.connect(daemon, name="other")
+        third = other.robot("robot3")
+        team = self.connect(daemon).team()
+        self.assert_error(11, lambda: team.step(timeout=0.1))
+        other.close()
+        self.assert_error(11, lambda: team.step(timeout=0.1), "robot3 (no client)")
+        self.assertEqual((team.names, third.name), (["robot1", "robot2"], "robot3"))
+
     def test_two_teams_of_one_program_do_not_take_each_other_over(self):
         daemon = self.start(mode=1, robots=3)
         sim = self.connect(daemon)

@@ -317,7 +317,6 @@ classdef Session < handle
     % Sends what was kept (or ready) for every robot and every team of this sim, then takes in the replies. One of the
     % teams may be commanded otherwise: bytes.
       links = s.links;
-      keep = typecast(int32([20 0 110 0 0 0]), 'uint8');  % step_all
       if isempty(links) && numel(s.teams) == 1 && nargin > 3
         % One team alone: the same as below with less to do, if its connection is in order.
         c = commanded.connection;
@@ -352,7 +351,6 @@ classdef Session < handle
         for k = 1:numel(s.teams)
           team = s.teams{k};
           team.settle(s);
-          team.steps_left = n;
           links{end + 1} = team; %#ok<AGROW>
           connections{end + 1} = team.connection; %#ok<AGROW>
         end
@@ -376,7 +374,7 @@ classdef Session < handle
             if nargin > 3 && link.number == commanded.number
               c.send(110, bytes);
             else
-              c.send(110, keep);
+              c.send(2, coopdyn.internal.encode(2, n, []));
             end
             continue
           end
@@ -437,7 +435,6 @@ classdef Session < handle
     end
 
     function step_one_team(s, team, c, bytes, limit)
-      team.steps_left = 1;
       try
         reply = c.exchange(110, bytes);
         if isempty(reply)
@@ -445,6 +442,7 @@ classdef Session < handle
           return
         end
         if reply.error ~= 0
+          team.stale = true;  % a robot may have been taken from it
           coopdyn.internal.check_reply(reply, [team.label ': ']);
         end
       catch cause
@@ -474,16 +472,13 @@ classdef Session < handle
             continue
           end
           link = links{k};
-          if reply.error == 0 && ~isempty(link) && link.is_team && link.steps_left > 1
-            link.steps_left = link.steps_left - 1;  % a team goes step by step
-            c.send(110, typecast(int32([20 0 110 0 0 0]), 'uint8'));
-            left(end + 1) = k; %#ok<AGROW>
-            continue
-          end
           if reply.error ~= 0
             who = '';
             if ~isempty(link)
               who = [link.label ': '];
+              if link.is_team
+                link.stale = true;  % a robot may have been taken from it
+              end
             end
             coopdyn.internal.check_reply(reply, who);
           end
@@ -589,6 +584,16 @@ classdef Session < handle
             link.reopen(s);
           catch
             % tried again at the next use, which says what is wrong
+          end
+        end
+      end
+      for k = 1:numel(s.teams)
+        team = s.teams{k};
+        if team.stale && isempty(team.lost)
+          try
+            team.settle(s);
+          catch
+            % likewise
           end
         end
       end

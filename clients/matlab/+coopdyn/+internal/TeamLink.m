@@ -13,7 +13,7 @@ classdef TeamLink < handle
     ids = zeros(1, 0)
     readings = {}                 % in the order of a row
     columns = zeros(1, 0)         % of each
-    steps_left = 0
+    stale = false                 % who is in it must be asked anew
     reply = []                    % to the step that ran last
     lost = ''                     % why it is not ours any more
     lost_code = 6
@@ -34,7 +34,10 @@ classdef TeamLink < handle
       c = t.connection;
       c.open();
       try
-        t.named(c.request(7, [], [], t.text));
+        if isempty(t.names)
+          c.request(8, [], []);  % an older team may have been of others
+        end
+        t.named(t.claim());
         t.choose(t.selected, t.neighbours);
         session.note(c.request(3, [], []));
       catch cause
@@ -56,6 +59,8 @@ classdef TeamLink < handle
       c = t.connection;
       if isempty(c.socket) || c.busy  % never opened again, or interrupted
         t.open(session);
+      elseif t.stale
+        t.named(c.request(113, [], []));
       end
     end
 
@@ -82,8 +87,24 @@ classdef TeamLink < handle
       t.columns = reply.params;
     end
 
+    function reply = claim(t)
+      c = t.connection;
+      if isempty(t.text) && ~isempty(t.names)
+        try  % again all that were free, not what is free by now
+          reply = c.request(7, [], [], strjoin(t.names, ' '));
+          return
+        catch cause
+          if ~strcmp(cause.identifier, 'coopdyn:no_such_name')
+            rethrow(cause);
+          end
+        end
+      end
+      reply = c.request(7, [], [], t.text);
+    end
+
     function named(t, reply)
     % Takes over who is in the team.
+      t.stale = false;
       t.ids = reply.params;
       t.names = {};
       if ~isempty(strtrim(reply.text))
