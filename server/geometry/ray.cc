@@ -61,6 +61,18 @@ double RayToCylinder(const Ray& ray, const Cylinder& cylinder) {
   return inside.FirstHit();
 }
 
+double RayToCylinder(const Ray& ray, const Cylinder& cylinder, const Vector3& center, const Vector3& axis) {
+  const Vector3 to_origin = ray.origin - center;
+  const double o_z = to_origin.dot(axis);
+  const double d_z = ray.direction.dot(axis);
+  const Vector3 o = to_origin - o_z * axis;
+  const Vector3 d = ray.direction - d_z * axis;
+  Interval inside;
+  inside.ClipSlab(o_z, d_z, cylinder.length_m / 2);
+  inside.ClipQuadratic(d.squaredNorm(), o.dot(d), o.squaredNorm() - cylinder.radius_m * cylinder.radius_m);
+  return inside.FirstHit();
+}
+
 double RayToSphere(const Ray& ray, const Sphere& sphere) {
   Interval inside;
   inside.ClipQuadratic(1, ray.origin.dot(ray.direction),

@@ -49,46 +49,23 @@ void ClipToRange(double origin, double direction, double min, double max, double
 
 }  // namespace
 
-RayGrid::RayGrid(std::vector<RayItem> items, double cell_m) : items_(std::move(items)) {
-  std::vector<Aabb2> boxes;
-  bounds_.reserve(items_.size());
+void RayGrid::Build(std::span<const RayItem> items, double cell_m) {
+  items_.assign(items.begin(), items.end());
+  bounds_.clear();
+  boxes_.clear();
   for (const RayItem& item : items_) {
-    const double half_z = HalfExtents(item.shape, item.R_WG).z() + kPad_m;
-    bounds_.push_back(
-        {item.p_WG, BoundingRadius(item.shape), item.p_WG.z() - half_z, item.p_WG.z() + half_z});
+    const Vector3 half = HalfExtents(item.shape, item.R_WG) + Vector3::Constant(kPad_m);
+    const Vector3 min = item.p_WG - half, max = item.p_WG + half;
+    bounds_.push_back({item.p_WG, BoundingRadius(item.shape) + kPad_m, min.z(), max.z()});
+    boxes_.push_back({min.x(), min.y(), max.x(), max.y()});
   }
-  const auto count = static_cast<std::uint32_t>(items_.size());
-  for (std::uint32_t first = 0, end = 0; first < count; first = end) {
-    end = first + 1;
-    while (items_[first].owner != 0 && end < count && items_[end].owner == items_[first].owner) ++end;
-    groups_.push_back(MakeGroup(first, end, boxes.emplace_back()));
-  }
-  grid_.Build(boxes, cell_m);
+  grid_.Build(boxes_, cell_m);
 }
 
-RayGrid::Group RayGrid::MakeGroup(std::uint32_t first, std::uint32_t end, Aabb2& box) const {
-  Vector3 min = Vector3::Constant(kNoHit), max = -min;
-  for (std::uint32_t i = first; i < end; ++i) {
-    const Vector3 half = HalfExtents(items_[i].shape, items_[i].R_WG) + Vector3::Constant(kPad_m);
-    min = min.cwiseMin(items_[i].p_WG - half);
-    max = max.cwiseMax(items_[i].p_WG + half);
-  }
-  box = {min.x(), min.y(), max.x(), max.y()};
-  Group group{{(min + max) / 2, 0, min.z(), max.z()}, items_[first].owner, first, end};
-  for (std::uint32_t i = first; i < end; ++i) {
-    const double reach_m = (items_[i].p_WG - group.bounds.center_W).norm() + bounds_[i].radius_m;
-    group.bounds.radius_m = std::max(group.bounds.radius_m, reach_m);
-  }
-  return group;
-}
-
-RayHit RayGrid::Cast(const Ray& ray_W, double max_range_m, std::uint32_t ignored_owner) const {
-  RayHit nearest{std::nextafter(max_range_m, kNoHit), 0};
-  const double limit = nearest.distance_m;
-  const double start_z = ray_W.origin.z();
-  const double end_z = ray_W.direction.z() == 0 ? start_z : start_z + ray_W.direction.z() * limit;
-  const Query query{ray_W, std::min(start_z, end_z), std::max(start_z, end_z), ignored_owner};
-  for (const std::uint32_t group : grid_.large_items()) Test(groups_[group], query, nearest);
+double RayGrid::Cast(const Ray& ray_W, double max_range_m) const {
+  const double limit = std::nextafter(max_range_m, kNoHit);
+  double nearest = limit;
+  for (const std::uint32_t item : grid_.large_items()) Test(item, ray_W, nearest);
 
   const Vector3& o = ray_W.origin;
   // A component too small to cross a cell within any range would only make the arithmetic overflow.
@@ -105,37 +82,53 @@ RayHit RayGrid::Cast(const Ray& ray_W, double max_range_m, std::uint32_t ignored
     AxisWalk y(o.y(), dy, o.y() + from * dy, grid_.min_y(), grid_.cell_m(), grid_.rows());
     std::uint32_t last = ~std::uint32_t{0};
     while (x.cell >= 0 && x.cell < grid_.columns() && y.cell >= 0 && y.cell < grid_.rows()) {
-      for (const std::uint32_t group : grid_.Cell(x.cell, y.cell)) {
-        if (group != last) Test(groups_[group], query, nearest);
-        last = group;
+      for (const std::uint32_t item : grid_.Cell(x.cell, y.cell)) {
+        if (item != last) Test(item, ray_W, nearest);
+        last = item;
       }
       AxisWalk& sooner = x.next < y.next ? x : y;
-      if (sooner.step == 0 || sooner.next > std::min(to, nearest.distance_m)) break;
+      if (sooner.step == 0 || sooner.next > std::min(to, nearest)) break;
       sooner.Advance();
     }
   }
-  return nearest.distance_m < limit ? nearest : RayHit{};
+  return nearest < limit ? nearest : kNoHit;
 }
 
-bool RayGrid::Query::MayMeet(const Bounds& bounds, double nearest_m) const {
-  if (bounds.min_z > max_z || bounds.max_z < min_z) return false;
+void RayGrid::Test(std::uint32_t index, const Ray& ray_W, double& nearest_m) const {
+  const Bounds& bounds = bounds_[index];
+  const double start_z = ray_W.origin.z();
+  const double d_z = ray_W.direction.z();
+  if (start_z < bounds.min_z
+          ? d_z <= 0 || start_z + d_z * nearest_m < bounds.min_z
+          : start_z > bounds.max_z && (d_z >= 0 || start_z + d_z * nearest_m > bounds.max_z)) {
+    return;
+  }
+  const Aabb2& box = boxes_[index];
+  const double end_x = ray_W.origin.x() + ray_W.direction.x() * nearest_m;
+  const double end_y = ray_W.origin.y() + ray_W.direction.y() * nearest_m;
+  if (std::max(ray_W.origin.x(), end_x) < box.min_x || std::min(ray_W.origin.x(), end_x) > box.max_x) return;
+  if (std::max(ray_W.origin.y(), end_y) < box.min_y || std::min(ray_W.origin.y(), end_y) > box.max_y) return;
   const double radius = bounds.radius_m;
   const Vector3 to_center = bounds.center_W - ray_W.origin;
   const double along = to_center.dot(ray_W.direction);
-  if (along < -radius || along - radius > nearest_m) return false;
-  return to_center.squaredNorm() - along * along <= radius * radius + kPad_m;
+  if (along < -radius || along - radius > nearest_m) return;
+  if (to_center.squaredNorm() - along * along > radius * radius + kPad_m) return;
+  const RayItem& item = items_[index];
+  const Ray ray_G{item.R_WG.transpose() * (ray_W.origin - item.p_WG),
+                  item.R_WG.transpose() * ray_W.direction};
+  nearest_m = std::min(nearest_m, RayToShape(ray_G, item.shape));
 }
 
-void RayGrid::Test(const Group& group, const Query& query, RayHit& nearest) const {
-  if (group.owner == query.ignored_owner || !query.MayMeet(group.bounds, nearest.distance_m)) return;
-  for (std::uint32_t i = group.first; i < group.end; ++i) {
-    if (!query.MayMeet(bounds_[i], nearest.distance_m)) continue;
-    const RayItem& item = items_[i];
-    const Ray ray_G{item.R_WG.transpose() * (query.ray_W.origin - item.p_WG),
-                    item.R_WG.transpose() * query.ray_W.direction};
-    const double distance = RayToShape(ray_G, item.shape);
-    if (distance < nearest.distance_m) nearest = {distance, item.owner};
-  }
+std::size_t RayGrid::FindNear(const Aabb2& box, double min_z, double max_z,
+                              std::span<std::uint32_t> found) const {
+  std::size_t count = 0;
+  grid_.VisitOverlaps(boxes_, box, [&](std::uint32_t item) {
+    if (bounds_[item].min_z > max_z || bounds_[item].max_z < min_z) return true;
+    if (count < found.size()) found[count] = item;
+    return ++count <= found.size();
+  });
+  if (count <= found.size()) std::sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count));
+  return count;
 }
 
 }  // namespace coopdyn

@@ -13,21 +13,7 @@ namespace {
 // What lies beyond is sorted into the cells at the edge, so that no sum overflows.
 constexpr double kReach_m = 1e12;
 
-bool Overlap(const Aabb2& a, const Aabb2& b) {
-  return a.min_x <= b.max_x && b.min_x <= a.max_x && a.min_y <= b.max_y && b.min_y <= a.max_y;
-}
-
 }  // namespace
-
-UniformGrid::CellRange UniformGrid::Range(const Aabb2& box) const {
-  const auto index = [this](double x, double min, int count) {
-    const double cell = (x - min) / cell_m_;
-    // Written so that every double gives a valid index.
-    return cell >= count ? count - 1 : cell > 0 ? static_cast<int>(cell) : 0;
-  };
-  return {index(box.min_x, min_x_, columns_), index(box.min_y, min_y_, rows_),
-          index(box.max_x, min_x_, columns_), index(box.max_y, min_y_, rows_)};
-}
 
 void UniformGrid::Build(std::span<const Aabb2> boxes, double cell_m) {
   large_.clear();
@@ -85,29 +71,13 @@ void UniformGrid::Build(std::span<const Aabb2> boxes, double cell_m) {
   starts_.back() = static_cast<std::uint32_t>(items_.size());
 }
 
-std::span<const std::uint32_t> UniformGrid::Cell(int ix, int iy) const {
-  const std::size_t cell = CellIndex(ix, iy);
-  return std::span(items_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
-}
-
 void UniformGrid::FindOverlaps(std::span<const Aabb2> boxes, const Aabb2& box,
                                std::vector<std::uint32_t>& items) const {
-  if (boxes.empty()) return;
   const std::size_t first = items.size();
-  const CellRange range = Range(box);
-  for (int y = range.y0; y <= range.y1; ++y) {
-    for (int x = range.x0; x <= range.x1; ++x) {
-      for (const std::uint32_t item : Cell(x, y)) {
-        if (!Overlap(box, boxes[item])) continue;
-        // Both may share many cells: only the lowest of them counts.
-        const CellRange other = Range(boxes[item]);
-        if (std::max(range.x0, other.x0) == x && std::max(range.y0, other.y0) == y) items.push_back(item);
-      }
-    }
-  }
-  for (const std::uint32_t item : large_) {
-    if (Overlap(box, boxes[item])) items.push_back(item);
-  }
+  VisitOverlaps(boxes, box, [&](std::uint32_t item) {
+    items.push_back(item);
+    return true;
+  });
   std::sort(items.begin() + static_cast<std::ptrdiff_t>(first), items.end());
 }
 

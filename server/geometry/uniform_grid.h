@@ -25,7 +25,10 @@ class UniformGrid {
   void Build(std::span<const Aabb2> boxes, double cell_m);
 
   /// Items that touch cell (ix, iy), by increasing index.
-  std::span<const std::uint32_t> Cell(int ix, int iy) const;
+  std::span<const std::uint32_t> Cell(int ix, int iy) const {
+    const std::size_t cell = CellIndex(ix, iy);
+    return std::span(items_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
+  }
   std::span<const std::uint32_t> large_items() const { return large_; }
 
   double min_x() const { return min_x_; }
@@ -42,15 +45,30 @@ class UniformGrid {
   /// index. `boxes`: those of Build().
   void FindOverlaps(std::span<const Aabb2> boxes, const Aabb2& box, std::vector<std::uint32_t>& items) const;
 
+  /// Calls visit(item) for the same items, each once, in no particular order, until it returns false.
+  template <typename Visit>
+  void VisitOverlaps(std::span<const Aabb2> boxes, const Aabb2& box, Visit visit) const;
+
   static constexpr int kMaxCells = 1 << 20;
   static constexpr int kMaxCellsPerItem = 1024;
 
  private:
+  static bool Overlap(const Aabb2& a, const Aabb2& b) {
+    return a.min_x <= b.max_x && b.min_x <= a.max_x && a.min_y <= b.max_y && b.min_y <= a.max_y;
+  }
   /// The cells a box touches, both ends included.
   struct CellRange {
     int x0, y0, x1, y1;
   };
-  CellRange Range(const Aabb2& box) const;
+  CellRange Range(const Aabb2& box) const {
+    return {Index(box.min_x, min_x_, columns_), Index(box.min_y, min_y_, rows_),
+            Index(box.max_x, min_x_, columns_), Index(box.max_y, min_y_, rows_)};
+  }
+  /// Written so that every double gives a valid index.
+  int Index(double x, double min, int count) const {
+    const double cell = (x - min) / cell_m_;
+    return cell >= count ? count - 1 : cell > 0 ? static_cast<int>(cell) : 0;
+  }
   std::size_t CellIndex(int ix, int iy) const {
     return static_cast<std::size_t>(iy) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(ix);
   }
@@ -61,5 +79,30 @@ class UniformGrid {
   std::vector<std::uint32_t> items_;
   std::vector<std::uint32_t> large_;
 };
+
+template <typename Visit>
+void UniformGrid::VisitOverlaps(std::span<const Aabb2> boxes, const Aabb2& box, Visit visit) const {
+  if (boxes.empty()) return;
+  const CellRange range = Range(box);
+  for (int y = range.y0; y <= range.y1; ++y) {
+    // The cells of a row follow each other: if they hold nothing, one look says so.
+    const std::size_t first = CellIndex(range.x0, y);
+    const std::size_t end = first + static_cast<std::size_t>(range.x1 - range.x0) + 1;
+    if (starts_[first] == starts_[end]) continue;
+    for (int x = range.x0; x <= range.x1; ++x) {
+      for (const std::uint32_t item : Cell(x, y)) {
+        if (!Overlap(box, boxes[item])) continue;
+        // Both may share many cells: only the lowest of them counts.
+        const CellRange other = Range(boxes[item]);
+        if ((range.x0 > other.x0 ? range.x0 : other.x0) != x) continue;
+        if ((range.y0 > other.y0 ? range.y0 : other.y0) != y) continue;
+        if (!visit(item)) return;
+      }
+    }
+  }
+  for (const std::uint32_t item : large_) {
+    if (Overlap(box, boxes[item]) && !visit(item)) return;
+  }
+}
 
 }  // namespace coopdyn

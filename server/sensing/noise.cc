@@ -33,6 +33,10 @@ std::uint64_t NoiseBits(const NoiseKey& key) {
   return Absorb(state, key.step);
 }
 
+double UniformNoise(const NoiseKey& key) {
+  return ToUnit(NoiseBits(key));
+}
+
 double GaussianNoise(const NoiseKey& key) {
   const std::uint64_t bits = NoiseBits(key);
   const double u = ToUnit(bits);

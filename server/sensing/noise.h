@@ -12,7 +12,10 @@ enum class NoiseKind : std::uint32_t {
   kTargetDistance,
   kTargetBearing,
   kRobotDistance,
-  kRobotBearing
+  kRobotBearing,
+  kNeighbourDistance,
+  kNeighbourBearing,
+  kMessageLoss
 };
 
 /// Names one reading. Two readings that differ in any field have independent noise.
@@ -27,6 +30,8 @@ struct NoiseKey {
 
 /// 64 well-mixed bits of `key`.
 std::uint64_t NoiseBits(const NoiseKey& key);
+/// A sample of the even distribution over (0, 1).
+double UniformNoise(const NoiseKey& key);
 /// A sample of the normal distribution with mean 0 and standard deviation 1; |value| < 9.
 double GaussianNoise(const NoiseKey& key);
 

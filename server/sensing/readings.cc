@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/sensing/distance_rays.h"
+#include "server/sensing/fan_cast.h"
 #include "server/sensing/noise.h"
 #include "server/sensing/sensing_cache.h"
 
 namespace coopdyn {
 
 namespace {
+
+constexpr std::size_t kGrain = 64;  // robots that one thread takes at a time
 
 // The vision of one robot: a camera above its axle at its full height.
 class Eye {
@@ -21,18 +23,18 @@ class Eye {
         robot_(robot),
         self_(frame.scene->robots[static_cast<std::size_t>(robot)]),
         sensor_(self_.entry.model->target_sensor),
-        X_WR_(cache_.robot_pose(robot)),
+        X_WR_(cache_.field().pose(robot)),
         heading_rad_(Heading(X_WR_.q)) {}
 
-  /// Appends the sighting of the thing `index` at `p_W` if it is in range and in view. `owner`: whose shapes
-  /// do not hide it. Noise is keyed by `id`.
-  void Look(int index, std::uint32_t id, const Vector3& p_W, std::uint32_t owner, NoiseKind distance_kind,
+  /// Appends the sighting of the thing `index` at `p_W` if it is in range and in view. `robot`: the robot
+  /// that it is, -1 if none. Noise is keyed by `id`.
+  void Look(int index, std::uint32_t id, const Vector3& p_W, int robot, NoiseKind distance_kind,
             NoiseKind bearing_kind, std::vector<Sighting>& seen) const {
     const double dx = p_W.x() - X_WR_.p.x();
     const double dy = p_W.y() - X_WR_.p.y();
     Sighting sighting{index, std::hypot(dx, dy), 0};
     if (sighting.distance_m > sensor_.max_range_m) return;
-    if (!sensor_.see_through && IsHidden(p_W, owner)) return;
+    if (!sensor_.see_through && IsHidden(p_W, robot)) return;
     if (sighting.distance_m > 0) sighting.bearing_rad = WrapAngle(std::atan2(dy, dx) - heading_rad_);
     NoiseKey key{frame_.seed, distance_kind, self_.id.value, id, frame_.step, 0};
     if (sensor_.distance_noise_stddev_m > 0) {
@@ -48,14 +50,14 @@ class Eye {
   }
 
  private:
-  bool IsHidden(const Vector3& p_W, std::uint32_t owner) const {
+  bool IsHidden(const Vector3& p_W, int robot) const {
     const Vector3 eye_W = X_WR_ * Vector3(0, 0, self_.entry.model->height_m);
     const Vector3 way = p_W - eye_W;
     const double length_m = way.norm();
     if (length_m <= 0) return false;
-    const RayHit hit = cache_.grid().Cast({eye_W, way / length_m}, length_m, SensingCache::OwnerOf(robot_));
+    const ThingHit hit = cache_.Cast({eye_W, way / length_m}, length_m, robot_);
     // What lies behind the surface that was hit can only be the thing itself.
-    return hit && (owner == SensingCache::kNobody || hit.owner != owner);
+    return hit && (robot < 0 || hit.robot != robot);
   }
 
   const Frame& frame_;
@@ -79,8 +81,8 @@ std::vector<Sighting> SeenTargets(const Frame& frame, int robot) {
   const std::vector<Target>& targets = frame.scene->targets;
   seen.reserve(targets.size());
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    eye.Look(static_cast<int>(i), targets[i].id.value, targets[i].p_WT, SensingCache::kNobody,
-             NoiseKind::kTargetDistance, NoiseKind::kTargetBearing, seen);
+    eye.Look(static_cast<int>(i), targets[i].id.value, targets[i].p_WT, -1, NoiseKind::kTargetDistance,
+             NoiseKind::kTargetBearing, seen);
   }
   return seen;
 }
@@ -94,26 +96,37 @@ std::vector<Sighting> SeenRobots(const Frame& frame, int robot) {
     if (other == robot) continue;
     const SceneRobot& scene_robot = robots[static_cast<std::size_t>(other)];
     // The middle of its body; in the plane that is its axle's middle unless it leans.
-    Vector3 p_W = cache.robot_pose(other).p;
+    Vector3 p_W = cache.field().pose(other).p;
     p_W.z() += scene_robot.entry.model->height_m / 2;
-    eye.Look(other, scene_robot.id.value, p_W, SensingCache::OwnerOf(other), NoiseKind::kRobotDistance,
-             NoiseKind::kRobotBearing, seen);
+    eye.Look(other, scene_robot.id.value, p_W, other, NoiseKind::kRobotDistance, NoiseKind::kRobotBearing,
+             seen);
   }
   return seen;
 }
 
+void PrepareDistances(const Frame& frame, std::span<const int> robots, WorkerPool& pool) {
+  const SensingCache& cache = SensingCache::Of(frame, &pool);
+  pool.For(robots.size(), kGrain, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) cache.Distances(robots[i]);
+  });
+}
+
 std::vector<RaySegment> DistanceRays(const Frame& frame, int robot) {
   const SensingCache& cache = SensingCache::Of(frame);
-  std::vector<RaySegment> segments;
-  const RobotModel& model = *frame.scene->robots[static_cast<std::size_t>(robot)].entry.model;
-  for (const DistanceSensorModel& sensor : model.distance_sensors) {
-    const Pose X_WS = cache.robot_pose(robot) * sensor.X_RS;
-    for (int i = 0; i < sensor.rays; ++i) {
-      const Ray ray = SensorRay(sensor, X_WS, i);
-      const double range_m = CastSensorRay(cache.grid(), ray, sensor.max_range_m, robot);
+  const std::vector<SensorFan>& fans = cache.scene().type(robot).fans;
+  std::size_t count = 0;
+  for (const SensorFan& fan : fans) count += fan.rays().size();
+  std::vector<RaySegment> segments(count);
+  for (const SensorFan& fan : fans) {
+    FanCast cast(cache, robot, fan);
+    const bool any = cast.Run();
+    for (std::size_t k = 0; k < fan.rays().size(); ++k) {
+      const FanRay& fan_ray = fan.rays()[k];
+      const Ray ray = cast.ray_W(k);
+      const double range_m = any ? cast.distance_m(k) : kNoHit;
       const bool hit = range_m < kNoHit;
-      segments.push_back(
-          {ray.origin, ray.origin + (hit ? range_m : sensor.max_range_m) * ray.direction, hit});
+      const Vector3 end = ray.origin + (hit ? range_m : fan_ray.limit_m) * ray.direction;
+      segments[fan_ray.index] = {ray.origin, end, hit};
     }
   }
   return segments;

@@ -29,6 +29,8 @@ std::vector<Sighting> SeenRobots(const Frame& frame, int robot);
 /// Others within the range of `robot`'s neighbours module, by increasing id. Seen through obstacles.
 /// Empty if its model has no such module.
 std::vector<Sighting> Neighbours(const Frame& frame, int robot);
+/// The same, appended to `seen`.
+void AppendNeighbours(const Frame& frame, int robot, std::vector<Sighting>& seen);
 
 /// A broadcast that `robot` hears in this frame.
 struct HeardMessage {
@@ -38,8 +40,11 @@ struct HeardMessage {
 };
 /// What `robot` hears in this frame, by increasing id of the sender: messages that were sent
 /// model.neighbours.delay_steps steps before this one, from within the message range as the robots stand in
-/// this frame, and not lost. Loss is a function of (seed, sender, receiver, step).
+/// this frame, and not lost; delay, range and loss are those of the receiver's model. Loss is a function of
+/// (seed, sender, receiver, step).
 std::vector<HeardMessage> HeardMessages(const Frame& frame, int robot);
+/// The same, appended to `heard`.
+void AppendHeard(const Frame& frame, int robot, std::vector<HeardMessage>& heard);
 
 /// Computes the distances of `robots` (indices into the scene) now, in parallel; Distances() then costs
 /// nothing. The values do not depend on the number of threads.

@@ -1,51 +1,65 @@
 // SPDX-License-Identifier: MIT
-// What sensing derives from one frame, each part at its first use: robots' poses, the grid of all shapes, and
-// the ranges of each robot. Lives in Frame::cache. Any thread; whoever needs a part first makes it, others
-// wait for that part only.
+// What sensing derives from one frame: the field of robots at the first use of anything, the grid of movable
+// objects and each robot's ranges at their first use. Lives in Frame::cache. Any thread; whoever needs a part
+// first makes it, others wait for that part only.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "server/geometry/ray_grid.h"
+#include "server/sensing/robot_field.h"
+#include "server/sensing/scene_sensing.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
 
+RayItem MakeRayItem(const Shape& shape, const Pose& X_WG);
+
+/// The memory behind a cache, used again by later frames of the scene.
+struct FrameBuffers {
+  explicit FrameBuffers(const SceneSensing& scene);
+
+  RobotField field;
+  std::vector<RayItem> movable_items;
+  RayGrid movable_grid;
+  std::unique_ptr<std::atomic<std::uint8_t>[]> progress;  // of each robot's ranges
+  std::vector<double> ranges_m;                           // a robot's part is guarded by its progress
+};
+
 class SensingCache final : public FrameCache {
  public:
-  /// The cache of `frame`, made now if this is the first call.
-  static const SensingCache& Of(const Frame& frame);
+  /// The cache of `frame`, made now if this is the first call; with `pool`'s help unless that is null.
+  static const SensingCache& Of(const Frame& frame, WorkerPool* pool = nullptr);
 
-  explicit SensingCache(const Frame& frame);
+  SensingCache(const Frame& frame, WorkerPool* pool);
+  ~SensingCache() override;
+  SensingCache(const SensingCache&) = delete;
+  SensingCache& operator=(const SensingCache&) = delete;
 
-  /// X_WR of robot `robot`.
-  const Pose& robot_pose(int robot) const { return robot_poses_[static_cast<std::size_t>(robot)]; }
-  /// All shapes that rays can hit except the floor. A robot's shapes belong to owner `OwnerOf(robot)`.
-  const RayGrid& grid() const;
+  const Frame& frame() const { return frame_; }
+  const SceneSensing& scene() const { return scene_; }
+  const RobotField& field() const { return buffers_->field; }
+  const RayGrid& movable_grid() const;
+
   /// Ranges with noise, right to left.
   std::span<const double> Distances(int robot) const;
 
-  static std::uint32_t OwnerOf(int robot) { return static_cast<std::uint32_t>(robot) + 1; }
-  static constexpr std::uint32_t kNobody = 0;  // owner of the world's objects
+  /// The nearest thing at `max_range_m` (finite) or nearer on `ray_W`, the floor and `ignored_robot` left
+  /// out.
+  ThingHit Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const;
 
  private:
-  struct RobotRanges {
-    std::once_flag once;
-    std::uint32_t first = 0;  // in ranges_m_
-    std::uint32_t count = 0;
-  };
+  void MakeRanges(int robot) const;
 
   const Frame& frame_;
-  std::vector<Pose> robot_poses_;
-  mutable std::once_flag grid_once_;
-  mutable std::optional<RayGrid> grid_;  // guarded by grid_once_
-  std::unique_ptr<RobotRanges[]> robot_ranges_;
-  mutable std::vector<double> ranges_m_;  // a robot's part is guarded by its `once`
+  const SceneSensing& scene_;
+  std::unique_ptr<FrameBuffers> buffers_;
+  mutable std::once_flag movable_once_;
 };
 
 }  // namespace coopdyn

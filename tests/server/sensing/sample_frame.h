@@ -97,9 +97,11 @@ class SampleWorld {
     return *this;
   }
 
-  std::unique_ptr<Frame> MakeFrame() const {
+  std::unique_ptr<Frame> MakeFrame(Fidelity fidelity = Fidelity::kFull) const {
     auto frame = std::make_unique<Frame>();
-    frame->scene = MakeScene(std::make_shared<Scenario>(scenario_), 1);
+    auto scenario = std::make_shared<Scenario>(scenario_);
+    for (RobotEntry& robot : scenario->robots) robot.fidelity = fidelity;
+    frame->scene = MakeScene(std::move(scenario), 1);
     frame->seed = 7;
     frame->step = 100;
     frame->bodies.resize(frame->scene->body_ids.size());
@@ -114,6 +116,10 @@ class SampleWorld {
     }
     for (const SceneRobot& robot : frame->scene->robots) {
       int body = robot.first_body;
+      if (robot.one_body()) {
+        place(body, robot.entry.X_WR * robot.X_BR.Inverse());
+        continue;
+      }
       for (const LinkModel& link : robot.entry.model->links) {
         place(body++, robot.entry.X_WR * link.X_RL * link.X_LI);
       }

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// One fan of rays of one robot in one frame: what each of them meets. Whoever is near is looked up once for
+// all rays; most robots of a swarm with short rays have nobody near, and that is all there is to do.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "server/geometry/ray_grid.h"
+#include "server/sensing/robot_field.h"
+#include "server/sensing/sensing_cache.h"
+#include "server/sensing/sensor_fan.h"
+
+namespace coopdyn {
+
+class FanCast {
+ public:
+  /// All arguments must outlive the cast.
+  FanCast(const SensingCache& cache, int robot, const SensorFan& fan)
+      : cache_(cache), robot_(robot), fan_(fan), X_WR_(cache.field().pose(robot)), tilt_(X_WR_.q) {}
+
+  /// False if no ray meets anything.
+  bool Run();
+  /// After Run() returned true: the distance to what ray `k` of the fan meets within its range, the floor
+  /// included; kNoHit if that is nothing.
+  double distance_m(std::size_t k) const {
+    return nearest_m_[k] < fan_.rays()[k].limit_m ? nearest_m_[k] : kNoHit;
+  }
+  /// Ray `k` of the fan in the world.
+  Ray ray_W(std::size_t k);
+
+ private:
+  struct WorldRay {
+    Vector3 origin, direction;  // left unset until needed
+  };
+
+  void Start();
+  const WorldRay& GetRay(std::size_t k);
+  void MeetFloor();
+  void MeetRobots(std::span<const RobotField::Entry> entries);
+  void MeetRobot(const RobotField::Entry& entry, double dx, double dy);
+  void MeetRobotsRayByRay();
+  void MeetItems(const RayGrid& grid);
+
+  const SensingCache& cache_;
+  const int robot_;
+  const SensorFan& fan_;
+  const Pose& X_WR_;
+  const Tilt tilt_;
+  Extent reach_W_;  // holds all rays; upright about R's origin
+
+  // Set by Start(), when the first thing is found near.
+  bool started_ = false;
+  Matrix3 R_WR_;
+  FanPlace place_;
+  std::uint64_t made_ = 0;  // bit k: rays_W_[k] is set
+  std::array<WorldRay, SensorFan::kMaxRays> rays_W_;
+  std::array<double, SensorFan::kMaxRays> nearest_m_;  // ray's limit_m: nothing yet
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// All robots of one frame: where they stand, and who is near a point or along a ray. Read-only once built;
+// any thread.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/base/worker_pool.h"
+#include "server/geometry/point_grid.h"
+#include "server/sensing/scene_sensing.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// The nearest thing on a ray.
+struct ThingHit {
+  double distance_m = kNoHit;
+  int robot = -1;  // that was hit; -1: something else
+
+  explicit operator bool() const { return distance_m < kNoHit; }
+};
+
+class RobotField {
+ public:
+  /// A robot with an upright cylinder that holds it.
+  struct Entry {
+    double x = 0, y = 0;
+    double radius_m = 0;
+    double min_z = 0, max_z = 0;
+    int robot = 0;
+  };
+
+  /// Fills the field with the robots of `frame`, on `pool`'s threads too unless that is null.
+  void Build(const Frame& frame, const SceneSensing& scene, WorkerPool* pool);
+
+  /// X_WR of robot `robot`.
+  const Pose& pose(int robot) const { return poses_[static_cast<std::size_t>(robot)]; }
+
+  /// Calls visit(entries) for spans of robots that together hold every one whose centre is within `radius_m`
+  /// of (x, y), and others nearby; each robot once.
+  template <typename Visit>
+  void ForCenters(double x, double y, double radius_m, Visit visit) const {
+    grid_.ForRuns({x - radius_m, y - radius_m, x + radius_m, y + radius_m},
+                  [&](std::uint32_t first, std::uint32_t end) { visit(Entries(first, end)); });
+  }
+  /// The same for the robots of which any part is within `radius_m`; some may come twice.
+  template <typename Visit>
+  void ForHulls(double x, double y, double radius_m, Visit visit) const {
+    ForCenters(x, y, radius_m + hull_radius_m_, visit);
+    if (!wide_.empty()) visit(std::span(wide_));
+  }
+
+  /// The nearest robot but `ignored_robot` on `ray_W`, nearer than `nearest_m`, a finite number.
+  ThingHit Cast(const Frame& frame, const SceneSensing& scene, const Ray& ray_W, double nearest_m,
+                int ignored_robot) const;
+
+ private:
+  std::span<const Entry> Entries(std::uint32_t first, std::uint32_t end) const {
+    return std::span(entries_).subspan(first, end - first);
+  }
+
+  std::vector<Pose> poses_;      // by robot
+  std::vector<Point2> centers_;  // by robot
+  std::vector<Entry> by_robot_;
+  PointGrid grid_;              // of centers_
+  std::vector<Entry> entries_;  // in the grid's order
+  std::vector<Entry> wide_;     // those that have come apart, which the next number leaves out
+  double hull_radius_m_ = 0;    // largest of all others
+};
+
+}  // namespace coopdyn

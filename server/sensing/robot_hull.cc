@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "server/sensing/robot_hull.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kPad_m = Extent::kPad_m;
+constexpr double kParallel = 1e-9;
+// A wheel that wobbles in its joint stays within this.
+constexpr double kWobble_m = 0.02;
+
+const JointModel* JointOf(const RobotModel& model, int link) {
+  const auto found = std::find_if(model.joints.begin(), model.joints.end(),
+                                  [link](const JointModel& joint) { return joint.child == link; });
+  return found == model.joints.end() ? nullptr : &*found;
+}
+
+double Across(const Vector3& v) {
+  return std::sqrt(v.x() * v.x() + v.y() * v.y());
+}
+
+bool MayMeet(const Ray& ray, const Vector3& center, double radius_m, double nearest_m) {
+  const Vector3 to_center = center - ray.origin;
+  const double along = to_center.dot(ray.direction);
+  if (along < -radius_m || along - radius_m > nearest_m) return false;
+  return to_center.squaredNorm() - along * along <= radius_m * radius_m + kPad_m;
+}
+
+}  // namespace
+
+RobotHull::RobotHull(const RobotModel& model) {
+  std::vector<Extent> extents;  // of parts_
+  for (std::size_t link = 0; link < model.links.size(); ++link) {
+    for (const LinkShape& collision : model.links[link].collisions) {
+      const Part part = MakePart(model, static_cast<int>(link), collision);
+      const auto* cylinder = std::get_if<Cylinder>(&part.shape);
+      const Vector3 axis_R = part.R_RG.col(2);
+      if (!trunk_ && link == 0 && cylinder != nullptr && Across(axis_R) < 1e-15) {
+        const double half_m = cylinder->length_m / 2;
+        trunk_ = Trunk{*cylinder, part.p_RG, part.p_RG.z() - half_m, part.p_RG.z() + half_m};
+        chassis_.Include(Across(part.p_RG) + cylinder->radius_m, trunk_->min_z, trunk_->max_z);
+        continue;
+      }
+      const Extent extent = ExtentOf(model, part);
+      extents.push_back(extent);
+      (link == 0 ? chassis_ : all_).Include(extent.radius_m, extent.min_z, extent.max_z);
+      parts_.push_back(part);
+    }
+  }
+  if (!chassis_.empty()) all_.Include(chassis_.radius_m, chassis_.min_z, chassis_.max_z);
+  for (std::size_t i = 0; trunk_ && i < parts_.size(); ++i) {
+    parts_[i].hidden = extents[i].radius_m < trunk_->shape.radius_m - Across(trunk_->p_RG);
+  }
+  if (!all_.empty()) {
+    whole_radius_m_ = std::hypot(all_.radius_m, std::max(std::abs(all_.min_z), std::abs(all_.max_z)));
+  }
+  for (const Part& part : parts_) {
+    whole_radius_m_ = std::max(whole_radius_m_, part.p_RC.norm() + 2 * part.body_radius_m);
+  }
+  whole_radius_m_ += kWobble_m;
+}
+
+RobotHull::Part RobotHull::MakePart(const RobotModel& model, int link, const LinkShape& collision) {
+  const LinkModel& link_model = model.links[static_cast<std::size_t>(link)];
+  const Pose X_RG = link_model.X_RL * collision.X_LG;
+  Part part;
+  part.shape = collision.shape;
+  part.link = link;
+  part.X_LG = collision.X_LG;
+  part.p_RG = part.p_RC = X_RG.p;
+  part.R_RG = X_RG.q.toRotationMatrix();
+  part.radius_m = BoundingRadius(collision.shape) + kPad_m;
+  part.body_radius_m = part.radius_m + (collision.X_LG.p - link_model.X_LI.p).norm();
+  if (const JointModel* joint = JointOf(model, link); link > 0 && joint != nullptr) {
+    // It turns about the joint's axis, and so does its centre if that is off the axis.
+    const Vector3 axis_R = joint->axis_R.normalized();
+    part.p_RC = joint->p_RJ + axis_R * axis_R.dot(part.p_RG - joint->p_RJ);
+    part.radius_m += (part.p_RG - part.p_RC).norm();
+  }
+  return part;
+}
+
+Extent RobotHull::ExtentOf(const RobotModel& model, const Part& part) {
+  Extent extent;
+  const Vector3 axis_R = part.R_RG.col(2);
+  const auto* cylinder = std::get_if<Cylinder>(&part.shape);
+  const JointModel* joint = JointOf(model, part.link);
+  const bool is_wheel = joint != nullptr && cylinder != nullptr && std::abs(axis_R.z()) < kParallel &&
+                        (part.p_RG - part.p_RC).norm() < kParallel &&
+                        axis_R.cross(joint->axis_R.normalized()).norm() < kParallel;
+  if (is_wheel) {
+    // Turning leaves it as it is: a disc on edge.
+    const double along = std::abs(axis_R.dot(part.p_RG)) + cylinder->length_m / 2;
+    const double ahead = std::abs(axis_R.cross(Vector3::UnitZ()).dot(part.p_RG)) + cylinder->radius_m;
+    extent.Include(std::hypot(along, ahead) + kPad_m, part.p_RG.z() - cylinder->radius_m - kPad_m,
+                   part.p_RG.z() + cylinder->radius_m + kPad_m);
+  } else {
+    extent.Include(Across(part.p_RC) + part.radius_m, part.p_RC.z() - part.radius_m,
+                   part.p_RC.z() + part.radius_m);
+  }
+  return extent;
+}
+
+Extent RobotHull::Bounds(const Frame& frame, int robot, const Pose& X_WR) const {
+  const SceneRobot& scene_robot = frame.scene->robots[static_cast<std::size_t>(robot)];
+  const Tilt tilt(X_WR.q);
+  if (all_.empty()) return {};
+  if (scene_robot.one_body()) return all_.Upright(X_WR.p.z(), tilt);
+  Extent bounds = chassis_.empty() ? Extent{} : chassis_.Upright(X_WR.p.z(), tilt);
+  for (const Part& part : parts_) {
+    if (part.link == 0) continue;
+    const Vector3& p_WB = frame.bodies[static_cast<std::size_t>(scene_robot.first_body + part.link)].p_WB;
+    bounds.Include(Across(p_WB - X_WR.p) + part.body_radius_m, p_WB.z() - part.body_radius_m,
+                   p_WB.z() + part.body_radius_m);
+  }
+  return bounds;
+}
+
+void RobotHull::Cast(const Frame& frame, int robot, const HullPose& X_WR, const Ray& ray_W,
+                     double& nearest_m) const {
+  bool between_ends = false;
+  if (trunk_) {
+    const Vector3 axis_W = X_WR.R.col(2);
+    const double start_z = axis_W.dot(ray_W.origin - X_WR.p);
+    const double end_z = start_z + nearest_m * axis_W.dot(ray_W.direction);
+    if (std::max(start_z, end_z) >= trunk_->min_z && std::min(start_z, end_z) <= trunk_->max_z) {
+      const double hit_m = RayToCylinder(ray_W, trunk_->shape, X_WR.p + X_WR.R * trunk_->p_RG, axis_W);
+      between_ends = std::min(start_z, end_z) >= trunk_->min_z && std::max(start_z, end_z) <= trunk_->max_z;
+      nearest_m = std::min(nearest_m, hit_m);
+    }
+  }
+  const SceneRobot& scene_robot = frame.scene->robots[static_cast<std::size_t>(robot)];
+  const bool rigid = scene_robot.one_body();
+  for (const Part& part : parts_) {
+    const bool in_place = rigid || part.link == 0;
+    if (part.hidden && between_ends && in_place) continue;
+    const Vector3 center_W =
+        in_place ? X_WR.p + X_WR.R * part.p_RC
+                 : frame.bodies[static_cast<std::size_t>(scene_robot.first_body + part.link)].p_WB;
+    if (!MayMeet(ray_W, center_W, in_place ? part.radius_m : part.body_radius_m, nearest_m)) continue;
+    Vector3 p_WG;
+    Matrix3 R_WG;
+    if (part.link == 0) {
+      p_WG = X_WR.p + X_WR.R * part.p_RG;
+      R_WG = X_WR.R * part.R_RG;
+    } else {
+      const Pose X_WG = LinkPose(frame, robot, part.link) * part.X_LG;
+      p_WG = X_WG.p;
+      R_WG = X_WG.q.toRotationMatrix();
+    }
+    const Ray ray_G{R_WG.transpose() * (ray_W.origin - p_WG), R_WG.transpose() * ray_W.direction};
+    nearest_m = std::min(nearest_m, RayToShape(ray_G, part.shape));
+  }
+}
+
+}  // namespace coopdyn

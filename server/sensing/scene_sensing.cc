@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "server/sensing/scene_sensing.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "server/sensing/sensing_cache.h"
+
+namespace coopdyn {
+
+namespace {
+
+// The newest frame, the one in the making, and a reader's or two.
+constexpr std::size_t kMostFree = 4;
+
+}  // namespace
+
+const SceneSensing& SceneSensing::Of(const Scene& scene) {
+  return static_cast<const SceneSensing&>(
+      scene.cache.Get([&scene] { return std::make_unique<const SceneSensing>(scene); }));
+}
+
+SceneSensing::SceneSensing(const Scene& scene) {
+  std::map<const RobotModel*, std::uint32_t> indices;  // looked up, never walked through
+  std::uint32_t first = 0;
+  for (const SceneRobot& robot : scene.robots) {
+    const RobotModel& model = *robot.entry.model;
+    const auto [found, is_new] = indices.emplace(&model, static_cast<std::uint32_t>(types_.size()));
+    if (is_new) types_.emplace_back(model);
+    types_of_robots_.push_back(found->second);
+    first_ranges_.push_back(first);
+    first += static_cast<std::uint32_t>(model.distance_sensors.size());
+  }
+  first_ranges_.push_back(first);
+  for (const RobotType& type : types_) {
+    max_hull_radius_m_ = std::max(max_hull_radius_m_, type.hull.whole_radius_m());
+  }
+  std::vector<RayItem> items;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    if (object.body >= 0) {
+      movable_.push_back(static_cast<int>(i));
+    } else {
+      items.push_back(MakeRayItem(object.object.shape, object.object.X_WO));
+    }
+  }
+  static_grid_.Build(items);
+}
+
+SceneSensing::~SceneSensing() = default;
+
+std::unique_ptr<FrameBuffers> SceneSensing::TakeBuffers() const {
+  {
+    const MutexLock lock(mutex_);
+    if (!free_.empty()) {
+      std::unique_ptr<FrameBuffers> buffers = std::move(free_.back());
+      free_.pop_back();
+      return buffers;
+    }
+  }
+  return std::make_unique<FrameBuffers>(*this);
+}
+
+void SceneSensing::GiveBuffers(std::unique_ptr<FrameBuffers> buffers) const {
+  const MutexLock lock(mutex_);
+  if (free_.size() < kMostFree) free_.push_back(std::move(buffers));
+}
+
+}  // namespace coopdyn
