@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/bench_arena.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kWall_m = 0.1, kWallHeight_m = 0.5;
+
+std::string ArenaText(const ArenaOptions& options) {
+  const double inner = std::sqrt(options.robots / options.density_m2);
+  const double outer = inner + 2 * kWall_m;
+  const double middle = (inner + kWall_m) / 2;
+  std::string text =
+      fmt::format("[SIMULATION]\nmode free\nseed {}\n[FLOOR]\nsize {} {}\n", options.seed, outer, outer);
+  const auto wall = [&](int number, double length, double width, double x, double y) {
+    text += fmt::format("[WALL_{}]\ntype box\nsize {} {} {}\nposition {} {}\n", number, length, width,
+                        kWallHeight_m, x, y);
+  };
+  wall(1, outer, kWall_m, 0, middle);
+  wall(2, outer, kWall_m, 0, -middle);
+  wall(3, kWall_m, inner, middle, 0);
+  wall(4, kWall_m, inner, -middle, 0);
+  text += fmt::format("[SWARM_1]\ntype {}\nname bot\ncount {}\nfidelity {}\narea 0 0 {} {}\n", options.robot,
+                      options.robots, ToString(options.fidelity), inner, inner);
+  if (!options.controller.empty()) text += "controller " + options.controller + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::shared_ptr<const RobotModel> WithSensors(const RobotModel& model, std::optional<int> rays,
+                                              std::optional<double> range_m) {
+  auto changed = std::make_shared<RobotModel>(model);
+  std::vector<DistanceSensorModel>& sensors = changed->distance_sensors;
+  if (rays && *rays == 0) {
+    sensors.clear();
+    std::erase_if(changed->modules, [](const ModuleModel& module) { return module.type == "distance"; });
+  } else if (rays && !sensors.empty()) {
+    const DistanceSensorModel first = sensors.front();
+    // The sector from the first sensor's right edge to the last one's left edge, or the whole circle.
+    const std::size_t count = sensors.size();
+    const double gap = count > 1 ? sensors[1].bearing_rad - sensors[0].bearing_rad : first.opening_rad;
+    const double width = std::max(gap, first.opening_rad);
+    const double from = first.bearing_rad - width / 2;
+    const double span =
+        std::min(2 * std::numbers::pi, sensors.back().bearing_rad - first.bearing_rad + width);
+    const double radius = first.X_RS.p.head<2>().norm();
+    sensors.assign(static_cast<std::size_t>(*rays), first);
+    for (std::size_t i = 0; i < sensors.size(); ++i) {
+      const double b = WrapAngle(from + span * (static_cast<double>(i) + 0.5) / *rays);
+      sensors[i].bearing_rad = b;
+      sensors[i].opening_rad = 0;
+      sensors[i].rays = 1;
+      sensors[i].X_RS = {Vector3(radius * std::cos(b), radius * std::sin(b), first.X_RS.p.z()),
+                         FromRollPitchYaw(0, 0, b)};
+    }
+    std::stable_sort(sensors.begin(), sensors.end(),
+                     [](const auto& a, const auto& b) { return a.bearing_rad < b.bearing_rad; });
+  }
+  for (DistanceSensorModel& sensor : sensors) sensor.max_range_m = range_m.value_or(sensor.max_range_m);
+  return changed;
+}
+
+std::shared_ptr<const Scenario> MakeArena(const ArenaOptions& options, RobotLibrary& library,
+                                          Diagnostics& diagnostics) {
+  const auto read = ReadScenario(ArenaText(options), "bench.scenario", library, false, diagnostics);
+  if (read == nullptr || (!options.rays && !options.range_m)) return read;
+  const RobotModel& model = *read->robots.front().model;
+  if (model.distance_sensors.empty()) {
+    diagnostics.Error({"bench.scenario", 0}, "a " + model.type +
+                                                 " has no distance sensors to take the place of: leave "
+                                                 "--rays and --range out");
+    return nullptr;
+  }
+  auto scenario = std::make_shared<Scenario>(*read);
+  const auto changed = WithSensors(model, options.rays, options.range_m);
+  for (RobotEntry& robot : scenario->robots) robot.model = changed;
+  return scenario;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/bench_run.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <numeric>
+#include <stop_token>
+
+#include "server/controllers/controller_host.h"
+#include "server/physics/stepper.h"
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+
+namespace {
+
+double ToSecondsOf(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+}
+
+/// User and system time of all threads of this process, s.
+double OwnCpu_s() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return ToSecondsOf(usage.ru_utime) + ToSecondsOf(usage.ru_stime);
+}
+
+/// Memory of this process that is in RAM.
+double Resident_kb() {
+  std::ifstream file("/proc/self/statm");
+  double pages = 0, resident = 0;
+  file >> pages >> resident;
+  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1024;
+}
+
+/// splitmix64: the same numbers on every machine.
+double NextRandom(std::uint64_t& state) {
+  state += 0x9E3779B97F4A7C15u;
+  std::uint64_t z = state;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+/// Gives every robot that no controller drives wheel speeds of 0 to 0.1 m/s, which it keeps.
+void DriveAtRandom(const Scene& scene, std::uint64_t seed, CommandBoard& commands) {
+  constexpr double kFastest_m_s = 0.1;
+  const Client client{.id = 1, .name = "bench", .peer = {}, .input_ended = false};
+  const std::vector<SlotId> slots = commands.FindSlots(scene);
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const RobotEntry& entry = scene.robots[i].entry;
+    const double left = NextRandom(seed), right = NextRandom(seed);
+    if (!entry.controller.empty() || !entry.model->has_actuators()) continue;
+    const double fastest = kFastest_m_s / entry.model->drive.wheel_radius_m;
+    commands.Command(slots[i], client, {left * fastest, right * fastest}, std::nullopt, nullptr);
+  }
+}
+
+}  // namespace
+
+std::optional<BenchRun> RunOnce(const std::shared_ptr<const Scenario>& scenario,
+                                const BenchRunOptions& options, Diagnostics& diagnostics) {
+  const double resident_before = Resident_kb();
+  const SteadyClock clock;
+  FrameBoard frames;
+  CommandBoard commands;
+  Doorbell bell;
+  EditQueue edits(bell);
+  RunControl control;
+  WorkerPool pool(options.threads);
+  RunOptions run;
+  run.mode = Mode::kFree;
+  run.duration_s = options.seconds;
+  ControllerOptions controller_options;
+  controller_options.in_process = options.controllers_in_process;
+  controller_options.threads = options.threads;
+  controller_options.program = options.program;
+  ControllerHost controllers(controller_options, clock, NullLogger(), pool);
+  Stepper stepper({frames, commands, edits, control, bell}, clock, NullLogger(), run, {&pool, &controllers});
+  if (!stepper.Start(scenario, diagnostics)) return std::nullopt;
+  DriveAtRandom(*frames.Latest()->scene, scenario->simulation.seed, commands);
+
+  BenchRun result;
+  Nanoseconds sensing = 0;
+  std::vector<int> robots(scenario->robots.size());
+  std::iota(robots.begin(), robots.end(), 0);
+  if (options.sense) {
+    commands.AddObserver([&](const FramePtr& frame) {
+      const Nanoseconds began = clock.Now();
+      PrepareDistances(*frame, robots, pool);
+      sensing += clock.Now() - began;
+    });
+  }
+  std::stop_source stop;
+  double cpu_end_s = 0;
+  Nanoseconds wall_end = 0;
+  stepper.set_on_ended([&] {
+    cpu_end_s = OwnCpu_s() + controllers.child_cpu_s();
+    wall_end = clock.Now();
+    stop.request_stop();
+  });
+  const PhaseTimes phases_before = stepper.phase_times();
+  const double cpu_start_s = OwnCpu_s() + controllers.child_cpu_s();
+  const Nanoseconds wall_start = clock.Now();
+  stepper.Run(stop.get_token());
+
+  const FramePtr last = frames.Latest();
+  const PhaseTimes phases = stepper.phase_times();
+  result.steps = last->step;
+  result.simulated_s = last->time_s();
+  result.cpu_s = cpu_end_s - cpu_start_s;
+  result.wall_s = ToSeconds(wall_end - wall_start);
+  result.phases = {.sense = phases.sense - phases_before.sense + sensing,
+                   .control = phases.control - phases_before.control,
+                   .physics = phases.physics - phases_before.physics,
+                   .publish = phases.publish - phases_before.publish};
+  result.hash = StateHash(*last);
+  result.grown_kb = Resident_kb() - resident_before;
+  result.frozen = control.status().frozen;
+  for (const Event& event : control.events()) {
+    if (event.level == "error") result.problems.push_back(event.text);
+  }
+  return result;
+}
+
+}  // namespace coopdyn
