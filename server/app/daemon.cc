@@ -85,6 +85,13 @@ std::string LanAddress() {
   return address;
 }
 
+ControllerOptions ControllersOf(const ServeOptions& options) {
+  ControllerOptions controllers;
+  controllers.in_process = options.controllers_in_process;
+  controllers.threads = options.threads;
+  return controllers;
+}
+
 /// An error of listening, with the flag that helps if the port is the matter.
 std::string WithAdvice(const std::string& error, const char* flags) {
   if (error.empty()) return error;
@@ -110,7 +117,9 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       control_guard_(token_, true),
       ports_(options.port == 0 ? 0 : options.port + 2,
              [this](int port) { return names_.IsExternalPort(port); }),
-      stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run),
+      pool_(options.threads),
+      controllers_(ControllersOf(options), clock_, logger_, pool_),
+      stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run, {&pool_, &controllers_}),
       control_("control", logger_) {
   stepper_.set_on_ended([this] { shutdown_.Request(); });
 }
@@ -176,7 +185,13 @@ std::string Daemon::OpenRobots() {
   simulation_ = std::make_unique<SimulationModule>(
       services, [this](std::function<void()> work) { control_.Post(std::move(work)); });
   simulation_port_ = std::make_unique<PublishedModule>("/simulation", *simulation_, control_, net_, names_);
-  const std::string error = simulation_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);
+  std::string error = simulation_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);
+  if (!error.empty()) return WithAdvice(error, "--port");
+  swarm_ = std::make_unique<SwarmModule>(
+      SwarmServices{board_, frames_, roster_, robot_guard_, clock_, options_.threads, kVersion},
+      [this](std::function<void()> work) { control_.Post(std::move(work)); });
+  swarm_port_ = std::make_unique<PublishedModule>("/swarm", *swarm_, control_, net_, names_);
+  error = swarm_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);
   if (!error.empty()) return WithAdvice(error, "--port");
   if (!options_.yarp_server.empty() && host.sockets) {
     std::string yarp_host;
@@ -215,11 +230,13 @@ void Daemon::Stop() {
   if (physics_.joinable()) physics_.join();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
   if (robots_ != nullptr) control_.Call([this] { robots_->Stop(); });
+  swarm_port_.reset();
   simulation_port_.reset();
   control_.Call([this] { name_server_.reset(); });
   control_.Stop();
   name_client_.reset();
   if (web_ != nullptr) web_->Stop();
+  swarm_.reset();
   simulation_.reset();
   if (render_ != nullptr) render_->Stop();
 }

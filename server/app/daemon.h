@@ -11,8 +11,11 @@
 #include "server/app/options.h"
 #include "server/app/shutdown.h"
 #include "server/base/log.h"
+#include "server/base/worker_pool.h"
 #include "server/control/published_module.h"
 #include "server/control/simulation_module.h"
+#include "server/control/swarm_module.h"
+#include "server/controllers/controller_host.h"
 #include "server/naming/name_client.h"
 #include "server/naming/name_server.h"
 #include "server/render/render_thread.h"
@@ -88,12 +91,16 @@ class Daemon final : private ControlActions {
   const TokenGuard robot_guard_, control_guard_;
   PortPlan ports_;
 
+  WorkerPool pool_;             // of whoever holds the step baton
+  ControllerHost controllers_;  // likewise
   Stepper stepper_;
   std::unique_ptr<RenderThread> render_;
   IoThread control_;
   std::unique_ptr<RobotHost> robots_;
   std::unique_ptr<SimulationModule> simulation_;
   std::unique_ptr<PublishedModule> simulation_port_;
+  std::unique_ptr<SwarmModule> swarm_;
+  std::unique_ptr<PublishedModule> swarm_port_;
   std::unique_ptr<NameServer> name_server_;
   std::unique_ptr<NameClient> name_client_;
   std::map<std::string, int> told_names_;  // to the other name server: name, port

@@ -25,6 +25,7 @@ std::unique_ptr<Device> DeviceFactory::Make(const ModuleModel& module,
   if (module.type == "distance") return std::make_unique<DistanceDevice>(distance_, std::move(model));
   if (module.type == "target") return std::make_unique<TargetDevice>(target_);
   if (module.type == "pose") return std::make_unique<PoseDevice>(pose_);
+  if (module.type == "neighbours") return std::make_unique<NeighboursDevice>(neighbours_, std::move(model));
   return nullptr;
 }
 
