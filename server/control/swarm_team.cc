@@ -10,7 +10,7 @@
 
 #include "protocol/codec.h"
 #include "server/control/swarm_module.h"
-#include "server/devices/wheels.h"
+#include "server/model/drive.h"
 
 namespace coopdyn {
 

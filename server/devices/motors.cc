@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "server/devices/wheels.h"
+#include "server/model/drive.h"
 
 namespace coopdyn {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // /R/motors: two motorised wheels on one axle. Constant; any thread.
-// Commands become wheel speeds as wheels.h says; if they had to be scaled the reply's text says to what.
-// Wheel angles (rad) count from the start of the run and are not wrapped; wheel speeds (rad/s) are those of
-// the last step. No noise.
+// Commands become wheel speeds as server/model/drive.h says; if they had to be scaled the reply's text says
+// to what. Wheel angles (rad) count from the start of the run and are not wrapped; wheel speeds (rad/s) are
+// those of the last step. No noise.
 #pragma once
 
 #include <optional>
