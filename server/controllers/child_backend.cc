@@ -41,6 +41,7 @@ std::vector<Casualty> ChildBackend::Run() {
   const Operation operation = header.operation;
   const Place items = header.items;
   const std::size_t count = header.item_count;
+  loss_.reset();
   if (process_ && operation == Operation::kStep && Send(operation, items, count, options_.threads)) return {};
 
   Order order{operation, {}};

@@ -27,7 +27,8 @@ inline std::shared_ptr<RobotModel> DiscModel(int sensors = 8) {
   for (int i = 0; i < sensors; ++i) {
     DistanceSensorModel sensor;
     sensor.bearing_rad = 2 * std::numbers::pi * (i + 0.5) / sensors - std::numbers::pi;
-    sensor.opening_rad = 0.2;
+    sensor.opening_rad = 0.7;
+    sensor.rays = 5;
     sensor.X_RS.q = FromRollPitchYaw(0, 0, sensor.bearing_rad);
     sensor.X_RS.p = sensor.X_RS.q * Vector3(0.08, 0, 0) + Vector3(0, 0, 0.05);
     sensor.max_range_m = 0.5;

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+// Whatever a controller does in the child, its robot stops with the reason, and nothing else changes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/server/controllers/plugins/deeds.h"
+#include "tests/server/controllers/swarm.h"
+
+namespace coopdyn {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::size_t kVictim = 7;  // index of the robot that misbehaves
+
+/// Samples of all kinds, and among them one that does `deed` in its step `at`.
+Swarm SwarmWith(int deed, int at = 5) {
+  Swarm swarm;
+  swarm.Mark(3, 1);
+  for (std::size_t i = 0; i < 40; ++i) {
+    if (i == kVictim) {
+      swarm.Add(TestPlugin("hostile"), {{"deed", deed}, {"at", at}});
+    } else {
+      swarm.Add(Sample(i % 3 == 0 ? "diffuse" : i % 3 == 1 ? "flock" : "braitenberg"));
+    }
+  }
+  return swarm;
+}
+
+Record RunFor(const Swarm& swarm, const ControllerOptions& options, int steps = 20) {
+  Driven driven(swarm, options);
+  driven.Start();
+  return driven.Steps(steps);
+}
+
+/// The run in which that robot's controller just returns a number that is not finite.
+const Record& Mild() {
+  static const Record record = RunFor(SwarmWith(kNotANumber), TestOptions(true));
+  return record;
+}
+
+struct Case {
+  int deed;
+  const char* why;  // part of the text
+};
+
+class HostileStepTest : public testing::TestWithParam<Case> {};
+
+TEST_P(HostileStepTest, StopsThatRobotOnly) {
+  for (const int threads : {1, 3}) {
+    ControllerOptions options = TestOptions(false, threads);
+    options.deadline = kNanosecondsPerSecond;
+    const Record record = RunFor(SwarmWith(GetParam().deed), options);
+    EXPECT_TRUE(record.setpoints == Mild().setpoints) << threads << " threads";
+    ASSERT_EQ(record.stopped.size(), 1u);
+    EXPECT_EQ(record.stopped[0].robot, "robot8");
+    EXPECT_THAT(record.stopped[0].why, HasSubstr("controller hostile "));
+    EXPECT_THAT(record.stopped[0].why, HasSubstr(GetParam().why));
+    EXPECT_EQ(record.setpoints[19][kVictim], Setpoint{});
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Deeds, HostileStepTest,
+    testing::Values(Case{kThrowError, "threw an exception in step() (no way out)"},
+                    Case{kThrowInt, "threw an exception in step()"},
+                    Case{kDivideByZero, "integer division by zero"}, Case{kNotANumber, "forward_m_s = nan"},
+                    Case{kInfinity, "turn_rad_s = inf"},
+                    Case{kNotANumberInMessage, "a number in message = nan"},
+                    Case{kTooLongMessage, "message_count = 9: at most 8"},
+                    Case{kSleep, "did not return within 1 s"}, Case{kSpin, "did not return within 1 s"},
+                    Case{kWriteNowhere, "segmentation fault"}, Case{kWritePastCommand, "segmentation fault"},
+                    Case{kWriteReadings, "segmentation fault"}, Case{kAbort, "abort"}, Case{kExit, "exit(3)"},
+                    Case{kExitAtOnce, "exit(4)"}, Case{kOverflowStack, "segmentation fault"},
+                    Case{kKillItself, "killed"}, Case{kSavePastState, "segmentation fault"},
+                    Case{kThrowInSave, "threw an exception in save() (no room)"}));
+
+class HostileStartTest : public testing::TestWithParam<Case> {};
+
+TEST_P(HostileStartTest, StopsThatRobotOnly) {
+  ControllerOptions options = TestOptions();
+  options.deadline = kNanosecondsPerSecond;
+  const Record record = RunFor(SwarmWith(GetParam().deed), options);
+  const Record expected = RunFor(SwarmWith(kRefuse), TestOptions(true));
+  EXPECT_TRUE(record.setpoints == expected.setpoints);
+  ASSERT_EQ(record.stopped.size(), 1u);
+  EXPECT_EQ(record.stopped[0].robot, "robot8");
+  EXPECT_THAT(record.stopped[0].why, HasSubstr(GetParam().why));
+}
+
+INSTANTIATE_TEST_SUITE_P(Deeds, HostileStartTest,
+                         testing::Values(Case{kCrashInCreate, "segmentation fault"},
+                                         Case{kThrowInCreate, "threw an exception in create() (no wheels)"},
+                                         Case{kRefuse, "cannot drive it: it needs a hat"},
+                                         Case{kRefuseSilently, "create() returned NULL"},
+                                         Case{kHangInCreate, "did not return within 1 s"},
+                                         Case{kCrashInReset, "segmentation fault"}));
+
+TEST(HostileTest, InProcessExceptionsAndNumbersStopThatRobotToo) {
+  for (const int deed : {kThrowError, kThrowInt, kInfinity, kTooLongMessage, kThrowInSave}) {
+    const Record record = RunFor(SwarmWith(deed), TestOptions(true, 2));
+    EXPECT_TRUE(record.setpoints == Mild().setpoints);
+    EXPECT_EQ(record.stopped.size(), 1u);
+  }
+}
+
+TEST(HostileTest, SeveralThatCrashInOneStepAreAllFound) {
+  const auto swarm_of = [](int deed) {
+    Swarm swarm;
+    for (int i = 0; i < 60; ++i) {
+      if (i % 10 == 4) {
+        swarm.Add(TestPlugin("hostile"), {{"deed", deed}});
+      } else {
+        swarm.Add(Sample("diffuse"));
+      }
+    }
+    return swarm;
+  };
+  const Record expected = RunFor(swarm_of(kNotANumber), TestOptions(true));
+  ASSERT_EQ(expected.stopped.size(), 6u);
+  for (const int threads : {1, 2, 4}) {
+    const Record record = RunFor(swarm_of(kDivideByZero), TestOptions(false, threads));
+    EXPECT_TRUE(record.setpoints == expected.setpoints) << threads << " threads";
+    EXPECT_EQ(record.stopped.size(), 6u) << threads << " threads";
+  }
+}
+
+TEST(HostileTest, OneThatCrashesOnAllRobotsIsGivenUpAfterSome) {
+  for (const int deed : {kDivideByZero, kCrashInCreate}) {
+    Swarm swarm;
+    for (int i = 0; i < 100; ++i) swarm.Add(TestPlugin("hostile"), {{"deed", deed}});
+    swarm.Add(Sample("diffuse"));
+    const Record record = RunFor(swarm, TestOptions(false, 2), 10);
+    ASSERT_EQ(record.stopped.size(), 100u);
+    EXPECT_THAT(record.stopped.back().why, HasSubstr("is stopped on all robots: on 16 it crashed"));
+    for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(record.setpoints[9][i], Setpoint{});
+    EXPECT_NE(record.setpoints[9][100], Setpoint{});
+  }
+}
+
+TEST(HostileTest, ACrashInRestoreStopsThatRobotToo) {
+  for (const int deed : {kCrashInRestore, kThrowInRestore}) {
+    Swarm swarm;
+    for (int i = 0; i < 20; ++i) swarm.Add(Sample("diffuse"));
+    swarm.Add(TestPlugin("hostile"), {{"deed", deed}}).Add(TestPlugin("hostile"), {{"deed", kAbort}});
+    const Record record = RunFor(swarm, TestOptions());
+    ASSERT_EQ(record.stopped.size(), 2u);
+    EXPECT_NE(record.stopped[0].robot, record.stopped[1].robot);
+    EXPECT_NE(record.setpoints[19][0], Setpoint{});
+  }
+}
+
+TEST(HostileTest, KilledFromOutsideBetweenStepsNothingIsLost) {
+  const Record expected = RunFor(SwarmWith(kNone), TestOptions(true));
+  Driven driven(SwarmWith(kNone), TestOptions(false, 2));
+  driven.Start();
+  for (const int steps : {5, 1, 1, 13}) {
+    driven.Steps(steps);
+    ASSERT_GT(driven.host().child_pid(), 0);
+    kill(driven.host().child_pid(), SIGKILL);
+  }
+  EXPECT_TRUE(driven.run().setpoints == expected.setpoints);
+  EXPECT_TRUE(driven.run().stopped.empty());
+}
+
+TEST(HostileTest, KilledFromOutsideInAStepNothingIsLost) {
+  const std::string marker = testing::TempDir() + "hostile_marker_" + std::to_string(getpid());
+  setenv("HOSTILE_MARKER", marker.c_str(), 1);
+  const Record expected = RunFor(SwarmWith(kNone), TestOptions(true));
+  for (const int threads : {1, 4}) {
+    std::ofstream(marker) << "not yet";
+    const Record record = RunFor(SwarmWith(kKillOnce), TestOptions(false, threads));
+    EXPECT_FALSE(std::ifstream(marker).good()) << "it was not killed";
+    EXPECT_TRUE(record.setpoints == expected.setpoints);
+    EXPECT_TRUE(record.stopped.empty());
+  }
+}
+
+TEST(HostileTest, ItsCpuTimeCountsEvenWhenItIsDead) {
+  Driven driven(SwarmWith(kNone));
+  driven.Start();
+  driven.Steps(5);
+  const double before_s = driven.host().child_cpu_s();
+  EXPECT_GT(before_s, 0);
+  kill(driven.host().child_pid(), SIGKILL);
+  driven.Steps(5);
+  EXPECT_GT(driven.host().child_cpu_s(), before_s);
+}
+
+TEST(HostileTest, AHangInDestroyDoesNotHoldUpTheEnd) {
+  Driven driven(SwarmWith(kHangInDestroy));
+  driven.Start();
+  driven.Steps(2);
+  driven.Start();  // ends the first process, and at the end of this scope the second
+  EXPECT_TRUE(driven.run().stopped.empty());
+}
+
+}  // namespace
+}  // namespace coopdyn

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Shared objects that are no controllers: their robots stop with a clear text, the others drive.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "tests/server/controllers/swarm.h"
+
+namespace coopdyn {
+namespace {
+
+using testing::HasSubstr;
+
+struct Case {
+  const char* plugin;
+  const char* why;  // part of the text
+};
+
+class LoadingTest : public testing::TestWithParam<Case> {};
+
+TEST_P(LoadingTest, ItsRobotsStopAndTheOthersDrive) {
+  Swarm swarm;
+  swarm.Add(TestPlugin(GetParam().plugin)).Add(Sample("diffuse")).Add(TestPlugin(GetParam().plugin));
+  ControllerOptions options = TestOptions();
+  options.deadline = kNanosecondsPerSecond;
+  Driven driven(swarm, options);
+  driven.Start();
+  driven.Steps(3);
+  ASSERT_EQ(driven.run().stopped.size(), 2u);
+  EXPECT_EQ(driven.run().stopped[0].robot, "robot1");
+  EXPECT_EQ(driven.run().stopped[1].robot, "robot3");
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr(std::string("controller ") + GetParam().plugin + " "));
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr(GetParam().why));
+  EXPECT_EQ(driven.run().setpoints[2][0], Setpoint{});
+  EXPECT_NE(driven.run().setpoints[2][1], Setpoint{});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Plugins, LoadingTest,
+    testing::Values(Case{"wrong_version", "built for version 77 of controller.h, this daemon has version 1"},
+                    Case{"no_entry", "does not export coopdyn_controller_entry()"},
+                    Case{"no_description", "describe() returned NULL"},
+                    Case{"huge_description", "state_size in describe() is 4000000000: at most 65536 bytes"},
+                    Case{"wild_description", "crashed (segmentation fault"},
+                    Case{"no_functions", "its function step is NULL"},
+                    Case{"crash_on_load", "while it was loaded"},
+                    Case{"hang_on_load", "did not return within 1 s while it was loaded"},
+                    Case{"throw_on_describe", "threw an exception (speechless)"},
+                    Case{"not_there", "cannot be loaded"}));
+
+TEST(LoadingTest, ATextIsNoSharedObject) {
+  const std::string file = testing::TempDir() + "text_controller_" + std::to_string(getpid()) + ".so";
+  std::ofstream(file) << "forward 0.1\n";
+  Driven driven(Swarm().Add(file));
+  driven.Start();
+  ASSERT_EQ(driven.run().stopped.size(), 1u);
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("cannot be loaded"));
+  std::remove(file.c_str());
+}
+
+TEST(LoadingTest, AProgramThatIsNotThereIsSaid) {
+  ControllerOptions options = TestOptions();
+  options.program = "/nowhere/coopdyn";
+  Driven driven(Swarm().Add(Sample("diffuse")), options);
+  driven.Start();
+  ASSERT_EQ(driven.run().stopped.size(), 1u);
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("/nowhere/coopdyn: No such file"));
+}
+
+TEST(LoadingTest, AProgramThatIsNoChildIsGivenUp) {
+  ControllerOptions options = TestOptions();
+  options.program = "/bin/false";
+  Driven driven(Swarm().Add(Sample("diffuse")), options);
+  driven.Start();
+  ASSERT_EQ(driven.run().stopped.size(), 1u);
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("could not run: its process called exit(1)"));
+}
+
+TEST(LoadingTest, AControllerChangedOnDiskIsNotMixedWithTheOldOne) {
+  const std::string file = testing::TempDir() + "changing_" + std::to_string(getpid()) + ".so";
+  const auto copy = [&file](const std::string& from) {
+    std::remove(file.c_str());  // what is loaded keeps the old one
+    std::ofstream(file, std::ios::binary) << std::ifstream(from, std::ios::binary).rdbuf();
+  };
+  copy(Sample("diffuse"));
+  Driven driven(Swarm().Add(file).Add(Sample("braitenberg")));
+  driven.Start();
+  driven.Steps(3);
+  copy(Sample("flock"));
+  kill(driven.host().child_pid(), SIGKILL);
+  driven.Steps(3);
+  ASSERT_EQ(driven.run().stopped.size(), 1u);
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("was changed on disk"));
+  EXPECT_NE(driven.run().setpoints[5][1], Setpoint{});
+  driven.Start();  // a reset takes the new one
+  driven.Steps(1);
+  EXPECT_FALSE(driven.run().messages.empty());
+  std::remove(file.c_str());
+}
+
+}  // namespace
+}  // namespace coopdyn

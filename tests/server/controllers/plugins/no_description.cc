@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: MIT
+#include "tests/server/controllers/plugins/loading.h"
+
+extern "C" const coopdyn_controller* coopdyn_controller_entry() {
+  static const coopdyn_controller functions = With([]() -> const coopdyn_description* { return nullptr; });
+  return &functions;
+}
