@@ -27,17 +27,19 @@ double Median(std::vector<double> values) {
 
 BenchFigures FiguresOf(const BenchRun& run, int robots) {
   const double robot_steps = static_cast<double>(run.steps) * robots;
+  constexpr double kTick_s = 1e-6;  // a run so short that it took no time by the kernel's clock
+  const double cpu_s = std::max(run.cpu_s, kTick_s), wall_s = std::max(run.wall_s, kTick_s);
   const auto us = [robot_steps](double seconds) { return seconds * 1e6 / robot_steps; };
   const PhaseTimes& phases = run.phases;
   const Nanoseconds named = phases.sense + phases.control + phases.physics + phases.publish;
-  return {.robot_steps_per_cpu_s = robot_steps / run.cpu_s,
-          .robot_steps_per_wall_s = robot_steps / run.wall_s,
-          .rtf = run.simulated_s / run.wall_s,
+  return {.robot_steps_per_cpu_s = robot_steps / cpu_s,
+          .robot_steps_per_wall_s = robot_steps / wall_s,
+          .rtf = run.simulated_s / wall_s,
           .split = {.sense_us = us(ToSeconds(phases.sense)),
                     .control_us = us(ToSeconds(phases.control)),
                     .physics_us = us(ToSeconds(phases.physics)),
                     .publish_us = us(ToSeconds(phases.publish)),
-                    .other_us = us(run.wall_s - ToSeconds(named))}};
+                    .other_us = us(wall_s - ToSeconds(named))}};
 }
 
 BenchFigures MedianOf(const std::vector<BenchFigures>& all) {
@@ -149,33 +151,38 @@ std::optional<SwarmBenchResult> RunSwarmBench(const SwarmBenchOptions& options, 
 std::string BenchJson(const SwarmBenchOptions& options, const SwarmBenchResult& result) {
   const ArenaOptions& arena = options.arena;
   const BenchFigures& median = result.median;
-  const boost::json::object split{{"sense", Rounded(median.split.sense_us, 4)},
-                                  {"control", Rounded(median.split.control_us, 4)},
-                                  {"physics", Rounded(median.split.physics_us, 4)},
-                                  {"publish", Rounded(median.split.publish_us, 4)},
-                                  {"other", Rounded(median.split.other_us, 4)}};
-  return boost::json::serialize(
-             boost::json::object{{"robots", arena.robots},
-                                 {"robot", arena.robot},
-                                 {"rays", result.rays},
-                                 {"range", result.range_m},
-                                 {"fidelity", ToString(arena.fidelity)},
-                                 {"controller", arena.controller.empty() ? "none" : arena.controller},
-                                 {"controllers", options.controllers_in_process ? "in-process" : "child"},
-                                 {"density", arena.density_m2},
-                                 {"threads", options.threads},
-                                 {"seed", arena.seed},
-                                 {"seconds", options.seconds},
-                                 {"repeats", options.repeats},
-                                 {"steps", result.steps},
-                                 {"robot_steps_per_cpu_s", std::round(median.robot_steps_per_cpu_s)},
-                                 {"robot_steps_per_wall_s", std::round(median.robot_steps_per_wall_s)},
-                                 {"spread", Rounded(result.spread, 3)},
-                                 {"rtf", Rounded(median.rtf, 4)},
-                                 {"kb_per_robot", Rounded(result.kb_per_robot, 4)},
-                                 {"split", split},
-                                 {"hash", result.hashes.back()}}) +
-         "\n";
+  const BenchSplit& split = median.split;
+  std::string json;
+  const auto add = [&json](const char* key, const auto& value) {
+    json += fmt::format("{}\"{}\": {}", json.empty() ? "" : ", ", key, value);
+  };
+  const auto text = [](const std::string& value) {
+    return boost::json::serialize(boost::json::string(value));
+  };
+  add("robots", arena.robots);
+  add("robot", text(arena.robot));
+  add("rays", result.rays);
+  add("range", result.range_m);
+  add("fidelity", text(ToString(arena.fidelity)));
+  add("controller", text(arena.controller.empty() ? "none" : arena.controller));
+  add("controllers", text(options.controllers_in_process ? "in-process" : "child"));
+  add("density", arena.density_m2);
+  add("threads", options.threads);
+  add("seed", arena.seed);
+  add("seconds", options.seconds);
+  add("repeats", options.repeats);
+  add("steps", result.steps);
+  add("robot_steps_per_cpu_s", std::llround(median.robot_steps_per_cpu_s));
+  add("robot_steps_per_wall_s", std::llround(median.robot_steps_per_wall_s));
+  add("spread", Rounded(result.spread, 3));
+  add("rtf", Rounded(median.rtf, 4));
+  add("kb_per_robot", Rounded(result.kb_per_robot, 4));
+  add("split",
+      fmt::format(R"({{"sense": {}, "control": {}, "physics": {}, "publish": {}, "other": {}}})",
+                  Rounded(split.sense_us, 4), Rounded(split.control_us, 4), Rounded(split.physics_us, 4),
+                  Rounded(split.publish_us, 4), Rounded(split.other_us, 4)));
+  add("hash", text(result.hashes.back()));
+  return "{" + json + "}\n";
 }
 
 std::string BenchTable(const SwarmBenchOptions& options, const SwarmBenchResult& result) {
