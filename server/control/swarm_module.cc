@@ -159,7 +159,7 @@ std::optional<Message> SwarmModule::StepAll(Peer& peer, const Message& request) 
     const bool is_word = request.text.size() <= kShown;
     return ErrorReply(request.command, Error::kWrongParams,
                       "step_all takes velocities or wheels, not " + request.text.substr(0, kShown) +
-                          (is_word ? DidYouMean(request.text, words) : "") + ": step_all wheels 2 2");
+                          DidYouMean(is_word ? request.text : "", words));
   }
   if (std::optional<Message> refusal = FindRows(peer, request, peer.rows)) return refusal;
   peer.rows_scene = scene_;

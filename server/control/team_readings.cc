@@ -32,7 +32,7 @@ std::string TeamReadings::Select(std::string_view text, int nearest) {
     if (found == Words().end()) {
       constexpr std::size_t kShown = 40;
       return "there is no reading " + word.substr(0, kShown) +
-             DidYouMean(word.size() > kShown ? "" : word, Words()) + ": select_readings pose distances";
+             DidYouMean(word.size() > kShown ? "" : word, Words());
     }
     const auto kind = static_cast<Kind>(found - Words().begin());
     if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) {
