@@ -17,6 +17,7 @@ namespace {
 constexpr Nanoseconds kTick = kNanosecondsPerSecond;
 constexpr Nanoseconds kBarTick = kNanosecondsPerSecond / 5;
 constexpr Nanoseconds kProgressEvery = 60 * kNanosecondsPerSecond;
+constexpr const char* kClearToEnd = "\x1b[K";  // of the terminal's line
 
 /// Waits for the end of the daemon, telling now and then how the run goes on.
 void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock) {
@@ -28,13 +29,17 @@ void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock) {
     daemon.LogWaiting();
     const Nanoseconds now = clock.Now();
     if (bar) {
-      std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << std::flush;
+      std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << kClearToEnd
+                << std::flush;
     } else if (!terminal && now - told >= kProgressEvery) {
       told = now;
-      std::cerr << ProgressLine(*daemon.frame(), daemon.status()) << std::endl;
+      std::cerr << ProgressLine(*daemon.frame(), daemon.status(), daemon.duration_s()) << std::endl;
     }
   }
-  if (bar) std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << '\n';
+  if (bar) {
+    std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << kClearToEnd
+              << '\n';
+  }
 }
 
 }  // namespace
@@ -44,14 +49,15 @@ int Serve(const ServeOptions& options) {
   Shutdown shutdown;
   const LogBackend log(options.log_level);
   const SteadyClock clock;
-  const Nanoseconds started = clock.Now();
   Daemon daemon(options, log.logger(), shutdown);
   if (const std::string error = daemon.Start(); !error.empty()) {
     std::cerr << error << (error.ends_with('\n') ? "" : "\n");
     return kExitErrors;
   }
+  const Nanoseconds started = clock.Now();
   std::cerr << daemon.HowToGoOn();
   std::cout << daemon.ReadyLine() << std::endl;
+  if (daemon.duration_s() > 0) std::cerr << "runs to t = " << daemon.duration_s() << " s" << std::endl;
 
   WaitForEnd(daemon, shutdown, clock);
 
