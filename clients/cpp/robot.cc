@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <sstream>
 #include <utility>
 
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/raw_call.h"
 #include "clients/cpp/session.h"
+#include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
 
 namespace coopdyn::client {
@@ -19,13 +19,6 @@ constexpr double kLabelsLive_s = 0.5;  // ids and colours of targets are asked f
 double Finite(double value, const char* what) {
   if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
   return value;
-}
-
-std::vector<std::string> Words(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
 }
 
 /// Throws Error 7 if a reply is shorter than its command promises.

@@ -2,10 +2,10 @@
 // The teams of a session: one connection to /swarm each.
 #include <algorithm>
 #include <chrono>
-#include <sstream>
 #include <utility>
 
 #include "clients/cpp/session.h"
+#include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
 
 namespace coopdyn::client {
@@ -13,13 +13,6 @@ namespace {
 
 constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10;
 constexpr double kRequestTimeout_s = 10;
-
-std::vector<std::string> Words(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
-}
 
 void Name(TeamLink& team, Message reply) {
   team.names = Words(reply.text);
@@ -30,10 +23,8 @@ void Name(TeamLink& team, Message reply) {
 Message Claim(TeamLink& team) {
   Connection& connection = *team.connection;
   if (!team.text.empty() || team.names.empty()) return connection.Request(command::kClaim, {}, {}, team.text);
-  std::string names;
-  for (const std::string& name : team.names) names += (names.empty() ? "" : " ") + name;
   try {  // again all that were free, not what is free by now
-    return connection.Request(command::kClaim, {}, {}, names);
+    return connection.Request(command::kClaim, {}, {}, Join(team.names, " "));
   } catch (const Error& e) {
     if (e.code() != kNoSuchName) throw;
   }

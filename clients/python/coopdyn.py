@@ -65,6 +65,7 @@ _NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
 _HELD_UP_S = 0.5  # lockstep awaits its robots before every step; a shorter wait holds nobody up
 _NAMED_ROBOTS = 4
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
+_LISTED = 1000  # robots in one status
 _READINGS = ("pose", "distances", "targets", "neighbours", "wheels")  # of a team
 _NEIGHBOURS = 8  # of each robot of a team, unless told
 _MAX_MESSAGE = 8  # numbers in one message between robots
@@ -1758,9 +1759,8 @@ class Simulation:
     def robots(self) -> List[str]:
         """The names of all robots, in the order of the scenario."""
         names: List[str] = []
-        while True:  # a status lists some hundred at a time
-            status = json.loads(self._session.control(_GET_STATUS, (len(names) + 1,)).text if names else
-                                self._session.control(_GET_STATUS).text)
+        while True:  # a status lists so many at a time
+            status = json.loads(self._session.control(_GET_STATUS, (len(names) + 1, _LISTED)).text)
             names += [robot["name"] for robot in status["robots"]]
             if not status["robots"] or len(names) >= int(status.get("robot_count") or 0):
                 return names

@@ -56,8 +56,9 @@ classdef Simulation < handle
     function names = robots(sim)
     %ROBOTS The names of all robots, in the order of the scenario.
       names = {};
-      s = sim.status();
-      while true  % a status lists some hundred at a time
+      while true  % a status lists so many at a time
+        reply = sim.session.control(100, [numel(names) + 1, 1000]);
+        s = jsondecode(reply.text);
         if isempty(s.robots)
           return
         end
@@ -65,8 +66,6 @@ classdef Simulation < handle
         if ~isfield(s, 'robot_count') || numel(names) >= s.robot_count
           return
         end
-        reply = sim.session.control(100, numel(names) + 1);
-        s = jsondecode(reply.text);
       end
     end
 
