@@ -23,7 +23,8 @@ RobotHost::~RobotHost() {
 }
 
 IoThread& RobotHost::ThreadFor(std::size_t robots, bool& own) {
-  own = options_.threads <= 0 && robots <= kMaxOwnThreads;
+  const std::size_t cores = options_.cores > 0 ? options_.cores : std::thread::hardware_concurrency();
+  own = options_.threads <= 0 && robots < cores;
   const auto start = [this] {
     threads_.push_back({std::make_unique<IoThread>("robot-" + std::to_string(threads_.size() + 1),
                                                    services_.net.logger(), options_.spin),
@@ -31,8 +32,9 @@ IoThread& RobotHost::ThreadFor(std::size_t robots, bool& own) {
     return std::ref(*threads_.back().io);
   };
   if (own) return start();
-  const std::size_t wanted = options_.threads > 0 ? static_cast<std::size_t>(options_.threads)
-                                                  : std::max(2U, std::thread::hardware_concurrency());
+  const std::size_t wanted = options_.threads > 0
+                                 ? static_cast<std::size_t>(options_.threads)
+                                 : std::clamp(robots / kRobotsPerThread, std::size_t{1}, kMaxPool);
   std::vector<IoThread*> pool;
   for (const Thread& thread : threads_) {
     if (thread.only == nullptr) pool.push_back(thread.io.get());

@@ -20,14 +20,16 @@ namespace coopdyn {
 struct RobotHostOptions {
   bool sockets = true;                 // false: `--no-net`, modules can only adopt
   std::vector<std::string> addresses;  // ListenAddresses(--host)
-  int threads = 0;  // `--robot-threads`: so many for all; 0: one each up to 100 robots, else a pool
+  int threads = 0;  // `--robot-threads`: so many for all; 0: one each if there are cores enough, else a pool
   std::chrono::microseconds spin{0};  // IoThread
+  std::size_t cores = 0;              // 0: those of this machine
 };
 
 class RobotHost {
  public:
-  /// More robots than this share a pool of threads.
-  static constexpr std::size_t kMaxOwnThreads = 100;
+  /// Robots that leave no core to their clients share a pool: one thread for so many, at most kMaxPool. More
+  /// threads than cores cost two switches per robot and round, 2 to 3 times the CPU (docs/decisions.md).
+  static constexpr std::size_t kRobotsPerThread = 4, kMaxPool = 2;
 
   /// `services` and `ports` outlive it.
   RobotHost(RobotServices services, RobotHostOptions options, PortPlan& ports);

@@ -23,7 +23,7 @@ class RobotHostTest : public testing::Test {
   RobotServices Services() {
     return {world_.board, world_.frames, names_, net_, roster_, devices_, guard_, clock_, "1.2.3"};
   }
-  RobotHostOptions Options() const { return {true, ListenAddresses("127.0.0.1"), 0, {}}; }
+  RobotHostOptions Options() const { return {true, ListenAddresses("127.0.0.1"), 0, {}, 8}; }
   void Load(std::shared_ptr<const Scenario> scenario) { world_.Load(std::move(scenario), Mode::kLockstep); }
   const Scene& scene() const { return *world_.frames.Latest()->scene; }
 
@@ -190,8 +190,27 @@ TEST_F(RobotHostTest, ManyRobotsShareAPool) {
   Load(scenario);
   RobotHost host(Services(), Options(), ports_);
   ASSERT_EQ(host.Apply(scene(), true), "");
-  EXPECT_LT(host.thread_count(), 101u);
+  EXPECT_EQ(host.thread_count(), 2u);
   EXPECT_EQ(names_.List().size(), 404u);
+}
+
+TEST_F(RobotHostTest, AFewRobotsShareOneThreadWhereCoresAreScarce) {
+  Load(SmallScenario(4));
+  RobotHostOptions options = Options();
+  options.sockets = false;
+  options.cores = 2;
+  RobotHost host(Services(), options, ports_);
+  ASSERT_EQ(host.Apply(scene(), true), "");
+  EXPECT_EQ(host.thread_count(), 1u);
+}
+
+TEST_F(RobotHostTest, EachRobotHasAThreadWhereCoresAreLeftForTheirClients) {
+  Load(SmallScenario(7));
+  RobotHostOptions options = Options();
+  options.sockets = false;
+  RobotHost host(Services(), options, ports_);
+  ASSERT_EQ(host.Apply(scene(), true), "");
+  EXPECT_EQ(host.thread_count(), 7u);
 }
 
 TEST_F(RobotHostTest, NumberOfThreadsCanBeChosen) {
