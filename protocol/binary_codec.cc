@@ -5,6 +5,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "protocol/codec.h"
 #include "protocol/command_ids.h"
@@ -29,6 +30,34 @@ template <typename T>
 void WriteLittle(T value, char*& to) {
   const auto bits = static_cast<std::make_unsigned_t<T>>(value);
   for (std::size_t i = 0; i < sizeof(T); ++i) *to++ = static_cast<char>((bits >> (8 * i)) & 0xFF);
+}
+
+template <typename T>
+using BitsOf = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+
+/// Reads as many numbers as `values` holds. Whole teams' readings pass here: at once, where memory is ordered
+/// as the wire.
+template <typename T>
+void ReadAll(const char*& from, std::vector<T>& values) {
+  if constexpr (std::endian::native == std::endian::little) {
+    if (!values.empty()) std::memcpy(values.data(), from, values.size() * sizeof(T));
+    from += values.size() * sizeof(T);
+  } else {
+    for (T& value : values) {
+      value = std::bit_cast<T>(ReadLittle<BitsOf<T>>(from));
+      from += sizeof(T);
+    }
+  }
+}
+
+template <typename T>
+void WriteAll(const std::vector<T>& values, char*& to) {
+  if constexpr (std::endian::native == std::endian::little) {
+    if (!values.empty()) std::memcpy(to, values.data(), values.size() * sizeof(T));
+    to += values.size() * sizeof(T);
+  } else {
+    for (const T value : values) WriteLittle(std::bit_cast<BitsOf<T>>(value), to);
+  }
 }
 
 Decoded Fatal(Error error, std::string text) {
@@ -83,15 +112,9 @@ Decoded DecodeBinary(std::string_view bytes, std::size_t max_bytes) {
   message.text = text;
   from += text_bytes;
   message.params.resize(params);
-  for (std::int32_t& param : message.params) {
-    param = ReadLittle<std::int32_t>(from);
-    from += 4;
-  }
+  ReadAll(from, message.params);
   message.data.resize(data);
-  for (double& value : message.data) {
-    value = std::bit_cast<double>(ReadLittle<std::uint64_t>(from));
-    from += 8;
-  }
+  ReadAll(from, message.data);
   return decoded;
 }
 
@@ -108,8 +131,8 @@ void EncodeBinary(const Message& message, std::string& out) {
   WriteLittle(static_cast<std::uint32_t>(message.params.size()), to);
   WriteLittle(static_cast<std::uint32_t>(message.data.size()), to);
   to = std::copy(message.text.begin(), message.text.end(), to);
-  for (const std::int32_t param : message.params) WriteLittle(param, to);
-  for (const double value : message.data) WriteLittle(std::bit_cast<std::uint64_t>(value), to);
+  WriteAll(message.params, to);
+  WriteAll(message.data, to);
 }
 
 }  // namespace coopdyn

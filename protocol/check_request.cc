@@ -85,6 +85,26 @@ CheckResult CheckCounts(const CommandSpec& spec, std::string_view text, std::siz
   return {};
 }
 
+/// @pre CountFits()
+template <typename Number>
+CheckResult CheckValues(const CommandSpec& spec, std::span<const ValueSpec> values,
+                        std::span<const Number> numbers) {
+  std::size_t at = 0;  // in `values`; a repeating group begins again at `first`
+  const auto first = static_cast<std::size_t>(
+      std::find_if(values.begin(), values.end(), [](const ValueSpec& value) { return value.repeated; }) -
+      values.begin());
+  for (const Number number : numbers) {
+    const ValueSpec& value = values[at];
+    const auto plain = static_cast<double>(number);
+    if (!std::isfinite(plain) || plain < value.min || !value.enums.empty()) {
+      std::string objection = Objection(value, plain);
+      if (!objection.empty()) return Refuse(spec, Error::kOutOfRange, std::move(objection));
+    }
+    if (++at == values.size()) at = first;
+  }
+  return {};
+}
+
 }  // namespace
 
 CheckResult CheckRequest(const CommandSpec& spec, std::string_view text, std::span<const std::int32_t> params,
@@ -92,15 +112,9 @@ CheckResult CheckRequest(const CommandSpec& spec, std::string_view text, std::sp
   CheckResult result = CheckText(spec, text, params.size());
   if (result.error == 0) result = CheckCounts(spec, text, params.size(), data.size());
   if (result.error != 0) return result;
-  for (std::size_t i = 0; i < params.size(); ++i) {
-    std::string objection = Objection(*ValueAt(spec.params, i), params[i]);
-    if (!objection.empty()) return Refuse(spec, Error::kOutOfRange, std::move(objection));
-  }
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    std::string objection = Objection(*ValueAt(spec.data, i), data[i]);
-    if (!objection.empty()) return Refuse(spec, Error::kOutOfRange, std::move(objection));
-  }
-  return {};
+  result = CheckValues(spec, spec.params, params);
+  if (result.error == 0) result = CheckValues(spec, spec.data, data);
+  return result;
 }
 
 }  // namespace coopdyn
