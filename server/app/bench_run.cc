@@ -27,13 +27,16 @@ double OwnCpu_s() {
   return ToSecondsOf(usage.ru_utime) + ToSecondsOf(usage.ru_stime);
 }
 
-/// Memory of this process that is in RAM.
+}  // namespace
+
 double Resident_kb() {
   std::ifstream file("/proc/self/statm");
   double pages = 0, resident = 0;
   file >> pages >> resident;
   return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1024;
 }
+
+namespace {
 
 /// splitmix64: the same numbers on every machine.
 double NextRandom(std::uint64_t& state) {
@@ -62,7 +65,6 @@ void DriveAtRandom(const Scene& scene, std::uint64_t seed, CommandBoard& command
 
 std::optional<BenchRun> RunOnce(const std::shared_ptr<const Scenario>& scenario,
                                 const BenchRunOptions& options, Diagnostics& diagnostics) {
-  const double resident_before = Resident_kb();
   const SteadyClock clock;
   FrameBoard frames;
   CommandBoard commands;
@@ -117,7 +119,7 @@ std::optional<BenchRun> RunOnce(const std::shared_ptr<const Scenario>& scenario,
                    .physics = phases.physics - phases_before.physics,
                    .publish = phases.publish - phases_before.publish};
   result.hash = StateHash(*last);
-  result.grown_kb = Resident_kb() - resident_before;
+  result.resident_kb = Resident_kb();
   result.frozen = control.status().frozen;
   for (const Event& event : control.events()) {
     if (event.level == "error") result.problems.push_back(event.text);

@@ -29,10 +29,13 @@ struct BenchRun {
   double wall_s = 0;
   PhaseTimes phases;
   std::uint64_t hash = 0;
-  double grown_kb = 0;  // of this process, from before the world was built to the end
+  double resident_kb = 0;  // of this process at the end, the world still standing
   std::vector<std::string> frozen;
   std::vector<std::string> problems;
 };
+
+/// Memory of this process that is in RAM.
+double Resident_kb();
 
 /// Steps `scenario` on the calling thread. Robots without a controller get random wheel speeds once. Nothing,
 /// with errors, if the world cannot be built.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/bench_swarm.h"
 
+#include <malloc.h>
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
@@ -119,6 +120,10 @@ bool SwarmBenchResult::hashes_agree() const {
 std::optional<SwarmBenchResult> RunSwarmBench(const SwarmBenchOptions& options, RobotLibrary& library,
                                               Diagnostics& diagnostics,
                                               const std::function<void(int)>& tell) {
+  // What is in memory before and has nothing to do with the number of robots: code, and the robot's model.
+  if (library.Get(options.arena.robot, {}, diagnostics) == nullptr) return std::nullopt;
+  ::malloc_trim(0);
+  const double resident_before_kb = Resident_kb();
   const auto scenario = MakeArena(options.arena, library, diagnostics);
   if (scenario == nullptr) return std::nullopt;
   const std::vector<DistanceSensorModel>& sensors = scenario->robots.front().model->distance_sensors;
@@ -136,7 +141,7 @@ std::optional<SwarmBenchResult> RunSwarmBench(const SwarmBenchOptions& options, 
     const std::optional<BenchRun> run = RunOnce(scenario, run_options, diagnostics);
     if (!run) return std::nullopt;
     // Later repeats use the memory of the first once more.
-    if (repeat == 1) result.kb_per_robot = run->grown_kb / options.arena.robots;
+    if (repeat == 1) result.kb_per_robot = (run->resident_kb - resident_before_kb) / options.arena.robots;
     result.steps = run->steps;
     result.hashes.push_back(HashText(run->hash));
     result.frozen.insert(result.frozen.end(), run->frozen.begin(), run->frozen.end());
