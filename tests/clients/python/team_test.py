@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Teams of the Python client against the real daemon."""
 import math
+import os
+import re
+import subprocess
+import sys
 import threading
 import unittest
 
@@ -183,6 +187,16 @@ class Lockstep(TeamTestCase):
         team = sim.team()
         self.assertEqual(team.names, names)
         self.assertEqual(team.step((0.1, 0.0), timeout=60).distances.shape[0], 600)
+
+
+class Program(TeamTestCase):
+    def test_swarm_spreads(self):
+        daemon = self.start("swarm100")
+        run = subprocess.run([sys.executable, str(harness.ROOT / "clients" / "python" / "swarm.py"), "swarm1"], timeout=110,
+                             text=True, capture_output=True, env=dict(os.environ, COOPDYN_SERVER=daemon.server))
+        self.assertEqual(run.returncode, 0, run.stderr)
+        said = re.fullmatch(r"100 robots went ([\d.]+) m on average in 10.00 s\n", run.stdout)
+        self.assertGreater(float(said.group(1)), 0.3)
 
 
 class OtherModes(TeamTestCase):
