@@ -10,7 +10,7 @@
 
 #include "server/geometry/uniform_grid.h"
 #include "server/physics/circle_grid.h"
-#include "server/physics/ode_world.h"
+#include "server/physics/things.h"
 
 namespace coopdyn {
 
@@ -27,39 +27,41 @@ class BroadPhase {
  public:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-  /// Fills the grid of static things, and that of dynamic objects where they are now.
-  explicit BroadPhase(const OdeWorld& ode);
+  /// Fills the grids of objects, the dynamic ones at their start. @pre `things` outlives it.
+  explicit BroadPhase(const Things& things);
 
   /// The robots' spaces, by robot; to be brought up to date before FindPairs().
   std::vector<RobotSpace>& spaces() { return spaces_; }
-  /// Tells that dynamic object `owner` has moved or turned.
-  void MoveObject(const OdeWorld& ode, std::size_t owner);
+  /// Tells that dynamic object `owner` is now at `body`.
+  void MoveObject(std::size_t owner, const BodyState& body);
 
   /// Finds all pairs of owners (a < b) that may touch, but not those of two that do not move (`moves`, by
   /// dynamic owner): first among the dynamic ones, then with static ones, each in increasing order. Valid
   /// until the next call.
-  const std::vector<Pair>& FindPairs(const OdeWorld& ode, std::span<const std::uint8_t> moves);
+  const std::vector<Pair>& FindPairs(std::span<const std::uint8_t> moves);
 
  private:
-  struct Things {
+  struct Objects {
+    std::vector<PlacedPart> parts;
     std::vector<Aabb2> boxes;
-    std::vector<double> min_z, max_z;
     UniformGrid grid;
-  };
-  static void Place(const OdeWorld& ode, std::size_t owner, Things& things, std::size_t at);
-  /// Appends to `pairs` what of `things` may touch robot `owner`; the first of things is owner `first`.
-  void FindThings(const OdeWorld& ode, std::size_t owner, const Things& things, std::size_t first,
-                  std::vector<Pair>& pairs) const;
-  void FindObjects(const OdeWorld& ode, std::span<const std::uint8_t> moves);
-  void FindStatics(const OdeWorld& ode, std::span<const std::uint8_t> moves);
 
-  Things objects_, statics_;
+    void Add(const Actor& actor);
+    void Move(std::size_t object, const PlacedPart& part);
+    bool BesideInHeight(std::size_t object, double min_z, double max_z) const;
+  };
+  /// Appends to `pairs` what of `objects` may touch robot `owner`; the first of them is owner `first`.
+  void FindNear(std::size_t owner, const Objects& objects, std::size_t first, std::vector<Pair>& pairs) const;
+  void FindObjects(std::span<const std::uint8_t> moves);
+  void FindStatics(std::span<const std::uint8_t> moves);
+
+  const Things& things_;
+  Objects objects_, statics_;
   bool objects_moved_ = false;
   std::vector<RobotSpace> spaces_;
   std::vector<Circle> circles_;
   CircleGrid robots_;
   std::vector<Pair> robot_pairs_, pairs_;
-  std::vector<std::uint32_t> found_;
 };
 
 }  // namespace coopdyn

@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "server/physics/one_body.h"
+#include "server/physics/mechanism.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -30,10 +30,10 @@ bool StandsUpright(const BodyState& body, double rest_z_m);
 
 /// What the drive does in the next `dt_s`. `closed` is false if the robot is not upright at rest, or if its
 /// acceleration would make it slide sideways or tip.
-DrivePlan PlanDrive(const OneBody& robot, const BodyState& body, double rest_z_m,
+DrivePlan PlanDrive(const OneBodyDrive& drive, const BodyState& body, double rest_z_m,
                     const std::array<double, 2>& setpoint_rad_s, double dt_s);
 
 /// Moves `body` by `plan`. @pre plan.closed.
-void Advance(const OneBody& robot, const DrivePlan& plan, double rest_z_m, double dt_s, BodyState& body);
+void Advance(const OneBodyDrive& drive, const DrivePlan& plan, double rest_z_m, double dt_s, BodyState& body);
 
 }  // namespace coopdyn

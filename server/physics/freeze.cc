@@ -36,16 +36,4 @@ double Violence(const BodyState& state) {
   return std::max(state.v_WB.norm() / kMaxSpeed_m_s, state.w_WB.norm() / kMaxTurnRate_rad_s);
 }
 
-void Hold(const OdeWorld& ode, const Owner& owner) {
-  if (owner.one_body != nullptr) return;
-  for (int i = owner.first_body; i < owner.first_body + owner.body_count; ++i) {
-    dBodyID body = ode.bodies[static_cast<std::size_t>(i)];
-    dBodySetLinearVel(body, 0, 0, 0);
-    dBodySetAngularVel(body, 0, 0, 0);
-    dBodySetForce(body, 0, 0, 0);
-    dBodySetTorque(body, 0, 0, 0);
-    dBodyDisable(body);
-  }
-}
-
 }  // namespace coopdyn

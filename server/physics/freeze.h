@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "server/physics/ode_world.h"
+#include "server/state/frame.h"
 
 namespace coopdyn {
 
@@ -18,8 +18,5 @@ std::optional<std::string> WhyInsane(const BodyState& state);
 
 /// The largest share of these limits that a body uses; infinite if it is not finite.
 double Violence(const BodyState& state);
-
-/// Holds the bodies that `owner` has in ODE where they are: at rest, disabled.
-void Hold(const OdeWorld& ode, const Owner& owner);
 
 }  // namespace coopdyn

@@ -1,42 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include "server/physics/islands.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace coopdyn {
 
-namespace {
-
-void Enable(const OdeWorld& ode, const Owner& owner, bool on) {
-  const auto set = [on](dBodyID body) { on ? dBodyEnable(body) : dBodyDisable(body); };
-  if (owner.one_body != nullptr) {
-    set(ode.slots[static_cast<std::size_t>(owner.slot)].body);
-    return;
-  }
-  for (int i = 0; i < owner.body_count; ++i) set(ode.bodies[static_cast<std::size_t>(owner.first_body + i)]);
+void Islands::Resize(std::size_t count) {
+  parents_.assign(count, -1);
+  first_.assign(count, kNone);
+  last_.assign(count, kNone);
+  next_.assign(count, kNone);
 }
 
-}  // namespace
-
-void Islands::Reset(const OdeWorld& ode, std::span<const std::uint32_t> active) {
-  parents_.resize(static_cast<std::size_t>(ode.first_static));
-  for (const std::uint32_t i : active) {
-    const Owner& owner = ode.owners[i];
-    parents_[i] = -1 - owner.rows - (owner.robot >= 0 ? kRobotSurcharge : 0);
-  }
-}
-
-std::size_t Islands::RootOf(std::size_t owner) {
+std::uint32_t Islands::RootOf(std::uint32_t owner) {
   while (parents_[owner] >= 0) {
-    const std::size_t parent = static_cast<std::size_t>(parents_[owner]);
+    const std::uint32_t parent = static_cast<std::uint32_t>(parents_[owner]);
     if (parents_[parent] >= 0) parents_[owner] = parents_[parent];
     owner = parent;
   }
   return owner;
 }
 
-void Islands::Join(std::size_t a, std::size_t b) {
+void Islands::Join(std::uint32_t a, std::uint32_t b) {
   a = RootOf(a);
   b = RootOf(b);
   if (a == b) return;
@@ -45,26 +30,20 @@ void Islands::Join(std::size_t a, std::size_t b) {
   parents_[b] = static_cast<int>(a);
 }
 
-void Solve(OdeWorld& ode, Islands& islands, std::span<const std::uint32_t> active, double dt_s) {
-  dWorldID world = ode.world.get();
-  const auto is_large = [&](std::uint32_t i) { return islands.RowsOf(i) > kMaxDirectRows; };
-  if (std::none_of(active.begin(), active.end(), is_large)) {
-    dWorldStep(world, dt_s);
-    return;
-  }
-  // ODE steps what is enabled: first the small groups, then the large ones.
-  bool any_small = false;
-  for (const std::uint32_t i : active) {
-    if (is_large(i)) {
-      Enable(ode, ode.owners[i], false);
+void Islands::List(std::span<const std::uint32_t> active) {
+  roots_.clear();
+  for (const std::uint32_t owner : active) first_[owner] = kNone;
+  for (const std::uint32_t owner : active) {
+    const std::uint32_t root = RootOf(owner);
+    next_[owner] = kNone;
+    if (first_[root] == kNone) {
+      roots_.push_back(root);
+      first_[root] = owner;
     } else {
-      any_small = true;
+      next_[last_[root]] = owner;
     }
+    last_[root] = owner;
   }
-  if (any_small) dWorldStep(world, dt_s);
-  for (const std::uint32_t i : active) Enable(ode, ode.owners[i], is_large(i));
-  dWorldQuickStep(world, dt_s);
-  for (const std::uint32_t i : active) Enable(ode, ode.owners[i], true);
 }
 
 }  // namespace coopdyn

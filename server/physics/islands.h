@@ -7,8 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/ode_world.h"
-
 namespace coopdyn {
 
 /// The direct solver is exact, and cheap in small groups; its cost grows with the cube of a group's
@@ -23,22 +21,31 @@ inline constexpr int kQuickIterations = 40;
 /// Union-find over the moving owners. Reused from substep to substep.
 class Islands {
  public:
-  /// Each owner of `active` alone, with the rows of its own joints and a robot's surcharge.
-  void Reset(const OdeWorld& ode, std::span<const std::uint32_t> active);
-  void AddRows(std::size_t owner, int rows) { parents_[RootOf(owner)] -= rows; }
-  void Join(std::size_t a, std::size_t b);
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  /// For owners 0 … count − 1.
+  void Resize(std::size_t count);
+  /// Begins with `owner` alone, with `rows` of its own.
+  void Begin(std::uint32_t owner, int rows) { parents_[owner] = -1 - rows; }
+  void AddRows(std::uint32_t owner, int rows) { parents_[RootOf(owner)] -= rows; }
+  void Join(std::uint32_t a, std::uint32_t b);
   /// Rows, surcharges included, of the group that holds `owner`.
-  int RowsOf(std::size_t owner) { return -parents_[RootOf(owner)] - 1; }
+  int RowsOf(std::uint32_t owner) { return -parents_[RootOf(owner)] - 1; }
   /// One member of the group stands for it.
-  std::size_t RootOf(std::size_t owner);
+  std::uint32_t RootOf(std::uint32_t owner);
+
+  /// After the last Join(): lists the groups that `active` (increasing) makes up, by their first member.
+  void List(std::span<const std::uint32_t> active);
+  /// Roots of the groups, and each group's members, increasing: from FirstOf(root) on by NextOf(owner), until
+  /// kNone.
+  std::span<const std::uint32_t> roots() const { return roots_; }
+  std::uint32_t FirstOf(std::uint32_t root) const { return first_[root]; }
+  std::uint32_t NextOf(std::uint32_t owner) const { return next_[owner]; }
 
  private:
   // Of a root: −1 − its rows; of others: the index of a member nearer to the root.
   std::vector<int> parents_;
+  std::vector<std::uint32_t> roots_, first_, last_, next_;
 };
-
-/// Advances the owners of `active`, whose bodies are the enabled ones, by `dt_s`: small groups by dWorldStep,
-/// large ones by dWorldQuickStep. No contact joins the two.
-void Solve(OdeWorld& ode, Islands& islands, std::span<const std::uint32_t> active, double dt_s);
 
 }  // namespace coopdyn

@@ -24,35 +24,30 @@ std::string NameOf(const Owner& owner) {
   return owner.kind + " " + owner.name;
 }
 
-double Depth(const PlacedPart& a, const PlacedPart& b) {
+double Depth(Collider& collider, const PlacedPart& a, const PlacedPart& b) {
   double depth = 0;
-  const ContactList contacts = Collide(a, b, 0);
+  const ContactList contacts = Collide(collider, a, b, 0);
   for (const ContactPoint& point : contacts.all()) depth = std::max(depth, point.depth_m);
   // Colliders may miss a shape that lies wholly within another.
-  return std::max({depth, DepthInside(b.part.shape, b.place, a.place.position()),
-                   DepthInside(a.part.shape, a.place, b.place.position())});
+  return std::max({depth, DepthInside(b.part->shape, b.place(), a.place().position()),
+                   DepthInside(a.part->shape, a.place(), b.place().position())});
 }
 
-double DepthOfPair(const OdeWorld& ode, const Owner& a, const Owner& b) {
+double DepthOfPair(Collider& collider, const Actor& a, const Actor& b) {
   double depth = 0;
-  const auto parts_a = ode.PartsOf(a), parts_b = ode.PartsOf(b);
-  for (std::size_t i = 0; i < parts_a.size(); ++i) {
-    for (std::size_t j = 0; j < parts_b.size(); ++j) {
-      depth = std::max(depth, Depth({parts_a[i], ode.PlaceOf(a, i)}, {parts_b[j], ode.PlaceOf(b, j)}));
+  for (std::size_t i = 0; i < a.parts().size(); ++i) {
+    for (std::size_t j = 0; j < b.parts().size(); ++j) {
+      depth = std::max(depth, Depth(collider, a.Place(i), b.Place(j)));
     }
   }
   return depth;
 }
 
-double DepthBelowFloor(const OdeWorld& ode, const Owner& owner) {
+double DepthBelowFloor(const Actor& actor) {
   double below = 0;
-  const auto parts = ode.PartsOf(owner);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const PlacedRotation place = ode.PlaceOf(owner, i);
-    Matrix3 R;
-    R << place.R[0], place.R[1], place.R[2], place.R[4], place.R[5], place.R[6], place.R[8], place.R[9],
-        place.R[10];
-    below = std::max(below, HalfExtents(parts[i].shape, R).z() - place.p[2]);
+  for (std::size_t i = 0; i < actor.parts().size(); ++i) {
+    const PlacedPart part = actor.Place(i);
+    below = std::max(below, part.half_m.z() - part.p[2]);
   }
   return below;
 }
@@ -87,34 +82,33 @@ void CheckModels(const Scene& scene, Diagnostics& diagnostics) {
   }
 }
 
-void CheckStart(OdeWorld& ode, std::span<const BodyState> bodies, Diagnostics& diagnostics) {
-  BroadPhase broad_phase(ode);
-  const std::size_t dynamic = static_cast<std::size_t>(ode.first_static);
-  for (std::size_t i = 0; i < dynamic; ++i) {
-    Owner& owner = ode.owners[i];
-    const BodyState& body = bodies[static_cast<std::size_t>(owner.first_body)];
-    if (owner.one_body != nullptr) ode.TakeSlot(owner, body);
+void CheckStart(const Things& things, Diagnostics& diagnostics) {
+  BroadPhase broad_phase(things);
+  Collider collider;
+  for (std::size_t i = 0; i < things.first_static; ++i) {
+    const Actor actor = things.ActorOf(i, things.start);
+    const Owner& owner = actor.owner;
     if (owner.robot >= 0) {
-      broad_phase.spaces()[static_cast<std::size_t>(owner.robot)] = SpaceOf(owner, body, 0);
+      broad_phase.spaces()[static_cast<std::size_t>(owner.robot)] = SpaceOf(owner, *actor.bodies, 0);
     }
-    const double below = DepthBelowFloor(ode, owner);
+    const double below = DepthBelowFloor(actor);
     if (below > kTolerance_m) {
       diagnostics.Error(owner.where,
                         NameOf(owner) + " starts " + Metres(below) + " below the floor (z = 0): move it up");
     }
   }
-  const std::vector<std::uint8_t> all(dynamic, 1);
-  for (const auto& [a, b] : broad_phase.FindPairs(ode, all)) {
-    const double depth = DepthOfPair(ode, ode.owners[a], ode.owners[b]);
+  const std::vector<std::uint8_t> all(things.first_static, 1);
+  for (const auto& [a, b] : broad_phase.FindPairs(all)) {
+    const double depth =
+        DepthOfPair(collider, things.ActorOf(a, things.start), things.ActorOf(b, things.start));
     if (depth <= kTolerance_m) continue;
     // Of two that move, the later one is to be moved; static things stay.
-    const bool static_b = b >= dynamic;
-    const Owner& moved = ode.owners[static_b ? a : b];
-    const Owner& other = ode.owners[static_b ? b : a];
+    const bool static_b = b >= things.first_static;
+    const Owner& moved = things.owners[static_b ? a : b];
+    const Owner& other = things.owners[static_b ? b : a];
     diagnostics.Error(moved.where,
                       NameOf(moved) + " starts " + Metres(depth) + " inside " + other.name + ": move it");
   }
-  ode.FreeSlots();
 }
 
 }  // namespace coopdyn

@@ -10,7 +10,10 @@
 namespace coopdyn {
 
 struct PhysicsWorld::Impl {
-  std::shared_ptr<const Scene> scene;
+  Impl(std::shared_ptr<const Scene> keep, const Scene& kept, std::uint64_t seed, WorkerPool* pool)
+      : scene(std::move(keep)), engine(kept, seed, pool) {}
+
+  const std::shared_ptr<const Scene> scene;
   Engine engine;
 };
 
@@ -20,8 +23,8 @@ std::unique_ptr<PhysicsWorld> PhysicsWorld::Build(std::shared_ptr<const Scene> s
   CheckModels(*scene, diagnostics);
   if (diagnostics.errors() > errors) return nullptr;
   const Scene& kept = *scene;
-  auto impl = std::unique_ptr<Impl>(new Impl{std::move(scene), Engine(kept, seed, pool)});
-  CheckStart(impl->engine.ode(), impl->engine.state().bodies, diagnostics);
+  auto impl = std::make_unique<Impl>(std::move(scene), kept, seed, pool);
+  CheckStart(impl->engine.things(), diagnostics);
   if (diagnostics.errors() > errors) return nullptr;
   return std::unique_ptr<PhysicsWorld>(new PhysicsWorld(std::move(impl)));
 }

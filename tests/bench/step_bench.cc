@@ -3,6 +3,8 @@
 #include <benchmark/benchmark.h>
 
 #include <array>
+#include <cmath>
+#include <random>
 #include <vector>
 
 #include "bench_scene.h"
@@ -39,6 +41,54 @@ class Driven {
   std::uint64_t step_ = 0;
 };
 
+/// A swarm of minibots, 1 m² each, that wander at 5 cm/s and turn now and then.
+class Swarm {
+ public:
+  Swarm(Fidelity fidelity, int robots) {
+    SearchPath path;
+    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+    RobotLibrary library(path);
+    Diagnostics diagnostics;
+    auto scenario = std::make_shared<Scenario>();
+    const int side = static_cast<int>(std::ceil(std::sqrt(robots)));
+    for (int i = 0; i < robots; ++i) {
+      RobotEntry entry;
+      entry.name = "robot" + std::to_string(i + 1);
+      entry.model = library.Get("minibot", {}, diagnostics);
+      entry.fidelity = fidelity;
+      entry.X_WR.p = {1.0 * (i % side) + Uniform(-0.3, 0.3), 1.0 * (i / side) + Uniform(-0.3, 0.3), 0};
+      entry.X_WR.q = FromRollPitchYaw(0, 0, Uniform(-3, 3));
+      scenario->robots.push_back(std::move(entry));
+    }
+    scene_ = MakeScene(scenario, 1);
+    world_ = PhysicsWorld::Build(scene_, 1, diagnostics);
+    setpoints_.resize(static_cast<std::size_t>(robots));
+    frame_.scene = scene_;
+  }
+
+  void Step() {
+    for (std::size_t i = step_++ % kTurnEvery; i < setpoints_.size(); i += kTurnEvery) {
+      const double turn = Uniform(-1, 1);
+      setpoints_[i] = {(0.05 - turn * 0.07) / 0.03, (0.05 + turn * 0.07) / 0.03};
+    }
+    world_->Step(kDefaultStep, 1, setpoints_);
+    world_->Fill(frame_);
+  }
+
+ private:
+  static constexpr std::size_t kTurnEvery = 100;  // steps
+  double Uniform(double low, double high) {
+    return low + (high - low) * static_cast<double>(random_()) / 4294967296.0;
+  }
+
+  std::mt19937 random_{1};
+  std::shared_ptr<const Scene> scene_;
+  std::unique_ptr<PhysicsWorld> world_;
+  std::vector<std::array<double, 2>> setpoints_;
+  Frame frame_;
+  std::size_t step_ = 0;
+};
+
 void PerRobot(benchmark::State& state) {
   state.counters["us_per_robot_step"] =
       benchmark::Counter(static_cast<double>(state.iterations() * state.range(0)) * 1e-6,
@@ -49,6 +99,14 @@ void BM_Physics(benchmark::State& state) {
   Driven driven(static_cast<int>(state.range(0)));
   for (int k = 0; k < 100; ++k) driven.Step();
   for (auto _ : state) driven.Step();
+  PerRobot(state);
+}
+
+/// One step and the copy of its state into a frame.
+void BM_Swarm(benchmark::State& state, Fidelity fidelity) {
+  Swarm swarm(fidelity, static_cast<int>(state.range(0)));
+  for (int k = 0; k < 100; ++k) swarm.Step();
+  for (auto _ : state) swarm.Step();
   PerRobot(state);
 }
 
@@ -91,6 +149,9 @@ void BM_Render(benchmark::State& state) {
 }
 
 BENCHMARK(BM_Physics)->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BM_Swarm, full, Fidelity::kFull)->Arg(10)->Arg(100)->Arg(1000)->Arg(5000);
+BENCHMARK_CAPTURE(BM_Swarm, rolling, Fidelity::kRolling)->Arg(10)->Arg(100)->Arg(1000)->Arg(5000);
+BENCHMARK_CAPTURE(BM_Swarm, planar, Fidelity::kPlanar)->Arg(10)->Arg(100)->Arg(1000)->Arg(5000);
 BENCHMARK(BM_PhysicsAndFrame)->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BM_Sensing)->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BM_Render)->Arg(1)->Arg(20)->Unit(benchmark::kMillisecond);

@@ -28,21 +28,10 @@ class RandomScene {
       scenario->robots.push_back(entry);
     }
     scene = MakeScene(scenario, 1);
-    ode = BuildOdeWorld(*scene);
+    things = MakeThings(*scene);
   }
   std::shared_ptr<const Scene> scene;
-  std::unique_ptr<OdeWorld> ode;
-
-  BodyState BodyOf(const Owner& owner) const {
-    if (owner.one_body == nullptr) return ReadBody(ode->bodies[static_cast<std::size_t>(owner.first_body)]);
-    const SceneRobot& robot = scene->robots[static_cast<std::size_t>(owner.robot)];
-    const Pose X_WB = robot.entry.X_WR * robot.X_BR.Inverse();
-    BodyState state;
-    state.p_WB = X_WB.p;
-    state.q_WB = {X_WB.q.w(), X_WB.q.x(), X_WB.q.y(), X_WB.q.z()};
-    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(state.R_WB.data()) = X_WB.q.toRotationMatrix();
-    return state;
-  }
+  Things things;
 
  private:
   double Uniform(double low, double high) {
@@ -67,11 +56,10 @@ class RandomScene {
   std::mt19937 random_;
 };
 
-bool Touch(const OdeWorld& ode, const Owner& a, const Owner& b) {
-  const auto parts_a = ode.PartsOf(a), parts_b = ode.PartsOf(b);
-  for (std::size_t i = 0; i < parts_a.size(); ++i) {
-    for (std::size_t j = 0; j < parts_b.size(); ++j) {
-      if (Collide({parts_a[i], ode.PlaceOf(a, i)}, {parts_b[j], ode.PlaceOf(b, j)}, 0).count > 0) return true;
+bool Touch(Collider& collider, const Actor& a, const Actor& b) {
+  for (std::size_t i = 0; i < a.parts().size(); ++i) {
+    for (std::size_t j = 0; j < b.parts().size(); ++j) {
+      if (Collide(collider, a.Place(i), b.Place(j), 0).count > 0) return true;
     }
   }
   return false;
@@ -79,29 +67,26 @@ bool Touch(const OdeWorld& ode, const Owner& a, const Owner& b) {
 
 TEST(BroadPhase, EveryContactThatAllPairsFindIsFound) {
   int touching = 0;
+  Collider collider;
   for (unsigned seed = 0; seed < 10; ++seed) {
-    RandomScene random(seed);
-    OdeWorld& ode = *random.ode;
-    BroadPhase broad_phase(ode);
-    const std::size_t dynamic = static_cast<std::size_t>(ode.first_static);
-    std::vector<BodyState> bodies;
-    for (std::size_t i = 0; i < dynamic; ++i) {
-      Owner& owner = ode.owners[i];
-      if (owner.robot < 0) continue;
-      const BodyState body = random.BodyOf(owner);
-      if (owner.one_body != nullptr) ode.TakeSlot(owner, body);
-      broad_phase.spaces()[static_cast<std::size_t>(owner.robot)] = SpaceOf(owner, body, 0);
+    const RandomScene random(seed);
+    const Things& things = random.things;
+    BroadPhase broad_phase(things);
+    for (std::size_t i = things.first_robot; i < things.first_static; ++i) {
+      const Actor actor = things.ActorOf(i, things.start);
+      broad_phase.spaces()[i - things.first_robot] = SpaceOf(actor.owner, *actor.bodies, 0);
     }
-    const auto& list = broad_phase.FindPairs(ode, std::vector<std::uint8_t>(dynamic, 1));
+    const auto& list = broad_phase.FindPairs(std::vector<std::uint8_t>(things.first_static, 1));
     const std::set<std::pair<std::uint32_t, std::uint32_t>> pairs(list.begin(), list.end());
     EXPECT_EQ(pairs.size(), list.size()) << "a pair came twice";
-    for (std::uint32_t a = 0; a < dynamic; ++a) {
-      for (std::uint32_t b = a + 1; b < ode.owners.size(); ++b) {
-        if (!Touch(ode, ode.owners[a], ode.owners[b])) continue;
+    for (std::uint32_t a = 0; a < things.first_static; ++a) {
+      for (std::uint32_t b = a + 1; b < things.owners.size(); ++b) {
+        const Actor actor_a = things.ActorOf(a, things.start), actor_b = things.ActorOf(b, things.start);
+        if (!Touch(collider, actor_a, actor_b)) continue;
         ++touching;
         ASSERT_TRUE(pairs.contains({a, b})) << "seed " << seed << " pair " << a << " " << b;
         std::vector<FoundContact> found;
-        FindContacts(ode, ode.owners[a], ode.owners[b], 0, found);
+        FindContacts(collider, actor_a, actor_b, 0, found);
         ASSERT_FALSE(found.empty()) << "quick rejection lost all contacts";
       }
     }

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT
+// What of a substep goes through ODE.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <optional>
+
+#include "server/physics/engine.h"
+#include "server/physics/freeze.h"
+#include "server/physics/ode_setup.h"
+#include "server/physics/rest.h"
+
+namespace coopdyn {
+
+namespace {
+
+// A robot of one body is held at its height rather than dropped and caught: its floor contacts exist from
+// this gap on.
+constexpr double kFloorGap_m = 2e-3;
+// Owners of a batch: enough that a call of ODE pays, few enough to stay in the cache.
+constexpr std::size_t kBatchOwners = 16;
+
+/// Puts a planar robot back into its plane, upright.
+void Flatten(BodyState& body, double rest_z_m) {
+  const double norm = std::hypot(body.q_WB[0], body.q_WB[3]);
+  const double w = body.q_WB[0] / norm, z = body.q_WB[3] / norm;
+  const double c = w * w - z * z, s = 2 * w * z;
+  body.q_WB = {w, 0, 0, z};
+  body.R_WB = {c, -s, 0, s, c, 0, 0, 0, 1};
+  body.p_WB.z() = rest_z_m;
+  body.v_WB.z() = 0;
+  body.w_WB = {0, 0, body.w_WB.z()};
+}
+
+int RowsOf(const FoundContact& contact) {
+  const double friction =
+      contact.b == nullptr ? contact.a->friction : std::min(contact.a->friction, contact.b->friction);
+  return friction > 0 ? 3 : 1;
+}
+
+double FloorGap(const Owner& owner, const BodyState& body, double dt_s) {
+  return owner.mechanism->one_body() ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : 0;
+}
+
+}  // namespace
+
+void Engine::Touch(double dt_s) {
+  while (!FindPairContacts(dt_s)) Sort();
+}
+
+bool Engine::FindPairContacts(double dt_s) {
+  const std::size_t count = dynamic_count();
+  Collider& collider = lanes_.front()->collider();
+  found_.clear();
+  found_ends_.clear();
+  bool settled = true;
+  for (const auto& [a, b] : pairs_) {
+    const std::size_t before = found_.size();
+    const double margin_m = travel_m_[a] + (b < count ? travel_m_[b] : 0);
+    FindContacts(collider, ActorOf(a), ActorOf(b), margin_m, found_);
+    found_ends_.push_back(found_.size());
+    if (found_.size() == before) continue;
+    for (const std::uint32_t sleeper : {a, b}) {
+      if (sleeper >= count || FirstBody(sleeper).sleep_counter != kAsleep) continue;
+      Wake(sleeper, dt_s);
+      settled = false;
+    }
+  }
+  return settled;
+}
+
+std::span<const FoundContact> Engine::ContactsOf(std::size_t pair) const {
+  const std::size_t first = pair == 0 ? 0 : found_ends_[pair - 1];
+  return std::span(found_).subspan(first, found_ends_[pair] - first);
+}
+
+void Engine::Wake(std::uint32_t owner, double dt_s) {
+  for (BodyState& body : BodiesOf(owner)) body.sleep_counter = 0;
+  moves_[owner] = 1;
+  const int robot = things_.owners[owner].robot;
+  if (robot >= 0) PlanRobot(static_cast<std::size_t>(robot), dt_s);
+}
+
+void Engine::MakeIslands() {
+  const std::size_t count = dynamic_count();
+  std::vector<FoundContact> floor;
+  for (const std::uint32_t i : active_) {
+    const Mechanism& mechanism = *things_.owners[i].mechanism;
+    int rows = mechanism.joint_rows + mechanism.floor_rows;
+    if (i >= things_.first_robot) {
+      rows += kRobotSurcharge;
+    } else {
+      floor.clear();
+      FindFloorContacts(lanes_.front()->collider(), ActorOf(i), 0, floor);
+      for (const FoundContact& contact : floor) rows += RowsOf(contact);
+    }
+    islands_.Begin(i, rows);
+  }
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const std::span<const FoundContact> contacts = ContactsOf(k);
+    if (contacts.empty()) continue;
+    const auto [a, b] = pairs_[k];
+    const bool in_a = in_ode_[a], in_b = b < count && in_ode_[b];
+    if (!in_a && !in_b) continue;
+    int rows = 0;
+    for (const FoundContact& contact : contacts) rows += RowsOf(contact);
+    islands_.AddRows(in_a ? a : b, rows);
+    if (in_a && in_b) islands_.Join(a, b);
+  }
+  islands_.List(active_);
+}
+
+Engine::Batch& Engine::NextBatch() {
+  if (batch_count_ == batches_.size()) batches_.emplace_back();
+  Batch& batch = batches_[batch_count_++];
+  batch.owners.clear();
+  batch.pairs.clear();
+  batch.frozen.clear();
+  return batch;
+}
+
+void Engine::MakeBatches() {
+  batch_count_ = 0;
+  NextBatch();
+  std::size_t open = 0;  // 0: none
+  for (const std::uint32_t root : islands_.roots()) {
+    std::size_t at = 0;
+    if (islands_.RowsOf(root) <= kMaxDirectRows) {
+      if (open == 0 || batches_[open].owners.size() >= kBatchOwners) {
+        open = batch_count_;
+        NextBatch();
+      }
+      at = open;
+    }
+    batch_of_[root] = static_cast<std::uint32_t>(at);
+    for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
+      batches_[at].owners.push_back(i);
+    }
+  }
+  const std::size_t count = dynamic_count();
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const auto [a, b] = pairs_[k];
+    const bool in_a = in_ode_[a], in_b = b < count && in_ode_[b];
+    if ((!in_a && !in_b) || ContactsOf(k).empty()) continue;
+    batches_[batch_of_[islands_.RootOf(in_a ? a : b)]].pairs.push_back(static_cast<std::uint32_t>(k));
+  }
+}
+
+void Engine::SolveAll(double dt_s) {
+  Batch& large = batches_.front();
+  if (!large.owners.empty()) {
+    // The iterative solver draws from ODE's only random generator, so it works alone.
+    dRandSetSeed(static_cast<unsigned long>(state_.solver_seed));
+    SolveBatch(large, *lanes_.front(), Lane::Solver::kIterative, dt_s);
+    state_.solver_seed = dRandGetSeed();
+  }
+  const std::size_t small = batch_count_ - 1;
+  const auto solve = [&](std::size_t first, std::size_t end, Lane& lane) {
+    for (std::size_t i = first; i < end; ++i) {
+      SolveBatch(batches_[1 + i], lane, Lane::Solver::kDirect, dt_s);
+    }
+  };
+  if (pool_ == nullptr || small < 2) {
+    solve(0, small, *lanes_.front());
+  } else {
+    // Whichever thread comes first takes the next lane: all lanes give the same bits.
+    const std::size_t lanes = lanes_.size(), each = (small + 4 * lanes - 1) / (4 * lanes);
+    std::vector<std::atomic_flag> taken(lanes);
+    pool_->For(small, each, [&](std::size_t first, std::size_t end) {
+      std::size_t lane = 0;
+      while (taken[lane].test_and_set(std::memory_order_acquire)) lane = (lane + 1) % lanes;
+      solve(first, end, *lanes_[lane]);
+      taken[lane].clear(std::memory_order_release);
+    });
+  }
+  for (std::size_t k = 0; k < batch_count_; ++k) {
+    for (auto& [owner, why] : batches_[k].frozen) {
+      frozen_.push_back({things_.owners[owner].name, std::move(why)});
+    }
+  }
+  for (const std::uint32_t i : active_) {
+    if (i < things_.first_robot) broad_phase_.MoveObject(i, FirstBody(i));
+  }
+}
+
+void Engine::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s) {
+  EnsureOde();
+  lane.Reserve(batch.owners);
+  while (true) {
+    try {
+      LoadBatch(batch, lane, dt_s);
+      lane.Step(solver, dt_s);
+      break;
+    } catch (const OdeError& error) {
+      lane.Reset();
+      std::uint32_t fastest = Islands::kNone;
+      double most = -1;
+      for (const std::uint32_t owner : batch.owners) {
+        if (!moves_[owner]) continue;
+        for (const BodyState& body : BodiesOf(owner)) {
+          if (Violence(body) <= most) continue;
+          most = Violence(body);
+          fastest = owner;
+        }
+      }
+      if (fastest == Islands::kNone) return;
+      Freeze(fastest, error.what(), batch);
+    }
+  }
+  ReadBatch(batch, lane, dt_s);
+  lane.Unload();
+}
+
+void Engine::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
+  for (const std::uint32_t owner : batch.owners) {
+    if (!moves_[owner]) continue;
+    const int robot = things_.owners[owner].robot;
+    lane.Load(owner, ActorOf(owner),
+              robot < 0 ? std::array<double, 2>{} : setpoints_[static_cast<std::size_t>(robot)]);
+  }
+  std::vector<FoundContact>& floor = lane.scratch();
+  for (const std::uint32_t owner : batch.owners) {
+    if (!moves_[owner]) continue;
+    const Actor actor = ActorOf(owner);
+    floor.clear();
+    FindFloorContacts(lane.collider(), actor, FloorGap(actor.owner, actor.bodies[0], dt_s), floor);
+    lane.Join(floor, actor, owner, nullptr, 0, dt_s);
+  }
+  for (const std::uint32_t pair : batch.pairs) {
+    const auto [a, b] = pairs_[pair];
+    const Actor actor_a = ActorOf(a), actor_b = ActorOf(b);
+    lane.Join(ContactsOf(pair), actor_a, a, &actor_b, b, dt_s);
+  }
+}
+
+void Engine::ReadBatch(Batch& batch, const Lane& lane, double dt_s) {
+  for (const std::uint32_t owner : batch.owners) {
+    if (!moves_[owner]) continue;
+    const Owner& info = things_.owners[owner];
+    const std::span<BodyState> bodies = BodiesOf(owner);
+    std::optional<std::string> why;
+    for (std::size_t k = 0; k < bodies.size() && !why; ++k) why = WhyInsane(lane.Read(owner, k));
+    if (why) {
+      Freeze(owner, *why, batch);
+      continue;
+    }
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      const std::uint64_t counter = bodies[k].sleep_counter;
+      bodies[k] = lane.Read(owner, k);
+      bodies[k].sleep_counter = counter;
+    }
+    if (info.mechanism->one_body() && info.mechanism->planar()) Flatten(bodies.front(), info.rest_z_m);
+    if (info.robot >= 0) ReadWheels(owner, lane, dt_s);
+  }
+}
+
+void Engine::ReadWheels(std::uint32_t owner, const Lane& lane, double dt_s) {
+  const Owner& info = things_.owners[owner];
+  const std::size_t robot = static_cast<std::size_t>(info.robot);
+  std::array<double, 2> rates_rad_s{};
+  if (!info.mechanism->one_body()) {
+    rates_rad_s = lane.HingeRates(owner);
+  } else if (info.mechanism->drive) {
+    const OneBodyDrive& drive = *info.mechanism->drive;
+    rates_rad_s = setpoints_[robot];
+    if (drive.stalls) {
+      // The wheels grip: they turn as the floor passes under them.
+      const BodyState& body = FirstBody(owner);
+      const Vector3 ahead(body.R_WB[0], body.R_WB[3], body.R_WB[6]);
+      for (std::size_t side = 0; side < 2; ++side) {
+        const double b = side == 0 ? drive.wheels.half_track_m : -drive.wheels.half_track_m;
+        const Vector3 arm = body.orientation() * (Vector3(0, b, 0) - drive.p_RB);
+        rates_rad_s[side] = (body.v_WB + body.w_WB.cross(arm)).dot(ahead) / drive.wheels.radius_m;
+      }
+    }
+  }
+  RobotState& state = state_.robots[robot];
+  for (std::size_t side = 0; side < 2; ++side) {
+    state.wheel_angle_rad[side] += rates_rad_s[side] * dt_s;
+    state.wheel_speed_rad_s[side] += rates_rad_s[side] * share_;
+  }
+}
+
+void Engine::Freeze(std::uint32_t owner, std::string why, Batch& batch) {
+  Owner& info = things_.owners[owner];
+  info.frozen = true;
+  moves_[owner] = 0;
+  Hold(owner, BodyState::kFrozen);
+  if (info.robot >= 0) state_.robots[static_cast<std::size_t>(info.robot)].frozen = true;
+  batch.frozen.emplace_back(owner, std::move(why));
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// A small world of ODE that solves one batch of islands at a time: bodies are lent to owners for a substep,
+// loaded with their exact state, and read back. So ODE remembers nothing from one substep to the next, its
+// memory stays in the cache however large the swarm, and several lanes may work at once. One thread at a
+// time. Only server/physics includes this file.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/physics/contacts.h"
+#include "server/physics/ode_ptr.h"
+#include "server/physics/things.h"
+
+namespace coopdyn {
+
+class Lane {
+ public:
+  struct Settings {
+    double gravity_m_s2 = 9.81;
+    double floor_friction = 1;
+  };
+  enum class Solver { kDirect, kIterative };
+
+  /// @pre `things` outlives it.
+  Lane(const Things& things, const Settings& settings);
+  ~Lane();
+  Lane(const Lane&) = delete;
+  Lane& operator=(const Lane&) = delete;
+
+  Collider& collider() { return collider_; }
+  /// Room for contacts, for whoever uses the lane.
+  std::vector<FoundContact>& scratch() { return scratch_; }
+
+  /// Makes room for these owners together. Before they are loaded.
+  void Reserve(std::span<const std::uint32_t> owners);
+  /// Lends `owner` bodies in the state of `actor`; `wheels_rad_s`: of its motors.
+  void Load(std::uint32_t owner, const Actor& actor, const std::array<double, 2>& wheels_rad_s);
+  /// Makes contact joints between A and B (-1: the floor). An owner that is not loaded counts as static.
+  /// Friction: the slippier of the two decides (the smaller coefficient). Nothing bounces.
+  void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
+            std::uint32_t index_b, double dt_s);
+  /// Advances what is loaded. Throws OdeError; then the lane must be Reset().
+  void Step(Solver solver, double dt_s);
+  /// The exact state of body `body` of a loaded owner; its sleep counter is 0.
+  BodyState Read(std::uint32_t owner, std::size_t body) const;
+  /// Speeds of the motorised hinges of a loaded owner, rad/s.
+  std::array<double, 2> HingeRates(std::uint32_t owner) const;
+  /// Takes all bodies back.
+  void Unload();
+  /// A new world after ODE threw: its memory is not to be trusted.
+  void Reset();
+
+ private:
+  /// Bodies and hinges that can stand for one owner.
+  struct Slot {
+    std::vector<dBodyID> bodies;
+    std::array<dJointID, 2> motors{};
+    const Mechanism* loaded = nullptr;  // whose masses they have
+    std::array<double, 2> wheels_rad_s{};
+  };
+  struct Pool {
+    const Mechanism* mechanism = nullptr;  // of several bodies; null: single ones
+    std::vector<Slot> slots;
+    std::size_t used = 0;
+  };
+  void Build();
+  Slot MakeSlot(const Mechanism* mechanism);
+  dBodyID BodyOf(std::uint32_t owner, const Part& part) const;
+  void JoinParts(const FoundContact& found, const Actor& actor_a, const Actor* actor_b, dBodyID a, dBodyID b,
+                 bool flat, double dt_s);
+  void JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_t index, dBodyID body,
+                 dBodyID other, int sign, double dt_s);
+  void Attach(dContact& contact, const ContactPoint& point, dBodyID a, dBodyID b, double dt_s);
+
+  const Things& things_;
+  const Settings settings_;
+  Collider collider_;
+  std::vector<FoundContact> scratch_;
+  OdeThreadingPtr threading_;  // of this world alone: ODE's shared one would tie worlds together
+  OdeWorldPtr world_;
+  OdeGroupPtr contacts_;
+  std::vector<Pool> pools_;
+  std::vector<std::size_t> sizes_;  // of pools, to be built
+  std::vector<Slot*> slot_of_;      // by dynamic owner; null: not loaded
+  std::vector<std::uint32_t> loaded_;
+  /// Set when ODE threw in the middle of a step: then its threading object may not be freed (it asserts that
+  /// its jobs are done) and is kept until the process ends.
+  bool broken_ = false;
+};
+
+}  // namespace coopdyn

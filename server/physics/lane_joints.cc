@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// The contact joints of a lane.
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/lane.h"
+
+namespace coopdyn {
+
+namespace {
+
+void Copy(dVector3& to, const Vector3& from) {
+  std::copy_n(from.data(), 3, to);
+}
+
+/// Velocity of the point `p` of a body.
+Vector3 PointVelocity(const BodyState& body, const Vector3& p) {
+  return body.v_WB + body.w_WB.cross(p - body.p_WB);
+}
+
+Vector3 PointVelocity(const Actor* actor, const Part* part, const Vector3& p) {
+  if (actor == nullptr) return Vector3::Zero();
+  return PointVelocity(actor->bodies[static_cast<std::size_t>(part->body)], p);
+}
+
+}  // namespace
+
+dBodyID Lane::BodyOf(std::uint32_t owner, const Part& part) const {
+  if (owner >= slot_of_.size() || slot_of_[owner] == nullptr) return nullptr;
+  return slot_of_[owner]->bodies[static_cast<std::size_t>(part.body)];
+}
+
+void Lane::Attach(dContact& contact, const ContactPoint& point, dBodyID a, dBodyID b, double dt_s) {
+  Copy(contact.geom.pos, point.p_W);
+  Copy(contact.geom.normal, point.n_W);
+  contact.geom.depth = std::max(0.0, point.depth_m);
+  if (point.depth_m < 0) {
+    // They may come as near as they are, and no nearer.
+    contact.surface.mode |= dContactMotionN;
+    contact.surface.motionN = point.depth_m / dt_s;
+  }
+  dJointAttach(dJointCreateContact(world_.get(), contacts_.get(), &contact), a, b);
+}
+
+void Lane::JoinParts(const FoundContact& found, const Actor& actor_a, const Actor* actor_b, dBodyID a,
+                     dBodyID b, bool flat, double dt_s) {
+  const ContactPoint& point = found.point;
+  dContact contact{};
+  contact.surface.mu =
+      std::min(found.a->friction, found.b == nullptr ? settings_.floor_friction : found.b->friction);
+  if (contact.surface.mu > 0) {
+    contact.surface.mode = dContactApprox1;
+    // The friction pyramid lies along the slip, so that sliding bodies brake alike in every direction.
+    const Vector3 slip = PointVelocity(a == nullptr ? nullptr : &actor_a, found.a, point.p_W) -
+                         PointVelocity(b == nullptr ? nullptr : actor_b, found.b, point.p_W);
+    const Vector3 along = slip - slip.dot(point.n_W) * point.n_W;
+    constexpr double kSliding_m_s = 0.01;
+    if (flat) {
+      // Upright robots do not lift each other: friction acts in the plane only.
+      contact.surface.mode |= dContactFDir1 | dContactMu2;
+      contact.surface.mu2 = 0;
+      Copy(contact.fdir1, Vector3::UnitZ().cross(point.n_W).normalized());
+    } else if (along.squaredNorm() > kSliding_m_s * kSliding_m_s) {
+      contact.surface.mode |= dContactFDir1;
+      Copy(contact.fdir1, along.normalized());
+    }
+  }
+  Attach(contact, point, a, b, dt_s);
+}
+
+void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_t index, dBodyID body,
+                     dBodyID other, int sign, double dt_s) {
+  const Part& wheel = *(found.wheel == 0 ? found.a : found.b);
+  const Part* ground = found.wheel == 0 ? found.b : found.a;
+  const OneBodyDrive& drive = *robot.owner.mechanism->drive;
+  const std::size_t side = static_cast<std::size_t>(wheel.side);
+  ContactPoint point = found.point;
+  point.n_W *= sign;  // towards the robot
+  // The rolling direction at mid-step: the robot turns on while it rolls.
+  const BodyState& state = robot.bodies[0];
+  const double half_turn = state.w_WB.z() * dt_s / 2;
+  const double c = std::cos(half_turn), s = std::sin(half_turn);
+  const std::array<double, 9>& R = state.R_WB;
+  const Vector3 axle(c * R[1] - s * R[4], s * R[1] + c * R[4], R[7]);
+  dContact contact{};
+  contact.surface.mode = dContactFDir1 | dContactMotion1 | dContactMu2;
+  Copy(contact.fdir1, axle.cross(point.n_W).normalized());
+  contact.surface.motion1 = slot_of_[index]->wheels_rad_s[side] * drive.wheels.radius_m;
+  if (robot.owner.mechanism->planar()) {
+    // It has no weight in the solver, so its limits are forces. One wheel's row holds it sideways for both.
+    contact.surface.mu = drive.drive_n[side];
+    contact.surface.mu2 = side == 0 ? drive.sideways_n : 0;
+  } else {
+    const double friction =
+        std::min(wheel.friction, ground == nullptr ? settings_.floor_friction : ground->friction);
+    contact.surface.mode |= dContactApprox1;
+    // At its load at rest the wheel pushes no more than its motor does.
+    const double load_n = std::max(drive.load_n[side], 1e-9);
+    contact.surface.mu = std::min(friction, drive.max_torque_nm / (drive.wheels.radius_m * load_n));
+    contact.surface.mu2 = friction;
+  }
+  Attach(contact, point, body, other, dt_s);
+}
+
+void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
+                std::uint32_t index_b, double dt_s) {
+  const auto is_one = [](const Actor& actor) { return actor.owner.mechanism->one_body(); };
+  const auto is_planar = [&](const Actor& actor) { return is_one(actor) && actor.owner.mechanism->planar(); };
+  const bool flat = b != nullptr && is_one(a) && is_one(*b) && (is_planar(a) || is_planar(*b));
+  for (const FoundContact& contact : found) {
+    dBodyID body_a = BodyOf(index_a, *contact.a);
+    dBodyID body_b = b == nullptr ? nullptr : BodyOf(index_b, *contact.b);
+    if (body_a == nullptr && body_b == nullptr) continue;
+    const bool a_rolls = contact.wheel == 0 && is_one(a) && body_a != nullptr;
+    const bool b_rolls = contact.wheel == 1 && is_one(*b) && body_b != nullptr;
+    if (a_rolls && a.owner.mechanism->drive) {
+      JoinWheel(contact, a, index_a, body_a, body_b, 1, dt_s);
+    } else if (b_rolls && b->owner.mechanism->drive) {
+      JoinWheel(contact, *b, index_b, body_b, body_a, -1, dt_s);
+    } else {
+      JoinParts(contact, a, b, body_a, body_b, flat, dt_s);
+    }
+  }
+}
+
+}  // namespace coopdyn
