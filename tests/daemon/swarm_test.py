@@ -1,14 +1,11 @@
 """/swarm and /R/neighbours over raw sockets: one connection drives many robots."""
-import json
 import math
-import os
 import random
-import struct
-import subprocess
+import re
 import unittest
 from pathlib import Path
 
-from harness import BINARY, Daemon, frame, until
+from harness import Daemon, frame, until
 
 CLAIM, RELEASE, STEP_ALL, SELECT, READ_ALL, GET_TEAM, STOP_TEAM = 7, 8, 110, 111, 112, 113, 114
 ANTS = 6
@@ -177,6 +174,33 @@ class SwarmTest(unittest.TestCase):
             daemon.text("/simulation").must("release_robot ant_1")
             self.assertEqual(swarm.must("claim").params, [1])
             self.assertEqual(swarm.must("step_all 0 0").error, 0)
+
+
+class DocumentTest(unittest.TestCase):
+    """docs/protocol.md, played."""
+
+    def block(self, marker):
+        text = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text()
+        start = text.index("```", text.index(f"<!-- {marker} -->"))
+        return text[text.index("\n", start) + 1:text.index("```", start + 3)]
+
+    def play(self, daemon, marker):
+        connection = daemon.raw()
+        for line in self.block(marker).splitlines():
+            if line.startswith("> "):
+                connection.write(line[2:] + "\n")
+                continue
+            said = connection.read_line()
+            pattern = " ".join(r"\S+" if word == "*" else re.escape(word) for word in line[2:].split(" "))
+            self.assertRegex(said, f"^{pattern}$")
+
+    def test_the_exchange_of_a_team(self):
+        with Daemon(self.block("scenario: swarm")) as daemon:
+            self.play(daemon, "exchange: swarm")
+
+    def test_the_exchange_with_a_robot(self):
+        with Daemon(name="classroom") as daemon:
+            self.play(daemon, "exchange: text")
 
 
 class HostileTest(unittest.TestCase):

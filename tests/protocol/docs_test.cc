@@ -167,6 +167,16 @@ TEST(ProtocolDoc, TheTextExchangeIsWhatTheCodecSays) {
   }
 }
 
+TEST(ProtocolDoc, TheTeamsExchangeIsReadable) {
+  const std::vector<std::string> lines = Block("exchange: swarm");
+  ASSERT_GE(lines.size(), 6u);
+  for (std::size_t i = 2; i + 1 < lines.size(); i += 2) {
+    ASSERT_TRUE(lines[i].starts_with("> ") && lines[i + 1].starts_with("< ")) << lines[i];
+    const Decoded decoded = DecodeText(lines[i].substr(2) + "\n", SwarmTable(), false);
+    EXPECT_EQ(decoded.status, DecodeStatus::kMessage) << lines[i] << ": " << decoded.message.text;
+  }
+}
+
 /// The bytes of an exchange line after its direction; `..` stands for any byte and reads as 0.
 std::string HexBytes(const std::string& line) {
   std::string bytes;
