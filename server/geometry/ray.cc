@@ -8,6 +8,8 @@ namespace coopdyn {
 
 namespace {
 
+constexpr double kSquare = 1e-18;  // of the sine of an angle that is as good as none
+
 // The part of a line that lies inside a convex solid; every solid here is an intersection of such parts.
 struct Interval {
   double from = -kNoHit, to = kNoHit;
@@ -26,7 +28,7 @@ struct Interval {
   }
   /// Keeps the part with a t² + 2 b t + c ≤ 0, a ≥ 0.
   void ClipQuadratic(double a, double b, double c) {
-    if (a <= 1e-18) {  // along the axis
+    if (a <= kSquare) {  // along the axis
       if (c > 0) to = -kNoHit;
       return;
     }
@@ -61,15 +63,24 @@ double RayToCylinder(const Ray& ray, const Cylinder& cylinder) {
   return inside.FirstHit();
 }
 
-double RayToCylinder(const Ray& ray, const Cylinder& cylinder, const Vector3& center, const Vector3& axis) {
-  const Vector3 to_origin = ray.origin - center;
-  const double o_z = to_origin.dot(axis);
+double RayToCylinder(const Ray& ray, const Cylinder& cylinder, const Vector3& axis) {
+  const double o_z = ray.origin.dot(axis);
   const double d_z = ray.direction.dot(axis);
-  const Vector3 o = to_origin - o_z * axis;
+  const Vector3 o = ray.origin - o_z * axis;
   const Vector3 d = ray.direction - d_z * axis;
+  const double a = d.squaredNorm(), b = o.dot(d);
+  const double c = o.squaredNorm() - cylinder.radius_m * cylinder.radius_m;
+  const double half_m = cylinder.length_m / 2;
+  if (c > 0 && a > kSquare) {
+    // Most rays start outside, and meet the mantle if anything: then its ends need no look.
+    const double discriminant = b * b - a * c;
+    if (b >= 0 || discriminant < 0) return kNoHit;
+    const double mantle = (-b - std::sqrt(discriminant)) / a;
+    if (std::abs(o_z + mantle * d_z) <= half_m) return mantle;
+  }
   Interval inside;
-  inside.ClipSlab(o_z, d_z, cylinder.length_m / 2);
-  inside.ClipQuadratic(d.squaredNorm(), o.dot(d), o.squaredNorm() - cylinder.radius_m * cylinder.radius_m);
+  inside.ClipSlab(o_z, d_z, half_m);
+  inside.ClipQuadratic(a, b, c);
   return inside.FirstHit();
 }
 

@@ -23,9 +23,9 @@ double RayToCylinder(const Ray& ray, const Cylinder& cylinder);
 double RayToSphere(const Ray& ray, const Sphere& sphere);
 double RayToShape(const Ray& ray, const Shape& shape);
 
-/// The same for a cylinder about `center` along the unit vector `axis`, all in one frame. To rounding equal
-/// to RayToCylinder() in the cylinder's frame.
-double RayToCylinder(const Ray& ray, const Cylinder& cylinder, const Vector3& center, const Vector3& axis);
+/// The same for a cylinder about the unit vector `axis`, in any frame whose origin is the cylinder's centre.
+/// To rounding equal to RayToCylinder() in the cylinder's frame.
+double RayToCylinder(const Ray& ray, const Cylinder& cylinder, const Vector3& axis);
 
 /// Distance along `ray` (in the world) to the half-space z ≤ 0, m.
 double RayToFloor(const Ray& ray);

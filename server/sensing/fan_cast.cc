@@ -2,6 +2,8 @@
 #include "server/sensing/fan_cast.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 namespace coopdyn {
 
@@ -9,8 +11,14 @@ namespace {
 
 // With more robots near than this per ray, each ray looks along its own way only.
 constexpr std::size_t kManyPerRay = 24;
+// Up to so many robots are looked at one by one.
+constexpr std::size_t kFewRobots = 8;
 // With more objects near than this, too.
 constexpr std::size_t kManyItems = 8;
+
+Vector3 Turned(const Matrix3& R, const Vector3& v) {
+  return R.col(0) * v.x() + R.col(1) * v.y() + R.col(2) * v.z();
+}
 
 }  // namespace
 
@@ -24,8 +32,11 @@ bool FanCast::Run() {
   field.ForHulls(x, y, reach_W_.radius_m, [&](auto entries) { near += entries.size(); });
   if (near > kManyPerRay * fan_.rays().size()) {
     MeetRobotsRayByRay();
+  } else if (near > kFewRobots && has_map_) {
+    Start();
+    field.ForHulls(x, y, reach_W_.radius_m, [this](auto entries) { MeetManyRobots(entries); });
   } else if (near > 1) {
-    field.ForHulls(x, y, reach_W_.radius_m, [this](auto entries) { MeetRobots(entries); });
+    field.ForHulls(x, y, reach_W_.radius_m, [this](auto entries) { MeetFewRobots(entries); });
   }
 
   if (!cache_.scene().static_grid().empty()) MeetItems(cache_.scene().static_grid());
@@ -43,7 +54,7 @@ void FanCast::Start() {
   if (started_) return;
   started_ = true;
   R_WR_ = X_WR_.q.toRotationMatrix();
-  place_ = FanPlace(R_WR_, tilt_);
+  turn_ = fan_.TurnToMap(R_WR_);
   for (std::size_t k = 0; k < fan_.rays().size(); ++k) nearest_m_[k] = fan_.rays()[k].limit_m;
 }
 
@@ -52,8 +63,8 @@ const FanCast::WorldRay& FanCast::GetRay(std::size_t k) {
   if (const std::uint64_t bit = std::uint64_t{1} << k; (made_ & bit) == 0) {
     made_ |= bit;
     const FanRay& ray_R = fan_.rays()[k];
-    ray.origin = X_WR_.p + R_WR_ * ray_R.p_RO;
-    ray.direction = R_WR_ * ray_R.d_R;
+    ray.direction = Turned(R_WR_, ray_R.d_R);
+    ray.origin = X_WR_.p + Turned(R_WR_, ray_R.p_RO);
   }
   return ray;
 }
@@ -65,26 +76,48 @@ void FanCast::MeetFloor() {
   }
 }
 
-void FanCast::MeetRobots(std::span<const RobotField::Entry> entries) {
+std::uint64_t FanCast::RaysNear(double dx, double dy, double radius_m) const {
+  return has_map_ && radius_m <= fan_.thing_radius_m() ? fan_.Near(turn_, dx, dy) : fan_.all();
+}
+
+void FanCast::MeetFewRobots(std::span<const RobotField::Entry> entries) {
   for (const RobotField::Entry& entry : entries) {
     const double dx = entry.x - X_WR_.p.x(), dy = entry.y - X_WR_.p.y();
     const double reach_m = reach_W_.radius_m + entry.radius_m;
     if (dx * dx + dy * dy > reach_m * reach_m || entry.robot == robot_) continue;
-    if (entry.min_z > reach_W_.max_z || entry.max_z < reach_W_.min_z) continue;
-    MeetRobot(entry, dx, dy);
+    Start();
+    MeetRobot(entry, RaysNear(dx, dy, entry.radius_m));
   }
 }
 
-void FanCast::MeetRobot(const RobotField::Entry& entry, double dx, double dy) {
-  Start();
-  const SensorFan::Part part = fan_.Toward(place_, dx, dy, entry.radius_m);
-  if (part.first == part.end) return;
+void FanCast::MeetManyRobots(std::span<const RobotField::Entry> entries) {
+  // In two passes over a few at a time: the first has no branches to guess, and leaves little to the second.
+  constexpr std::size_t kChunk = 64;
+  std::array<std::uint64_t, kChunk> rays;
+  std::array<const RobotField::Entry*, kChunk> found;
+  const double x = X_WR_.p.x(), y = X_WR_.p.y(), map_radius_m = fan_.thing_radius_m();
+  for (; !entries.empty(); entries = entries.subspan(std::min(kChunk, entries.size()))) {
+    std::size_t count = 0;
+    for (const RobotField::Entry& entry : entries.first(std::min(kChunk, entries.size()))) {
+      const std::uint64_t near = fan_.Near(turn_, entry.x - x, entry.y - y);
+      rays[count] = entry.radius_m > map_radius_m ? fan_.all() : near;
+      found[count] = &entry;
+      count += rays[count] != 0 ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (found[i]->robot != robot_) MeetRobot(*found[i], rays[i]);
+    }
+  }
+}
+
+void FanCast::MeetRobot(const RobotField::Entry& entry, std::uint64_t rays) {
+  if (entry.min_z > reach_W_.max_z || entry.max_z < reach_W_.min_z) return;
   const RobotHull& hull = cache_.scene().type(entry.robot).hull;
-  const HullPose X_WR(cache_.field().pose(entry.robot));
-  const auto count = static_cast<std::uint32_t>(fan_.rays().size());
-  for (std::uint32_t i = part.first; i < part.end; ++i) {
-    const std::uint32_t k = i < count ? i : i - count;
+  const Pose& X_WR = cache_.field().pose(entry.robot);
+  for (; rays != 0; rays &= rays - 1) {
+    const auto k = static_cast<std::size_t>(std::countr_zero(rays));
     const WorldRay& ray = GetRay(k);
+    if (!entry.MayMeet(ray.origin, ray.direction, nearest_m_[k])) continue;
     hull.Cast(cache_.frame(), entry.robot, X_WR, {ray.origin, ray.direction}, nearest_m_[k]);
   }
 }
@@ -104,18 +137,17 @@ void FanCast::MeetItems(const RayGrid& grid) {
                                          reach_W_.max_z, items);
   if (near == 0) return;
   Start();
-  const auto count = static_cast<std::uint32_t>(fan_.rays().size());
   if (near > kManyItems) {
-    for (std::uint32_t k = 0; k < count; ++k) {
+    for (std::size_t k = 0; k < fan_.rays().size(); ++k) {
       nearest_m_[k] = std::min(nearest_m_[k], grid.Cast(ray_W(k), nearest_m_[k]));
     }
     return;
   }
   for (std::size_t n = 0; n < near; ++n) {
     const Vector3& p_W = grid.items()[items[n]].p_WG;
-    const SensorFan::Part part = fan_.Toward(place_, p_W.x() - x, p_W.y() - y, grid.radius_m(items[n]));
-    for (std::uint32_t i = part.first; i < part.end; ++i) {
-      const std::uint32_t k = i < count ? i : i - count;
+    std::uint64_t rays = RaysNear(p_W.x() - x, p_W.y() - y, grid.radius_m(items[n]));
+    for (; rays != 0; rays &= rays - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(rays));
       grid.Test(items[n], ray_W(k), nearest_m_[k]);
     }
   }

@@ -19,7 +19,12 @@ class FanCast {
  public:
   /// All arguments must outlive the cast.
   FanCast(const SensingCache& cache, int robot, const SensorFan& fan)
-      : cache_(cache), robot_(robot), fan_(fan), X_WR_(cache.field().pose(robot)), tilt_(X_WR_.q) {}
+      : cache_(cache),
+        robot_(robot),
+        fan_(fan),
+        X_WR_(cache.field().pose(robot)),
+        tilt_(X_WR_.q),
+        has_map_(fan.HasMap(tilt_)) {}
 
   /// False if no ray meets anything.
   bool Run();
@@ -38,9 +43,13 @@ class FanCast {
 
   void Start();
   const WorldRay& GetRay(std::size_t k);
+  /// The rays that may meet a thing inside a vertical cylinder whose axis is (dx, dy) away in the world.
+  std::uint64_t RaysNear(double dx, double dy, double radius_m) const;
   void MeetFloor();
-  void MeetRobots(std::span<const RobotField::Entry> entries);
-  void MeetRobot(const RobotField::Entry& entry, double dx, double dy);
+  void MeetFewRobots(std::span<const RobotField::Entry> entries);
+  /// The same if Start() was called and there is a map.
+  void MeetManyRobots(std::span<const RobotField::Entry> entries);
+  void MeetRobot(const RobotField::Entry& entry, std::uint64_t rays);
   void MeetRobotsRayByRay();
   void MeetItems(const RayGrid& grid);
 
@@ -49,12 +58,13 @@ class FanCast {
   const SensorFan& fan_;
   const Pose& X_WR_;
   const Tilt tilt_;
+  const bool has_map_;
   Extent reach_W_;  // holds all rays; upright about R's origin
 
   // Set by Start(), when the first thing is found near.
   bool started_ = false;
   Matrix3 R_WR_;
-  FanPlace place_;
+  SensorFan::Turn turn_;
   std::uint64_t made_ = 0;  // bit k: rays_W_[k] is set
   std::array<WorldRay, SensorFan::kMaxRays> rays_W_;
   std::array<double, SensorFan::kMaxRays> nearest_m_;  // ray's limit_m: nothing yet

@@ -10,18 +10,6 @@ namespace {
 constexpr std::size_t kGrain = 256;  // robots that one thread takes at a time
 constexpr double kMinCell_m = 0.05;
 
-bool MayMeet(const RobotField::Entry& entry, const Ray& ray_W, double nearest_m) {
-  const double dx = entry.x - ray_W.origin.x(), dy = entry.y - ray_W.origin.y();
-  const double along = dx * ray_W.direction.x() + dy * ray_W.direction.y();
-  const double length2 =
-      ray_W.direction.x() * ray_W.direction.x() + ray_W.direction.y() * ray_W.direction.y();
-  const double across = dx * ray_W.direction.y() - dy * ray_W.direction.x();
-  if (across * across > entry.radius_m * entry.radius_m * length2) return false;
-  if (along < -entry.radius_m || along - entry.radius_m > nearest_m * length2) return false;
-  const double start_z = ray_W.origin.z(), end_z = start_z + nearest_m * ray_W.direction.z();
-  return std::max(start_z, end_z) >= entry.min_z && std::min(start_z, end_z) <= entry.max_z;
-}
-
 }  // namespace
 
 void RobotField::Build(const Frame& frame, const SceneSensing& scene, WorkerPool* pool) {
@@ -70,9 +58,9 @@ ThingHit RobotField::Cast(const Frame& frame, const SceneSensing& scene, const R
   double limit_m = nearest_m;
   const auto test = [&](std::span<const Entry> entries) {
     for (const Entry& entry : entries) {
-      if (entry.robot == ignored_robot || !MayMeet(entry, ray_W, limit_m)) continue;
+      if (entry.robot == ignored_robot || !entry.MayMeet(ray_W.origin, ray_W.direction, limit_m)) continue;
       const double before_m = limit_m;
-      scene.type(entry.robot).hull.Cast(frame, entry.robot, HullPose(pose(entry.robot)), ray_W, limit_m);
+      scene.type(entry.robot).hull.Cast(frame, entry.robot, pose(entry.robot), ray_W, limit_m);
       if (limit_m < before_m) nearest = {limit_m, entry.robot};
     }
   };

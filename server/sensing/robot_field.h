@@ -32,6 +32,18 @@ class RobotField {
     double radius_m = 0;
     double min_z = 0, max_z = 0;
     int robot = 0;
+
+    /// False only if the ray meets nothing inside the cylinder nearer than `nearest_m`.
+    bool MayMeet(const Vector3& origin_W, const Vector3& direction_W, double nearest_m) const {
+      const double dx = x - origin_W.x(), dy = y - origin_W.y();
+      const double along = dx * direction_W.x() + dy * direction_W.y();
+      const double across = dx * direction_W.y() - dy * direction_W.x();
+      const double length2 = direction_W.x() * direction_W.x() + direction_W.y() * direction_W.y();
+      if (across * across > radius_m * radius_m * length2) return false;
+      if (along < -radius_m || along - radius_m > nearest_m * length2) return false;
+      const double start_z = origin_W.z(), end_z = start_z + nearest_m * direction_W.z();
+      return std::max(start_z, end_z) >= min_z && std::min(start_z, end_z) <= max_z;
+    }
   };
 
   /// Fills the field with the robots of `frame`, on `pool`'s threads too unless that is null.

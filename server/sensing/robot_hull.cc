@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kPad_m = Extent::kPad_m;
 constexpr double kParallel = 1e-9;
+// A robot that leans a little is this much wider.
+constexpr double kLean = 1.02;
 // A wheel that wobbles in its joint stays within this.
 constexpr double kWobble_m = 0.02;
 
@@ -39,11 +41,12 @@ RobotHull::RobotHull(const RobotModel& model) {
     for (const LinkShape& collision : model.links[link].collisions) {
       const Part part = MakePart(model, static_cast<int>(link), collision);
       const auto* cylinder = std::get_if<Cylinder>(&part.shape);
-      const Vector3 axis_R = part.R_RG.col(2);
+      const Vector3 axis_R = part.X_RG.q * Vector3::UnitZ();
       if (!trunk_ && link == 0 && cylinder != nullptr && Across(axis_R) < 1e-15) {
         const double half_m = cylinder->length_m / 2;
-        trunk_ = Trunk{*cylinder, part.p_RG, part.p_RG.z() - half_m, part.p_RG.z() + half_m};
-        chassis_.Include(Across(part.p_RG) + cylinder->radius_m, trunk_->min_z, trunk_->max_z);
+        trunk_ = Trunk{*cylinder, part.X_RG.p, part.X_RG.p.head<2>().isZero(0), part.X_RG.p.z() - half_m,
+                       part.X_RG.p.z() + half_m};
+        chassis_.Include(Across(part.X_RG.p) + cylinder->radius_m, trunk_->min_z, trunk_->max_z);
         continue;
       }
       const Extent extent = ExtentOf(model, part);
@@ -53,15 +56,22 @@ RobotHull::RobotHull(const RobotModel& model) {
     }
   }
   if (!chassis_.empty()) all_.Include(chassis_.radius_m, chassis_.min_z, chassis_.max_z);
+  all_hidden_ = trunk_.has_value();
   for (std::size_t i = 0; trunk_ && i < parts_.size(); ++i) {
     parts_[i].hidden = extents[i].radius_m < trunk_->shape.radius_m - Across(trunk_->p_RG);
+    all_hidden_ = all_hidden_ && parts_[i].hidden;
   }
   if (!all_.empty()) {
     whole_radius_m_ = std::hypot(all_.radius_m, std::max(std::abs(all_.min_z), std::abs(all_.max_z)));
   }
+  upright_radius_m_ = all_.radius_m;
   for (const Part& part : parts_) {
+    if (part.link > 0) {
+      upright_radius_m_ = std::max(upright_radius_m_, Across(part.p_RC) + part.body_radius_m);
+    }
     whole_radius_m_ = std::max(whole_radius_m_, part.p_RC.norm() + 2 * part.body_radius_m);
   }
+  upright_radius_m_ *= kLean;
   whole_radius_m_ += kWobble_m;
 }
 
@@ -72,33 +82,33 @@ RobotHull::Part RobotHull::MakePart(const RobotModel& model, int link, const Lin
   part.shape = collision.shape;
   part.link = link;
   part.X_LG = collision.X_LG;
-  part.p_RG = part.p_RC = X_RG.p;
-  part.R_RG = X_RG.q.toRotationMatrix();
+  part.X_RG = X_RG;
+  part.p_RC = X_RG.p;
   part.radius_m = BoundingRadius(collision.shape) + kPad_m;
   part.body_radius_m = part.radius_m + (collision.X_LG.p - link_model.X_LI.p).norm();
   if (const JointModel* joint = JointOf(model, link); link > 0 && joint != nullptr) {
     // It turns about the joint's axis, and so does its centre if that is off the axis.
     const Vector3 axis_R = joint->axis_R.normalized();
-    part.p_RC = joint->p_RJ + axis_R * axis_R.dot(part.p_RG - joint->p_RJ);
-    part.radius_m += (part.p_RG - part.p_RC).norm();
+    part.p_RC = joint->p_RJ + axis_R * axis_R.dot(part.X_RG.p - joint->p_RJ);
+    part.radius_m += (part.X_RG.p - part.p_RC).norm();
   }
   return part;
 }
 
 Extent RobotHull::ExtentOf(const RobotModel& model, const Part& part) {
   Extent extent;
-  const Vector3 axis_R = part.R_RG.col(2);
+  const Vector3 axis_R = part.X_RG.q * Vector3::UnitZ();
   const auto* cylinder = std::get_if<Cylinder>(&part.shape);
   const JointModel* joint = JointOf(model, part.link);
   const bool is_wheel = joint != nullptr && cylinder != nullptr && std::abs(axis_R.z()) < kParallel &&
-                        (part.p_RG - part.p_RC).norm() < kParallel &&
+                        (part.X_RG.p - part.p_RC).norm() < kParallel &&
                         axis_R.cross(joint->axis_R.normalized()).norm() < kParallel;
   if (is_wheel) {
     // Turning leaves it as it is: a disc on edge.
-    const double along = std::abs(axis_R.dot(part.p_RG)) + cylinder->length_m / 2;
-    const double ahead = std::abs(axis_R.cross(Vector3::UnitZ()).dot(part.p_RG)) + cylinder->radius_m;
-    extent.Include(std::hypot(along, ahead) + kPad_m, part.p_RG.z() - cylinder->radius_m - kPad_m,
-                   part.p_RG.z() + cylinder->radius_m + kPad_m);
+    const double along = std::abs(axis_R.dot(part.X_RG.p)) + cylinder->length_m / 2;
+    const double ahead = std::abs(axis_R.cross(Vector3::UnitZ()).dot(part.X_RG.p)) + cylinder->radius_m;
+    extent.Include(std::hypot(along, ahead) + kPad_m, part.X_RG.p.z() - cylinder->radius_m - kPad_m,
+                   part.X_RG.p.z() + cylinder->radius_m + kPad_m);
   } else {
     extent.Include(Across(part.p_RC) + part.radius_m, part.p_RC.z() - part.radius_m,
                    part.p_RC.z() + part.radius_m);
@@ -121,39 +131,45 @@ Extent RobotHull::Bounds(const Frame& frame, int robot, const Pose& X_WR) const 
   return bounds;
 }
 
-void RobotHull::Cast(const Frame& frame, int robot, const HullPose& X_WR, const Ray& ray_W,
+void RobotHull::Cast(const Frame& frame, int robot, const Pose& X_WR, const Ray& ray_W,
                      double& nearest_m) const {
   bool between_ends = false;
   if (trunk_) {
-    const Vector3 axis_W = X_WR.R.col(2);
-    const double start_z = axis_W.dot(ray_W.origin - X_WR.p);
-    const double end_z = start_z + nearest_m * axis_W.dot(ray_W.direction);
-    if (std::max(start_z, end_z) >= trunk_->min_z && std::min(start_z, end_z) <= trunk_->max_z) {
-      const double hit_m = RayToCylinder(ray_W, trunk_->shape, X_WR.p + X_WR.R * trunk_->p_RG, axis_W);
-      between_ends = std::min(start_z, end_z) >= trunk_->min_z && std::max(start_z, end_z) <= trunk_->max_z;
-      nearest_m = std::min(nearest_m, hit_m);
+    const Quaternion& q = X_WR.q;
+    const Vector3 axis_W(2 * (q.x() * q.z() + q.w() * q.y()), 2 * (q.y() * q.z() - q.w() * q.x()),
+                         1 - 2 * (q.x() * q.x() + q.y() * q.y()));
+    Vector3 to_origin = ray_W.origin - X_WR.p;
+    const double start_z = axis_W.dot(to_origin);
+    const double d_z = axis_W.dot(ray_W.direction);
+    const double end_z = start_z + nearest_m * d_z;
+    const double low = std::min(start_z, end_z), high = std::max(start_z, end_z);
+    between_ends = low >= trunk_->min_z && high <= trunk_->max_z;
+    if (high >= trunk_->min_z && low <= trunk_->max_z) {
+      if (!trunk_->central) to_origin -= q * Vector3(trunk_->p_RG.x(), trunk_->p_RG.y(), 0);
+      to_origin -= trunk_->p_RG.z() * axis_W;
+      nearest_m = std::min(nearest_m, RayToCylinder({to_origin, ray_W.direction}, trunk_->shape, axis_W));
     }
   }
+  if (between_ends && all_hidden_ && frame.scene->robots[static_cast<std::size_t>(robot)].one_body()) {
+    return;
+  }
+  CastParts(frame, robot, X_WR, ray_W, between_ends, nearest_m);
+}
+
+void RobotHull::CastParts(const Frame& frame, int robot, const Pose& X_WR, const Ray& ray_W,
+                          bool between_ends, double& nearest_m) const {
   const SceneRobot& scene_robot = frame.scene->robots[static_cast<std::size_t>(robot)];
   const bool rigid = scene_robot.one_body();
   for (const Part& part : parts_) {
     const bool in_place = rigid || part.link == 0;
     if (part.hidden && between_ends && in_place) continue;
     const Vector3 center_W =
-        in_place ? X_WR.p + X_WR.R * part.p_RC
+        in_place ? X_WR * part.p_RC
                  : frame.bodies[static_cast<std::size_t>(scene_robot.first_body + part.link)].p_WB;
     if (!MayMeet(ray_W, center_W, in_place ? part.radius_m : part.body_radius_m, nearest_m)) continue;
-    Vector3 p_WG;
-    Matrix3 R_WG;
-    if (part.link == 0) {
-      p_WG = X_WR.p + X_WR.R * part.p_RG;
-      R_WG = X_WR.R * part.R_RG;
-    } else {
-      const Pose X_WG = LinkPose(frame, robot, part.link) * part.X_LG;
-      p_WG = X_WG.p;
-      R_WG = X_WG.q.toRotationMatrix();
-    }
-    const Ray ray_G{R_WG.transpose() * (ray_W.origin - p_WG), R_WG.transpose() * ray_W.direction};
+    const Pose X_WG = part.link == 0 ? X_WR * part.X_RG : LinkPose(frame, robot, part.link) * part.X_LG;
+    const Matrix3 R_GW = X_WG.q.toRotationMatrix().transpose();
+    const Ray ray_G{R_GW * (ray_W.origin - X_WG.p), R_GW * ray_W.direction};
     nearest_m = std::min(nearest_m, RayToShape(ray_G, part.shape));
   }
 }

@@ -23,11 +23,15 @@ const SceneSensing& SceneSensing::Of(const Scene& scene) {
 
 SceneSensing::SceneSensing(const Scene& scene) {
   std::map<const RobotModel*, std::uint32_t> indices;  // looked up, never walked through
+  std::vector<const RobotModel*> models;               // of types_
   std::uint32_t first = 0;
   for (const SceneRobot& robot : scene.robots) {
     const RobotModel& model = *robot.entry.model;
     const auto [found, is_new] = indices.emplace(&model, static_cast<std::uint32_t>(types_.size()));
-    if (is_new) types_.emplace_back(model);
+    if (is_new) {
+      types_.emplace_back(model);
+      models.push_back(&model);
+    }
     types_of_robots_.push_back(found->second);
     first_ranges_.push_back(first);
     first += static_cast<std::uint32_t>(model.distance_sensors.size());
@@ -35,6 +39,13 @@ SceneSensing::SceneSensing(const Scene& scene) {
   first_ranges_.push_back(first);
   for (const RobotType& type : types_) {
     max_hull_radius_m_ = std::max(max_hull_radius_m_, type.hull.whole_radius_m());
+  }
+  double upright_radius_m = 0;
+  for (const RobotType& type : types_) {
+    upright_radius_m = std::max(upright_radius_m, type.hull.upright_radius_m());
+  }
+  for (std::size_t i = 0; i < types_.size(); ++i) {
+    types_[i].fans = SensorFan::MakeAll(*models[i], upright_radius_m);
   }
   std::vector<RayItem> items;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {

@@ -30,7 +30,7 @@ class SceneSensing final : public SceneCache {
   SceneSensing& operator=(const SceneSensing&) = delete;
 
   struct RobotType {
-    explicit RobotType(const RobotModel& model) : hull(model), fans(SensorFan::MakeAll(model)) {}
+    explicit RobotType(const RobotModel& model) : hull(model) {}
 
     RobotHull hull;
     std::vector<SensorFan> fans;

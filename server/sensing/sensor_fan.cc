@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -11,33 +10,7 @@
 
 namespace coopdyn {
 
-namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr double kSteep = 0.5;  // least horizontal part of a direction whose bearing means anything
-
-}  // namespace
-
-FanPlace::FanPlace(const Matrix3& R_WR, const Tilt& lean) : tilt(lean) {
-  const double length = std::sqrt(R_WR(0, 0) * R_WR(0, 0) + R_WR(1, 0) * R_WR(1, 0));
-  if (length > 0) {
-    cos_yaw = R_WR(0, 0) / length;
-    sin_yaw = R_WR(1, 0) / length;
-  }
-}
-
-float RoughBearing(float y, float x) {
-  const float ax = std::abs(x), ay = std::abs(y);
-  const float large = std::max(ax, ay), small = std::min(ax, ay);
-  const float a = large > 0 ? small / large : 0;
-  const float s = a * a;
-  float angle = ((-0.0464964749F * s + 0.15931422F) * s - 0.327622764F) * s * a + a;
-  angle = ay > ax ? kPi / 2 - angle : angle;
-  angle = x < 0 ? kPi - angle : angle;
-  return std::copysign(angle, y);
-}
-
-std::vector<SensorFan> SensorFan::MakeAll(const RobotModel& model) {
+std::vector<SensorFan> SensorFan::MakeAll(const RobotModel& model, double thing_radius_m) {
   std::vector<FanRay> rays;
   for (std::size_t k = 0; k < model.distance_sensors.size(); ++k) {
     const DistanceSensorModel& sensor = model.distance_sensors[k];
@@ -50,75 +23,61 @@ std::vector<SensorFan> SensorFan::MakeAll(const RobotModel& model) {
                       static_cast<std::uint32_t>(rays.size())});
     }
   }
-  const auto bearing = [](const FanRay& ray) { return std::atan2(ray.d_R.y(), ray.d_R.x()); };
-  std::stable_sort(rays.begin(), rays.end(),
-                   [&](const FanRay& a, const FanRay& b) { return bearing(a) < bearing(b); });
   std::vector<SensorFan> fans;
   for (std::size_t first = 0; first < rays.size(); first += kMaxRays) {
     const std::size_t end = std::min(rays.size(), first + kMaxRays);
-    fans.push_back(SensorFan({rays.begin() + static_cast<std::ptrdiff_t>(first),
-                              rays.begin() + static_cast<std::ptrdiff_t>(end)}));
+    fans.push_back(SensorFan(
+        {rays.begin() + static_cast<std::ptrdiff_t>(first), rays.begin() + static_cast<std::ptrdiff_t>(end)},
+        thing_radius_m));
   }
   return fans;
 }
 
-SensorFan::SensorFan(std::vector<FanRay> rays) : rays_(std::move(rays)) {
+SensorFan::SensorFan(std::vector<FanRay> rays, double thing_radius_m)
+    : rays_(std::move(rays)), thing_radius_m_(thing_radius_m) {
   for (const FanRay& ray : rays_) {
     const Vector3 end = ray.p_RO + ray.limit_m * ray.d_R;
     for (const Vector3& p : {ray.p_RO, end}) reach_.Include(std::hypot(p.x(), p.y()), p.z(), p.z());
   }
-  MakeBearings();
+  DrawMap();
 }
 
-void SensorFan::MakeBearings() {
-  has_bearings_ = true;
-  for (const FanRay& ray : rays_) {
-    const double length = std::hypot(ray.d_R.x(), ray.d_R.y());
-    if (length < kSteep) {
-      has_bearings_ = false;
-      return;
+SensorFan::Turn SensorFan::TurnToMap(const Matrix3& R_WR) const {
+  const double length = std::sqrt(R_WR(0, 0) * R_WR(0, 0) + R_WR(1, 0) * R_WR(1, 0));
+  if (length <= 0) return {cells_per_m_, 0};
+  return {cells_per_m_ * R_WR(0, 0) / length, cells_per_m_ * R_WR(1, 0) / length};
+}
+
+void SensorFan::DrawMap() {
+  // Leaning moves a point of a ray, seen from above, by its height times the tilt and by a part of its
+  // distance that falls with the square of the tilt.
+  const double lean_m = kMaxTilt * std::max(std::abs(reach_.min_z), std::abs(reach_.max_z)) +
+                        kMaxTilt * kMaxTilt * reach_.radius_m;
+  const double near_m = thing_radius_m_ + lean_m + Extent::kPad_m;
+  // One cell more on each side, and room for a thing anywhere in its cell.
+  const double cell_m = 2 * (reach_.radius_m + near_m) / (kCells - 4);
+  const double half_m = cell_m * kCells / 2;
+  cells_per_m_ = 1 / cell_m;
+  map_.assign(kCells * kCells, 0);
+  // A thing may stand anywhere in its cell.
+  const double most_m = near_m + cell_m * std::numbers::sqrt2 / 2;
+  for (std::size_t k = 0; k < rays_.size(); ++k) {
+    const FanRay& ray = rays_[k];
+    const double length_m = ray.limit_m * std::hypot(ray.d_R.x(), ray.d_R.y());
+    const double ux = length_m > 0 ? ray.d_R.x() * ray.limit_m / length_m : 1;
+    const double uy = length_m > 0 ? ray.d_R.y() * ray.limit_m / length_m : 0;
+    for (std::size_t row = 0; row < kCells; ++row) {
+      const double y = (static_cast<double>(row) + 0.5) * cell_m - half_m - ray.p_RO.y();
+      for (std::size_t column = 0; column < kCells; ++column) {
+        const double x = (static_cast<double>(column) + 0.5) * cell_m - half_m - ray.p_RO.x();
+        const double along = x * ux + y * uy;
+        const double beyond = along - std::clamp(along, 0.0, length_m);
+        const double across = x * uy - y * ux;
+        if (beyond * beyond + across * across > most_m * most_m) continue;
+        map_[row * kCells + column] |= std::uint64_t{1} << k;
+      }
     }
-    const double ux = ray.d_R.x() / length, uy = ray.d_R.y() / length;
-    const double across = std::abs(ux * ray.p_RO.y() - uy * ray.p_RO.x());
-    const double behind = -(ux * ray.p_RO.x() + uy * ray.p_RO.y());
-    miss_m_ = std::max(miss_m_, across + std::max(behind, 0.0));
-    origin_m_ = std::max(origin_m_, ray.p_RO.norm());
-    bearings_rad_.push_back(static_cast<float>(std::atan2(uy, ux)));
   }
-  const std::size_t count = bearings_rad_.size();
-  for (std::size_t i = 0; i < count; ++i) bearings_rad_.push_back(bearings_rad_[i] + 2 * kPi);
-  bearings_rad_.push_back(std::numeric_limits<float>::infinity());
-  for (int bin = 0; bin <= kBins; ++bin) {
-    const float from = -kPi + 2 * kPi * static_cast<float>(bin) / kBins - kRoughBearing_rad;
-    const auto found = std::lower_bound(bearings_rad_.begin(), bearings_rad_.end(), from);
-    first_[static_cast<std::size_t>(bin)] = static_cast<std::uint16_t>(found - bearings_rad_.begin());
-  }
-}
-
-SensorFan::Part SensorFan::Toward(const FanPlace& place, double dx, double dy, double radius_m) const {
-  const auto count = static_cast<std::uint32_t>(rays_.size());
-  if (!has_bearings_ || place.tilt.sine > kMaxTilt || place.tilt.cosine < 0) return {0, count};
-  // A ray that meets the cylinder points, seen from R's z axis, at most asin(across / distance) past its
-  // axis: its line passes the cylinder's axis within radius_m and R's within miss_m_. Tilting moves its
-  // origin by its sine * origin_m_ or so, and turns it by less than 3 times that sine.
-  const double across = radius_m + miss_m_ + 4 * place.tilt.sine * origin_m_;
-  const double distance2 = dx * dx + dy * dy;
-  if (distance2 <= 2 * across * across) return {0, count};  // it may even be met backwards
-  const auto sine = static_cast<float>(across / std::sqrt(distance2));
-  // asin(s) ≤ s + (π/2 − 1) s³
-  const float half_rad =
-      sine + 0.5708F * sine * sine * sine + 3 * static_cast<float>(place.tilt.sine) + 2 * kRoughBearing_rad;
-  const float bearing_rad = RoughBearing(static_cast<float>(dy * place.cos_yaw - dx * place.sin_yaw),
-                                         static_cast<float>(dx * place.cos_yaw + dy * place.sin_yaw));
-  float low = bearing_rad - half_rad;
-  low = low < -kPi ? low + 2 * kPi : low;
-  const float high = low + 2 * half_rad;
-  const int bin = std::clamp(static_cast<int>((low + kPi) * (kBins / (2 * kPi))), 0, kBins - 1);
-  std::uint32_t first = first_[static_cast<std::size_t>(bin)];
-  while (bearings_rad_[first] < low) ++first;
-  std::uint32_t end = first;
-  while (bearings_rad_[end] <= high) ++end;
-  return {first, end};
 }
 
 }  // namespace coopdyn

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The rays of a robot type's distance sensors in the robot's frame R, worked out once. Constant once made;
-// any thread.
+// The rays of a robot type's distance sensors in the robot's frame R, and a map of where they go, worked out
+// once. Constant once made; any thread.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -22,54 +22,54 @@ struct FanRay {
   std::uint32_t index = 0;         // among all rays of the model, by sensor, right to left
 };
 
-/// How a robot's frame R stands, as far as bearings go.
-struct FanPlace {
-  double cos_yaw = 1, sin_yaw = 0;  // of R's x axis in the plane
-  Tilt tilt;
-
-  FanPlace() = default;
-  FanPlace(const Matrix3& R_WR, const Tilt& lean);
-};
-
-/// Up to kMaxRays rays, cast together; by increasing bearing in R.
+/// Up to kMaxRays rays, cast together. Sets of them are bits.
 class SensorFan {
  public:
   static constexpr std::size_t kMaxRays = 64;
 
-  /// All rays of `model`.
-  static std::vector<SensorFan> MakeAll(const RobotModel& model);
+  /// All rays of `model`, with maps for things of up to `thing_radius_m`.
+  static std::vector<SensorFan> MakeAll(const RobotModel& model, double thing_radius_m);
 
   const std::vector<FanRay>& rays() const { return rays_; }
+  /// All of them.
+  std::uint64_t all() const { return ~std::uint64_t{0} >> (kMaxRays - rays_.size()); }
   /// Holds all points of all rays, in R.
   const Extent& reach() const { return reach_; }
 
-  /// A part of the sequence of all rays followed by all rays again.
-  struct Part {
-    std::uint32_t first = 0, end = 0;
+  /// Whether Near() holds for a robot that leans by `tilt`.
+  static bool HasMap(const Tilt& tilt) { return tilt.sine <= kMaxTilt && tilt.cosine > 0; }
+  /// The radius up to which Near() holds.
+  double thing_radius_m() const { return thing_radius_m_; }
+  /// From the world's plane to the map of a robot.
+  struct Turn {
+    double cosine = 1, sine = 0;  // in cells per metre
   };
-  /// Holds every ray that can meet a vertical cylinder of radius `radius_m` whose axis is (dx, dy) away from
-  /// R's origin in the world's plane; each ray at most once.
-  Part Toward(const FanPlace& place, double dx, double dy, double radius_m) const;
+  Turn TurnToMap(const Matrix3& R_WR) const;
+  /// The rays that may meet a thing inside a vertical cylinder of up to thing_radius_m() whose axis is (dx,
+  /// dy) away from R's origin in the world.
+  std::uint64_t Near(const Turn& turn, double dx, double dy) const {
+    // Whole cells; out of the map, the empty one in the corner. Written so that no branch has to be guessed.
+    const auto column =
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(dx * turn.cosine + dy * turn.sine + kCells / 2));
+    const auto row =
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(dy * turn.cosine - dx * turn.sine + kCells / 2));
+    const auto inside =
+        static_cast<std::uint64_t>(static_cast<int>(column < kCells) & static_cast<int>(row < kCells));
+    return map_[(row * kCells + column) & (0 - inside)];
+  }
 
  private:
-  static constexpr int kBins = 128;  // of bearings
-  static constexpr double kMaxTilt = 0.05;
+  static constexpr std::uint64_t kCells = 48;  // along x and y: the map stays in the fastest cache
+  static constexpr double kMaxTilt = 0.02;
 
-  explicit SensorFan(std::vector<FanRay> rays);
-  void MakeBearings();
+  SensorFan(std::vector<FanRay> rays, double thing_radius_m);
+  void DrawMap();
 
   std::vector<FanRay> rays_;
   Extent reach_;
-  // What tells the rays of a bearing.
-  bool has_bearings_ = false;        // no ray is steep
-  double miss_m_ = 0;                // a ray's line passes R's z axis, and starts beyond it, within this
-  double origin_m_ = 0;              // largest distance of a ray's origin from R's origin
-  std::vector<float> bearings_rad_;  // of the rays, then one turn on of all again, then infinity
-  std::array<std::uint16_t, kBins + 1> first_{};  // in bearings_rad_: the first in or after each bin
+  double thing_radius_m_ = 0;
+  double cells_per_m_ = 0;
+  std::vector<std::uint64_t> map_;  // a square about R's origin; no ray gets near the cells at its edge
 };
-
-/// The bearing of (x, y) in [−π, π], wrong by less than kRoughBearing_rad.
-float RoughBearing(float y, float x);
-inline constexpr float kRoughBearing_rad = 1e-3F;
 
 }  // namespace coopdyn
