@@ -27,9 +27,9 @@ void RobotModule::OnOpen(Connection& connection) {
 
 void RobotModule::OnRequest(Connection& connection, Message request, ReplyFunction reply) {
   const StepInbox::Scope scope(robot_.inbox());
-  const auto found = peers_.find(connection.id());
-  if (found == peers_.end()) return;
-  Peer& peer = found->second;
+  Peer* const found = FindPeer(connection.id());
+  if (found == nullptr) return;
+  Peer& peer = *found;
   if (std::optional<Message> refusal = core_.Refuse(request)) {
     reply(std::move(*refusal));
     return;
@@ -142,9 +142,9 @@ Message RobotModule::ClaimOrRelease(Peer& peer, const Message& request) {
 }
 
 void RobotModule::OnStepEnd(ClientId client, const StepResult& result) {
-  const auto found = peers_.find(client);
-  if (found == peers_.end() || !found->second.reply) return;
-  Peer& peer = found->second;
+  Peer* const found = FindPeer(client);
+  if (found == nullptr || !found->reply) return;
+  Peer& peer = *found;
   const ReplyFunction reply = std::exchange(peer.reply, nullptr);
   if (result.end == StepEnd::kRan) {
     reply(core_.StepReply(peer.client, peer.command, std::move(peer.text), *result.frame, result.mode));
@@ -179,6 +179,12 @@ void RobotModule::AppendReading(std::size_t attachable, const Frame& frame, std:
   if (index >= 0) robot_.devices()[attachable]->AppendFirstReading(frame, index, data);
 }
 
+RobotModule::Peer* RobotModule::FindPeer(ClientId client) {
+  if (recent_ != nullptr && recent_->client.client.id == client) return recent_;
+  const auto found = peers_.find(client);
+  return found == peers_.end() ? nullptr : recent_ = &found->second;
+}
+
 void RobotModule::ListenForSteps() {
   bool subscribed = false;
   for (const auto& [id, peer] : peers_) subscribed |= !peer.client.subscriptions.empty();
@@ -199,6 +205,7 @@ void RobotModule::OnInputEnded(Connection& connection) {
 
 void RobotModule::OnClosed(Connection& connection) {
   const StepInbox::Scope scope(robot_.inbox());
+  recent_ = nullptr;
   peers_.erase(connection.id());
   robot_.services().roster.Remove(connection.id());
   ListenForSteps();

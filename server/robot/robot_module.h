@@ -61,6 +61,8 @@ class RobotModule final : public Endpoint, private ReadingSource, private StepLi
   Message ClaimOrRelease(Peer& peer, const Message& request);
   /// The reply that `verdict` allows now; nothing if the board will call back.
   std::optional<Message> Settle(Peer& peer, const Verdict& verdict);
+  /// Null: the connection is gone.
+  Peer* FindPeer(ClientId client);
   void ListenForSteps();
   CommandBoard& board() { return robot_.services().board; }
 
@@ -69,6 +71,7 @@ class RobotModule final : public Endpoint, private ReadingSource, private StepLi
   const std::string path_;
   ModuleCore core_;
   std::unordered_map<ClientId, Peer> peers_;
+  Peer* recent_ = nullptr;  // of peers_: mostly the same one is meant again
 };
 
 }  // namespace coopdyn
