@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 namespace coopdyn {
 namespace {
@@ -72,6 +73,30 @@ TEST(RayTest, MeetsTheFloorOnlyGoingDown) {
   EXPECT_EQ(RayToFloor(Towards({1, 2, 0.5}, {1, 0, 0})), kNoHit);
   EXPECT_EQ(RayToFloor(Towards({1, 2, 0.5}, {1, 0, 0.1})), kNoHit);
   EXPECT_EQ(RayToFloor(Towards({1, 2, -0.1}, {1, 0, 1})), 0);
+}
+
+TEST(Ray, ACylinderAboutAnyAxisIsMetWhereItIsInItsOwnFrame) {
+  std::mt19937 engine(3);
+  std::uniform_real_distribution<> any(-1, 1), size(0.05, 1);
+  int hits = 0, inside = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Cylinder cylinder{size(engine), size(engine)};
+    const Quaternion q = FromRollPitchYaw(3 * any(engine), 3 * any(engine), 3 * any(engine));
+    const Vector3 axis = q * Vector3::UnitZ();
+    const Ray ray{1.5 * Vector3(any(engine), any(engine), any(engine)),
+                  trial % 10 == 0 ? axis : Vector3(any(engine), any(engine), any(engine)).normalized()};
+    const double expected =
+        RayToCylinder({q.conjugate() * ray.origin, q.conjugate() * ray.direction}, cylinder);
+    const double found = RayToCylinder(ray, cylinder, axis);
+    if (expected == kNoHit) {
+      ASSERT_EQ(found, kNoHit) << trial;
+    } else {
+      ASSERT_NEAR(found, expected, 1e-9) << trial;
+      (expected == 0 ? inside : hits) += 1;
+    }
+  }
+  EXPECT_GT(hits, 1000);
+  EXPECT_GT(inside, 100);
 }
 
 }  // namespace

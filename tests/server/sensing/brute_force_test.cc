@@ -195,7 +195,7 @@ class RandomWorld {
 
 void CompareAll(Fidelity fidelity, unsigned first_seed) {
   int finite = 0, infinite = 0, inside = 0;
-  for (unsigned seed = first_seed; seed < first_seed + 60; ++seed) {
+  for (unsigned seed = first_seed; seed < first_seed + 30; ++seed) {
     RandomWorld world(seed);
     const auto frame = world.MakeFrame(fidelity);
     for (int robot = 0; robot < static_cast<int>(frame->robots.size()); ++robot) {
