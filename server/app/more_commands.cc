@@ -6,11 +6,13 @@
 #include "server/app/bench_lockstep.h"
 #include "server/app/bench_swarm.h"
 #include "server/app/controller_child.h"
+#include "server/app/new_controller.h"
 
 namespace coopdyn {
 
 void AddMoreCommands(CLI::App& app, std::function<int()>& chosen) {
   AddControllerChild(app, chosen);
+  AddNewController(app, chosen);
   CLI::App* bench = app.add_subcommand("bench", "Measure the speed of this machine and build");
   bench->require_subcommand(1);
   bench->footer("Example: coopdyn bench swarm --robots 1000");

@@ -72,6 +72,7 @@ ControllerSet::ControllerSet(std::vector<std::string> files, const ControllerOpt
   readings_end_ = in.end();
   InHeader& ours = areas_->header();
   ours.file_count = header.file_count;
+  ours.share_from_ns = options.share_from;
   ours.files = header.files;
   ours.file_results = header.file_results;
   std::vector<std::uint32_t> items(files.size());

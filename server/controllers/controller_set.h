@@ -23,6 +23,7 @@ struct ControllerOptions {
   bool in_process = false;                           // for debugging: a crash is the daemon's
   int threads = 1;                                   // of the child
   Nanoseconds deadline = 2 * kNanosecondsPerSecond;  // wall clock, for one robot's step; 0: none
+  Nanoseconds share_from = 200'000;                  // a step that takes longer is shared out to the threads
   std::string program = "/proc/self/exe";            // which becomes the child with `controller-child 3`
 };
 

@@ -11,7 +11,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kGrain = 64;
+constexpr std::size_t kGrain = 64;         // robots that a thread takes at a time
+constexpr std::size_t kFixedGrain = 4096;  // if there are no lists: hardly any work
 constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
 
 /// As /R/pose: of the point on the floor under the axle's middle.
@@ -45,7 +46,7 @@ void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> w
   if (!robots_.empty()) PrepareDistances(frame, robots_, pool_);
   if (lists_.size() < wanted.size()) lists_.resize(wanted.size());
   const Areas& areas = set.areas();
-  pool_.For(wanted.size(), kGrain, [&](std::size_t first, std::size_t end) {
+  pool_.For(wanted.size(), listed ? kGrain : kFixedGrain, [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
       WriteFixed(frame, wanted[i], areas);
       if (listed) Collect(frame, wanted[i], lists_[i]);

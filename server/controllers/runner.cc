@@ -111,18 +111,9 @@ void Runner::Run(const std::byte* in, std::byte* out, WorkerPool& pool) {
         Create(items[i], workers_.front());
       }
       break;
-    case Operation::kStep: {
-      next_.store(0, std::memory_order_relaxed);
-      const std::size_t parts = std::min(workers, (count + kGrain - 1) / kGrain);
-      if (parts <= 1) {
-        StepSome(0);
-      } else {
-        pool.For(parts, 1, [this](std::size_t first, std::size_t end) {
-          for (std::size_t part = first; part < end; ++part) StepSome(part);
-        });
-      }
+    case Operation::kStep:
+      StepAll(pool);
       break;
-    }
     case Operation::kEnd:
       End();
       break;
@@ -208,6 +199,27 @@ void Runner::Create(std::uint32_t robot, Worker& worker) {
   if (header().reviving != 0) return;
   result(robot).failed = 0;
   result(robot).done.store(header().serial, std::memory_order_release);
+}
+
+void Runner::StepAll(WorkerPool& pool) {
+  const std::size_t count = header().item_count;
+  const std::size_t workers = std::clamp<std::size_t>(header().workers, 1, kMaxWorkers);
+  // To wake a thread costs more than many a controller's step. It changes nothing but the time it takes.
+  const bool shared = item_time_ * static_cast<Nanoseconds>(count) >= header().share_from_ns;
+  const std::size_t parts = shared ? std::min(workers, (count + kGrain - 1) / kGrain) : 1;
+  const SteadyClock clock;
+  const Nanoseconds begun = clock.Now();
+  next_.store(0, std::memory_order_relaxed);
+  if (parts <= 1) {
+    StepSome(0);
+  } else {
+    pool.For(parts, 1, [this](std::size_t first, std::size_t end) {
+      for (std::size_t part = first; part < end; ++part) StepSome(part);
+    });
+  }
+  if (count == 0) return;
+  item_time_ = (clock.Now() - begun) * static_cast<Nanoseconds>(std::max<std::size_t>(parts, 1)) /
+               static_cast<Nanoseconds>(count);
 }
 
 void Runner::StepSome(std::size_t worker) {

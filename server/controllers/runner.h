@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "server/base/clock.h"
 #include "server/base/worker_pool.h"
 #include "server/controllers/guarded_buffer.h"
 #include "server/controllers/plugin.h"
@@ -48,6 +49,8 @@ class Runner {
 
   void Load(std::uint32_t file);
   void Create(std::uint32_t robot, Worker& worker);
+  /// Steps all items, on as many workers as pay.
+  void StepAll(WorkerPool& pool);
   /// Steps items until there are none left.
   void StepSome(std::size_t worker);
   void Step(std::uint32_t robot, Worker& worker);
@@ -64,6 +67,7 @@ class Runner {
   std::vector<std::unique_ptr<Instance>> instances_;  // by robot; null: none
   std::vector<Worker> workers_;
   std::atomic<std::size_t> next_{0};  // item that nobody has begun
+  Nanoseconds item_time_ = 0;         // that an item took in the last step
 };
 
 }  // namespace coopdyn

@@ -45,6 +45,7 @@ struct InHeader {
   Place readings;          // RobotReadings
   std::uint64_t seed, step;
   double time_s, step_s;
+  std::int64_t share_from_ns;  // a step that takes longer than this is shared out to all workers
 };
 
 struct FileSetup {

@@ -186,6 +186,7 @@ inline ControllerOptions TestOptions(bool in_process, int threads) {
   ControllerOptions options;
   options.in_process = in_process;
   options.threads = threads;
+  options.share_from = 0;  // always
   options.program = CONTROLLERS_TEST_CHILD;
   return options;
 }

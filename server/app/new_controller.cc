@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/new_controller.h"
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <system_error>
+
+#include "server/app/commands.h"
+
+namespace coopdyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestName = 63;
+
+bool IsControllerName(const std::string& name) {
+  return !name.empty() && name.size() <= kLongestName && name.front() >= 'a' && name.front() <= 'z' &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
+}
+
+/// `name` with what is not allowed in it replaced; empty if nothing is left.
+std::string NearestName(const std::string& name) {
+  std::string near;
+  for (const char c : name) {
+    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const bool letter = lower >= 'a' && lower <= 'z';
+    const bool other = (lower >= '0' && lower <= '9') || lower == '_' || lower == '-' || lower == ' ';
+    if (near.size() == kLongestName || (!letter && (!other || near.empty()))) continue;
+    near += lower == '-' || lower == ' ' ? '_' : lower;
+  }
+  return near;
+}
+
+std::string Filled(std::string text, const std::string& name) {
+  constexpr std::string_view kMark = "@NAME@";
+  for (std::size_t at = text.find(kMark); at != std::string::npos; at = text.find(kMark, at + name.size())) {
+    text.replace(at, kMark.size(), name);
+  }
+  return text;
+}
+
+int Fail(int code, const std::string& text) {
+  std::cerr << "coopdyn: new-controller: " << text << '\n';
+  return code;
+}
+
+}  // namespace
+
+int NewController(const std::string& name, const fs::path& folder) {
+  if (!IsControllerName(name)) {
+    const std::string near = NearestName(name);
+    return Fail(kExitWrongUse,
+                "'" + name + "' cannot be the name: use a to z, 0 to 9 and _, a letter first, for example " +
+                    (near.empty() ? "my_robot" : near));
+  }
+  std::error_code error;
+  const fs::path target = folder / name;
+  if (fs::symlink_status(target, error).type() != fs::file_type::not_found) {
+    return Fail(kExitErrors, target.string() + " is there already: choose another name, or another --folder");
+  }
+  fs::create_directories(target, error);
+  if (error) return Fail(kExitErrors, target.string() + " cannot be made: " + error.message());
+  for (const SkeletonFile& file : SkeletonFiles()) {
+    const fs::path path = target / Filled(file.name, name);
+    std::ofstream stream(path, std::ios::binary);
+    stream << Filled(file.text, name);
+    stream.close();
+    if (!stream) return Fail(kExitErrors, path.string() + " cannot be written");
+  }
+  std::cout << "wrote " << target.string() << "; go on with\n"
+            << "  cd " << target.string() << "\n"
+            << "  cmake -B build && cmake --build build\n"
+            << "  coopdyn serve " << name << ".scenario\n";
+  return kExitOk;
+}
+
+void AddNewController(CLI::App& app, std::function<int()>& chosen) {
+  struct Given {
+    std::string name, folder = ".";
+  };
+  auto given = std::make_shared<Given>();
+  CLI::App* sub = app.add_subcommand("new-controller", "Write a controller to begin with, ready to build");
+  sub->footer("Example: coopdyn new-controller wander && cd wander && cmake -B build && cmake --build build");
+  sub->add_option("name", given->name, "Of the controller: a to z, 0 to 9 and _")->required();
+  sub->add_option("--folder", given->folder, "Where to put its folder")->capture_default_str();
+  sub->callback([&chosen, given] { chosen = [given] { return NewController(given->name, given->folder); }; });
+}
+
+}  // namespace coopdyn
