@@ -58,7 +58,7 @@ int NewController(const std::string& name, const fs::path& folder) {
                     (near.empty() ? "my_robot" : near));
   }
   std::error_code error;
-  const fs::path target = folder / name;
+  const fs::path target = (folder / name).lexically_normal();
   if (fs::symlink_status(target, error).type() != fs::file_type::not_found) {
     return Fail(kExitErrors, target.string() + " is there already: choose another name, or another --folder");
   }
