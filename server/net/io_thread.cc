@@ -21,6 +21,7 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr int kLooksAtSockets = 8;            // while polling, before timers and posted work have their turn
+constexpr int kLooksAtPosted = 16;            // in a row: who posts a lot at once rings only once
 constexpr std::size_t kThreadNameBytes = 15;  // the kernel's limit
 
 }  // namespace
@@ -56,7 +57,7 @@ void IoThread::Post(std::function<void()> work) {
   bool ring = false;
   {
     const MutexLock lock(mutex_);
-    ring = posted_.empty();
+    ring = !std::exchange(looks_, true);
     posted_.push_back(std::move(work));
   }
   if (ring) wakeup_->Ring();
@@ -68,18 +69,26 @@ void IoThread::RunPosted() {
                                    if (!error) RunPosted();
                                  });
   std::vector<std::function<void()>> work;
-  {
-    const MutexLock lock(mutex_);
-    work.swap(posted_);
-  }
-  for (std::function<void()>& one : work) {
-    try {
-      if (!stop_) one();
-    } catch (const std::exception& error) {
-      logger_->error("{}: {}", name_, error.what());
-    } catch (...) {
-      logger_->error("{}: an exception of unknown type", name_);
+  for (int i = 0; i < kLooksAtPosted; ++i) {
+    work.clear();
+    {
+      const MutexLock lock(mutex_);
+      work.swap(posted_);
+      looks_ = !work.empty();
+      if (!looks_) return;
     }
+    for (std::function<void()>& one : work) RunOne(one);
+  }
+  wakeup_->Ring();  // there may be more; sockets and timers have their turn first
+}
+
+void IoThread::RunOne(const std::function<void()>& work) {
+  try {
+    if (!stop_) work();
+  } catch (const std::exception& error) {
+    logger_->error("{}: {}", name_, error.what());
+  } catch (...) {
+    logger_->error("{}: an exception of unknown type", name_);
   }
 }
 

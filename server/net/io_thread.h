@@ -58,6 +58,7 @@ class IoThread {
   void RunSome(std::chrono::steady_clock::time_point& active_at);
   /// Runs what Post() was given, then waits for the next wake-up.
   void RunPosted();
+  void RunOne(const std::function<void()>& work);
 
   std::string name_;
   Logger logger_;
@@ -67,6 +68,7 @@ class IoThread {
       wakeup_;  // io_context::post() wakes with its lock held, at the cost of two more switches
   Mutex mutex_;
   std::vector<std::function<void()>> posted_ GUARDED_BY(mutex_);
+  bool looks_ GUARDED_BY(mutex_) = false;  // will look at posted_ without another ring
   std::atomic<std::int64_t> spin_ns_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};          // the loop runs nothing any more
