@@ -16,10 +16,8 @@ import socket
 import struct
 import sys
 import threading
-import time
 
-import fake_swarm
-from fake_swarm import encode
+from fake_swarm import NAMES as SWARM, Swarm, encode
 
 MODES = ("realtime", "lockstep", "free")
 NAMES = {
@@ -29,7 +27,7 @@ NAMES = {
     "distance": {"get_distances": 20, "get_geometry": 21},
     "target": {"get_targets": 30, "get_target": 31, "get_robots": 32},
     "pose": {"get_pose": 40, "get_pose_3d": 41},
-    "swarm": fake_swarm.NAMES,
+    "swarm": SWARM,
     "simulation": {"get_status": 100, "run": 101, "pause": 102, "step": 103, "reset": 104, "set_mode": 105,
                    "set_step": 106, "set_speed": 107, "load_scenario": 108, "quit": 109, "stop_all": 190,
                    "set_participants": 191, "reload": 192, "release_robot": 193},
@@ -88,14 +86,14 @@ class FakeDaemon:
         self.mode, self.protocol, self.silent, self.says = mode, protocol, silent, says
         self.dribble, self.refuse, self.delay_s, self.break_replies, self.hold = dribble, refuse, delay_s, 0, False
         self.dt, self.step, self.resets, self.state, self.stopping = 0.01, 0, 0, "running", False
-        self.swarm = fake_swarm.Swarm(self)
+        self.swarm = Swarm(self)
         self.received = []  # (module, command, params, data) of every request
         self.lock = threading.Condition()
         self.connections = []
         self.listener = socket.create_server(("127.0.0.1", 0), backlog=64)
         self.port = self.listener.getsockname()[1]
         self.server = f"127.0.0.1:{self.port}"
-        self.threads = [threading.Thread(target=self._accept, daemon=True), threading.Thread(target=self._pace, daemon=True)]
+        self.threads = [threading.Thread(target=run, daemon=True) for run in (self._accept, self._pace)]
         for t in self.threads:
             t.start()
 
@@ -175,9 +173,8 @@ class FakeDaemon:
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             connection = Connection(self, sock)
             self.connections.append(connection)
-            t = threading.Thread(target=self._serve, args=(connection,), daemon=True)
-            self.threads.append(t)
-            t.start()
+            self.threads.append(threading.Thread(target=self._serve, args=(connection,), daemon=True))
+            self.threads[-1].start()
 
     def _serve(self, c):
         file = c.sock.makefile("rb")

@@ -242,9 +242,7 @@ class RunningTwice(TeamTestCase):
         self.assertEqual(sim.steps, 2)
         self.assertIs(sim.team("robot1")._link, first._link)
         again = self.connect(daemon)
-        again.team("robot1"), again.team(["robot2", "robot3"])
-        again.step()
-        self.assertEqual(again.steps, 3)
+        self.assertEqual([again.team("robot1").n, again.team(["robot2", "robot3"]).step().step], [1, 3])
 
     def test_a_team_that_is_closed_stops_and_can_be_taken_by_others(self):
         daemon = self.start(mode=1, robots=2)
@@ -262,10 +260,9 @@ class RunningTwice(TeamTestCase):
 
     def test_closing_the_sim_stops_and_frees_its_teams(self):
         daemon = self.start(robots=2)
-        sim = coopdyn.connect(daemon.server)
-        team = sim.team()
-        team.step((0.3, 0))
-        sim.close()
+        with coopdyn.connect(daemon.server) as sim:
+            team = sim.team()
+            team.step((0.3, 0))
         self.assertEqual([(r.v, r.owner) for r in daemon.robots], [(0.0, None)] * 2)
         self.assert_error(-1, team.step, "closed")
 

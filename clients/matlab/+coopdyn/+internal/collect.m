@@ -1,0 +1,100 @@
+% SPDX-License-Identifier: MIT
+function collect(s, connections, links, limit)
+%COLLECT Takes in the reply of every connection; the first error is raised.
+  waiting = 1:numel(connections);
+  stepped = [];
+  stepped_s = Inf;
+  started = [];
+  noticed = false;
+  checked = 0;
+  patient = true;  % the next poll may wait a little: one such poll a round
+  while true
+    left = [];
+    for k = waiting
+      c = connections{k};
+      reply = c.poll(patient);
+      if isempty(reply)
+        patient = false;
+        left(end + 1) = k; %#ok<AGROW>
+        continue
+      end
+      link = links{k};
+      if reply.error ~= 0
+        who = '';
+        if ~isempty(link)
+          who = [link.label ': '];
+          if link.is_team
+            link.stale = true;  % a robot may have been taken from it
+          end
+        end
+        coopdyn.internal.check_reply(reply, who);
+      end
+      s.note(reply);
+      stepped(end + 1) = k; %#ok<AGROW>
+      stepped_s = 0;
+      if ~isempty(started)
+        stepped_s = toc(started);
+      end
+      if ~isempty(link)
+        if link.is_team
+          link.reply = reply;
+        elseif reply.params(1) == 1
+          link.carried = reply;
+        end
+      end
+    end
+    waiting = left;
+    if isempty(waiting)
+      return
+    end
+    if isempty(started)
+      started = tic;
+    end
+    now_s = toc(started);
+    if now_s > limit
+      coopdyn.internal.fail(11, sprintf('the step did not come within %g s; %s', limit, coopdyn.internal.whom(s.address)));
+    end
+    if now_s > 2 && ~noticed
+      noticed = true;
+      fprintf(2, 'coopdyn: %s\n', coopdyn.internal.whom(s.address));
+    end
+    if now_s - stepped_s > 0.1
+      stepped_s = now_s;
+      behind = catch_up(s, connections, links, stepped);
+      stepped = setdiff(stepped, behind);
+      waiting = [waiting behind]; %#ok<AGROW>
+    end
+    patient = now_s - checked > 0.5;  % sees a peer that is gone
+    if patient
+      checked = now_s;
+    end
+    pause(0.001);
+  end
+end
+
+function again = catch_up(s, connections, links, stepped)
+% After an error or a timeout a command that had not run may still run while its successor is on the way: its robot
+% is then one step behind the others, and each would wait for the other for ever. The world says whether it waits
+% for robots of ours that have stepped already: these go on by one step with what they have.
+  again = [];
+  status = coopdyn.internal.fresh_status(s.address);
+  if isempty(status.awaiting)
+    return
+  end
+  awaited = {status.awaiting.robot};
+  for j = stepped
+    link = links{j};
+    if isempty(link) || ~any(ismember(awaited, link.names))
+      continue
+    end
+    number = 2;
+    steps = 1;
+    if link.is_team
+      number = 110;
+      steps = [];
+    end
+    c = connections{j};
+    c.send(number, coopdyn.internal.encode(number, steps, []));
+    again(end + 1) = j; %#ok<AGROW>
+  end
+end
