@@ -233,5 +233,30 @@ TEST_F(SimulationModuleTest, AfterTheEndEditsAreRefused) {
   EXPECT_THAT(reply.text, HasSubstr("stopping"));
 }
 
+TEST_F(SimulationModuleTest, ReleaseRobotTakesOnlyThatOneFromATeamAndClosesNothing) {
+  const std::vector<SlotId> both{world_.board.FindSlot("robot1"), world_.board.FindSlot("robot2")};
+  world_.board.ClaimAll(both, {50, "flock", "127.0.0.1:50", false, true});
+  EXPECT_EQ(Ask("release_robot robot1").error, 0);
+  EXPECT_TRUE(actions_.closed.empty());
+  EXPECT_EQ(world_.board.Team(50), std::vector<SlotId>{both[1]});
+}
+
+TEST_F(SimulationModuleTest, ReleaseRobotUnloadsAController) {
+  auto scenario = std::make_shared<Scenario>(*SmallScenario(2));
+  scenario->robots[0].controller.name = "diffuse";
+  world_.Load(scenario, Mode::kLockstep);
+  EXPECT_EQ(Ask("release_robot robot1").error, 0);
+  EXPECT_EQ(LastEdit<edit::UnloadController>().robot, "robot1");
+}
+
+TEST_F(SimulationModuleTest, StatusNamesTheControllerThatOwnsARobot) {
+  auto scenario = std::make_shared<Scenario>(*SmallScenario(2));
+  scenario->robots[1].controller.name = "diffuse";
+  world_.Load(scenario, Mode::kLockstep);
+  const json::array robots = Status().at("robots").as_array();
+  EXPECT_TRUE(robots[0].at("owner").is_null());
+  EXPECT_EQ(robots[1].at("owner").as_string(), "controller diffuse");
+}
+
 }  // namespace
 }  // namespace coopdyn
