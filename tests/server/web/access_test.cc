@@ -60,7 +60,8 @@ TEST(Token, IsReadFromTheAuthorizationHeader) {
 }
 
 TEST(ReadingCommands, ChangeNothing) {
-  for (const char* name : {"get_pose", "get_status", "describe", "ping", "subscribe", "attach"}) {
+  for (const char* name :
+       {"get_pose", "get_status", "read_all", "select_readings", "describe", "ping", "subscribe", "attach"}) {
     EXPECT_TRUE(IsReadingCommand(name)) << name;
   }
   for (const char* name : {"set_velocity", "run", "ready", "claim", "hello", "release_robot", "stop", ""}) {
