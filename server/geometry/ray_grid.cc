@@ -47,6 +47,13 @@ void ClipToRange(double origin, double direction, double min, double max, double
   to = std::min(to, std::max(a, b));
 }
 
+// Whether the way from 0 to speed * length misses [center − half, center + half].
+bool IsApart(double center, double half, double speed, double length) {
+  if (std::abs(center) <= half) return false;
+  return center > 0 ? speed <= 0 || speed * length < center - half
+                    : speed >= 0 || speed * length > center + half;
+}
+
 }  // namespace
 
 void RayGrid::Build(std::span<const RayItem> items, double cell_m) {
@@ -56,7 +63,7 @@ void RayGrid::Build(std::span<const RayItem> items, double cell_m) {
   for (const RayItem& item : items_) {
     const Vector3 half = HalfExtents(item.shape, item.R_WG) + Vector3::Constant(kPad_m);
     const Vector3 min = item.p_WG - half, max = item.p_WG + half;
-    bounds_.push_back({item.p_WG, BoundingRadius(item.shape) + kPad_m, min.z(), max.z()});
+    bounds_.push_back({item.p_WG, half.x(), half.y(), half.z(), BoundingRadius(item.shape) + kPad_m});
     boxes_.push_back({min.x(), min.y(), max.x(), max.y()});
   }
   grid_.Build(boxes_, cell_m);
@@ -95,24 +102,15 @@ double RayGrid::Cast(const Ray& ray_W, double max_range_m) const {
 }
 
 void RayGrid::Test(std::uint32_t index, const Ray& ray_W, double& nearest_m) const {
+  // Separated from the item's box, seen from above along x, y or across the ray, or from the side?
   const Bounds& bounds = bounds_[index];
-  const double start_z = ray_W.origin.z();
-  const double d_z = ray_W.direction.z();
-  if (start_z < bounds.min_z
-          ? d_z <= 0 || start_z + d_z * nearest_m < bounds.min_z
-          : start_z > bounds.max_z && (d_z >= 0 || start_z + d_z * nearest_m > bounds.max_z)) {
-    return;
-  }
-  const Aabb2& box = boxes_[index];
-  const double end_x = ray_W.origin.x() + ray_W.direction.x() * nearest_m;
-  const double end_y = ray_W.origin.y() + ray_W.direction.y() * nearest_m;
-  if (std::max(ray_W.origin.x(), end_x) < box.min_x || std::min(ray_W.origin.x(), end_x) > box.max_x) return;
-  if (std::max(ray_W.origin.y(), end_y) < box.min_y || std::min(ray_W.origin.y(), end_y) > box.max_y) return;
-  const double radius = bounds.radius_m;
-  const Vector3 to_center = bounds.center_W - ray_W.origin;
-  const double along = to_center.dot(ray_W.direction);
-  if (along < -radius || along - radius > nearest_m) return;
-  if (to_center.squaredNorm() - along * along > radius * radius + kPad_m) return;
+  const Vector3& o = ray_W.origin;
+  const Vector3& d = ray_W.direction;
+  const double dx = bounds.center_W.x() - o.x(), dy = bounds.center_W.y() - o.y();
+  const double across = dx * d.y() - dy * d.x();
+  if (std::abs(across) > bounds.half_x * std::abs(d.y()) + bounds.half_y * std::abs(d.x())) return;
+  if (IsApart(dx, bounds.half_x, d.x(), nearest_m) || IsApart(dy, bounds.half_y, d.y(), nearest_m)) return;
+  if (IsApart(bounds.center_W.z() - o.z(), bounds.half_z, d.z(), nearest_m)) return;
   const RayItem& item = items_[index];
   const Ray ray_G{item.R_WG.transpose() * (ray_W.origin - item.p_WG),
                   item.R_WG.transpose() * ray_W.direction};
@@ -123,7 +121,9 @@ std::size_t RayGrid::FindNear(const Aabb2& box, double min_z, double max_z,
                               std::span<std::uint32_t> found) const {
   std::size_t count = 0;
   grid_.VisitOverlaps(boxes_, box, [&](std::uint32_t item) {
-    if (bounds_[item].min_z > max_z || bounds_[item].max_z < min_z) return true;
+    const Bounds& bounds = bounds_[item];
+    if (bounds.center_W.z() - bounds.half_z > max_z || bounds.center_W.z() + bounds.half_z < min_z)
+      return true;
     if (count < found.size()) found[count] = item;
     return ++count <= found.size();
   });

@@ -45,8 +45,8 @@ class RayGrid {
   // What decides about most items without looking at their shapes.
   struct Bounds {
     Vector3 center_W = Vector3::Zero();
-    double radius_m = 0;
-    double min_z = 0, max_z = 0;
+    double half_x = 0, half_y = 0, half_z = 0;  // of the upright box about it
+    double radius_m = 0;                        // of a sphere
   };
 
   std::vector<RayItem> items_;
