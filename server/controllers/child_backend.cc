@@ -16,6 +16,7 @@ namespace {
 constexpr Nanoseconds kMillisecond = 1'000'000;
 constexpr Nanoseconds kLongestSlice = 20 * kMillisecond;  // between two looks at how the child is
 constexpr Nanoseconds kEndTime = 200 * kMillisecond;      // for the instances to be destroyed
+constexpr Nanoseconds kLastWait = 100 * kMillisecond;     // for a step when the daemon ends
 constexpr int kMaxUnexplained = 5;
 
 /// What it may take the process to start on a busy machine.
@@ -55,7 +56,7 @@ std::vector<Casualty> ChildBackend::Run() {
   for (FileState& file : files_) file.crashes = 0;
   if (loss_) {
     NoteDone(order);
-    Judge(order, operation, false);
+    if (!IsInterrupted()) Judge(order, operation, false);
   }
   Finish(order);
   return std::exchange(casualties_, {});
@@ -101,7 +102,8 @@ bool ChildBackend::Await(std::uint32_t ticket) {
       Bury(0);
       return false;
     }
-    if (const std::uint64_t stuck = StuckWorkers(clock_.Now()); stuck != 0 || idle_for_ > kStartTime) {
+    const std::uint64_t stuck = StuckWorkers(clock_.Now());
+    if (stuck != 0 || idle_for_ > (IsInterrupted() ? kLastWait : kStartTime)) {
       Bury(stuck);
       return false;
     }
@@ -113,6 +115,7 @@ std::uint64_t ChildBackend::StuckWorkers(Nanoseconds now) {
   // A longer pause than we asked for means that we were stopped ourselves, and the child perhaps with us.
   const Nanoseconds passed = watched_at_ < 0 ? 0 : std::min(now - watched_at_, 4 * kLongestSlice);
   watched_at_ = now;
+  const Nanoseconds deadline = IsInterrupted() ? kLastWait : options_.deadline;
   std::uint64_t stuck = 0;
   bool idle = true;
   for (std::size_t w = 0; w < static_cast<std::size_t>(std::min<int>(options_.threads, kMaxWorkers)); ++w) {
@@ -122,7 +125,7 @@ std::uint64_t ChildBackend::StuckWorkers(Nanoseconds now) {
     WorkerWatch& watch = watch_[w];
     watch.same_for = works && word == watch.word ? watch.same_for + passed : 0;
     watch.word = word;
-    if (options_.deadline > 0 && watch.same_for >= options_.deadline) stuck |= std::uint64_t{1} << w;
+    if (deadline > 0 && watch.same_for >= deadline) stuck |= std::uint64_t{1} << w;
   }
   idle_for_ = idle ? idle_for_ + passed : 0;
   return stuck;
@@ -160,6 +163,7 @@ void ChildBackend::Finish(const Order& order) {
       if (IsOpen(order, item)) open.push_back(item);
     }
     if (open.empty()) return;
+    if (IsInterrupted() && loss_) return StopAll(order, "was ended with the daemon");
     if (unexplained_ > kMaxUnexplained) {
       return StopAll(order,
                      "could not run: its process " + (loss_ ? loss_->why : std::string("does not start")));

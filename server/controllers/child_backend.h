@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -27,9 +28,10 @@ class ChildBackend final : public Backend {
   static constexpr int kMaxHangs = 3;
 
   struct Options {
-    std::string program;       // of the child
-    int threads = 1;           // of the child
-    Nanoseconds deadline = 0;  // wall clock for one robot's step; 0: none
+    std::string program;                             // of the child
+    int threads = 1;                                 // of the child
+    Nanoseconds deadline = 0;                        // wall clock for one robot's step; 0: none
+    const std::atomic<bool>* interrupted = nullptr;  // true: what takes long is given up; may be null
   };
   /// The areas and the clock outlive it. The process starts with the first Run().
   ChildBackend(Areas& areas, Options options, const Clock& clock, Logger logger);
@@ -60,6 +62,7 @@ class ChildBackend final : public Backend {
   bool Send(Operation operation, Place items, std::size_t count, int workers);
   bool SendList(Operation operation, const std::vector<std::uint32_t>& items, int workers);
   bool Await(std::uint32_t ticket);
+  bool IsInterrupted() const { return options_.interrupted != nullptr && options_.interrupted->load(); }
   /// Bit w: worker w has had the same item in hand for longer than the deadline.
   std::uint64_t StuckWorkers(Nanoseconds now);
   void Bury(std::uint64_t stuck_workers);

@@ -31,9 +31,18 @@ std::vector<std::string> FilesOf(const Robots& robots, GetChoice choice_of) {
 }  // namespace
 
 ControllerHost::ControllerHost(ControllerOptions options, const Clock& clock, Logger logger, WorkerPool& pool)
-    : options_(std::move(options)), clock_(clock), logger_(std::move(logger)), pool_(pool), readings_(pool) {}
+    : options_(WithFlag(std::move(options), interrupted_)),
+      clock_(clock),
+      logger_(std::move(logger)),
+      pool_(pool),
+      readings_(pool) {}
 
 ControllerHost::~ControllerHost() = default;
+
+ControllerOptions ControllerHost::WithFlag(ControllerOptions options, const std::atomic<bool>& interrupted) {
+  options.interrupted = &interrupted;
+  return options;
+}
 
 std::unique_ptr<ControllerSet> ControllerHost::SetOf(std::vector<std::string> files) {
   std::unique_ptr<ControllerSet> set = std::move(checked_);

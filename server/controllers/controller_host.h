@@ -4,6 +4,7 @@
 // the daemon itself, for debugging, with the same results. All calls by the holder of the step baton.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -43,6 +44,8 @@ class ControllerHost final : public ControllerDriver {
   /// to this scene. One whose state has another size by now is stopped.
   bool Restore(const FramePtr& frame, std::span<const std::byte> saved);
 
+  /// The daemon ends: from now on nobody waits long for a controller that hangs. Any thread.
+  void Interrupt() { interrupted_ = true; }
   /// The process in which the controllers run; -1: none now.
   int child_pid() const { return set_ ? set_->child_pid() : -1; }
 
@@ -69,12 +72,14 @@ class ControllerHost final : public ControllerDriver {
   void Create(const FramePtr& frame);
   /// The scene has changed: finds the robots again.
   void Rebind(const std::shared_ptr<const Scene>& scene);
+  static ControllerOptions WithFlag(ControllerOptions options, const std::atomic<bool>& interrupted);
   /// Which robots are stepped from now on.
   void ListItems();
   /// `why` follows "controller NAME ".
   void Stop(Driven& driven, const std::string& why);
   void StopCasualties(std::span<const Casualty> casualties);
 
+  std::atomic<bool> interrupted_{false};
   const ControllerOptions options_;
   const Clock& clock_;
   const Logger logger_;

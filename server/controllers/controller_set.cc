@@ -85,7 +85,8 @@ ControllerSet::ControllerSet(std::vector<std::string> files, const ControllerOpt
     backend_ = std::make_unique<InProcessBackend>(*areas_, pool);
   } else {
     backend_ = std::make_unique<ChildBackend>(
-        *areas_, ChildBackend::Options{options.program, threads_, options.deadline}, clock, logger);
+        *areas_, ChildBackend::Options{options.program, threads_, options.deadline, options.interrupted},
+        clock, logger);
   }
   if (files.empty()) return;
   Run(Operation::kLoad, items);

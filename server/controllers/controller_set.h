@@ -3,6 +3,7 @@
 // The stepping thread (holder of the baton) only.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -24,6 +25,7 @@ struct ControllerOptions {
   int threads = 1;                                   // of the child
   Nanoseconds deadline = 2 * kNanosecondsPerSecond;  // wall clock, for one robot's step; 0: none
   Nanoseconds share_from = 200'000;                  // a step that takes longer is shared out to the threads
+  const std::atomic<bool>* interrupted = nullptr;    // true: a step that hangs is given up at once
   std::string program = "/proc/self/exe";            // which becomes the child with `controller-child 3`
 };
 

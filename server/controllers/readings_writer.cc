@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 
 #include "server/sensing/readings.h"
 
@@ -46,12 +47,14 @@ void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> w
   if (!robots_.empty()) PrepareDistances(frame, robots_, pool_);
   if (lists_.size() < wanted.size()) lists_.resize(wanted.size());
   const Areas& areas = set.areas();
-  pool_.For(wanted.size(), listed ? kGrain : kFixedGrain, [&](std::size_t first, std::size_t end) {
+  const auto work = [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
       WriteFixed(frame, wanted[i], areas);
       if (listed) Collect(frame, wanted[i], lists_[i]);
     }
-  });
+  };
+  // By reference: a std::function of what it captures would allocate.
+  pool_.For(wanted.size(), listed ? kGrain : kFixedGrain, std::cref(work));
   if (listed) PlaceLists(wanted, set);
 }
 

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <thread>
 
 #include "tests/server/controllers/plugins/deeds.h"
 #include "tests/server/controllers/swarm.h"
@@ -189,6 +190,20 @@ TEST(HostileTest, ItsCpuTimeCountsEvenWhenItIsDead) {
   kill(driven.host().child_pid(), SIGKILL);
   driven.Steps(5);
   EXPECT_GT(driven.host().child_cpu_s(), before_s);
+}
+
+TEST(HostileTest, AnInterruptEndsTheWaitForOneThatHangs) {
+  ControllerOptions options = TestOptions(false, 2);
+  options.deadline = 0;  // none
+  Driven driven(SwarmWith(kSpin, 2), options);
+  driven.Start();
+  driven.Steps(2);
+  {
+    std::jthread other([&driven] { driven.host().Interrupt(); });
+    driven.Steps(1);
+  }
+  EXPECT_FALSE(driven.run().stopped.empty());
+  EXPECT_EQ(driven.run().setpoints[2][kVictim], Setpoint{});
 }
 
 TEST(HostileTest, AHangInDestroyDoesNotHoldUpTheEnd) {
