@@ -14,7 +14,7 @@ namespace {
 constexpr double kWall_m = 0.1, kWallHeight_m = 0.5;
 
 std::string ArenaText(const ArenaOptions& options) {
-  const double inner = std::sqrt(options.robots / options.density_m2);
+  const double inner = std::round(std::sqrt(options.robots / options.density_m2) * 1e3) * 1e-3;  // whole mm
   const double outer = inner + 2 * kWall_m;
   const double middle = (inner + kWall_m) / 2;
   std::string text =

@@ -82,6 +82,11 @@ double Rounded(double value, int digits) {
   return std::round(value * scale) / scale;
 }
 
+std::string CheckWhole(const std::string& text) {
+  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  return digits ? "" : "must be a whole number from 0, not " + text;
+}
+
 int RunCommand(const SwarmBenchOptions& options, const std::vector<std::string>& folders, bool json) {
   SearchPath path;
   for (const std::string& folder : DataFolders(folders)) path.folders.emplace_back(folder);
@@ -266,7 +271,9 @@ void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen) {
   sub->add_option("--density", arena.density_m2, "Robots per square metre")
       ->check(CLI::Range(kLeast, 1000.0))
       ->capture_default_str();
-  sub->add_option("--seed", arena.seed, "Of places, controllers and noise")->capture_default_str();
+  sub->add_option("--seed", arena.seed, "Of places, controllers and noise")
+      ->check(CLI::Validator(CheckWhole, ""))
+      ->capture_default_str();
   sub->add_option("--scenarios", given->folders, "A folder with robots and controllers");
   sub->add_flag("--json", given->json, "Print one JSON object instead of a table");
   sub->callback([sub, given, &chosen] {

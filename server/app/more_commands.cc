@@ -14,7 +14,12 @@ void AddMoreCommands(CLI::App& app, std::function<int()>& chosen) {
   AddControllerChild(app, chosen);
   AddNewController(app, chosen);
   CLI::App* bench = app.add_subcommand("bench", "Measure the speed of this machine and build");
-  bench->require_subcommand(1);
+  bench->require_subcommand(0, 1);
+  bench->callback([bench] {
+    if (bench->get_subcommands().empty()) {
+      throw CLI::ValidationError("write what to measure: coopdyn bench swarm, or coopdyn bench lockstep");
+    }
+  });
   bench->footer("Example: coopdyn bench swarm --robots 1000");
   AddBenchSwarm(*bench, chosen);
   AddBenchLockstep(*bench, chosen);

@@ -248,7 +248,7 @@ TEST(BenchSwarmTest, WrongOptionsAreRefused) {
             "");
   for (const char* wrong :
        {"--robots 0", "--robots x", "--rays -1", "--range 0", "--fidelity quick", "--threads 0",
-        "--seconds 0", "--repeats 0", "--density -1", "--controllers here"}) {
+        "--seconds 0", "--repeats 0", "--density -1", "--controllers here", "--seed -1", "--seed 1.5"}) {
     EXPECT_THAT(Parse(std::string("swarm ") + wrong), HasSubstr(std::string(wrong).substr(0, 6))) << wrong;
   }
 }

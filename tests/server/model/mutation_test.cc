@@ -56,7 +56,10 @@ TEST(MutationTest, ScenariosNeverCrashAndStayFinite) {
   std::mt19937 random(1);
   const std::vector<std::string> texts = {
       FileText("scenarios/classroom.scenario"), FileText("scenarios/arena20.scenario"),
-      FileText("worlds/cluttered.world"), FileText("tests/server/model/data/paper.scenario")};
+      FileText("worlds/cluttered.world"), FileText("tests/server/model/data/paper.scenario"),
+      "[FLOOR]\nsize 9 9\n[CRATE]\ntype box\nsize 0.3 0.2 10cm\ncount 12\nmass 1kg\narea 1 1 6 5\nseed 4\n"
+      "spacing 0.5\n[SWARM_1]\ntype minibot\ncount 9\nfidelity planar\n[ROBOT_1]\ntype coopbot\n"
+      "position 3 3\ncontroller diffuse speed=20cm near=0\n"};
   int good = 0;
   for (int i = 0; i < 3000; ++i) {
     const auto result = Read(Mutate(texts[static_cast<std::size_t>(i) % texts.size()], random), true);
@@ -77,14 +80,19 @@ TEST(MutationTest, ScenariosNeverCrashAndStayFinite) {
 
 TEST(MutationTest, RobotModelsNeverCrashAndStayFinite) {
   std::mt19937 random(2);
-  const std::string text = FileText("robots/coopbot/model.sdf");
+  const std::vector<std::string> texts = {FileText("robots/coopbot/model.sdf"),
+                                          FileText("robots/minibot/model.sdf")};
   const TempFolder folder;
   for (int i = 0; i < 150; ++i) {
-    const std::string file = folder.Write("robot/model.sdf", Mutate(text, random));
+    const std::string file =
+        folder.Write("robot/model.sdf", Mutate(texts[static_cast<std::size_t>(i) % texts.size()], random));
     Diagnostics diagnostics;
     const auto model = ReadRobotModel(file, diagnostics);
     EXPECT_EQ(model == nullptr, diagnostics.has_errors());
     if (model == nullptr) continue;
+    const NeighboursModel& neighbours = model->neighbours;
+    ASSERT_TRUE(std::isfinite(neighbours.range_m) && std::isfinite(neighbours.message_range_m));
+    ASSERT_TRUE(neighbours.loss >= 0 && neighbours.loss <= 1);
     for (const LinkModel& link : model->links) {
       ASSERT_TRUE(IsFinite(link.X_RL) && IsFinite(link.X_LI));
       ASSERT_GT(link.mass_kg, 0);
