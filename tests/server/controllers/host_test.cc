@@ -147,7 +147,8 @@ TEST(ControllerReadingsTest, NeighboursById) {
 }
 
 TEST(ControllerReadingsTest, MessagesOfTheStepBefore) {
-  const std::vector<HeardMessage> heard = HeardMessages(*ShownFrame(), 1);
+  const FramePtr frame = ShownFrame();
+  const std::vector<HeardMessage> heard = HeardMessages(*frame, 1);
   ASSERT_EQ(heard.size(), 2u);
   EXPECT_THAT(Shown(4), ElementsAre(2, 1, heard[0].from.distance_m, 1, heard[0].message->values[0]));
 }
