@@ -16,7 +16,7 @@ constexpr std::size_t kFewRobots = 8;
 // With more objects near than this, too.
 constexpr std::size_t kManyItems = 8;
 
-Vector3 Turned(const Matrix3& R, const Vector3& v) {
+inline Vector3 Turned(const Matrix3& R, const Vector3& v) {
   return R.col(0) * v.x() + R.col(1) * v.y() + R.col(2) * v.z();
 }
 

@@ -59,7 +59,7 @@ class SensorFan {
   }
 
  private:
-  static constexpr std::uint64_t kCells = 48;  // along x and y: the map stays in the fastest cache
+  static constexpr std::uint64_t kCells = 64;  // along x and y: the map stays in a fast cache
   static constexpr double kMaxTilt = 0.02;
 
   SensorFan(std::vector<FanRay> rays, double thing_radius_m);
