@@ -14,8 +14,7 @@ namespace coopdyn {
 
 namespace {
 
-// A robot of one body is held at its height rather than dropped and caught: its floor contacts exist from
-// this gap on.
+// A robot is held at its height rather than dropped and caught: its floor contacts exist from this gap on.
 constexpr double kFloorGap_m = 2e-3;
 // Owners of a batch: enough that a call of ODE pays, few enough to stay in the cache.
 constexpr std::size_t kBatchOwners = 16;
@@ -39,7 +38,7 @@ int RowsOf(const FoundContact& contact) {
 }
 
 double FloorGap(const Owner& owner, const BodyState& body, double dt_s) {
-  return owner.mechanism->one_body() ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : 0;
+  return owner.robot >= 0 ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : 0;
 }
 
 }  // namespace

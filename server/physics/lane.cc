@@ -33,7 +33,7 @@ void KeepForever(dThreadingImplementationID threading) {
 void SetMass(dBodyID body, const RigidBody& of, bool planar) {
   Matrix3 I = of.inertia_kg_m2;
   if (planar) {
-    // Nothing tilts it; its friction with the floor is made of forces that stand for its weight.
+    // Nothing tilts it.
     constexpr double kUntiltable_kg_m2 = 1e6;
     I.setZero();
     I.diagonal() = Vector3(kUntiltable_kg_m2, kUntiltable_kg_m2, of.inertia_kg_m2(2, 2));
@@ -41,7 +41,6 @@ void SetMass(dBodyID body, const RigidBody& of, bool planar) {
   dMass mass;
   dMassSetParameters(&mass, of.mass_kg, 0, 0, 0, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
   dBodySetMass(body, &mass);
-  dBodySetGravityMode(body, planar ? 0 : 1);
 }
 
 /// Gives a body without shapes exactly this state. ODE's setters would round its orientation.

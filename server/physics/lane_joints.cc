@@ -9,6 +9,9 @@ namespace coopdyn {
 
 namespace {
 
+// Nearer to the ground than this a wheel counts as touching it.
+constexpr double kTouching_m = 1e-4;
+
 void Copy(dVector3& to, const Vector3& from) {
   std::copy_n(from.data(), 3, to);
 }
@@ -55,8 +58,8 @@ void Lane::JoinParts(const FoundContact& found, const Actor& actor_a, const Acto
                          PointVelocity(b == nullptr ? nullptr : actor_b, found.b, point.p_W);
     const Vector3 along = slip - slip.dot(point.n_W) * point.n_W;
     constexpr double kSliding_m_s = 0.01;
-    if (flat) {
-      // Upright robots do not lift each other: friction acts in the plane only.
+    constexpr double kHorizontal = 0.1;
+    if (flat && std::abs(point.n_W.z()) < kHorizontal) {
       contact.surface.mode |= dContactFDir1 | dContactMu2;
       contact.surface.mu2 = 0;
       Copy(contact.fdir1, Vector3::UnitZ().cross(point.n_W).normalized());
@@ -87,17 +90,20 @@ void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_
   Copy(contact.fdir1, axle.cross(point.n_W).normalized());
   contact.surface.motion1 = slot_of_[index]->wheels_rad_s[side] * drive.wheels.radius_m;
   if (robot.owner.mechanism->planar()) {
-    // It has no weight in the solver, so its limits are forces. One wheel's row holds it sideways for both.
+    // It always stands as at rest. One wheel's row holds it sideways for both.
     contact.surface.mu = drive.drive_n[side];
     contact.surface.mu2 = side == 0 ? drive.sideways_n : 0;
   } else {
     const double friction =
         std::min(wheel.friction, ground == nullptr ? settings_.floor_friction : ground->friction);
-    contact.surface.mode |= dContactApprox1;
-    // At its load at rest the wheel pushes no more than its motor does.
-    const double load_n = std::max(drive.load_n[side], 1e-9);
-    contact.surface.mu = std::min(friction, drive.max_torque_nm / (drive.wheels.radius_m * load_n));
+    contact.surface.mode |= dContactApprox1_2;
     contact.surface.mu2 = friction;
+    if (drive.stalls && point.depth_m > -kTouching_m) {
+      contact.surface.mu = drive.drive_n[side];  // the motor's, whatever the load
+    } else {
+      contact.surface.mode |= dContactApprox1_1;
+      contact.surface.mu = friction;
+    }
   }
   Attach(contact, point, body, other, dt_s);
 }
@@ -105,8 +111,9 @@ void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_
 void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
                 std::uint32_t index_b, double dt_s) {
   const auto is_one = [](const Actor& actor) { return actor.owner.mechanism->one_body(); };
-  const auto is_planar = [&](const Actor& actor) { return is_one(actor) && actor.owner.mechanism->planar(); };
-  const bool flat = b != nullptr && is_one(a) && is_one(*b) && (is_planar(a) || is_planar(*b));
+  // Robots side by side, or along a wall, do not lift each other: friction acts in the plane only. Else a
+  // crowd would climb up on itself, by what is an artefact of stepping.
+  const bool flat = b != nullptr && a.owner.robot >= 0 && (b->owner.robot >= 0 || b->owner.body_count() == 0);
   for (const FoundContact& contact : found) {
     dBodyID body_a = BodyOf(index_a, *contact.a);
     dBodyID body_b = b == nullptr ? nullptr : BodyOf(index_b, *contact.b);

@@ -2,9 +2,11 @@
 // The same inputs give the same bits: from the start, and from any frame.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "server/physics/rest.h"
 #include "tests/server/physics/physics_scene.h"
 
 namespace coopdyn {
@@ -106,6 +108,91 @@ TEST(Determinism, BeforeTheFirstStepSetPointsAreZero) {
   PhysicsScene scene;
   scene.AddRobot(0, 0).SetWheels(0, 3, 4);
   EXPECT_EQ(scene.Capture()->robots[0].setpoint_rad_s, (std::array<double, 2>{0, 0}));
+}
+
+/// All fidelities at once: crowds, single robots, parked ones, and things of every shape.
+void PopulateMixed(PhysicsScene& scene, int copies) {
+  for (int copy = 0; copy < copies; ++copy) {
+    const double y0 = 8 * copy;
+    for (int i = 0; i < 24; ++i) {
+      scene.fidelity = static_cast<Fidelity>(i % 3);
+      scene.robot_model = i % 2 == 0 ? TestRobot() : SmallRobot();
+      const double x = 0.4 * (i % 6), y = 0.4 * (i / 6);
+      scene.AddRobot(x, y0 + y, std::atan2(0.61 - y, 1.1 - x));
+    }
+    for (int i = 0; i < 6; ++i) {
+      scene.fidelity = static_cast<Fidelity>(i % 3);
+      scene.AddRobot(4 + 0.5 * i, y0 + 3, i);
+    }
+    scene.Add(Box{Vector3(0.1, 4, 0.5)}, At(3, y0, 0.25))
+        .Add(Box{Vector3(0.2, 0.3, 0.2)}, At(0.2, y0 + 1.7, 0.3), 1)
+        .Add(Cylinder{0.1, 0.2}, At(0.6, y0 + 1.7, 0.2), 1)
+        .Add(Sphere{0.1}, At(1, y0 + 1.7, 0.4), 1)
+        .Add(Box{Vector3(0.2, 0.2, 0.2)}, At(6, y0 - 2, 0.1), 1)
+        .Add(Box{Vector3(0.2, 0.2, 0.2)}, At(6, y0 - 2, 0.3), 1);
+  }
+}
+
+/// The robots of the crowd drive into each other and rest in turns; the last two of each copy stay parked.
+void CommandMixed(PhysicsScene& scene, int step) {
+  for (int i = 0; i < scene.robot_count(); ++i) {
+    const bool parked = i % 30 >= 28 || (step / 80 + i) % 5 == 0;
+    scene.SetWheels(i, parked ? 0 : (step / 10 + i) % 4 + 1, parked ? 0 : (step / 10 + 3 * i) % 5);
+  }
+}
+
+std::vector<std::uint64_t> MixedHashes(PhysicsScene& scene, int from, int to) {
+  std::vector<std::uint64_t> hashes;
+  for (int step = from; step < to; ++step) {
+    CommandMixed(scene, step);
+    scene.Run(1);
+    hashes.push_back(StateHash(*scene.Capture()));
+  }
+  return hashes;
+}
+
+TEST(Determinism, MixedFidelitiesRestoredInMidRunContinueBitByBit) {
+  PhysicsScene whole;
+  PopulateMixed(whole, 1);
+  const auto expected = MixedHashes(whole, 0, 300);
+  PhysicsScene running;
+  PopulateMixed(running, 1);
+  for (int step = 0; step < 300; step += 50) {
+    // Each part of the run in a world of its own, which knows nothing but the frame before.
+    PhysicsScene part;
+    PopulateMixed(part, 1);
+    part.Restore(*running.Capture());
+    const auto hashes = MixedHashes(part, step, step + 50);
+    EXPECT_TRUE(std::equal(hashes.begin(), hashes.end(), expected.begin() + step)) << step;
+    running.Restore(*part.Capture());
+  }
+}
+
+TEST(Determinism, TheMixedSceneSleepsTouchesAndUsesBothSolvers) {
+  // Else the tests with it would say little.
+  PhysicsScene scene;
+  PopulateMixed(scene, 1);
+  const std::uint64_t seed = scene.Capture()->solver_seed;
+  MixedHashes(scene, 0, 200);
+  const auto frame = scene.Capture();
+  EXPECT_NE(frame->solver_seed, seed);
+  const auto count = std::count_if(frame->bodies.begin(), frame->bodies.end(),
+                                   [](const BodyState& body) { return body.sleep_counter == kAsleep; });
+  EXPECT_GT(count, 2);
+  EXPECT_LT(count, 20);
+}
+
+TEST(Determinism, AnyNumberOfThreadsGivesTheSameHashes) {
+  std::vector<std::uint64_t> expected;
+  for (const int threads : {0, 1, 2, 4}) {
+    WorkerPool pool(threads);
+    PhysicsScene scene;
+    scene.pool = threads == 0 ? nullptr : &pool;
+    PopulateMixed(scene, 12);  // enough robots for the loops to be shared out
+    const auto hashes = MixedHashes(scene, 0, 60);
+    if (threads == 0) expected = hashes;
+    EXPECT_EQ(hashes, expected) << threads;
+  }
 }
 
 TEST(Determinism, OtherCommandsGiveOtherHashes) {
