@@ -121,7 +121,7 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
       ->envname("COOPDYN_RENDERER")
       ->capture_default_str();
   sub->add_option("--robot-threads", raw.robot_threads,
-                  "Threads for the robots (default: one each up to 100)")
+                  "Threads for the robots' connections (default: one each on many cores, else 1 or 2)")
       ->check(CLI::Range(1, 10000))
       ->envname("COOPDYN_ROBOT_THREADS");
   sub->add_option("--threads", serve.threads,

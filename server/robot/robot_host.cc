@@ -32,9 +32,10 @@ IoThread& RobotHost::ThreadFor(std::size_t robots, bool& own) {
     return std::ref(*threads_.back().io);
   };
   if (own) return start();
+  const std::size_t pool_size = std::clamp(cores / 2, std::size_t{1}, kMaxPool);
   const std::size_t wanted = options_.threads > 0
                                  ? static_cast<std::size_t>(options_.threads)
-                                 : std::clamp(robots / kRobotsPerThread, std::size_t{1}, kMaxPool);
+                                 : std::clamp(robots / kRobotsPerThread, std::size_t{1}, pool_size);
   std::vector<IoThread*> pool;
   for (const Thread& thread : threads_) {
     if (thread.only == nullptr) pool.push_back(thread.io.get());

@@ -27,8 +27,9 @@ struct RobotHostOptions {
 
 class RobotHost {
  public:
-  /// Robots that leave no core to their clients share a pool: one thread for so many, at most kMaxPool. More
-  /// threads than cores cost two switches per robot and round, 2 to 3 times the CPU (docs/decisions.md).
+  /// Robots that leave no core to their clients share a pool: one thread for so many, at most kMaxPool and
+  /// half the cores, as their clients need the others. More threads than cores cost two switches per robot
+  /// and round, 2 to 3 times the CPU (docs/decisions.md).
   static constexpr std::size_t kRobotsPerThread = 4, kMaxPool = 2;
 
   /// `services` and `ports` outlive it.

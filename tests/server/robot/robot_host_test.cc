@@ -184,6 +184,16 @@ TEST_F(RobotHostTest, WithoutSocketsNamesAreListedWithPortZero) {
   close(pair[0]);
 }
 
+TEST_F(RobotHostTest, ManyRobotsShareOneThreadOfTwoCores) {
+  Load(SmallScenario(30));
+  RobotHostOptions options = Options();
+  options.sockets = false;
+  options.cores = 2;
+  RobotHost host(Services(), options, ports_);
+  ASSERT_EQ(host.Apply(scene(), true), "");
+  EXPECT_EQ(host.thread_count(), 1u);
+}
+
 TEST_F(RobotHostTest, ManyRobotsShareAPool) {
   auto scenario = std::make_shared<Scenario>(*SmallScenario(101));
   for (RobotEntry& robot : scenario->robots) robot.sockets = false;
