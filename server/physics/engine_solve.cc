@@ -17,7 +17,7 @@ namespace {
 // A robot is held at its height rather than dropped and caught: its floor contacts exist from this gap on.
 constexpr double kFloorGap_m = 2e-3;
 // Owners of a batch: enough that a call of ODE pays, few enough to stay in the cache.
-constexpr std::size_t kBatchOwners = 16;
+constexpr std::size_t kBatchOwners = 8;
 
 /// Puts a planar robot back into its plane, upright.
 void Flatten(BodyState& body, double rest_z_m) {

@@ -37,7 +37,8 @@ class PhysicsWorld {
   /// Writes bodies, robots (without set-points latched before the first step: zeros) and solver_seed into
   /// `frame`.
   void Fill(Frame& frame) const;
-  /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits.
+  /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits. Whoever
+  /// changes poses in it sets the sleep counters of what may be affected to 0: sleepers look at nothing.
   void Restore(const Frame& frame);
   /// Bodies frozen since the last call.
   std::vector<FrozenBody> TakeFrozen();

@@ -60,6 +60,56 @@ TEST_F(FramePoses, LinkPoseIsOfTheLinkAndNotOfItsCentreOfMass) {
   }
 }
 
+/// One body for chassis and wheels, whose centre of mass is not R's origin.
+class OneBodyPoses : public testing::Test {
+ protected:
+  OneBodyPoses() {
+    auto model = std::make_shared<RobotModel>();
+    model->links.resize(3);
+    model->links[0].mass_kg = 3;
+    model->links[0].X_LI.p = {0.04, 0, 0.1};
+    for (std::size_t k = 1; k < 3; ++k) {
+      model->links[k].mass_kg = 0.5;
+      model->links[k].X_RL = {{0, k == 1 ? 0.1 : -0.1, 0.05}, FromRollPitchYaw(-1.5707963267948966, 0, 0)};
+    }
+    model->joints = {{"left", 0, 1, {0, 0.1, 0.05}, Vector3::UnitY(), 1},
+                     {"right", 0, 2, {0, -0.1, 0.05}, Vector3::UnitY(), 1}};
+    model->drive = {0, 1, 0.05, 0.2, 10, 1};
+    auto scenario = std::make_shared<Scenario>();
+    RobotEntry entry;
+    entry.model = model;
+    entry.fidelity = Fidelity::kRolling;
+    scenario->robots = {entry, entry};
+    frame.scene = MakeScene(scenario, 1);
+    for (int i = 0; i < 2; ++i)
+      frame.bodies.push_back(BodyAt(X_WR, {{0.03, 0, 0.0875}, Quaternion::Identity()}));
+    frame.robots.resize(2);
+  }
+  const Pose X_WR{{1, 2, 3}, FromRollPitchYaw(0.1, 0.2, 1)};
+  Frame frame;
+};
+
+TEST_F(OneBodyPoses, ARobotHasOneBodyAtItsCentreOfMass) {
+  EXPECT_EQ(frame.scene->robots[1].first_body, 1);
+  EXPECT_EQ(frame.scene->robots[1].body_count, 1);
+  EXPECT_EQ(frame.scene->body_ids.size(), 2u);
+  ExpectSame(RobotPose(frame, 1), X_WR);
+}
+
+TEST_F(OneBodyPoses, LinksStandWhereTheModelSaysAndWheelsTurnAboutTheirAxles) {
+  const RobotModel& model = *frame.scene->robots[0].entry.model;
+  for (int k = 0; k < 3; ++k) {
+    ExpectSame(LinkPose(frame, 0, k), X_WR * model.links[static_cast<std::size_t>(k)].X_RL);
+  }
+  frame.robots[0].wheel_angle_rad = {0.4, -20};
+  ExpectSame(LinkPose(frame, 0, 0), X_WR * model.links[0].X_RL);
+  // Forward about +y, seen in the wheel: about its own axis, which is the axle.
+  ExpectSame(LinkPose(frame, 0, 1),
+             X_WR * model.links[1].X_RL *
+                 Pose{Vector3::Zero(), Quaternion(Eigen::AngleAxisd(0.4, Vector3::UnitZ()))});
+  EXPECT_LT((LinkPose(frame, 0, 2).p - X_WR * Vector3(0, -0.1, 0.05)).norm(), 1e-12);
+}
+
 TEST_F(FramePoses, ObjectPoseIsOfTheCentreWhetherItMovesOrNot) {
   ExpectSame(ObjectPose(frame, frame.scene->objects[0]), frame.scene->objects[0].object.X_WO);
   ExpectSame(ObjectPose(frame, frame.scene->objects[1]), X_WO);
