@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "server/app/commands.h"
+#include "server/controllers/controller_host.h"
 #include "server/model/readers.h"
 #include "server/model/summary.h"
 #include "server/physics/world.h"
@@ -14,12 +15,20 @@ namespace coopdyn {
 
 namespace {
 
+/// Says what the controllers that `scenario` names do not take.
+void CheckControllers(const Scenario& scenario, Diagnostics& diagnostics) {
+  const SteadyClock clock;
+  WorkerPool pool(1);
+  ControllerHost(ControllerOptions{}, clock, NullLogger(), pool).Check(scenario, diagnostics);
+}
+
 /// The first frame of `scenario`; null with diagnostics if its physics cannot be built.
 FramePtr FirstFrame(const std::shared_ptr<const Scenario>& scenario, Diagnostics& diagnostics) {
   auto frame = std::make_shared<Frame>();
   frame->scene = MakeScene(scenario, 1);
   frame->seed = scenario->simulation.seed;
   const auto world = PhysicsWorld::Build(frame->scene, frame->seed, diagnostics);
+  CheckControllers(*scenario, diagnostics);
   if (world == nullptr) return nullptr;
   world->Fill(*frame);
   return frame;

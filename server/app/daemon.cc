@@ -224,6 +224,7 @@ std::string Daemon::OpenPage() {
 
 void Daemon::Stop() {
   if (std::exchange(stopped_, true)) return;
+  controllers_.Interrupt();
   // Ends every wait with an answer, which goes out before the robots close their connections.
   physics_.request_stop();
   bell_.Ring();

@@ -154,6 +154,7 @@ void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments
   std::string commands;
   for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (!arguments.empty() && sub->get_name() == arguments[0]) return;
+    if (sub->get_group().empty()) continue;  // hidden
     commands += (commands.empty() ? "" : ", ") + sub->get_name();
   }
   const std::string what = arguments.empty() ? "a command is missing" : "there is no command " + arguments[0];

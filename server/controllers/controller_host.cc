@@ -60,7 +60,8 @@ void ControllerHost::Check(const Scenario& scenario, Diagnostics& diagnostics) {
   const auto choice_of = [](const RobotEntry& entry) -> const ControllerChoice& { return entry.controller; };
   std::vector<std::string> files = FilesOf(scenario.robots, choice_of);
   if (files.empty()) return;
-  if (options_.in_process) set_.reset();  // what is loaded already would be taken for what is on disk now
+  // In this process what is loaded already is taken for what is on disk now, until it is let go.
+  stale_ = options_.in_process && set_ && !set_->is_fresh();
   checked_ = SetOf(std::move(files));
   std::map<std::string, const LoadedController*> loaded;
   for (const LoadedController& one : checked_->loaded()) loaded[one.file] = &one;
@@ -103,6 +104,7 @@ void ControllerHost::List(const Scene& scene) {
 
 void ControllerHost::Configure(const FramePtr& frame) {
   List(*frame->scene);
+  if (std::exchange(stale_, false)) checked_.reset();
   Create(frame);
 }
 

@@ -84,6 +84,7 @@ class ControllerHost final : public ControllerDriver {
   const Clock& clock_;
   const Logger logger_;
   WorkerPool& pool_;
+  bool stale_ = false;                      // the running set is older than its files
   std::unique_ptr<ControllerSet> checked_;  // by Check(), for the Configure() that may follow
   std::unique_ptr<ControllerSet> set_;
   std::vector<Driven> driven_;  // by increasing id

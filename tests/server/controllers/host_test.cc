@@ -55,15 +55,17 @@ TEST(ControllerCheckTest, ConfigureUsesTheProcessOfTheCheck) {
 TEST(ControllerCheckTest, ACheckOfAnotherScenarioLeavesTheRunAlone) {
   Swarm swarm;
   for (int i = 0; i < 10; ++i) swarm.Add(Sample("diffuse"));
-  Driven expected(swarm), driven(swarm);
-  expected.Start();
-  driven.Start();
-  driven.Steps(10);
-  Swarm other;
-  other.Add(Sample("flock"));
-  Diagnostics diagnostics;
-  driven.host().Check(other.scenario(), diagnostics);
-  EXPECT_TRUE(driven.Steps(10).setpoints == expected.Steps(20).setpoints);
+  for (const bool in_process : {false, true}) {
+    Driven expected(swarm, TestOptions(in_process)), driven(swarm, TestOptions(in_process));
+    expected.Start();
+    driven.Start();
+    driven.Steps(10);
+    Swarm other;
+    other.Add(Sample("flock"));
+    Diagnostics diagnostics;
+    driven.host().Check(other.scenario(), diagnostics);
+    EXPECT_TRUE(driven.Steps(10).setpoints == expected.Steps(20).setpoints) << in_process;
+  }
 }
 
 TEST(ControllerHostTest, WithoutControllersThereIsNoProcess) {
