@@ -3,6 +3,7 @@
 
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <atomic>
 #include <map>
 #include <utility>
@@ -17,6 +18,20 @@ namespace {
 
 namespace asio = boost::asio;
 
+constexpr const char* kLoopback = "127.0.0.1";
+
+/// The usual loopback address, and at most that of IPv6 besides.
+bool IsLoopbackOnly(const std::vector<std::string>& addresses) {
+  return std::find(addresses.begin(), addresses.end(), kLoopback) != addresses.end() &&
+         std::all_of(addresses.begin(), addresses.end(),
+                     [](const std::string& address) { return address == kLoopback || address == "::1"; });
+}
+
+/// What is said to a client of the unix socket is as if it had come by loopback.
+std::string IpOf(const SocketAddress& address) {
+  return address.ip.empty() ? kLoopback : address.ip;
+}
+
 }  // namespace
 
 struct NameServer::Impl {
@@ -28,11 +43,16 @@ struct NameServer::Impl {
         listener(c, s, [this](UniqueFd fd, PeerInfo peer) { Open(std::move(fd), std::move(peer)); }) {}
 
   void Open(UniqueFd fd, PeerInfo peer) {
-    NameContext where{LocalAddress(fd.get()).ip, PeerAddress(fd.get()).ip, advertise};
-    const bool v6 = where.asked_at.find(':') != std::string::npos;
+    const SocketAddress here = LocalAddress(fd.get());
+    NameContext where{IpOf(here), IpOf(PeerAddress(fd.get())), advertise};
+    const bool local = here.ip.empty(), v6 = here.ip.find(':') != std::string::npos;
     NameSession::Socket socket(context);
     boost::system::error_code error;
-    socket.assign(NameSession::Socket::protocol_type(v6 ? AF_INET6 : AF_INET, IPPROTO_TCP), fd.get(), error);
+    socket.assign(NameSession::Socket::protocol_type(local ? AF_UNIX
+                                                     : v6  ? AF_INET6
+                                                           : AF_INET,
+                                                     local ? 0 : IPPROTO_TCP),
+                  fd.get(), error);
     if (error) return services.logger()->error("names: cannot take a connection: {}", error.message());
     fd.Release();
     const std::uint64_t id = ++last_id;
@@ -70,7 +90,11 @@ NameServer::~NameServer() {
 }
 
 std::string NameServer::Listen(const std::vector<std::string>& addresses, int port) {
-  return impl_->listener.Listen(addresses, port);
+  std::string error = impl_->listener.Listen(addresses, port);
+  if (!error.empty() || !IsLoopbackOnly(addresses)) return error;
+  const std::string missing = impl_->listener.ListenLocal(LocalName(impl_->listener.port()));
+  if (!missing.empty()) impl_->services.logger()->info("{}; programs of this machine use TCP", missing);
+  return {};
 }
 
 int NameServer::port() const {

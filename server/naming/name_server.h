@@ -28,8 +28,12 @@ class NameServer {
   NameServer(const NameServer&) = delete;
   NameServer& operator=(const NameServer&) = delete;
 
-  /// Listener::Listen(). Any thread, once.
+  /// Listener::Listen(); if that is loopback only, listens besides on the unix socket LocalName(port), which
+  /// costs its clients half of what TCP does. Without that (another program has it) there is TCP. Any thread,
+  /// once.
   std::string Listen(const std::vector<std::string>& addresses, int port);
+  /// The name, in Linux's abstract namespace, of the unix socket of the name server on this port.
+  static std::string LocalName(int port) { return "coopdyn-" + std::to_string(port); }
   /// 0 = none. Constant after Listen().
   int port() const;
   /// Connections that are still ours. Any thread.

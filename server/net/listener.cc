@@ -4,9 +4,11 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 
 #include <cerrno>
 #include <chrono>
+#include <cstddef>
 #include <cstring>
 #include <optional>
 #include <utility>
@@ -198,16 +200,38 @@ std::string Listener::Listen(const std::vector<std::string>& addresses, int port
     if (taken) continue;
     if (bound.empty()) return error;
     port_ = common_port;
-    for (UniqueFd& fd : bound) {
-      impl_->ports.push_back(std::make_shared<Impl::Port>(impl_->context, fd.get()));
-      fd.Release();
-    }
-    asio::post(impl_->context, [impl = impl_] {
-      for (const std::shared_ptr<Impl::Port>& one : impl->ports) impl->Wait(one);
-    });
+    Add(std::move(bound));
     return {};
   }
   return error;
+}
+
+std::string Listener::ListenLocal(const std::string& name) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (name.size() + 1 > sizeof address.sun_path) return "the name of the unix socket is too long: " + name;
+  std::memcpy(address.sun_path + 1, name.data(), name.size());  // after a zero: the abstract namespace
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  UniqueFd fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!fd || ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
+      ::listen(fd.get(), SOMAXCONN) != 0)
+    return "unix socket @" + name + ": " + std::strerror(errno);
+  std::vector<UniqueFd> one;
+  one.push_back(std::move(fd));
+  Add(std::move(one));
+  return {};
+}
+
+void Listener::Add(std::vector<UniqueFd> listening) {
+  std::vector<std::shared_ptr<Impl::Port>> added;
+  for (UniqueFd& fd : listening) {
+    added.push_back(std::make_shared<Impl::Port>(impl_->context, fd.get()));
+    fd.Release();
+  }
+  impl_->ports.insert(impl_->ports.end(), added.begin(), added.end());
+  asio::post(impl_->context, [impl = impl_, added = std::move(added)] {
+    for (const std::shared_ptr<Impl::Port>& one : added) impl->Wait(one);
+  });
 }
 
 }  // namespace coopdyn

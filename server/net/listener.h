@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Listens for TCP connections on one port of one or several addresses and hands out accepted descriptors.
+// Listens for TCP connections on one port of one or several addresses, and for those of this machine's
+// programs on a unix socket, and hands out accepted descriptors.
 #pragma once
 
 #include <functional>
@@ -38,11 +39,16 @@ class Listener {
   /// does not have is left out if another one works. Any thread, once. Returns an error text, empty if it
   /// listens: "port 10002 of 127.0.0.1 is in use by nc (pid 77)".
   std::string Listen(const std::vector<std::string>& addresses, int port);
+  /// Listens besides on the unix socket of this name in Linux's abstract namespace. Any thread, once. Returns
+  /// an error text.
+  std::string ListenLocal(const std::string& name);
   /// The port it listens on; 0 = none.
   int port() const { return port_; }
 
  private:
   struct Impl;
+  void Add(std::vector<UniqueFd> listening);
+
   std::shared_ptr<Impl> impl_;
   int port_ = 0;
 };

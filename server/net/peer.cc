@@ -16,6 +16,7 @@ constexpr int kKeepInterval_s = 5;
 constexpr int kKeepCount = 3;
 constexpr std::uint32_t kSilent_ms = 20'000;
 constexpr int kUnansweredProbes = 3;
+constexpr int kLocalSendBytes = 1 << 20;  // the kernel gives as much of it as net.core.wmem_max allows
 
 SocketAddress ToAddress(const sockaddr_storage& storage) {
   SocketAddress address;
@@ -47,6 +48,12 @@ bool IsTcp(int fd) {
   return getsockopt(fd, SOL_SOCKET, SO_PROTOCOL, &protocol, &size) == 0 && protocol == IPPROTO_TCP;
 }
 
+bool IsLocal(int fd) {
+  int domain = 0;
+  socklen_t size = sizeof domain;
+  return getsockopt(fd, SOL_SOCKET, SO_DOMAIN, &domain, &size) == 0 && domain == AF_UNIX;
+}
+
 void SetOption(int fd, int level, int option, int value) {
   setsockopt(fd, level, option, &value, sizeof value);
 }
@@ -73,11 +80,18 @@ std::string ToString(const SocketAddress& address) {
 }
 
 PeerInfo DescribePeer(int fd) {
+  if (IsLocal(fd)) {
+    ucred who{};
+    socklen_t size = sizeof who;
+    const bool known = getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 && who.pid > 0;
+    return {known ? "unix:" + std::to_string(who.pid) : "unix", true};
+  }
   const SocketAddress address = PeerAddress(fd);
   return {ToString(address), address.loopback};
 }
 
 void SetClientSocketOptions(int fd) {
+  if (IsLocal(fd)) SetOption(fd, SOL_SOCKET, SO_SNDBUF, kLocalSendBytes);
   if (!IsTcp(fd)) return;
   SetOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);
   SetOption(fd, SOL_SOCKET, SO_KEEPALIVE, 1);

@@ -12,7 +12,7 @@ namespace coopdyn {
 
 /// The far end of a connection.
 struct PeerInfo {
-  std::string text;      // "127.0.0.1:53120", "[::1]:53120", "page"
+  std::string text;      // "127.0.0.1:53120", "[::1]:53120", "unix:4711" (a process of this machine), "page"
   bool trusted = false;  // from loopback or from inside the daemon: needs no token
 };
 
@@ -32,10 +32,11 @@ SocketAddress PeerAddress(int fd);
 SocketAddress LocalAddress(int fd);
 /// "127.0.0.1:53120", "[::1]:53120".
 std::string ToString(const SocketAddress& address);
-/// Text and trust of the far end of a connected TCP socket.
+/// Text and trust of the far end of a connected TCP or unix socket. A unix socket's is of this machine, as
+/// loopback is.
 PeerInfo DescribePeer(int fd);
 
-/// No delay, and keepalive that finds a dead peer within 25 s. Does nothing to sockets that are not TCP.
+/// TCP: no delay, and keepalive that finds a dead peer within 25 s. Unix: room for large replies.
 void SetClientSocketOptions(int fd);
 
 /// True if the peer of a TCP socket has acknowledged nothing for 20 s although something is outstanding:

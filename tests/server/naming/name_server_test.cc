@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "protocol/codec.h"
 #include "scripted_endpoint.h"
@@ -27,6 +28,7 @@ class NameServerTest : public ::testing::Test {
     module_thread_.Call([this] { module_.reset(); });
   }
   TestClient Connect() { return TestClient::Connect(names_->port()); }
+  TestClient ConnectLocal() { return TestClient::ConnectLocal(NameServer::LocalName(names_->port())); }
 
   SteadyClock clock_;
   NetServices services_{NullLogger(), clock_};
@@ -74,6 +76,45 @@ TEST_F(NameServerTest, WhatFollowsOpenAtOnceReachesTheModule) {
   EXPECT_EQ(client.Line(), "ok");
   EXPECT_EQ(client.Frame().data.at(0), 5);
   EXPECT_EQ(client.Rest(), "");
+}
+
+TEST_F(NameServerTest, TheUnixSocketAnswersAsLoopbackDoes) {
+  TestClient client = ConnectLocal();
+  client.Send("NAME_SERVER query /robot1/motors\nNAME_SERVER register /mine tcp ... 4711\n");
+  EXPECT_EQ(client.Line(), "registration name /robot1/motors ip 127.0.0.1 port 0 type tcp\r");
+  EXPECT_EQ(client.Line(), "*** end of message\r");
+  EXPECT_EQ(client.Line(), "registration name /mine ip 127.0.0.1 port 4711 type tcp\r");
+}
+
+TEST_F(NameServerTest, OpenTurnsAUnixConnectionIntoATrustedOneOfTheModule) {
+  Message request;
+  request.command = ScriptedEndpoint::kEcho;
+  request.data = {5};
+  std::string bytes = "OPEN /robot1/motors\nCDS1";
+  EncodeBinary(request, bytes);
+  TestClient client = ConnectLocal();
+  client.Send(bytes);
+  client.EndInput();
+  EXPECT_EQ(client.Line(), "ok");
+  EXPECT_EQ(client.Frame().data.at(0), 5);
+  EXPECT_EQ(client.Rest(), "");
+  EXPECT_EQ(endpoint_.events().front(), "open unix:" + std::to_string(getpid()) + " trusted");
+  EXPECT_TRUE(Eventually([this] { return names_->session_count() == 0 && module_->session_count() == 0; }));
+}
+
+TEST_F(NameServerTest, OnlyAServerOfLoopbackAloneHasAUnixSocket) {
+  EXPECT_TRUE(ConnectLocal().ok());
+  NameServer wide(names_thread_.context(), table_, services_);
+  ASSERT_EQ(wide.Listen({"127.0.0.1", "127.0.0.2"}, 0), "");
+  EXPECT_TRUE(TestClient::Connect(wide.port(), "127.0.0.2").ok());
+  EXPECT_FALSE(TestClient::ConnectLocal(NameServer::LocalName(wide.port())).ok());
+  names_thread_.Stop();
+}
+
+TEST_F(NameServerTest, TheUnixSocketGoesWithTheServer) {
+  const std::string name = NameServer::LocalName(names_->port());
+  names_thread_.Call([this] { names_.reset(); });
+  EXPECT_TRUE(Eventually([&name] { return !TestClient::ConnectLocal(name).ok(); }));
 }
 
 TEST_F(NameServerTest, AnUnknownModuleIsSaidAndTheConnectionGoesOn) {

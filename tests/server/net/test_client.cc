@@ -5,7 +5,10 @@
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 
+#include <cstddef>
+#include <cstring>
 #include <filesystem>
 
 #include "protocol/codec.h"
@@ -40,6 +43,16 @@ TestClient TestClient::Connect(int port, const std::string& ip) {
   UniqueFd fd(::socket(storage.ss_family, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (fd && ::connect(fd.get(), reinterpret_cast<sockaddr*>(&storage), size) != 0) fd.Reset();
   SetClientSocketOptions(fd.get());
+  return TestClient(std::move(fd));
+}
+
+TestClient TestClient::ConnectLocal(const std::string& name) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path + 1, name.data(), name.size());
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  UniqueFd fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (fd && ::connect(fd.get(), reinterpret_cast<sockaddr*>(&address), size) != 0) fd.Reset();
   return TestClient(std::move(fd));
 }
 

@@ -19,6 +19,8 @@ class TestClient {
   explicit TestClient(UniqueFd fd) : fd_(std::move(fd)) {}
   /// Connects; `ok()` says whether that worked.
   static TestClient Connect(int port, const std::string& ip = "127.0.0.1");
+  /// Connects to a unix socket of the abstract namespace.
+  static TestClient ConnectLocal(const std::string& name);
 
   bool ok() const { return static_cast<bool>(fd_); }
   int fd() const { return fd_.get(); }
