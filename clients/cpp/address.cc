@@ -52,10 +52,11 @@ double Until(Deadline deadline, Deadline now) {
   return std::chrono::duration<double>(deadline - now).count();
 }
 
-void WaitReadable(const std::vector<int>& fds, double timeout_s) {
+bool WaitReadable(const std::vector<int>& fds, double timeout_s) {
   std::vector<pollfd> polled;
   for (const int fd : fds) polled.push_back({fd, POLLIN, 0});
-  poll(polled.data(), polled.size(), static_cast<int>(std::ceil(std::clamp(timeout_s, 0.0, 3600.0) * 1000)));
+  return poll(polled.data(), polled.size(),
+              static_cast<int>(std::ceil(std::clamp(timeout_s, 0.0, 3600.0) * 1000))) > 0;
 }
 
 bool WriteAll(int fd, const std::string& bytes) {
@@ -119,6 +120,11 @@ int Address::DialOne(int fd, const void* address, unsigned length, Deadline dead
 }
 
 int Address::Dial(Deadline deadline) const {
+  const int local = DialLocal();
+  return local >= 0 ? local : DialTcp(deadline);
+}
+
+int Address::DialTcp(Deadline deadline) const {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;

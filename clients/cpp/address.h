@@ -38,14 +38,19 @@ class Address {
   /// over, which a reader must not do. A second team of one program is another name: `number`.
   std::string HelloText(bool drives, int number = 1) const;
 
-  /// A connected, non-blocking socket to the daemon's port. Throws Error -1 or 11 with cause and cure.
+  /// A connected, non-blocking socket to the daemon: by its unix socket if it is on this machine and has one
+  /// (and COOPDYN_TCP is not set), else by its port. Throws Error -1 or 11 with cause and cure.
   int Dial(Deadline deadline) const;
+  /// Dial() by the port.
+  int DialTcp(Deadline deadline) const;
   /// Every name of the daemon.
   std::vector<Module> Modules() const;
   /// A socket that talks to `module`, before its first byte. Throws Error 10 if the daemon has no such name.
   int OpenModule(const std::string& module, Deadline deadline) const;
 
  private:
+  /// -1 if there is no such socket.
+  int DialLocal() const;
   Error NotADaemon(const std::string& said) const;
   std::string ReadLine(int fd, Deadline deadline) const;
   int DialOne(int fd, const void* address, unsigned length, Deadline deadline) const;
@@ -55,8 +60,8 @@ class Address {
   double timeout_s_ = 3;
 };
 
-/// Waits until one of the descriptors has something, or the time is over.
-void WaitReadable(const std::vector<int>& fds, double timeout_s);
+/// Waits until one of the descriptors has something, or the time is over: false then.
+bool WaitReadable(const std::vector<int>& fds, double timeout_s);
 /// Writes all of `bytes` to a non-blocking socket. False if the connection broke.
 bool WriteAll(int fd, const std::string& bytes);
 

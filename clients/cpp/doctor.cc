@@ -13,7 +13,7 @@ bool doctor(const std::string& server, const std::string& token) {
   try {
     const Address address(server, "", token, 3);
     std::cout << "ok    server: " << address.text() << std::endl;
-    close(address.Dial(After(address.timeout_s())));
+    close(address.DialTcp(After(address.timeout_s())));
     std::cout << "ok    port: " << address.port() << " is open" << std::endl;
     std::cout << "ok    names: " << address.Modules().size() << " modules; this client needs port "
               << address.port() << " only" << std::endl;

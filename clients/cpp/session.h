@@ -134,6 +134,8 @@ class Session {
   void OpenTeam(TeamLink& team);
   Connection& AttachedConnection(Link& link, const std::vector<std::string>& modules);
   static std::string Label(const Waiting& w);
+  void TakeIn(Waiting& w, Message reply, Message& last);
+  bool TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing, Message& last);
   Message Collect(std::vector<Waiting>& waiting, double timeout_s);
   void GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& cause);
   void CatchUp(std::vector<Waiting>& waiting);

@@ -16,6 +16,11 @@ constexpr double kCatchUpAfter_s = 0.1;  // some robots have stepped and others 
 constexpr double kHeldUp_s =
     0.5;  // lockstep awaits its robots before every step; a shorter wait holds nobody up
 constexpr std::size_t kNamedRobots = 4;
+/// Of more replies than kFew the first are not looked for one by one as they come in: it is waited for the
+/// one that is kAtOnce further on alone, at most kGlance_s, so that errors and closed connections are seen,
+/// too.
+constexpr std::size_t kFew = 8, kAtOnce = 256;
+constexpr double kGlance_s = 0.01;
 
 }  // namespace
 
@@ -24,39 +29,61 @@ std::string Session::Label(const Waiting& w) {
   return w.link != nullptr ? w.link->robot + ": " : "";
 }
 
+/// Takes in a reply; an error reply is thrown.
+void Session::TakeIn(Waiting& w, Message reply, Message& last) {
+  w.done = true;
+  if (reply.error != 0) {
+    if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
+    throw Error(reply.error, Label(w) + reply.text);
+  }
+  Note(reply);
+  if (w.team != nullptr) {
+    w.team->reply = std::move(reply);
+    return;
+  }
+  last = reply;
+  if (w.link != nullptr && !w.link->attached.empty() && !reply.params.empty() && reply.params[0] == 1)
+    w.link->carried = std::move(reply);
+}
+
+/// Takes in the replies that have come, up to the first that has not unless `all` are looked for. `missing`
+/// becomes the descriptors that still wait. Returns whether any has come.
+bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing, Message& last) {
+  bool any = false;
+  missing.clear();
+  for (Waiting& w : waiting) {
+    if (w.done) continue;
+    std::optional<Message> reply;
+    if (all || missing.empty()) reply = w.connection->TryRead();
+    if (!reply) {
+      missing.push_back(w.connection->fd());
+      continue;
+    }
+    any = true;
+    TakeIn(w, std::move(*reply), last);
+  }
+  return any;
+}
+
 /// Takes in the reply of every connection in `waiting` and returns the last. The first error is thrown.
 Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   const Deadline start = Clock::now();
   const Deadline spin_until = After(spin_s(), start), deadline = After(timeout_s, start);
   Deadline notice_at = After(kNoticeAfter_s, start), catch_up_at = Deadline::max();
   Message last;
-  std::vector<int> fds;
+  std::vector<int> missing;
+  /// True if the one that is kAtOnce further on has come.
+  const auto glance = [&](const auto& fd_at, std::size_t count) {
+    return WaitReadable({fd_at(std::min(count, kAtOnce) - 1)}, std::min(kGlance_s, timeout_s));
+  };
+  bool all = waiting.size() <= kFew ||
+             !glance([&](std::size_t i) { return waiting[i].connection->fd(); }, waiting.size());
   while (true) {
-    fds.clear();
-    for (Waiting& w : waiting) {
-      if (w.done) continue;
-      std::optional<Message> reply = w.connection->TryRead();
-      if (!reply) {
-        fds.push_back(w.connection->fd());
-        continue;
-      }
-      w.done = true;
-      catch_up_at = After(kCatchUpAfter_s);
-      if (reply->error != 0) {
-        if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
-        throw Error(reply->error, Label(w) + reply->text);
-      }
-      if (w.team != nullptr) {
-        Note(*reply);
-        w.team->reply = std::move(*reply);
-        continue;
-      }
-      last = Note(*reply);
-      if (w.link != nullptr && !w.link->attached.empty() && !reply->params.empty() && reply->params[0] == 1)
-        w.link->carried = std::move(*reply);
-    }
-    if (fds.empty()) return last;
+    const bool any = TakeAllIn(waiting, all, missing, last);
+    if (missing.empty()) return last;
     const Deadline now = Clock::now();
+    if (any) catch_up_at = After(kCatchUpAfter_s, now);
+    if (!std::exchange(all, true) && !any) continue;
     if (now < spin_until) continue;
     if (now >= deadline) {
       std::ostringstream why;
@@ -71,7 +98,11 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
       catch_up_at = After(kCatchUpAfter_s, now);
       CatchUp(waiting);
     }
-    WaitReadable(fds, Until(std::min({deadline, notice_at, catch_up_at, After(3600, now)}), now));
+    if (any && missing.size() > kFew) {
+      all = !glance([&](std::size_t i) { return missing[i]; }, missing.size());
+    } else {
+      WaitReadable(missing, Until(std::min({deadline, notice_at, catch_up_at, After(3600, now)}), now));
+    }
   }
 }
 

@@ -64,6 +64,9 @@ _CATCH_UP_AFTER_S = 0.1  # some robots have stepped and others have not: see _Se
 _NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
 _HELD_UP_S = 0.5  # lockstep awaits its robots before every step; a shorter wait holds nobody up
 _NAMED_ROBOTS = 4
+_FEW = 8  # of more replies the first are not looked for one by one as they come in: it is waited for the one that is
+_AT_ONCE = 256  # this further on alone, at most so long that errors and closed connections are seen, too
+_GLANCE_S = 0.01
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 _LISTED = 1000  # robots in one status
 _READINGS = ("pose", "distances", "targets", "neighbours", "wheels")  # of a team
@@ -390,15 +393,37 @@ def _spin_s(lockstep: bool, robots: int) -> float:
         raise Error(4, f"COOPDYN_SPIN is {given!r}; write microseconds, e.g. 50") from None
 
 
-def _wait_readable(sockets: Sequence[socket.socket], timeout_s: float) -> None:
-    """Waits until one of the sockets has something, or the time is over."""
+def _wait_readable(sockets: Sequence[socket.socket], timeout_s: float) -> bool:
+    """Waits until one of the sockets has something, or the time is over: False then."""
     if hasattr(select, "poll"):
         poll = select.poll()
         for s in sockets:
             poll.register(s, select.POLLIN)
-        poll.poll(math.ceil(max(0.0, timeout_s) * 1000))
-    else:
-        select.select(sockets, [], [], max(0.0, timeout_s))
+        return bool(poll.poll(math.ceil(max(0.0, timeout_s) * 1000)))
+    return bool(select.select(sockets, [], [], max(0.0, timeout_s))[0])
+
+
+def _dial_local(host: str, port: int) -> Optional[socket.socket]:
+    """The unix socket on which a daemon that listens to its own machine only can be reached as on its port, at half the
+    cost; None if there is none. Anybody can take its name when no daemon has it: what listens must be of this user, or
+    root's."""
+    local = sys.platform.startswith("linux") and host in ("127.0.0.1", "localhost", "::1")
+    if not local or os.environ.get("COOPDYN_TCP", "0") not in ("", "0"):
+        return None
+    try:
+        sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    except OSError:
+        return None
+    try:
+        sock.setblocking(False)
+        sock.connect(f"\0coopdyn-{port}")
+        peer = sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12)
+        if struct.unpack("3i", peer)[1] in (0, os.geteuid()):
+            return sock
+    except OSError:
+        pass
+    sock.close()
+    return None
 
 
 class _Address:
@@ -421,7 +446,16 @@ class _Address:
         return f"{self.name if drives else self.name + ':reader'} {self.token}".rstrip()
 
     def dial(self, deadline: float) -> socket.socket:
-        """A connected socket to the daemon's port. Error -1 or 11 with cause and cure."""
+        """A connected socket to the daemon: by its unix socket if it is on this machine and has one (and COOPDYN_TCP is
+        not set), else by its port. Error -1 or 11 with cause and cure."""
+        sock = _dial_local(self.host, self.port)
+        if sock is None:
+            return self.dial_tcp(deadline)
+        sock.settimeout(max(0.01, deadline - _clock.monotonic()))
+        return sock
+
+    def dial_tcp(self, deadline: float) -> socket.socket:
+        """dial() by the port."""
         try:
             sock = socket.create_connection((self.host, self.port), max(0.01, deadline - _clock.monotonic()))
         except socket.gaierror:
@@ -1234,10 +1268,20 @@ class _Session:
         notice_at = start + _NOTICE_AFTER_S
         stepped: List[_Driven] = []
         catch_up_at = math.inf
+
+        def glance() -> bool:
+            """True if the reply that is _AT_ONCE further on has come."""
+            ahead = list(itertools.islice(waiting, _AT_ONCE))[-1].sock
+            return ahead is not None and _wait_readable((ahead,), min(_GLANCE_S, deadline - start))
+
+        every = len(waiting) <= _FEW or not glance()  # else: only up to the first that has not come
         while True:
+            before = len(waiting)
             for connection, link in list(waiting.items()):
                 reply = connection.try_read()
                 if reply is None:
+                    if not every:
+                        break
                     continue
                 del waiting[connection]
                 if link is not None:
@@ -1255,7 +1299,8 @@ class _Session:
             if not waiting:
                 return
             now = _clock.monotonic()
-            if now < spin_until:
+            progress, looked_at_all, every = len(waiting) < before, every, True
+            if now < spin_until or not (progress or looked_at_all):
                 continue
             if now >= deadline:
                 raise Error(11, f"the step did not come within {timeout:g} s; {self.whom()}")
@@ -1265,8 +1310,11 @@ class _Session:
             if now >= catch_up_at:
                 catch_up_at = now + _CATCH_UP_AFTER_S
                 self.catch_up(stepped, waiting)
-            sockets = [c.sock for c in waiting if c.sock is not None]
-            _wait_readable(sockets, min(deadline, notice_at, catch_up_at, now + 3600) - now)
+            if progress and len(waiting) > _FEW:
+                every = not glance()
+            else:
+                sockets = [c.sock for c in waiting if c.sock is not None]
+                _wait_readable(sockets, min(deadline, notice_at, catch_up_at, now + 3600) - now)
 
     def catch_up(self, stepped: List[_Driven], waiting: Dict[_Connection, Optional[_Driven]]) -> None:
         """After an error or a timeout a command that had not run may still run while its successor is on the way: its
@@ -2069,7 +2117,7 @@ def doctor(server: Optional[str] = None, token: Optional[str] = None) -> bool:
     except socket.gaierror:
         return say(False, f"name lookup: nobody knows a machine called {address.host!r}; write its address")
     try:
-        address.dial(_clock.monotonic() + address.timeout).close()
+        address.dial_tcp(_clock.monotonic() + address.timeout).close()
         say(True, f"port: {address.port} is open")
         modules = address.modules()
         say(True, f"names: {len(modules)} modules on ports {min((m.port for m in modules), default=0)} to "
