@@ -313,6 +313,7 @@ class Everything(DaemonTestCase):
             return real(address, *a, **k)
 
         socket.create_connection = counting
+        os.environ["COOPDYN_TCP"] = "1"
         try:
             sim = self.connect(daemon)
             r = sim.robot(1)
@@ -321,6 +322,7 @@ class Everything(DaemonTestCase):
             sim.step()
         finally:
             socket.create_connection = real
+            del os.environ["COOPDYN_TCP"]
         self.assertEqual(used, {int(daemon.server.rsplit(":", 1)[1])})
 
     def test_a_mode_switched_by_somebody_else_neither_hangs_nor_spins(self):
