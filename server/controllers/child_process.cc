@@ -14,6 +14,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <string_view>
 #include <system_error>
@@ -62,7 +63,11 @@ struct Attributes {
   Attributes& operator=(const Attributes&) = delete;
 };
 
-/// The environment; where a sanitizer is built in, told to leave crashes to us.
+// Set for the child. A program that takes `controller-child` for something else and starts all over again
+// would otherwise start children without end.
+constexpr const char* kMark = "COOPDYN_CONTROLLER_CHILD";
+
+/// The environment, with the mark; where a sanitizer is built in, told to leave crashes to us.
 std::vector<std::string> Environment() {
   std::vector<std::string> variables;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -82,6 +87,7 @@ std::vector<std::string> Environment() {
 #else
   for (char** variable = environ; *variable != nullptr; ++variable) variables.emplace_back(*variable);
 #endif
+  variables.push_back(std::string(kMark) + "=1");
   return variables;
 }
 
@@ -128,6 +134,7 @@ std::string ChildEnd::ToString() const {
 }
 
 ChildProcess::ChildProcess(const std::string& program, int in_fd, int out_fd) {
+  if (std::getenv(kMark) != nullptr) Check(EPERM, "a controllers' process may not start another");
   std::array<int, 2> sockets{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()) != 0) Check(errno, "socketpair");
   socket_ = sockets[0];

@@ -78,6 +78,15 @@ TEST(LoadingTest, AProgramThatIsNoChildIsGivenUp) {
   EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("could not run: its process called exit(1)"));
 }
 
+TEST(LoadingTest, AProcessOfControllersStartsNoOther) {
+  setenv("COOPDYN_CONTROLLER_CHILD", "1", 1);
+  Driven driven(Swarm().Add(Sample("diffuse")));
+  driven.Start();
+  unsetenv("COOPDYN_CONTROLLER_CHILD");
+  ASSERT_EQ(driven.run().stopped.size(), 1u);
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("may not start another"));
+}
+
 TEST(LoadingTest, AControllerChangedOnDiskIsNotMixedWithTheOldOne) {
   const std::string file = testing::TempDir() + "changing_" + std::to_string(getpid()) + ".so";
   const auto copy = [&file](const std::string& from) {
