@@ -76,8 +76,9 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   const auto glance = [&](const auto& fd_at, std::size_t count) {
     return WaitReadable({fd_at(std::min(count, kAtOnce) - 1)}, std::min(kGlance_s, timeout_s));
   };
+  // The request of the last set off the step: its reply comes first.
   bool all = waiting.size() <= kFew ||
-             !glance([&](std::size_t i) { return waiting[i].connection->fd(); }, waiting.size());
+             !glance([&](std::size_t i) { return waiting[i].connection->fd(); }, waiting.size() - 1);
   while (true) {
     const bool any = TakeAllIn(waiting, all, missing, last);
     if (missing.empty()) return last;

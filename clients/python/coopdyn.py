@@ -1269,12 +1269,13 @@ class _Session:
         stepped: List[_Driven] = []
         catch_up_at = math.inf
 
-        def glance() -> bool:
-            """True if the reply that is _AT_ONCE further on has come."""
-            ahead = list(itertools.islice(waiting, _AT_ONCE))[-1].sock
+        def glance(count: int) -> bool:
+            """True if the reply that is _AT_ONCE further on has come, among the first `count`."""
+            ahead = list(itertools.islice(waiting, min(count, _AT_ONCE)))[-1].sock
             return ahead is not None and _wait_readable((ahead,), min(_GLANCE_S, deadline - start))
 
-        every = len(waiting) <= _FEW or not glance()  # else: only up to the first that has not come
+        # Else only up to the first that has not come. The request of the last set off the step: its reply comes first.
+        every = len(waiting) <= _FEW or not glance(len(waiting) - 1)
         while True:
             before = len(waiting)
             for connection, link in list(waiting.items()):
@@ -1311,7 +1312,7 @@ class _Session:
                 catch_up_at = now + _CATCH_UP_AFTER_S
                 self.catch_up(stepped, waiting)
             if progress and len(waiting) > _FEW:
-                every = not glance()
+                every = not glance(len(waiting))
             else:
                 sockets = [c.sock for c in waiting if c.sock is not None]
                 _wait_readable(sockets, min(deadline, notice_at, catch_up_at, now + 3600) - now)
