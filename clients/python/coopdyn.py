@@ -915,7 +915,6 @@ class _TeamLink:
 
     def __init__(self, address: _Address, text: str, number: int) -> None:
         self.text = text  # as it was asked for
-        self.label = f"team {text}" if text else "the team"
         self.connection = _TeamConnection(address, number)
         self.selected: Tuple[str, int] = ("pose distances", _NEIGHBOURS)
         self.names: List[str] = []
@@ -924,7 +923,13 @@ class _TeamLink:
         self.columns: List[int] = []
         self.stale = False  # who is in it must be asked anew
         self.reply: Optional[Message] = None
+        self.gone: List[str] = []  # who was taken from it since it stepped last
         self.lost: Optional[Error] = None
+
+    @property
+    def label(self) -> str:
+        """In errors."""
+        return f"team {self.text}" if len(self.text.split()) == 1 else f"team of {len(self.names)} robots"
 
     def open(self, session: "_Session") -> None:
         """Opens (again): `hello` takes over from an older connection of this client, `claim` makes the robots ours."""
@@ -933,26 +938,45 @@ class _TeamLink:
         try:
             if not self.names:
                 self.connection.request(_RELEASE)  # an older team may have been of others
-            self.named(self.claim())
+            self.named(self.claim(session))
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:
             self.connection.close()
             raise
 
-    def claim(self) -> Message:
-        if self.text or not self.names:
-            return self.connection.request(_CLAIM, text=self.text)
-        try:  # again all that were free, not what is free by now
-            return self.connection.request(_CLAIM, text=" ".join(self.names))
-        except Error as e:
-            if e.code != 10:
-                raise
-        return self.connection.request(_CLAIM)
+    def claim(self, session: "_Session") -> Message:
+        """Again those that it had, not whom its name would mean by now: less who is another's meanwhile."""
+        others = {name for team in session.teams if team is not self and team.lost is None for name in team.names}
+        wanted = [name for name in self.names if name not in others]
+        while wanted:
+            try:
+                return self.connection.request(_CLAIM, text=" ".join(wanted))
+            except Error as e:
+                taken = e.text.split(" ", 1)[0]
+                if e.code == 6 and taken in wanted:
+                    wanted.remove(taken)
+                elif e.code == 10:  # another world
+                    break
+                else:
+                    raise
+        if self.names and not wanted:
+            return self.connection.request(_GET_TEAM)  # none is left
+        return self.connection.request(_CLAIM, text=self.text)
 
     def named(self, reply: Message) -> None:
-        """Takes over who is in the team."""
+        """Takes over who is in the team. One that has lost all its robots is none any more."""
+        before = self.names
         self.ids, self.names, self.stale = reply.params, reply.text.split(), False
+        if len(self.names) < len(before):
+            left = set(self.names)
+            self.gone += [name for name in before if name not in left]
+        if before and not self.names:
+            what = f"team {self.text}" if len(self.text.split()) == 1 else f"the team of {len(before)} robots"
+            again = "" if self.text and len(self.text.split()) != 1 else f": {self.take_again()} takes whom it means now"
+            self.lost = Error(5, f"{what} has lost all its robots, to other programs or another scenario{again}")
+            self.connection.close()
+            raise self.lost
 
     def ask_for(self, words: str, neighbours: int) -> None:
         params = (neighbours,) if "neighbours" in words.split() else ()
@@ -970,7 +994,9 @@ class _TeamLink:
         self.open(session)
 
     def take_again(self) -> str:
-        return f'sim.team("{self.text}")' if self.text else "sim.team()"
+        if not self.text:
+            return "sim.team()"
+        return f'sim.team("{self.text}")' if len(self.text.split()) == 1 else "sim.team([...])"
 
 
 _Driven = Union[_Link, _TeamLink]
@@ -1186,13 +1212,25 @@ class _Session:
         for team in self.teams:
             if team.text == text:
                 return team
+        for team in list(self.teams):  # what one of ours lets go of for a moment is not free
+            if team.connection.sock is None or team.connection.busy:
+                try:
+                    self.settle_team(team)
+                except Error:
+                    pass  # its next use says what is wrong
         taken = {team.connection.number for team in self.teams}
         team = _TeamLink(self.address, text, next(k for k in itertools.count(1) if k not in taken))
         try:
             team.open(self)
         except Error as e:
             if e.code == 6:
-                raise Error(6, f"{team.label} {_owned_text(e.text)}") from None
+                robot = e.text.split(" ", 1)[0]
+                for other in self.teams:
+                    if other.lost is None and robot in other.names:
+                        raise Error(6, f"robot {robot} belongs to your {other.label}: drive it there, or release that "
+                                       "team first") from None
+                label = team.label if len(text.split()) == 1 else f"the team with {robot}"
+                raise Error(6, f"{label} {_owned_text(e.text)}") from None
             raise
         if not team.names:
             team.connection.close()
@@ -1223,6 +1261,7 @@ class _Session:
         """One step of the world, in which the team does what the frame says."""
         self.step(1, timeout, team, frame)
         reply, team.reply = team.reply, None
+        team.gone = []
         assert reply is not None
         return reply
 
@@ -1240,8 +1279,14 @@ class _Session:
         else:
             for link in driven:
                 self.settle(link)
-            for other in self.teams:
-                self.settle_team(other)
+            for other in list(self.teams):
+                try:
+                    self.settle_team(other)
+                except Error:
+                    if other is team or other.lost is None:
+                        raise
+                if other.lost is not None and other is not team:  # the others go on without it
+                    self.teams.remove(other)
             waiting = {}
             try:
                 for link in driven:
@@ -1364,11 +1409,12 @@ class _Session:
                     except Error:
                         pass  # tried again at the next use, which says what is wrong
             for team in self.teams:
-                if team.stale:
+                if team.stale and team.lost is None:
                     try:
                         self.settle_team(team)
                     except Error:
-                        pass  # likewise
+                        if team.lost is not None and isinstance(cause, Error) and cause.code == 5:
+                            cause = team.lost
         return cause
 
     def whom(self, held_up: bool = False) -> str:
@@ -1728,10 +1774,12 @@ class Team:
         """The readings of the newest step, without a step."""
         return self._reading(self._session.ask_team(self._link, _READ_ALL))
 
-    def select(self, *readings: str, neighbours: int = _NEIGHBOURS) -> None:
+    def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
         """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (so many nearest) and
         "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing."""
-        words = " ".join(readings).split()
+        words: List[str] = []
+        for given in readings:
+            words += given.split() if isinstance(given, str) else given if isinstance(given, (list, tuple)) else [given]
         for word in words:
             if word not in _READINGS:
                 raise Error(4, f"there is no reading {word!r}; there are: {_list_of(_READINGS)}")
@@ -1756,11 +1804,37 @@ class Team:
     def _step(self, values: Any, what: str, columns: str, text: str, timeout: Optional[float]) -> TeamReading:
         session, link = self._session, self._link
         session.settle_team(link)
-        data = _speeds(values, link.names, what, columns) if values is not None else b""
-        raw = text.encode()
-        frame = _HEADER.pack(20 + len(raw) + len(data), 0, _STEP_ALL, len(raw), 0, len(data) // 8) + raw + data
+        if values is not None and not hasattr(values, "__len__"):
+            values = list(values) if hasattr(values, "__iter__") else values  # it may be needed twice
         limit = None if timeout is None else _number(timeout, "timeout [s]")
-        return self._reading(session.step_team(link, frame, limit))
+        kept = [(other, other.kept) for other in session.links]
+        n, raw = len(link.names), text.encode()
+        data = self._data(values, what, columns)
+        try:
+            return self._reading(session.step_team(link, self._frame(raw, data), limit))
+        except Error as e:
+            if e.code != 3 or "no longer in the team" not in e.text or link.lost is not None or len(link.names) == n:
+                raise
+        for other, command in kept:  # the step did not run
+            other.kept = command
+        data = self._data(values, what, columns)
+        return self._reading(session.step_team(link, self._frame(raw, data), limit))
+
+    def _data(self, values: Any, what: str, columns: str) -> bytes:
+        link = self._link
+        try:
+            return _speeds(values, link.names, what, columns) if values is not None else b""
+        except Error as e:
+            if e.code != 3 or not link.gone:
+                raise
+            more = len(link.gone) - _NAMED_ROBOTS
+            gone = _list_of(link.gone[:_NAMED_ROBOTS]) + (f" and {more} more" if more > 0 else "")
+            raise Error(3, f"{link.label} has lost {gone}: {what} must have {len(link.names)} rows now, in "
+                           "the order of team.names, or one row for all") from None
+
+    @staticmethod
+    def _frame(raw: bytes, data: bytes) -> bytes:
+        return _HEADER.pack(20 + len(raw) + len(data), 0, _STEP_ALL, len(raw), 0, len(data) // 8) + raw + data
 
     def _reading(self, reply: Message) -> TeamReading:
         """The readings out of a reply. If robots or targets have come or gone, what belongs to a row is asked anew."""
@@ -1817,6 +1891,10 @@ class Simulation:
     def team(self, names: Union[str, Sequence[str], None] = None) -> Team:
         """Takes robots to be driven together, through one connection: the name of a swarm or robot, a list of such, or
         all that nobody drives. Error 6 if another client owns one of them; then none is taken."""
+        if names is not None and not isinstance(names, str):
+            if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):
+                raise Error(3, f'the robots of a team are named, not {names!r}; write e.g. sim.team("swarm1"), '
+                               'sim.team(["robot1", "robot2"]), or sim.team() for all that nobody drives')
         words = [] if names is None else names.split() if isinstance(names, str) else [str(name) for name in names]
         if names is not None and not words:
             raise Error(3, 'no names: write e.g. sim.team("swarm1"), or sim.team() for all robots that nobody drives')

@@ -204,7 +204,7 @@ class RunningTwice(TeamTestCase):
         daemon = self.start(robots=3)
         self.connect(daemon, name="ana").team(["robot1", "robot3"])
         ben = self.connect(daemon, name="ben")
-        self.assert_error(6, lambda: ben.team(["robot2", "robot3"]), "team robot2 robot3", "robot3 is owned by ana")
+        self.assert_error(6, lambda: ben.team(["robot2", "robot3"]), "the team with robot3 cannot be driven: robot3 is owned by ana")
         self.assertEqual(ben.team().names, ["robot2"])
 
     def test_a_team_of_others_than_before_lets_the_former_go(self):
