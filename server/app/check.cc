@@ -53,7 +53,8 @@ FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& d
   const auto scenario = LoadScenario(file, robots, diagnostics);
   if (scenario == nullptr) return nullptr;
   FramePtr frame = FirstFrame(scenario, diagnostics);
-  if (frame != nullptr) std::printf("%s: %s\n", file.c_str(), Summary(*scenario).c_str());
+  if (frame != nullptr && !diagnostics.has_errors())
+    std::printf("%s: %s\n", file.c_str(), Summary(*scenario).c_str());
   return frame;
 }
 

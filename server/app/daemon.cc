@@ -85,10 +85,16 @@ std::string LanAddress() {
   return address;
 }
 
+/// More threads than cores would only take turns; the results are the same.
+int ThreadsOf(const ServeOptions& options) {
+  const unsigned cores = std::thread::hardware_concurrency();
+  return cores == 0 ? options.threads : std::min(options.threads, static_cast<int>(cores));
+}
+
 ControllerOptions ControllersOf(const ServeOptions& options) {
   ControllerOptions controllers;
   controllers.in_process = options.controllers_in_process;
-  controllers.threads = options.threads;
+  controllers.threads = ThreadsOf(options);
   return controllers;
 }
 
@@ -117,7 +123,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       control_guard_(token_, true),
       ports_(options.port == 0 ? 0 : options.port + 2,
              [this](int port) { return names_.IsExternalPort(port); }),
-      pool_(options.threads),
+      pool_(ThreadsOf(options)),
       controllers_(ControllersOf(options), clock_, logger_, pool_),
       stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run, {&pool_, &controllers_}),
       control_("control", logger_) {
@@ -188,7 +194,7 @@ std::string Daemon::OpenRobots() {
   std::string error = simulation_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);
   if (!error.empty()) return WithAdvice(error, "--port");
   swarm_ = std::make_unique<SwarmModule>(
-      SwarmServices{board_, frames_, roster_, robot_guard_, clock_, options_.threads, kVersion},
+      SwarmServices{board_, frames_, roster_, robot_guard_, clock_, ThreadsOf(options_), kVersion},
       [this](std::function<void()> work) { control_.Post(std::move(work)); });
   swarm_port_ = std::make_unique<PublishedModule>("/swarm", *swarm_, control_, net_, names_);
   error = swarm_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);

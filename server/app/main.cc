@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <csignal>
+#include <cstdio>
+#include <exception>
 
 #include "server/app/commands.h"
 #include "server/app/options.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int Run(int argc, char** argv) {
   using coopdyn::CommandLine;
-  std::signal(SIGPIPE, SIG_IGN);
   const CommandLine line = coopdyn::ParseCommandLine(argc, argv);
   switch (line.action) {
     case CommandLine::Action::kServe:
@@ -23,4 +26,16 @@ int main(int argc, char** argv) {
       break;
   }
   return line.exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return Run(argc, argv);
+  } catch (const std::exception& exception) {  // e.g. no more threads, no more memory
+    std::fprintf(stderr, "coopdyn: the system refuses to go on: %s\n", exception.what());
+    return coopdyn::kExitErrors;
+  }
 }

@@ -124,8 +124,10 @@ void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
                   "Threads for the robots' connections (default: one each on many cores, else 1 or 2)")
       ->check(CLI::Range(1, 10000))
       ->envname("COOPDYN_ROBOT_THREADS");
-  sub->add_option("--threads", serve.threads,
-                  "Threads that share out sensing, controllers and physics; the results stay the same")
+  sub->add_option(
+         "--threads", serve.threads,
+         "Threads that share out sensing, controllers and physics, at most one a core; worth it from some "
+         "hundred robots on; the results stay the same")
       ->check(CLI::Range(1, 256))
       ->envname("COOPDYN_THREADS")
       ->capture_default_str();

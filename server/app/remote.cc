@@ -75,7 +75,14 @@ int PrintStatus(const std::string& text) {
     }
   }
   if (const json::value* robots = status.if_contains("robots"); robots != nullptr && robots->is_array()) {
+    constexpr std::size_t kListed = 40;
+    std::size_t listed = 0;
     for (const json::value& one : robots->as_array()) {
+      if (++listed > kListed) {
+        std::printf("... and %zu more: get_status FIRST COUNT tells all\n",
+                    robots->as_array().size() - kListed);
+        break;
+      }
       const json::object& robot = one.as_object();
       const std::string owner = word(robot, "owner");
       std::printf("%-16s %-10s %s\n", word(robot, "name").c_str(), word(robot, "type").c_str(),

@@ -2,6 +2,7 @@
 #include "server/control/simulation_module.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <algorithm>
 
 #include <cmath>
 #include <utility>
@@ -126,6 +127,7 @@ std::optional<Message> SimulationModule::Change(Peer& peer, const Message& reque
     case command::kQuit:
       return Stamped(Ok(request));
     case command::kStopAll:
+      peer.text = GoOnText();
       return Push(peer, edit::StopAll{});
     case command::kSetParticipants:
       return Push(peer, edit::SetParticipants{Words(request.text)});
@@ -171,6 +173,14 @@ std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request
   if (read.scenario == nullptr) return ErrorReply(request.command, read.error, std::move(read.text));
   peer.text = std::move(read.text);
   return Push(peer, edit::Load{std::move(read.scenario)});
+}
+
+std::string SimulationModule::GoOnText() const {
+  const std::vector<CommandBoard::Owner> owners = services_.board.Owners();
+  const auto driven = std::count_if(owners.begin(), owners.end(),
+                                    [](const CommandBoard::Owner& owner) { return owner.driven; });
+  if (driven == 0) return {};
+  return fmt::format("{} robots go on, driven by loaded controllers: pause, or release_robot ROBOT", driven);
 }
 
 std::optional<Message> SimulationModule::ReleaseRobot(Peer& peer, const Message& request) {

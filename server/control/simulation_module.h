@@ -60,6 +60,8 @@ class SimulationModule final : public Endpoint, private ReadingSource, private S
   std::optional<Message> SetStep(Peer& peer, const Message& request);
   std::optional<Message> Reset(Peer& peer, const Message& request);
   std::optional<Message> Load(Peer& peer, const Message& request);
+  /// What `stop_all` has to say about robots that loaded controllers drive.
+  std::string GoOnText() const;
   std::optional<Message> ReleaseRobot(Peer& peer, const Message& request);
   /// Hands the edit to the stepping thread; the reply follows.
   std::optional<Message> Push(Peer& peer, EditAction action);

@@ -2,6 +2,7 @@
 #include "server/controllers/controller_child.h"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -89,6 +90,8 @@ int RunControllerChild(int fd) {
     return 2;
   }
   NoCoreFiles();
+  // A copy that a controller makes of this process would go on as if it were the process itself.
+  pthread_atfork(nullptr, nullptr, [] { _exit(0); });
   prctl(PR_SET_NAME, "coopdyn-ctrl");
   try {
     return Serve(fd);

@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kGrain = 64;         // robots that a thread takes at a time
+constexpr std::size_t kGrain = 256;        // robots that a thread takes at a time
 constexpr std::size_t kFixedGrain = 4096;  // if there are no lists: hardly any work
 constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
 

@@ -213,7 +213,9 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   request.height_m = entry.model->height_m;
   request.spacing_m = spacing.value_or(2.5 * request.radius_m);
   request.area = area.value_or(FloorArea{0, 0, scenario_.floor.length_m, scenario_.floor.width_m});
-  request.seed = seed.value_or(scenario_.simulation.seed);
+  // Another draw for each swarm, or all would stand alike.
+  constexpr std::uint64_t kApart = 0x9e3779b97f4a7c15;
+  request.seed = seed.value_or(scenario_.simulation.seed + kApart * scenario_.swarms.size());
   if (request.spacing_m < 2 * request.radius_m) {
     reader.ErrorAt("spacing", "'spacing' is the distance between the robots' centres: at least " +
                                   FormatNumber(2 * request.radius_m) + " m, the diameter of a " +

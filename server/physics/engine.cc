@@ -12,7 +12,7 @@ namespace coopdyn {
 namespace {
 
 // Fewer robots are not worth waking other threads.
-constexpr std::size_t kParallelFrom = 256, kGrain = 128;
+constexpr std::size_t kParallelFrom = 512, kGrain = 128;
 
 }  // namespace
 

@@ -159,7 +159,8 @@ void Engine::SolveAll(double dt_s) {
       SolveBatch(batches_[1 + i], lane, Lane::Solver::kDirect, dt_s);
     }
   };
-  if (pool_ == nullptr || small < 2) {
+  constexpr std::size_t kParallelFrom = 4;  // batches: some 100 µs
+  if (pool_ == nullptr || small < kParallelFrom) {
     solve(0, small, *lanes_.front());
   } else {
     // Whichever thread comes first takes the next lane: all lanes give the same bits.

@@ -158,6 +158,10 @@ std::span<const Setpoint> Stepper::TakeSetpoints() {
 void Stepper::NoteStoppedControllers() {
   for (const StoppedController& stopped : helpers_.controllers->TakeStopped()) {
     AddEvent("error", stopped.robot + " stands: " + stopped.why);
+    const int robot = scene_->FindRobot(stopped.robot);
+    if (robot < 0) continue;
+    const std::string& name = scene_->robots[static_cast<std::size_t>(robot)].entry.controller.name;
+    boards_.commands.SetDriven(static_cast<std::size_t>(robot), name + " (stopped)", clock_.Now());
   }
 }
 

@@ -12,7 +12,17 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kGrain = 64;  // robots that one thread takes at a time
+constexpr std::size_t kGrain = 64;       // robots that one thread takes at a time
+constexpr double kWorthThreads_us = 60;  // less work is done before another thread has woken up
+
+/// About what the distances of one robot cost (docs/decisions.md has the figures measured).
+double Cost_us(const SceneSensing::RobotType& type) {
+  double cost = 0.1;
+  for (const SensorFan& fan : type.fans) {
+    for (const FanRay& ray : fan.rays()) cost += 0.02 * ray.limit_m;
+  }
+  return cost;
+}
 
 // The vision of one robot: a camera above its axle at its full height.
 class Eye {
@@ -106,9 +116,15 @@ std::vector<Sighting> SeenRobots(const Frame& frame, int robot) {
 
 void PrepareDistances(const Frame& frame, std::span<const int> robots, WorkerPool& pool) {
   const SensingCache& cache = SensingCache::Of(frame, &pool);
-  pool.For(robots.size(), kGrain, [&](std::size_t first, std::size_t end) {
+  const auto compute = [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) cache.Distances(robots[i]);
-  });
+  };
+  const auto count = static_cast<double>(robots.size());
+  if (robots.empty() || count * Cost_us(cache.scene().type(robots.front())) < kWorthThreads_us) {
+    compute(0, robots.size());
+  } else {
+    pool.For(robots.size(), kGrain, compute);
+  }
 }
 
 std::vector<RaySegment> DistanceRays(const Frame& frame, int robot) {

@@ -32,7 +32,7 @@ void RobotField::Build(const Frame& frame, const SceneSensing& scene, WorkerPool
     for (std::size_t k = first; k < end; ++k) entries_[k] = by_robot_[grid_.order()[k]];
   };
   const auto run = [&](const auto& work) {
-    if (pool != nullptr && count > kGrain) {
+    if (pool != nullptr && count > 4 * kGrain) {
       pool->For(count, kGrain, work);
     } else {
       work(0, count);

@@ -192,6 +192,12 @@ TEST(HostileTest, ItsCpuTimeCountsEvenWhenItIsDead) {
   EXPECT_GT(driven.host().child_cpu_s(), before_s);
 }
 
+TEST(HostileTest, ACopyOfTheProcessIsGoneBeforeItDoesAnything) {
+  const Record record = RunFor(SwarmWith(kFork), TestOptions(false));
+  EXPECT_TRUE(record.stopped.empty());
+  EXPECT_TRUE(record.setpoints == RunFor(SwarmWith(kNone), TestOptions(false)).setpoints);
+}
+
 TEST(HostileTest, AnInterruptEndsTheWaitForOneThatHangs) {
   ControllerOptions options = TestOptions(false, 2);
   options.deadline = 0;  // none

@@ -115,6 +115,13 @@ TEST_F(StepperControllersTest, AStoppedControllerIsAnEvent) {
   EXPECT_EQ(events[0].text, "robot1 stands: it divided by zero");
 }
 
+TEST_F(StepperControllersTest, TheOwnerSaysThatAControllerIsStopped) {
+  Start(TwoRobots("good"), &driver_);
+  EXPECT_EQ(board_.Owners()[0].name, "controller good");
+  for (int k = 0; k < 3; ++k) Step();
+  EXPECT_EQ(board_.Owners()[0].name, "controller good (stopped)");
+}
+
 TEST_F(StepperControllersTest, AControllerThatCannotStartIsAnEventAtStepZero) {
   driver_.stops_at_once = true;
   EXPECT_EQ(Start(TwoRobots("good"), &driver_), "");

@@ -25,6 +25,7 @@ enum Deed {
   kOverflowStack,
   kKillItself,
   kKillOnce,  // if it can remove the file HOSTILE_MARKER
+  kFork,      // harmless
   // In save():
   kSavePastState,
   kThrowInSave,

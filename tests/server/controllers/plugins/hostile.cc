@@ -105,6 +105,9 @@ void Misbehave(int deed, const coopdyn_readings& readings, coopdyn_command& comm
         Sleep();
       }
       break;
+    case kFork:
+      if (fork() == 0) command.forward_m_s = 1;  // in a copy, which goes on as if it were the process
+      break;
     default:
       break;
   }
