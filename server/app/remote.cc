@@ -79,8 +79,7 @@ int PrintStatus(const std::string& text) {
     std::size_t listed = 0;
     for (const json::value& one : robots->as_array()) {
       if (++listed > kListed) {
-        std::printf("... and %zu more: get_status FIRST COUNT tells all\n",
-                    robots->as_array().size() - kListed);
+        std::printf("... and more: coopdyn call /simulation get_status FIRST COUNT tells all\n");
         break;
       }
       const json::object& robot = one.as_object();
@@ -210,6 +209,7 @@ int Remote(const RemoteOptions& options) {
   if (reply.error != 0) return Fail(kExitErrors, WithFileName(reply.text, options));
   if (options.verb == "status") return PrintStatus(reply.text);
   std::cout << options.verb << ": ok" << Moment(reply) << '\n';
+  if (options.verb == "stop-all" && !reply.text.empty()) std::cout << reply.text << '\n';
   return kExitOk;
 }
 
