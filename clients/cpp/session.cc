@@ -231,8 +231,13 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
       waiting.push_back({link->motors.get(), link.get()});
     }
     for (const auto& team : teams_) {
-      waiting.push_back({&SettleTeam(*team), nullptr, team.get()});
+      try {
+        waiting.push_back({&SettleTeam(*team), nullptr, team.get()});
+      } catch (const Error&) {
+        if (team.get() == team_command.team || !team->lost) throw;  // else the others go on without it
+      }
     }
+    std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
   }
   if (waiting.empty()) {
     if (!simulation_.Alive()) simulation_.Open();

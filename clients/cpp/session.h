@@ -93,6 +93,9 @@ class Session {
   Connection& SettleTeam(TeamLink& team);
   /// One step of the world, in which a team does what the command says.
   Message StepTeam(const TeamCommand& command, double timeout_s);
+  /// What single robots were told for the next step; put back if it was refused.
+  std::vector<std::optional<Command>> Kept() const;
+  void Keep(std::vector<std::optional<Command>> kept);
   /// A request that is answered at once.
   Message AskTeam(TeamLink& team, std::int32_t command);
   void Select(TeamLink& team, const std::string& words, int neighbours);
@@ -132,6 +135,8 @@ class Session {
   static Error Lost(const Closed& closed, const std::string& label, const std::string& take_again,
                     std::optional<Error>& lost);
   void OpenTeam(TeamLink& team);
+  Message Claim(const TeamLink& team);
+  [[noreturn]] void NotOurs(const TeamLink& team, const Error& owned) const;
   Connection& AttachedConnection(Link& link, const std::vector<std::string>& modules);
   static std::string Label(const Waiting& w);
   void TakeIn(Waiting& w, Message reply, Message& last);

@@ -2,6 +2,8 @@
 // The teams of a session: one connection to /swarm each.
 #include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <set>
 #include <utility>
 
 #include "clients/cpp/session.h"
@@ -14,24 +16,62 @@ namespace {
 constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10;
 constexpr double kRequestTimeout_s = 10;
 
+/// Takes over who is in the team. One that has lost all its robots is none any more: throws.
 void Name(TeamLink& team, Message reply) {
-  team.names = Words(reply.text);
+  const std::vector<std::string> before = std::exchange(team.names, Words(reply.text));
   team.ids = std::move(reply.params);
   team.stale = false;
+  if (team.names.size() < before.size()) {
+    const std::set<std::string> left(team.names.begin(), team.names.end());
+    std::copy_if(before.begin(), before.end(), std::back_inserter(team.gone),
+                 [&](const std::string& name) { return !left.contains(name); });
+  }
+  if (before.empty() || !team.names.empty()) return;
+  const std::string what = team.one_word() ? team.label() : "the team of " + TeamLink::Count(before.size());
+  team.lost.emplace(kNotPossible, what + " has lost all its robots, to other programs or another scenario: " +
+                                      team.TakeAgain() + " takes whom it means now");
+  team.connection->Close();
+  throw Error(*team.lost);
 }
 
-Message Claim(TeamLink& team) {
-  Connection& connection = *team.connection;
-  if (!team.text.empty() || team.names.empty()) return connection.Request(command::kClaim, {}, {}, team.text);
-  try {  // again all that were free, not what is free by now
-    return connection.Request(command::kClaim, {}, {}, Join(team.names, " "));
-  } catch (const Error& e) {
-    if (e.code() != kNoSuchName) throw;
-  }
-  return connection.Request(command::kClaim);
+std::string FirstWord(const std::string& text) {
+  return text.substr(0, text.find(' '));
 }
 
 }  // namespace
+
+/// Again those that it had, not whom its name would mean by now: less who is another's meanwhile.
+Message Session::Claim(const TeamLink& team) {
+  Connection& connection = *team.connection;
+  std::set<std::string> others;
+  for (const auto& other : teams_) {
+    if (other.get() != &team && !other->lost) others.insert(other->names.begin(), other->names.end());
+  }
+  std::vector<std::string> wanted = team.names;
+  std::erase_if(wanted, [&](const std::string& name) { return others.contains(name); });
+  while (!wanted.empty()) {
+    try {
+      return connection.Request(command::kClaim, {}, {}, Join(wanted, " "));
+    } catch (const Error& e) {
+      if (e.code() == kNoSuchName) return connection.Request(command::kClaim, {}, {}, team.text);
+      if (e.code() != kOwned || std::erase(wanted, FirstWord(e.text())) == 0) throw;
+    }
+  }
+  if (!team.names.empty()) return connection.Request(command::kGetTeam);  // none is left
+  return connection.Request(command::kClaim, {}, {}, team.text);
+}
+
+void Session::NotOurs(const TeamLink& team, const Error& owned) const {
+  const std::string robot = FirstWord(owned.text());
+  for (const auto& other : teams_) {
+    if (other->lost || std::find(other->names.begin(), other->names.end(), robot) == other->names.end())
+      continue;
+    throw Error(kOwned, "robot " + robot + " belongs to your " + other->label() +
+                            ": drive it there, or release that team first");
+  }
+  throw Error(kOwned, (team.one_word() ? team.label() : "the team with " + robot) + " cannot be driven: " +
+                          owned.text() + ". Stop the other program, or free the robot on the page");
+}
 
 std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
   RequireOpen();
@@ -41,6 +81,14 @@ std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
   for (const auto& other : teams_) {
     if (other->text == text) return other;
   }
+  for (const auto& other : teams_) {  // what one of ours lets go of for a moment is not free
+    if (other->connection->is_open() && !other->connection->busy()) continue;
+    try {
+      SettleTeam(*other);
+    } catch (const Error&) {
+      // Its next use says what is wrong.
+    }
+  }
   while (std::any_of(teams_.begin(), teams_.end(), [&](const auto& t) { return t->number == team->number; }))
     ++team->number;
   team->text = text;
@@ -49,8 +97,7 @@ std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
     OpenTeam(*team);
   } catch (const Error& e) {
     if (e.code() != kOwned) throw;
-    throw Error(kOwned, team->label() + " cannot be driven: " + e.what() +
-                            ". Stop the other program, or free the robot on the page");
+    NotOurs(*team, e);
   }
   if (team->names.empty()) throw Error(kNoSuchName, "there is no robot that nobody drives");
   teams_.push_back(team);
@@ -115,7 +162,18 @@ Message Session::StepTeam(const TeamCommand& command, double timeout_s) {
     break;
   }
   Step(1, timeout_s, command);
+  team.gone.clear();
   return std::move(*std::exchange(team.reply, std::nullopt));
+}
+
+std::vector<std::optional<Command>> Session::Kept() const {
+  std::vector<std::optional<Command>> kept;
+  for (const auto& link : links_) kept.push_back(link->kept);
+  return kept;
+}
+
+void Session::Keep(std::vector<std::optional<Command>> kept) {
+  for (std::size_t i = 0; i < kept.size() && i < links_.size(); ++i) links_[i]->kept = std::move(kept[i]);
 }
 
 void Session::CloseTeam(TeamLink& team, bool stop) {

@@ -173,7 +173,7 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
     try {
       SettleTeam(*team);
     } catch (const Error&) {
-      // Likewise.
+      if (team->lost) lost = std::current_exception();  // else likewise
     }
   }
   if (lost) std::rethrow_exception(lost);

@@ -48,6 +48,17 @@ void CheckSpeeds(std::span<const double> values, const std::vector<std::string>&
   throw Error(4, why.str());
 }
 
+[[noreturn]] void SayWhoIsGone(const TeamLink& team, const char* what) {
+  constexpr std::size_t kNamed = 4;
+  std::ostringstream why;
+  why << team.label() << " has lost ";
+  for (std::size_t i = 0; i < team.gone.size() && i < kNamed; ++i) why << (i > 0 ? ", " : "") << team.gone[i];
+  if (team.gone.size() > kNamed) why << " and " << team.gone.size() - kNamed << " more";
+  why << ": " << what << " must have " << team.names.size()
+      << " rows now, in the order of team.names, or one row for all";
+  throw Error(3, why.str());
+}
+
 }  // namespace
 
 void Rows::NoSuchRow(std::size_t i) const {
@@ -82,14 +93,27 @@ TeamReading Team::Step(std::span<const double> values, const char* what, const c
                        const char* text, double timeout) {
   session_->SettleTeam(*link_);
   std::vector<double> for_all;
-  const bool keep = values.empty() && *text == '\0';
-  if (!keep) CheckSpeeds(values, link_->names, what, columns);
-  if (values.size() == 2 && n() > 1) {
+  const auto rows = [&]() -> std::span<const double> {
+    if (values.empty() && *text == '\0') return values;  // they keep their speeds
+    if (!link_->gone.empty() && values.size() != 2 && values.size() != 2 * n()) SayWhoIsGone(*link_, what);
+    CheckSpeeds(values, link_->names, what, columns);
+    if (values.size() != 2 || n() <= 1) return values;
     for_all.resize(2 * n());
     for (std::size_t i = 0; i < for_all.size(); ++i) for_all[i] = values[i % 2];
-    values = for_all;
+    return for_all;
+  };
+  const std::size_t before = n();
+  const auto sent = rows();
+  auto kept = session_->Kept();
+  try {
+    return ToReading(session_->StepTeam({link_.get(), text, sent}, timeout));
+  } catch (const Error& e) {
+    const bool smaller = e.code() == 3 && e.text().find("no longer in the team") != std::string::npos &&
+                         !link_->lost && n() != before;
+    if (!smaller) throw;
   }
-  return ToReading(session_->StepTeam({link_.get(), text, values}, timeout));
+  session_->Keep(std::move(kept));  // the step did not run
+  return ToReading(session_->StepTeam({link_.get(), text, rows()}, timeout));
 }
 
 TeamReading Team::read() {

@@ -29,13 +29,18 @@ struct TeamLink {
   std::vector<std::int32_t> columns;  // of each
   bool stale = false;                 // who is in it must be asked anew
   std::optional<Message> reply;       // to the step that ran last
+  std::vector<std::string> gone;      // who was taken from it since it stepped last
   std::optional<Error> lost;          // why it is not ours any more
   /// Numbers that were handed out; whose readers are gone is used again.
   std::array<std::shared_ptr<std::vector<double>>, 2> handed_out;
 
   /// In errors.
-  std::string label() const { return text.empty() ? "the team" : "team " + text; }
-  std::string TakeAgain() const { return text.empty() ? "sim.team()" : "sim.team(\"" + text + "\")"; }
+  std::string label() const { return one_word() ? "team " + text : "team of " + Count(names.size()); }
+  std::string TakeAgain() const {
+    return text.empty() ? "sim.team()" : one_word() ? "sim.team(\"" + text + "\")" : "sim.team({...})";
+  }
+  bool one_word() const { return !text.empty() && text.find(' ') == std::string::npos; }
+  static std::string Count(std::size_t n) { return std::to_string(n) + " robots"; }
 };
 
 /// What one team of a session does in a step, while the others keep their speeds.

@@ -100,7 +100,7 @@ TEST(TeamInterrupted, AfterATimeoutTheNextReplyIsTheRightOne) {
     EXPECT_EQ(s.step, sim.steps());
   }
   sim.call("/simulation", "load_scenario", {}, {}, "!refuse=robot2");
-  EXPECT_TRUE(Says(ErrorOf([&] { team.step(v, 30); }), "4 team robot1 robot2: robot2 is refused"));
+  EXPECT_TRUE(Says(ErrorOf([&] { team.step(v, 30); }), "4 team of 2 robots: robot2 is refused"));
   sim.call("/simulation", "load_scenario", {}, {}, "!refuse=");
   for (int k = 0; k < 3; ++k) {
     const TeamReading s = team.step(v, 30);
@@ -130,7 +130,7 @@ TEST(TeamRunningTwice, TheSameClientNameTakesOver) {
   EXPECT_EQ(team.step({}, 30).step, 2);
   EXPECT_EQ(rest.step({}, 30).step, 3);
   rest.close();
-  EXPECT_TRUE(Says(ErrorOf([&] { rest.step(); }), "5 the team was given up"));
+  EXPECT_TRUE(Says(ErrorOf([&] { rest.step(); }), "5 team of 2 robots was given up"));
   auto other = connect(daemon.server(), {.name = "ben"});
   EXPECT_TRUE(
       Says(ErrorOf([&] { other.team("robot2"); }), "6 team robot2 cannot be driven: robot2 is owned by"));
@@ -154,6 +154,48 @@ TEST(TeamWithSingleRobots, AStepOfTheSimIsOneOfTheTeam) {
   EXPECT_TRUE(Says(ErrorOf([&] { member.set_velocity(1, 0); }), "robot1 is driven by its team"));
   EXPECT_TRUE(Says(ErrorOf([&] { member.get_neighbours(); }), "robot1 has no module neighbours"));
   EXPECT_EQ(ErrorOf([&] { member.send_message({}); }).substr(0, 2), "3 ");
+}
+
+TEST(TeamOfTheDaemon, OneThatLostAllItsRobotsTakesNoneFromItsSuccessor) {
+  const auto daemon = ServerProcess::Real("swarm100", {"--no-http", "--no-render"});
+  auto others = connect(daemon.server(), {.name = "C"});
+  auto sim = connect(daemon.server(), {.name = "A"});
+  auto first = sim.team("mini");
+  first.step({}, 60);
+  others.load_scenario("classroom");
+  others.load_scenario("swarm100");
+  EXPECT_TRUE(Says(ErrorOf([&] { first.step({}, 60); }), "5 team mini has lost all its robots"));
+  auto second = sim.team("swarm1");
+  second.step({}, 60);
+  EXPECT_TRUE(
+      Says(ErrorOf([&] { sim.team("mini_1"); }), "6 robot mini_1 belongs to your team swarm1: drive"));
+  others.pause();
+  EXPECT_EQ(ErrorOf([&] { second.step({}, 0.1); }).substr(0, 3), "11 ");
+  others.run();
+  EXPECT_EQ(second.read().pose.size(), 100u);
+  EXPECT_EQ(sim.team("swarm1").step({}, 60).pose.size(), 100u);
+}
+
+TEST(TeamOfTheDaemon, OneRowForAllGoesOnWithTheRestWhenARobotIsTakenAway) {
+  const auto daemon = ServerProcess::Real("swarm100", {"--no-http", "--no-render", "--mode", "realtime"});
+  auto sim = connect(daemon.server(), {.name = "A"});
+  auto team = sim.team("swarm1");
+  const std::array all = {0.1, 0.0};
+  team.step(all, 60);
+  auto other = connect(daemon.server(), {.name = "B"});
+  const auto take = [&](const std::string& robot) {
+    other.call("/simulation", "release_robot", {}, {}, robot);
+    other.robot(robot).set_velocity(0, 0.5);
+  };
+  take("mini_5");
+  EXPECT_EQ(team.step(all, 60).pose.size(), 99u);
+  take("mini_7");
+  const std::vector<double> each(2 * 99, 0.1);
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_TRUE(
+        Says(ErrorOf([&] { team.step(each, 60); }), "3 team swarm1 has lost mini_7: V must have 98 rows"));
+  }
+  EXPECT_EQ(team.step(std::vector<double>(2 * 98, 0.1), 60).pose.size(), 98u);
 }
 
 TEST(TeamOfTheDaemon, RowsAreWhatTheRobotsSay) {
