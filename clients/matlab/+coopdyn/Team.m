@@ -41,11 +41,17 @@ classdef Team < handle
 
     function s = step(t, V, varargin)
     %STEP One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the step has
-    %   run, in every mode, and returns the readings after it. V is n x 2, or 1 x 2 for all; without V, or with [], they
-    %   keep their speeds. In lockstep the other robots of this sim step too, with what they were told.
-    %   team.step(V, 'timeout', 5): error after 5 s.
+    %   run, in every mode, and returns the readings after it. V is n x 2, or 1 x 2 for all; without V they keep
+    %   their speeds. In lockstep the other robots of this sim step too, with what they were told.
+    %   team.step(V, 'timeout', 5), team.step('timeout', 5): error after 5 s.
       if nargin < 2
         V = [];
+      elseif ischar(V)  % no speeds, options only
+        varargin = [{V} varargin];
+        V = [];
+      elseif isempty(V)
+        t.link.settle(t.session);
+        t.speeds(V, 'V', 'forward turn');
       end
       s = t.go(V, 'V', 'forward turn', '', varargin);
     end
@@ -113,6 +119,28 @@ classdef Team < handle
         options = coopdyn.internal.options(pairs, struct('timeout', Inf));
         limit = options.timeout;
       end
+      n = numel(link.names);
+      frame = t.frame(V, what, columns, text);
+      links = t.session.links;
+      kept = cellfun(@(l) {l.kept}, links);
+      try
+        reply = t.session.step_team(link, frame, limit);
+      catch cause
+        smaller = strcmp(cause.identifier, 'coopdyn:wrong_data') && isempty(link.lost) && numel(link.names) ~= n;
+        if ~smaller || isempty(strfind(cause.message, 'no longer in the team'))
+          rethrow(cause);
+        end
+        for k = 1:numel(links)  % the step did not run
+          l = links{k};
+          l.kept = kept{k};
+        end
+        reply = t.session.step_team(link, t.frame(V, what, columns, text), limit);
+      end
+      s = t.readings(reply);
+    end
+
+    function bytes = frame(t, V, what, columns, text)
+    % The request to step.
       raw = uint8(text);
       bytes = zeros(1, 0, 'uint8');
       if ~isempty(V)
@@ -120,7 +148,7 @@ classdef Team < handle
         bytes = typecast(reshape(V.', 1, []), 'uint8');  % row after row
       end
       head = typecast(int32([20 + numel(raw) + numel(bytes), 0, 110, numel(raw), 0, numel(bytes) / 8]), 'uint8');
-      s = t.readings(t.session.step_team(link, [head raw bytes], limit));
+      bytes = [head raw bytes];
     end
 
     function V = speeds(t, V, what, columns)
@@ -129,6 +157,15 @@ classdef Team < handle
       n = numel(names);
       if ~isnumeric(V) || ~isreal(V) || ~ismatrix(V)
         coopdyn.internal.fail(3, sprintf('%s is a matrix of numbers, %d x 2: a row [%s] for each robot', what, n, columns));
+      end
+      gone = t.link.gone;
+      if ~isempty(gone) && ~any(size(V, 1) == [1 n])
+        more = '';
+        if numel(gone) > 4
+          more = sprintf(' and %d more', numel(gone) - 4);
+        end
+        coopdyn.internal.fail(3, sprintf(['%s has lost %s%s: %s must have %d rows now, in the order of team.names, or ' ...
+          'one row for all'], t.link.label, strjoin(gone(1:min(end, 4)), ', '), more, what, n));
       end
       if size(V, 2) ~= 2 || ~any(size(V, 1) == [1 n])
         coopdyn.internal.fail(3, sprintf(['%s is %d x %d, the team has %d robots; write %d x 2, one row [%s] for each ' ...

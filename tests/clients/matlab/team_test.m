@@ -44,7 +44,7 @@ expect_error('coopdyn:out_of_range', @() team.select('poses'), 'there are: pose,
 expect_error('coopdyn:wrong_data', @() sim.team({}), 'sim.team()');
 assert(sim.steps == steps);
 team.close();
-expect_error('coopdyn:not_possible', @() team.step(), 'was given up', 'sim.team(''robot1 robot2'')');
+expect_error('coopdyn:not_possible', @() team.step(), 'was given up', 'team of 2 robots');
 team = sim.team();
 assert(isequal(team.names, {'robot1', 'robot2'}));
 sim.close();

@@ -284,12 +284,34 @@ classdef Session < handle
         end
         numbers(end + 1) = team.number; %#ok<AGROW>
       end
+      for k = 1:numel(s.teams)  % what one of ours lets go of for a moment is not free
+        other = s.teams{k};
+        if isempty(other.connection.socket) || other.connection.busy
+          try
+            other.settle(s);
+          catch
+            % its next use says what is wrong
+          end
+        end
+      end
       team = coopdyn.internal.TeamLink(s.address, text, min(setdiff(1:numel(numbers) + 1, numbers)));
       try
         team.open(s);
       catch cause
         if strcmp(cause.identifier, 'coopdyn:owned')
-          coopdyn.internal.fail(6, [team.label ' cannot be driven: ' cause.message '. Stop the other program, or free ' ...
+          robot = coopdyn.internal.first_word(cause.message);
+          for k = 1:numel(s.teams)
+            other = s.teams{k};
+            if isempty(other.lost) && any(strcmp(other.names, robot))
+              coopdyn.internal.fail(6, ['robot ' robot ' belongs to your ' other.label ': drive it there, or release ' ...
+                'that team first']);
+            end
+          end
+          label = ['the team with ' robot];
+          if team.one_word()
+            label = team.label;
+          end
+          coopdyn.internal.fail(6, [label ' cannot be driven: ' cause.message '. Stop the other program, or free ' ...
             'the robot on the page']);
         end
         rethrow(cause);
@@ -310,6 +332,7 @@ classdef Session < handle
       s.step(1, limit, team, bytes);
       reply = team.reply;
       team.reply = [];
+      team.gone = {};
     end
 
     % --- a step of the world
@@ -350,10 +373,18 @@ classdef Session < handle
         end
         for k = 1:numel(s.teams)
           team = s.teams{k};
-          team.settle(s);
+          try
+            team.settle(s);
+          catch cause
+            if isempty(team.lost) || nargin > 3 && team.number == commanded.number
+              rethrow(cause);
+            end
+            continue  % the others go on without it
+          end
           links{end + 1} = team; %#ok<AGROW>
           connections{end + 1} = team.connection; %#ok<AGROW>
         end
+        s.drop_lost_teams();
       end
       if isempty(links)
         if ~s.simulation.alive()
@@ -492,8 +523,10 @@ classdef Session < handle
         if team.stale && isempty(team.lost)
           try
             team.settle(s);
-          catch
-            % likewise
+          catch again
+            if ~isempty(team.lost)
+              raised = again;  % else likewise
+            end
           end
         end
       end

@@ -4,7 +4,6 @@ classdef TeamLink < handle
   properties
     text                          % the names as they were asked for
     number                        % tells the teams of one sim apart
-    label
     connection
     is_team = true
     selected = 'pose distances'
@@ -15,17 +14,28 @@ classdef TeamLink < handle
     columns = zeros(1, 0)         % of each
     stale = false                 % who is in it must be asked anew
     reply = []                    % to the step that ran last
+    gone = {}                     % who was taken from it since it stepped last
     lost = ''                     % why it is not ours any more
     lost_code = 6
   end
+  properties (Dependent)
+    label                         % in errors
+  end
   methods
+    function label = get.label(t)
+      label = sprintf('team of %d robots', numel(t.names));
+      if t.one_word()
+        label = ['team ' t.text];
+      end
+    end
+
+    function yes = one_word(t)
+      yes = ~isempty(t.text) && ~any(t.text == ' ');
+    end
+
     function t = TeamLink(address, text, number)
       t.text = text;
       t.number = number;
-      t.label = 'the team';
-      if ~isempty(text)
-        t.label = ['team ' text];
-      end
       t.connection = coopdyn.internal.Connection(address, '/swarm', true, number);
     end
 
@@ -37,7 +47,7 @@ classdef TeamLink < handle
         if isempty(t.names)
           c.request(8, [], []);  % an older team may have been of others
         end
-        t.named(t.claim());
+        t.named(t.claim(session));
         t.choose(t.selected, t.neighbours);
         session.note(c.request(3, [], []));
       catch cause
@@ -87,28 +97,60 @@ classdef TeamLink < handle
       t.columns = reply.params;
     end
 
-    function reply = claim(t)
+    function reply = claim(t, session)
+    % Again those that it had, not whom its name would mean by now: less who is another's meanwhile.
       c = t.connection;
-      if isempty(t.text) && ~isempty(t.names)
-        try  % again all that were free, not what is free by now
-          reply = c.request(7, [], [], strjoin(t.names, ' '));
+      wanted = t.names;
+      for k = 1:numel(session.teams)
+        other = session.teams{k};
+        if other.number ~= t.number && isempty(other.lost)
+          wanted = wanted(~ismember(wanted, other.names));
+        end
+      end
+      while ~isempty(wanted)
+        try
+          reply = c.request(7, [], [], strjoin(wanted, ' '));
           return
         catch cause
-          if ~strcmp(cause.identifier, 'coopdyn:no_such_name')
+          if strcmp(cause.identifier, 'coopdyn:no_such_name')
+            break  % another world
+          end
+          taken = strcmp(wanted, coopdyn.internal.first_word(cause.message));
+          if ~strcmp(cause.identifier, 'coopdyn:owned') || ~any(taken)
             rethrow(cause);
           end
+          wanted = wanted(~taken);
         end
+      end
+      if ~isempty(t.names) && isempty(wanted)
+        reply = c.request(113, [], []);  % none is left
+        return
       end
       reply = c.request(7, [], [], t.text);
     end
 
     function named(t, reply)
-    % Takes over who is in the team.
+    % Takes over who is in the team. One that has lost all its robots is none any more.
+      before = t.names;
       t.stale = false;
       t.ids = reply.params;
       t.names = {};
       if ~isempty(strtrim(reply.text))
         t.names = strsplit(strtrim(reply.text), ' ');
+      end
+      if numel(t.names) < numel(before)
+        t.gone = [t.gone, before(~ismember(before, t.names))];
+      end
+      if ~isempty(before) && isempty(t.names)
+        what = sprintf('the team of %d robots', numel(before));
+        if t.one_word()
+          what = t.label;
+        end
+        t.lost = [what ' has lost all its robots, to other programs or another scenario: ' t.take_again() ...
+          ' takes whom it means now'];
+        t.lost_code = 5;
+        t.connection.close();
+        coopdyn.internal.fail(5, t.lost);
       end
     end
 
@@ -120,7 +162,9 @@ classdef TeamLink < handle
 
     function text = take_again(t)
       text = 'sim.team()';
-      if ~isempty(t.text)
+      if ~isempty(t.text) && ~t.one_word()
+        text = 'sim.team({...})';
+      elseif ~isempty(t.text)
         text = ['sim.team(''' t.text ''')'];
       end
     end
