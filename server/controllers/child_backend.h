@@ -109,6 +109,7 @@ class ChildBackend final : public Backend {
   const Clock& clock_;
   const Logger logger_;
   std::unique_ptr<ChildProcess> process_;
+  int child_core_ = -1;  // on which SameCore has left it
   std::uint32_t ticket_ = 0;
   double dead_cpu_s_ = 0;
   std::vector<FileState> files_;
