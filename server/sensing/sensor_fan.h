@@ -50,9 +50,9 @@ class SensorFan {
   std::uint64_t Near(const Turn& turn, double dx, double dy) const {
     // Whole cells; out of the map, the empty one in the corner. Written so that no branch has to be guessed.
     const auto column =
-        static_cast<std::uint64_t>(static_cast<std::int64_t>(dx * turn.cosine + dy * turn.sine + kCells / 2));
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(dx * turn.cosine + dy * turn.sine + kHalf));
     const auto row =
-        static_cast<std::uint64_t>(static_cast<std::int64_t>(dy * turn.cosine - dx * turn.sine + kCells / 2));
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(dy * turn.cosine - dx * turn.sine + kHalf));
     const auto inside =
         static_cast<std::uint64_t>(static_cast<int>(column < kCells) & static_cast<int>(row < kCells));
     return map_[(row * kCells + column) & (0 - inside)];
@@ -60,6 +60,7 @@ class SensorFan {
 
  private:
   static constexpr std::uint64_t kCells = 64;  // along x and y: the map stays in a fast cache
+  static constexpr double kHalf = kCells / 2.0;
   static constexpr double kMaxTilt = 0.02;
 
   SensorFan(std::vector<FanRay> rays, double thing_radius_m);
