@@ -180,7 +180,8 @@ std::string SimulationModule::GoOnText() const {
   const auto driven = std::count_if(owners.begin(), owners.end(),
                                     [](const CommandBoard::Owner& owner) { return owner.driven; });
   if (driven == 0) return {};
-  return fmt::format("{} robots go on, driven by loaded controllers: pause, or release_robot ROBOT", driven);
+  return fmt::format("robots that loaded controllers drive go on ({}): pause, or release_robot ROBOT",
+                     driven);
 }
 
 std::optional<Message> SimulationModule::ReleaseRobot(Peer& peer, const Message& request) {

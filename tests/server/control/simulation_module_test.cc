@@ -249,6 +249,15 @@ TEST_F(SimulationModuleTest, ReleaseRobotUnloadsAController) {
   EXPECT_EQ(LastEdit<edit::UnloadController>().robot, "robot1");
 }
 
+TEST_F(SimulationModuleTest, StopAllSaysHowManyRobotsControllersDriveOn) {
+  EXPECT_EQ(Ask("stop_all").text, "");
+  auto scenario = std::make_shared<Scenario>(*SmallScenario(2));
+  scenario->robots[0].controller.name = "diffuse";
+  world_.Load(scenario, Mode::kLockstep);
+  EXPECT_EQ(Ask("stop_all").text,
+            "robots that loaded controllers drive go on (1): pause, or release_robot ROBOT");
+}
+
 TEST_F(SimulationModuleTest, StatusNamesTheControllerThatOwnsARobot) {
   auto scenario = std::make_shared<Scenario>(*SmallScenario(2));
   scenario->robots[1].controller.name = "diffuse";
