@@ -30,6 +30,13 @@ inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetT
 // /simulation
 inline constexpr Id kGetStatus = 100, kRun = 101, kPause = 102, kStep = 103, kReset = 104, kSetMode = 105,
                     kSetStep = 106, kSetSpeed = 107, kLoadScenario = 108, kQuit = 109, kStopAll = 190,
-                    kSetParticipants = 191, kReload = 192, kReleaseRobot = 193;
+                    kSetParticipants = 191, kReload = 192, kReleaseRobot = 193, kSaveState = 194,
+                    kRestoreState = 195, kGetSaved = 196;
+// /recorder
+inline constexpr Id kGetRecording = 120, kStartRecording = 121, kStopRecording = 122, kNote = 123,
+                    kListRuns = 124;
+// /playback
+inline constexpr Id kGetPlayback = 130, kSeek = 131, kPlay = 132, kPausePlayback = 133, kSetPlaySpeed = 134,
+                    kSkip = 135, kSetLoop = 136, kBranch = 137;
 
 }  // namespace coopdyn::command

@@ -25,7 +25,7 @@ void CheckControllers(const Scenario& scenario, Diagnostics& diagnostics) {
 /// The first frame of `scenario`; null with diagnostics if its physics cannot be built.
 FramePtr FirstFrame(const std::shared_ptr<const Scenario>& scenario, Diagnostics& diagnostics) {
   auto frame = std::make_shared<Frame>();
-  frame->scene = MakeScene(scenario, 1);
+  frame->scene = MakeScene(scenario);
   frame->seed = scenario->simulation.seed;
   const auto world = PhysicsWorld::Build(frame->scene, frame->seed, diagnostics);
   CheckControllers(*scenario, diagnostics);

@@ -241,6 +241,25 @@ void ControllerHost::Unload(int robot) {
   ListItems();
 }
 
+std::vector<int> ControllerHost::Unloaded() const {
+  std::vector<int> robots;
+  for (const Driven& driven : driven_) {
+    if (driven.status == Status::kUnloaded && driven.robot >= 0) robots.push_back(driven.robot);
+  }
+  return robots;
+}
+
+void ControllerHost::Stop(int robot, const std::string& why) {
+  for (Driven& driven : driven_) {
+    if (driven.robot != robot || driven.status != Status::kDrives) continue;
+    if (set_) set_->Drop(driven.slot);
+    driven.status = Status::kStopped;
+    driven.why = why;
+    stopped_.push_back({driven.name, driven.why});
+  }
+  ListItems();
+}
+
 std::vector<StoppedController> ControllerHost::TakeStopped() {
   return std::exchange(stopped_, {});
 }

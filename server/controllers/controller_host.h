@@ -36,13 +36,12 @@ class ControllerHost final : public ControllerDriver {
   PhaseTimes times() const override { return times_; }
   double child_cpu_s() const override;
 
-  /// All that decides what the controllers do from here on, as bytes: which drive, which are stopped and why,
-  /// and what each has saved.
-  std::vector<std::byte> Save() const;
-  /// Instead of Configure(): the controllers of the scene of `frame` as they were when Save() gave `saved`
-  /// after the step that made `frame`. False, with all controllers at their start, if `saved` does not belong
-  /// to this scene. One whose state has another size by now is stopped.
-  bool Restore(const FramePtr& frame, std::span<const std::byte> saved);
+  /// Which drive, which are stopped and why, and what each has saved.
+  std::vector<std::byte> Save() const override;
+  /// A controller whose state has another size by now is stopped.
+  bool Restore(const FramePtr& frame, std::span<const std::byte> saved) override;
+  std::vector<int> Unloaded() const override;
+  void Stop(int robot, const std::string& why) override;
 
   /// The daemon ends: from now on nobody waits long for a controller that hangs. Any thread.
   void Interrupt() { interrupted_ = true; }

@@ -12,11 +12,11 @@ namespace coopdyn {
 namespace {
 
 bool SameStep(const Frame& a, const Frame& b) {
-  return a.scene->epoch == b.scene->epoch && a.step == b.step;
+  return a.epoch == b.epoch && a.step == b.step;
 }
 
 bool IsLater(const Frame& a, const Frame& b) {
-  return a.scene->epoch != b.scene->epoch ? a.scene->epoch > b.scene->epoch && a.step > 0 : a.step > b.step;
+  return a.epoch != b.epoch ? a.epoch > b.epoch && a.step > 0 : a.step > b.step;
 }
 
 }  // namespace

@@ -83,6 +83,14 @@ struct SwarmEntry {
   SourceLine where;
 };
 
+/// A file that a scenario names, as it was read: with these a recording carries its world.
+struct SourceText {
+  std::string kind;  // world, robot
+  std::string name;  // as it was asked for: the file's name, the robot's type
+  std::string file;  // as found; for messages
+  std::string text;
+};
+
 struct Scenario {
   std::string name;                  // file name without folder and extension; "(text)" if it came by socket
   std::string file;                  // as found; empty if it came by socket
@@ -94,6 +102,7 @@ struct Scenario {
   std::vector<RobotEntry> robots;
   std::vector<SwarmEntry> swarms;  // in file order
   SimulationOptions simulation;
+  std::vector<SourceText> sources;  // all but `text`, each once
 };
 
 }  // namespace coopdyn

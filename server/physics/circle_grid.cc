@@ -78,7 +78,8 @@ void CircleGrid::FindPairs(std::span<const Circle> circles, std::vector<Pair>& p
   for (int row = 0; row < rows_; ++row) {
     const int next_row = ((row + 1) & (rows_ - 1)) * columns_;
     for (int column = 0; column < columns_; ++column) {
-      const std::size_t cell = static_cast<std::size_t>(row * columns_ + column);
+      const std::size_t cell = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                               static_cast<std::size_t>(column);
       const std::uint32_t first = starts_[cell], end = starts_[cell + 1];
       if (first == end) continue;
       const int right = (column + 1) & (columns_ - 1), left = (column - 1) & (columns_ - 1);

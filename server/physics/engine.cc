@@ -27,7 +27,7 @@ void Engine::ForAll(std::size_t count, const Work& work) {
 
 Engine::Engine(const Scene& scene, std::uint64_t solver_seed, WorkerPool* pool)
     : scene_(scene), pool_(pool), things_(MakeThings(scene)), broad_phase_(things_) {
-  state_.solver_seed = solver_seed & 0xffffffff;  // ODE's generator has 32 bits
+  SetSolverSeed(solver_seed);
   state_.robots.resize(scene.robots.size());
   state_.bodies = things_.start;
   setpoints_.resize(scene.robots.size());
@@ -182,6 +182,10 @@ void Engine::Hold(std::uint32_t owner, std::uint64_t counter) {
     body.w_WB.setZero();
     body.sleep_counter = counter;
   }
+}
+
+void Engine::SetSolverSeed(std::uint64_t seed) {
+  state_.solver_seed = seed & 0xffffffff;  // ODE's generator has 32 bits
 }
 
 void Engine::Restore(const Frame& frame) {

@@ -37,6 +37,7 @@ class Engine {
 
   void Step(Nanoseconds step, int substeps, std::span<const std::array<double, 2>> setpoints);
   void Restore(const Frame& frame);
+  void SetSolverSeed(std::uint64_t seed);
   std::vector<FrozenBody>& frozen() { return frozen_; }
 
  private:

@@ -25,16 +25,34 @@ Stepper::Stepper(Boards boards, const Clock& clock, Logger logger, RunOptions op
 
 bool Stepper::Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagnostics) {
   baton_.Take();
-  seed_ = options_.seed.value_or(scenario->simulation.seed);
-  auto scene = MakeScene(scenario, 1);
-  auto world = BuildWorld(scene, seed_, diagnostics);
-  const bool built = world != nullptr;
+  const std::uint64_t seed = options_.seed.value_or(scenario->simulation.seed);
+  auto simulation = BuildSimulation(MakeScene(scenario), seed, diagnostics);
+  const bool built = simulation != nullptr;
   if (built) {
+    simulation_ = std::move(simulation);
     paused_ = options_.paused;
     mode_ = options_.mode.value_or(scenario->simulation.mode.value_or(Mode::kRealtime));
     if (options_.speed) speeds_[static_cast<std::size_t>(mode_)] = options_.speed;
     TakeOptions(scenario->simulation);
-    Install(std::move(world), std::move(scene), StepEnd::kLoad);
+    simulation_->StartControllers();
+    Install(StepEnd::kLoad);
+  }
+  baton_.Pass();
+  return built;
+}
+
+bool Stepper::StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) {
+  baton_.Take();
+  auto simulation = BuildSimulation(state->frame->scene, state->frame->seed, diagnostics);
+  const bool built = simulation != nullptr;
+  if (built) {
+    simulation_ = std::move(simulation);
+    paused_ = options_.paused || state->paused;
+    mode_ = options_.mode.value_or(state->mode);
+    if (options_.speed) speeds_[static_cast<std::size_t>(mode_)] = options_.speed;
+    TakeOptions(state->frame->scene->scenario->simulation);
+    if (!options_.step) step_length_ = state->frame->step_length;
+    InstallState(*state, StepEnd::kLoad);
   }
   baton_.Pass();
   return built;
@@ -88,9 +106,9 @@ Nanoseconds Stepper::StepIfDue(Nanoseconds now) {
   if (!may_step()) return kNever;
   if (mode_ == Mode::kLockstep && !boards_.commands.AllReady()) {
     for (const FiredDeadline& fired : boards_.commands.FireDeadlines(now)) {
-      const char* what = fired.policy == LossPolicy::kHold   ? "its set-points are held"
-                         : fired.policy == LossPolicy::kStop ? "it is stopped"
-                                                             : "it is dropped";
+      const bool hold = fired.policy == LossPolicy::kHold, stop = fired.policy == LossPolicy::kStop;
+      const char* what = hold ? "its set-points are held" : stop ? "it is stopped" : "it is dropped";
+      WriteInput(frame().step, "deadline", fired.robot + (hold ? " hold" : stop ? " stop" : " drop"));
       AddEvent("warning", fired.robot + " missed its deadline: " + what + " until its next command");
     }
     if (!boards_.commands.AllReady()) return boards_.commands.NextDeadline();
@@ -109,30 +127,29 @@ Nanoseconds Stepper::StepIfDue(Nanoseconds now) {
 }
 
 void Stepper::StepNow(Nanoseconds now) {
-  const std::span<const Setpoint> setpoints = TakeSetpoints();
-  const int substeps = std::max(DefaultSubsteps(step_length_), substeps_.value_or(1));
-  const Nanoseconds began = clock_.Now();
-  world_->Step(step_length_, substeps, setpoints);
-  const Nanoseconds stepped = clock_.Now();
-  ++step_;
-  time_ += step_length_;
+  const std::uint64_t before = frame().step;
+  StepInputs inputs;
+  inputs.setpoints = boards_.commands.Latch(before + 1);
+  inputs.messages = boards_.commands.LatchedMessages();
+  inputs.commanded = boards_.commands.LatchedCommands();
+  const FramePtr frame = simulation_->Step(step_length_, inputs);
   if (allowed_steps_ > 0) --allowed_steps_;
-  std::shared_ptr<Frame> frame = MakeFrame();
-  for (std::size_t i = 0; i < setpoints.size(); ++i) frame->robots[i].setpoint_rad_s = setpoints[i];
-  frame->messages = messages_;
   boards_.frames.Publish(frame);
-  times_.physics += stepped - began;
-  times_.publish += clock_.Now() - stepped;
-  if (has_controllers_) NoteStoppedControllers();
-  for (const FrozenBody& frozen : world_->TakeFrozen()) {
+  if (simulation_->has_controllers()) NoteStoppedControllers(before);
+  for (const FrozenBody& frozen : simulation_->TakeFrozen()) {
     status_.frozen.push_back(frozen.name);
     AddEvent("error", frozen.name + " exploded (" + frozen.why + ") and is frozen where it was last sane");
   }
   NoteFloorLeft(*frame);
-  rate_.Note(now, time_);
-  if (duration_ && time_ >= *duration_) {
+  rate_.Note(now, frame->time);
+  if (duration_ && frame->time >= *duration_) {
     ended_ = true;
     AddEvent("info", "the run has reached its duration");
+  }
+  if (journal_ != nullptr) {
+    const bool keyframe = journal_->WantsKeyframe(frame->step);
+    journal_->Step(frame, mode_, keyframe,
+                   keyframe ? simulation_->Save().controllers : std::vector<std::byte>());
   }
   boards_.commands.FinishStep(frame, now);
   if (ended_) {
@@ -141,55 +158,45 @@ void Stepper::StepNow(Nanoseconds now) {
   }
 }
 
-std::span<const Setpoint> Stepper::TakeSetpoints() {
-  const std::span<Setpoint> setpoints = boards_.commands.Latch(step_ + 1);
-  const std::uint64_t oldest = step_ + 1 - std::min(step_ + 1, message_steps_);
-  std::erase_if(messages_, [oldest](const SentMessage& sent) { return sent.step < oldest; });
-  const auto first = static_cast<std::ptrdiff_t>(messages_.size());
-  const std::span<const SentMessage> sent = boards_.commands.LatchedMessages();
-  messages_.insert(messages_.end(), sent.begin(), sent.end());
-  if (!has_controllers_) return setpoints;
-  helpers_.controllers->Step(boards_.frames.Latest(), setpoints, messages_);
-  std::stable_sort(messages_.begin() + first, messages_.end(),
-                   [](const SentMessage& a, const SentMessage& b) { return a.robot < b.robot; });
-  return setpoints;
-}
-
-void Stepper::NoteStoppedControllers() {
+void Stepper::NoteStoppedControllers(std::uint64_t step) {
+  if (helpers_.controllers == nullptr) return;
+  const Scene& scene = simulation_->scene();
   for (const StoppedController& stopped : helpers_.controllers->TakeStopped()) {
     AddEvent("error", stopped.robot + " stands: " + stopped.why);
-    const int robot = scene_->FindRobot(stopped.robot);
+    WriteInput(step, "controller_stopped", stopped.robot + " " + stopped.why);
+    const int robot = scene.FindRobot(stopped.robot);
     if (robot < 0) continue;
-    const std::string& name = scene_->robots[static_cast<std::size_t>(robot)].entry.controller.name;
+    const std::string& name = scene.robots[static_cast<std::size_t>(robot)].entry.controller.name;
     boards_.commands.SetDriven(static_cast<std::size_t>(robot), name + " (stopped)", clock_.Now());
   }
 }
 
-std::shared_ptr<Frame> Stepper::MakeFrame() {
-  std::shared_ptr<Frame> frame = frames_.Take();
-  frame->step = step_;
-  frame->time = time_;
-  frame->step_length = step_length_;
-  frame->seed = seed_;
-  frame->scene = scene_;
-  world_->Fill(*frame);
-  return frame;
+std::vector<bool> Stepper::OffFloor(const Frame& frame) const {
+  const Scene& scene = simulation_->scene();
+  const double half_length = scene.floor.length_m / 2;
+  const double half_width = scene.floor.width_m / 2;
+  std::vector<bool> off(scene.robots.size());
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    const Vector3& p = frame.bodies[static_cast<std::size_t>(scene.robots[i].first_body)].p_WB;
+    off[i] = std::abs(p.x()) > half_length || std::abs(p.y()) > half_width;
+  }
+  return off;
 }
 
 void Stepper::NoteFloorLeft(const Frame& frame) {
-  const double half_length = scene_->floor.length_m / 2;
-  const double half_width = scene_->floor.width_m / 2;
-  for (std::size_t i = 0; i < chassis_.size(); ++i) {
-    const Vector3& p = frame.bodies[chassis_[i]].p_WB;
-    const bool off = std::abs(p.x()) > half_length || std::abs(p.y()) > half_width;
-    if (off && !off_floor_[i]) AddEvent("warning", scene_->robots[i].entry.name + " has left the floor");
-    off_floor_[i] = off;
+  std::vector<bool> off = OffFloor(frame);
+  if (off == off_floor_) return;
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    if (off[i] && !off_floor_[i]) {
+      AddEvent("warning", simulation_->scene().robots[i].entry.name + " has left the floor");
+    }
   }
+  off_floor_ = std::move(off);
 }
 
 PhaseTimes Stepper::phase_times() {
   baton_.Take();
-  PhaseTimes times = times_;
+  PhaseTimes times = simulation_ != nullptr ? simulation_->times() : PhaseTimes();
   baton_.Pass();
   if (helpers_.controllers != nullptr) {
     const PhaseTimes outside = helpers_.controllers->times();
@@ -217,16 +224,28 @@ void Stepper::PublishStatus(Nanoseconds now, bool always) {
   status_.step_length = step_length_;
   status_.speed = speed();
   status_.state = ended_ ? RunState::kEnded : paused_ ? RunState::kPaused : RunState::kRunning;
-  status_.real_time_factor = rate_.Factor(now, time_);
+  status_.real_time_factor = rate_.Factor(now, simulation_ != nullptr ? frame().time : 0);
   boards_.control.SetStatus(status_);
 }
 
 void Stepper::AddEvent(const char* level, std::string text) {
+  const Frame& newest = frame();
   logger_->log(level == std::string_view("error")     ? spdlog::level::err
                : level == std::string_view("warning") ? spdlog::level::warn
                                                       : spdlog::level::info,
-               "step {}: {}", step_, text);
-  boards_.control.AddEvent({step_, ToSeconds(time_), level, std::move(text)});
+               "step {}: {}", newest.step, text);
+  Event event{newest.step, newest.time_s(), level, std::move(text)};
+  if (journal_ != nullptr) journal_->Note(event);
+  boards_.control.AddEvent(std::move(event));
+}
+
+void Stepper::WriteInput(std::uint64_t step, std::string action, std::string detail) {
+  if (journal_ != nullptr) journal_->Input({step, std::move(action), std::move(detail)});
+}
+
+std::uint64_t Stepper::NextEpoch() const {
+  const FramePtr newest = boards_.frames.Latest();
+  return newest == nullptr ? 1 : newest->epoch + 1;
 }
 
 }  // namespace coopdyn

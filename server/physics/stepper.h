@@ -17,15 +17,11 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/mutex.h"
-#include "server/base/worker_pool.h"
-#include "server/physics/world.h"
+#include "server/physics/simulation.h"
 #include "server/state/command_board.h"
-#include "server/state/controller_driver.h"
 #include "server/state/doorbell.h"
 #include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
-#include "server/state/frame_pool.h"
-#include "server/state/phase_times.h"
 #include "server/state/run_control.h"
 #include "server/timing/pacer.h"
 #include "server/timing/rate_meter.h"
@@ -53,12 +49,6 @@ struct RunOptions {
   bool paused = false;
 };
 
-/// What else takes part in a step; outlives the stepper.
-struct StepHelpers {
-  WorkerPool* pool = nullptr;               // null: everything on the stepping thread
-  ControllerDriver* controllers = nullptr;  // null: robots that ask for a controller are errors
-};
-
 class Stepper {
  public:
   struct Boards {
@@ -74,6 +64,8 @@ class Stepper {
   /// Builds the world of `scenario` and publishes frame 0. False, with errors, if it cannot be built. Before
   /// Run().
   bool Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagnostics) EXCLUDES(baton_);
+  /// Builds the world of `state`, goes on from there and publishes its frame. As Start() otherwise.
+  bool StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) EXCLUDES(baton_);
   /// The physics thread: steps until `stop` is requested (ring the bell after). Returns when nothing steps
   /// any more.
   void Run(std::stop_token stop) EXCLUDES(baton_);
@@ -98,30 +90,41 @@ class Stepper {
   EditResult Apply(const edit::SetParticipants&) REQUIRES(baton_);
   EditResult Apply(const edit::StopAll&) REQUIRES(baton_);
   EditResult Apply(const edit::UnloadController&) REQUIRES(baton_);
+  EditResult Apply(const edit::SetJournal&) REQUIRES(baton_);
+  EditResult Apply(const edit::Save&) REQUIRES(baton_);
+  EditResult Apply(const edit::Restore&) REQUIRES(baton_);
+  EditResult Apply(const edit::Seek&) REQUIRES(baton_);
+  EditResult Apply(const edit::Skip&) REQUIRES(baton_);
+  EditResult Apply(const edit::SetPlaySpeed&) REQUIRES(baton_);
+  EditResult Apply(const edit::SetLoop&) REQUIRES(baton_);
 
   void ApplyEdits() REQUIRES(baton_);
   /// Does what is due now and returns when to look again.
   Nanoseconds WorkOnce() EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
-  /// The set-points of the coming step, of clients and of loaded controllers; collects what is broadcast.
-  std::span<const Setpoint> TakeSetpoints() REQUIRES(baton_);
-  void NoteStoppedControllers() REQUIRES(baton_);
-  /// Builds the world of `scene`; null, with errors, if it or its controllers do not fit.
-  std::unique_ptr<PhysicsWorld> BuildWorld(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
-                                           Diagnostics& diagnostics) REQUIRES(baton_);
-  /// Puts a freshly built world in force and publishes its frame 0.
-  void Install(std::unique_ptr<PhysicsWorld> world, std::shared_ptr<const Scene> scene, StepEnd end)
-      REQUIRES(baton_);
-  std::shared_ptr<Frame> MakeFrame() REQUIRES(baton_);
-  /// Builds the world of `scenario` and puts it in force; what goes wrong is the text of the result.
-  EditResult Rebuild(std::shared_ptr<const Scenario> scenario, std::uint64_t seed, StepEnd end)
-      REQUIRES(baton_);
+  /// Takes note of controllers that have stopped in the step after frame `step`.
+  void NoteStoppedControllers(std::uint64_t step) REQUIRES(baton_);
+  std::unique_ptr<Simulation> BuildSimulation(std::shared_ptr<const Scene> scene, std::uint64_t seed,
+                                              Diagnostics& diagnostics) REQUIRES(baton_);
+  /// The simulation stands at a frame that does not follow from the one before: publishes it and begins anew
+  /// whatever goes by steps. Its controllers run already.
+  void Install(StepEnd end) REQUIRES(baton_);
+  /// Puts `state`, whose scene is that of the simulation, in force.
+  void InstallState(const SavedState& state, StepEnd end) REQUIRES(baton_);
+  SavedStatePtr SaveState() const REQUIRES(baton_);
+  std::uint64_t NextEpoch() const;
+  void WriteInput(std::uint64_t step, std::string action, std::string detail) REQUIRES(baton_);
   /// Takes mode, step, speed and duration of the scenario, as far as it says them and the command line does
   /// not.
   void TakeOptions(const SimulationOptions& said) REQUIRES(baton_);
+  std::vector<bool> OffFloor(const Frame& frame) const REQUIRES(baton_);
   void NoteFloorLeft(const Frame& frame) REQUIRES(baton_);
-  bool may_step() const REQUIRES(baton_) { return !ended_ && !stopping_ && (!paused_ || allowed_steps_ > 0); }
+  bool may_step() const REQUIRES(baton_) {
+    return simulation_ != nullptr && !ended_ && !stopping_ && (!paused_ || allowed_steps_ > 0);
+  }
+  /// The newest frame. @pre there is a simulation
+  const Frame& frame() const REQUIRES(baton_) { return *simulation_->frame(); }
   double speed() const REQUIRES(baton_);  // ≤ 0: no limit
   void RestartPace(Nanoseconds now) REQUIRES(baton_);
   /// Publishes how the run stands; unless `always`, at most each kStatusEvery.
@@ -136,14 +139,10 @@ class Stepper {
   std::function<void()> on_ended_;
 
   Baton baton_;
-  std::unique_ptr<PhysicsWorld> world_ GUARDED_BY(baton_);
-  std::shared_ptr<const Scene> scene_ GUARDED_BY(baton_);
-  std::uint64_t seed_ GUARDED_BY(baton_) = 1;
-  std::uint64_t step_ GUARDED_BY(baton_) = 0;
-  Nanoseconds time_ GUARDED_BY(baton_) = 0;
+  std::unique_ptr<Simulation> simulation_ GUARDED_BY(baton_);
+  RunJournal* journal_ GUARDED_BY(baton_) = nullptr;
   Mode mode_ GUARDED_BY(baton_) = Mode::kRealtime;
   Nanoseconds step_length_ GUARDED_BY(baton_) = kDefaultStep;
-  std::optional<int> substeps_ GUARDED_BY(baton_);
   std::array<std::optional<double>, 3> speeds_ GUARDED_BY(baton_);  // explicit, by mode
   bool paused_ GUARDED_BY(baton_) = false;
   std::int64_t allowed_steps_ GUARDED_BY(baton_) = 0;  // while paused
@@ -157,12 +156,6 @@ class Stepper {
   bool has_deadlines_ GUARDED_BY(baton_) = false;
   Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;  // until then the physics thread sleeps
   std::vector<bool> off_floor_ GUARDED_BY(baton_);     // by robot
-  FramePool frames_ GUARDED_BY(baton_);
-  PhaseTimes times_ GUARDED_BY(baton_);
-  bool has_controllers_ GUARDED_BY(baton_) = false;
-  std::vector<SentMessage> messages_ GUARDED_BY(baton_);  // that may still be heard
-  std::uint64_t message_steps_ GUARDED_BY(baton_) = 0;    // for so long
-  std::vector<std::size_t> chassis_ GUARDED_BY(baton_);   // first body of each robot
 };
 
 }  // namespace coopdyn

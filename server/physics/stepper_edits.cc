@@ -10,9 +10,60 @@ namespace coopdyn {
 
 namespace {
 
+constexpr const char* kNotPlaying = "nothing is being played: coopdyn play RUN plays a recording";
+
 EditResult Refusal(Error error, std::string text) {
-  return {error, std::move(text), nullptr};
+  return {error, std::move(text), nullptr, nullptr};
 }
+
+std::vector<std::string> FrozenNames(const Frame& frame) {
+  std::vector<std::string> names;
+  for (const SceneObject& object : frame.scene->objects) {
+    const bool dynamic = object.body >= 0;
+    if (dynamic && frame.bodies[static_cast<std::size_t>(object.body)].frozen())
+      names.push_back(object.object.name);
+  }
+  for (std::size_t i = 0; i < frame.robots.size(); ++i) {
+    if (frame.robots[i].frozen) names.push_back(frame.scene->robots[i].entry.name);
+  }
+  return names;
+}
+
+/// What an edit that changes the run leaves in a recording; nothing for those that begin it anew, and for
+/// those that change nothing.
+struct Written {
+  std::string action, detail;
+};
+
+struct Writer {
+  std::optional<Written> operator()(const edit::Run&) const { return Written{"run", ""}; }
+  std::optional<Written> operator()(const edit::Pause&) const { return Written{"pause", ""}; }
+  std::optional<Written> operator()(const edit::Step& step) const {
+    return Written{"step", std::to_string(step.steps)};
+  }
+  std::optional<Written> operator()(const edit::SetMode& set) const {
+    return Written{"set_mode", ToString(set.mode)};
+  }
+  std::optional<Written> operator()(const edit::SetStep& set) const {
+    return Written{"set_step", std::to_string(set.step / 1000) + " us"};
+  }
+  std::optional<Written> operator()(const edit::SetSpeed& set) const {
+    return Written{"set_speed", std::to_string(set.factor)};
+  }
+  std::optional<Written> operator()(const edit::SetParticipants& set) const {
+    std::string names;
+    for (const std::string& name : set.names) names += (names.empty() ? "" : " ") + name;
+    return Written{"set_participants", std::move(names)};
+  }
+  std::optional<Written> operator()(const edit::StopAll&) const { return Written{"stop_all", ""}; }
+  std::optional<Written> operator()(const edit::UnloadController& unload) const {
+    return Written{"release_robot", unload.robot};
+  }
+  template <typename Other>
+  std::optional<Written> operator()(const Other&) const {
+    return std::nullopt;
+  }
+};
 
 }  // namespace
 
@@ -21,6 +72,11 @@ void Stepper::ApplyEdits() {
     EditResult result =
         std::visit([this](const auto& action) REQUIRES(baton_) { return Apply(action); }, edit.action);
     result.frame = boards_.frames.Latest();
+    if (result.error == Error::kOk) {
+      if (std::optional<Written> written = std::visit(Writer{}, edit.action)) {
+        WriteInput(frame().step, std::move(written->action), std::move(written->detail));
+      }
+    }
     PublishStatus(clock_.Now(), true);
     const bool waits = std::holds_alternative<edit::Step>(edit.action) && result.error == Error::kOk;
     if (edit.done && !waits) edit.done(result);
@@ -52,46 +108,71 @@ EditResult Stepper::Apply(const edit::Step& step) {
 }
 
 EditResult Stepper::Apply(const edit::Reset& reset) {
-  return Rebuild(scene_->scenario, reset.seed.value_or(seed_), StepEnd::kReset);
-}
-
-EditResult Stepper::Apply(const edit::Load& load) {
-  const std::uint64_t seed = options_.seed.value_or(load.scenario->simulation.seed);
-  return Rebuild(load.scenario, seed, StepEnd::kLoad);
-}
-
-EditResult Stepper::Rebuild(std::shared_ptr<const Scenario> scenario, std::uint64_t seed, StepEnd end) {
-  Diagnostics diagnostics;
-  auto scene = MakeScene(scenario, scene_->epoch + 1);
-  auto world = BuildWorld(scene, seed, diagnostics);
-  if (world == nullptr) return Refusal(Error::kMalformed, diagnostics.ToString());
-  seed_ = seed;
-  if (end == StepEnd::kLoad) {
-    if (!options_.mode) mode_ = scenario->simulation.mode.value_or(mode_);
-    TakeOptions(scenario->simulation);
-  }
-  Install(std::move(world), std::move(scene), end);
+  simulation_->Restart(reset.seed.value_or(frame().seed), NextEpoch());
+  Install(StepEnd::kReset);
   return {};
 }
 
-std::unique_ptr<PhysicsWorld> Stepper::BuildWorld(const std::shared_ptr<const Scene>& scene,
-                                                  std::uint64_t seed, Diagnostics& diagnostics) {
-  const int errors = diagnostics.errors();
-  if (helpers_.controllers != nullptr) {
-    helpers_.controllers->Check(*scene->scenario, diagnostics);
-  } else {
-    for (const RobotEntry& robot : scene->scenario->robots) {
-      if (robot.controller.empty()) continue;
-      diagnostics.Error(robot.controller.where, "controllers are not loaded here: leave the line out");
-    }
+EditResult Stepper::Apply(const edit::Load& load) {
+  Diagnostics diagnostics;
+  const SimulationOptions& said = load.scenario->simulation;
+  auto simulation = BuildSimulation(MakeScene(load.scenario), options_.seed.value_or(said.seed), diagnostics);
+  if (simulation == nullptr) return Refusal(Error::kMalformed, diagnostics.ToString());
+  simulation_ = std::move(simulation);
+  if (!options_.mode) mode_ = said.mode.value_or(mode_);
+  TakeOptions(said);
+  simulation_->StartControllers();
+  Install(StepEnd::kLoad);
+  return {};
+}
+
+EditResult Stepper::Apply(const edit::Restore& restore) {
+  const SavedState& state = *restore.state;
+  const bool live = simulation_ != nullptr;
+  if (live && &simulation_->scene() == state.frame->scene.get()) {
+    InstallState(state, StepEnd::kReset);
+    return {};
   }
-  if (diagnostics.errors() > errors) return nullptr;
-  return PhysicsWorld::Build(scene, seed, diagnostics, helpers_.pool);
+  Diagnostics diagnostics;
+  auto simulation = BuildSimulation(state.frame->scene, state.frame->seed, diagnostics);
+  if (simulation == nullptr) return Refusal(Error::kMalformed, diagnostics.ToString());
+  simulation_ = std::move(simulation);
+  TakeOptions(state.frame->scene->scenario->simulation);
+  step_length_ = state.frame->step_length;
+  if (!live) {
+    mode_ = options_.mode.value_or(state.mode);
+    paused_ = state.paused;
+  }
+  InstallState(state, StepEnd::kLoad);
+  return {};
+}
+
+EditResult Stepper::Apply(const edit::Save&) {
+  EditResult result;
+  result.saved = SaveState();
+  return result;
+}
+
+SavedStatePtr Stepper::SaveState() const {
+  auto state = std::make_shared<SavedState>(simulation_->Save());
+  state->mode = mode_;
+  state->paused = paused_;
+  return state;
+}
+
+EditResult Stepper::Apply(const edit::SetJournal& set) {
+  journal_ = set.journal;
+  if (journal_ != nullptr) journal_->Begin(SaveState());
+  return {};
+}
+
+std::unique_ptr<Simulation> Stepper::BuildSimulation(std::shared_ptr<const Scene> scene, std::uint64_t seed,
+                                                     Diagnostics& diagnostics) {
+  return Simulation::Build(std::move(scene), seed, NextEpoch(), helpers_, clock_, diagnostics);
 }
 
 void Stepper::TakeOptions(const SimulationOptions& said) {
   if (const auto step = options_.step ? options_.step : said.step) step_length_ = *step;
-  substeps_ = said.substeps;
   std::optional<double>& given = speeds_[static_cast<std::size_t>(mode_)];
   if (said.speed && !options_.speed) given = said.speed;
   const std::optional<double> duration_s = options_.duration_s ? options_.duration_s : said.duration_s;
@@ -99,40 +180,36 @@ void Stepper::TakeOptions(const SimulationOptions& said) {
   if (duration_s) duration_ = std::llround(*duration_s * 1e9);
 }
 
-void Stepper::Install(std::unique_ptr<PhysicsWorld> world, std::shared_ptr<const Scene> scene, StepEnd end) {
-  world_ = std::move(world);
-  scene_ = std::move(scene);
-  step_ = 0;
-  time_ = 0;
+void Stepper::Install(StepEnd end) {
+  const Scene& scene = simulation_->scene();
   ended_ = false;
   allowed_steps_ = 0;
-  status_.frozen.clear();
-  off_floor_.assign(scene_->robots.size(), false);
-  chassis_.clear();
-  messages_.clear();
-  message_steps_ = 0;
-  has_deadlines_ = has_controllers_ = false;
-  for (const SceneRobot& robot : scene_->robots) {
-    chassis_.push_back(static_cast<std::size_t>(robot.first_body));
-    has_deadlines_ |= robot.entry.deadline_s.has_value();
-    has_controllers_ |= !robot.entry.controller.empty();
-    const NeighboursModel& neighbours = robot.entry.model->neighbours;
-    const bool hears = neighbours.message_range_m > 0;
-    if (hears) message_steps_ = std::max(message_steps_, static_cast<std::uint64_t>(neighbours.delay_steps));
-  }
+  status_.frozen = FrozenNames(frame());
+  off_floor_ = OffFloor(frame());
+  has_deadlines_ = std::any_of(scene.robots.begin(), scene.robots.end(),
+                               [](const SceneRobot& robot) { return robot.entry.deadline_s.has_value(); });
   const Nanoseconds now = clock_.Now();
-  const std::shared_ptr<Frame> frame = MakeFrame();
-  for (RobotState& robot : frame->robots) robot.setpoint_rad_s = {};
-  boards_.frames.Publish(frame);
+  boards_.frames.Publish(simulation_->frame());
   boards_.commands.SetMode(mode_, now);
-  boards_.commands.Configure(*scene_, end, frame, now);
-  if (helpers_.controllers != nullptr) {
-    helpers_.controllers->Configure(frame);
-    NoteStoppedControllers();
-  }
+  boards_.commands.Configure(scene, end, simulation_->frame(), now);
+  NoteStoppedControllers(frame().step);
+  if (journal_ != nullptr) journal_->Begin(SaveState());
   rate_.Reset();
   RestartPace(now);
   PublishStatus(now, true);
+}
+
+void Stepper::InstallState(const SavedState& state, StepEnd end) {
+  simulation_->Restore(state, NextEpoch());
+  if (duration_ && frame().time >= *duration_) duration_.reset();
+  Install(end);
+  const Nanoseconds now = clock_.Now();
+  if (helpers_.controllers != nullptr) {
+    for (const int robot : helpers_.controllers->Unloaded()) {
+      boards_.commands.SetDriven(static_cast<std::size_t>(robot), "", now);
+    }
+  }
+  boards_.commands.SetInForce(frame().robots);
 }
 
 EditResult Stepper::Apply(const edit::SetMode& set) {
@@ -159,7 +236,7 @@ EditResult Stepper::Apply(const edit::SetSpeed& set) {
 
 EditResult Stepper::Apply(const edit::SetParticipants& set) {
   const Verdict verdict = boards_.commands.SetParticipants(set.names, clock_.Now());
-  return {verdict.error, verdict.text, nullptr};
+  return {verdict.error, verdict.text, nullptr, nullptr};
 }
 
 EditResult Stepper::Apply(const edit::StopAll&) {
@@ -168,11 +245,27 @@ EditResult Stepper::Apply(const edit::StopAll&) {
 }
 
 EditResult Stepper::Apply(const edit::UnloadController& unload) {
-  const int robot = scene_->FindRobot(unload.robot);
+  const int robot = simulation_->scene().FindRobot(unload.robot);
   if (robot < 0) return Refusal(Error::kNoSuchName, "there is no robot " + unload.robot);
   if (helpers_.controllers != nullptr) helpers_.controllers->Unload(robot);
   boards_.commands.SetDriven(static_cast<std::size_t>(robot), "", clock_.Now());
   return {};
+}
+
+EditResult Stepper::Apply(const edit::Seek&) {
+  return Refusal(Error::kNotPossible, kNotPlaying);
+}
+
+EditResult Stepper::Apply(const edit::Skip&) {
+  return Refusal(Error::kNotPossible, kNotPlaying);
+}
+
+EditResult Stepper::Apply(const edit::SetPlaySpeed&) {
+  return Refusal(Error::kNotPossible, kNotPlaying);
+}
+
+EditResult Stepper::Apply(const edit::SetLoop&) {
+  return Refusal(Error::kNotPossible, kNotPlaying);
 }
 
 }  // namespace coopdyn

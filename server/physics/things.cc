@@ -18,10 +18,8 @@ BodyState StateAt(const Pose& X_WB) {
   const Quaternion q = X_WB.q.normalized();
   state.q_WB = {q.w(), q.x(), q.y(), q.z()};
   const Matrix3 R = q.toRotationMatrix();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      state.R_WB[static_cast<std::size_t>(3 * row + column)] = R(row, column);
-    }
+  for (std::size_t i = 0; i < 9; ++i) {
+    state.R_WB[i] = R(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3));
   }
   return state;
 }

@@ -49,6 +49,12 @@ void PhysicsWorld::Restore(const Frame& frame) {
   impl_->engine.Restore(frame);
 }
 
+void PhysicsWorld::Restart(const Frame& start, std::uint64_t seed) {
+  Restore(start);
+  impl_->engine.SetSolverSeed(seed);
+  impl_->engine.frozen().clear();
+}
+
 std::vector<FrozenBody> PhysicsWorld::TakeFrozen() {
   return std::exchange(impl_->engine.frozen(), {});
 }

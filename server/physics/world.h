@@ -40,6 +40,8 @@ class PhysicsWorld {
   /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits. Whoever
   /// changes poses in it sets the sleep counters of what may be affected to 0: sleepers look at nothing.
   void Restore(const Frame& frame);
+  /// The exact state of `start`, frame 0 of this world, with the solver's seed of `seed`: as a fresh Build().
+  void Restart(const Frame& start, std::uint64_t seed);
   /// Bodies frozen since the last call.
   std::vector<FrozenBody> TakeFrozen();
 

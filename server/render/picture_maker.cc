@@ -55,7 +55,7 @@ bool PictureMaker::Start() {
 ImageResult PictureMaker::Make(const Frame& frame, const ImageRequest& request) {
   ImageRequest key = request;
   key.paced = false;
-  const FrameName name{frame.scene->epoch, frame.step, frame.revision};
+  const FrameName name{frame.epoch, frame.step, frame.revision};
   if (name != kept_frame_) kept_.clear();
   kept_frame_ = name;
   for (const Kept& kept : kept_) {

@@ -22,6 +22,10 @@ const JointModel* JointOf(const RobotModel& model, int link) {
   return found == model.joints.end() ? nullptr : &*found;
 }
 
+const BodyState& BodyOfLink(const Frame& frame, const SceneRobot& robot, int link) {
+  return frame.bodies[static_cast<std::size_t>(robot.first_body) + static_cast<std::size_t>(link)];
+}
+
 double Across(const Vector3& v) {
   return std::sqrt(v.x() * v.x() + v.y() * v.y());
 }
@@ -124,7 +128,7 @@ Extent RobotHull::Bounds(const Frame& frame, int robot, const Pose& X_WR) const 
   Extent bounds = chassis_.empty() ? Extent{} : chassis_.Upright(X_WR.p.z(), tilt);
   for (const Part& part : parts_) {
     if (part.link == 0) continue;
-    const Vector3& p_WB = frame.bodies[static_cast<std::size_t>(scene_robot.first_body + part.link)].p_WB;
+    const Vector3& p_WB = BodyOfLink(frame, scene_robot, part.link).p_WB;
     bounds.Include(Across(p_WB - X_WR.p) + part.body_radius_m, p_WB.z() - part.body_radius_m,
                    p_WB.z() + part.body_radius_m);
   }
@@ -165,7 +169,7 @@ void RobotHull::CastParts(const Frame& frame, int robot, const Pose& X_WR, const
     if (part.hidden && between_ends && in_place) continue;
     const Vector3 center_W =
         in_place ? X_WR * part.p_RC
-                 : frame.bodies[static_cast<std::size_t>(scene_robot.first_body + part.link)].p_WB;
+                 : BodyOfLink(frame, scene_robot, part.link).p_WB;
     if (!MayMeet(ray_W, center_W, in_place ? part.radius_m : part.body_radius_m, nearest_m)) continue;
     const Pose X_WG = part.link == 0 ? X_WR * part.X_RG : LinkPose(frame, robot, part.link) * part.X_LG;
     const Matrix3 R_GW = X_WG.q.toRotationMatrix().transpose();

@@ -50,6 +50,7 @@ void CommandBoard::Completions::Call() const {
 
 std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& client) const {
   if (stopping_) return Refusal(Error::kNotPossible, "the daemon is stopping");
+  if (playing_) return Refusal(Error::kNotPossible, kPlayingText);
   const Drive& drive = drives_[index];
   const std::string& robot = slots_[index].robot;
   if (drive.driven) {
@@ -218,6 +219,7 @@ Verdict CommandBoard::Command(SlotId slot, const Client& client, const Setpoint&
 }
 
 Verdict CommandBoard::Ready(SlotId slot, const Client& client, int steps, StepDone done) {
+  if (WaitInPlayback(steps, done)) return {Error::kOk, {}, false, Mode::kRealtime, 0};
   return Place(slot, client, nullptr, steps, std::move(done));
 }
 
@@ -290,6 +292,7 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
   const std::size_t index = Find(id);
   if (index == kNoSlot) return Gone();
   if (stopping_) return Refusal(Error::kNotPossible, "the daemon is stopping");
+  if (playing_) return Refusal(Error::kNotPossible, kPlayingText);
   Slot& slot = slots_[index];
   if (drives_[index].driven) {
     return Refusal(Error::kOwned, slot.robot + " is owned by " + Who(index) + ", which sends for it: " +
@@ -310,6 +313,13 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
 
 // --- waiting, watching
 // --------------------------------------------------------------------------------------
+
+bool CommandBoard::WaitInPlayback(int steps, StepDone& done) {
+  const MutexLock lock(mutex_);
+  if (!playing_ || stopping_) return false;
+  waiters_.push_back({0, 0, steps, false, std::move(done)});
+  return true;
+}
 
 void CommandBoard::WaitSteps(int steps, StepDone done) {
   {

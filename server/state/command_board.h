@@ -22,6 +22,9 @@
 
 namespace coopdyn {
 
+/// What nobody may do while a recording is played is answered with this.
+inline constexpr const char* kPlayingText = "playing a recording: branch of /playback goes on live from here";
+
 /// Names an actuator module for the life of the daemon (kept over reset, and over a load that keeps the
 /// robot). 0: none.
 using SlotId = std::uint32_t;
@@ -167,6 +170,11 @@ class CommandBoard {
   Mode mode() const;
   /// Names of the robots to wait for; empty: as in the scenario. Unknown names: error 10, nothing changes.
   Verdict SetParticipants(std::span<const std::string> names, Nanoseconds now);
+  /// Set-points to go on from, by the scene's order; after the Configure() of a restore.
+  void SetInForce(std::span<const RobotState> robots);
+  /// While a recording is played nobody drives: commands, claims and broadcasts get error 5, `ready` is
+  /// answered after the next frame shown.
+  void SetPlaying(bool playing);
   /// Zeroes set-points and replaces commands that have not run.
   /// Also drops broadcasts that wait.
   void StopAll();
@@ -178,6 +186,8 @@ class CommandBoard {
   /// Takes the pending set-points in force for step number `step`, which is to run now; the result is by the
   /// scene's robot order, valid until Configure(). What is written into it is for this step only.
   std::span<Setpoint> Latch(std::uint64_t step);
+  /// By the scene's order: 1 if a client's command came in force with the step latched last.
+  std::span<const std::uint8_t> LatchedCommands() const { return latched_commands_; }
   /// The broadcasts of the step latched last, by increasing robot; valid until the next Latch().
   std::span<const SentMessage> LatchedMessages() const { return latched_messages_; }
   /// After the step: answers whom it ends the wait of. Observers first. Calls the callbacks.
@@ -283,12 +293,15 @@ class CommandBoard {
   void ClearMessages() REQUIRES(mutex_);
   void NoteTeams() { team_revision_.fetch_add(1, std::memory_order_release); }
   Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}}; }
+  /// True, and `done` is taken, if a recording is played: it is answered after so many frames.
+  bool WaitInPlayback(int steps, StepDone& done) EXCLUDES(mutex_);
   Verdict Fine() const REQUIRES(mutex_) { return {Error::kOk, {}, true, mode_, 0}; }
 
   mutable Mutex mutex_;
   std::vector<Drive> drives_ GUARDED_BY(mutex_);          // the scene's robots in order
   std::vector<Slot> slots_ GUARDED_BY(mutex_);            // likewise
   std::vector<Setpoint> latched_;                         // stepping thread only
+  std::vector<std::uint8_t> latched_commands_;            // stepping thread only
   std::vector<SentMessage> latched_messages_;             // stepping thread only
   std::vector<SentMessage> messages_ GUARDED_BY(mutex_);  // for the next step, in order of arrival
   std::vector<Waiter> waiters_ GUARDED_BY(mutex_);
@@ -304,6 +317,7 @@ class CommandBoard {
   std::uint64_t next_observer_ GUARDED_BY(mutex_) = 1;
   std::uint64_t next_batch_ GUARDED_BY(mutex_) = 1;
   bool stopping_ GUARDED_BY(mutex_) = false;
+  bool playing_ GUARDED_BY(mutex_) = false;
   FramePtr last_frame_ GUARDED_BY(mutex_);
   std::atomic<std::uint64_t> team_revision_{1};
   std::atomic<std::uint64_t> layout_revision_{1};

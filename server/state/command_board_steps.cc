@@ -88,6 +88,7 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
     slot_index_.assign(next_slot_, kNoSlot);
     for (std::size_t i = 0; i < slots_.size(); ++i) slot_index_[slots_[i].id] = i;
     latched_.assign(slots_.size(), Setpoint{});
+    latched_commands_.assign(slots_.size(), 0);
     latched_messages_.clear();
     waiting_since_ = now;
     CountAwaited();
@@ -158,6 +159,18 @@ void CommandBoard::SetDriven(std::size_t robot, const std::string& name, Nanosec
   completions.Call();
 }
 
+void CommandBoard::SetInForce(std::span<const RobotState> robots) {
+  const MutexLock lock(mutex_);
+  for (std::size_t i = 0; i < drives_.size() && i < robots.size(); ++i) {
+    drives_[i].in_force = robots[i].setpoint_rad_s;
+  }
+}
+
+void CommandBoard::SetPlaying(bool playing) {
+  const MutexLock lock(mutex_);
+  playing_ = playing;
+}
+
 void CommandBoard::StopAll() {
   const MutexLock lock(mutex_);
   for (Drive& drive : drives_) {
@@ -178,6 +191,7 @@ std::span<Setpoint> CommandBoard::Latch(std::uint64_t step) {
   const MutexLock lock(mutex_);
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     Drive& drive = drives_[i];
+    latched_commands_[i] = static_cast<std::uint8_t>(drive.pending && drive.has_setpoint && !drive.latched);
     if (drive.pending) {
       if (drive.has_setpoint) drive.in_force = drive.commanded;
       drive.latched = true;

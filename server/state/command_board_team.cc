@@ -8,6 +8,9 @@
 namespace coopdyn {
 
 Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int steps, StepDone done) {
+  if (step.setpoints.empty() && WaitInPlayback(steps, done)) {
+    return {Error::kOk, {}, false, Mode::kRealtime, 0};
+  }
   Completions completions;
   Verdict verdict;
   bool became_ready = false;
@@ -16,7 +19,7 @@ Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int st
     for (const SlotId id : step.slots) {
       const std::size_t index = Find(id);
       if (index == kNoSlot) return Gone();
-      if (drives_[index].owner == client.id && !stopping_) continue;
+      if (drives_[index].owner == client.id && !stopping_ && !playing_) continue;
       if (std::optional<Verdict> objection = TeamObjection(index, client)) return *std::move(objection);
     }
     completions = MakeCompletions();

@@ -3,6 +3,7 @@
 // calls by the holder of the step baton.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -37,6 +38,16 @@ class ControllerDriver {
   /// are by the scene's order.
   virtual void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
                     std::vector<SentMessage>& messages) = 0;
+  /// All that decides what the controllers do from here on, as bytes.
+  virtual std::vector<std::byte> Save() const = 0;
+  /// Instead of Configure(): the controllers of the scene of `frame` as they were when Save() gave `saved`
+  /// after the step that made `frame`; those that were stopped are among the next TakeStopped(). False, with
+  /// all controllers at their start, if `saved` does not belong to this scene.
+  virtual bool Restore(const FramePtr& frame, std::span<const std::byte> saved) = 0;
+  /// Robots (indices into the scene) whose controller has been taken away.
+  virtual std::vector<int> Unloaded() const = 0;
+  /// The robot stands from now on, for the reason `why`, as it did in the run that is being repeated.
+  virtual void Stop(int robot, const std::string& why) = 0;
   /// The robot's controller is taken away (`release_robot`): from now on it is driven by clients.
   virtual void Unload(int robot) = 0;
   /// Controllers stopped since the last call.

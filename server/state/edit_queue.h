@@ -15,6 +15,8 @@
 #include "server/base/mutex.h"
 #include "server/state/command_board.h"
 #include "server/state/doorbell.h"
+#include "server/state/run_journal.h"
+#include "server/state/saved_state.h"
 
 namespace coopdyn {
 
@@ -48,20 +50,47 @@ struct SetParticipants {
   std::vector<std::string> names;
 };
 struct StopAll {};
+/// From now on every step goes to `journal`, whose Begin() is called with this edit; null: to none. A journal
+/// outlives the edit that takes it away.
+struct SetJournal {
+  RunJournal* journal = nullptr;
+};
+/// The result has all that decides how the run goes on from here.
+struct Save {};
+/// Goes on from `state`, also if another scenario was in force; ends a playback.
+struct Restore {
+  SavedStatePtr state;
+};
+/// Playback: shows the step at or before `time`; the nearest end if it lies outside.
+struct Seek {
+  Nanoseconds time = 0;
+};
+/// Playback: stands, so many recorded steps on (below 0: back).
+struct Skip {
+  int steps = 1;
+};
+struct SetPlaySpeed {
+  double factor = 1;  // −4…64, not 0
+};
+struct SetLoop {
+  bool loop = false;
+};
 /// Takes the loaded controller of `robot` away; clients may drive it from then on.
 struct UnloadController {
   std::string robot;
 };
 }  // namespace edit
 
-using EditAction =
-    std::variant<edit::Run, edit::Pause, edit::Step, edit::Reset, edit::Load, edit::SetMode, edit::SetStep,
-                 edit::SetSpeed, edit::SetParticipants, edit::StopAll, edit::UnloadController>;
+using EditAction = std::variant<edit::Run, edit::Pause, edit::Step, edit::Reset, edit::Load, edit::SetMode,
+                                edit::SetStep, edit::SetSpeed, edit::SetParticipants, edit::StopAll,
+                                edit::UnloadController, edit::SetJournal, edit::Save, edit::Restore,
+                                edit::Seek, edit::Skip, edit::SetPlaySpeed, edit::SetLoop>;
 
 struct EditResult {
   Error error = Error::kOk;
   std::string text;
-  FramePtr frame;  // the newest after the edit
+  FramePtr frame;                 // the newest after the edit
+  SavedStatePtr saved = nullptr;  // of Save
 };
 
 struct Edit {

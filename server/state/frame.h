@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct RobotState {
   std::array<double, 2> wheel_speed_rad_s{};  // as turned in the last step
   std::array<double, 2> setpoint_rad_s{};     // latched for the step that made this frame, after scaling
   bool frozen = false;                        // its body exploded and is held where it was last sane
+  bool commanded = false;                     // a client's command came in force with this step
 };
 
 /// What a robot broadcasts in one step: up to 8 numbers. count 0: nothing.
@@ -57,6 +59,8 @@ struct FrameCache {
 };
 
 struct Frame {
+  /// Grows with each load, reset and restore, and whenever playback jumps: steps grow within one.
+  std::uint64_t epoch = 0;
   std::uint64_t step = 0;
   std::uint64_t revision = 0;  // grows with edits at rest, 0 again at each new step
   Nanoseconds time = 0;        // simulated
@@ -68,6 +72,8 @@ struct Frame {
   std::vector<RobotState> robots;  // as scene->robots
   /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
   std::vector<SentMessage> messages;
+  /// In playback: the hash of the state that was recorded, of which these poses are roundings.
+  std::optional<std::uint64_t> recorded_hash;
 
   /// No message is delayed by more steps than this.
   static constexpr std::uint64_t kMessageSteps = 100;
@@ -81,7 +87,7 @@ struct Frame {
 
 using FramePtr = std::shared_ptr<const Frame>;
 
-/// The state hash of DESIGN §4.10: XXH3-64.
+/// The state hash of DESIGN §4.10: XXH3-64; of a frame of a recording the recorded one.
 std::uint64_t StateHash(const Frame& frame);
 /// 16 lower-case hex digits.
 std::string HashText(std::uint64_t hash);

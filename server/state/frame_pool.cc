@@ -34,8 +34,8 @@ class FramePool::Store {
   }
 
  private:
-  // The newest frame, the one in the making, and a reader's or two.
-  static constexpr std::size_t kMost = 4;
+  // The newest frame, the one in the making, a reader's or two, and those that wait to be recorded.
+  static constexpr std::size_t kMost = 16;
 
   Mutex mutex_;
   std::vector<Buffers> free_ GUARDED_BY(mutex_);

@@ -31,6 +31,16 @@ RunStatus RunControl::status() const {
   return status_;
 }
 
+void RunControl::SetPlayback(std::optional<PlaybackStatus> status) {
+  const MutexLock lock(mutex_);
+  playback_ = std::move(status);
+}
+
+std::optional<PlaybackStatus> RunControl::playback() const {
+  const MutexLock lock(mutex_);
+  return playback_;
+}
+
 void RunControl::AddEvent(Event event) {
   const MutexLock lock(mutex_);
   events_.push_back(std::move(event));

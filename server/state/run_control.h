@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,18 +35,35 @@ struct Event {
   std::string text;
 };
 
+/// How a recording is being played; DESIGN §4.11.
+struct PlaybackStatus {
+  std::string file;
+  Nanoseconds begin = 0, end = 0;  // simulated times of the first and last recorded step
+  std::uint64_t begin_step = 0, end_step = 0;
+  Nanoseconds time = 0;  // of the frame shown
+  std::uint64_t step = 0;
+  double speed = 1;      // −4…64; below 0: backwards
+  bool playing = false;  // else it stands
+  bool loop = false;
+  bool growing = false;  // it is still being recorded
+};
+
 class RunControl {
  public:
   static constexpr std::size_t kMaxEvents = 100;
 
   void SetStatus(RunStatus status) EXCLUDES(mutex_);
   RunStatus status() const EXCLUDES(mutex_);
+  /// Of the recording that is played; empty: a live run.
+  void SetPlayback(std::optional<PlaybackStatus> status) EXCLUDES(mutex_);
+  std::optional<PlaybackStatus> playback() const EXCLUDES(mutex_);
   void AddEvent(Event event) EXCLUDES(mutex_);
   std::vector<Event> events() const EXCLUDES(mutex_);
 
  private:
   mutable Mutex mutex_;
   RunStatus status_ GUARDED_BY(mutex_);
+  std::optional<PlaybackStatus> playback_ GUARDED_BY(mutex_);
   std::deque<Event> events_ GUARDED_BY(mutex_);
 };
 

@@ -34,9 +34,8 @@ int Scene::FindRobot(std::string_view name) const {
   return found == robots.end() ? -1 : static_cast<int>(found - robots.begin());
 }
 
-std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario, std::uint64_t epoch) {
+std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario) {
   auto scene = std::make_shared<Scene>();
-  scene->epoch = epoch;
   scene->floor = scenario->floor;
   scene->targets = scenario->targets;
   int bodies = 0;

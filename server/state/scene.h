@@ -35,7 +35,6 @@ struct SceneRobot {
 };
 
 struct Scene {
-  std::uint64_t epoch = 0;  // grows with each load and reset: ids mean the same within one
   std::shared_ptr<const Scenario> scenario;
   Floor floor;
   std::vector<SceneObject> objects;
@@ -52,6 +51,6 @@ struct Scene {
 Vector3 CenterOfMass(const RobotModel& model);
 
 /// The scene of `scenario` at its start. Bodies: dynamic objects in file order, then the robots'.
-std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario, std::uint64_t epoch);
+std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario);
 
 }  // namespace coopdyn

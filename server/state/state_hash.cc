@@ -49,6 +49,7 @@ class WordHasher {
 }  // namespace
 
 std::uint64_t StateHash(const Frame& frame) {
+  if (frame.recorded_hash) return *frame.recorded_hash;
   WordHasher hasher;
   hasher.Add(frame.step);
   hasher.Add(static_cast<std::uint64_t>(frame.time));

@@ -58,7 +58,7 @@ void Pictures::Deliver(std::uint64_t ticket, const ImageResult& result) {
 SceneMoment Pictures::moment() const {
   const FramePtr frame = frames_.Latest();
   if (!frame) return {};
-  return {frame->scene ? frame->scene->epoch : 0, frame->step, frame->revision};
+  return {frame->epoch, frame->step, frame->revision};
 }
 
 void Pictures::Stop() {

@@ -43,7 +43,7 @@ void ServeOne(int listener, int spin_us) {
   const int fd = ::accept(listener, nullptr, nullptr);
   const int on = 1;
   ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  const auto scene = MakeScene(BenchScenario(1), 1);
+  const auto scene = MakeScene(BenchScenario(1));
   Diagnostics diagnostics;
   const auto world = PhysicsWorld::Build(scene, 1, diagnostics);
   std::uint64_t step = 0;

@@ -72,7 +72,7 @@ class Crowd {
                      turn};
       scenario->objects.push_back(object);
     }
-    scene_ = MakeScene(scenario, 1);
+    scene_ = MakeScene(scenario);
     for (std::vector<BodyState>& bodies : moments_) bodies = Scatter();
     all_.resize(static_cast<std::size_t>(robots));
     std::iota(all_.begin(), all_.end(), 0);

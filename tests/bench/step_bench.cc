@@ -18,7 +18,7 @@ namespace {
 /// A world whose robots drive circles of their own.
 class Driven {
  public:
-  explicit Driven(int robots) : scene_(MakeScene(BenchScenario(robots), 1)) {
+  explicit Driven(int robots) : scene_(MakeScene(BenchScenario(robots))) {
     Diagnostics diagnostics;
     world_ = PhysicsWorld::Build(scene_, 1, diagnostics);
     for (int i = 0; i < robots; ++i) setpoints_.push_back({3.0 + 0.1 * (i % 7), 3.5});
@@ -60,7 +60,7 @@ class Swarm {
       entry.X_WR.q = FromRollPitchYaw(0, 0, Uniform(-3, 3));
       scenario->robots.push_back(std::move(entry));
     }
-    scene_ = MakeScene(scenario, 1);
+    scene_ = MakeScene(scenario);
     world_ = PhysicsWorld::Build(scene_, 1, diagnostics);
     setpoints_.resize(static_cast<std::size_t>(robots));
     frame_.scene = scene_;

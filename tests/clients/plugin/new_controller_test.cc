@@ -63,7 +63,7 @@ TEST_F(NewControllerTest, ItBuildsWithoutWarningsAndDrivesTheRobotOfItsScenario)
   host.Check(*scenario, diagnostics);
   EXPECT_TRUE(diagnostics.all().empty()) << diagnostics.ToString();
   auto frame = std::make_shared<Frame>();
-  frame->scene = MakeScene(scenario, 1);
+  frame->scene = MakeScene(scenario);
   frame->bodies.resize(frame->scene->body_ids.size());
   frame->robots.resize(1);
   host.Configure(frame);

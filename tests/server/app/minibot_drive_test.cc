@@ -22,7 +22,7 @@ class MinibotDriveTest : public ::testing::TestWithParam<Fidelity> {
         ReadScenario("[FLOOR]\nsize 50 50\n[ROBOT_1]\ntype minibot\nposition 0 0\nfidelity " +
                          std::string(ToString(GetParam())) + "\n",
                      "test.scenario", library_, false, diagnostics);
-    frame_.scene = MakeScene(scenario, 1);
+    frame_.scene = MakeScene(scenario);
     world_ = PhysicsWorld::Build(frame_.scene, 1, diagnostics);
     EXPECT_EQ(diagnostics.ToString(), "");
   }

@@ -22,7 +22,7 @@ class RunReportTest : public ::testing::Test {
     Diagnostics diagnostics;
     const auto scenario =
         ReadScenario("[SWARM_1]\ntype minibot\ncount 3\n", "ants.scenario", library, false, diagnostics);
-    frame_.scene = MakeScene(scenario, 1);
+    frame_.scene = MakeScene(scenario);
     frame_.robots.resize(3);
     frame_.bodies.resize(frame_.scene->body_ids.size());
     frame_.step = 1200;

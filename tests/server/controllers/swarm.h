@@ -79,7 +79,7 @@ class Swarm {
 
   FramePtr Start(std::uint64_t seed = 1) const {
     auto frame = std::make_shared<Frame>();
-    frame->scene = MakeScene(std::make_shared<Scenario>(scenario_), 1);
+    frame->scene = MakeScene(std::make_shared<Scenario>(scenario_));
     frame->seed = seed;
     frame->bodies.resize(frame->scene->body_ids.size());
     frame->robots.resize(size());

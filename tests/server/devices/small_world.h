@@ -74,7 +74,7 @@ class SmallWorld {
   explicit SmallWorld(int robots = 1, Mode mode = Mode::kLockstep) { Load(SmallScenario(robots), mode); }
 
   void Load(std::shared_ptr<const Scenario> scenario, Mode mode, StepEnd end = StepEnd::kLoad) {
-    scene_ = MakeScene(std::move(scenario), scene_ ? scene_->epoch + 1 : 1);
+    scene_ = MakeScene(std::move(scenario));
     step_ = 0;
     frames.Publish(MakeFrame({}));
     board.SetMode(mode, 0);

@@ -27,7 +27,7 @@ class RandomScene {
       entry.X_WR = AnyPose();
       scenario->robots.push_back(entry);
     }
-    scene = MakeScene(scenario, 1);
+    scene = MakeScene(scenario);
     things = MakeThings(*scene);
   }
   std::shared_ptr<const Scene> scene;

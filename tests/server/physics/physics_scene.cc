@@ -108,7 +108,7 @@ PhysicsScene& PhysicsScene::SetFloorFriction(double friction) {
 }
 
 void PhysicsScene::Build() {
-  scene_ = MakeScene(std::make_shared<const Scenario>(scenario_), 1);
+  scene_ = MakeScene(std::make_shared<const Scenario>(scenario_));
   world_ = PhysicsWorld::Build(scene_, 1, diagnostics_, pool);
   setpoints_.resize(scene_->robots.size());
 }

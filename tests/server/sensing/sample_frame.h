@@ -101,7 +101,7 @@ class SampleWorld {
     auto frame = std::make_unique<Frame>();
     auto scenario = std::make_shared<Scenario>(scenario_);
     for (RobotEntry& robot : scenario->robots) robot.fidelity = fidelity;
-    frame->scene = MakeScene(std::move(scenario), 1);
+    frame->scene = MakeScene(std::move(scenario));
     frame->seed = 7;
     frame->step = 100;
     frame->bodies.resize(frame->scene->body_ids.size());

@@ -39,7 +39,7 @@ class FramePoses : public testing::Test {
     scenario->robots = {entry};
     scenario->objects = {{"WALL", Sphere{1}, {{7, 8, 9}, FromRollPitchYaw(1, 0, 0)}, 0, {}, 1, {}},
                          {"CRATE", Sphere{1}, {}, 1, {}, 1, {}}};
-    frame.scene = MakeScene(scenario, 1);
+    frame.scene = MakeScene(scenario);
     frame.bodies = {BodyAt(X_WO, {}), BodyAt(X_WR * model->links[0].X_RL, model->links[0].X_LI),
                     BodyAt(X_WR * model->links[1].X_RL, model->links[1].X_LI)};
     frame.robots.resize(1);
@@ -80,7 +80,7 @@ class OneBodyPoses : public testing::Test {
     entry.model = model;
     entry.fidelity = Fidelity::kRolling;
     scenario->robots = {entry, entry};
-    frame.scene = MakeScene(scenario, 1);
+    frame.scene = MakeScene(scenario);
     for (int i = 0; i < 2; ++i)
       frame.bodies.push_back(BodyAt(X_WR, {{0.03, 0, 0.0875}, Quaternion::Identity()}));
     frame.robots.resize(2);

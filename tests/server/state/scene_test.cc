@@ -28,8 +28,7 @@ std::shared_ptr<const Scenario> TestScenario() {
 }
 
 TEST(Scene, BodiesAreDynamicObjectsInFileOrderThenTheRobotsLinks) {
-  const auto scene = MakeScene(TestScenario(), 5);
-  EXPECT_EQ(scene->epoch, 5u);
+  const auto scene = MakeScene(TestScenario());
   EXPECT_EQ(scene->floor.friction, 0.7);
   ASSERT_EQ(scene->objects.size(), 4u);
   EXPECT_EQ(scene->objects[0].body, -1);
@@ -44,7 +43,7 @@ TEST(Scene, BodiesAreDynamicObjectsInFileOrderThenTheRobotsLinks) {
 }
 
 TEST(Scene, IdsStartAtOneInFileOrder) {
-  const auto scene = MakeScene(TestScenario(), 1);
+  const auto scene = MakeScene(TestScenario());
   for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(scene->objects[i].id.value, i + 1);
   for (std::uint32_t i = 0; i < 2; ++i) EXPECT_EQ(scene->targets[i].id.value, i + 1);
   for (std::uint32_t i = 0; i < 2; ++i) EXPECT_EQ(scene->robots[i].id.value, i + 1);
@@ -54,7 +53,7 @@ TEST(Scene, IdsStartAtOneInFileOrder) {
 }
 
 TEST(Scene, FindsRobotsByName) {
-  const auto scene = MakeScene(TestScenario(), 1);
+  const auto scene = MakeScene(TestScenario());
   EXPECT_EQ(scene->FindRobot("ana"), 0);
   EXPECT_EQ(scene->FindRobot("bob"), 1);
   EXPECT_EQ(scene->FindRobot("bo"), -1);

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/simulation.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace coopdyn {
+
+std::unique_ptr<Simulation> Simulation::Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
+                                              std::uint64_t epoch, const StepHelpers& helpers,
+                                              const Clock& clock, Diagnostics& diagnostics) {
+  const int errors = diagnostics.errors();
+  if (helpers.controllers != nullptr) {
+    helpers.controllers->Check(*scene->scenario, diagnostics);
+  } else {
+    for (const SceneRobot& robot : scene->robots) {
+      if (robot.entry.controller.empty()) continue;
+      diagnostics.Error(robot.entry.controller.where, "controllers are not loaded here: leave the line out");
+    }
+  }
+  if (diagnostics.errors() > errors) return nullptr;
+  auto world = PhysicsWorld::Build(scene, seed, diagnostics, helpers.pool);
+  if (world == nullptr) return nullptr;
+  return std::unique_ptr<Simulation>(
+      new Simulation(std::move(scene), std::move(world), seed, epoch, helpers, clock));
+}
+
+Simulation::Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<PhysicsWorld> world,
+                       std::uint64_t seed, std::uint64_t epoch, const StepHelpers& helpers,
+                       const Clock& clock)
+    : helpers_(helpers),
+      clock_(clock),
+      scene_(std::move(scene)),
+      world_(std::move(world)),
+      seed_(seed),
+      epoch_(epoch) {
+  for (const SceneRobot& robot : scene_->robots) {
+    has_controllers_ |= !robot.entry.controller.empty();
+    const NeighboursModel& neighbours = robot.entry.model->neighbours;
+    const bool hears = neighbours.message_range_m > 0;
+    if (hears) message_steps_ = std::max(message_steps_, static_cast<std::uint64_t>(neighbours.delay_steps));
+  }
+  start_ = frame_ = MakeFrame();
+}
+
+Simulation::~Simulation() = default;
+
+std::shared_ptr<Frame> Simulation::MakeFrame() {
+  std::shared_ptr<Frame> frame = frames_.Take();
+  frame->epoch = epoch_;
+  frame->step = step_;
+  frame->time = time_;
+  frame->step_length = step_length_;
+  frame->seed = seed_;
+  frame->scene = scene_;
+  world_->Fill(*frame);
+  frame->messages = messages_;
+  return frame;
+}
+
+void Simulation::StartControllers() {
+  if (helpers_.controllers != nullptr) helpers_.controllers->Configure(frame_);
+}
+
+void Simulation::Restart(std::uint64_t seed, std::uint64_t epoch) {
+  seed_ = seed;
+  epoch_ = epoch;
+  step_ = 0;
+  time_ = 0;
+  messages_.clear();
+  world_->Restart(*start_, seed);
+  frame_ = MakeFrame();
+  StartControllers();
+}
+
+void Simulation::Restore(const SavedState& state, std::uint64_t epoch) {
+  const Frame& from = *state.frame;
+  seed_ = from.seed;
+  epoch_ = epoch;
+  step_ = from.step;
+  time_ = from.time;
+  step_length_ = from.step_length;
+  messages_ = from.messages;
+  world_->Restore(from);
+  const std::shared_ptr<Frame> frame = MakeFrame();
+  frame->robots = from.robots;
+  frame_ = frame;
+  if (helpers_.controllers == nullptr) return;
+  if (state.controllers.empty()) {
+    helpers_.controllers->Configure(frame_);
+  } else {
+    helpers_.controllers->Restore(frame_, state.controllers);
+  }
+}
+
+SavedState Simulation::Save() const {
+  SavedState state;
+  state.frame = frame_;
+  if (has_controllers_ && helpers_.controllers != nullptr) state.controllers = helpers_.controllers->Save();
+  return state;
+}
+
+void Simulation::TakeMessages(std::span<const SentMessage> sent) {
+  const std::uint64_t oldest = step_ + 1 - std::min(step_ + 1, message_steps_);
+  std::erase_if(messages_, [oldest](const SentMessage& message) { return message.step < oldest; });
+  messages_.insert(messages_.end(), sent.begin(), sent.end());
+}
+
+const FramePtr& Simulation::Step(Nanoseconds length, const StepInputs& inputs) {
+  TakeMessages(inputs.messages);
+  if (has_controllers_ && helpers_.controllers != nullptr) {
+    const auto first = static_cast<std::ptrdiff_t>(messages_.size() - inputs.messages.size());
+    helpers_.controllers->Step(frame_, inputs.setpoints, messages_);
+    std::stable_sort(messages_.begin() + first, messages_.end(),
+                     [](const SentMessage& a, const SentMessage& b) { return a.robot < b.robot; });
+  }
+  const int substeps = std::max(DefaultSubsteps(length), scene_->scenario->simulation.substeps.value_or(1));
+  const Nanoseconds began = clock_.Now();
+  world_->Step(length, substeps, inputs.setpoints);
+  const Nanoseconds stepped = clock_.Now();
+  ++step_;
+  time_ += length;
+  step_length_ = length;
+  const std::shared_ptr<Frame> frame = MakeFrame();
+  for (std::size_t i = 0; i < inputs.setpoints.size(); ++i) {
+    frame->robots[i].setpoint_rad_s = inputs.setpoints[i];
+    frame->robots[i].commanded = i < inputs.commanded.size() && inputs.commanded[i] != 0;
+  }
+  frame_ = frame;
+  times_.physics += stepped - began;
+  times_.publish += clock_.Now() - stepped;
+  return frame_;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// A world and all that decides how it goes on: bodies, broadcasts on their way, loaded controllers. The live
+// run (stepper.h) and its repetition (server/replay) step the same class, so they cannot differ. Whoever
+// holds the step baton owns it; no locks inside.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "server/base/clock.h"
+#include "server/base/worker_pool.h"
+#include "server/physics/world.h"
+#include "server/state/command_board.h"
+#include "server/state/controller_driver.h"
+#include "server/state/frame_pool.h"
+#include "server/state/phase_times.h"
+#include "server/state/saved_state.h"
+
+namespace coopdyn {
+
+/// What else takes part in a step; outlives the simulation.
+struct StepHelpers {
+  WorkerPool* pool = nullptr;               // null: everything on the stepping thread
+  ControllerDriver* controllers = nullptr;  // null: robots that ask for a controller are errors
+};
+
+/// What clients want of one step.
+struct StepInputs {
+  std::span<Setpoint> setpoints;          // by the scene's order; loaded controllers overwrite theirs
+  std::span<const SentMessage> messages;  // broadcasts, by increasing robot
+  std::span<const std::uint8_t> commanded =
+      {};  // by the scene's order: a client's command comes in force; or empty
+};
+
+class Simulation {
+ public:
+  /// Builds the world of `scene` and makes frame 0 (of epoch `epoch`). Null, with errors at the lines of the
+  /// files, if it or its controllers do not fit. The controllers do not run yet: StartControllers().
+  static std::unique_ptr<Simulation> Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
+                                           std::uint64_t epoch, const StepHelpers& helpers,
+                                           const Clock& clock, Diagnostics& diagnostics);
+  ~Simulation();
+
+  /// The newest frame.
+  const FramePtr& frame() const { return frame_; }
+  const Scene& scene() const { return *scene_; }
+  bool has_controllers() const { return has_controllers_; }
+
+  /// Makes all controllers afresh for frame(), which is the start.
+  void StartControllers();
+  /// Back to the start, with this seed of noise and solver: the same bits as a fresh Build(). Controllers as
+  /// after StartControllers().
+  void Restart(std::uint64_t seed, std::uint64_t epoch);
+  /// Goes on from `state`, whose frame has this scene, bit for bit; controllers included, which start afresh
+  /// if `state` has none of theirs.
+  void Restore(const SavedState& state, std::uint64_t epoch);
+  /// What Restore() takes; `mode` and `paused` are the caller's to fill in.
+  SavedState Save() const;
+
+  /// Runs a step of `length` and returns its frame.
+  const FramePtr& Step(Nanoseconds length, const StepInputs& inputs);
+  std::vector<FrozenBody> TakeFrozen() { return world_->TakeFrozen(); }
+  /// Physics and publish only.
+  const PhaseTimes& times() const { return times_; }
+
+ private:
+  Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<PhysicsWorld> world, std::uint64_t seed,
+             std::uint64_t epoch, const StepHelpers& helpers, const Clock& clock);
+  std::shared_ptr<Frame> MakeFrame();
+  /// Broadcasts that nobody can hear any more are dropped, those of the coming step added.
+  void TakeMessages(std::span<const SentMessage> sent);
+
+  const StepHelpers helpers_;
+  const Clock& clock_;
+  const std::shared_ptr<const Scene> scene_;
+  std::unique_ptr<PhysicsWorld> world_;
+  FramePtr start_;  // frame 0 of the first seed
+  FramePtr frame_;
+  std::uint64_t seed_ = 1, epoch_ = 0, step_ = 0;
+  Nanoseconds time_ = 0, step_length_ = kDefaultStep;
+  bool has_controllers_ = false;
+  std::vector<SentMessage> messages_;  // that may still be heard
+  std::uint64_t message_steps_ = 0;    // for so long
+  FramePool frames_;
+  PhaseTimes times_;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Writes a run to a file while it goes on: a thread of its own behind a bounded queue. In lockstep and free
+// mode a full queue slows the run; in real time steps are left out, counted and said, and the next one
+// written is a keyframe, so that what follows can be verified. Calls of RunJournal by the holder of the step
+// baton, the rest by any thread.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/record/run_header.h"
+#include "server/state/run_journal.h"
+
+namespace coopdyn {
+
+struct RecorderOptions {
+  std::string file;                // "lesson1.run"; after a reset or load it goes on in lesson1-2.run
+  std::optional<RecordWhat> what;  // empty: DefaultRecordWhat()
+  Nanoseconds pose_every = 0;      // poses and readings only so often; 0: each step
+  bool overwrite = false;
+  std::string version, command, started;
+  std::size_t max_queue_bytes = std::size_t{64} << 20;
+  std::uint64_t keyframe_steps = 500;
+  Nanoseconds commit_every = 200'000'000;  // wall clock: what a crash can cost
+  /// Called on the recorder's thread, once, when it can write no more; `text` says why and what is there.
+  std::function<void(const std::string& text)> on_failure;
+};
+
+struct RecorderStatus {
+  std::string file;                // the present one
+  std::uint64_t steps = 0;         // written to it
+  std::uint64_t lost = 0;          // left out in real time
+  std::uint64_t bytes = 0;         // of the file
+  Nanoseconds begin = 0, end = 0;  // simulated
+  std::string failure;             // empty: it goes on
+  double cpu_s = 0;                // used by its thread
+};
+
+class Recorder final : public RunJournal {
+ public:
+  /// Nothing is written before Begin(). Clock and logger outlive it.
+  Recorder(RecorderOptions options, const Clock& clock, Logger logger);
+  /// Close().
+  ~Recorder() override;
+
+  /// Makes sure that `file` can be made: an error text, empty if so. Before Begin().
+  std::string Check() const;
+  /// Writes what waits and makes the file one plain file. After the last call as a journal.
+  void Close();
+  RecorderStatus status() const;
+
+  void Begin(const SavedStatePtr& state) override;
+  bool WantsKeyframe(std::uint64_t step) override;
+  void Step(const FramePtr& frame, Mode mode, bool keyframe, std::vector<std::byte> controllers) override;
+  void Input(RunInput input) override;
+  void Note(Event event) override;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What recording will take, for the line at the start.
+struct SpaceNeeded {
+  double bytes_per_s = 0;   // of simulated time
+  double bytes_in_all = 0;  // 0: the run has no end
+  double bytes_free = 0;    // on the disk of the file
+};
+SpaceNeeded EstimateSpace(const Frame& frame, const RecordWhat& what, Nanoseconds pose_every,
+                          double duration_s, const std::string& file);
+/// "about 2.0 MB per simulated second, 58 GB for this run, 40 GB free"
+std::string ToString(const SpaceNeeded& space);
+
+}  // namespace coopdyn

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// What a recording says about the run as a whole: table `meta` and the texts it carries.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/model/scenario.h"
+#include "server/record/recorded_step.h"
+
+namespace coopdyn {
+
+inline constexpr int kRunFormat = 1;                           // schema version: meta `format`
+inline constexpr std::int64_t kRunApplicationId = 0x434F4F50;  // "COOP": SQLite's application_id
+
+struct RunHeader {
+  std::string version;  // of coopdyn
+  std::string build;    // BuildId(): same build and CPU, same bits
+  std::string cpu;      // model name
+  std::string started;  // UTC, ISO 8601
+  std::string command;  // line; for people
+  std::string scenario_name, scenario_file;
+  std::string scenario_text;
+  std::vector<SourceText> sources;         // worlds and robot models that it names
+  std::uint64_t scenario_seed = 1;         // with which the texts were read (places of swarms)
+  std::uint64_t seed = 1;                  // of noise and solver
+  Mode mode = Mode::kRealtime;             // at the start
+  Nanoseconds step_length = kDefaultStep;  // at the start
+  std::optional<int> substeps;
+  RecordWhat what;
+  Nanoseconds pose_every = 0;  // 0: each step
+};
+
+/// 16 hex digits that differ if this program or its physics library does.
+std::string BuildId();
+/// The processor's model name, as the system tells it.
+std::string CpuName();
+
+}  // namespace coopdyn

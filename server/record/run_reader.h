@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Reads a recording, also one that is still being written by another process, and one that a crash has left.
+// Nothing in a file is trusted: what does not add up is an error text, never a crash. One thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/model/readers.h"
+#include "server/record/run_header.h"
+#include "server/state/run_journal.h"
+
+namespace coopdyn {
+
+/// Which steps a file holds.
+struct RunExtent {
+  std::uint64_t first = 0, last = 0;  // step numbers; the first is a keyframe
+  Nanoseconds begin = 0, end = 0;     // their simulated times
+  std::uint64_t steps = 0;            // recorded after the first frame
+  std::uint64_t lost = 0;             // left out between first and last
+};
+
+class RunReader {
+ public:
+  /// Null with `error` ("lesson1.run: …", what is wrong and what to do) if it is no recording that can be
+  /// read. A file left by a crash is mended first, if it may be written to and nobody writes it.
+  static std::unique_ptr<RunReader> Open(const std::string& file, std::string& error);
+  ~RunReader();
+  RunReader(const RunReader&) = delete;
+  RunReader& operator=(const RunReader&) = delete;
+
+  const std::string& file() const;
+  const RunHeader& header() const;
+  /// It was mended: the recording had not been closed.
+  bool mended() const;
+  /// It is being written at this moment.
+  bool growing() const;
+  /// Looked up afresh with each call, so that a growing file can be followed.
+  RunExtent extent();
+
+  /// Reads the scenario that the file carries, with the file's own worlds and robot models; loaded
+  /// controllers are found on `path`. Null with diagnostics. Before Scene(), Step() …
+  std::shared_ptr<const Scenario> LoadScenario(const SearchPath& path, Diagnostics& diagnostics);
+
+  // All below: false, nothing or null, and error() says why, if the file is damaged there.
+  const std::string& error() const;
+  /// The scene number `scene` of the file. Null if unknown.
+  std::shared_ptr<const Scene> SceneOf(std::uint64_t scene);
+  /// The newest recorded step at or before `time` (the first if there is none). `with_poses`: that has poses.
+  std::optional<std::uint64_t> StepAt(Nanoseconds time, bool with_poses);
+  /// The first step after `step` (before, if `back`) that has poses; nothing at the end.
+  std::optional<std::uint64_t> NextShown(std::uint64_t step, bool back);
+  /// Step `step`; nothing if it is not there. `inputs_only`: without poses and readings, which is fast.
+  std::optional<RecordedStep> Read(std::uint64_t step, bool inputs_only = false);
+  /// Steps first…last in order; stops when `use` returns false. False if the file is damaged.
+  bool ForEach(std::uint64_t first, std::uint64_t last, bool inputs_only,
+               const std::function<bool(const RecordedStep&)>& use);
+  /// Step numbers of all keyframes, increasing.
+  std::vector<std::uint64_t> Keyframes();
+  /// The newest keyframe at or before `step`, exact.
+  SavedStatePtr Keyframe(std::uint64_t step);
+  /// Inputs that came after frames first…last, in order.
+  std::vector<RunInput> Inputs(std::uint64_t first, std::uint64_t last);
+  std::vector<Event> Events();
+
+ private:
+  struct Impl;
+  explicit RunReader(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace coopdyn

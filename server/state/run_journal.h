@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// What the stepping thread tells of a run to whoever writes it down; server/record has the one
+// implementation. All calls by the holder of the step baton.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/state/run_control.h"
+#include "server/state/saved_state.h"
+
+namespace coopdyn {
+
+/// An input of the run besides the commands and broadcasts, which stand in the frames.
+struct RunInput {
+  std::uint64_t step = 0;  // of the frame after which it came: it acts from the next step on
+  std::string action;  // as the command is called: set_mode, release_robot, …; deadline; controller_stopped
+  std::string detail;  // lockstep; robot3; …
+};
+
+class RunJournal {
+ public:
+  virtual ~RunJournal() = default;
+
+  /// The run goes on from `state`: when the journal is put in force, and after each reset, load and restore.
+  virtual void Begin(const SavedStatePtr& state) = 0;
+  /// Whether the exact state after step `step` is wanted with Step().
+  virtual bool WantsKeyframe(std::uint64_t step) = 0;
+  /// A step has run. `controllers`: ControllerDriver::Save() if a keyframe was wanted. In real time it never
+  /// waits; in the other modes it slows the run rather than lose a step.
+  virtual void Step(const FramePtr& frame, Mode mode, bool keyframe, std::vector<std::byte> controllers) = 0;
+  virtual void Input(RunInput input) = 0;
+  virtual void Note(Event event) = 0;
+};
+
+}  // namespace coopdyn
