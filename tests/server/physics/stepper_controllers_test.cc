@@ -34,6 +34,13 @@ class Driver final : public ControllerDriver {
     if (frame->step == 1) stopped.push_back({"robot1", "it divided by zero"});
   }
   void Unload(int robot) override { unloaded.push_back(robot); }
+  std::vector<std::byte> Save() const override { return {}; }
+  bool Restore(const FramePtr& frame, std::span<const std::byte> /*saved*/) override {
+    Configure(frame);
+    return true;
+  }
+  std::vector<int> Unloaded() const override { return {}; }
+  void Stop(int /*robot*/, const std::string& /*why*/) override {}
   std::vector<StoppedController> TakeStopped() override { return std::exchange(stopped, {}); }
   PhaseTimes times() const override { return {10, 20, 0, 0}; }
   double child_cpu_s() const override { return 0; }
