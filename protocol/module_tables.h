@@ -18,6 +18,8 @@ CommandTable PoseTable();        // /R/pose
 CommandTable NeighboursTable();  // /R/neighbours
 CommandTable SimulationTable();  // /simulation
 CommandTable SwarmTable();       // /swarm
+CommandTable RecorderTable();    // /recorder
+CommandTable PlaybackTable();    // /playback
 
 /// All of the above, in that order.
 std::vector<CommandTable> AllModuleTables();

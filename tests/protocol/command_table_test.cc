@@ -21,10 +21,10 @@ namespace {
 namespace json = boost::json;
 using ::testing::HasSubstr;
 
-TEST(CommandTables, IdsAndNamesAreUniqueAcrossModulesExceptTheCommonOnes) {
+TEST(CommandTables, IdsAreUniqueAcrossModulesAndNamesWithinExceptTheCommonOnes) {
   std::set<std::int32_t> ids;
-  std::set<std::string> names;
   for (const CommandTable& table : AllModuleTables()) {
+    std::set<std::string> names;
     for (const CommandSpec& spec : table.commands().subspan(kCommonCommandCount)) {
       EXPECT_TRUE(ids.insert(spec.id).second) << spec.id;
       EXPECT_TRUE(names.insert(spec.name).second) << spec.name;
@@ -90,7 +90,10 @@ TEST(CommandTables, SubscribeKnowsTheReadingsOfItsModule) {
               ::testing::ElementsAre(std::pair("get_wheels", 12), std::pair("get_limits", 13)));
   EXPECT_THAT(readings(TargetTable()),
               ::testing::ElementsAre(std::pair("get_targets", 30), std::pair("get_robots", 32)));
-  EXPECT_THAT(readings(SimulationTable()), ::testing::ElementsAre(std::pair("get_status", 100)));
+  EXPECT_THAT(readings(SimulationTable()),
+              ::testing::ElementsAre(std::pair("get_status", 100), std::pair("get_saved", 196)));
+  EXPECT_THAT(readings(RecorderTable()), ::testing::ElementsAre(std::pair("get_recording", 120)));
+  EXPECT_THAT(readings(PlaybackTable()), ::testing::ElementsAre(std::pair("get_playback", 130)));
 }
 
 TEST(CommandTables, FindByIdAndNameAgree) {

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+// The tables of the modules that concern the whole simulation.
+#include <utility>
+
+#include "protocol/command_ids.h"
+#include "protocol/common_commands.h"
+#include "protocol/module_tables.h"
+#include "protocol/spec_parts.h"
+
+namespace coopdyn {
+namespace {
+
+std::vector<std::pair<std::string, std::int32_t>> OffOn() {
+  return {{"off", 0}, {"on", 1}};
+}
+
+}  // namespace
+
+CommandTable SimulationTable() {
+  CommandSpec status = Order(command::kGetStatus, "get_status", "Tells the state of the whole simulation.");
+  status.reply_text = "JSON";
+  status.params = {{.name = "first", .unit = "", .optional = true, .min = 1},
+                   {.name = "count", .unit = "", .optional = true, .min = 0}};
+  CommandSpec save =
+      Order(command::kSaveState, "save", "Keeps the present state under a name, to go on from it later.");
+  CommandSpec restore =
+      Order(command::kRestoreState, "restore", "Goes on from a saved state; `start` is where the run began.");
+  for (CommandSpec* spec : {&save, &restore}) {
+    spec->text = TextUse::kRest;
+    spec->text_name = "NAME";
+  }
+  save.example = "save before_turn";
+  restore.example = "restore before_turn";
+  CommandSpec saved = Reading(command::kGetSaved, "get_saved",
+                              "Tells which states are saved, and their times.", {Repeated("time", "s")});
+  saved.reply_text = "their names, in the same order, separated by spaces";
+  return CommandTable(
+      "simulation",
+      {
+          std::move(status),
+          Order(command::kRun, "run", "Lets time go on."),
+          Order(command::kPause, "pause", "Holds time."),
+          {.id = command::kStep,
+           .name = "step",
+           .help = "Allows so many more steps while paused, and is answered after the last of them.",
+           .params = {{.name = "steps", .unit = "", .min = 1}},
+           .example = "step 10"},
+          {.id = command::kReset,
+           .name = "reset",
+           .help = "Starts again at step 0; with a new seed if one is given.",
+           .params = {{.name = "seed", .unit = "", .optional = true}},
+           .example = "reset 7"},
+          {.id = command::kSetMode,
+           .name = "set_mode",
+           .help = "Chooses the time mode.",
+           .params = {{.name = "mode", .unit = "", .enums = ModeWords()}},
+           .example = "set_mode lockstep"},
+          {.id = command::kSetStep,
+           .name = "set_step",
+           .help = "Sets the length of a step, 0.0005 to 0.1 s.",
+           .data = {Value("step", "s")},
+           .example = "set_step 0.01"},
+          {.id = command::kSetSpeed,
+           .name = "set_speed",
+           .help = "Sets how fast time goes against the wall clock; 0 or less = no limit.",
+           .data = {Value("factor")},
+           .example = "set_speed 2"},
+          {.id = command::kLoadScenario,
+           .name = "load_scenario",
+           .help = "Loads a scenario: a name on the search path, or the text of the file.",
+           .text = TextUse::kRest,
+           .text_name = "SCENARIO",
+           .example = "load_scenario corridor"},
+          Order(command::kQuit, "quit", "Ends the daemon."),
+          Order(command::kStopAll, "stop_all", "Stops every robot."),
+          {.id = command::kSetParticipants,
+           .name = "set_participants",
+           .help = "Chooses the robots that lockstep waits for; without names, as the scenario says.",
+           .text = TextUse::kRest,
+           .text_name = "ROBOT…",
+           .example = "set_participants robot1 robot2",
+           .text_optional = true},
+          Order(command::kReload, "reload", "Loads the same scenario file again from disk."),
+          {.id = command::kReleaseRobot,
+           .name = "release_robot",
+           .help = "Closes the owner's connection to a robot, or unloads its controller. In text also "
+                   "`release ROBOT`.",
+           .text = TextUse::kRest,
+           .text_name = "ROBOT",
+           .example = "release_robot robot1",
+           .alias = "release"},
+          std::move(save),
+          std::move(restore),
+          std::move(saved),
+      });
+}
+
+CommandTable SwarmTable() {
+  const auto team = [](std::int32_t id, std::string name, std::string help) {
+    CommandSpec spec = Order(id, std::move(name), std::move(help));
+    spec.reply_params = {Repeated("id")};
+    spec.reply_text = "the names of the team, separated by spaces";
+    return spec;
+  };
+  CommandSpec claim =
+      team(command::kClaim, "claim",
+           "Takes robots or whole swarms with all their actuators, or none; without names all "
+           "that nobody drives.");
+  CommandSpec release =
+      team(command::kRelease, "release", "Gives robots or whole swarms of this team up; without names all.");
+  for (CommandSpec* spec : {&claim, &release}) {
+    spec->text = TextUse::kRest;
+    spec->text_name = "NAME…";
+    spec->text_optional = true;
+  }
+  claim.example = "claim robot1 robot2";
+  release.example = "release robot2";
+  const ValueSpec robot{.name = "robot", .unit = "", .repeated = true, .min = 1};
+  const std::vector<ValueSpec> table_shape = {
+      {.name = "mode", .unit = "", .enums = ModeWords()}, Value("rows"), Value("columns")};
+  return CommandTable(
+      "swarm",
+      {
+          std::move(claim),
+          std::move(release),
+          {.id = command::kStepAll,
+           .name = "step_all",
+           .help =
+               "Sets the speeds of robots of the team (none named: all; others are claimed), or with wheels "
+               "left and right rad/s; without data keeps them; answered after the next step.",
+           .text = TextUse::kFirst,
+           .text_name = "velocities or wheels",
+           .params = {robot},
+           .data = {Repeated("linear", "m/s"), Repeated("angular", "rad/s")},
+           .reply_params = table_shape,
+           .reply_data = {Repeated("reading")},
+           .reply_text = "`limited N robots` if some were scaled; who was taken from the team",
+           .example = "step_all (1 2) 0.2 0.5 0.1 0"},
+          {.id = command::kSelectReadings,
+           .name = "select_readings",
+           .help =
+               "Chooses the columns of step_all and read_all among pose, distances, targets, neighbours (so "
+               "many nearest, else 8) and wheels; without words pose distances.",
+           .text = TextUse::kRest,
+           .text_name = "READING…",
+           .params = {{.name = "nearest", .unit = "", .optional = true, .min = 1}},
+           .reply_params = {Repeated("columns")},
+           .reply_text = "the names of the readings, separated by spaces",
+           .example = "select_readings pose distances",
+           .text_optional = true},
+          {.id = command::kReadAll,
+           .name = "read_all",
+           .help = "Tells the same as step_all, at once, of the team or of any robots.",
+           .params = {robot},
+           .reply_params = table_shape,
+           .reply_data = {Repeated("reading")},
+           .example = "read_all 1 2"},
+          team(command::kGetTeam, "get_team", "Tells which robots this connection owns."),
+          Order(command::kStopTeam, "stop_team", "Stops all robots of the team."),
+      });
+}
+
+CommandTable RecorderTable() {
+  CommandSpec recording =
+      Reading(command::kGetRecording, "get_recording", "Tells what is being recorded.",
+              {Value("begin", "s"), Value("end", "s"), Value("steps"), Value("lost"), Value("bytes")});
+  recording.reply_params = {{.name = "recording", .unit = "", .enums = OffOn()}};
+  recording.reply_text = "the name of the recording";
+  CommandSpec stop =
+      Order(command::kStopRecording, "stop", "Ends the recording; answered when its file is closed.");
+  stop.reply_text = "its name, and where the page has it";
+  CommandSpec list = Order(command::kListRuns, "list", "Tells which recordings are there.");
+  list.reply_text = "JSON";
+  return CommandTable("recorder",
+                      {
+                          std::move(recording),
+                          {.id = command::kStartRecording,
+                           .name = "start",
+                           .help = "Records the run from here on; without a name under run-DATE-TIME.",
+                           .text = TextUse::kRest,
+                           .text_name = "NAME",
+                           .reply_text = "the name of the recording",
+                           .example = "start lesson1",
+                           .text_optional = true},
+                          std::move(stop),
+                          {.id = command::kNote,
+                           .name = "note",
+                           .help = "Marks this time in the recording.",
+                           .text = TextUse::kRest,
+                           .text_name = "NOTE",
+                           .example = "note the robots meet"},
+                          std::move(list),
+                      });
+}
+
+CommandTable PlaybackTable() {
+  CommandSpec playback =
+      Reading(command::kGetPlayback, "get_playback", "Tells which recording is played, and what is shown.",
+              {Value("begin", "s"), Value("end", "s"), Value("time", "s"), Value("speed")});
+  playback.reply_params = {{.name = "playing", .unit = "", .enums = OffOn()},
+                           {.name = "loop", .unit = "", .enums = OffOn()},
+                           {.name = "growing", .unit = "", .enums = OffOn()}};
+  playback.reply_text = "the name of the recording";
+  return CommandTable(
+      "playback",
+      {
+          std::move(playback),
+          {.id = command::kSeek,
+           .name = "seek",
+           .help = "Shows the step at this simulated time, or the one before it.",
+           .data = {Value("time", "s")},
+           .example = "seek 12.5"},
+          {.id = command::kPlay,
+           .name = "play",
+           .help = "Lets the recording go on, at this speed if one is given.",
+           .data = {Optional("speed")},
+           .example = "play 2"},
+          Order(command::kPausePlayback, "pause", "Holds the recording."),
+          {.id = command::kSetPlaySpeed,
+           .name = "set_speed",
+           .help = "Sets how fast the recording goes, -4 to 64 times, below 0 backwards.",
+           .data = {Value("factor")},
+           .example = "set_speed -1"},
+          {.id = command::kSkip,
+           .name = "step",
+           .help = "Goes so many recorded steps on (default 1), or back if below 0, and stands.",
+           .params = {Optional("steps")},
+           .example = "step -10"},
+          {.id = command::kSetLoop,
+           .name = "set_loop",
+           .help = "Chooses whether the recording begins again at its end.",
+           .params = {{.name = "loop", .unit = "", .enums = OffOn()}},
+           .example = "set_loop on"},
+          {.id = command::kBranch,
+           .name = "branch",
+           .help = "Ends the playback: the simulation goes on live from the step shown, or from this time.",
+           .data = {Optional("time", "s")},
+           .example = "branch"},
+      });
+}
+
+}  // namespace coopdyn
