@@ -58,6 +58,14 @@ bool Stepper::StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) {
   return built;
 }
 
+bool Stepper::TakeOver(Edit edit) {
+  baton_.Take();
+  ApplyEdit(edit);
+  const bool live = simulation_ != nullptr;
+  baton_.Pass();
+  return live;
+}
+
 void Stepper::Run(std::stop_token stop) {
   while (!stop.stop_requested()) {
     const std::uint64_t seen = boards_.bell.count();

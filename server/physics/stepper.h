@@ -69,6 +69,8 @@ class Stepper {
   /// The physics thread: steps until `stop` is requested (ring the bell after). Returns when nothing steps
   /// any more.
   void Run(std::stop_token stop) EXCLUDES(baton_);
+  /// Instead of Start(): `edit` (a Restore) ended a playback. True if the run is live now. Before Run().
+  bool TakeOver(Edit edit) EXCLUDES(baton_);
   /// Runs the step that has just become possible on the calling thread if the baton is free and time allows;
   /// otherwise wakes the physics thread. Any thread, no lock held.
   void StepHere() EXCLUDES(baton_);
@@ -99,6 +101,7 @@ class Stepper {
   EditResult Apply(const edit::SetLoop&) REQUIRES(baton_);
 
   void ApplyEdits() REQUIRES(baton_);
+  void ApplyEdit(Edit& edit) REQUIRES(baton_);
   /// Does what is due now and returns when to look again.
   Nanoseconds WorkOnce() EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);

@@ -68,19 +68,21 @@ struct Writer {
 }  // namespace
 
 void Stepper::ApplyEdits() {
-  for (Edit& edit : boards_.edits.TakeAll()) {
-    EditResult result =
-        std::visit([this](const auto& action) REQUIRES(baton_) { return Apply(action); }, edit.action);
-    result.frame = boards_.frames.Latest();
-    if (result.error == Error::kOk) {
-      if (std::optional<Written> written = std::visit(Writer{}, edit.action)) {
-        WriteInput(frame().step, std::move(written->action), std::move(written->detail));
-      }
+  for (Edit& edit : boards_.edits.TakeAll()) ApplyEdit(edit);
+}
+
+void Stepper::ApplyEdit(Edit& edit) {
+  EditResult result =
+      std::visit([this](const auto& action) REQUIRES(baton_) { return Apply(action); }, edit.action);
+  result.frame = boards_.frames.Latest();
+  if (result.error == Error::kOk) {
+    if (std::optional<Written> written = std::visit(Writer{}, edit.action)) {
+      WriteInput(frame().step, std::move(written->action), std::move(written->detail));
     }
-    PublishStatus(clock_.Now(), true);
-    const bool waits = std::holds_alternative<edit::Step>(edit.action) && result.error == Error::kOk;
-    if (edit.done && !waits) edit.done(result);
   }
+  PublishStatus(clock_.Now(), true);
+  const bool waits = std::holds_alternative<edit::Step>(edit.action) && result.error == Error::kOk;
+  if (edit.done && !waits) edit.done(result);
 }
 
 EditResult Stepper::Apply(const edit::Run&) {
