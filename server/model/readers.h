@@ -8,7 +8,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "server/base/diagnostics.h"
@@ -42,14 +44,22 @@ struct SearchPath {
 /// Parses each robot model once per process. Any thread.
 class RobotLibrary {
  public:
-  explicit RobotLibrary(SearchPath path) : path_(std::move(path)) {}
+  /// `embedded`: the worlds and robot models that a recording carries (Scenario::sources). Readers take these
+  /// before they look on `path`, and call them in messages by the file that they came from.
+  explicit RobotLibrary(SearchPath path, std::vector<SourceText> embedded = {})
+      : path_(std::move(path)), embedded_(std::move(embedded)) {}
   /// The model of `type`; null with diagnostics (at `where`, or in the model's file) if there is none.
   std::shared_ptr<const RobotModel> Get(const std::string& type, const SourceLine& where,
                                         Diagnostics& diagnostics);
+  /// Whether there is a model called `type`, be it good or not.
+  bool Has(const std::string& type) const;
+  /// The embedded text `name` of a `kind` (world, robot); null if there is none.
+  const SourceText* Embedded(std::string_view kind, std::string_view name) const;
   const SearchPath& path() const { return path_; }
 
  private:
-  SearchPath path_;
+  const SearchPath path_;
+  const std::vector<SourceText> embedded_;
   Mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<const RobotModel>> models_ GUARDED_BY(mutex_);
 };
@@ -57,11 +67,15 @@ class RobotLibrary {
 /// Reads an SDF robot model (libsdformat; our own elements in the namespace `coopdyn:`). Null if it has
 /// errors.
 std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& file, Diagnostics& diagnostics);
+/// The same from a text instead of from the disk; a model names no other files. `file`: for messages.
+std::shared_ptr<const RobotModel> ReadRobotModelText(const std::string& text, const std::string& file,
+                                                     const std::string& type, Diagnostics& diagnostics);
 
 /// Reads the text of a .world. Errors go to `diagnostics`; what could be read is returned.
 WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics);
 
-/// Reads the text of a .scenario and all that it names. Nothing if there are errors.
+/// Reads the text of a .scenario and all that it names, whose texts it keeps in `sources`. Nothing if there
+/// are errors. With these sources embedded in `robots`, text, file and seed give the same scenario again.
 /// `file`: for messages and for what lies beside it. `by_socket`: worlds, robots and controllers only by bare
 /// name on the path. `seed`: instead of the scenario's (`--seed`), for the places of swarms too; a `seed` in
 /// their own sections stays.

@@ -68,8 +68,16 @@ std::shared_ptr<const RobotModel> RobotSections::ReadType(SectionReader& reader,
   if (broken_types_.contains(type)) return nullptr;
   std::shared_ptr<const RobotModel> model = library_.Get(type, reader.LineOf("type"), diagnostics_);
   // What is wrong inside a model's file is said once; an unknown type at every line that names it.
-  if (model == nullptr && library_.path().FindRobot(type)) broken_types_[type] = true;
+  if (model == nullptr && library_.Has(type)) broken_types_[type] = true;
+  if (model != nullptr) KeepSource(type, *model);
   return model;
+}
+
+void RobotSections::KeepSource(const std::string& type, const RobotModel& model) {
+  for (const SourceText& source : scenario_.sources) {
+    if (source.kind == "robot" && source.name == type) return;
+  }
+  scenario_.sources.push_back({"robot", type, model.file, model.text});
 }
 
 void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {

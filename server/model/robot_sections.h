@@ -37,6 +37,8 @@ class RobotSections {
  private:
   /// The model of `type`; `team`: two of them. Null with an error.
   std::shared_ptr<const RobotModel> ReadType(SectionReader& reader, bool& team);
+  /// The scenario carries the text of the `model` that it asked for as `type`.
+  void KeepSource(const std::string& type, const RobotModel& model);
   void ReadShared(SectionReader& reader, RobotEntry& entry);
   /// Reports what a robot with a controller cannot have.
   void CheckDriver(SectionReader& reader, const RobotEntry& entry);

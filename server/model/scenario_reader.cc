@@ -144,27 +144,35 @@ class ScenarioReader {
     const std::optional<std::string> name = reader.Text("file");
     reader.Finish();
     if (!name) return;
-    const SourceLine where = reader.LineOf("file");
-    if (by_socket_ && !IsBareName(*name)) {
-      diagnostics_.Error(where,
-                         "a scenario sent over a socket names its world by the bare name of a file on the "
-                         "search path, for example: file corridor.world");
-      return;
-    }
-    const std::filesystem::path beside = FolderOf(label_, by_socket_).value_or(std::filesystem::path());
-    const auto path = library_.path().FindWorld(*name, beside);
-    if (!path) {
-      diagnostics_.Error(where,
-                         "there is no world '" + *name + "' beside the scenario or on the search path");
-      return;
-    }
-    const std::string file = path->string();
-    const std::optional<std::string> text = ReadTextFile(file, where, diagnostics_);
-    if (!text) return;
-    scenario_->world = ReadWorld(*text, file, diagnostics_);
+    std::optional<SourceText> source = FindWorld(*name, reader.LineOf("file"));
+    if (!source) return;
+    scenario_->world = ReadWorld(source->text, source->file, diagnostics_);
+    source->text = scenario_->world.text;
+    scenario_->sources.push_back(std::move(*source));
     if (scenario_->world.floor) scenario_->floor = *scenario_->world.floor;
     for (const WorldObject& object : scenario_->world.objects) AddObject(object);
     scattered_ = scenario_->world.scattered;
+  }
+
+  /// The text of the world `name`: a recording's own, or that of a file. Nothing with an error at `where`.
+  std::optional<SourceText> FindWorld(const std::string& name, const SourceLine& where) {
+    if (const SourceText* embedded = library_.Embedded("world", name)) return *embedded;
+    if (by_socket_ && !IsBareName(name)) {
+      diagnostics_.Error(where,
+                         "a scenario sent over a socket names its world by the bare name of a file on the "
+                         "search path, for example: file corridor.world");
+      return std::nullopt;
+    }
+    const std::filesystem::path beside = FolderOf(label_, by_socket_).value_or(std::filesystem::path());
+    const auto path = library_.path().FindWorld(name, beside);
+    if (!path) {
+      diagnostics_.Error(where, "there is no world '" + name + "' beside the scenario or on the search path");
+      return std::nullopt;
+    }
+    const std::string file = path->string();
+    std::optional<std::string> text = ReadTextFile(file, where, diagnostics_);
+    if (!text) return std::nullopt;
+    return SourceText{"world", name, file, std::move(*text)};
   }
 
   void ReadOwnFloor(SectionReader& reader) {

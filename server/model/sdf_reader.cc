@@ -36,16 +36,14 @@ int LineOf(const sdf::ElementPtr& element) {
 
 class RobotReader {
  public:
-  RobotReader(const std::filesystem::path& path, Diagnostics& diagnostics)
-      : file_(path.string()), diagnostics_(diagnostics) {
-    robot_->type = path.parent_path().filename().string();
+  RobotReader(std::string file, std::string type, Diagnostics& diagnostics)
+      : file_(std::move(file)), diagnostics_(diagnostics) {
+    robot_->type = std::move(type);
     robot_->file = file_;
   }
 
-  std::shared_ptr<const RobotModel> Read() {
-    std::optional<std::string> text = ReadTextFile(file_, {file_, 0}, diagnostics_);
-    if (!text) return nullptr;
-    robot_->text = std::move(*text);
+  std::shared_ptr<const RobotModel> Read(std::string text) {
+    robot_->text = std::move(text);
     const tinyxml2::XMLElement* root = Parse();
     if (root == nullptr) return nullptr;
     sdf::Root loaded;
@@ -380,8 +378,18 @@ class RobotReader {
 
 std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& file,
                                                  Diagnostics& diagnostics) {
+  const std::string name = file.string();
+  const std::optional<std::string> text = ReadTextFile(name, {name, 0}, diagnostics);
+  if (!text) return nullptr;
+  return ReadRobotModelText(*text, name, file.parent_path().filename().string(), diagnostics);
+}
+
+std::shared_ptr<const RobotModel> ReadRobotModelText(const std::string& text, const std::string& file,
+                                                     const std::string& type, Diagnostics& diagnostics) {
   Diagnostics found;
-  std::shared_ptr<const RobotModel> robot = RobotReader(file, found).Read();
+  std::shared_ptr<const RobotModel> robot;
+  std::optional<std::string> decoded = DecodeText(text, {file, 0}, found);
+  if (decoded) robot = RobotReader(file, type, found).Read(std::move(*decoded));
   diagnostics.Append(found);
   return robot;
 }
