@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+#include "server/replay/resimulator.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::uint64_t kEpoch = 1;
+constexpr int kMaxStoppedNamed = 5;
+
+/// The first controller of `scene` whose file is not there, as its scenario calls it; empty: none.
+std::string MissingController(const Scene& scene) {
+  for (const SceneRobot& robot : scene.robots) {
+    const ControllerChoice& choice = robot.entry.controller;
+    std::error_code error;
+    if (choice.empty() || std::filesystem::is_regular_file(choice.file, error)) continue;
+    return choice.name;
+  }
+  return {};
+}
+
+bool HasControllers(const Scene& scene) {
+  return std::any_of(scene.robots.begin(), scene.robots.end(),
+                     [](const SceneRobot& robot) { return !robot.entry.controller.empty(); });
+}
+
+/// What the errors of `diagnostics` say, in one line.
+std::string Errors(const Diagnostics& diagnostics) {
+  std::string text;
+  for (const Diagnostic& one : diagnostics.all()) {
+    if (one.level == Diagnostic::Level::kError) text += (text.empty() ? "" : "; ") + ToString(one);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string OtherOrigin(const RunHeader& header) {
+  const bool other_build = header.build != BuildId(), other_cpu = header.cpu != CpuName();
+  if (!other_build && !other_cpu) return {};
+  const std::string version = header.version.empty() ? "" : "version " + header.version + ", ";
+  std::string text = "made by ";
+  if (other_build) text += "another build (" + version + header.build + ")";
+  if (other_cpu) text += std::string(other_build ? " " : "") + "on another processor (" + header.cpu + ")";
+  return text + ": equal bits are not promised";
+}
+
+Resimulator::Resimulator(std::string file, const RunHeader& header, const ReplayServices& services)
+    : file_(std::move(file)), header_(header), services_(services) {}
+
+Resimulator::~Resimulator() = default;
+
+void Resimulator::Warn(const std::string& line) {
+  if (warning_.find(line) != std::string::npos) return;
+  warning_ += (warning_.empty() ? "" : "\n") + line;
+}
+
+bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
+                                std::string& why) {
+  if (const std::string name = MissingController(*scene); !name.empty()) {
+    why = "controller " + name + " is not found";
+    return false;
+  }
+  if (host_ == nullptr) {
+    host_ = std::make_unique<ControllerHost>(services_.controllers, services_.clock, services_.logger,
+                                             services_.pool);
+  }
+  Diagnostics diagnostics;
+  simulation_ =
+      Simulation::Build(scene, seed, kEpoch, {&services_.pool, host_.get()}, services_.clock, diagnostics);
+  why = Errors(diagnostics);
+  return simulation_ != nullptr;
+}
+
+bool Resimulator::GiveUpControllers(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
+                                    const std::string& why) {
+  if (!header_.what.controllers) {
+    error_ = file_ + ": " + why +
+             "; the recording has no set-points of controllers (controllers was not among --record-what), so "
+             "it cannot be repeated without: put the controller that ran on the search path, or name its "
+             "folder with --scenarios DIR";
+    return false;
+  }
+  simulation_.reset();
+  host_.reset();
+  controllers_given_up_ = true;
+  Diagnostics diagnostics;
+  simulation_ =
+      Simulation::Build(scene, seed, kEpoch, {&services_.pool, &recorded_}, services_.clock, diagnostics);
+  if (simulation_ == nullptr) {
+    error_ = file_ + ": its world cannot be built: " + Errors(diagnostics);
+    return false;
+  }
+  Warn(why + ": the set-points of controllers are taken from the recording, not computed again");
+  return true;
+}
+
+bool Resimulator::Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) {
+  simulation_.reset();
+  if (HasControllers(*scene)) {
+    std::string why = "controllers are given up";
+    if (!controllers_given_up_ && BuildWithHost(scene, seed, why)) return true;
+    return GiveUpControllers(scene, seed, why);
+  }
+  host_.reset();
+  Diagnostics diagnostics;
+  simulation_ =
+      Simulation::Build(scene, seed, kEpoch, {&services_.pool, nullptr}, services_.clock, diagnostics);
+  if (simulation_ == nullptr) error_ = file_ + ": its world cannot be built: " + Errors(diagnostics);
+  return simulation_ != nullptr;
+}
+
+std::string Resimulator::WhyControllersDiffer(const SavedState& state) {
+  if (host_ == nullptr || state.controllers.empty()) return {};
+  const std::vector<StoppedController> stopped = host_->TakeStopped();
+  // Nothing has run yet: what they save is what they were given, unless it did not fit.
+  if (host_->Save() == state.controllers) return {};
+  if (stopped.empty()) return "the controllers that are found do not take the state that was saved";
+  return stopped.front().why + " (" + stopped.front().robot + ")";
+}
+
+bool Resimulator::Restore(const SavedStatePtr& state, std::uint64_t scene_number) {
+  const std::shared_ptr<const Scene>& scene = state->frame->scene;
+  const bool same = simulation_ != nullptr && &simulation_->scene() == scene.get();
+  if (!same && !Build(scene, state->frame->seed)) return false;
+  simulation_->Restore(*state, kEpoch);
+  if (const std::string why = WhyControllersDiffer(*state); !why.empty()) {
+    if (!GiveUpControllers(scene, state->frame->seed, why)) return false;
+    simulation_->Restore(*state, kEpoch);
+  }
+  scene_number_ = scene_number;
+  mode_ = state->mode;
+  paused_ = state->paused;
+  in_force_.clear();
+  for (const RobotState& robot : state->frame->robots) in_force_.push_back(robot.setpoint_rad_s);
+  commanded_.assign(in_force_.size(), 0);
+  ListComputed();
+  return true;
+}
+
+void Resimulator::ListComputed() {
+  computed_.assign(in_force_.size(), 0);
+  if (host_ == nullptr) return;
+  const Scene& scene = simulation_->scene();
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    computed_[i] = scene.robots[i].entry.controller.empty() ? 0 : 1;
+  }
+  for (const int robot : host_->Unloaded()) computed_[static_cast<std::size_t>(robot)] = 0;
+}
+
+void Resimulator::SetInputs(std::vector<RunInput> inputs) {
+  inputs_ = std::move(inputs);
+  next_input_ = 0;
+}
+
+void Resimulator::Apply(const RunInput& input) {
+  if (input.action == "set_mode") {
+    mode_ = ParseMode(input.detail).value_or(mode_);
+    return;
+  }
+  const bool released = input.action == "release_robot", stopped = input.action == "controller_stopped";
+  if (!released && !stopped) return;
+  const std::size_t space = input.detail.find(' ');
+  const int robot = simulation_->scene().FindRobot(input.detail.substr(0, space));
+  if (robot < 0) return;
+  if (released) {
+    in_force_[static_cast<std::size_t>(robot)] = {};
+    if (host_ != nullptr) host_->Unload(robot);
+    ListComputed();
+  } else if (host_ != nullptr) {
+    host_->Stop(robot, space == std::string::npos ? "" : input.detail.substr(space + 1));
+    host_->TakeStopped();
+  }
+}
+
+bool Resimulator::Step(const RecordedStep& step) {
+  const Nanoseconds length = step.time - frame()->time;
+  const std::string where = file_ + ": step " + std::to_string(step.step);
+  if (length < kMinStep || length > kMaxStep) {
+    error_ = where + " is damaged: it took " + std::to_string(ToSeconds(length)) +
+             " s of simulated time, and a step has 0.0005 s to 0.1 s";
+    return false;
+  }
+  for (; next_input_ < inputs_.size() && inputs_[next_input_].step < step.step; ++next_input_) {
+    if (inputs_[next_input_].step == frame()->step) Apply(inputs_[next_input_]);
+  }
+  std::fill(commanded_.begin(), commanded_.end(), std::uint8_t{0});
+  for (const CommandRecord& command : step.commands) {
+    if (command.robot >= in_force_.size()) {
+      error_ = where + " is damaged: it commands a robot that is not there";
+      return false;
+    }
+    in_force_[command.robot] = command.setpoint;
+    commanded_[command.robot] = command.by_client ? 1 : 0;
+  }
+  messages_.clear();
+  for (const SentMessage& message : step.messages) {
+    if (message.robot >= in_force_.size()) {
+      error_ = where + " is damaged: a robot broadcasts that is not there";
+      return false;
+    }
+    // The others are sent again by their controllers.
+    if (computed_[message.robot] == 0) messages_.push_back(message);
+  }
+  latched_ = in_force_;
+  simulation_->Step(length, {latched_, messages_, commanded_});
+  paused_ = false;
+  if (host_ != nullptr) {
+    for (const StoppedController& stopped : host_->TakeStopped()) {
+      if (++stopped_here_ > kMaxStoppedNamed) continue;
+      Warn("step " + std::to_string(step.step) + ": " + stopped.robot +
+           " stands in the repetition, which it did not in the run: " + stopped.why);
+    }
+  }
+  return true;
+}
+
+SavedState Resimulator::Save() const {
+  SavedState state = simulation_->Save();
+  state.mode = mode_;
+  state.paused = paused_;
+  return state;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+// Runs a recorded run once more: from a keyframe on, step by step, with the recorded inputs. Robots that a
+// loaded controller drove are driven by it again, so that its set-points are computed, not read. One thread,
+// and no other world steps meanwhile.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/controllers/controller_host.h"
+#include "server/physics/simulation.h"
+#include "server/record/run_header.h"
+#include "server/replay/recorded_controllers.h"
+#include "server/replay/state_at.h"
+
+namespace coopdyn {
+
+class Resimulator {
+ public:
+  /// Repeats a run of `header`, called `file` in texts. `services` outlives it.
+  Resimulator(std::string file, const RunHeader& header, const ReplayServices& services);
+  ~Resimulator();
+
+  /// Goes on from `state`, a keyframe with scene number `scene` of the file. False, and error() says why, if
+  /// its world cannot be built, or its controllers are not to be had and their set-points were not recorded.
+  bool Restore(const SavedStatePtr& state, std::uint64_t scene);
+  /// Inputs of the run for the steps to come, in their order, instead of those given before.
+  void SetInputs(std::vector<RunInput> inputs);
+  /// Whether `step` is the one after frame(), in the same scene.
+  bool Follows(const RecordedStep& step) const {
+    return step.step == frame()->step + 1 && step.scene == scene_number_;
+  }
+  /// Runs `step`. @pre Follows(). False, and error() says why, if what it says cannot be.
+  bool Step(const RecordedStep& step);
+
+  const FramePtr& frame() const { return simulation_->frame(); }
+  /// What goes on from frame(), with the mode in force then. The controllers are missing from it if they are
+  /// RecordedControllers.
+  SavedState Save() const;
+  /// By robot: the set-points in force as the recording has them. Those of robots with computed() are there
+  /// only if RecordWhat::controllers was on.
+  std::span<const Setpoint> recorded_setpoints() const { return in_force_; }
+  /// By robot: 1 if a loaded controller drives it here.
+  std::span<const std::uint8_t> computed() const { return computed_; }
+  /// The controllers are those of the run, not RecordedControllers.
+  bool has_controllers() const { return host_ != nullptr; }
+
+  const std::string& error() const { return error_; }
+  /// What the outcome is to be read with; lines, empty if there is nothing.
+  const std::string& warning() const { return warning_; }
+
+ private:
+  bool Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed);
+  /// The controllers of the run; false with `why` if they are not to be had.
+  bool BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed, std::string& why);
+  /// Uses RecordedControllers from now on; `why` the others cannot be used.
+  bool GiveUpControllers(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
+                         const std::string& why);
+  /// After a Restore(): why the controllers are not those of `state`; empty: they are.
+  std::string WhyControllersDiffer(const SavedState& state);
+  void Apply(const RunInput& input);
+  void ListComputed();
+  void Warn(const std::string& line);
+
+  const std::string file_;
+  const RunHeader& header_;
+  const ReplayServices& services_;
+  RecordedControllers recorded_;
+  bool controllers_given_up_ = false;
+  std::unique_ptr<ControllerHost> host_;    // null: none are loaded
+  std::unique_ptr<Simulation> simulation_;  // after the drivers, which it uses
+  std::uint64_t scene_number_ = 0;          // in the file
+  Mode mode_ = Mode::kRealtime;
+  bool paused_ = false;
+  std::vector<RunInput> inputs_;
+  std::size_t next_input_ = 0;
+  std::vector<Setpoint> in_force_, latched_;  // by robot
+  std::vector<std::uint8_t> commanded_, computed_;
+  std::vector<SentMessage> messages_;
+  std::string error_, warning_;
+  int stopped_here_ = 0;  // controllers that did not stop in the run
+};
+
+/// "made by another build (…)", if `header` says so, else empty.
+std::string OtherOrigin(const RunHeader& header);
+
+}  // namespace coopdyn

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "server/replay/state_at.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "server/replay/resimulator.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kMaxTime_s = 9e9;  // so that it fits into Nanoseconds
+
+std::string RangeOf(const std::string& file, const RunExtent& extent) {
+  return fmt::format("{} has {:g} s to {:g} s (steps {} to {})", file, ToSeconds(extent.begin),
+                     ToSeconds(extent.end), extent.first, extent.last);
+}
+
+/// What must be said of a repetition that went another way than the run.
+std::string PartsAt(const RunReader& reader, std::uint64_t step, const std::string& warning) {
+  std::string text = fmt::format("{}: step {} comes out otherwise than recorded", reader.file(), step);
+  const std::string origin = OtherOrigin(reader.header());
+  if (!origin.empty()) text += "; the run was " + origin;
+  if (!warning.empty()) text += "; " + warning;
+  return text + ": coopdyn verify " + reader.file() + " says what differs";
+}
+
+}  // namespace
+
+SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayServices& services,
+                      std::string& error) {
+  const SavedStatePtr keyframe = reader.Keyframe(step);
+  if (keyframe == nullptr) {
+    error = reader.error().empty()
+                ? RangeOf(reader.file(), reader.extent()) + ": there is no step " + std::to_string(step)
+                : reader.error();
+    return nullptr;
+  }
+  const std::uint64_t from = keyframe->frame->step;
+  const std::optional<RecordedStep> first = reader.Read(from, true);
+  const std::optional<RecordedStep> wanted = reader.Read(step, true);
+  if (!first || !wanted) {
+    error = reader.error();
+    if (error.empty()) error = fmt::format("{}: step {} was not recorded", reader.file(), step);
+    return nullptr;
+  }
+  if (StateHash(*keyframe->frame) != first->hash) {
+    error =
+        fmt::format("{}: the exact state of step {} is damaged: it is not the one whose hash was recorded",
+                    reader.file(), from);
+    return nullptr;
+  }
+  if (from == step) return keyframe;
+
+  Resimulator run(reader.file(), reader.header(), services);
+  if (!run.Restore(keyframe, first->scene)) {
+    error = run.error();
+    return nullptr;
+  }
+  run.SetInputs(reader.Inputs(from, step - 1));
+  const bool read = reader.ForEach(from + 1, step, true, [&](const RecordedStep& recorded) {
+    if (!run.Follows(recorded)) {
+      error = fmt::format(
+          "{}: step {} was not recorded, and no exact state is after it; the newest one "
+          "before is that of step {}",
+          reader.file(), recorded.step - 1, from);
+    } else if (!run.Step(recorded)) {
+      error = run.error();
+    } else if (StateHash(*run.frame()) != recorded.hash) {
+      error = PartsAt(reader, recorded.step, run.warning());
+    }
+    return error.empty();
+  });
+  if (!read) error = reader.error();
+  if (!error.empty()) return nullptr;
+  if (run.frame()->step != step) {
+    error = fmt::format("{}: step {} was not recorded", reader.file(), step);
+    return nullptr;
+  }
+  if (!run.warning().empty()) services.logger->warn("{}: {}", reader.file(), run.warning());
+  return std::make_shared<SavedState>(run.Save());
+}
+
+std::optional<std::uint64_t> FindStep(RunReader& reader, const std::string& when, std::string& error) {
+  const RunExtent extent = reader.extent();
+  if (when == "start") return extent.first;
+  if (when == "end") return extent.last;
+  const std::string range = RangeOf(reader.file(), extent);
+  const bool by_step = when.starts_with("#") || when.starts_with("step");
+  const char* begin = when.data() + (when.starts_with("#") ? 1 : by_step ? 4 : 0);
+  const char* end = when.data() + when.size();
+  if (by_step) {
+    std::uint64_t step = 0;
+    const auto [stop, code] = std::from_chars(begin, end, step);
+    if (code != std::errc() || stop != end) {
+      error = "'" + when + "' is no step: write for example #1200; " + range;
+      return std::nullopt;
+    }
+    if (step < extent.first || step > extent.last) {
+      error = range + ": step " + std::to_string(step) + " is not in it";
+      return std::nullopt;
+    }
+    std::optional<RecordedStep> read = reader.Read(step, true);
+    if (read) return step;
+    error = reader.error().empty() ? fmt::format("{}: step {} was not recorded", reader.file(), step)
+                                   : reader.error();
+    return std::nullopt;
+  }
+  double time_s = 0;
+  const auto [stop, code] = std::from_chars(begin, end, time_s);
+  const bool unit = stop + 1 == end && *stop == 's';
+  if (code != std::errc() || (stop != end && !unit) || !std::isfinite(time_s)) {
+    error = "'" + when + "' is no moment of a run: write simulated seconds (12.5), start, end, or a step " +
+            "(#1200); " + range;
+    return std::nullopt;
+  }
+  const bool possible = std::abs(time_s) < kMaxTime_s;
+  const Nanoseconds time = possible ? std::llround(time_s * 1e9) : 0;
+  if (!possible || time < extent.begin || time > extent.end) {
+    error = fmt::format("{}: {:g} s is not in it", range, time_s);
+    return std::nullopt;
+  }
+  const std::optional<std::uint64_t> step = reader.StepAt(time, false);
+  if (!step) error = reader.error();
+  return step;
+}
+
+}  // namespace coopdyn
