@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// Little-endian numbers to and from bytes, for the codecs of run files. Any machine; pure.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace coopdyn {
+
+/// Appends to a vector of bytes.
+class ByteWriter {
+ public:
+  explicit ByteWriter(std::vector<std::byte>& bytes) : bytes_(bytes) {}
+
+  template <typename Number>
+  void Put(Number number) {
+    if constexpr (std::is_same_v<Number, double>) {
+      Put(std::bit_cast<std::uint64_t>(number));
+    } else if constexpr (std::is_same_v<Number, float>) {
+      Put(std::bit_cast<std::uint32_t>(number));
+    } else {
+      static_assert(std::is_integral_v<Number>);
+      PutLow(static_cast<std::uint64_t>(number), sizeof(Number));
+    }
+  }
+  /// The lowest `count` bytes of `number`.
+  void PutLow(std::uint64_t number, std::size_t count) {
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + count);
+    for (std::size_t i = 0; i < count; ++i) bytes_[at + i] = static_cast<std::byte>(number >> (8 * i));
+  }
+  template <typename Numbers>
+  void PutAll(const Numbers& numbers) {
+    for (const auto number : numbers) Put(number);
+  }
+  /// u32 length, then the text.
+  void PutText(std::string_view text) {
+    Put(static_cast<std::uint32_t>(text.size()));
+    PutBytes(std::as_bytes(std::span(text)));
+  }
+  void PutBytes(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+
+ private:
+  std::vector<std::byte>& bytes_;
+};
+
+/// Reads bytes that may be anything: past the end it gives zeros, and ok() is false from then on.
+class ByteReader {
+ public:
+  explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  bool ok() const { return ok_; }
+  std::size_t left() const { return bytes_.size(); }
+  /// Everything was read, and it was there.
+  bool finished() const { return ok_ && bytes_.empty(); }
+  void Fail() {
+    ok_ = false;
+    bytes_ = {};
+  }
+
+  template <typename Number>
+  Number Get() {
+    if constexpr (std::is_same_v<Number, double>) {
+      return std::bit_cast<double>(GetLow(8));
+    } else if constexpr (std::is_same_v<Number, float>) {
+      return std::bit_cast<float>(static_cast<std::uint32_t>(GetLow(4)));
+    } else {
+      static_assert(std::is_integral_v<Number>);
+      return static_cast<Number>(GetLow(sizeof(Number)));
+    }
+  }
+  /// A number of `count` ≤ 8 bytes.
+  std::uint64_t GetLow(std::size_t count) {
+    if (bytes_.size() < count) {
+      Fail();
+      return 0;
+    }
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < count; ++i) number |= std::to_integer<std::uint64_t>(bytes_[i]) << (8 * i);
+    bytes_ = bytes_.subspan(count);
+    return number;
+  }
+  template <typename Numbers>
+  void GetAll(Numbers& numbers) {
+    for (auto& number : numbers) number = Get<std::remove_reference_t<decltype(number)>>();
+  }
+  /// A u32 count of things that take at least `bytes_each` ≥ 1; 0 and failed if so many cannot follow.
+  std::size_t GetCount(std::size_t bytes_each) {
+    const std::size_t count = Get<std::uint32_t>();
+    if (count <= bytes_.size() / bytes_each) return count;
+    Fail();
+    return 0;
+  }
+  std::string GetText() {
+    const std::span<const std::byte> text = GetBytes(GetCount(1));
+    return {reinterpret_cast<const char*>(text.data()), text.size()};
+  }
+  std::span<const std::byte> GetBytes(std::size_t count) {
+    if (bytes_.size() < count) {
+      Fail();
+      return {};
+    }
+    const std::span<const std::byte> read = bytes_.first(count);
+    bytes_ = bytes_.subspan(count);
+    return read;
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  bool ok_ = true;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/recorded_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/record/bytes.h"
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+
+namespace {
+
+struct Word {
+  const char* text;
+  bool RecordWhat::*chosen;
+};
+constexpr std::array<Word, 4> kWords{{{"wheels", &RecordWhat::wheels},
+                                      {"distances", &RecordWhat::distances},
+                                      {"targets", &RecordWhat::targets},
+                                      {"controllers", &RecordWhat::controllers}}};
+
+constexpr std::uint32_t kByClient = std::uint32_t{1} << 31;
+constexpr std::size_t kCommandBytes = 4 + 2 * 8;
+constexpr std::size_t kWheelsBytes = 2 * 5 + 2 * 4;
+constexpr double kAngleUnit_rad = 1e-5;
+constexpr double kMostAngleUnits = 549755813887.0;  // 2^39 − 1
+constexpr std::size_t kManyRobots = 50;
+
+std::uint64_t EncodeAngle(double angle_rad) {
+  const double units = std::isnan(angle_rad) ? 0 : angle_rad / kAngleUnit_rad;
+  return static_cast<std::uint64_t>(std::llrint(std::clamp(units, -kMostAngleUnits, kMostAngleUnits)));
+}
+
+double DecodeAngle(std::uint64_t bits) {
+  constexpr std::uint64_t kSign = std::uint64_t{1} << 39;
+  return static_cast<double>(static_cast<std::int64_t>((bits ^ kSign) - kSign)) * kAngleUnit_rad;
+}
+
+}  // namespace
+
+std::string ToString(const RecordWhat& what) {
+  std::string words = "poses";
+  for (const Word& word : kWords) {
+    if (what.*word.chosen) words += std::string(",") + word.text;
+  }
+  return words;
+}
+
+std::optional<RecordWhat> ParseRecordWhat(const std::string& words, std::string& unknown) {
+  RecordWhat what;
+  std::size_t start = 0;
+  while (start <= words.size()) {
+    const std::size_t end = std::min(words.find(',', start), words.size());
+    std::string word = words.substr(start, end - start);
+    std::erase_if(word, [](char c) { return c == ' ' || c == '\t'; });
+    start = end + 1;
+    if (word == "poses") continue;
+    if (word == "all") {
+      what = {true, true, true, true};
+      continue;
+    }
+    const auto* found =
+        std::find_if(kWords.begin(), kWords.end(), [&](const Word& known) { return word == known.text; });
+    if (found == kWords.end()) {
+      unknown = word;
+      return {};
+    }
+    what.*found->chosen = true;
+  }
+  return what;
+}
+
+RecordWhat DefaultRecordWhat(std::size_t robots) {
+  const bool few = robots <= kManyRobots;
+  return {few, few, few, true};
+}
+
+void EncodeCommands(std::span<const CommandRecord> commands, std::vector<std::byte>& blob) {
+  ByteWriter writer(blob);
+  for (const CommandRecord& command : commands) {
+    writer.Put(command.robot | (command.by_client ? kByClient : 0));
+    writer.PutAll(command.setpoint);
+  }
+}
+
+bool DecodeCommands(std::span<const std::byte> blob, std::vector<CommandRecord>& commands) {
+  commands.clear();
+  if (blob.size() % kCommandBytes != 0) return false;
+  commands.resize(blob.size() / kCommandBytes);
+  ByteReader reader(blob);
+  for (CommandRecord& command : commands) {
+    const auto robot = reader.Get<std::uint32_t>();
+    command.robot = robot & ~kByClient;
+    command.by_client = (robot & kByClient) != 0;
+    reader.GetAll(command.setpoint);
+    if (std::isfinite(command.setpoint[0]) && std::isfinite(command.setpoint[1])) continue;
+    commands.clear();
+    return false;
+  }
+  return true;
+}
+
+void EncodeMessages(std::span<const SentMessage> messages, std::vector<std::byte>& blob) {
+  ByteWriter writer(blob);
+  for (const SentMessage& sent : messages) {
+    writer.Put(sent.robot);
+    writer.Put(sent.message.count);
+    for (std::uint32_t i = 0; i < sent.message.count; ++i) writer.Put(sent.message.values[i]);
+  }
+}
+
+bool DecodeMessages(std::span<const std::byte> blob, std::uint64_t step, std::vector<SentMessage>& messages) {
+  messages.clear();
+  ByteReader reader(blob);
+  while (reader.left() > 0) {
+    SentMessage sent;
+    sent.robot = reader.Get<std::uint32_t>();
+    sent.step = step;
+    sent.message.count = reader.Get<std::uint32_t>();
+    if (sent.message.count > RobotMessage::kMaxValues) reader.Fail();
+    for (std::uint32_t i = 0; reader.ok() && i < sent.message.count; ++i) {
+      sent.message.values[i] = reader.Get<double>();
+    }
+    if (reader.ok()) messages.push_back(sent);
+  }
+  if (!reader.ok()) messages.clear();
+  return reader.ok();
+}
+
+void EncodeWheels(std::span<const RobotState> robots, std::vector<std::byte>& blob) {
+  ByteWriter writer(blob);
+  for (const RobotState& robot : robots) {
+    for (const double angle_rad : robot.wheel_angle_rad) writer.PutLow(EncodeAngle(angle_rad), 5);
+    for (const double speed_rad_s : robot.wheel_speed_rad_s) writer.Put(static_cast<float>(speed_rad_s));
+  }
+}
+
+bool DecodeWheels(std::span<const std::byte> blob, std::span<RobotState> robots) {
+  if (blob.size() != robots.size() * kWheelsBytes) return false;
+  ByteReader reader(blob);
+  for (RobotState& robot : robots) {
+    for (double& angle_rad : robot.wheel_angle_rad) angle_rad = DecodeAngle(reader.GetLow(5));
+    for (double& speed_rad_s : robot.wheel_speed_rad_s) speed_rad_s = reader.Get<float>();
+  }
+  return true;
+}
+
+void EncodeDistances(const Frame& frame, std::vector<std::byte>& blob) {
+  ByteWriter writer(blob);
+  for (std::size_t robot = 0; robot < frame.robots.size(); ++robot) {
+    for (const double range_m : Distances(frame, static_cast<int>(robot))) {
+      writer.Put(static_cast<float>(range_m));
+    }
+  }
+}
+
+void EncodeTargets(const Frame& frame, std::vector<std::byte>& blob) {
+  constexpr float kUnseen = std::numeric_limits<float>::quiet_NaN();
+  ByteWriter writer(blob);
+  const auto targets = static_cast<int>(frame.scene->targets.size());
+  if (targets == 0) return;
+  for (std::size_t robot = 0; robot < frame.robots.size(); ++robot) {
+    const std::vector<Sighting> seen = SeenTargets(frame, static_cast<int>(robot));
+    auto next = seen.begin();
+    for (int target = 0; target < targets; ++target) {
+      const bool sees = next != seen.end() && next->index == target;
+      writer.Put(sees ? static_cast<float>(next->distance_m) : kUnseen);
+      writer.Put(sees ? static_cast<float>(next->bearing_rad) : kUnseen);
+      if (sees) ++next;
+    }
+  }
+}
+
+bool DecodeFloats(std::span<const std::byte> blob, std::vector<float>& values) {
+  values.clear();
+  if (blob.size() % sizeof(float) != 0) return false;
+  values.resize(blob.size() / sizeof(float));
+  ByteReader reader(blob);
+  reader.GetAll(values);
+  return true;
+}
+
+}  // namespace coopdyn
