@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/run_header.h"
+
+#define XXH_INLINE_ALL
+#include <link.h>
+#include <xxhash.h>
+
+#include <array>
+#include <cstddef>
+#include <fstream>
+#include <string_view>
+
+namespace coopdyn {
+
+namespace {
+
+void AddFile(const std::string& file, XXH3_state_t& state) {
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<char> buffer(std::size_t{1} << 20);
+  while (stream) {
+    stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    XXH3_64bits_update(&state, buffer.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+}
+
+/// dl_iterate_phdr()'s callback: stops at the physics library, whose file goes to `data`, a std::string.
+int FindPhysics(dl_phdr_info* info, std::size_t /*size*/, void* data) {
+  const std::string_view file = info->dlpi_name;
+  if (file.substr(file.rfind('/') + 1).rfind("libode.so", 0) != 0) return 0;
+  *static_cast<std::string*>(data) = file;
+  return 1;
+}
+
+}  // namespace
+
+std::string BuildId() {
+  // The program's file is read as it was started, also if a newer one has taken its name since.
+  std::string physics;
+  dl_iterate_phdr(FindPhysics, &physics);
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  AddFile("/proc/self/exe", state);
+  if (!physics.empty()) AddFile(physics, state);
+  return HashText(XXH3_64bits_digest(&state));
+}
+
+std::string CpuName() {
+  std::ifstream stream("/proc/cpuinfo");
+  std::string line;
+  while (std::getline(stream, line)) {
+    if (line.rfind("model name", 0) != 0) continue;
+    const std::size_t colon = line.find(':');
+    const std::size_t start = colon == std::string::npos ? colon : line.find_first_not_of(" \t", colon + 1);
+    if (start != std::string::npos) return line.substr(start);
+  }
+  return "unknown";
+}
+
+}  // namespace coopdyn
