@@ -25,6 +25,7 @@ Use a `sim` and its robots from one thread. On a command line: `python3 coopdyn.
 from __future__ import annotations
 
 import array
+import contextlib
 import getpass
 import itertools
 import json
@@ -35,6 +36,7 @@ import socket
 import struct
 import sys
 import time as _clock
+import urllib.parse
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 __version__ = "0.1.0"
@@ -231,8 +233,9 @@ class Reading(NamedTuple):
 
 
 class Rows:
-    """Numbers in n rows, one for each robot of a team: `rows[i]` is a tuple, `rows[i][j]` a number, `for x, y, heading
-    in s.pose` goes through all. `numpy.asarray(rows)` shares the memory."""
+    """Numbers in n rows, one for each robot of a team or each moment of a run: `rows[i]` is a tuple, `rows[i][j]` or
+    `rows[i, j]` a number, `rows[:, j]` a column, `for x, y, heading in s.pose` goes through all. `numpy.asarray(rows)`
+    shares the memory."""
 
     __slots__ = ("_data", "_stride", "_first", "shape")
 
@@ -243,12 +246,21 @@ class Rows:
         return self.shape[0]
 
     def __getitem__(self, i: Any) -> Any:
+        if isinstance(i, tuple):
+            return self._column(*i)
         if isinstance(i, slice):
             return [self[k] for k in range(*i.indices(self.shape[0]))]
         if not -self.shape[0] <= i < self.shape[0]:
             raise IndexError(f"there is no row {i} of {self.shape[0]}")
         at = i % self.shape[0] * self._stride + self._first
         return tuple(self._data[at : at + self.shape[1]])
+
+    def _column(self, i: Any, j: int) -> Any:
+        rows, columns = self.shape
+        if not -columns <= j < columns:
+            raise IndexError(f"there is no column {j} of {columns}")
+        column = self._data[self._first + j % columns : self._first + rows * self._stride : self._stride]
+        return column[i]
 
     def __iter__(self) -> Iterator[Tuple[float, ...]]:
         rows, columns = self.shape
@@ -2173,6 +2185,344 @@ def connect(
         session.close()
         raise
     return Simulation(session)
+
+
+# --- recorded runs ----------------------------------------------------------------------------------------------------
+
+_RUN_ID, _RUN_FORMAT = 0x434F4F50, 1  # SQLite's application_id and user_version of a recording
+_POSE_BYTES, _COMMAND_BYTES, _WHEEL_BYTES = 18, 20, 18
+_RUN_READINGS = ("distances", "targets", "wheels")
+
+
+class Event(NamedTuple):
+    """What happened in a recorded run: after which step, when [s], "info", "warning", "error" or "note", and what."""
+
+    step: int
+    time: float
+    level: str
+    text: str
+
+
+class _Place(NamedTuple):
+    """Where a thing stands in the rows of one scene of a recording. `robot`: its number, -1 if it is none."""
+
+    scene: int
+    body: int
+    robot: int
+    p_BR: Tuple[float, float, float]
+    q_BR: Tuple[float, float, float, float]
+    first_sensor: int
+    sensors: int
+
+
+class Run:
+    """A recorded run: `coopdyn.read_run("lesson1.run")`. Nothing but what is asked for is read, when it is asked for.
+
+        run = coopdyn.read_run("lesson1.run")
+        for x, y, heading in run.pose("robot1"): ...
+        p = run.pose("robot1"); plot(p[:, 0], p[:, 1])           # a path; numpy.asarray(p) is the matrix
+
+    k is the number of recorded moments: the first is the state that recording began with. What was not there, or not
+    recorded at a moment, is nan. A run that is being recorded is read as far as it was when it was opened.
+    """
+
+    def __init__(self, file: Union[str, "os.PathLike[str]"]) -> None:
+        self.file = os.fspath(file)
+        self._db = _open_run(self.file)
+        with self._reading():
+            self._last = self._db.execute("SELECT max(step) FROM step WHERE poses IS NOT NULL").fetchone()[0]
+            if self._last is None:
+                raise Error(7, f"{self.file} holds no step yet; if its daemon has ended, `coopdyn info` says what is in it")
+            meta = dict(self._db.execute("SELECT key, value FROM meta"))
+            for key in ("seed", "scenario_seed"):
+                meta[key] = int(meta[key])
+            self._names = [name for (name,) in self._db.execute("SELECT name FROM robot GROUP BY name ORDER BY min(scene), place")]
+        self._info: Dict[str, Any] = meta
+
+    def __repr__(self) -> str:
+        return f"<coopdyn run {self.file}: {_list_of(self._names[:_NAMED_ROBOTS])}{' …' if len(self._names) > _NAMED_ROBOTS else ''}>"
+
+    def __del__(self) -> None:
+        db = getattr(self, "_db", None)
+        if db is not None:
+            db.close()
+
+    @property
+    def info(self) -> Dict[str, Any]:
+        """What is known of the run as a whole: version, started, command, seed, mode, step_ns … (docs/formats.md)."""
+        return dict(self._info)
+
+    @property
+    def scenario(self) -> str:
+        """The text of the scenario."""
+        with self._reading():
+            row = self._db.execute("SELECT content FROM text WHERE kind = 'scenario'").fetchone()
+        return str(row[0]) if row else ""
+
+    @property
+    def names(self) -> List[str]:
+        """The names of all robots."""
+        return list(self._names)
+
+    @property
+    def time(self) -> "array.array[float]":
+        """Simulated times [s], k of them."""
+        with self._reading():
+            return array.array("d", [t * 1e-9 for t in self._rows("time_ns")])
+
+    @property
+    def steps(self) -> "array.array[int]":
+        """Numbers of the steps, k of them."""
+        with self._reading():
+            return array.array("q", self._rows("step"))
+
+    @property
+    def hash(self) -> List[str]:
+        """The hash of the exact state at each moment, 16 hexadecimal digits: equal runs have equal hashes."""
+        with self._reading():
+            return [f"{h & 0xFFFFFFFFFFFFFFFF:016x}" for h in self._rows("hash")]
+
+    def pose(self, name: str) -> Rows:
+        """x, y [m] and heading [rad] of a robot, a row for each moment; also of an object that moves."""
+        flat = self._poses(name)
+        k = len(flat) // 7
+        out = array.array("d", bytes(24 * k))
+        out[0::3], out[1::3] = flat[0::7], flat[1::7]
+        out[2::3] = array.array("d", [math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+                                      for w, x, y, z in zip(flat[3::7], flat[4::7], flat[5::7], flat[6::7])])
+        return Rows(out, 3, 0, (k, 3))
+
+    def pose_3d(self, name: str) -> Rows:
+        """x, y, z [m] and quaternion w, x, y, z in the world, a row for each moment."""
+        flat = self._poses(name)
+        return Rows(flat, 7, 0, (len(flat) // 7, 7))
+
+    def reading(self, name: str, what: str) -> Rows:
+        """What a robot read, a row for each moment: "distances" [m], right to left, inf = nothing there; "targets":
+        distance [m] and bearing [rad] of each, nan = not seen; "wheels": angle [rad] left and right, not wrapped."""
+        if what not in _RUN_READINGS:
+            raise Error(4, f"there is no reading {what!r}; there are: {_list_of(_RUN_READINGS)}")
+        places = self._places(name)
+        if places[0].robot < 0:
+            raise Error(10, f"{name} is no robot; there are: {_list_of(self._names)}")
+        if what not in str(self._info.get("what", "")).split(","):
+            raise Error(5, f"{what} were not recorded in {self.file}; record with --record-what all")
+        if what == "distances":
+            width = max(p.sensors for p in places)
+            return self._readings(what, width, {p.scene: (4 * p.first_sensor, 4 * p.sensors) for p in places}, {})
+        if what == "wheels":
+            return self._readings(what, 2, {p.scene: (_WHEEL_BYTES * p.robot, _WHEEL_BYTES) for p in places}, {})
+        columns: Dict[int, List[int]] = {p.scene: [] for p in places}
+        with self._reading():
+            ids = sorted({i for (i,) in self._db.execute("SELECT DISTINCT id FROM target")})
+            for scene, i in self._db.execute("SELECT scene, id FROM target ORDER BY scene, place"):
+                if scene in columns:
+                    columns[scene].append(ids.index(i))
+        slices = {p.scene: (8 * len(columns[p.scene]) * p.robot, 8 * len(columns[p.scene])) for p in places}
+        return self._readings(what, 2 * len(ids), slices, columns)
+
+    def commands(self, name: str) -> Rows:
+        """The set-points of a robot: step, time [s], left, right [rad/s] of each that came in force, with the step in
+        which it did; the first is what was in force when recording began."""
+        places = {p.scene: p.robot for p in self._places(name)}
+        if min(places.values()) < 0:
+            raise Error(10, f"{name} is no robot; there are: {_list_of(self._names)}")
+        out = array.array("d")
+        with self._reading():
+            for step, time_ns, scene, blob in self._db.execute(
+                "SELECT step, time_ns, scene, commands FROM step WHERE step <= ? AND commands IS NOT NULL ORDER BY step",
+                (self._last,),
+            ):
+                if len(blob) % _COMMAND_BYTES:
+                    raise ValueError(f"the commands of step {step} do not add up")
+                if scene not in places:
+                    continue
+                key = struct.pack("<I", places[scene])
+                at = blob.find(key[:3])
+                while at >= 0:
+                    if at % _COMMAND_BYTES == 0 and blob[at + 3] & 0x7F == key[3]:
+                        out.extend((step, time_ns * 1e-9, *struct.unpack_from("<dd", blob, at + 4)))
+                    at = blob.find(key[:3], at + 1)
+        return Rows(out, 4, 0, (len(out) // 4, 4))
+
+    @property
+    def events(self) -> List[Event]:
+        """What happened, in order, notes included."""
+        with self._reading():
+            return [Event(int(step), time_ns * 1e-9, str(level), str(text)) for step, time_ns, level, text in
+                    self._db.execute("SELECT step, time_ns, level, text FROM event WHERE step <= ? ORDER BY id", (self._last,))]
+
+    # --- inside ---
+    @contextlib.contextmanager
+    def _reading(self) -> Iterator[None]:
+        """What does not add up in the file is an Error."""
+        import sqlite3
+
+        try:
+            yield
+        except (sqlite3.Error, ValueError, TypeError, KeyError, IndexError, OverflowError, struct.error) as e:
+            raise Error(7, f"{self.file} is damaged ({e}); `coopdyn info {self.file}` says what can be read") from None
+
+    def _rows(self, column: str) -> List[Any]:
+        return [value for (value,) in self._db.execute(
+            f"SELECT {column} FROM step WHERE step <= ? AND poses IS NOT NULL ORDER BY step", (self._last,))]
+
+    def _places(self, name: str) -> List[_Place]:
+        """Where `name` stands, in each scene that has it."""
+        with self._reading():
+            found = [_Place(scene, body, place, (px, py, pz), (qw, qx, qy, qz), before or 0, sensors)
+                     for scene, place, body, px, py, pz, qw, qx, qy, qz, sensors, before in self._db.execute(
+                         "SELECT scene, place, body, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors, (SELECT sum(b.sensors) "
+                         "FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place) FROM robot AS a WHERE name = ? "
+                         "ORDER BY scene", (name,))]
+            if not found:
+                found = [_Place(scene, place, -1, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), 0, 0) for scene, place in
+                         self._db.execute("SELECT scene, place FROM body WHERE name = ? ORDER BY scene", (name,))]
+            for p in found:
+                for number in (p.scene, p.body, p.first_sensor, p.sensors):
+                    if not isinstance(number, int) or not 0 <= number < 2**31:
+                        raise ValueError(f"the place of {name} is no number that can be")
+                if not math.isfinite(sum(p.p_BR) + sum(p.q_BR)):
+                    raise ValueError(f"the frame of {name} is no pose")
+        if not found:
+            raise Error(10, f"there is no {name!r} in {self.file}; there are: {_list_of(self._names)}")
+        return found
+
+    def _slices(self, column: str, slices: Dict[int, Tuple[int, int]]) -> Iterator[Tuple[Any, ...]]:
+        """Of each moment: step, scene, length and first byte of a column, and the bytes of it that `slices` (first, count)
+        takes in that scene."""
+        values = ", ".join(f"({scene}, {first + 1}, {count})" for scene, (first, count) in slices.items())
+        return self._db.execute(
+            f"WITH part(scene, first, count) AS (VALUES {values}) SELECT step, scene, substr({column}, 1, 1), "
+            f"substr({column}, first, count) FROM step LEFT JOIN part USING (scene) WHERE step <= ? AND poses IS NOT NULL "
+            "ORDER BY step", (self._last,))
+
+    def _poses(self, name: str) -> "array.array[float]":
+        """Seven numbers for each moment: x y z [m], quaternion w x y z."""
+        places = {p.scene: p for p in self._places(name)}
+        out = array.array("d")
+        nowhere = (math.nan,) * 7
+        with self._reading():
+            for step, scene, first, raw in self._slices(
+                    "poses", {p.scene: (1 + _POSE_BYTES * p.body, _POSE_BYTES) for p in places.values()}):
+                if raw is None:
+                    out.extend(nowhere)
+                    continue
+                if len(raw) != _POSE_BYTES or first[0] > 31:
+                    raise ValueError(f"the poses of step {step} do not add up")
+                place = places[scene]
+                out.extend(_pose_from(raw, float(1 << first[0]), place.p_BR, place.q_BR))
+        return out
+
+    def _readings(self, what: str, width: int, slices: Dict[int, Tuple[int, int]], columns: Dict[int, List[int]]) -> Rows:
+        """Rows of `width` numbers; nan where there are none. `columns`: of pairs, by scene."""
+        out, k = array.array("d"), 0
+        nothing = (math.nan,) * width
+        unpack = struct.Struct(f"<{width}f").unpack
+        shifted = {scene: at for scene, at in columns.items() if at != list(range(width // 2))}
+        with self._reading():
+            for k, (step, scene, _, raw) in enumerate(self._slices(what, slices), 1):
+                if raw is None:
+                    out.extend(nothing)
+                    continue
+                if len(raw) != slices[scene][1]:
+                    raise ValueError(f"the {what} of step {step} do not add up")
+                if what == "wheels":
+                    out.extend((_WHEEL_UNIT * int.from_bytes(raw[:5], "little", signed=True),
+                                _WHEEL_UNIT * int.from_bytes(raw[5:10], "little", signed=True)))
+                elif scene in shifted:  # another scene has other targets
+                    row = list(nothing)
+                    for at, pair in zip(shifted[scene], struct.iter_unpack("<2f", raw)):
+                        row[2 * at : 2 * at + 2] = pair
+                    out.extend(row)
+                elif len(raw) == 4 * width:
+                    out.extend(unpack(raw))
+                else:  # in another scene it has more
+                    out.extend(struct.unpack(f"<{len(raw) // 4}f", raw) + nothing[len(raw) // 4 :])
+        return Rows(out, width, 0, (k, width))
+
+
+_TURN_SCALE = math.sqrt(2) * (2**19 - 1)  # of the components of a quaternion
+_WHEEL_UNIT = 1e-5  # rad
+
+def _pose_from(
+    raw: bytes, unit: float, p_BR: Tuple[float, float, float], q_BR: Tuple[float, float, float, float]
+) -> Tuple[float, ...]:
+    """The pose of R, x y z [m], quaternion w x y z, out of the 18 bytes of its body's in units of `unit` µm
+    (server/record/pose_codec.h)."""
+    n = int.from_bytes(raw, "little")
+    px = ((n & 0x7FFFFFF ^ 0x4000000) - 0x4000000) * unit / 1e6
+    py = ((n >> 27 & 0x7FFFFFF ^ 0x4000000) - 0x4000000) * unit / 1e6
+    pz = ((n >> 54 & 0x7FFFFFF ^ 0x4000000) - 0x4000000) * unit / 1e6
+    a = ((n >> 81 & 0xFFFFF ^ 0x80000) - 0x80000) / _TURN_SCALE
+    b = ((n >> 101 & 0xFFFFF ^ 0x80000) - 0x80000) / _TURN_SCALE
+    c = ((n >> 121 & 0xFFFFF ^ 0x80000) - 0x80000) / _TURN_SCALE
+    square = a * a + b * b + c * c
+    largest = math.sqrt(max(0.0, 1 - square))
+    norm = math.sqrt(square + largest * largest)
+    a, b, c, largest = a / norm, b / norm, c / norm, largest / norm
+    left_out = n >> 141 & 3
+    if left_out == 0:
+        w, x, y, z = largest, a, b, c
+    elif left_out == 1:
+        w, x, y, z = a, largest, b, c
+    elif left_out == 2:
+        w, x, y, z = a, b, largest, c
+    else:
+        w, x, y, z = a, b, c, largest
+    ux, uy, uz = p_BR
+    if ux or uy or uz:
+        tx, ty, tz = 2 * (y * uz - z * uy), 2 * (z * ux - x * uz), 2 * (x * uy - y * ux)
+        px += ux + w * tx + (y * tz - z * ty)
+        py += uy + w * ty + (z * tx - x * tz)
+        pz += uz + w * tz + (x * ty - y * tx)
+    rw, rx, ry, rz = q_BR
+    if rx or ry or rz:
+        w, x, y, z = (w * rw - x * rx - y * ry - z * rz, w * rx + x * rw + y * rz - z * ry,
+                      w * ry - x * rz + y * rw + z * rx, w * rz + x * ry - y * rx + z * rw)
+    return px, py, pz, w, x, y, z
+
+
+def _open_run(file: str) -> "sqlite3.Connection":
+    """The file as a database that is only read, after a look at what it is."""
+    import sqlite3
+
+    if not os.path.isfile(file):
+        raise Error(10, f"there is no file {file!r}; a recording is called NAME.run")
+    foreign = f"{file} is no recording of coopdyn (NAME.run)"
+    cure = f"run `coopdyn info {file}`, which mends what a crash has left, where the file can be written"
+    waits = os.path.isfile(file + "-wal") and os.path.getsize(file + "-wal") > 0  # of a recording that is not closed
+    url = "file:" + urllib.parse.quote(os.path.abspath(file)) + "?mode=ro"
+    for how in ("", "&immutable=1"):  # the latter reads what stands where nothing can be written
+        try:
+            db = sqlite3.connect(url + how, uri=True)
+        except sqlite3.Error as e:
+            raise Error(5, f"cannot open {file}: {e}") from None
+        try:
+            tag = db.execute("PRAGMA application_id").fetchone()[0]
+            if tag != _RUN_ID:
+                raise Error(7, foreign)
+            version = db.execute("PRAGMA user_version").fetchone()[0]
+            if version != _RUN_FORMAT:
+                raise Error(5, f"{file} has format {version}, this coopdyn.py ({__version__}) reads format {_RUN_FORMAT}: "
+                               "take the coopdyn.py that came with the daemon")
+            db.execute("SELECT count(*) FROM meta")
+            return db
+        except BaseException as e:
+            db.close()
+            if isinstance(e, sqlite3.OperationalError) and not waits and not how:
+                continue
+            if isinstance(e, sqlite3.OperationalError):
+                raise Error(5, f"cannot read {file} ({e}): {cure}") from None
+            if isinstance(e, sqlite3.DatabaseError):
+                raise Error(7, f"{foreign}, or it is damaged ({e}); {cure}") from None
+            raise
+    raise AssertionError("the second way returns or raises")
+
+
+def read_run(file: Union[str, "os.PathLike[str]"]) -> Run:
+    """Opens a recorded run, NAME.run; also one that is being recorded, or that a crash has left."""
+    return Run(file)
 
 
 # --- the command line -------------------------------------------------------------------------------------------------

@@ -1,0 +1,335 @@
+# SPDX-License-Identifier: MIT
+"""read_run on recordings written by hand after docs/formats.md: every number back, and what is wrong said."""
+import array
+import math
+import os
+import pathlib
+import sqlite3
+import struct
+import tempfile
+import unittest
+
+import harness  # noqa: F401  (finds coopdyn.py)
+import coopdyn
+import run_file as rf
+
+TURNED = (math.cos(0.4), 0.0, 0.0, math.sin(0.4))  # 0.8 rad to the left
+TILTED = (0.5, -0.5, 0.5, -0.5)
+MICROMETRE = 0.5000001e-6
+
+
+def single(x):
+    return struct.unpack("<f", struct.pack("<f", x))[0]
+
+
+def heading_of(w, x, y, z):
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+class ReadRunTestCase(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = os.path.join(folder.name, "by hand.run")
+
+    def write_two(self, steps=3, **meta):
+        """Two robots of a body and a wheel each, and a box; three sensors and two targets."""
+        db = rf.create(self.path, **meta)
+        db.execute("INSERT INTO text VALUES ('scenario', 'two', 'two.scenario', '[FLOOR]\nsize 4 4 0.1\n# Jürgen\n')")
+        rf.add_scene(db, 1, 0, ["BOX_1", "robot1.chassis", "robot1.wheel", "robot2.chassis"],
+                     [("robot1", 1, (-0.02, 0.0, -0.05), rf.IDENTITY, 3), ("robot2", 3, (0.0, 0.0, 0.0), TURNED, 2)], ["red", "green"])
+        for k in range(steps):
+            rf.add_step(
+                db, 10 + k, rf.poses_blob([((1, 2, 0.5), rf.IDENTITY), ((0.1 * k, -0.2, 0.05), TURNED), ((0, 0, 0), rf.IDENTITY),
+                                           ((-3, 0.25 * k, 0), TILTED)]),
+                hash=-1 if k == 0 else 2**62 + k,
+                commands=[rf.commands_blob((0, 0, 0, 0), (1, 0, 0.5, -0.5)), None, rf.commands_blob((1, 1, 7.25, 2**-30))][k % 3],
+                wheels=rf.wheels_blob((-1000.5, 0.00001, 2.5, -2.5), (k, -k, 0.25, 0)),
+                distances=rf.floats_blob(0.1, math.inf, 2, 3 + k, 4),
+                targets=rf.floats_blob(1, -0.5, 2, 0.5, 3 + k, 0.125, math.nan, math.nan))
+        db.execute("INSERT INTO event VALUES (1, 10, 100000000, 'note', 'here we go'), (2, 11, 110000000, 'warning', 'ouch')")
+        rf.close(db)
+
+    def error_of(self, call):
+        with self.assertRaises(coopdyn.Error) as caught:
+            call()
+        return caught.exception
+
+
+class Columns(ReadRunTestCase):
+    def setUp(self):
+        super().setUp()
+        self.write_two()
+        self.run_ = coopdyn.read_run(pathlib.Path(self.path))
+
+    def test_times_steps_and_hashes_are_exact(self):
+        self.assertEqual(list(self.run_.time), [0.1, 110000000 * 1e-9, 120000000 * 1e-9])
+        self.assertEqual(list(self.run_.steps), [10, 11, 12])
+        self.assertEqual(self.run_.hash, ["f" * 16, "4000000000000001", "4000000000000002"])
+
+    def test_the_run_as_a_whole(self):
+        self.assertEqual(self.run_.names, ["robot1", "robot2"])
+        self.assertEqual(self.run_.scenario, "[FLOOR]\nsize 4 4 0.1\n# Jürgen\n")
+        self.assertEqual(self.run_.info["seed"], 2**64 - 1)
+        self.assertEqual((self.run_.info["mode"], self.run_.info["step_ns"]), ("lockstep", 10_000_000))
+        self.assertEqual(self.run_.events, [(10, 0.1, "note", "here we go"), (11, 110000000 * 1e-9, "warning", "ouch")])
+
+    def test_a_robot_stands_where_its_frame_is_not_its_body(self):
+        pose = self.run_.pose("robot1")
+        self.assertEqual(pose.shape, (3, 3))
+        for k, (x, y, heading) in enumerate(pose):
+            self.assertAlmostEqual(x, 0.1 * k - 0.02 * math.cos(0.8), delta=3 * MICROMETRE)
+            self.assertAlmostEqual(y, -0.2 - 0.02 * math.sin(0.8), delta=3 * MICROMETRE)
+            self.assertAlmostEqual(heading, 0.8, delta=2e-6)
+        self.assertAlmostEqual(self.run_.pose_3d("robot1")[2, 2], 0, delta=MICROMETRE)
+
+    def test_a_robot_whose_frame_is_turned_in_its_body(self):
+        w, x, y, z = TILTED
+        c, _, _, s = TURNED
+        expected = (w * c - z * s, x * c + y * s, y * c - x * s, w * s + z * c)
+        got = self.run_.pose_3d("robot2")[1]
+        for a, b in zip(got, (-3, 0.25, 0, *expected)):
+            self.assertAlmostEqual(a, b, delta=2e-6)
+        self.assertAlmostEqual(self.run_.pose("robot2")[1, 2], heading_of(*expected), delta=1e-5)
+
+    def test_an_object_that_moves_has_a_pose_too(self):
+        self.assertEqual(list(self.run_.pose("BOX_1")), [(1.0, 2.0, 0.0)] * 3)
+
+    def test_readings_are_the_recorded_numbers(self):
+        self.assertEqual(list(self.run_.reading("robot1", "distances")), [(single(0.1), math.inf, 2)] * 3)
+        self.assertEqual(list(self.run_.reading("robot2", "distances")), [(3, 4), (4, 4), (5, 4)])
+        self.assertEqual(list(self.run_.reading("robot1", "targets")), [(1, -0.5, 2, 0.5)] * 3)
+        self.assertEqual(self.run_.reading("robot2", "targets")[2][:2], (5, 0.125))
+        self.assertTrue(math.isnan(self.run_.reading("robot2", "targets")[2][2]))
+        left, right = self.run_.reading("robot1", "wheels")[0]
+        self.assertAlmostEqual(left, -1000.5, delta=1e-9)
+        self.assertAlmostEqual(right, 1e-5, delta=1e-15)
+        self.assertEqual(self.run_.reading("robot2", "wheels")[2], (2, -2))
+
+    def test_commands_are_those_that_came_in_force(self):
+        self.assertEqual(list(self.run_.commands("robot1")), [(10, 0.1, 0, 0)])
+        self.assertEqual(list(self.run_.commands("robot2")), [(10, 0.1, 0.5, -0.5), (12, 120000000 * 1e-9, 7.25, 2**-30)])
+
+    def test_a_column_of_rows_is_an_array(self):
+        pose = self.run_.pose("BOX_1")
+        self.assertEqual(pose[:, 1], array.array("d", [2, 2, 2]))
+        self.assertEqual((pose[2, 0], pose[-1, -3]), (1, 1))
+        self.assertRaises(IndexError, lambda: pose[:, 3])
+
+    def test_wrong_names_are_answered_with_those_there_are(self):
+        for call, code, hint in ((lambda: self.run_.pose("robot3"), 10, "robot1, robot2"),
+                                 (lambda: self.run_.reading("BOX_1", "wheels"), 10, "no robot"),
+                                 (lambda: self.run_.commands("BOX_1"), 10, "no robot"),
+                                 (lambda: self.run_.reading("robot1", "smell"), 4, "distances, targets, wheels")):
+            error = self.error_of(call)
+            self.assertEqual(error.code, code)
+            self.assertIn(hint, error.text)
+
+
+class Encodings(ReadRunTestCase):
+    def test_every_component_can_be_the_one_left_out(self):
+        qs = []
+        for largest in range(4):
+            for sign in (1, -1):
+                q = [0.1, -0.2, 0.3, 0.05]
+                q[largest] = sign * 0.9
+                norm = math.sqrt(sum(c * c for c in q))
+                qs.append(tuple(c / norm for c in q))
+        db = rf.create(self.path)
+        rf.add_scene(db, 1, 0, [f"B_{k}" for k in range(len(qs))], [])
+        rf.add_step(db, 0, rf.poses_blob([((0, 0, 0), q) for q in qs]))
+        rf.close(db)
+        run = coopdyn.read_run(self.path)
+        for k, q in enumerate(qs):
+            got = run.pose_3d(f"B_{k}")[0][3:]
+            same = math.copysign(1, sum(a * b for a, b in zip(got, q)))  # q and -q are the same turn
+            for a, b in zip(got, q):
+                self.assertAlmostEqual(same * a, b, delta=2e-6)
+
+    def test_positions_keep_a_micrometre_to_67_m_and_scale_beyond(self):
+        for e, x, y in ((0, 67.108863, -67.108864), (1, 134.217726, -134.217728), (7, 5000.000128, -8000)):
+            db = rf.create(self.path)
+            rf.add_scene(db, 1, 0, ["BALL"], [])
+            rf.add_step(db, 0, rf.poses_blob([((x, y, 0.000001 * 2**e), rf.IDENTITY)], e))
+            rf.close(db)
+            got = coopdyn.read_run(self.path).pose_3d("BALL")[0][:3]
+            for a, b in zip(got, (x, y, 0.000001 * 2**e)):
+                self.assertAlmostEqual(a, b, delta=1e-11)
+            os.remove(self.path)
+
+
+class Gaps(ReadRunTestCase):
+    def test_moments_without_poses_are_left_out_but_their_commands_are_there(self):
+        db = rf.create(self.path, pose_every_ns=20_000_000)
+        rf.add_scene(db, 1, 0, ["robot1.chassis"], [("robot1", 0, (0, 0, 0), rf.IDENTITY, 1)])
+        for k in range(6):
+            shown = k % 2 == 0
+            rf.add_step(db, k, rf.poses_blob([((k, 0, 0), rf.IDENTITY)]) if shown else None, hash=k,
+                        commands=rf.commands_blob((0, 1, k, -k)), distances=rf.floats_blob(k) if shown else None)
+        rf.close(db)
+        run = coopdyn.read_run(self.path)
+        self.assertEqual(list(run.steps), [0, 2, 4])
+        self.assertEqual(run.pose("robot1")[:, 0], array.array("d", [0, 2, 4]))
+        self.assertEqual(run.reading("robot1", "distances")[:, 0], array.array("d", [0, 2, 4]))
+        self.assertEqual(len(run.hash), 3)
+        self.assertEqual(run.commands("robot1")[:, 0], array.array("d", range(5)))
+
+    def test_things_that_come_and_go_are_nan_where_they_are_not(self):
+        db = rf.create(self.path)
+        rf.add_scene(db, 1, 0, ["a.chassis", "b.chassis"],
+                     [("a", 0, (0, 0, 0), rf.IDENTITY, 2), ("b", 1, (0, 0, 0), rf.IDENTITY, 1)], ["red"])
+        rf.add_scene(db, 2, 2, ["b.chassis"], [("b", 0, (1, 0, 0), rf.IDENTITY, 3)], ["blue", "red"])
+        db.execute("UPDATE target SET id = 3 - id WHERE scene = 2")  # columns stand by increasing id
+        for k in range(2):
+            rf.add_step(db, k, rf.poses_blob([((5, k, 0), rf.IDENTITY), ((6, k, 0), rf.IDENTITY)]), distances=rf.floats_blob(1, 2, 3),
+                        targets=rf.floats_blob(1, 2, 3, 4), commands=rf.commands_blob((0, 1, 1, k), (1, 1, 2, k)))
+        for k in range(2, 4):
+            rf.add_step(db, k, rf.poses_blob([((7, k, 0), rf.IDENTITY)]), scene=2, distances=rf.floats_blob(7, 8, 9),
+                        targets=rf.floats_blob(5, 6, 7, 8), commands=rf.commands_blob((0, 1, 3, k)))
+        rf.close(db)
+        run = coopdyn.read_run(self.path)
+        self.assertEqual(run.names, ["a", "b"])
+        self.assertEqual(str(list(run.pose("a"))), "[(5.0, 0.0, 0.0), (5.0, 1.0, 0.0), (nan, nan, nan), (nan, nan, nan)]")
+        self.assertEqual(run.pose("b")[:, 0], array.array("d", [6, 6, 8, 8]))
+        self.assertEqual(str(list(run.reading("b", "distances"))[1:3]), "[(3.0, nan, nan), (7.0, 8.0, 9.0)]")
+        self.assertEqual(str(list(run.reading("b", "targets"))[1:3]), "[(3.0, 4.0, nan, nan), (7.0, 8.0, 5.0, 6.0)]")
+        self.assertEqual(list(run.commands("b")), [(0, 0, 2, 0), (1, 0.01, 2, 1), (2, 0.02, 3, 2), (3, 30000000 * 1e-9, 3, 3)])
+        self.assertEqual(list(run.commands("a")), [(0, 0, 1, 0), (1, 0.01, 1, 1)])
+
+    def test_what_was_not_recorded_says_how_to_record_it(self):
+        self.write_two(what="poses,controllers")
+        error = self.error_of(lambda: coopdyn.read_run(self.path).reading("robot1", "distances"))
+        self.assertEqual(error.code, 5)
+        self.assertIn("--record-what", error.text)
+
+    def test_a_robot_of_a_swarm_is_found_among_the_commands_of_all(self):
+        n = 300
+        db = rf.create(self.path)
+        rf.add_scene(db, 1, 0, [f"m_{k}.b" for k in range(n)], [(f"m_{k}", k, (0, 0, 0), rf.IDENTITY, 0) for k in range(n)])
+        still = rf.poses_blob([((0, 0, 0), rf.IDENTITY)] * n)
+        rf.add_step(db, 0, still, commands=rf.commands_blob(*((k, 0, 0, k) for k in range(n))))
+        rf.add_step(db, 1, still, commands=rf.commands_blob(*((k, 1, k, 0) for k in range(n - 1, -1, -1))))
+        rf.close(db)
+        run = coopdyn.read_run(self.path)
+        for k in (0, 1, 128, 255, 256, 257, 299):
+            self.assertEqual(list(run.commands(f"m_{k}")), [(0, 0, 0, k), (1, 0.01, k, 0)])
+        self.assertEqual(run.reading("m_7", "distances").shape, (2, 0))
+
+
+class GrowingAndCrashed(ReadRunTestCase):
+    def test_a_run_that_is_being_recorded_is_read_as_far_as_it_is(self):
+        db = rf.create(self.path, closed=0)
+        self.addCleanup(db.close)
+        rf.add_scene(db, 1, 0, ["robot1.chassis"], [("robot1", 0, (0, 0, 0), rf.IDENTITY, 0)])
+        for k in range(3):
+            rf.add_step(db, k, rf.poses_blob([((k, 0, 0), rf.IDENTITY)]))
+        run = coopdyn.read_run(self.path)
+        rf.add_step(db, 3, rf.poses_blob([((3, 0, 0), rf.IDENTITY)]))
+        self.assertEqual((len(run.time), len(run.pose("robot1")), len(run.hash)), (3, 3, 3))
+        self.assertEqual(len(coopdyn.read_run(self.path).time), 4)
+
+    def test_a_file_that_a_crash_has_left_opens_with_all_that_was_committed(self):
+        db = rf.create(self.path, closed=0)
+        self.addCleanup(db.close)
+        rf.add_scene(db, 1, 0, ["robot1.chassis"], [("robot1", 0, (0, 0, 0), rf.IDENTITY, 0)])
+        rf.add_step(db, 0, rf.poses_blob([((1, 0, 0), rf.IDENTITY)]))
+        left = self.path + ".left.run"
+        for suffix in ("", "-wal"):  # as a power cut leaves it: the index of the WAL is gone
+            pathlib.Path(left + suffix).write_bytes(pathlib.Path(self.path + suffix).read_bytes())
+        self.assertEqual(list(coopdyn.read_run(left).pose("robot1")), [(1, 0, 0)])
+
+    def test_one_without_a_step_says_so(self):
+        db = rf.create(self.path, closed=0)
+        self.addCleanup(db.close)
+        error = self.error_of(lambda: coopdyn.read_run(self.path))
+        self.assertIn("no step", error.text)
+
+
+class ForeignAndDamaged(ReadRunTestCase):
+    def test_a_file_that_is_not_there_is_error_10(self):
+        error = self.error_of(lambda: coopdyn.read_run("nowhere.run"))
+        self.assertEqual(error.code, 10)
+        self.assertIn("nowhere.run", error.text)
+
+    def test_foreign_files_are_told_from_recordings(self):
+        for content in (b"", b"[FLOOR]\nsize 4 4 0.1\n" * 100, bytes(4096)):
+            pathlib.Path(self.path).write_bytes(content)
+            error = self.error_of(lambda: coopdyn.read_run(self.path))
+            self.assertEqual(error.code, 7)
+            self.assertIn("no recording", error.text)
+        os.remove(self.path)
+        other = sqlite3.connect(self.path)
+        other.execute("CREATE TABLE meta(key, value)")
+        other.commit()
+        other.close()
+        self.assertIn("no recording", self.error_of(lambda: coopdyn.read_run(self.path)).text)
+
+    def test_a_newer_format_says_where_to_get_a_reader(self):
+        rf.close(rf.create(self.path, user_version=2))
+        error = self.error_of(lambda: coopdyn.read_run(self.path))
+        self.assertEqual(error.code, 5)
+        self.assertIn("format 2", error.text)
+
+    def test_bytes_that_do_not_add_up_are_an_error_that_names_the_step(self):
+        self.write_two()
+        for column, call in (("poses", lambda run: run.pose("robot2")), ("wheels", lambda run: run.reading("robot2", "wheels")),
+                             ("distances", lambda run: run.reading("robot2", "distances")),
+                             ("targets", lambda run: run.reading("robot2", "targets")),
+                             ("commands", lambda run: run.commands("robot2"))):
+            with self.subTest(column):
+                db = sqlite3.connect(self.path)
+                whole = db.execute(f"SELECT {column} FROM step WHERE step = 12").fetchone()[0]
+                db.execute(f"UPDATE step SET {column} = ? WHERE step = 12", (whole[:-1],))
+                db.commit()
+                error = self.error_of(lambda: call(coopdyn.read_run(self.path)))
+                self.assertEqual(error.code, 7)
+                self.assertIn("step 12", error.text)
+                db.execute(f"UPDATE step SET {column} = ? WHERE step = 12", (whole,))
+                db.commit()
+                db.close()
+                call(coopdyn.read_run(self.path))
+
+    def test_values_of_a_wrong_kind_are_an_error(self):
+        for statement in ("UPDATE step SET hash = 'x'", "UPDATE step SET time_ns = NULL", "UPDATE robot SET body = 'x'",
+                          "UPDATE robot SET body = 1000", "UPDATE robot SET body = -7", "UPDATE robot SET p_x = 'x'",
+                          "UPDATE meta SET value = 'x' WHERE key = 'seed'", "DELETE FROM meta", "DROP TABLE event",
+                          "UPDATE step SET poses = 7", "UPDATE step SET commands = 7", "UPDATE robot SET q_w = NULL, q_x = 2",
+                          "UPDATE robot SET sensors = 'x'", "UPDATE robot SET sensors = -3"):
+            with self.subTest(statement):
+                self.write_two()
+                db = sqlite3.connect(self.path)
+                db.execute(statement)
+                db.commit()
+                db.close()
+                error = self.error_of(lambda: self.read_all(coopdyn.read_run(self.path)))
+                os.remove(self.path)
+                self.assertEqual(error.code, 7, error)
+
+    def test_a_truncated_or_overwritten_file_is_an_error_or_reads_never_anything_else(self):
+        self.write_two(steps=400)
+        whole = pathlib.Path(self.path).read_bytes()
+        wrong = 0
+        for k in range(60):
+            cut = whole[: len(whole) * k // 60] if k % 2 else bytearray(whole)
+            if not k % 2:
+                at = (k * 7919 + 100) % (len(whole) - 4000)
+                cut[at : at + 4000] = bytes([k * 5 % 256]) * 4000
+            pathlib.Path(self.path).write_bytes(bytes(cut))
+            try:
+                self.read_all(coopdyn.read_run(self.path))
+            except coopdyn.Error as e:
+                self.assertTrue(e.text)
+                wrong += 1
+        self.assertGreater(wrong, 30)
+
+    @staticmethod
+    def read_all(run):
+        for name in run.names:
+            run.pose(name), run.pose_3d(name), run.commands(name)
+            for what in ("distances", "targets", "wheels"):
+                run.reading(name, what)
+        return run.time, run.steps, run.hash, run.events, run.scenario, run.info
+
+
+if __name__ == "__main__":
+    unittest.main()

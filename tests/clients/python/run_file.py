@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""Writes recordings by hand, after docs/formats.md, for tests of what reads them."""
+import math
+import sqlite3
+import struct
+
+SCHEMA = """
+CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
+CREATE TABLE text(kind TEXT, name TEXT, file TEXT, content TEXT, PRIMARY KEY(kind, name)) WITHOUT ROWID;
+CREATE TABLE scene(id INTEGER PRIMARY KEY, first_step INTEGER, description BLOB);
+CREATE TABLE body(scene, place, id, name, robot, PRIMARY KEY(scene, place)) WITHOUT ROWID;
+CREATE TABLE robot(scene, place, id, name, type, body, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors,
+                   PRIMARY KEY(scene, place)) WITHOUT ROWID;
+CREATE TABLE target(scene, place, id, color, x, y, z, PRIMARY KEY(scene, place)) WITHOUT ROWID;
+CREATE TABLE step(step INTEGER PRIMARY KEY, time_ns INTEGER, hash INTEGER, scene INTEGER, commands BLOB, messages BLOB,
+                  wheels BLOB, distances BLOB, targets BLOB, poses BLOB);
+CREATE TABLE keyframe(step INTEGER PRIMARY KEY, state BLOB);
+CREATE TABLE input(id INTEGER PRIMARY KEY, step, action TEXT, detail TEXT);
+CREATE TABLE event(id INTEGER PRIMARY KEY, step, time_ns, level TEXT, text TEXT);
+"""
+META = {"format": 1, "version": "0.9", "build": "0" * 16, "cpu": "a processor", "started": "2026-01-02T03:04:05Z",
+        "command": "coopdyn serve two", "scenario_name": "two", "scenario_file": "two.scenario", "scenario_seed": "3",
+        "seed": "18446744073709551615", "mode": "lockstep", "step_ns": 10_000_000, "substeps": 1,
+        "what": "poses,wheels,distances,targets,controllers", "pose_every_ns": 0, "closed": 1, "lost": 0}
+IDENTITY = (1.0, 0.0, 0.0, 0.0)
+COMPONENT = math.sqrt(2) * (2**19 - 1)
+
+
+def pose_bytes(x, y, z, q, e=0, frozen=False):
+    """18 bytes: position in units of 2^e µm, the quaternion without its largest component."""
+    number = 0
+    for k, metres in enumerate((x, y, z)):
+        number |= (round(metres / (1e-6 * 2**e)) & (2**27 - 1)) << 27 * k
+    left_out = max(range(4), key=lambda i: abs(q[i]))
+    sign = 1 if q[left_out] >= 0 else -1
+    for k, i in enumerate(i for i in range(4) if i != left_out):
+        number |= (round(sign * q[i] * COMPONENT) & (2**20 - 1)) << 81 + 20 * k
+    return (number | left_out << 141 | frozen << 143).to_bytes(18, "little")
+
+
+def poses_blob(poses, e=0):
+    return bytes([e]) + b"".join(pose_bytes(*p, q, e) for p, q in poses)
+
+
+def commands_blob(*commands):
+    """(robot, by client, left, right), each."""
+    return b"".join(struct.pack("<Idd", robot | by_client << 31, left, right) for robot, by_client, left, right in commands)
+
+
+def wheels_blob(*wheels):
+    return b"".join(b"".join(round(a / 1e-5).to_bytes(5, "little", signed=True) for a in w[:2]) + struct.pack("<2f", *w[2:])
+                    for w in wheels)
+
+
+def floats_blob(*values):
+    return struct.pack(f"<{len(values)}f", *values)
+
+
+def create(path, application_id=0x434F4F50, user_version=1, **meta):
+    """An empty recording, open; WAL as while recording."""
+    db = sqlite3.connect(path, isolation_level=None)
+    db.execute("PRAGMA page_size = 32768")
+    db.execute("PRAGMA journal_mode = WAL")
+    db.execute("PRAGMA synchronous = OFF")
+    db.execute(f"PRAGMA application_id = {application_id}")
+    db.execute(f"PRAGMA user_version = {user_version}")
+    db.executescript(SCHEMA)
+    db.executemany("INSERT INTO meta VALUES (?, ?)", {**META, **meta}.items())
+    return db
+
+
+def close(db):
+    db.execute("PRAGMA journal_mode = DELETE")
+    db.close()
+
+
+def add_scene(db, scene, first_step, bodies, robots, targets=()):
+    """bodies: names; robots: (name, first body, p_BR, q_BR, sensors); targets: colours."""
+    db.execute("INSERT INTO scene VALUES (?, ?, x'')", (scene, first_step))
+    for place, name in enumerate(bodies):
+        owner = next((k for k, robot in enumerate(robots) if name.startswith(robot[0] + ".")), None)
+        db.execute("INSERT INTO body VALUES (?, ?, ?, ?, ?)", (scene, place, place + 1, name, owner))
+    for place, (name, body, p, q, sensors) in enumerate(robots):
+        db.execute("INSERT INTO robot VALUES (?, ?, ?, ?, 'single', ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                   (scene, place, place + 1, name, body, *p, *q, sensors))
+    for place, colour in enumerate(targets):
+        db.execute("INSERT INTO target VALUES (?, ?, ?, ?, 1, 2, 0)", (scene, place, place + 1, colour))
+
+
+def add_step(db, step, poses, scene=1, hash=0, commands=None, wheels=None, distances=None, targets=None, dt_ns=10_000_000):
+    db.execute("INSERT INTO step VALUES (?, ?, ?, ?, ?, NULL, ?, ?, ?, ?)",
+               (step, step * dt_ns, hash, scene, commands, wheels, distances, targets, poses))
