@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 
 #include "server/state/frame.h"
@@ -19,16 +20,22 @@ class WordHasher {
  public:
   WordHasher() { XXH3_64bits_reset(&state_); }
 
-  void Add(std::uint64_t word) {
-    for (int byte = 0; byte < 8; ++byte) {
-      buffer_[size_++] = static_cast<unsigned char>(word >> (8 * byte));
+  void Add(std::uint64_t word) { AddWords(&word, 1); }
+  /// `count` numbers of 8 bytes each, as they lie in memory.
+  void AddWords(const void* words, std::size_t count) {
+    if (size_ + 8 * count > buffer_.size()) Flush();
+    if constexpr (std::endian::native == std::endian::little) {
+      std::memcpy(buffer_.data() + size_, words, 8 * count);
+      size_ += 8 * count;
+    } else {
+      for (std::size_t i = 0; i < count; ++i) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, static_cast<const unsigned char*>(words) + 8 * i, 8);
+        for (int byte = 0; byte < 8; ++byte) {
+          buffer_[size_++] = static_cast<unsigned char>(word >> (8 * byte));
+        }
+      }
     }
-    if (size_ == buffer_.size()) Flush();
-  }
-  void Add(double number) { Add(std::bit_cast<std::uint64_t>(number)); }
-  template <typename Numbers>
-  void AddAll(const Numbers& numbers) {
-    for (const double number : numbers) Add(number);
   }
   std::uint64_t Digest() {
     Flush();
@@ -42,9 +49,15 @@ class WordHasher {
   }
 
   XXH3_state_t state_;
-  std::array<unsigned char, 1024> buffer_;
+  std::array<unsigned char, 4096> buffer_;
   std::size_t size_ = 0;
 };
+
+// A body lies in memory as it is hashed: position 3, quaternion 4, matrix 9, velocities 3 and 3, counter.
+constexpr std::size_t kBodyWords = 23;
+static_assert(sizeof(BodyState) == 8 * kBodyWords && offsetof(BodyState, q_WB) == 24 &&
+              offsetof(BodyState, R_WB) == 56 && offsetof(BodyState, v_WB) == 128 &&
+              offsetof(BodyState, w_WB) == 152 && offsetof(BodyState, sleep_counter) == 176);
 
 }  // namespace
 
@@ -54,16 +67,10 @@ std::uint64_t StateHash(const Frame& frame) {
   hasher.Add(frame.step);
   hasher.Add(static_cast<std::uint64_t>(frame.time));
   for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
-    const BodyState& body = frame.bodies[i];
     hasher.Add(std::uint64_t{frame.scene->body_ids[i].value});
-    hasher.AddAll(body.p_WB);
-    hasher.AddAll(body.q_WB);
-    hasher.AddAll(body.R_WB);
-    hasher.AddAll(body.v_WB);
-    hasher.AddAll(body.w_WB);
-    hasher.Add(body.sleep_counter);
+    hasher.AddWords(&frame.bodies[i], kBodyWords);
   }
-  for (const RobotState& robot : frame.robots) hasher.AddAll(robot.setpoint_rad_s);
+  for (const RobotState& robot : frame.robots) hasher.AddWords(robot.setpoint_rad_s.data(), 2);
   hasher.Add(frame.solver_seed);
   return hasher.Digest();
 }
