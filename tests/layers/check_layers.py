@@ -18,6 +18,7 @@ ONLY_IN = {
     r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/control", "server/web", "server/app"],
     r"sdf/": ["server/model"],
     r"sqlite3": ["server/record"],
+    r"matio": ["server/replay"],
 }
 
 

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "server/replay/export_csv.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <memory>
+
+#include "server/replay/export_file.h"
+#include "server/replay/run_table.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::array<const char*, 7> kPoseNames{"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
+
+std::string Header(const RunTable& table) {
+  const RunColumns& columns = table.columns();
+  std::string line = "step,time_s";
+  for (const RobotColumn& robot : columns.robots) {
+    const auto add = [&](const std::string& field) { line += "," + robot.name + "." + field; };
+    for (const char* field : {"x_m", "y_m", "heading_rad"}) add(field);
+    if (table.what().wheels) {
+      for (const char* field : {"left_rad", "right_rad"}) add(field);
+    }
+    for (std::size_t i = 1; table.what().distances && i <= robot.sensors; ++i)
+      add("d" + std::to_string(i) + "_m");
+    for (const TargetColumn& target : columns.targets) {
+      if (!table.what().targets) break;
+      add(target.label + "_distance_m");
+      add(target.label + "_bearing_rad");
+    }
+    for (const char* field : {"left_rad_s", "right_rad_s"}) add(field);
+  }
+  for (const std::string& object : columns.objects) {
+    for (const char* field : kPoseNames) line += "," + object + "." + field;
+  }
+  return line + ",hash\n";
+}
+
+void AppendRow(const RunRow& row, const RecordWhat& what, std::string& line) {
+  const auto add = [&line](double value) {
+    line += ',';
+    AppendNumber(value, line);
+  };
+  const auto add_all = [&add](const auto& values) {
+    for (const double value : values) add(value);
+  };
+  line += std::to_string(row.step);
+  add(row.time_s);
+  for (const RobotValues& robot : row.robots) {
+    add(robot.X_WR[0]);
+    add(robot.X_WR[1]);
+    add(robot.heading_rad);
+    if (what.wheels) add_all(robot.wheels_rad);
+    if (what.distances) add_all(robot.distances_m);
+    if (what.targets) add_all(robot.targets);
+    add_all(robot.setpoints_rad_s);
+  }
+  for (const PoseValues& object : row.objects) add_all(object);
+  line += ',';
+  line += HashText(row.hash);
+  line += '\n';
+}
+
+void WriteEvents(RunTable& table, ExportFile& file) {
+  file.Write("step,time_s,level,text\n");
+  for (const Event& event : table.Events()) {
+    std::string line = std::to_string(event.step) + ",";
+    AppendNumber(event.time_s, line);
+    file.Write(line + "," + event.level + "," + CsvQuoted(event.text) + "\n");
+  }
+}
+
+}  // namespace
+
+void AppendNumber(double value, std::string& text) {
+  if (std::isnan(value)) {
+    text += "nan";
+    return;
+  }
+  std::array<char, 32> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  text.append(digits.data(), end);
+}
+
+std::string CsvQuoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string EventsFile(const std::string& out) {
+  return WithSuffix(out, "-events.csv");
+}
+
+std::string ExportCsv(RunReader& reader, const ExportOptions& options, const std::string& out,
+                      const ExportProgress& progress) {
+  std::string error;
+  const auto table = RunTable::Make(reader, options, error);
+  if (table == nullptr) return error;
+  ExportFile file(out), events(EventsFile(out));
+  if (error = file.Open(options.overwrite); !error.empty()) return error;
+  if (error = events.Open(options.overwrite); !error.empty()) return error;
+  file.Write(Header(*table));
+  std::uint64_t rows = 0;
+  std::string line;
+  const auto write_row = [&](const RunRow& row) {
+    line.clear();
+    AppendRow(row, table->what(), line);
+    file.Write(line);
+    ++rows;
+  };
+  // A full disk is noticed at once, not at the end.
+  const auto go_on = [&](double share) { return !file.failed() && (!progress || progress(share)); };
+  error = table->ForEach({write_row, nullptr}, go_on);
+  if (!file.failed() && !error.empty()) return error;
+  if (!file.failed() && rows == 0) return "no step of this time range was recorded with poses";
+  WriteEvents(*table, events);
+  if (error = events.Close(); !error.empty()) return error;
+  if (error = file.Commit(); !error.empty()) return error;
+  return events.Commit();
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+#include "server/replay/export_mat.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <array>
+#include <fstream>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include "server/replay/export_file.h"
+#include "server/replay/mat_value.h"
+#include "server/replay/run_table.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// Of one variable, by the format; some are left for what is not counted.
+constexpr std::uint64_t kFormatLimit = (std::uint64_t{1} << 31U) - (std::uint64_t{1} << 20U);
+
+constexpr std::array kRunFields{"file",  "scenario", "seed",   "version", "time",    "step",
+                                "names", "hash",     "robots", "objects", "targets", "events"};
+constexpr std::array kRobotFields{"name",      "type",      "pose",    "pose_3d", "wheels",
+                                  "setpoints", "distances", "targets", "commands"};
+constexpr std::array kObjectFields{"name", "pose_3d"};
+constexpr std::array kTargetFields{"color", "x", "y", "z"};
+constexpr std::array kEventFields{"step", "time_s", "level", "text"};
+
+struct RobotMatrices {
+  MatMatrix pose, pose_3d, wheels, setpoints, distances, targets, commands;
+};
+
+/// The numbers of a run; they outlive the values made of them.
+struct RunMatrices {
+  MatMatrix time, step;
+  std::vector<std::string> hashes;
+  std::vector<RobotMatrices> robots;
+  std::vector<MatMatrix> objects;
+};
+
+/// Columns of a robot's matrices that have a row per step.
+std::uint64_t ColumnsOf(const RobotColumn& robot, const RunColumns& columns, const RecordWhat& what) {
+  return 3 + 7 + 2 + (what.wheels ? 2 : 0) + (what.distances ? robot.sensors : 0) +
+         (what.targets ? 2 * columns.targets.size() : 0);
+}
+
+/// No more bytes than this are in the file, commands and texts not counted.
+std::uint64_t MaxBytes(const RunTable& table) {
+  constexpr std::uint64_t kHash = 16, kPerRobot = 1024;
+  const RunColumns& columns = table.columns();
+  std::uint64_t row = 2 * sizeof(double) + 2 * kHash, around = 4096;
+  for (const RobotColumn& robot : columns.robots)
+    row += sizeof(double) * ColumnsOf(robot, columns, table.what());
+  row += columns.objects.size() * sizeof(PoseValues);
+  around += (columns.robots.size() + columns.objects.size()) * kPerRobot;
+  return table.max_rows() * row + around;
+}
+
+/// Bytes that this machine can still give; nothing if it does not tell.
+std::optional<std::uint64_t> FreeMemory() {
+  std::ifstream file("/proc/meminfo");
+  for (std::string word; file >> word;) {
+    std::uint64_t kb = 0;
+    if (word == "MemAvailable:" && file >> kb) return kb * 1024;
+  }
+  return std::nullopt;
+}
+
+std::string TooMuch(const std::string& out, const std::string& why) {
+  return out + ": " + why +
+         ": choose robots with --robots, a time range with --from and --until, or fewer rows with --every "
+         "0.1";
+}
+
+std::string TooLarge(std::uint64_t bytes) {
+  return fmt::format("this run is {:.1f} GB of numbers, a MAT file holds 2.1",
+                     static_cast<double>(bytes) / 1e9);
+}
+
+/// What keeps this table from being a MAT file.
+std::string CheckSize(const RunTable& table, const std::string& out) {
+  const std::uint64_t bytes = MaxBytes(table);
+  const double gigabytes = static_cast<double>(bytes) / 1e9;
+  if (bytes > kFormatLimit) return TooMuch(out, TooLarge(bytes));
+  const auto free = FreeMemory();
+  if (free && bytes > *free) {
+    return TooMuch(out, fmt::format("this run takes {:.1f} GB of memory to export, {:.1f} GB are free",
+                                    gigabytes, static_cast<double>(*free) / 1e9));
+  }
+  return {};
+}
+
+RunMatrices MakeMatrices(const RunTable& table) {
+  const auto rows = static_cast<std::size_t>(table.max_rows());
+  const RunColumns& columns = table.columns();
+  const RecordWhat& what = table.what();
+  RunMatrices run;
+  run.time = run.step = MatMatrix(1, rows);
+  run.hashes.reserve(rows);
+  for (const RobotColumn& robot : columns.robots) {
+    run.robots.push_back(
+        {MatMatrix(3, rows), MatMatrix(7, rows), what.wheels ? MatMatrix(2, rows) : MatMatrix(),
+         MatMatrix(2, rows), what.distances ? MatMatrix(robot.sensors, rows) : MatMatrix(),
+         what.targets ? MatMatrix(2 * columns.targets.size(), rows) : MatMatrix(), MatMatrix(4, 0)});
+  }
+  for (std::size_t i = 0; i < columns.objects.size(); ++i) run.objects.emplace_back(7, rows);
+  return run;
+}
+
+void AppendRow(const RunRow& row, const RecordWhat& what, RunMatrices& run) {
+  const auto step = static_cast<double>(row.step);
+  run.time.Append({&row.time_s, 1});
+  run.step.Append({&step, 1});
+  run.hashes.push_back(HashText(row.hash));
+  for (std::size_t i = 0; i < row.robots.size(); ++i) {
+    const RobotValues& values = row.robots[i];
+    RobotMatrices& robot = run.robots[i];
+    robot.pose.Append(std::array{values.X_WR[0], values.X_WR[1], values.heading_rad});
+    robot.pose_3d.Append(values.X_WR);
+    if (what.wheels) robot.wheels.Append(values.wheels_rad);
+    robot.setpoints.Append(values.setpoints_rad_s);
+    if (what.distances) robot.distances.Append(values.distances_m);
+    if (what.targets) robot.targets.Append(values.targets);
+  }
+  for (std::size_t i = 0; i < row.objects.size(); ++i) run.objects[i].Append(row.objects[i]);
+}
+
+MatValue RobotsValue(const RunColumns& columns, RunMatrices& run) {
+  MatStruct robots(nullptr, columns.robots.size(), kRobotFields);
+  for (std::size_t i = 0; i < columns.robots.size(); ++i) {
+    RobotMatrices& robot = run.robots[i];
+    robots.Set("name", MatText(columns.robots[i].name), i);
+    robots.Set("type", MatText(columns.robots[i].type), i);
+    robots.Set("pose", robot.pose.View(), i);
+    robots.Set("pose_3d", robot.pose_3d.View(), i);
+    robots.Set("wheels", robot.wheels.View(), i);
+    robots.Set("setpoints", robot.setpoints.View(), i);
+    robots.Set("distances", robot.distances.View(), i);
+    robots.Set("targets", robot.targets.View(), i);
+    robots.Set("commands", robot.commands.View(), i);
+  }
+  return robots.Take();
+}
+
+MatValue ObjectsValue(const RunColumns& columns, RunMatrices& run) {
+  MatStruct objects(nullptr, columns.objects.size(), kObjectFields);
+  for (std::size_t i = 0; i < columns.objects.size(); ++i) {
+    objects.Set("name", MatText(columns.objects[i]), i);
+    objects.Set("pose_3d", run.objects[i].View(), i);
+  }
+  return objects.Take();
+}
+
+MatValue TargetsValue(const RunColumns& columns) {
+  MatStruct targets(nullptr, columns.targets.size(), kTargetFields);
+  for (std::size_t i = 0; i < columns.targets.size(); ++i) {
+    const TargetColumn& target = columns.targets[i];
+    targets.Set("color", MatText(target.color), i);
+    targets.Set("x", MatNumber(target.p_WT.x()), i);
+    targets.Set("y", MatNumber(target.p_WT.y()), i);
+    targets.Set("z", MatNumber(target.p_WT.z()), i);
+  }
+  return targets.Take();
+}
+
+MatValue EventsValue(const std::vector<Event>& all) {
+  MatStruct events(nullptr, all.size(), kEventFields);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    events.Set("step", MatNumber(static_cast<double>(all[i].step)), i);
+    events.Set("time_s", MatNumber(all[i].time_s), i);
+    events.Set("level", MatText(all[i].level), i);
+    events.Set("text", MatText(all[i].text), i);
+  }
+  return events.Take();
+}
+
+MatValue RunValue(RunReader& reader, RunTable& table, RunMatrices& run) {
+  const RunHeader& header = reader.header();
+  const RunColumns& columns = table.columns();
+  std::vector<std::string> names;
+  for (const RobotColumn& robot : columns.robots) names.push_back(robot.name);
+  MatStruct value("run", 1, kRunFields);
+  value.Set("file", MatText(reader.file()));
+  value.Set("scenario", MatText(header.scenario_text));
+  value.Set("seed", MatNumber(header.seed));
+  value.Set("version", MatText(header.version));
+  value.Set("time", run.time.View());
+  value.Set("step", run.step.View());
+  value.Set("names", MatCell(names));
+  value.Set("hash", MatLines(run.hashes));
+  value.Set("robots", RobotsValue(columns, run));
+  value.Set("objects", ObjectsValue(columns, run));
+  value.Set("targets", TargetsValue(columns));
+  value.Set("events", EventsValue(table.Events()));
+  return value.Take();
+}
+
+/// libmatio does not look at what its writes return: the room is taken first, and the size is checked at the
+/// end against what the file says of itself.
+std::string Write(MatValue value, const std::string& version, ExportFile& file) {
+  const std::uint64_t bytes = MatBytes(*value);
+  if (bytes > kFormatLimit) return TooMuch(file.path(), TooLarge(bytes));
+  constexpr std::uint64_t kHeader = 128, kTag = 8;
+  const std::string title = "MATLAB 5.0 MAT-file, written by coopdyn " + version;
+  const std::string failed = file.path() + " cannot be written: the disk may be full";
+  mat_t* mat = Mat_CreateVer(file.temporary().c_str(), title.c_str(), MAT_FT_MAT5);
+  if (mat == nullptr) return failed;
+  const std::string full = file.Reserve(bytes + bytes / 1000 + 4096);
+  const bool written = full.empty() && Mat_VarWrite(mat, value.get(), MAT_COMPRESSION_ZLIB) == 0;
+  const bool closed = Mat_Close(mat) == 0;
+  if (!full.empty()) return full;
+  std::ifstream back(file.temporary(), std::ios::binary | std::ios::ate);
+  const auto size = static_cast<std::uint64_t>(back.tellg());
+  std::uint32_t said = 0;
+  back.seekg(kHeader + 4);
+  back.read(reinterpret_cast<char*>(&said), sizeof said);
+  if (!written || !closed || !back || size != kHeader + kTag + said) return failed;
+  file.Trim(size);
+  return {};
+}
+
+}  // namespace
+
+std::string ExportMat(RunReader& reader, const ExportOptions& options, const std::string& out,
+                      const ExportProgress& progress) try {
+  std::string error;
+  const auto table = RunTable::Make(reader, options, error);
+  if (table == nullptr) return error;
+  if (error = CheckSize(*table, out); !error.empty()) return error;
+  ExportFile file(out);
+  if (error = file.Open(options.overwrite); !error.empty()) return error;
+  RunMatrices run = MakeMatrices(*table);
+  const auto take_row = [&](const RunRow& row) { AppendRow(row, table->what(), run); };
+  const auto take_command = [&](const CommandRow& command) {
+    run.robots[command.robot].commands.Append(std::array{static_cast<double>(command.step), command.time_s,
+                                                         command.setpoint[0], command.setpoint[1]});
+  };
+  // Writing takes about as long as reading, and cannot be stopped.
+  const auto half = [&](double share) { return !progress || progress(share / 2); };
+  error = table->ForEach({take_row, take_command}, half);
+  if (!error.empty()) return error;
+  if (run.hashes.empty()) return "no step of this time range was recorded with poses";
+  error = Write(RunValue(reader, *table, run), reader.header().version, file);
+  if (!error.empty()) return error;
+  return file.Commit();
+} catch (const std::bad_alloc&) {
+  return TooMuch(out, "there is not enough memory for this run");
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "server/replay/run_columns.h"
+
+#include <algorithm>
+#include <map>
+#include <unordered_set>
+
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// What is there instead of `word`.
+std::string Instead(const std::string& word, const Names& known, const std::string& plural) {
+  constexpr std::size_t kListed = 20;
+  if (known.empty()) return ": this run has no " + plural;
+  const std::string near = Nearest(word, known);
+  if (!near.empty()) return "; did you mean '" + near + "'?";
+  Names listed(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(std::min(known.size(), kListed)));
+  const bool all = listed.size() == known.size();
+  return ": there are " + JoinNames(listed) +
+         (all ? "" : " … (" + std::to_string(known.size()) + " " + plural + ")");
+}
+
+/// The robots that `word` names: one, or those of a swarm; empty if it names none.
+Names RobotsCalled(const std::string& word, const std::unordered_set<std::string>& robots,
+                   const Scenario* scenario) {
+  if (robots.contains(word)) return {word};
+  Names members;
+  if (scenario == nullptr) return members;
+  for (const SwarmEntry& swarm : scenario->swarms) {
+    if (swarm.name != word && swarm.section != word) continue;
+    for (std::size_t i = 1; i <= swarm.count; ++i) {
+      if (std::string name = swarm.name + "_" + std::to_string(i); robots.contains(name)) {
+        members.push_back(std::move(name));
+      }
+    }
+  }
+  return members;
+}
+
+void ChooseRobots(const Names& words, const Scenario* scenario, std::vector<RobotColumn>& robots,
+                  std::string& error) {
+  std::unordered_set<std::string> known, chosen;
+  Names names;
+  for (const RobotColumn& robot : robots) {
+    known.insert(robot.name);
+    names.push_back(robot.name);
+  }
+  for (const std::string& word : words) {
+    const Names called = RobotsCalled(word, known, scenario);
+    if (called.empty()) {
+      error = "there is no robot '" + word + "' in this part of the run" + Instead(word, names, "robots");
+      return;
+    }
+    chosen.insert(called.begin(), called.end());
+  }
+  std::erase_if(robots, [&](const RobotColumn& robot) { return !chosen.contains(robot.name); });
+}
+
+void ChooseObjects(const Names& words, const std::unordered_set<std::string>& fixed, Names& objects,
+                   std::string& error) {
+  for (const std::string& word : words) {
+    if (std::find(objects.begin(), objects.end(), word) != objects.end()) continue;
+    error = fixed.contains(word) ? "'" + word + "' never moves: only things with a mass have a path"
+                                 : "there is no thing '" + word + "' that moves in this part of the run";
+    error += Instead(word, objects, "things that move");
+    return;
+  }
+  std::erase_if(objects, [&](const std::string& name) {
+    return std::find(words.begin(), words.end(), name) == words.end();
+  });
+}
+
+/// red1, red2, blue1 …
+void LabelTargets(std::vector<TargetColumn>& targets) {
+  std::sort(targets.begin(), targets.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  std::map<std::string, int> seen;
+  for (TargetColumn& target : targets) target.label = target.color + std::to_string(++seen[target.color]);
+}
+
+}  // namespace
+
+RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, const ExportOptions& options,
+                         std::string& error) {
+  RunColumns columns;
+  std::unordered_set<std::string> robots, objects, fixed;
+  std::unordered_set<std::uint32_t> targets;
+  for (const auto& scene : scenes) {
+    for (const SceneRobot& robot : scene->robots) {
+      if (!robots.insert(robot.entry.name).second) continue;
+      const RobotModel& model = *robot.entry.model;
+      columns.robots.push_back({robot.entry.name, model.type, model.distance_sensors.size()});
+    }
+    for (const SceneObject& object : scene->objects) {
+      if (object.body < 0) {
+        fixed.insert(object.object.name);
+      } else if (objects.insert(object.object.name).second) {
+        columns.objects.push_back(object.object.name);
+      }
+    }
+    for (const Target& target : scene->targets) {
+      if (!targets.insert(target.id.value).second) continue;
+      columns.targets.push_back({target.id, "", target.color_name, target.p_WT});
+    }
+  }
+  LabelTargets(columns.targets);
+  const Scenario* scenario = scenes.empty() ? nullptr : scenes.front()->scenario.get();
+  if (options.robots) ChooseRobots(*options.robots, scenario, columns.robots, error);
+  if (options.objects && error.empty()) ChooseObjects(*options.objects, fixed, columns.objects, error);
+  return columns;
+}
+
+}  // namespace coopdyn

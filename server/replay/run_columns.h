@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Which robots, things and targets of a run become columns, chosen by name. Pure; any thread.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/replay/export_options.h"
+#include "server/state/scene.h"
+
+namespace coopdyn {
+
+struct RobotColumn {
+  std::string name, type;
+  std::size_t sensors = 0;  // distance sensors
+};
+
+struct TargetColumn {
+  TargetId id;
+  std::string label;  // red1: the first red one, by increasing id
+  std::string color;
+  Vector3 p_WT = Vector3::Zero();
+};
+
+struct RunColumns {
+  std::vector<RobotColumn> robots;
+  std::vector<std::string> objects;
+  std::vector<TargetColumn> targets;
+};
+
+/// The columns of a run through `scenes`, in order: robots and things of all of them, each once, in the order
+/// of their first appearance. Sets `error` if a name that was chosen is in none of them; it says which is
+/// near.
+RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, const ExportOptions& options,
+                         std::string& error);
+
+}  // namespace coopdyn

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// A recorded run as rows of numbers: what the CSV and MAT exports write, so that both hold the same bits. One
+// thread, as the reader.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/record/run_reader.h"
+#include "server/replay/run_columns.h"
+
+namespace coopdyn {
+
+/// x y z (m), quaternion w x y z; all nan while the thing is not in the world.
+using PoseValues = std::array<double, 7>;
+
+struct RobotValues {
+  PoseValues X_WR{};
+  double heading_rad = 0;                   // in (−π, π]
+  std::array<double, 2> wheels_rad{};       // left, right, since the start; nan: not recorded
+  std::array<double, 2> setpoints_rad_s{};  // in force; nan: not recorded
+  std::vector<double> distances_m;          // right to left; nan: not recorded
+  std::vector<double> targets;              // distance m, bearing rad of each; nan: not seen
+};
+
+/// One recorded step that has poses.
+struct RunRow {
+  std::uint64_t step = 0;
+  double time_s = 0;
+  std::uint64_t hash = 0;           // of the exact state
+  std::vector<RobotValues> robots;  // as the columns
+  std::vector<PoseValues> objects;
+};
+
+/// A set-point that came in force.
+struct CommandRow {
+  std::size_t robot = 0;  // its column
+  std::uint64_t step = 0;
+  double time_s = 0;
+  Setpoint setpoint{};  // rad/s
+};
+
+class RunTable {
+ public:
+  /// What `options` choose of the run of `reader`, which outlives it. Null with `error` ("--from: …" without
+  /// the file's name, or the damage).
+  /// @pre LoadScenario() of the reader went well
+  static std::unique_ptr<RunTable> Make(RunReader& reader, const ExportOptions& options, std::string& error);
+  ~RunTable();
+
+  const RunColumns& columns() const;
+  /// What was recorded.
+  const RecordWhat& what() const;
+  /// No more rows than this; they are not counted exactly before they are read.
+  std::uint64_t max_rows() const;
+  /// Events of the time range, in order.
+  std::vector<Event> Events();
+
+  struct Uses {
+    std::function<void(const RunRow&)> row;
+    std::function<void(const CommandRow&)> command;  // may be null
+  };
+  /// Reads the rows in order. Returns what is wrong (a damaged file, stopped); empty if all is well.
+  std::string ForEach(const Uses& uses, const ExportProgress& progress);
+
+ private:
+  struct Impl;
+  explicit RunTable(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Takes one row per `every`, counted from the first that it is shown; all if `every` is 0.
+class RowPicker {
+ public:
+  explicit RowPicker(Nanoseconds every) : every_(every) {}
+  bool Takes(Nanoseconds time);
+
+ private:
+  Nanoseconds every_;
+  std::optional<Nanoseconds> begin_;
+  Nanoseconds last_ = 0;  // interval of the row taken last
+};
+
+/// Seconds from options as nanoseconds; an error text if they are none.
+std::string ToNanoseconds(const char* option, double seconds, Nanoseconds& ns);
+
+/// The frame of a recorded step for those who draw it or look up poses in it: poses, wheels, set-points as
+/// given (none: zero), velocities zero. False if the step does not fit its scene, which must be that of it.
+bool FillFrame(const RecordedStep& recorded, std::shared_ptr<const Scene> scene, const RunHeader& header,
+               Frame& frame);
+
+}  // namespace coopdyn
