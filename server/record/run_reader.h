@@ -16,6 +16,20 @@
 
 namespace coopdyn {
 
+/// What a file holds besides steps, for `coopdyn info`.
+struct RunContents {
+  struct Robot {
+    std::string name, type;
+  };
+  std::vector<Robot> robots;    // of the first scene
+  std::uint64_t bodies = 0;     // of the first scene
+  std::uint64_t scenes = 0;     // more than one: things came or went
+  std::uint64_t bytes = 0;      // of the file, and of the log beside it while it is being written
+  std::uint64_t keyframes = 0;  // each an exact state
+  std::uint64_t last_hash = 0;  // of the exact state after the last step
+  std::uint64_t inputs = 0;     // edits, deadlines, … all but commands
+};
+
 /// Which steps a file holds.
 struct RunExtent {
   std::uint64_t first = 0, last = 0;  // step numbers; the first is a keyframe
@@ -37,8 +51,13 @@ class RunReader {
   const RunHeader& header() const;
   /// It was mended: the recording had not been closed.
   bool mended() const;
-  /// It is being written at this moment.
+  /// It is being written at this moment, or was when extent() looked last. When a recording is closed, or its
+  /// writer is gone without closing it, ten looks that find nothing new tell.
   bool growing() const;
+  /// Nothing, and error() says why, if the file is damaged there. Needs no scenario.
+  std::optional<RunContents> Contents();
+  /// How many set-points came in force in all: looks at each step. Nothing if the file is damaged.
+  std::optional<std::uint64_t> CountCommands();
   /// Looked up afresh with each call, so that a growing file can be followed.
   RunExtent extent();
 

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/run_reader_open.h"
+
+#include <sqlite3.h>
+
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kHowToRecord = "recordings are made with coopdyn serve --record FILE";
+
+bool IsPlainFile(const std::string& file, std::string& error) {
+  std::error_code code;
+  const fs::file_status status = fs::status(file, code);
+  if (status.type() == fs::file_type::not_found) {
+    error = file + ": there is no such file";
+  } else if (status.type() == fs::file_type::directory) {
+    error = file + " is a folder: write the name of a recording in it, for example " + file + "/lesson1.run";
+  } else if (status.type() != fs::file_type::regular) {
+    error = file + " is not a recording of coopdyn: it is no file" +
+            (code ? " that can be read (" + code.message() + ")" : "");
+  } else if (fs::file_size(file, code) == 0 && !code) {
+    error = file + " is empty: nothing was recorded in it; " + kHowToRecord;
+  }
+  return error.empty();
+}
+
+std::unique_ptr<Database> OpenDatabase(const std::string& file, Database::Access access, std::string& error) {
+  auto database = Database::Open(file, access, error);
+  if (database != nullptr) database->Run("PRAGMA busy_timeout = 500");
+  return database;
+}
+
+bool HasLog(const std::string& file) {
+  std::error_code code;
+  return fs::file_size(file + "-wal", code) > 0 && !code;
+}
+
+/// Why the first look into `database` failed.
+std::string WhyUnreadable(const Database& database) {
+  const std::string& file = database.file();
+  if (database.busy()) return file + " is locked by another program: try again when that has finished";
+  if (database.error_code() == SQLITE_NOTADB) {
+    return file + " is not a recording of coopdyn: it is no SQLite database; " + kHowToRecord;
+  }
+  if (database.damaged()) {
+    return file + " is damaged or cut short (" + database.error() +
+           "): copy it again from where it was recorded";
+  }
+  if (HasLog(file)) {
+    return database.error() + ": the recording was not closed, and its folder cannot be written to: copy " +
+           file + " and " + file + "-wal together to a folder of yours and open it there";
+  }
+  return database.error() + ": make sure that you may read it, or copy it to a folder of yours";
+}
+
+/// It is a recording, of a format that is known.
+bool CheckKind(Database& database, std::string& error) {
+  const std::string& file = database.file();
+  const std::optional<std::int64_t> application = database.Integer("PRAGMA application_id");
+  const std::optional<std::int64_t> format =
+      application ? database.Integer("PRAGMA user_version") : std::nullopt;
+  if (!format) {
+    error = WhyUnreadable(database);
+  } else if (*application != kRunApplicationId) {
+    error = file + " is not a recording of coopdyn: it is a database of another program; " + kHowToRecord;
+  } else if (*format > kRunFormat) {
+    error = file + " was made by a newer coopdyn: format " + std::to_string(*format) + ", this one reads " +
+            std::to_string(kRunFormat) + ": use that version of coopdyn";
+  } else if (*format < 1) {
+    error = file + " is damaged: its format is " + std::to_string(*format) + ", not " +
+            std::to_string(kRunFormat) + ": copy it again from where it was recorded";
+  }
+  return error.empty();
+}
+
+/// Makes a log that waits part of the file, if nobody else has it open: then the whole run is one file.
+bool MakePlain(Database& database) {
+  return database.Text("PRAGMA journal_mode = DELETE") == "delete";
+}
+
+bool MarkClosed(Database& database) {
+  const std::string lost = std::to_string(CountLost(database));
+  return database.Run("BEGIN IMMEDIATE; INSERT OR REPLACE INTO meta(key, value) VALUES('lost', " + lost +
+                      "); INSERT OR REPLACE INTO meta(key, value) VALUES('closed', 1); COMMIT");
+}
+
+}  // namespace
+
+bool IsClosed(Database& database) {
+  return database.Integer("SELECT value FROM meta WHERE key = 'closed'") == 1;
+}
+
+std::uint64_t CountLost(Database& database) {
+  Statement gaps = database.Prepare(
+      "SELECT k.step - 1 - (SELECT step FROM step WHERE step < k.step ORDER BY step DESC LIMIT 1)"
+      " FROM keyframe AS k WHERE k.step > (SELECT min(step) FROM step)");
+  std::uint64_t lost = 0;
+  while (gaps && gaps.Step() == Statement::Result::kRow) {
+    if (gaps.integer(0) > 0) lost += static_cast<std::uint64_t>(gaps.integer(0));
+  }
+  return lost;
+}
+
+OpenedRun OpenRun(const std::string& file, std::string& error) {
+  OpenedRun run;
+  error.clear();
+  if (!IsPlainFile(file, error)) return run;
+  // Read-only at first: a stranger's database must not be touched.
+  run.database = OpenDatabase(file, Database::Access::kReadOnly, error);
+  if (run.database == nullptr || !CheckKind(*run.database, error)) return {};
+  const bool closed = IsClosed(*run.database);
+  const bool plain = run.database->Text("PRAGMA journal_mode") != "wal";
+  if (plain && closed) return run;
+
+  // A writer keeps the file in WAL mode and has it open; then it cannot be made plain.
+  run.database.reset();
+  std::string ignored;
+  auto writable = OpenDatabase(file, Database::Access::kReadWrite, ignored);
+  if (writable != nullptr) {
+    if (MakePlain(*writable)) {
+      run.mended = !closed && MarkClosed(*writable);
+    } else {
+      run.growing = writable->busy() && !closed;
+    }
+    writable.reset();
+  }
+  run.database = OpenDatabase(file, Database::Access::kReadOnly, error);
+  if (run.database != nullptr && !CheckKind(*run.database, error)) run.database.reset();
+  if (run.database != nullptr && run.growing) run.growing = !IsClosed(*run.database);
+  return run;
+}
+
+}  // namespace coopdyn

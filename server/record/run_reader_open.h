@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Opens the file of a recording: says what is no recording, tells one that is being written from one that a
+// crash has left, and mends the latter. Nobody's file but a recording's is ever written to, and that only if
+// no other program has it open. One thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "server/record/run_header.h"
+#include "server/record/sqlite_db.h"
+
+namespace coopdyn {
+
+struct OpenedRun {
+  std::unique_ptr<Database> database;  // to read from; null: it cannot be read
+  bool mended = false;                 // it had not been closed; it is now
+  bool growing = false;                // another connection has it open, and it is not closed
+};
+
+/// Waits at most a second for locks of others. `database` is null with `error`, what is wrong and what to do.
+OpenedRun OpenRun(const std::string& file, std::string& error);
+
+/// Whether meta says that the recording was closed.
+bool IsClosed(Database& database);
+
+/// All but the texts' absence is checked; false with `error` if it is damaged.
+bool ReadHeader(Database& database, RunHeader& header, std::string& error);
+
+/// Steps left out, from the gaps before keyframes: whatever was lost ends with one.
+std::uint64_t CountLost(Database& database);
+
+}  // namespace coopdyn
