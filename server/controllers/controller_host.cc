@@ -86,6 +86,7 @@ void ControllerHost::Check(const Scenario& scenario, Diagnostics& diagnostics) {
 void ControllerHost::List(const Scene& scene) {
   if (set_) ended_cpu_s_ += set_->child_cpu_s();
   set_.reset();
+  if (std::exchange(stale_, false)) checked_.reset();
   driven_.clear();
   driven_of_slot_.clear();
   stopped_.clear();
@@ -104,7 +105,6 @@ void ControllerHost::List(const Scene& scene) {
 
 void ControllerHost::Configure(const FramePtr& frame) {
   List(*frame->scene);
-  if (std::exchange(stale_, false)) checked_.reset();
   Create(frame);
 }
 
@@ -138,20 +138,22 @@ void ControllerHost::Create(const FramePtr& frame) {
         Stop(driven, "was not started: " + faults.front());
         continue;
       }
-      if (!driven.restored.empty() && driven.restored.size() != loaded.description->state_size) {
+      if (driven.restored && driven.restored->size() != loaded.description->state_size) {
         Stop(driven, "is not the one that saved its state: their state_size differs");
         continue;
       }
       driven.slot = static_cast<std::uint32_t>(robots.size());
       driven.readings = loaded.description->readings;
       driven_of_slot_.push_back(i);
-      robots.push_back({file, &robot, OptionValues(choice, *loaded.description), driven.restored});
+      std::span<const std::byte> state;
+      if (driven.restored) state = *driven.restored;
+      robots.push_back({file, &robot, OptionValues(choice, *loaded.description), state});
     }
     if (set_) StopCasualties(set_->Create(robots, frame->seed));
   } catch (const std::exception& exception) {
     for (Driven& driven : driven_) Stop(driven, std::string("could not be started: ") + exception.what());
   }
-  for (Driven& driven : driven_) driven.restored = {};
+  for (Driven& driven : driven_) driven.restored.reset();
   ListItems();
 }
 

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,7 +39,8 @@ class ControllerHost final : public ControllerDriver {
 
   /// Which drive, which are stopped and why, and what each has saved.
   std::vector<std::byte> Save() const override;
-  /// A controller whose state has another size by now is stopped.
+  /// A controller whose state has another size by now is stopped; TakeStopped() has those first, then those
+  /// that were stopped when it was saved.
   bool Restore(const FramePtr& frame, std::span<const std::byte> saved) override;
   std::vector<int> Unloaded() const override;
   void Stop(int robot, const std::string& why) override;
@@ -57,15 +59,15 @@ class ControllerHost final : public ControllerDriver {
     std::string name, controller;
     DriveModel drive;
     Status status = Status::kDrives;
-    std::string why;                  // it is stopped
-    std::uint32_t slot = 0;           // its number in the set
-    std::uint32_t readings = 0;       // of enum coopdyn_reading
-    std::vector<std::byte> restored;  // state to begin with, until it is created
+    std::string why;                                 // it is stopped
+    std::uint32_t slot = 0;                          // its number in the set
+    std::uint32_t readings = 0;                      // of enum coopdyn_reading
+    std::optional<std::vector<std::byte>> restored;  // state to begin with, until it is created
   };
 
   /// The set that Check() has made ready, if it has these files as they are now, else a new one.
   std::unique_ptr<ControllerSet> SetOf(std::vector<std::string> files);
-  /// Forgets all controllers and lists the robots that have one.
+  /// Forgets all controllers and lists the robots that have one; nobody is told any more what was stopped.
   void List(const Scene& scene);
   /// Makes the instances of all that are to drive.
   void Create(const FramePtr& frame);

@@ -3,8 +3,8 @@
 //   u32 version, u32 count, then for each robot with a controller by increasing id:
 //   u32 id, u8 status, u32 size of the controller's name, name, u32 size of the reason, reason, u32 size,
 //   state
-#include <cstring>
 #include <string>
+#include <utility>
 
 #include "server/controllers/controller_host.h"
 
@@ -105,7 +105,12 @@ bool ControllerHost::Restore(const FramePtr& frame, std::span<const std::byte> s
   }
   fits = fits && reader.at_end();
   if (fits) driven_ = std::move(restored);
+  std::vector<StoppedController> before;
+  for (const Driven& driven : driven_) {
+    if (driven.status == Status::kStopped) before.push_back({driven.name, driven.why});
+  }
   Create(frame);
+  stopped_.insert(stopped_.end(), before.begin(), before.end());
   return fits;
 }
 

@@ -28,42 +28,65 @@ fs::path WithExtension(std::string written) {
   return written.ends_with(".so") ? written : written + ".so";
 }
 
-/// The file of a controller; empty with an error.
-std::string FindFile(const std::string& written, SectionReader& reader, const SearchPath& path,
-                     const std::optional<fs::path>& beside) {
-  if (written.find_first_of("/\\") == std::string::npos) {
-    const fs::path folder = beside.value_or(fs::path());
-    const std::string name = written.ends_with(".so") ? written.substr(0, written.size() - 3) : written;
+/// Finds the files of one section's controller.
+class FileFinder {
+ public:
+  FileFinder(SectionReader& reader, const RobotLibrary& library, const std::optional<fs::path>& beside)
+      : reader_(reader), library_(library), beside_(beside) {}
+
+  /// Empty, and said, if it is not there.
+  std::string Find(const std::string& written) const {
+    const std::string name = fs::path(WithExtension(written)).stem().string();
+    if (written.find_first_of("/\\") == std::string::npos) return FindByName(name);
+    if (!beside_) {
+      reader_.ErrorAt(kKey,
+                      "a scenario sent over a socket names its controller by the bare name of one on the "
+                      "search path, for example: " +
+                          std::string(kExample));
+      return {};
+    }
+    // An absolute path stays as it is.
+    const fs::path file = (*beside_ / WithExtension(written)).lexically_normal();
+    std::error_code code;
+    if (fs::is_regular_file(file, code)) return file.string();
+    // A recording may be read where its run's folders are not.
+    if (library_.is_of_recording()) return FindByName(name);
+    Missing("there is no controller '" + written + "': the file " + file.string() + " is missing");
+    return {};
+  }
+
+ private:
+  std::string FindByName(const std::string& name) const {
+    const SearchPath& path = library_.path();
+    const fs::path folder = beside_.value_or(fs::path());
     if (const auto found = path.FindController(name, folder)) return found->string();
     const std::vector<std::string> known = path.ControllerNames(folder);
     const std::string near = Nearest(name, known);
-    std::string text = "there is no controller '" + name + "' " + (beside ? "beside the scenario or " : "") +
+    std::string text = "there is no controller '" + name + "' " + (beside_ ? "beside the scenario or " : "") +
                        "on the search path";
     if (!near.empty()) text += "; did you mean '" + near + "'?";
     text += near.empty() ? "; " : " ";
     text += known.empty() ? "none is there: coopdyn new-controller NAME writes a start"
                           : "There are " + JoinNames(known);
-    reader.ErrorAt(kKey, std::move(text));
+    Missing(std::move(text));
     return {};
   }
-  if (!beside) {
-    reader.ErrorAt(kKey,
-                   "a scenario sent over a socket names its controller by the bare name of one on the search "
-                   "path, for example: " +
-                       std::string(kExample));
-    return {};
+  void Missing(std::string text) const {
+    if (library_.is_of_recording()) {
+      reader_.WarningAt(kKey, std::move(text));
+    } else {
+      reader_.ErrorAt(kKey, std::move(text));
+    }
   }
-  // An absolute path stays as it is.
-  const fs::path file = (*beside / WithExtension(written)).lexically_normal();
-  std::error_code code;
-  if (fs::is_regular_file(file, code)) return file.string();
-  reader.ErrorAt(kKey, "there is no controller '" + written + "': the file " + file.string() + " is missing");
-  return {};
-}
+
+  SectionReader& reader_;
+  const RobotLibrary& library_;
+  const std::optional<fs::path>& beside_;
+};
 
 }  // namespace
 
-ControllerChoice ReadController(SectionReader& reader, const SearchPath& path,
+ControllerChoice ReadController(SectionReader& reader, const RobotLibrary& library,
                                 const std::optional<fs::path>& beside) {
   ControllerChoice choice;
   const std::optional<std::string> text = reader.Text(kKey);
@@ -86,7 +109,7 @@ ControllerChoice ReadController(SectionReader& reader, const SearchPath& path,
     if (twice) reader.ErrorAt(kKey, "'controller': option '" + name + "' stands twice: keep one");
     choice.options.emplace_back(name, value.value);
   }
-  choice.file = FindFile(words.front(), reader, path, beside);
+  choice.file = FileFinder(reader, library, beside).Find(words.front());
   choice.name = fs::path(WithExtension(words.front())).stem().string();
   return choice;
 }

@@ -12,8 +12,9 @@ namespace coopdyn {
 
 /// The controller that the section names, its file found; empty if it names none, or with errors reported.
 /// `beside`: the scenario's folder; nothing if the text came over a socket, and then only a bare name on
-/// `path` will do.
-ControllerChoice ReadController(SectionReader& reader, const SearchPath& path,
+/// the library's path will do. What a recording names and is not there any more is a warning: its `file` is
+/// empty.
+ControllerChoice ReadController(SectionReader& reader, const RobotLibrary& library,
                                 const std::optional<std::filesystem::path>& beside);
 
 }  // namespace coopdyn

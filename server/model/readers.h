@@ -45,7 +45,8 @@ struct SearchPath {
 class RobotLibrary {
  public:
   /// `embedded`: the worlds and robot models that a recording carries (Scenario::sources). Readers take these
-  /// before they look on `path`, and call them in messages by the file that they came from.
+  /// before they look on `path`, and call them in messages by the file that they came from. Controllers that
+  /// are not there any more are then warnings.
   explicit RobotLibrary(SearchPath path, std::vector<SourceText> embedded = {})
       : path_(std::move(path)), embedded_(std::move(embedded)) {}
   /// The model of `type`; null with diagnostics (at `where`, or in the model's file) if there is none.
@@ -55,6 +56,7 @@ class RobotLibrary {
   bool Has(const std::string& type) const;
   /// The embedded text `name` of a `kind` (world, robot); null if there is none.
   const SourceText* Embedded(std::string_view kind, std::string_view name) const;
+  bool is_of_recording() const { return !embedded_.empty(); }
   const SearchPath& path() const { return path_; }
 
  private:

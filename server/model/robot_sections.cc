@@ -87,7 +87,7 @@ void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
   if (const auto fidelity = reader.Choice("fidelity", fidelities)) {
     entry.fidelity = static_cast<Fidelity>(*fidelity);
   }
-  entry.controller = ReadController(reader, library_.path(), beside_);
+  entry.controller = ReadController(reader, library_, beside_);
   if (!entry.controller.empty() && entry.model != nullptr && !entry.model->has_actuators()) {
     reader.ErrorAt("controller", "a " + entry.model->type + " has no motors that a controller could drive");
   }

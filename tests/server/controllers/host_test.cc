@@ -189,7 +189,10 @@ TEST(ControllerStateTest, ARestoredRunGoesOnAsIfNothingHadHappened) {
     for (std::size_t i = 0; i < 30; ++i) {
       EXPECT_EQ(second.run().setpoints[i], first.run().setpoints[20 + i]) << "step " << i;
     }
-    EXPECT_TRUE(second.run().stopped.empty()) << "it was stopped before and is not told again";
+    // It was stopped before, which whoever restores must know.
+    ASSERT_EQ(second.run().stopped.size(), 1u);
+    EXPECT_EQ(second.run().stopped[0].robot, "robot13");
+    EXPECT_EQ(second.run().stopped[0].why, first.run().stopped.at(0).why);
     EXPECT_EQ(second.host().Save(), first.host().Save());
   }
 }

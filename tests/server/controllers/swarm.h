@@ -163,6 +163,11 @@ class Driven {
     return run_;
   }
   const Record& run() const { return run_; }
+  /// What the run holds of steps so far; for long ones.
+  void Forget() {
+    run_.setpoints.clear();
+    run_.messages.clear();
+  }
   /// Continues at `frame` with what was saved there.
   bool Restore(const FramePtr& frame, std::span<const std::byte> saved) {
     frame_ = frame;

@@ -134,5 +134,26 @@ TEST_F(ControllerLineTest, SwarmsHaveTheSameOne) {
   }
 }
 
+TEST_F(ControllerLineTest, OfARecordingItMayBeGone) {
+  const std::string text = "[ROBOT_1]\ntype single\nposition 1 2\ncontroller ";
+  Diagnostics none;
+  const auto robot = library_.Get("coopbot", {}, none);
+  ASSERT_NE(robot, nullptr);
+  RobotLibrary library(library_.path(), {{"robot", "coopbot", robot->file, robot->text}});
+  for (const auto& [written, name, file] :
+       {std::tuple("diffuse", "diffuse", "path/controllers/diffuse.so"), std::tuple("gone", "gone", ""),
+        std::tuple("./gone speed=1", "gone", ""),
+        std::tuple("../far/wander.so", "wander", "path/wander.so")}) {
+    Diagnostics diagnostics;
+    const auto scenario = ReadScenario(text + written + "\n", (folder_.path() / "a.scenario").string(),
+                                       library, false, diagnostics);
+    ASSERT_NE(scenario, nullptr) << diagnostics.ToString();
+    const ControllerChoice& choice = scenario->robots.at(0).controller;
+    EXPECT_EQ(choice.name, name);
+    EXPECT_EQ(folder_.Strip(choice.file), file);
+    EXPECT_EQ(diagnostics.all().size(), *file == 0 ? 1u : 0u) << diagnostics.ToString();
+  }
+}
+
 }  // namespace
 }  // namespace coopdyn
