@@ -13,15 +13,10 @@ constexpr int kBusyTimeoutMs = 2000;
 
 /// `message (reason of the system)`.
 std::string ErrorText(sqlite3* database) {
+  const int code = sqlite3_errcode(database) & 0xff;
+  if (code == SQLITE_FULL) return "the disk is full";
   std::string text = sqlite3_errmsg(database);
-  switch (sqlite3_errcode(database)) {
-    case SQLITE_IOERR:
-    case SQLITE_CANTOPEN:
-    case SQLITE_FULL:
-      break;
-    default:
-      return text;
-  }
+  if (code != SQLITE_IOERR && code != SQLITE_CANTOPEN) return text;
   const int reason = sqlite3_system_errno(database);
   if (reason != 0) text += " (" + std::generic_category().message(reason) + ")";
   return text;

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/run_writer.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "server/record/pose_codec.h"
+#include "server/record/run_tables.h"
+#include "server/record/state_codec.h"
+#include "server/record/step_row.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::size_t kWalBytes = std::size_t{8} << 20;  // then it goes over into the file
+constexpr int kCacheKiB = 32 << 10;                      // more than the steps of one commit
+constexpr int kCloseTimeoutMs = 200;                     // for other processes that read the file
+
+std::string SystemText(int code) {
+  return std::generic_category().message(code);
+}
+
+void RemoveRunFile(const std::string& file) {
+  for (const char* end : {"", "-wal", "-shm", "-journal"}) ::unlink((file + end).c_str());
+}
+
+/// Makes `file`, empty; an error text, empty if that went well.
+std::string MakeEmpty(const std::string& file, bool overwrite) {
+  struct stat found {};
+  if (::lstat(file.c_str(), &found) == 0) {
+    if (!overwrite) return file + " exists: choose another name, or --force";
+    if (!S_ISREG(found.st_mode)) return file + " is no file: choose another name";
+  }
+  RemoveRunFile(file);
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor < 0) return "cannot make " + file + ": " + SystemText(errno);
+  ::close(descriptor);
+  return {};
+}
+
+std::uint64_t SizeOf(const std::string& file) {
+  struct stat found {};
+  return ::stat(file.c_str(), &found) == 0 ? static_cast<std::uint64_t>(found.st_size) : 0;
+}
+
+bool SameBits(const Setpoint& a, const Setpoint& b) {
+  return std::memcmp(a.data(), b.data(), sizeof a) == 0;
+}
+
+}  // namespace
+
+RunHeader HeaderOf(const Frame& frame, Mode mode, const RecordWhat& what, Nanoseconds pose_every) {
+  const Scenario& scenario = *frame.scene->scenario;
+  RunHeader header;
+  header.scenario_name = scenario.name;
+  header.scenario_file = scenario.file;
+  header.scenario_text = scenario.text;
+  header.sources = scenario.sources;
+  header.scenario_seed = scenario.simulation.seed;
+  header.seed = frame.seed;
+  header.mode = mode;
+  header.step_length = frame.step_length;
+  header.substeps = scenario.simulation.substeps;
+  header.what = what;
+  header.pose_every = pose_every;
+  return header;
+}
+
+RunWriter::RunWriter(std::string file, RunWriterOptions options)
+    : file_(std::move(file)), options_(std::move(options)) {}
+
+RunWriter::~RunWriter() {
+  if (database_ != nullptr && database_->in_transaction()) database_->Run("ROLLBACK");
+}
+
+std::unique_ptr<RunWriter> RunWriter::Create(const std::string& file, RunWriterOptions options,
+                                             const SavedState& first, std::string& error) {
+  error = MakeEmpty(file, options.overwrite);
+  if (!error.empty()) return nullptr;
+  std::unique_ptr<RunWriter> writer(new RunWriter(file, std::move(options)));
+  if (writer->Open(first)) return writer;
+  error = writer->error_;
+  writer.reset();
+  RemoveRunFile(file);
+  return nullptr;
+}
+
+bool RunWriter::Open(const SavedState& first) {
+  database_ = Database::Open(file_, Database::Access::kReadWrite, error_);
+  if (database_ == nullptr) return false;
+  const std::size_t page_size = options_.page_size != 0
+                                    ? options_.page_size
+                                    : BestPageSize(StepRowBytes(*first.frame, options_.header.what, true));
+  std::string setup =
+      "PRAGMA page_size = " + std::to_string(page_size) +
+      "; PRAGMA application_id = " + std::to_string(kRunApplicationId) +
+      "; PRAGMA user_version = " + std::to_string(kRunFormat) +
+      "; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA wal_autocheckpoint = " +
+      std::to_string(kWalBytes / page_size) + "; PRAGMA cache_size = -" + std::to_string(kCacheKiB);
+  if (options_.max_pages > 0) setup += "; PRAGMA max_page_count = " + std::to_string(options_.max_pages);
+  if (!database_->Run(setup) || !Begin() || !CreateTables(*database_)) return Failed();
+  if (!WriteHeader(*database_, options_.header) || !PrepareStatements()) return Failed();
+  begin_ = first.frame->time;
+  if (!AddStep(*first.frame) || !AddKeyframe(first) || !Commit()) return false;
+  steps_ = 0;
+  return true;
+}
+
+bool RunWriter::PrepareStatements() {
+  insert_.step = database_->Prepare("INSERT INTO step VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  insert_.keyframe = database_->Prepare("INSERT INTO keyframe VALUES(?, ?)");
+  insert_.input = database_->Prepare("INSERT INTO input(step, action, detail) VALUES(?, ?, ?)");
+  insert_.event = database_->Prepare("INSERT INTO event(step, time_ns, level, text) VALUES(?, ?, ?, ?)");
+  return insert_.step && insert_.keyframe && insert_.input && insert_.event;
+}
+
+bool RunWriter::Begin() {
+  if (!error_.empty()) return false;
+  if (!dirty_ && !database_->Run("BEGIN")) return Failed();
+  dirty_ = true;
+  return true;
+}
+
+bool RunWriter::Failed() {
+  if (error_.empty()) error_ = database_->error();
+  if (database_->in_transaction()) database_->Run("ROLLBACK");
+  dirty_ = false;
+  return false;
+}
+
+bool RunWriter::AddStep(const Frame& frame) {
+  if (!Begin()) return false;
+  const bool new_scene = frame.scene != scene_;
+  if (new_scene) {
+    scene_ = frame.scene;
+    if (!WriteScene(*database_, ++scene_number_, frame.step, *scene_)) return Failed();
+    is_recomputed_.assign(scene_->robots.size(), false);
+    for (std::size_t i = 0; i < scene_->robots.size() && !options_.header.what.controllers; ++i) {
+      is_recomputed_[i] = !scene_->robots[i].entry.controller.empty();
+    }
+  }
+  FindCommands(frame, new_scene);
+  messages_.clear();
+  std::copy_if(frame.messages.begin(), frame.messages.end(), std::back_inserter(messages_),
+               [&frame](const SentMessage& sent) { return sent.step == frame.step; });
+  if (!WriteRow(frame)) return Failed();
+  ++steps_;
+  end_ = frame.time;
+  return true;
+}
+
+void RunWriter::FindCommands(const Frame& frame, bool new_scene) {
+  const bool is_first = scene_number_ == 1 && new_scene;  // what is in force came before
+  commands_.clear();
+  in_force_.resize(frame.robots.size());
+  for (std::size_t i = 0; i < frame.robots.size(); ++i) {
+    const RobotState& robot = frame.robots[i];
+    // A client drives it, so its controller is gone: what it gets from now on nobody can compute.
+    if (robot.commanded && !is_first) is_recomputed_[i] = false;
+    const bool changed = !SameBits(robot.setpoint_rad_s, in_force_[i]);
+    in_force_[i] = robot.setpoint_rad_s;
+    if (new_scene || robot.commanded || (changed && !is_recomputed_[i])) {
+      commands_.push_back(
+          {static_cast<std::uint32_t>(i), robot.commanded && !is_first, robot.setpoint_rad_s});
+    }
+  }
+}
+
+bool RunWriter::IsShown(Nanoseconds time) const {
+  const Nanoseconds every = options_.header.pose_every;
+  return every <= 0 || shown_ < 0 || time / every != shown_ / every;
+}
+
+void RunWriter::EncodeShown(const Frame& frame) {
+  const RecordWhat& what = options_.header.what;
+  EncodePoses(frame.bodies, poses_);
+  if (what.wheels) EncodeWheels(frame.robots, wheels_);
+  if (what.distances) EncodeDistances(frame, distances_);
+  if (what.targets) EncodeTargets(frame, targets_);
+}
+
+bool RunWriter::WriteRow(const Frame& frame) {
+  for (auto* blob : {&commands_blob_, &messages_blob_, &wheels_, &distances_, &targets_, &poses_}) {
+    blob->clear();
+  }
+  EncodeCommands(commands_, commands_blob_);
+  EncodeMessages(messages_, messages_blob_);
+  if (IsShown(frame.time)) {
+    EncodeShown(frame);
+    shown_ = frame.time;
+  }
+  insert_.step.Bind(1, static_cast<std::int64_t>(frame.step));
+  insert_.step.Bind(2, frame.time);
+  insert_.step.Bind(3, static_cast<std::int64_t>(StateHash(frame)));
+  insert_.step.Bind(4, scene_number_);
+  int column = 5;
+  for (const auto* blob : {&commands_blob_, &messages_blob_, &wheels_, &distances_, &targets_, &poses_}) {
+    insert_.step.BindBlob(column++, *blob);
+  }
+  return insert_.step.Run();
+}
+
+bool RunWriter::AddKeyframe(const SavedState& state) {
+  if (!Begin()) return false;
+  const std::vector<std::byte> bytes = EncodeState(state);
+  insert_.keyframe.Bind(1, static_cast<std::int64_t>(state.frame->step));
+  insert_.keyframe.BindBlob(2, bytes);
+  return insert_.keyframe.Run() || Failed();
+}
+
+bool RunWriter::AddInput(const RunInput& input) {
+  if (!Begin()) return false;
+  if (input.action == "release_robot") {
+    const int robot = scene_->FindRobot(input.detail);
+    if (robot >= 0) is_recomputed_[static_cast<std::size_t>(robot)] = false;
+  }
+  insert_.input.Bind(1, static_cast<std::int64_t>(input.step));
+  insert_.input.BindText(2, input.action);
+  insert_.input.BindText(3, input.detail);
+  return insert_.input.Run() || Failed();
+}
+
+bool RunWriter::AddEvent(const Event& event) {
+  if (!Begin()) return false;
+  insert_.event.Bind(1, static_cast<std::int64_t>(event.step));
+  insert_.event.Bind(2, static_cast<std::int64_t>(std::llround(event.time_s * 1e9)));
+  insert_.event.BindText(3, event.level);
+  insert_.event.BindText(4, event.text);
+  return insert_.event.Run() || Failed();
+}
+
+bool RunWriter::AddLost(std::uint64_t steps) {
+  if (!Begin()) return false;
+  lost_ += steps;
+  return SetMeta(*database_, "lost", static_cast<std::int64_t>(lost_)) || Failed();
+}
+
+bool RunWriter::Commit() {
+  if (!error_.empty()) return false;
+  if (dirty_ && !database_->Run("COMMIT")) return Failed();
+  dirty_ = false;
+  return true;
+}
+
+bool RunWriter::Close(std::string& remark) {
+  if (!Begin() || !SetMeta(*database_, "closed", 1)) return Failed();
+  if (!Commit()) return false;
+  insert_ = Statements();
+  database_->Run("PRAGMA busy_timeout = " + std::to_string(kCloseTimeoutMs));
+  database_->Run("PRAGMA wal_checkpoint(TRUNCATE)");
+  const std::string journal = database_->Text("PRAGMA journal_mode = DELETE").value_or(database_->error());
+  database_.reset();
+  if (journal != "delete") {
+    remark = file_ + " is open elsewhere: " + file_ + "-wal belongs to it until it is closed there";
+  }
+  return true;
+}
+
+std::uint64_t RunWriter::bytes() const {
+  return SizeOf(file_) + SizeOf(file_ + "-wal");
+}
+
+}  // namespace coopdyn

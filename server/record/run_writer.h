@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// Writes one run file, step by step (docs/formats.md). What is committed survives a crash. One thread;
+// nothing throws.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/record/run_header.h"
+#include "server/record/sqlite_db.h"
+#include "server/state/run_journal.h"
+
+namespace coopdyn {
+
+struct RunWriterOptions {
+  RunHeader header;
+  bool overwrite = false;
+  std::size_t page_size = 0;   // of SQLite; 0: what suits the rows
+  std::int64_t max_pages = 0;  // beyond that the disk counts as full; 0: no such limit. For tests
+};
+
+class RunWriter {
+ public:
+  /// Makes `file` with the scenario and scene of `first`, its frame as first row and keyframe, all committed.
+  /// Null with `error` ("lesson1.run exists: choose another name, or --force") if that fails; no file is left
+  /// then.
+  static std::unique_ptr<RunWriter> Create(const std::string& file, RunWriterOptions options,
+                                           const SavedState& first, std::string& error);
+  /// Closes the file as it is, without what was not committed. See Close().
+  ~RunWriter();
+  RunWriter(const RunWriter&) = delete;
+  RunWriter& operator=(const RunWriter&) = delete;
+
+  // False: it could not be written, error() says why, and the file takes no more.
+  /// A step of the run; steps grow. A scene other than the last frame's is written too.
+  bool AddStep(const Frame& frame);
+  /// The exact state of a step that was added.
+  bool AddKeyframe(const SavedState& state);
+  bool AddInput(const RunInput& input);
+  bool AddEvent(const Event& event);
+  /// So many steps more were left out.
+  bool AddLost(std::uint64_t steps);
+  /// Makes what was added so far safe from a crash, and visible to readers.
+  bool Commit();
+  /// Commits and makes it one plain file. If another process has it open, a -wal file stays beside it, and
+  /// `remark` says so.
+  bool Close(std::string& remark);
+
+  const std::string& file() const { return file_; }
+  /// "lesson1.run: the disk is full".
+  const std::string& error() const { return error_; }
+  /// After the first frame; with those not yet committed.
+  std::uint64_t steps() const { return steps_; }
+  Nanoseconds begin() const { return begin_; }
+  Nanoseconds end() const { return end_; }
+  /// Something was added since the last Commit().
+  bool dirty() const { return dirty_; }
+  /// Of the file and what lies beside it until it is closed. Asks the file system.
+  std::uint64_t bytes() const;
+
+ private:
+  RunWriter(std::string file, RunWriterOptions options);
+
+  bool Open(const SavedState& first);
+  bool PrepareStatements();
+  /// A transaction is open; false if it cannot be.
+  bool Begin();
+  bool Failed();
+  bool WriteRow(const Frame& frame);
+  void EncodeShown(const Frame& frame);
+  /// Set-points that differ from those in force so far, or all of a new scene; into commands_.
+  void FindCommands(const Frame& frame, bool new_scene);
+  bool IsShown(Nanoseconds time) const;
+
+  const std::string file_;
+  const RunWriterOptions options_;
+  std::unique_ptr<Database> database_;
+  struct Statements {
+    Statement step, keyframe, input, event;
+  };
+  Statements insert_;
+  std::string error_;
+  bool dirty_ = false;
+
+  std::shared_ptr<const Scene> scene_;
+  std::int64_t scene_number_ = 0;
+  std::vector<Setpoint> in_force_;   // of scene_->robots
+  std::vector<bool> is_recomputed_;  // likewise: its controller's set-points are left out
+  std::uint64_t steps_ = 0, lost_ = 0;
+  Nanoseconds begin_ = 0, end_ = 0;
+  Nanoseconds shown_ = -1;  // time of the last step with poses
+
+  // Of the step in the making; kept for their memory.
+  std::vector<CommandRecord> commands_;
+  std::vector<SentMessage> messages_;
+  std::vector<std::byte> commands_blob_, messages_blob_, wheels_, distances_, targets_, poses_;
+};
+
+/// Of a recording that begins with `frame`; the rest (version, command, started) is the caller's.
+RunHeader HeaderOf(const Frame& frame, Mode mode, const RecordWhat& what, Nanoseconds pose_every);
+
+}  // namespace coopdyn
