@@ -53,14 +53,19 @@ _GET_DISTANCES, _GET_GEOMETRY = 20, 21
 _GET_TARGETS, _GET_TARGET, _GET_ROBOTS = 30, 31, 32
 _GET_POSE, _GET_POSE_3D = 40, 41
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
-_LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD = 108, 190, 191, 192
+_LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD, _RELEASE_ROBOT = 108, 190, 191, 192, 193
+_RECORDER, _PLAYBACK = "/recorder", "/playback"
+_SAVE_STATE, _RESTORE_STATE, _GET_SAVED = 194, 195, 196
+_GET_RECORDING, _START_RECORDING, _STOP_RECORDING, _NOTE, _LIST_RUNS = 120, 121, 122, 123, 124
+_GET_PLAYBACK, _SEEK, _PLAY, _SET_PLAY_SPEED, _SKIP, _SET_LOOP, _BRANCH = 130, 131, 132, 134, 135, 136, 137
 _STEP_ALL, _SELECT_READINGS, _READ_ALL, _GET_TEAM, _STOP_TEAM = 110, 111, 112, 113, 114
 _CARRY_MODE = frozenset((_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP, _STEP_ALL))
 _GET_NEIGHBOURS, _SEND_MESSAGE, _GET_MESSAGES = 200, 201, 202
 
 _CLOSE_S = 0.2
 _REQUEST_TIMEOUT_S = 10.0  # for what is answered at once
-_LOAD_TIMEOUT_S = 60.0  # for what builds a world
+_LOAD_TIMEOUT_S = 60.0  # for what builds a world, closes a file, repeats a part of a run
+_EXPORT_TIMEOUT_S = 600.0  # for a long recording as a MAT file
 _COMMAND_WAIT_S = 0.1  # for the reply to an actuator command in real time
 _CATCH_UP_AFTER_S = 0.1  # some robots have stepped and others have not: see _Session.catch_up
 _NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
@@ -340,6 +345,58 @@ class Module(NamedTuple):
     name: str
     host: str
     port: int
+
+
+class Recording(NamedTuple):
+    """What is being recorded: the file's name, the simulated times [s] and steps it holds, the steps that were left out
+    because the disk could not follow, and its size."""
+
+    name: str
+    begin: float
+    end: float
+    steps: int
+    lost: int
+    bytes: int
+
+
+class RunFile(NamedTuple):
+    """A recording that the daemon has: seconds (simulated) and steps are None if it cannot be read, url is empty if it
+    cannot be copied now."""
+
+    name: str
+    bytes: int
+    seconds: Optional[float]
+    steps: Optional[int]
+    recording: bool
+    url: str
+
+
+class Recorded(NamedTuple):
+    """A recording that was ended: its name, and where the daemon's page has it ("": there is no page)."""
+
+    name: str
+    url: str
+
+
+class Playback(NamedTuple):
+    """How a recording is played: its simulated times [s], the one shown, how fast, whether it goes on, begins again at
+    its end, and is still being recorded; and its name."""
+
+    begin: float
+    end: float
+    time: float
+    speed: float
+    playing: bool
+    loop: bool
+    growing: bool
+    file: str
+
+
+class SavedState(NamedTuple):
+    """A state that the daemon keeps, and its simulated time [s]."""
+
+    name: str
+    time: float
 
 
 # --- the wire ---------------------------------------------------------------------------------------------------------
@@ -902,6 +959,7 @@ class _Link:
         self.kept: Optional[Tuple[int, Tuple[float, ...]]] = None  # for the next step
         self.sent: Optional[Tuple[int, Tuple[float, ...]]] = None  # its reply has not come yet
         self.lost: Optional[Error] = None  # why it is not ours any more
+        self.unclaimed = False  # nobody can have it: a recording was played when it was opened
         self.attached: List[str] = []
         self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
         self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
@@ -1059,6 +1117,20 @@ class _Session:
             link.carried = None
         return self.note(reply)
 
+    def tell(
+        self, module: str, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
+        timeout: float = _REQUEST_TIMEOUT_S,
+    ) -> Message:
+        """A request to another module of the whole simulation."""
+        self.require_open()
+        connection = self.others.setdefault(module, _Connection(self.address, module, drives=not self.watch))
+        if not connection.alive():
+            connection.open(self.address.timeout)
+        reply = connection.request(command, params, data, text, timeout)
+        for link in self.links:
+            link.carried = None
+        return self.note(reply)
+
     def read(
         self, link: _Link, module: str, command: int, params: Sequence[int] = (), text: str = "",
         data: Sequence[float] = (),
@@ -1124,10 +1196,8 @@ class _Session:
         try:
             if not self.watch:
                 try:
-                    link.motors.request(_CLAIM)
+                    self.claim(link)
                 except Error as e:
-                    if e.code == 6:
-                        raise Error(6, f"{link.robot} {_owned_text(e.text)}") from None
                     if e.code != 5:  # 5: a recording is played; reading goes on
                         raise
             if link.attached:
@@ -1136,6 +1206,17 @@ class _Session:
         except BaseException:
             link.motors.close()
             raise
+
+    def claim(self, link: _Link) -> None:
+        assert link.motors is not None
+        link.unclaimed = True
+        try:
+            link.motors.request(_CLAIM)
+        except Error as e:
+            if e.code == 6:
+                raise Error(6, f"{link.robot} {_owned_text(e.text)}") from None
+            raise
+        link.unclaimed = False
 
     def settle(self, link: _Link) -> None:
         """Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue."""
@@ -1201,8 +1282,10 @@ class _Session:
             raise Error(5, f"{link.robot} {'is driven by its team' if link.in_team else 'has no motors'}")
         if link.lost is not None:
             raise link.lost
-        if self.mode != _LOCKSTEP:
+        if self.mode != _LOCKSTEP or link.unclaimed:
             self.settle(link)
+        if link.unclaimed:
+            self.claim(link)  # a branch may go on live from there
         if self.mode == _LOCKSTEP:
             link.kept = (command, data)
             return
@@ -1452,6 +1535,8 @@ class _Session:
         """After a reset or load of ours: what was kept belongs to the old world."""
         for link in self.links:
             link.forget_commands()
+        for team in self.teams:
+            team.stale = True
 
     def close_team(self, team: _TeamLink, stop: bool) -> None:
         """Gives the robots of a team up, after stopping them if wished."""
@@ -2000,6 +2085,103 @@ class Simulation:
         """The robots that lockstep waits for; empty: as the scenario says."""
         self._session.control(_SET_PARTICIPANTS, text=names if isinstance(names, str) else " ".join(names))
 
+    def release_robot(self, name: str) -> None:
+        """Takes a robot from whoever drives it: closes that program's connection, or unloads its controller."""
+        self._session.control(_RELEASE_ROBOT, text=_word(name, "the name of a robot"))
+
+    # --- states to go on from ---
+    def save_state(self, name: str) -> None:
+        """Keeps all that decides how the run goes on, under a name; replaces what is kept under that name."""
+        self._session.control(_SAVE_STATE, text=_word(name, "the name of a state"))
+
+    def restore_state(self, name: str) -> None:
+        """Goes on from a saved state, bit for bit; "start" is where the run began."""
+        self._session.control(_RESTORE_STATE, text=_word(name, "the name of a state"), timeout=_LOAD_TIMEOUT_S)
+        self._jumped()
+
+    def saved_states(self) -> List[SavedState]:
+        """The states that can be restored, and their simulated times [s]."""
+        reply = self._session.control(_GET_SAVED)
+        return [SavedState(name, time) for name, time in zip(reply.text.split(), reply.data)]
+
+    # --- recording ---
+    def record(self, name: str = "") -> str:
+        """Records the run from here on, in the daemon's folder; returns the name of the file. Without a name under
+        run-DATE-TIME. Nothing is overwritten: error 5."""
+        return self._session.tell(_RECORDER, _START_RECORDING, text=_word(name, "the name of a recording", True)).text
+
+    def stop_recording(self) -> Recorded:
+        """Ends the recording; returns its name and url when the file is closed."""
+        words = self._session.tell(_RECORDER, _STOP_RECORDING, timeout=_LOAD_TIMEOUT_S).text.split()
+        return Recorded(words[0] if words else "", _here(self._session.address, words[1]) if len(words) > 1 else "")
+
+    def note(self, text: str) -> None:
+        """Marks this time in the recording; `Run.events` has it."""
+        self._session.tell(_RECORDER, _NOTE, text=str(text))
+
+    def recording(self) -> Optional[Recording]:
+        """What is being recorded now; None if nothing is."""
+        reply = self._session.tell(_RECORDER, _GET_RECORDING)
+        if not reply.params[0]:
+            return None
+        begin, end, steps, lost, size = reply.data[:5]
+        return Recording(reply.text, begin, end, int(steps), int(lost), int(size))
+
+    def recordings(self) -> List[RunFile]:
+        """The recordings that the daemon has, newest first."""
+        address = self._session.address
+        files = json.loads(self._session.tell(_RECORDER, _LIST_RUNS, timeout=_LOAD_TIMEOUT_S).text)
+        return [RunFile(f["name"], int(f["bytes"]), f["seconds"], None if f["steps"] is None else int(f["steps"]),
+                        bool(f["recording"]), _here(address, f["url"]) if f["url"] else "") for f in files]
+
+    def fetch_run(self, name: str, file: Union[str, "os.PathLike[str]"] = "") -> str:
+        """Copies a recording from the daemon to `file` (default: of the same name, here) and returns the file's name. A
+        file called .mat gets the run as MATLAB reads it. What was there is replaced when all has come."""
+        name = _word(name, "the name of a recording")
+        name = name[:-4] if name.endswith(".run") else name
+        file = os.fspath(file) or f"{name}.run"
+        kind = ".mat" if file.lower().endswith(".mat") else ".run"
+        url = f"{_page(self._session.address, self.status())}/runs/{urllib.parse.quote(name + kind)}"
+        _download(url, file)
+        return file
+
+    # --- playing a recording: `coopdyn play RUN` ---
+    def playback(self) -> Playback:
+        """Which recording is played, and what is shown. Error 5 in a live run."""
+        reply = self._session.tell(_PLAYBACK, _GET_PLAYBACK)
+        begin, end, time, speed = reply.data[:4]
+        playing, loop, growing = map(bool, reply.params[:3])
+        return Playback(begin, end, time, speed, playing, loop, growing, reply.text)
+
+    def seek(self, time: float) -> None:
+        """Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside."""
+        self._session.tell(_PLAYBACK, _SEEK, (), (_number(time, "the time [s]"),))
+
+    def play(self, speed: Optional[float] = None) -> None:
+        """Lets the recording go on, at this speed if one is given; -4 to 64 times, below 0 backwards."""
+        self._session.tell(_PLAYBACK, _PLAY, (), () if speed is None else (_number(speed, "the speed"),))
+
+    def set_play_speed(self, s: float) -> None:
+        """How fast the recording goes, -4 to 64 times, below 0 backwards."""
+        self._session.tell(_PLAYBACK, _SET_PLAY_SPEED, (), (_number(s, "the speed"),))
+
+    def skip(self, n: int = 1) -> None:
+        """Goes n recorded steps on, or back if n is below 0, and stands there."""
+        if isinstance(n, bool) or not isinstance(n, int) or not -(2**31) < n < 2**31:
+            raise Error(2, f"n is a whole number of steps, not {n!r}")
+        self._session.tell(_PLAYBACK, _SKIP, (n,))
+
+    def set_loop(self, on: bool) -> None:
+        """Whether the recording begins again at its end."""
+        self._session.tell(_PLAYBACK, _SET_LOOP, (1 if on else 0,))
+
+    def branch(self, time: Optional[float] = None) -> None:
+        """Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s], bit for
+        bit as it did if the inputs are the same."""
+        data = () if time is None else (_number(time, "the time [s]"),)
+        self._session.tell(_PLAYBACK, _BRANCH, (), data, timeout=_EXPORT_TIMEOUT_S)
+        self._jumped()
+
     # --- looking ---
     def status(self) -> Dict[str, Any]:
         """The whole state of the simulation (docs/protocol.md lists the keys)."""
@@ -2018,24 +2200,13 @@ class Simulation:
         look: Optional[Sequence[float]] = None,
     ) -> str:
         """Writes a PNG picture of w by h pixels to `file`; `eye` and `look` are points x, y, z [m] in the world."""
-        import urllib.error
-        import urllib.request
-
         url = f"{_page(self._session.address, self.status())}/snapshot.png?w={_count(w, 'w')}&h={_count(h, 'h')}"
         for word, point in (("eye", eye), ("look", look)):
             if point is not None:
                 if len(point) != 3:
                     raise Error(3, f"{word} is a point: write ({word}_x, {word}_y, {word}_z)")
                 url += f"&{word}=" + ",".join(repr(_number(c, word)) for c in point)
-        try:
-            with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=30) as picture:
-                data = picture.read()
-        except urllib.error.HTTPError as e:
-            raise Error(5, f"no picture: {e.read().decode('utf-8', 'replace').strip() or e}") from None
-        except (OSError, urllib.error.URLError) as e:
-            raise Error(-1, f"no picture from {url}: {e}") from None
-        with open(file, "wb") as out:
-            out.write(data)
+        _download(url, file, "picture", 30)
         return file
 
     def describe(self, name: str) -> Dict[str, Any]:
@@ -2060,6 +2231,14 @@ class Simulation:
         if not self._session.closed:
             self._session.close()
 
+    def _jumped(self) -> None:
+        """The world goes on from another state, which may be of another scenario."""
+        session = self._session
+        session.started_anew()
+        here = set(self.robots())
+        if any(link.robot not in here for link in session.links) or any(set(team.names) - here for team in session.teams):
+            self._loaded()
+
     def _loaded(self) -> None:
         session = self._session
         session.started_anew()
@@ -2079,10 +2258,69 @@ def _page(address: _Address, status: Dict[str, Any]) -> str:
     """The page's URL, with the host that reaches the daemon from here."""
     url = str(status.get("http") or "off")
     if "://" not in url:
-        raise Error(5, "the daemon was started with --no-http, so there are no pictures")
-    port = url.split("://", 1)[1].rstrip("/").rsplit(":", 1)[-1]
+        raise Error(5, "the daemon was started with --no-http, so there are no pictures and no files")
+    return _here(address, url).rstrip("/")
+
+
+def _here(address: _Address, url: str) -> str:
+    """The same URL with the host that reaches the daemon from here."""
+    there, slash, path = url.split("://", 1)[1].partition("/")
     host = f"[{address.host}]" if ":" in address.host else address.host
-    return f"http://{host}:{port}"
+    return f"http://{host}:{there.rsplit(':', 1)[-1]}{slash}{path}"
+
+
+def _word(text: Any, what: str, may_be_empty: bool = False) -> str:
+    """One word that the daemon takes as a name."""
+    if not isinstance(text, str) or len(text.split()) > 1 or not (text.strip() or may_be_empty):
+        raise Error(3, f"{what} is one word, not {text!r}")
+    return text.strip()
+
+
+def _download(url: str, file: str, what: str = "recording", timeout: float = _EXPORT_TIMEOUT_S) -> None:
+    """Copies what is at `url` to `file`, whole or not at all."""
+    import http.client
+    import tempfile
+    import urllib.error
+    import urllib.request
+
+    def pieces() -> Iterator[bytes]:
+        got = 0
+        try:
+            with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=timeout) as reply:
+                length = reply.headers.get("Content-Length")
+                for piece in iter(lambda: reply.read(1 << 20), b""):
+                    got += len(piece)
+                    yield piece
+        except urllib.error.HTTPError as e:
+            text = e.read().decode("utf-8", "replace").strip() or str(e)
+            raise Error(10 if e.code == 404 else 5, f"no {what}: {text}") from None
+        except (OSError, http.client.HTTPException, ValueError) as e:
+            raise Error(-1, f"no {what} from {url}: {e}") from None
+        if length is not None and got != int(length):
+            raise Error(-1, f"the connection broke before the {what} was whole: {got} of {length} bytes have come")
+
+    source = pieces()
+    first = next(source, b"")
+    folder, name = os.path.split(os.path.abspath(file))
+    part = ""
+    try:
+        try:
+            handle, part = tempfile.mkstemp(".part", f".{name}.", folder)
+            with os.fdopen(handle, "wb") as out:
+                out.write(first)
+                for piece in source:
+                    out.write(piece)
+            umask = os.umask(0)
+            os.umask(umask)
+            os.chmod(part, 0o666 & ~umask)  # as any new file
+            os.replace(part, file)
+            part = ""
+        except OSError as e:
+            raise Error(5, f"cannot write {file}: {e.strerror or e}") from None
+    finally:
+        source.close()
+        if part:
+            os.remove(part)
 
 
 def _describe(session: _Session, name: str) -> Dict[str, Any]:
