@@ -13,12 +13,15 @@ namespace coopdyn {
 
 /// The first thing that differs.
 struct Difference {
-  std::uint64_t step = 0;
-  std::string what;   // "robot1.chassis", "robot2"
-  std::string field;  // "x_m", "setpoint_left_rad_s", …; `hash` if nothing that is recorded tells more
+  std::uint64_t step = 0;  // the first one that is not equal
+  Nanoseconds time = 0;    // of it
+  std::string what;        // "robot1.chassis", "robot2"
+  std::string field;       // "x_m", "setpoint_left_rad_s", …; `hash` if nothing that is recorded tells more
   std::string recorded, repeated;  // the values, exact as far as `exact`; 17 digits
   bool exact = false;              // false: the recorded one is a rounding (a pose between two keyframes)
+  std::uint64_t value_step = 0;    // of the values: `step`, or a later one where the difference shows first
   std::string note;                // for people, e.g. which commands came in force with this step; or empty
+  std::string recorded_is = "recorded", repeated_is = "repeated";  // whose values they are: names of two runs
 };
 
 struct VerifyReport {
@@ -32,7 +35,7 @@ struct VerifyReport {
 /// Called now and then with the share done, 0…1.
 using Progress = std::function<void(double)>;
 
-/// Repeats the run of `reader`.
+/// Repeats the run of `reader`, whose scenario it loads.
 VerifyReport Verify(RunReader& reader, const ReplayServices& services, const Progress& progress);
 /// Compares the hashes of two runs over their common steps; where they part, repeats both from the last
 /// common keyframe to say which body and field differ first, and by what.

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+#include "server/replay/verify.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/replay/resimulator.h"
+#include "server/replay/verify_difference.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// How far a difference is followed when no exact state is ahead that could tell more.
+constexpr std::uint64_t kMaxFollowed = 2000;
+constexpr std::uint64_t kTellEvery = 16;
+
+/// Goes through a recording once, from keyframe to keyframe.
+class Verifier {
+ public:
+  Verifier(RunReader& reader, const ReplayServices& services, const Progress& progress)
+      : reader_(reader), progress_(progress), run_(reader.file(), reader.header(), services) {}
+
+  VerifyReport Verify() {
+    extent_ = reader_.extent();
+    if (Begin()) {
+      std::size_t next = 1;
+      for (std::uint64_t from = extent_.first; from < extent_.last;) {
+        while (next < keyframes_.size() && keyframes_[next] <= from) ++next;
+        const bool keyframe = next < keyframes_.size() && keyframes_[next] <= extent_.last;
+        const std::uint64_t to = keyframe ? keyframes_[next] : extent_.last;
+        if (!Segment(from, to, keyframe)) break;
+        from = to;
+      }
+    }
+    if (progress_) progress_(1);
+    const std::string origin = OtherOrigin(reader_.header());
+    report_.warning = origin.empty() ? "" : reader_.file() + " was " + origin;
+    if (!run_.warning().empty()) {
+      report_.warning += (report_.warning.empty() ? "" : "\n") + run_.warning();
+    }
+    return std::move(report_);
+  }
+
+ private:
+  /// False: `report_` says all.
+  bool Fail(std::string error) {
+    report_.error = error.empty() ? reader_.file() + " cannot be read" : std::move(error);
+    return false;
+  }
+  bool Part(Difference difference) {
+    report_.difference = std::move(difference);
+    return false;
+  }
+
+  /// Puts the first frame in force, and compares it with what is recorded of it.
+  bool Begin() {
+    keyframes_ = reader_.Keyframes();
+    if (!reader_.error().empty()) return Fail(reader_.error());
+    return Resume(extent_.first);
+  }
+
+  /// Goes on from the keyframe of `step`.
+  bool Resume(std::uint64_t step) {
+    const SavedStatePtr state = reader_.Keyframe(step);
+    if (state == nullptr) return Fail(reader_.error());
+    if (state->frame->step != step) {
+      return Fail(fmt::format("{}: the exact state of step {} is missing: it cannot be repeated",
+                              reader_.file(), step));
+    }
+    const std::optional<RecordedStep> row = reader_.Read(step, true);
+    if (!row) return Fail(reader_.error());
+    if (!run_.Restore(state, row->scene)) return Fail(run_.error());
+    lost_track_ = false;
+    const Frame& frame = *run_.frame();
+    if (StateHash(frame) != row->hash) {
+      failed_ = *row;
+      return Part(Locate(0, false));
+    }
+    std::vector<Setpoint> recorded(run_.recorded_setpoints().begin(), run_.recorded_setpoints().end());
+    for (const CommandRecord& command : row->commands) recorded[command.robot] = command.setpoint;
+    std::optional<Difference> difference = FindSetpoint(recorded, frame);
+    if (!difference) return true;
+    difference->note = "the exact state of this step has the other value, and its hash is equal";
+    return Part(std::move(*difference));
+  }
+
+  /// Steps `from` + 1 to `to`; `keyframe`: there is an exact state of `to`.
+  bool Segment(std::uint64_t from, std::uint64_t to, bool keyframe) {
+    run_.SetInputs(reader_.Inputs(from, to - 1));
+    if (!reader_.error().empty()) return Fail(reader_.error());
+    bool stopped = false;
+    const bool read = reader_.ForEach(from + 1, to, true, [&](const RecordedStep& step) {
+      stopped = !Check(step);
+      return !stopped;
+    });
+    if (!read) return Fail(reader_.error());
+    if (failed_) return Part(Locate(to, keyframe));
+    if (stopped) return false;
+    const std::uint64_t reached = run_.frame()->step;
+    if (reached == to) return !keyframe || CheckKeyframe(to);
+    lost_track_ = true;
+    if (!keyframe) {
+      report_.not_verified += to - reached;
+      return true;
+    }
+    report_.not_verified += to - reached - 1;
+    if (!Resume(to)) return false;
+    ++report_.steps;
+    return true;
+  }
+
+  /// False: it differs (`failed_`, if its hash does), or cannot be.
+  bool Check(const RecordedStep& step) {
+    if (lost_track_ || !run_.Follows(step)) {
+      lost_track_ = true;
+      return true;
+    }
+    if (!run_.Step(step)) return Fail(run_.error());
+    const Frame& frame = *run_.frame();
+    if (StateHash(frame) != step.hash) {
+      failed_ = step;
+      return false;
+    }
+    if (std::optional<Difference> difference = FindInRecord(step)) {
+      difference->note = "the state is the recorded one: what is recorded of this controller is damaged";
+      return Part(std::move(*difference));
+    }
+    ++report_.steps;
+    const std::uint64_t done = step.step - extent_.first;
+    if (progress_ && done % kTellEvery == 0) {
+      progress_(static_cast<double>(done) / static_cast<double>(extent_.last - extent_.first));
+    }
+    return true;
+  }
+
+  /// What is recorded of loaded controllers against what they did now.
+  std::optional<Difference> FindInRecord(const RecordedStep& step) const {
+    if (!run_.has_controllers()) return std::nullopt;
+    const Frame& frame = *run_.frame();
+    if (reader_.header().what.controllers) {
+      if (auto found = FindSetpoint(run_.recorded_setpoints(), frame, run_.computed())) return found;
+    }
+    return FindMessage(step.messages, frame);
+  }
+
+  bool CheckKeyframe(std::uint64_t step) {
+    const SavedStatePtr state = reader_.Keyframe(step);
+    if (state == nullptr) return Fail(reader_.error());
+    std::optional<Difference> difference = FindExact(*state->frame, *run_.frame());
+    if (!difference && run_.has_controllers()) difference = FindSaved(state->controllers);
+    if (!difference) return true;
+    difference->note = "the hash of this step is equal: its exact state in the file is damaged";
+    --report_.steps;
+    return Part(std::move(*difference));
+  }
+
+  std::optional<Difference> FindSaved(std::span<const std::byte> recorded) const {
+    const std::vector<std::byte> repeated = run_.Save().controllers;
+    const auto [a, b] = std::mismatch(recorded.begin(), recorded.end(), repeated.begin(), repeated.end());
+    if (a == recorded.end() && b == repeated.end()) return std::nullopt;
+    Difference difference = DifferenceAt(*run_.frame(), "loaded controllers", "saved_state");
+    const auto worded = [](auto at, auto end, std::size_t place) {
+      return at == end ? fmt::format("ends after {} bytes", place)
+                       : fmt::format("byte {} is {}", place, std::to_integer<int>(*at));
+    };
+    const auto place = static_cast<std::size_t>(a - recorded.begin());
+    difference.recorded = worded(a, recorded.end(), place);
+    difference.repeated = worded(b, repeated.end(), place);
+    difference.exact = true;
+    return difference;
+  }
+
+  /// What it is in `failed_`, the step that frame() is of, whose hash differs; looks up to `to` for it.
+  Difference Locate(std::uint64_t to, bool keyframe) {
+    const RecordedStep failed = std::move(*failed_);
+    failed_.reset();
+    const Frame& frame = *run_.frame();
+    std::string note = CommandsOf(failed, *frame.scene);
+    Difference nothing = DifferenceAt(frame, "the state", "hash");
+    nothing.recorded = HashText(failed.hash);
+    nothing.repeated = HashText(StateHash(frame));
+    nothing.exact = true;
+    std::optional<Difference> found = FindVisible(failed.step);
+    if (!found && to > failed.step) found = Follow(failed.step, to, keyframe, note);
+    Difference difference = found ? std::move(*found) : std::move(nothing);
+    difference.step = failed.step;
+    difference.time = failed.time;
+    difference.note = std::move(note);
+    return difference;
+  }
+
+  /// What shows at once in the present step: set-points of controllers, poses.
+  std::optional<Difference> FindVisible(std::uint64_t step) {
+    const Frame& frame = *run_.frame();
+    if (run_.has_controllers() && reader_.header().what.controllers) {
+      if (auto found = FindSetpoint(run_.recorded_setpoints(), frame, run_.computed())) return found;
+    }
+    const std::optional<RecordedStep> row = reader_.Read(step);
+    return row ? FindPose(row->bodies, frame) : std::nullopt;
+  }
+
+  /// Repeats on from `from`: to the exact state of `to` if there is one, else until the difference shows.
+  std::optional<Difference> Follow(std::uint64_t from, std::uint64_t to, bool keyframe, std::string& note) {
+    std::optional<Difference> visible;
+    bool equal_again = false, broken = false;
+    const std::uint64_t last = keyframe ? to : std::min(to, from + kMaxFollowed);
+    reader_.ForEach(from + 1, last, false, [&](const RecordedStep& step) {
+      broken = !run_.Follows(step) || !run_.Step(step);
+      if (broken) return false;
+      const Frame& frame = *run_.frame();
+      equal_again = StateHash(frame) == step.hash;
+      if (equal_again) return false;
+      if (!visible) visible = FindPose(step.bodies, frame);
+      return keyframe || !visible;
+    });
+    if (equal_again) {
+      note += fmt::format("{}step {} is equal again: this one's hash is damaged, or something else of it",
+                          note.empty() ? "" : "; ", run_.frame()->step);
+      return std::nullopt;
+    }
+    if (keyframe && !broken && run_.frame()->step == to) {
+      const SavedStatePtr state = reader_.Keyframe(to);
+      if (state != nullptr && state->frame->step == to) {
+        if (auto exact = FindExact(*state->frame, *run_.frame())) return exact;
+      }
+    }
+    return visible;
+  }
+
+  RunReader& reader_;
+  const Progress& progress_;
+  Resimulator run_;
+  RunExtent extent_;
+  std::vector<std::uint64_t> keyframes_;
+  std::optional<RecordedStep> failed_;  // its hash is not that of frame()
+  bool lost_track_ = false;             // until the next keyframe
+  VerifyReport report_;
+};
+
+}  // namespace
+
+VerifyReport Verify(RunReader& reader, const ReplayServices& services, const Progress& progress) {
+  Diagnostics diagnostics;
+  if (reader.LoadScenario(services.path, diagnostics) == nullptr) {
+    VerifyReport report;
+    report.error =
+        reader.file() + " cannot be repeated, its scenario does not load:\n" + diagnostics.ToString();
+    return report;
+  }
+  return Verifier(reader, services, progress).Verify();
+}
+
+std::string ToString(const VerifyReport& report) {
+  std::string text;
+  if (!report.error.empty()) {
+    text = report.error;
+  } else if (report.difference) {
+    const Difference& difference = *report.difference;
+    const std::size_t width = std::max(difference.recorded_is.size(), difference.repeated_is.size());
+    text = fmt::format("differs from step {} on, t = {:g} s: {} {}\n", difference.step,
+                       ToSeconds(difference.time), difference.what, difference.field);
+    text += fmt::format("  {:{}}  {}{}\n", difference.recorded_is, width, difference.recorded,
+                        difference.exact ? "" : " (as rounded)");
+    text += fmt::format("  {:{}}  {}\n", difference.repeated_is, width, difference.repeated);
+    if (difference.value_step != difference.step) {
+      text += fmt::format("  at step {}, where it shows first\n", difference.value_step);
+    }
+    if (!difference.note.empty()) text += "  " + difference.note + "\n";
+    text += fmt::format("{} step{} before it equal", report.steps, report.steps == 1 ? " is" : "s are");
+  } else {
+    text = fmt::format("equal, {} step{}", report.steps, report.steps == 1 ? "" : "s");
+  }
+  if (report.not_verified > 0) {
+    text += fmt::format("; {} lost step{} could not be verified", report.not_verified,
+                        report.not_verified == 1 ? "" : "s");
+  }
+  while (text.ends_with('\n')) text.pop_back();
+  text += '\n';
+  if (!report.warning.empty()) text += "warning: " + report.warning + '\n';
+  return text;
+}
+
+}  // namespace coopdyn

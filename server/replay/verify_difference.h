@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Finds what differs between two states, and words it. Pure functions.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "server/record/recorded_step.h"
+#include "server/replay/verify.h"
+
+namespace coopdyn {
+
+/// As table `body` of a recording calls it: robot1.chassis, BOX_1.
+std::string BodyName(const Scene& scene, std::size_t body);
+
+/// A difference at the step of `frame`, with values of it.
+Difference DifferenceAt(const Frame& frame, std::string what, std::string field);
+
+/// The first set-point, by robot, that differs in any bit from that in force in `repeated`. `computed`: only
+/// robots with 1 in it; empty: all.
+std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const Frame& repeated,
+                                       std::span<const std::uint8_t> computed = {});
+/// The first broadcast sent with the step of `repeated` that differs.
+std::optional<Difference> FindMessage(std::span<const SentMessage> recorded, const Frame& repeated);
+/// The first body that is further from its recorded pose than the rounding of poses explains.
+std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Frame& repeated);
+/// The first exact difference: set-points, bodies in order, solver, time; then what the hash does not cover,
+/// wheels and broadcasts. Both frames have as many bodies and robots.
+std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated);
+
+/// "with this step came in force: robot1 (0.5, 0.5 rad/s) …"; empty: none.
+std::string CommandsOf(const RecordedStep& step, const Scene& scene);
+
+}  // namespace coopdyn
