@@ -12,53 +12,11 @@
 
 namespace coopdyn {
 
-namespace {
-
-Message Ok(const Message& request) {
-  Message reply;
-  reply.command = request.command;
-  return reply;
-}
-
-}  // namespace
-
 SimulationModule::SimulationModule(SimulationServices services, StepInbox::Post post)
-    : services_(std::move(services)),
-      table_(SimulationTable()),
-      core_(table_, *this, services_.guard, services_.version),
-      inbox_(services_.board, services_.frames, std::move(post)) {}
-
-SimulationModule::~SimulationModule() {
-  inbox_.Close();
-}
-
-void SimulationModule::OnOpen(Connection& connection) {
-  Peer& peer = peers_[connection.id()];
-  peer.connection = &connection;
-  peer.client.client = {connection.id(), {}, connection.peer(), connection.input_ended()};
-  peer.client.trusted = connection.trusted();
-  peer.client.push = [&connection](const Message& message) { connection.Push(message); };
-  services_.roster.Add({connection.id(), "/simulation", connection.peer(), {}});
-}
-
-void SimulationModule::OnRequest(Connection& connection, Message request, ReplyFunction reply) {
-  const StepInbox::Scope scope(inbox_);
-  const auto found = peers_.find(connection.id());
-  if (found == peers_.end()) return;
-  Peer& peer = found->second;
-  if (std::optional<Message> refusal = Refuse(request)) {
-    reply(std::move(*refusal));
-    return;
-  }
-  peer.command = request.command;
-  peer.text.clear();
-  peer.reply = std::move(reply);
-  std::optional<Message> answer = Answer(peer, request);
-  if (!answer) return;
-  const bool quit = request.command == command::kQuit && answer->error == 0;
-  std::exchange(peer.reply, nullptr)(std::move(*answer));
-  if (quit) services_.actions.Quit();
-}
+    : GlobalModule({services.board, services.frames, services.edits, services.roster, services.guard,
+                    services.clock, services.version},
+                   SimulationTable(), std::move(post)),
+      services_(std::move(services)) {}
 
 std::optional<Message> SimulationModule::Refuse(const Message& request) const {
   // With params `first, count`: the robots to list.
@@ -69,40 +27,7 @@ std::optional<Message> SimulationModule::Refuse(const Message& request) const {
         request.command, Error::kOutOfRange,
         "get_status lists robots from the first, at least 1, so many, at least 0: params 257 256");
   }
-  return core_.Refuse(request);
-}
-
-std::optional<Message> SimulationModule::Answer(Peer& peer, const Message& request) {
-  const FramePtr frame = inbox_.Current();
-  if (frame == nullptr)
-    return ErrorReply(request.command, Error::kNotPossible, "the simulation has not begun yet");
-  if (std::optional<Message> common =
-          core_.AnswerCommon(peer.client, request, *frame, services_.board.mode())) {
-    ListenForSteps();
-    return common;
-  }
-  switch (request.command) {
-    case command::kGetStatus: {
-      Message reply = Read(request, *frame);
-      ModuleCore::Stamp(reply, *frame);
-      return reply;
-    }
-    case command::kReady:
-      services_.board.WaitSteps(request.params.empty() ? 1 : request.params[0],
-                                inbox_.Waiter(*this, peer.client.client.id));
-      return std::nullopt;
-    case command::kHello:
-      if (std::optional<Message> refusal = core_.TakeHello(peer.client, request)) return refusal;
-      services_.roster.SetName(peer.client.client.id, peer.client.client.name);
-      return Stamped(Ok(request));
-    case command::kClaim:
-    case command::kRelease:
-      return ErrorReply(
-          request.command, Error::kNotPossible,
-          "/simulation has no owner: claim is for the motors of a robot, release_robot ROBOT frees one");
-    default:
-      return core_.MayChange(peer.client) ? Change(peer, request) : ModuleCore::NotAllowed(request);
-  }
+  return GlobalModule::Refuse(request);
 }
 
 std::optional<Message> SimulationModule::Change(Peer& peer, const Message& request) {
@@ -112,7 +37,7 @@ std::optional<Message> SimulationModule::Change(Peer& peer, const Message& reque
     case command::kPause:
       return Push(peer, edit::Pause{});
     case command::kStep:
-      return Push(peer, edit::Step{request.params[0], inbox_.Waiter(*this, peer.client.client.id)});
+      return Push(peer, edit::Step{request.params[0], Waiter(peer)});
     case command::kReset:
       return Reset(peer, request);
     case command::kSetMode:
@@ -125,7 +50,7 @@ std::optional<Message> SimulationModule::Change(Peer& peer, const Message& reque
     case command::kReload:
       return Load(peer, request);
     case command::kQuit:
-      return Stamped(Ok(request));
+      return Done(request);
     case command::kStopAll:
       peer.text = GoOnText();
       return Push(peer, edit::StopAll{});
@@ -133,6 +58,10 @@ std::optional<Message> SimulationModule::Change(Peer& peer, const Message& reque
       return Push(peer, edit::SetParticipants{Words(request.text)});
     case command::kReleaseRobot:
       return ReleaseRobot(peer, request);
+    case command::kSaveState:
+      return Save(peer, request);
+    case command::kRestoreState:
+      return Restore(peer, request);
     default:
       return ErrorReply(request.command, Error::kUnknownCommand,
                         "describe (1) lists the commands of /simulation");
@@ -162,7 +91,7 @@ std::optional<Message> SimulationModule::Reset(Peer& peer, const Message& reques
     }
     reset.seed = static_cast<std::uint64_t>(request.params[0]);
   }
-  return Push(peer, reset);
+  return PushNewScene(peer, reset);
 }
 
 std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request) {
@@ -172,7 +101,7 @@ std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request
           : ReadRequestedScenario(request.text, services_.robots, services_.seed);
   if (read.scenario == nullptr) return ErrorReply(request.command, read.error, std::move(read.text));
   peer.text = std::move(read.text);
-  return Push(peer, edit::Load{std::move(read.scenario)});
+  return PushNewScene(peer, edit::Load{std::move(read.scenario)});
 }
 
 std::string SimulationModule::GoOnText() const {
@@ -202,9 +131,7 @@ std::optional<Message> SimulationModule::ReleaseRobot(Peer& peer, const Message&
       services_.board.InputEnded(services_.board.FindSlot(robot), owner.id);
       services_.actions.CloseClient(robot, owner.id, "released by " + (by.name.empty() ? by.peer : by.name));
     }
-    Message reply = Ok(request);
-    if (owner.id == 0) reply.text = "nobody owned " + robot;
-    return Stamped(std::move(reply));
+    return Done(request, owner.id == 0 ? "nobody owned " + robot : "");
   }
   std::string known;
   for (std::size_t i = 0; i < owners.size() && i < kMaxAwaited; ++i) known += " " + owners[i].robot;
@@ -213,83 +140,44 @@ std::optional<Message> SimulationModule::ReleaseRobot(Peer& peer, const Message&
       "there is no robot " + robot + (known.empty() ? ": there are none" : ": there are" + known));
 }
 
-std::optional<Message> SimulationModule::Push(Peer& peer, EditAction action) {
-  const bool new_scene =
-      std::holds_alternative<edit::Load>(action) || std::holds_alternative<edit::Reset>(action);
-  services_.edits.Push({std::move(action), [this, poster = inbox_.MakePoster(), id = peer.client.client.id,
-                                            new_scene](const EditResult& result) {
-                          poster([this, id, result, new_scene] { OnEditDone(id, result, new_scene); });
-                        }});
-  return std::nullopt;
-}
-
-void SimulationModule::OnEditDone(ClientId client, const EditResult& result, bool new_scene) {
-  const FramePtr newest = inbox_.Current();  // makes the pushes up to now, before the reply
-  const FramePtr& frame = result.frame != nullptr ? result.frame : newest;
-  if (new_scene && result.error == Error::kOk) services_.actions.ApplyScene(*frame->scene);
-  const auto found = peers_.find(client);
-  if (found == peers_.end() || !found->second.reply) return;
-  Peer& peer = found->second;
-  const ReplyFunction reply = std::exchange(peer.reply, nullptr);
-  if (result.error != Error::kOk) {
-    reply(ErrorReply(peer.command, result.error, result.text));
-    return;
+std::optional<Message> SimulationModule::Save(Peer& peer, const Message& request) {
+  const std::string& name = request.text;
+  if (std::string objection = saved_.Objection(name); !objection.empty()) {
+    return ErrorReply(request.command, Error::kNotPossible, std::move(objection));
   }
-  Message answer;
-  answer.command = peer.command;
-  answer.text = result.text.empty() ? peer.text : result.text;
-  ModuleCore::Stamp(answer, *frame);
-  reply(std::move(answer));
+  return Push(peer, edit::Save{}, [this, name](const EditResult& result) {
+    // Others may have saved meanwhile.
+    if (result.error == Error::kOk && saved_.Objection(name).empty()) saved_.Keep(name, result.saved);
+  });
 }
 
-void SimulationModule::OnStepEnd(ClientId client, const StepResult& result) {
-  const auto found = peers_.find(client);
-  if (found == peers_.end() || !found->second.reply) return;
-  Peer& peer = found->second;
-  const ReplyFunction reply = std::exchange(peer.reply, nullptr);
-  if (result.end != StepEnd::kRan) {
-    reply(WaitEnded(peer.command, result.end, {}));
-  } else if (peer.command == command::kReady) {
-    reply(core_.StepReply(peer.client, peer.command, {}, *result.frame, result.mode));
-  } else {
-    Message answer;
-    answer.command = peer.command;
-    ModuleCore::Stamp(answer, *result.frame);
-    reply(std::move(answer));
+std::optional<Message> SimulationModule::Restore(Peer& peer, const Message& request) {
+  if (request.text == SavedStates::kStart) return PushNewScene(peer, edit::Reset{});
+  const SavedStatePtr state = saved_.Find(request.text);
+  if (state == nullptr) {
+    return ErrorReply(request.command, Error::kNoSuchName,
+                      "nothing is saved as " + request.text + ": there are " + saved_.Names());
   }
+  return PushNewScene(peer, edit::Restore{state});
 }
 
-Message SimulationModule::Stamped(Message reply) {
-  ModuleCore::Stamp(reply, *inbox_.Current());
+Message SimulationModule::ReadSaved(const Message& request) const {
+  Message reply;
+  reply.command = request.command;
+  reply.text = saved_.Names();
+  reply.data.push_back(0);  // the start
+  for (const auto& [name, state] : saved_.all()) reply.data.push_back(state->frame->time_s());
   return reply;
 }
 
-void SimulationModule::OnFrame(const FramePtr& frame, int dropped) {
-  for (auto& [id, peer] : peers_) {
-    if (!peer.client.subscriptions.empty()) core_.PushDue(peer.client, *frame, dropped);
-  }
+std::optional<Message> SimulationModule::PushNewScene(Peer& peer, EditAction action) {
+  return Push(peer, std::move(action), [this](const EditResult& result) {
+    if (result.error == Error::kOk) services_.actions.ApplyScene(*result.frame->scene);
+  });
 }
 
-void SimulationModule::ListenForSteps() {
-  bool subscribed = false;
-  for (const auto& [id, peer] : peers_) subscribed |= !peer.client.subscriptions.empty();
-  if (subscribed) {
-    inbox_.Subscribe(*this);
-  } else {
-    inbox_.Unsubscribe(*this);
-  }
-}
-
-void SimulationModule::OnClosed(Connection& connection) {
-  const StepInbox::Scope scope(inbox_);
-  peers_.erase(connection.id());
-  services_.roster.Remove(connection.id());
-  ListenForSteps();
-}
-
-std::string SimulationModule::WaitingFor() {
-  std::size_t total = 0;
-  return DescribeWaiting(services_.board.Awaiting(services_.clock.Now(), 1, &total));
+void SimulationModule::OnAnswered(const Message& request, const Message& reply) {
+  if (request.command == command::kQuit && reply.error == 0) services_.actions.Quit();
 }
 
 }  // namespace coopdyn

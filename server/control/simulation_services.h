@@ -22,14 +22,14 @@ namespace coopdyn {
 class ControlActions {
  public:
   virtual ~ControlActions() = default;
-  /// The world has been reset or loaded: brings the robots' modules into line with `scene`, before the reply
-  /// is sent.
+  /// The world has been reset, loaded or restored: brings the robots' modules into line with `scene`, before
+  /// the reply is sent.
   virtual void ApplyScene(const Scene& scene) = 0;
   /// Closes a connection to `robot` with a notice.
   virtual void CloseClient(const std::string& robot, ClientId client, const std::string& reason) = 0;
   /// Begins to end the daemon; returns at once.
   virtual void Quit() = 0;
-  /// For get_status: the file being recorded and the page's URL; empty: none.
+  /// The name of the file that is being recorded, and the page's URL; empty: none.
   virtual std::string recording() const = 0;
   virtual std::string http() const = 0;
 };

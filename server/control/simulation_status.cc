@@ -47,8 +47,12 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
   status.recording = services_.actions.recording();
   status.http = services_.actions.http();
   status.awaiting = services_.board.Awaiting(services_.clock.Now(), kMaxAwaited, &status.awaiting_count);
-  if (status.run.state == RunState::kRunning && status.awaiting_count > 0)
+  status.playback = services_.run.playback();
+  if (status.playback) {
+    status.run.state = status.playback->playing ? RunState::kPlaying : RunState::kPaused;
+  } else if (status.run.state == RunState::kRunning && status.awaiting_count > 0) {
     status.run.state = RunState::kWaiting;
+  }
 
   const std::vector<CommandBoard::Owner> owners = services_.board.Owners();
   std::unordered_map<std::string_view, const CommandBoard::Owner*> owner_of;
@@ -71,6 +75,7 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
 }
 
 Message SimulationModule::Read(const Message& request, const Frame& frame) {
+  if (request.command == command::kGetSaved) return ReadSaved(request);
   Message reply;
   reply.command = request.command;
   reply.text = request.params.size() == 2 ? StatusText(frame, static_cast<std::size_t>(request.params[0]),

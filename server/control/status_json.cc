@@ -3,6 +3,7 @@
 
 #include <boost/json.hpp>
 #include <cmath>
+#include <filesystem>
 
 #include "protocol/command_table.h"
 
@@ -67,6 +68,21 @@ json::array Events(const std::vector<Event>& events) {
   return list;
 }
 
+json::value Playback(const std::optional<PlaybackStatus>& playback) {
+  if (!playback) return nullptr;
+  return json::object{{"file", std::filesystem::path(playback->file).filename().string()},
+                      {"playing", playback->playing},
+                      {"loop", playback->loop},
+                      {"growing", playback->growing},
+                      {"speed", Number(playback->speed)},
+                      {"time_s", Number(ToSeconds(playback->time))},
+                      {"step", playback->step},
+                      {"begin_s", Number(ToSeconds(playback->begin))},
+                      {"end_s", Number(ToSeconds(playback->end))},
+                      {"begin_step", playback->begin_step},
+                      {"end_step", playback->end_step}};
+}
+
 }  // namespace
 
 std::string StatusJson(const StatusInput& status) {
@@ -96,6 +112,7 @@ std::string StatusJson(const StatusInput& status) {
       {"awaiting_count", status.awaiting_count},
       {"frozen", std::move(frozen)},
       {"recording", Text(status.recording)},
+      {"playback", Playback(status.playback)},
       {"http", Text(status.http)},
       {"events", Events(status.events)},
   };

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,7 +47,8 @@ struct StatusInput {
   std::vector<Awaited> awaiting;  // the first 20
   std::size_t awaiting_count = 0;
   std::string recording;  // file; empty: null
-  std::string http;       // URL of the page; empty: null
+  std::optional<PlaybackStatus> playback;
+  std::string http;  // URL of the page; empty: null
   std::vector<Event> events;
 };
 

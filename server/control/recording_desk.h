@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// Whether, and to which file, the run is being recorded: for /recorder, `--record FILE`, the page and
+// get_status. Files are opened between two steps and closed on a thread of the desk's own, so that neither
+// the run nor /recorder waits for a disk. All calls from any thread, unless they say otherwise.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/message.h"
+#include "server/base/mutex.h"
+#include "server/net/io_thread.h"
+#include "server/record/recorder.h"
+#include "server/state/edit_queue.h"
+#include "server/state/frame_board.h"
+#include "server/state/run_control.h"
+
+namespace coopdyn {
+
+struct RecordingOptions {
+  std::filesystem::path folder = ".";  // of recordings that have a bare name, and of List()
+  std::optional<RecordWhat> what;      // empty: DefaultRecordWhat()
+  Nanoseconds pose_every = 0;          // poses and readings only so often; 0: each step
+  double duration_s = 0;               // simulated time at which the run ends; 0: never
+  std::string version, command;        // for the file: of the program, its command line
+  /// Seconds since 1970, for default names and for what the file says of its start.
+  std::function<std::time_t()> wall_clock = [] { return std::time(nullptr); };
+  /// Called, on any thread, after a recording has failed: `--on-record-failure stop` ends the daemon here.
+  std::function<void()> on_failure;
+};
+
+/// A recording in the folder.
+struct RunFile {
+  std::string name;  // with .run
+  std::uint64_t bytes = 0;
+  std::optional<double> seconds;       // simulated; empty: it cannot be read
+  std::optional<std::uint64_t> steps;  // likewise
+  bool recording = false;              // it is being written
+};
+
+/// What is being recorded now.
+struct RecordingStatus {
+  bool recording = false;
+  std::string name;  // of the file, without folders; empty: none
+  RecorderStatus file;
+};
+
+class RecordingDesk {
+ public:
+  static constexpr std::size_t kMaxName = 64;       // without .run
+  static constexpr std::size_t kMaxListed = 1'000;  // the newest
+
+  /// What became of a request: on success `text` is the name of the recording.
+  struct Result {
+    Error error = Error::kOk;
+    std::string text;
+    bool in_folder = false;  // so that the page has it
+    FramePtr frame = {};     // the newest after it; null: unchanged
+  };
+  /// Called exactly once, on any thread, without locks.
+  using Done = std::function<void(const Result&)>;
+
+  /// All outlive it.
+  RecordingDesk(RecordingOptions options, EditQueue& edits, RunControl& run, const FrameBoard& frames,
+                const Clock& clock, Logger logger);
+  /// Close().
+  ~RecordingDesk();
+  RecordingDesk(const RecordingDesk&) = delete;
+  RecordingDesk& operator=(const RecordingDesk&) = delete;
+
+  /// Records to `file`, a path, from the first step on. An error text, empty if so. After the first frame has
+  /// been published, before the stepping thread runs. `force`: what is there is overwritten, and a disk that
+  /// is too small is no error.
+  std::string StartFile(const std::string& file, bool force) EXCLUDES(mutex_);
+  /// Records to `name` in the folder, empty: `run-YYYYMMDD-HHMMSS`. Overwrites nothing.
+  void Start(const std::string& name, Done done) EXCLUDES(mutex_);
+  /// Answers when the file is closed.
+  void Stop(Done done) EXCLUDES(mutex_);
+  /// Marks the present time with `text`.
+  void Note(const std::string& text, Done done) EXCLUDES(mutex_);
+  /// Closes the file, if one is open. When the stepping thread has stopped; later calls get error 5.
+  void Close() EXCLUDES(mutex_);
+
+  RecordingStatus status() const EXCLUDES(mutex_);
+  /// The name of the present file; empty: nothing is recorded.
+  std::string recording() const { return status().name; }
+  /// A recording has ended because it could not go on: exit code 4.
+  bool failed() const { return failed_; }
+
+  /// Hands the recordings of the folder, newest first, to `done` on the desk's thread.
+  void List(std::function<void(std::vector<RunFile>)> done);
+  /// The file of a recording of the folder that is not being written, by a name as in List().
+  struct Found {
+    Error error = Error::kOk;  // no such name; or not possible: it is being recorded
+    std::string text;
+    std::filesystem::path file;
+  };
+  Found Find(const std::string& name) const EXCLUDES(mutex_);
+  /// Runs `work` on the desk's thread, after what waits there; never after Close().
+  void Post(std::function<void()> work) { thread_.Post(std::move(work)); }
+
+ private:
+  enum class State { kIdle, kStarting, kRecording, kStopping, kClosed };
+  /// A file as it was when it was looked into.
+  struct Known {
+    std::uint64_t bytes = 0;
+    std::filesystem::file_time_type written;
+    RunFile file;
+  };
+
+  std::shared_ptr<Recorder> MakeRecorder(const std::filesystem::path& file, bool overwrite);
+  /// Takes the right to start; an error text, empty if taken.
+  std::string BeginStart() EXCLUDES(mutex_);
+  void EndStart(State state, std::shared_ptr<Recorder> recorder) EXCLUDES(mutex_);
+  /// An error text if `recorder` cannot write; says in the log how much it will.
+  std::string CheckFile(const Recorder& recorder, const std::filesystem::path& file, bool force) const;
+  std::string DefaultName() const;
+  /// Takes the journal away from the stepping thread, then closes it on the desk's.
+  void PutAway(std::shared_ptr<Recorder> recorder, Done done);
+  void Fail(const std::string& text) EXCLUDES(mutex_);
+  RunFile Look(const std::filesystem::directory_entry& entry);
+  std::shared_ptr<Recorder> recorder() const EXCLUDES(mutex_);
+
+  const RecordingOptions options_;
+  EditQueue& edits_;
+  RunControl& run_;
+  const FrameBoard& frames_;
+  const Clock& clock_;
+  const Logger logger_;
+  std::atomic<bool> failed_{false};
+  mutable Mutex mutex_;
+  State state_ GUARDED_BY(mutex_) = State::kIdle;
+  std::shared_ptr<Recorder> recorder_ GUARDED_BY(mutex_);  // while recording or stopping
+  std::map<std::string, Known> known_;                     // the desk's thread
+  IoThread thread_;                                        // last: what it runs uses the rest
+};
+
+}  // namespace coopdyn
