@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// What waits to be recorded: from the holder of the step baton to the recorder's thread. Bounded by the
+// memory that it holds. Each side is one thread at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "server/base/mutex.h"
+#include "server/state/run_journal.h"
+
+namespace coopdyn {
+
+struct QueuedStep {
+  FramePtr frame;
+  Mode mode = Mode::kRealtime;
+  bool keyframe = false;
+  std::vector<std::byte> controllers;
+};
+
+struct QueuedItem {
+  std::variant<SavedStatePtr, QueuedStep, RunInput, Event> what;  // a state begins a file
+  std::uint64_t lost_before = 0;                                  // steps that were left out just before it
+  std::size_t bytes = 0;
+};
+
+class RecordQueue {
+ public:
+  explicit RecordQueue(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  // --- the holder of the baton
+  void PushBegin(SavedStatePtr state) EXCLUDES(mutex_);
+  /// Whether the next step is to be a keyframe, if there is one every `every` steps.
+  bool WantsKeyframe(std::uint64_t step, std::uint64_t every) EXCLUDES(mutex_);
+  /// In real time a step that finds no room is left out; in the other modes it waits for some.
+  void PushStep(QueuedStep step) EXCLUDES(mutex_);
+  /// An input that finds no room at all makes the next step a keyframe, so that it is not missed.
+  void PushInput(RunInput input) EXCLUDES(mutex_);
+  void PushEvent(Event event) EXCLUDES(mutex_);
+
+  // --- the recorder's thread
+  /// The next item. Nothing: there was none for a short while, or, if `may_sleep`, the queue was ended().
+  std::optional<QueuedItem> Pop(bool may_sleep) EXCLUDES(mutex_);
+  /// Closed, and all was taken.
+  bool ended() const EXCLUDES(mutex_);
+
+  // --- any thread
+  /// No more is taken; what waits stays. Nobody waits for room any more.
+  void Close() EXCLUDES(mutex_);
+  /// Everything that waits and comes is dropped.
+  void Fail() EXCLUDES(mutex_);
+  /// Steps left out so far.
+  std::uint64_t lost() const EXCLUDES(mutex_);
+  /// Those after which nothing was recorded any more; 0 from then on.
+  std::uint64_t TakeLostAtEnd() EXCLUDES(mutex_);
+
+ private:
+  bool refuses() const REQUIRES(mutex_) { return closed_ || failed_; }
+  bool HasRoom(std::size_t bytes) const REQUIRES(mutex_) {
+    return items_.empty() || bytes_ + bytes <= max_bytes_;
+  }
+  void Push(QueuedItem item) REQUIRES(mutex_);
+  /// Input or event; false if there is no room.
+  bool PushSmall(QueuedItem item) REQUIRES(mutex_);
+  void WaitForRoom(std::size_t bytes) REQUIRES(mutex_);
+
+  const std::size_t max_bytes_;
+  mutable Mutex mutex_;
+  ConditionVariable work_, room_;
+  std::deque<QueuedItem> items_ GUARDED_BY(mutex_);
+  std::size_t bytes_ GUARDED_BY(mutex_) = 0;
+  bool closed_ GUARDED_BY(mutex_) = false, failed_ GUARDED_BY(mutex_) = false;
+  bool sleeping_ GUARDED_BY(mutex_) = false;        // the recorder, until it is told
+  bool needs_keyframe_ GUARDED_BY(mutex_) = false;  // something was left out
+  std::uint64_t lost_ GUARDED_BY(mutex_) = 0, lost_since_ GUARDED_BY(mutex_) = 0;
+  std::optional<std::uint64_t> keyframe_ GUARDED_BY(mutex_);  // step of the last; empty: nothing has begun
+};
+
+}  // namespace coopdyn

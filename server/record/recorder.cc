@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/recorder.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <ctime>
+#include <system_error>
+#include <utility>
+
+#include "server/base/mutex.h"
+#include "server/record/record_queue.h"
+#include "server/record/run_writer.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// lesson1-2.run for lesson1.run and 2.
+std::string NumberedName(const std::string& file, int number) {
+  const std::string end = file.ends_with(".run") ? ".run" : "";
+  return file.substr(0, file.size() - end.size()) + "-" + std::to_string(number) + end;
+}
+
+bool Exists(const std::string& file) {
+  struct stat found {};
+  return ::lstat(file.c_str(), &found) == 0;
+}
+
+double ThreadCpu_s() {
+  timespec used{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+  return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
+}
+
+}  // namespace
+
+class Recorder::Impl {
+ public:
+  Impl(RecorderOptions options, const Clock& clock, Logger logger)
+      : options_(std::move(options)),
+        clock_(clock),
+        logger_(std::move(logger)),
+        queue_(options_.max_queue_bytes),
+        thread_([this] { Run(); }) {}
+
+  ~Impl() { Close(); }
+
+  void Close() {
+    queue_.Close();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  const RecorderOptions& options() const { return options_; }
+  RecordQueue& queue() { return queue_; }
+
+  RecorderStatus status() const EXCLUDES(mutex_) {
+    const std::uint64_t lost = queue_.lost();
+    const MutexLock lock(mutex_);
+    RecorderStatus status = status_;
+    status.lost = lost;
+    return status;
+  }
+
+ private:
+  struct Moment {
+    std::uint64_t step = 0;
+    double time_s = 0;  // simulated
+  };
+
+  // --- all below: the recorder's thread
+  void Run() {
+    while (!queue_.ended()) {
+      const bool is_dirty = writer_ != nullptr && writer_->dirty();
+      std::optional<QueuedItem> item = queue_.Pop(!is_dirty);
+      if (item && !failed_) Write(*item);
+      item.reset();
+      if (!failed_) CommitIfDue();
+    }
+    if (writer_ != nullptr && !failed_) NoteLost(queue_.TakeLostAtEnd(), last_);
+    CloseFile();
+    ReportCpu();
+  }
+
+  void Write(QueuedItem& item) {
+    if (const auto* state = std::get_if<SavedStatePtr>(&item.what)) {
+      if (writer_ != nullptr) NoteLost(item.lost_before, last_);
+      CloseFile();
+      if (!failed_) OpenFile(**state);
+    } else if (writer_ == nullptr) {
+      return;
+    } else if (auto* step = std::get_if<QueuedStep>(&item.what)) {
+      WriteStep(*step, item.lost_before);
+    } else if (const auto* input = std::get_if<RunInput>(&item.what)) {
+      Check(writer_->AddInput(*input));
+    } else if (const auto* event = std::get_if<Event>(&item.what)) {
+      Check(writer_->AddEvent(*event));
+    }
+  }
+
+  void WriteStep(QueuedStep& step, std::uint64_t lost_before) {
+    const Frame& frame = *step.frame;
+    last_ = {frame.step, frame.time_s()};
+    NoteLost(lost_before, last_);
+    if (failed_ || !Check(writer_->AddStep(frame))) return;
+    if (step.keyframe) {
+      Check(writer_->AddKeyframe({step.frame, std::move(step.controllers), step.mode, false}));
+    }
+    if (failed_) return;
+    const MutexLock lock(mutex_);
+    status_.steps = writer_->steps();
+    status_.end = writer_->end();
+  }
+
+  void OpenFile(const SavedState& state) {
+    const std::string file = NextName();
+    RunWriterOptions options;
+    options.overwrite = options_.overwrite;
+    const RecordWhat what = options_.what.value_or(DefaultRecordWhat(state.frame->robots.size()));
+    options.header = HeaderOf(*state.frame, state.mode, what, options_.pose_every);
+    options.header.version = options_.version;
+    options.header.command = options_.command;
+    options.header.started = options_.started;
+    if (build_.empty()) build_ = BuildId();
+    options.header.build = build_;
+    options.header.cpu = CpuName();
+    std::string error;
+    writer_ = RunWriter::Create(file, std::move(options), state, error);
+    if (writer_ == nullptr) return Fail(error);
+    logger_->info("recording to {}", file);
+    last_ = committed_ = {state.frame->step, state.frame->time_s()};
+    is_dirty_ = false;
+    const MutexLock lock(mutex_);
+    status_.file = file;
+    status_.steps = 0;
+    status_.begin = status_.end = writer_->begin();
+    status_.bytes = writer_->bytes();
+  }
+
+  std::string NextName() {
+    ++number_;
+    if (number_ == 1) return options_.file;
+    while (!options_.overwrite && Exists(NumberedName(options_.file, number_))) ++number_;
+    return NumberedName(options_.file, number_);
+  }
+
+  void CloseFile() {
+    if (writer_ == nullptr) return;
+    std::string remark;
+    if (!Check(writer_->Close(remark))) return;
+    if (!remark.empty()) logger_->warn("{}", remark);
+    LetFileGo();
+  }
+
+  void LetFileGo() {
+    const std::uint64_t bytes = writer_->bytes();
+    writer_.reset();
+    const MutexLock lock(mutex_);
+    status_.bytes = bytes;
+  }
+
+  void CommitIfDue() {
+    if (writer_ == nullptr || !writer_->dirty()) {
+      is_dirty_ = false;
+      return;
+    }
+    const Nanoseconds now = clock_.Now();
+    if (!is_dirty_) dirty_since_ = now;
+    is_dirty_ = true;
+    if (now - dirty_since_ < options_.commit_every) return;
+    is_dirty_ = false;
+    if (!Check(writer_->Commit())) return;
+    committed_ = last_;
+    const std::uint64_t bytes = writer_->bytes();
+    ReportCpu();
+    const MutexLock lock(mutex_);
+    status_.bytes = bytes;
+  }
+
+  void NoteLost(std::uint64_t steps, const Moment& at) {
+    if (steps == 0) return;
+    const std::string text = (steps == 1 ? "1 step was" : std::to_string(steps) + " steps were") +
+                             " not recorded: the disk did not keep up";
+    logger_->warn("step {}: {}", at.step, text);
+    if (Check(writer_->AddLost(steps))) Check(writer_->AddEvent({at.step, at.time_s, "warning", text}));
+  }
+
+  /// False, and the recording has ended, if it was not written.
+  bool Check(bool written) {
+    if (written) return true;
+    const std::string until = fmt::format("{:.2f} s, step {}", committed_.time_s, committed_.step);
+    Fail(writer_->error() + "; " + writer_->file() + " holds the run up to " + until);
+    return false;
+  }
+
+  void Fail(const std::string& reason) {
+    failed_ = true;
+    queue_.Fail();
+    const std::string text = "the recording ends: " + reason;
+    logger_->error("{}", text);
+    if (writer_ != nullptr) LetFileGo();
+    {
+      const MutexLock lock(mutex_);
+      status_.failure = text;
+    }
+    if (options_.on_failure) options_.on_failure(text);
+  }
+
+  void ReportCpu() {
+    const double used_s = ThreadCpu_s();
+    const MutexLock lock(mutex_);
+    status_.cpu_s = used_s;
+  }
+
+  const RecorderOptions options_;
+  const Clock& clock_;
+  const Logger logger_;
+  RecordQueue queue_;
+  mutable Mutex mutex_;
+  RecorderStatus status_ GUARDED_BY(mutex_);
+
+  // The recorder's thread only.
+  std::unique_ptr<RunWriter> writer_;
+  std::string build_;
+  int number_ = 0;       // of the present file
+  bool failed_ = false;  // nothing is written any more
+  bool is_dirty_ = false;
+  Nanoseconds dirty_since_ = 0;  // wall clock
+  Moment last_, committed_;
+
+  std::thread thread_;  // last: it uses the rest
+};
+
+Recorder::Recorder(RecorderOptions options, const Clock& clock, Logger logger) {
+  // A limit on the size of files is an error of the recording, not the end of the process.
+  std::signal(SIGXFSZ, SIG_IGN);
+  impl_ = std::make_unique<Impl>(std::move(options), clock, std::move(logger));
+}
+
+Recorder::~Recorder() = default;
+
+std::string Recorder::Check() const {
+  const std::string& file = impl_->options().file;
+  struct stat found {};
+  if (::lstat(file.c_str(), &found) == 0) {
+    if (!impl_->options().overwrite) return file + " exists: choose another name, or --force";
+    if (!S_ISREG(found.st_mode)) return file + " is no file: choose another name";
+    if (::access(file.c_str(), W_OK) == 0) return {};
+    return "cannot write " + file + ": " + std::generic_category().message(errno);
+  }
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor < 0) return "cannot make " + file + ": " + std::generic_category().message(errno);
+  ::close(descriptor);
+  ::unlink(file.c_str());
+  return {};
+}
+
+void Recorder::Close() {
+  impl_->Close();
+}
+
+RecorderStatus Recorder::status() const {
+  return impl_->status();
+}
+
+void Recorder::Begin(const SavedStatePtr& state) {
+  impl_->queue().PushBegin(state);
+}
+
+bool Recorder::WantsKeyframe(std::uint64_t step) {
+  return impl_->queue().WantsKeyframe(step, impl_->options().keyframe_steps);
+}
+
+void Recorder::Step(const FramePtr& frame, Mode mode, bool keyframe, std::vector<std::byte> controllers) {
+  impl_->queue().PushStep({frame, mode, keyframe, std::move(controllers)});
+}
+
+void Recorder::Input(RunInput input) {
+  impl_->queue().PushInput(std::move(input));
+}
+
+void Recorder::Note(Event event) {
+  impl_->queue().PushEvent(std::move(event));
+}
+
+}  // namespace coopdyn
