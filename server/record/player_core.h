@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// What a player does at a moment: applies edits, shows the frame that is due, says when to look again. It has
+// no clock and never waits. On the physics thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/record/player.h"
+#include "server/record/player_frames.h"
+#include "server/record/player_pace.h"
+#include "server/timing/rate_meter.h"
+
+namespace coopdyn {
+
+class PlayerCore {
+ public:
+  PlayerCore(Player::Boards boards, std::unique_ptr<RunReader> reader, Logger logger, PlayOptions options,
+             std::uint64_t epoch);
+
+  /// Shows the first frame; an error text, empty if all is well.
+  std::string Start(Nanoseconds now);
+  /// Time begins to run, or goes on after a wait of unknown length.
+  void Resume(Nanoseconds now);
+
+  struct Work {
+    Nanoseconds wake = 0;          // when to look again; INT64_MAX: when the bell rings
+    std::optional<Edit> ended_by;  // the playback is over
+  };
+  Work WorkOnce(Nanoseconds now);
+  /// Ends all waits.
+  void Stop();
+  std::uint64_t epoch() const { return epoch_; }
+
+ private:
+  struct PendingStep {
+    int left = 0;  // frames
+    StepDone done;
+  };
+  struct Place {
+    std::uint64_t step = 0;
+    Nanoseconds time = 0;
+  };
+  enum class Jump { kNo, kYes };
+
+  // Each handles one kind of edit and returns what to answer.
+  EditResult Apply(const edit::Run&);
+  EditResult Apply(const edit::Pause&);
+  EditResult Apply(const edit::Step&);
+  EditResult Apply(const edit::Reset&);
+  EditResult Apply(const edit::Seek&);
+  EditResult Apply(const edit::Skip&);
+  EditResult Apply(const edit::SetPlaySpeed&);
+  EditResult Apply(const edit::SetLoop&);
+  EditResult Apply(const edit::SetJournal&);
+  template <typename Other>
+  EditResult Apply(const Other&);  // error 5
+
+  /// Applies what waits; returns the edit that ends the playback.
+  std::optional<Edit> ApplyEdits();
+  Nanoseconds ShowDue();
+  Nanoseconds GoForward();
+  Nanoseconds GoBack();
+  Nanoseconds GoByStep();
+  /// At an end: wraps, waits or stands.
+  Nanoseconds AtEnd(bool back);
+  /// Shows `step`; false if the file is damaged there, and reader_->error() says so.
+  bool Show(std::uint64_t step, Jump jump);
+  /// The same while it plays: a damage is an event, and it stands.
+  bool ShowOrStand(std::uint64_t step, Jump jump);
+  /// Where a jump of an edit leads; waits for steps are undone.
+  EditResult JumpTo(std::optional<std::uint64_t> step);
+  /// The step so many recorded ones from what is shown, or the end before it; nothing if damaged.
+  std::optional<std::uint64_t> StepAway(int steps);
+  /// The next frame in a direction; nothing at the end, or (reader_->error()) if damaged.
+  std::optional<Place> Next(bool back);
+  void Stand();
+  /// A damage: an event, and it stands.
+  Nanoseconds Fail();
+  /// Looks how far a growing file has come; at most each kLookEvery unless `always`.
+  void Look(bool always);
+  void RestartPace(Nanoseconds time);
+  void EndSteps(StepEnd end);
+  int steps_left() const;
+  double pace_speed() const;
+  void AddEvent(const char* level, std::string text);
+  void PublishStatus();
+
+  const Player::Boards boards_;
+  const std::unique_ptr<RunReader> reader_;
+  const Logger logger_;
+  const PlayOptions options_;
+  PlayFrames frames_;
+  PlayPace pace_;
+  RateMeter rate_;
+  RunExtent extent_;
+  FramePtr shown_;
+  std::optional<Place> next_;  // after what is shown, once it was looked for
+  bool next_is_back_ = false;
+  std::uint64_t epoch_;
+  double speed_;
+  bool loop_;
+  bool playing_;
+  bool changed_ = true;  // since the status was published
+  std::vector<PendingStep> steps_;
+  Nanoseconds now_ = 0;  // of this call
+  Nanoseconds shown_at_ = 0, looked_at_ = 0, status_at_ = 0;
+};
+
+}  // namespace coopdyn

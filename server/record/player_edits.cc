@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// What each edit does to a playback.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+#include <variant>
+
+#include "server/record/player_core.h"
+
+namespace coopdyn {
+
+namespace {
+
+EditResult Refusal(Error error, std::string text) {
+  return {error, std::move(text), nullptr, nullptr};
+}
+
+}  // namespace
+
+std::optional<Edit> PlayerCore::ApplyEdits() {
+  std::vector<Edit> edits = boards_.edits.TakeAll();
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    Edit& edit = edits[i];
+    if (std::holds_alternative<edit::Restore>(edit.action)) {
+      // What came after it is for the live run.
+      for (std::size_t rest = i + 1; rest < edits.size(); ++rest) boards_.edits.Push(std::move(edits[rest]));
+      return std::move(edit);
+    }
+    EditResult result = std::visit([this](const auto& action) { return Apply(action); }, edit.action);
+    result.frame = shown_;
+    PublishStatus();
+    const bool waits = std::holds_alternative<edit::Step>(edit.action) && result.error == Error::kOk;
+    if (edit.done && !waits) edit.done(result);
+  }
+  return std::nullopt;
+}
+
+template <typename Other>
+EditResult PlayerCore::Apply(const Other&) {
+  return Refusal(Error::kNotPossible, kPlayingText);
+}
+
+EditResult PlayerCore::Apply(const edit::SetJournal& set) {
+  if (set.journal != nullptr) return Refusal(Error::kNotPossible, kPlayingText);
+  return {};
+}
+
+EditResult PlayerCore::Apply(const edit::Run&) {
+  if (playing_) return {};
+  Look(true);
+  const bool back = speed_ < 0;
+  const bool at_end = !Next(back) && reader_->error().empty() && (back || !reader_->growing());
+  if (at_end) {
+    EditResult jumped = JumpTo(reader_->StepAt(back ? extent_.end : extent_.begin, true));
+    if (jumped.error != Error::kOk) return jumped;
+  }
+  playing_ = true;
+  rate_.Reset();
+  RestartPace(shown_->time);
+  return {};
+}
+
+EditResult PlayerCore::Apply(const edit::Pause&) {
+  Stand();
+  RestartPace(shown_->time);
+  return {};
+}
+
+EditResult PlayerCore::Apply(const edit::Step& step) {
+  if (playing_) return Refusal(Error::kNotPossible, "step works only while paused: send pause first");
+  if (steps_.empty()) RestartPace(shown_->time);
+  // As in a live run: after those that others wait for.
+  steps_.push_back({steps_left() + std::max(step.steps, 1), step.done});
+  return {};
+}
+
+EditResult PlayerCore::Apply(const edit::Reset& reset) {
+  if (reset.seed && *reset.seed != shown_->seed) {
+    return Refusal(Error::kNotPossible, "a recording has the seed that it was made with: reset without one");
+  }
+  Look(true);
+  return JumpTo(reader_->StepAt(extent_.begin, true));
+}
+
+EditResult PlayerCore::Apply(const edit::Seek& seek) {
+  Look(true);
+  return JumpTo(reader_->StepAt(seek.time, true));
+}
+
+EditResult PlayerCore::Apply(const edit::Skip& skip) {
+  Look(true);
+  const std::optional<std::uint64_t> step = StepAway(skip.steps);
+  if (step) Stand();
+  return JumpTo(step);
+}
+
+EditResult PlayerCore::Apply(const edit::SetPlaySpeed& set) {
+  const bool fits = set.factor >= kMinPlaySpeed && set.factor <= kMaxPlaySpeed && set.factor != 0;
+  if (!fits) {
+    return Refusal(Error::kOutOfRange,
+                   "the speed lies between -4 (backwards) and 64 and is not 0: pause holds "
+                   "the recording");
+  }
+  const Nanoseconds due = std::clamp(pace_.DueTime(now_), extent_.begin, extent_.end);
+  speed_ = set.factor;
+  next_.reset();
+  RestartPace(playing_ ? due : shown_->time);
+  rate_.Reset();
+  return {};
+}
+
+EditResult PlayerCore::Apply(const edit::SetLoop& set) {
+  loop_ = set.loop;
+  return {};
+}
+
+EditResult PlayerCore::JumpTo(std::optional<std::uint64_t> step) {
+  if (!step || !Show(*step, Jump::kYes)) return Refusal(Error::kInternal, reader_->error());
+  EndSteps(StepEnd::kReset);
+  RestartPace(shown_->time);
+  return {};
+}
+
+std::optional<std::uint64_t> PlayerCore::StepAway(int steps) {
+  std::uint64_t step = shown_->step;
+  const bool back = steps < 0;
+  const auto wanted = static_cast<std::uint64_t>(std::abs(std::int64_t{steps}));
+  const bool all_shown = extent_.lost == 0 && reader_->header().pose_every == 0;
+  if (all_shown && back) return std::max(extent_.first, step - std::min(step, wanted));
+  if (all_shown) return std::min(extent_.last, step + wanted);
+  for (std::uint64_t i = 0; i < wanted; ++i) {
+    const std::optional<std::uint64_t> next = reader_->NextShown(step, back);
+    if (!next && !reader_->error().empty()) return std::nullopt;
+    if (!next) break;
+    step = *next;
+  }
+  return step;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/player_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+/// Where the body that is at `place` of `scene` is in `before`; that has as many bodies or none if not there.
+std::optional<std::size_t> PlaceIn(const Scene& before, const Scene& scene, std::size_t place) {
+  if (&before == &scene) return place;
+  const auto found = std::lower_bound(before.body_ids.begin(), before.body_ids.end(), scene.body_ids[place]);
+  if (found == before.body_ids.end() || *found != scene.body_ids[place]) return std::nullopt;
+  return static_cast<std::size_t>(found - before.body_ids.begin());
+}
+
+}  // namespace
+
+Vector3 AngularVelocity(const Quaternion& from, const Quaternion& to, double seconds) {
+  Quaternion turn = to * from.conjugate();
+  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();
+  if (sine == 0) return Vector3::Zero();
+  return turn.vec() * (2 * std::atan2(sine, turn.w()) / (sine * seconds));
+}
+
+std::optional<RecordedStep> PlayFrames::Read(std::uint64_t step) {
+  if (newest_ && newest_->step == step) return std::move(newest_);
+  return reader_.Read(step);
+}
+
+std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
+  std::optional<RecordedStep> now = reader_.Read(step);
+  if (!now || !inputs_.GoTo(step)) return nullptr;
+  const std::shared_ptr<const Scene> scene = reader_.SceneOf(now->scene);
+  if (scene == nullptr) return nullptr;
+  const std::shared_ptr<Frame> frame = pool_.Take();
+  const Frame& keyframe = inputs_.keyframe();
+  frame->step = now->step;
+  frame->time = now->time;
+  frame->step_length = keyframe.step_length;
+  frame->seed = keyframe.seed;
+  frame->solver_seed = keyframe.solver_seed;
+  frame->recorded_hash = now->hash;
+  frame->scene = scene;
+  frame->bodies.assign(now->bodies.begin(), now->bodies.end());
+  frame->robots.assign(scene->robots.size(), RobotState());
+  const std::span<const RobotState> driven = inputs_.robots();
+  for (std::size_t i = 0; i < frame->robots.size(); ++i) {
+    RobotState& robot = frame->robots[i];
+    if (i < now->robots.size()) {
+      robot.wheel_angle_rad = now->robots[i].wheel_angle_rad;
+      robot.wheel_speed_rad_s = now->robots[i].wheel_speed_rad_s;
+    }
+    if (i < driven.size()) {
+      robot.setpoint_rad_s = driven[i].setpoint_rad_s;
+      robot.commanded = driven[i].commanded;
+    }
+    const auto first = static_cast<std::size_t>(scene->robots[i].first_body);
+    const auto count = static_cast<std::size_t>(scene->robots[i].body_count);
+    for (std::size_t body = first; body < std::min(first + count, frame->bodies.size()); ++body) {
+      robot.frozen |= frame->bodies[body].frozen();
+    }
+  }
+  const std::vector<SentMessage> messages = inputs_.Messages();
+  frame->messages.assign(messages.begin(), messages.end());
+  if (!AddVelocities(*now, *frame)) return nullptr;
+  newest_ = std::move(now);
+  return frame;
+}
+
+bool PlayFrames::AddVelocities(const RecordedStep& now, Frame& frame) {
+  const std::optional<std::uint64_t> before_step = reader_.NextShown(now.step, true);
+  if (!before_step) {
+    if (!reader_.error().empty()) return false;
+    const Frame& keyframe = inputs_.keyframe();
+    if (keyframe.step != now.step || keyframe.bodies.size() != frame.bodies.size()) return true;
+    for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+      frame.bodies[i].v_WB = keyframe.bodies[i].v_WB;
+      frame.bodies[i].w_WB = keyframe.bodies[i].w_WB;
+    }
+    return true;
+  }
+  const std::optional<RecordedStep> before = Read(*before_step);
+  // A damaged step before this one costs the velocities alone.
+  if (!before || before->time >= now.time) return true;
+  const double seconds = ToSeconds(now.time - before->time);
+  if (now.step - before->step == 1) frame.step_length = now.time - before->time;
+  const std::shared_ptr<const Scene> scene = reader_.SceneOf(before->scene);
+  if (scene == nullptr) return true;
+  for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+    const std::optional<std::size_t> place = PlaceIn(*scene, *frame.scene, i);
+    if (!place || *place >= before->bodies.size()) continue;
+    const BodyState& was = before->bodies[*place];
+    BodyState& body = frame.bodies[i];
+    body.v_WB = (body.p_WB - was.p_WB) / seconds;
+    body.w_WB = AngularVelocity(was.orientation(), body.orientation(), seconds);
+  }
+  return true;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/player_inputs.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+/// From so many steps on it is cheaper to begin at a newer keyframe than to read on.
+constexpr std::uint64_t kMostReadOn = 1000;
+
+}  // namespace
+
+bool PlayInputs::GoTo(std::uint64_t step) {
+  const bool near = keyframe_ != nullptr && step >= keyframe_->frame->step && step <= newest_ + kMostReadOn &&
+                    step - keyframe_->frame->step <= limit_;
+  bool gap = false;
+  const bool read = near && (step <= newest_ || ReadOn(step, gap)) && !gap;
+  // After steps that were left out comes a keyframe.
+  if (!read && !Load(step)) return false;
+  Replay(step);
+  return true;
+}
+
+bool PlayInputs::Load(std::uint64_t step) {
+  keyframe_ = reader_.Keyframe(step);
+  if (keyframe_ == nullptr) return false;
+  inputs_.clear();
+  newest_ = step_ = keyframe_->frame->step;
+  next_ = 0;
+  robots_.clear();
+  message_steps_ = 0;
+  for (const SceneRobot& robot : keyframe_->frame->scene->robots) {
+    const NeighboursModel& neighbours = robot.entry.model->neighbours;
+    if (neighbours.message_range_m > 0) {
+      message_steps_ = std::max(message_steps_, static_cast<std::uint64_t>(neighbours.delay_steps));
+    }
+  }
+  limit_ = step - newest_ + 2 * kMostReadOn;
+  bool gap = false;
+  return step == newest_ || ReadOn(step, gap);
+}
+
+bool PlayInputs::ReadOn(std::uint64_t step, bool& gap) {
+  return reader_.ForEach(newest_ + 1, step, true, [&](const RecordedStep& read) {
+    gap |= read.step != newest_ + 1;
+    newest_ = read.step;
+    if (!read.commands.empty() || !read.messages.empty()) {
+      inputs_.push_back({read.step, read.commands, read.messages});
+    }
+    return true;
+  });
+}
+
+void PlayInputs::Replay(std::uint64_t step) {
+  if (robots_.empty() || step < step_) {
+    const Frame& start = *keyframe_->frame;
+    robots_.assign(start.robots.size(), {});
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      robots_[i].setpoint_rad_s = start.robots[i].setpoint_rad_s;
+      robots_[i].commanded = start.robots[i].commanded;
+    }
+    step_ = start.step;
+    next_ = 0;
+  }
+  if (step > step_) {
+    for (RobotState& robot : robots_) robot.commanded = false;
+  }
+  for (; next_ < inputs_.size() && inputs_[next_].step <= step; ++next_) {
+    for (const CommandRecord& command : inputs_[next_].commands) {
+      if (command.robot >= robots_.size()) continue;
+      robots_[command.robot].setpoint_rad_s = command.setpoint;
+      robots_[command.robot].commanded = command.by_client && inputs_[next_].step == step;
+    }
+  }
+  step_ = step;
+}
+
+std::vector<SentMessage> PlayInputs::Messages() const {
+  const std::uint64_t oldest = step_ - std::min(step_, message_steps_);
+  std::vector<SentMessage> messages;
+  for (const SentMessage& sent : keyframe_->frame->messages) {
+    if (sent.step >= oldest) messages.push_back(sent);
+  }
+  for (std::size_t i = 0; i < next_; ++i) {
+    if (inputs_[i].step < oldest) continue;
+    messages.insert(messages.end(), inputs_[i].messages.begin(), inputs_[i].messages.end());
+  }
+  return messages;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// Which moment of a recording is due. Pure: the caller says what time it is. One thread.
+#pragma once
+
+#include "server/base/clock.h"
+
+namespace coopdyn {
+
+/// Simulated time that runs at `speed` times the wall clock from where it was set.
+class PlayPace {
+ public:
+  /// At wall time `now` the moment `time` is due. `speed` is not 0; below 0: backwards.
+  void Start(Nanoseconds now, Nanoseconds time, double speed);
+  double speed() const { return speed_; }
+  /// The simulated time that is due at wall time `now`.
+  Nanoseconds DueTime(Nanoseconds now) const;
+  /// The first moment of wall time at which `time` is due; backwards: at which a moment before it is, so that
+  /// the frame of `time` is due no more.
+  Nanoseconds WallTime(Nanoseconds time) const;
+
+ private:
+  Nanoseconds wall_ = 0, time_ = 0;
+  double speed_ = 1;
+};
+
+}  // namespace coopdyn
