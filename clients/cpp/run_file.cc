@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: MIT
+#include "clients/cpp/run_file.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "clients/cpp/run_database.h"
+#include "clients/cpp/words.h"
+
+namespace coopdyn::client {
+namespace {
+
+using Bytes = std::span<const unsigned char>;
+
+constexpr std::size_t kPoseBytes = 18, kCommandBytes = 20, kWheelBytes = 18;
+constexpr double kWheelUnit_rad = 1e-5;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+const std::vector<std::string> kReadings = {"distances", "targets", "wheels"};
+
+std::uint64_t Little(Bytes bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
+  return value;
+}
+
+std::int64_t Signed(std::uint64_t bits, int width) {
+  const std::uint64_t sign = std::uint64_t{1} << (width - 1);
+  return static_cast<std::int64_t>(((bits & (2 * sign - 1)) ^ sign) - sign);
+}
+
+double Single(Bytes bytes) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(Little(bytes.first(4))));
+}
+
+double Double(Bytes bytes) {
+  return std::bit_cast<double>(Little(bytes.first(8)));
+}
+
+double Seconds(std::int64_t ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
+
+/// Where a thing stands in the rows of one scene of a recording.
+struct Place {
+  std::int64_t scene = 0, body = 0;
+  std::int64_t robot = -1;  // its number; -1: it is none
+  std::array<double, 3> p_BR{};
+  std::array<double, 4> q_BR{1, 0, 0, 0};
+  std::int64_t first_sensor = 0, sensors = 0;
+};
+
+/// A part of a column in one scene.
+struct Slice {
+  std::int64_t scene = 0, first = 0, count = 0;
+};
+
+using Pose7 = std::array<double, 7>;  // x y z, quaternion w x y z
+
+/// The pose of a body out of its 18 bytes (server/record/pose_codec.h).
+Pose7 BodyPose(Bytes raw, int exponent) {
+  static const double kTurnScale = std::numbers::sqrt2 * ((1 << 19) - 1);
+  const double unit = std::ldexp(1.0, exponent);
+  const std::uint64_t low = Little(raw.first(8)), middle = Little(raw.subspan(8, 8));
+  const std::uint64_t high = Little(raw.subspan(16, 2));
+  Pose7 pose{};
+  pose[0] = static_cast<double>(Signed(low, 27)) * unit / 1e6;
+  pose[1] = static_cast<double>(Signed(low >> 27, 27)) * unit / 1e6;
+  pose[2] = static_cast<double>(Signed(low >> 54 | middle << 10, 27)) * unit / 1e6;
+  const std::array<std::uint64_t, 3> parts{middle >> 17, middle >> 37, middle >> 57 | high << 7};
+  const std::size_t left_out = high >> 13 & 3;
+  double square = 0;
+  for (std::size_t i = 0, part = 0; i < 4; ++i) {
+    if (i == left_out) continue;
+    pose[3 + i] = static_cast<double>(Signed(parts[part++], 20)) / kTurnScale;
+    square += pose[3 + i] * pose[3 + i];
+  }
+  const double largest = std::sqrt(std::max(0.0, 1 - square));
+  pose[3 + left_out] = largest;
+  const double norm = std::sqrt(square + largest * largest);
+  for (std::size_t i = 3; i < 7; ++i) pose[i] /= norm;
+  return pose;
+}
+
+std::array<double, 3> Cross(const double* a, const double* b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// The pose of the robot's frame R, from that of its body B.
+Pose7 RobotPose(Pose7 pose, const Place& place) {
+  const auto& u = place.p_BR;
+  if (u[0] != 0 || u[1] != 0 || u[2] != 0) {
+    std::array<double, 3> t = Cross(&pose[4], u.data());
+    for (double& c : t) c += c;
+    const std::array<double, 3> s = Cross(&pose[4], t.data());
+    for (std::size_t i = 0; i < 3; ++i) pose[i] += u[i] + pose[3] * t[i] + s[i];
+  }
+  const auto& r = place.q_BR;
+  if (r[1] != 0 || r[2] != 0 || r[3] != 0) {
+    const double w = pose[3], x = pose[4], y = pose[5], z = pose[6];
+    pose[3] = w * r[0] - x * r[1] - y * r[2] - z * r[3];
+    pose[4] = w * r[1] + x * r[0] + y * r[3] - z * r[2];
+    pose[5] = w * r[2] - x * r[3] + y * r[0] + z * r[1];
+    pose[6] = w * r[3] + x * r[2] - y * r[1] + z * r[0];
+  }
+  return pose;
+}
+
+}  // namespace
+
+struct Run::Impl {
+  explicit Impl(const std::string& file) : database(file) {
+    database.ForEach("SELECT max(step) FROM step WHERE poses IS NOT NULL", [&](const RunRow& row) {
+      if (row.is_null(0))
+        throw Error(7,
+                    file + " holds no step yet; `coopdyn info` says what is in it if its daemon has ended");
+      last = row.integer(0);
+    });
+    database.ForEach("SELECT key, value FROM meta",
+                     [&](const RunRow& row) { info[row.text(0)] = row.text(1); });
+    database.ForEach("SELECT name FROM robot GROUP BY name ORDER BY min(scene), place",
+                     [&](const RunRow& row) { names.push_back(row.text(0)); });
+  }
+
+  /// A query of the recorded moments.
+  void ForEachMoment(const std::string& columns, const std::function<void(const RunRow&)>& use) const {
+    database.ForEach("SELECT " + columns + " FROM step WHERE step <= " + std::to_string(last) +
+                         " AND poses IS NOT NULL ORDER BY step",
+                     use);
+  }
+
+  /// Calls `use` at each recorded moment with step, scene, the first byte of `column`, and the slice of it.
+  void ForEachSlice(const std::string& column, const std::vector<Slice>& slices,
+                    const std::function<void(const RunRow&)>& use) const {
+    std::string values;
+    for (const Slice& s : slices) {
+      values += (values.empty() ? "(" : ", (") + std::to_string(s.scene) + ", " +
+                std::to_string(s.first + 1) + ", " + std::to_string(s.count) + ")";
+    }
+    database.ForEach("WITH part(scene, first, count) AS (VALUES " + values + ") SELECT step, scene, substr(" +
+                         column + ", 1, 1), substr(" + column +
+                         ", first, count) FROM step LEFT JOIN part USING (scene) WHERE step <= " +
+                         std::to_string(last) + " AND poses IS NOT NULL ORDER BY step",
+                     use);
+  }
+
+  /// Where `name` stands, in each scene that has it. Throws Error 10 if there is no such thing.
+  std::vector<Place> Places(const std::string& name) const {
+    std::vector<Place> places;
+    database.ForEach(
+        "SELECT scene, body, place, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors, (SELECT "
+        "ifnull(sum(b.sensors), 0) "
+        "FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place) FROM robot AS a WHERE name = ?1 "
+        "ORDER BY scene",
+        [&](const RunRow& row) {
+          places.push_back({row.count(0),
+                            row.count(1),
+                            row.count(2),
+                            {row.number(3), row.number(4), row.number(5)},
+                            {row.number(6), row.number(7), row.number(8), row.number(9)},
+                            row.count(11),
+                            row.count(10)});
+        },
+        &name);
+    if (places.empty()) {
+      database.ForEach(
+          "SELECT scene, place FROM body WHERE name = ?1 ORDER BY scene",
+          [&](const RunRow& row) { places.push_back({.scene = row.count(0), .body = row.count(1)}); }, &name);
+    }
+    if (places.empty())
+      throw Error(10, "there is no '" + name + "' in " + file() + "; there are: " + Join(names, ", "));
+    return places;
+  }
+
+  std::vector<Place> RobotPlaces(const std::string& name) const {
+    std::vector<Place> places = Places(name);
+    if (places.front().robot < 0) throw Error(10, name + " is no robot; there are: " + Join(names, ", "));
+    return places;
+  }
+
+  [[noreturn]] void Damaged(const std::string& what, std::int64_t step) const {
+    RunDatabase::Damaged(file(), "the " + what + " of step " + std::to_string(step) + " do not add up");
+  }
+
+  const std::string& file() const { return database.file(); }
+
+  RunDatabase database;
+  std::int64_t last = 0;  // step: what comes later was not there when it was opened
+  std::map<std::string, std::string> info;
+  std::vector<std::string> names;
+};
+
+Run::Run(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Run::~Run() = default;
+Run::Run(Run&&) noexcept = default;
+Run& Run::operator=(Run&&) noexcept = default;
+
+Run read_run(const std::string& file) {
+  return Run(std::make_unique<Run::Impl>(file));
+}
+
+const std::string& Run::file() const {
+  return impl_->file();
+}
+
+const std::map<std::string, std::string>& Run::info() const {
+  return impl_->info;
+}
+
+const std::vector<std::string>& Run::names() const {
+  return impl_->names;
+}
+
+std::string Run::scenario() const {
+  std::string text;
+  impl_->database.ForEach("SELECT content FROM text WHERE kind = 'scenario'",
+                          [&](const RunRow& row) { text = row.text(0); });
+  return text;
+}
+
+std::vector<double> Run::time() const {
+  std::vector<double> times;
+  impl_->ForEachMoment("time_ns", [&](const RunRow& row) { times.push_back(Seconds(row.integer(0))); });
+  return times;
+}
+
+std::vector<std::int64_t> Run::steps() const {
+  std::vector<std::int64_t> steps;
+  impl_->ForEachMoment("step", [&](const RunRow& row) { steps.push_back(row.integer(0)); });
+  return steps;
+}
+
+std::vector<std::string> Run::hash() const {
+  std::vector<std::string> hashes;
+  impl_->ForEachMoment("hash", [&](const RunRow& row) {
+    char text[17];
+    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(row.integer(0)));
+    hashes.emplace_back(text);
+  });
+  return hashes;
+}
+
+RunRows Run::pose_3d(const std::string& name) const {
+  const std::vector<Place> places = impl_->Places(name);
+  std::vector<Slice> slices;
+  for (const Place& p : places) {
+    slices.push_back({p.scene, 1 + static_cast<std::int64_t>(kPoseBytes) * p.body, kPoseBytes});
+  }
+  std::vector<double> values;
+  impl_->ForEachSlice("poses", slices, [&](const RunRow& row) {
+    if (row.is_null(3)) {
+      values.insert(values.end(), 7, kNaN);
+      return;
+    }
+    const Bytes exponent = row.bytes(2), raw = row.bytes(3);
+    if (raw.size() != kPoseBytes || exponent.size() != 1 || exponent[0] > 31)
+      impl_->Damaged("poses", row.integer(0));
+    const std::int64_t scene = row.integer(1);
+    const auto place = std::find_if(places.begin(), places.end(), [&](auto& p) { return p.scene == scene; });
+    const Pose7 pose = RobotPose(BodyPose(raw, exponent[0]), *place);
+    values.insert(values.end(), pose.begin(), pose.end());
+  });
+  const std::size_t k = values.size() / 7;
+  return {std::move(values), 7, k};
+}
+
+RunRows Run::pose(const std::string& name) const {
+  const RunRows poses = pose_3d(name);
+  std::vector<double> values;
+  values.reserve(3 * poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto p = poses[i];
+    const double w = p[3], x = p[4], y = p[5], z = p[6];
+    values.insert(values.end(), {p[0], p[1], std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))});
+  }
+  return {std::move(values), 3, poses.size()};
+}
+
+RunRows Run::reading(const std::string& name, const std::string& what) const {
+  if (std::find(kReadings.begin(), kReadings.end(), what) == kReadings.end())
+    throw Error(4, "there is no reading '" + what + "'; there are: " + Join(kReadings, ", "));
+  const std::vector<Place> places = impl_->RobotPlaces(name);
+  const auto recorded = impl_->info.find("what");
+  if (recorded == impl_->info.end() ||
+      ("," + recorded->second + ",").find("," + what + ",") == std::string::npos)
+    throw Error(5, what + " were not recorded in " + file() + "; record with --record-what all");
+  std::vector<Slice> slices;
+  std::map<std::int64_t, std::vector<std::size_t>> columns;  // of numbers, by scene
+  std::size_t width = 0;
+  if (what == "distances") {
+    for (const Place& p : places) {
+      slices.push_back({p.scene, 4 * p.first_sensor, 4 * p.sensors});
+      for (std::size_t i = 0; i < static_cast<std::size_t>(p.sensors); ++i) columns[p.scene].push_back(i);
+      width = std::max(width, static_cast<std::size_t>(p.sensors));
+    }
+  } else if (what == "targets") {
+    std::set<std::int64_t> ids;
+    impl_->database.ForEach("SELECT DISTINCT id FROM target",
+                            [&](const RunRow& row) { ids.insert(row.integer(0)); });
+    impl_->database.ForEach("SELECT scene, id FROM target ORDER BY scene, place", [&](const RunRow& row) {
+      const auto at = static_cast<std::size_t>(std::distance(ids.begin(), ids.find(row.integer(1))));
+      columns[row.integer(0)].insert(columns[row.integer(0)].end(), {2 * at, 2 * at + 1});
+    });
+    for (const Place& p : places) {
+      const auto bytes = static_cast<std::int64_t>(4 * columns[p.scene].size());
+      slices.push_back({p.scene, bytes * p.robot, bytes});
+    }
+    width = 2 * ids.size();
+  } else {
+    for (const Place& p : places)
+      slices.push_back({p.scene, static_cast<std::int64_t>(kWheelBytes) * p.robot, kWheelBytes});
+    width = 2;
+  }
+  std::vector<double> values;
+  std::size_t k = 0;
+  impl_->ForEachSlice(what, slices, [&](const RunRow& row) {
+    const std::size_t start = width * k++;
+    values.resize(start + width, kNaN);
+    if (row.is_null(3)) return;
+    const Bytes raw = row.bytes(3);
+    if (what == "wheels") {
+      if (raw.size() != kWheelBytes) impl_->Damaged(what, row.integer(0));
+      for (std::size_t i = 0; i < 2; ++i)
+        values[start + i] = static_cast<double>(Signed(Little(raw.subspan(5 * i, 5)), 40)) * kWheelUnit_rad;
+      return;
+    }
+    const std::vector<std::size_t>& at = columns[row.integer(1)];
+    if (raw.size() != 4 * at.size()) impl_->Damaged(what, row.integer(0));
+    for (std::size_t i = 0; i < at.size(); ++i) values[start + at[i]] = Single(raw.subspan(4 * i, 4));
+  });
+  return {std::move(values), width, k};
+}
+
+RunRows Run::commands(const std::string& name) const {
+  std::map<std::int64_t, std::int64_t> robots;  // by scene
+  for (const Place& p : impl_->RobotPlaces(name)) robots[p.scene] = p.robot;
+  std::vector<double> values;
+  impl_->database.ForEach(
+      "SELECT step, time_ns, scene, commands FROM step WHERE step <= " + std::to_string(impl_->last) +
+          " AND commands IS NOT NULL ORDER BY step",
+      [&](const RunRow& row) {
+        const Bytes raw = row.bytes(3);
+        if (raw.size() % kCommandBytes != 0) impl_->Damaged("commands", row.integer(0));
+        const auto robot = robots.find(row.integer(2));
+        if (robot == robots.end()) return;
+        for (std::size_t at = 0; at < raw.size(); at += kCommandBytes) {
+          if ((Little(raw.subspan(at, 4)) & 0x7FFFFFFF) != static_cast<std::uint64_t>(robot->second))
+            continue;
+          values.insert(values.end(), {static_cast<double>(row.integer(0)), Seconds(row.integer(1)),
+                                       Double(raw.subspan(at + 4)), Double(raw.subspan(at + 12))});
+        }
+      });
+  const std::size_t m = values.size() / 4;
+  return {std::move(values), 4, m};
+}
+
+std::vector<Event> Run::events() const {
+  std::vector<Event> events;
+  impl_->database.ForEach(
+      "SELECT step, time_ns, level, text FROM event WHERE step <= " + std::to_string(impl_->last) +
+          " ORDER BY id",
+      [&](const RunRow& row) {
+        events.push_back({row.integer(0), Seconds(row.integer(1)), row.text(2), row.text(3)});
+      });
+  return events;
+}
+
+}  // namespace coopdyn::client
