@@ -213,8 +213,7 @@ void RunTable::Impl::TakeCommands(const RecordedStep& recorded, const Places& pl
     const int column = places.column_of_robot[command.robot];
     if (column < 0) continue;
     in_force[static_cast<std::size_t>(column)] = command.setpoint;
-    // What stands in the first frame of a file was in force before.
-    if (!use || recorded.step == extent.first || !InRange(recorded.time)) continue;
+    if (!use || !InRange(recorded.time)) continue;
     CommandRow row = moment;
     row.robot = static_cast<std::size_t>(column);
     row.setpoint = command.setpoint;

@@ -37,7 +37,7 @@ struct RunRow {
   std::vector<PoseValues> objects;
 };
 
-/// A set-point that came in force.
+/// A set-point that came in force; with the first step of a file all that were in force then.
 struct CommandRow {
   std::size_t robot = 0;  // its column
   std::uint64_t step = 0;
