@@ -9,7 +9,6 @@
 #include <ctime>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,7 +25,7 @@
 namespace coopdyn {
 
 struct RecordingOptions {
-  std::filesystem::path folder = ".";  // of recordings that have a bare name, and of List()
+  std::filesystem::path folder = ".";  // of recordings that have a bare name
   std::optional<RecordWhat> what;      // empty: DefaultRecordWhat()
   Nanoseconds pose_every = 0;          // poses and readings only so often; 0: each step
   double duration_s = 0;               // simulated time at which the run ends; 0: never
@@ -35,15 +34,6 @@ struct RecordingOptions {
   std::function<std::time_t()> wall_clock = [] { return std::time(nullptr); };
   /// Called, on any thread, after a recording has failed: `--on-record-failure stop` ends the daemon here.
   std::function<void()> on_failure;
-};
-
-/// A recording in the folder.
-struct RunFile {
-  std::string name;  // with .run
-  std::uint64_t bytes = 0;
-  std::optional<double> seconds;       // simulated; empty: it cannot be read
-  std::optional<std::uint64_t> steps;  // likewise
-  bool recording = false;              // it is being written
 };
 
 /// What is being recorded now.
@@ -55,9 +45,6 @@ struct RecordingStatus {
 
 class RecordingDesk {
  public:
-  static constexpr std::size_t kMaxName = 64;       // without .run
-  static constexpr std::size_t kMaxListed = 1'000;  // the newest
-
   /// What became of a request: on success `text` is the name of the recording.
   struct Result {
     Error error = Error::kOk;
@@ -95,38 +82,22 @@ class RecordingDesk {
   /// A recording has ended because it could not go on: exit code 4.
   bool failed() const { return failed_; }
 
-  /// Hands the recordings of the folder, newest first, to `done` on the desk's thread.
-  void List(std::function<void(std::vector<RunFile>)> done);
-  /// The file of a recording of the folder that is not being written, by a name as in List().
-  struct Found {
-    Error error = Error::kOk;  // no such name; or not possible: it is being recorded
-    std::string text;
-    std::filesystem::path file;
-  };
-  Found Find(const std::string& name) const EXCLUDES(mutex_);
-  /// Runs `work` on the desk's thread, after what waits there; never after Close().
-  void Post(std::function<void()> work) { thread_.Post(std::move(work)); }
-
  private:
   enum class State { kIdle, kStarting, kRecording, kStopping, kClosed };
-  /// A file as it was when it was looked into.
-  struct Known {
-    std::uint64_t bytes = 0;
-    std::filesystem::file_time_type written;
-    RunFile file;
-  };
 
   std::shared_ptr<Recorder> MakeRecorder(const std::filesystem::path& file, bool overwrite);
   /// Takes the right to start; an error text, empty if taken.
   std::string BeginStart() EXCLUDES(mutex_);
-  void EndStart(State state, std::shared_ptr<Recorder> recorder) EXCLUDES(mutex_);
+  /// Nothing after Close().
+  void Set(State state, std::shared_ptr<Recorder> recorder) EXCLUDES(mutex_);
+  /// The recorder, if one is recording, for PutAway(); `if_broken`: and only if it has failed. Else null.
+  std::shared_ptr<Recorder> TakeToStop(bool if_broken) EXCLUDES(mutex_);
   /// An error text if `recorder` cannot write; says in the log how much it will.
   std::string CheckFile(const Recorder& recorder, const std::filesystem::path& file, bool force) const;
   std::string DefaultName() const;
   /// Takes the journal away from the stepping thread, then closes it on the desk's.
   void PutAway(std::shared_ptr<Recorder> recorder, Done done);
   void Fail(const std::string& text) EXCLUDES(mutex_);
-  RunFile Look(const std::filesystem::directory_entry& entry);
   std::shared_ptr<Recorder> recorder() const EXCLUDES(mutex_);
 
   const RecordingOptions options_;
@@ -138,8 +109,8 @@ class RecordingDesk {
   std::atomic<bool> failed_{false};
   mutable Mutex mutex_;
   State state_ GUARDED_BY(mutex_) = State::kIdle;
+  bool broken_ GUARDED_BY(mutex_) = false;                 // the present recorder has failed
   std::shared_ptr<Recorder> recorder_ GUARDED_BY(mutex_);  // while recording or stopping
-  std::map<std::string, Known> known_;                     // the desk's thread
   IoThread thread_;                                        // last: what it runs uses the rest
 };
 

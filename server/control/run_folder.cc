@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "server/control/run_folder.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "server/control/run_names.h"
+#include "server/record/run_reader.h"
+#include "server/replay/export_mat.h"
+
+namespace coopdyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+namespace json = boost::json;
+
+constexpr std::string_view kMatExtension = ".mat";
+
+}  // namespace
+
+std::string RunsJson(const std::vector<RunFile>& runs, const std::string& page) {
+  json::array list;
+  for (const RunFile& run : runs) {
+    const bool copied = !page.empty() && !run.recording && run.steps;
+    list.push_back({{"name", run.name},
+                    {"bytes", run.bytes},
+                    {"seconds", run.seconds ? json::value(*run.seconds) : json::value(nullptr)},
+                    {"steps", run.steps ? json::value(*run.steps) : json::value(nullptr)},
+                    {"recording", run.recording},
+                    {"url", copied ? json::value(page + "runs/" + run.name) : json::value(nullptr)}});
+  }
+  return json::serialize(list);
+}
+
+RunFolder::RunFolder(fs::path folder, SearchPath path, std::function<std::string()> present, Logger logger)
+    : folder_(std::move(folder)),
+      path_(std::move(path)),
+      present_(std::move(present)),
+      looks_("runs", logger),
+      exporter_("export", logger) {}
+
+RunFolder::~RunFolder() {
+  stopping_ = true;
+}
+
+void RunFolder::List(std::function<void(std::vector<RunFile>)> done) {
+  looks_.Post([this, done = std::move(done)] { done(ListNow()); });
+}
+
+std::vector<RunFile> RunFolder::ListNow() {
+  std::vector<fs::directory_entry> entries;
+  std::error_code failed;
+  for (fs::directory_iterator it(folder_, failed), end; !failed && it != end; it.increment(failed)) {
+    std::error_code ignored;
+    if (it->path().extension() == kRunExtension && it->is_regular_file(ignored)) entries.push_back(*it);
+  }
+  std::sort(entries.begin(), entries.end(), [](const fs::directory_entry& a, const fs::directory_entry& b) {
+    std::error_code ignored;
+    const auto time_a = a.last_write_time(ignored), time_b = b.last_write_time(ignored);
+    return time_a != time_b ? time_a > time_b : a.path() < b.path();
+  });
+  if (entries.size() > kMaxListed) entries.resize(kMaxListed);
+  std::vector<RunFile> files;
+  for (const fs::directory_entry& entry : entries) files.push_back(Look(entry));
+  return files;
+}
+
+RunFile RunFolder::Look(const fs::directory_entry& entry) {
+  std::error_code ignored;
+  const std::string name = entry.path().filename().string();
+  const std::uint64_t bytes = entry.file_size(ignored);
+  const fs::file_time_type written = entry.last_write_time(ignored);
+  Known& known = known_[name];
+  const bool same = known.file.name == name && known.bytes == bytes && known.written == written;
+  if (same && !known.file.recording) return known.file;
+  known = {bytes, written, {name, bytes, {}, {}, false}};
+  std::string error;
+  if (const std::unique_ptr<RunReader> reader = RunReader::Open(entry.path().string(), error)) {
+    const RunExtent extent = reader->extent();
+    known.file.seconds = ToSeconds(extent.end - extent.begin);
+    known.file.steps = extent.steps;
+    known.file.recording = reader->growing();
+  }
+  const std::string present = present_();
+  if (!present.empty() && fs::equivalent(entry.path(), present, ignored)) known.file.recording = true;
+  return known.file;
+}
+
+void RunFolder::Open(const std::string& name, std::function<void(const OpenedRun&)> done) {
+  const bool exported = name.ends_with(kMatExtension);
+  const std::string run =
+      exported ? WithRunExtension(name.substr(0, name.size() - kMatExtension.size())) : name;
+  looks_.Post([this, run, exported, done = std::move(done)] {
+    const OpenedRun found = Find(run);
+    if (!exported || found.error != Error::kOk) return done(found);
+    exporter_.Post([this, file = found.file, done] { done(Export(file)); });
+  });
+}
+
+OpenedRun RunFolder::Find(const std::string& name) const {
+  const fs::path file = folder_ / name;
+  std::error_code ignored;
+  if (!name.ends_with(kRunExtension) || !RunNameObjection(name).empty() ||
+      !fs::is_regular_file(file, ignored)) {
+    return {Error::kNoSuchName, "there is no recording of that name: /runs lists them", {}};
+  }
+  const std::string present = present_();
+  std::string error;
+  const std::unique_ptr<RunReader> reader = RunReader::Open(file.string(), error);
+  if (reader == nullptr) return {Error::kNotPossible, error, {}};
+  if (reader->growing() || (!present.empty() && fs::equivalent(file, present, ignored))) {
+    return {Error::kNotPossible, name + " is being recorded: stop the recording first", {}};
+  }
+  return {Error::kOk, {}, file};
+}
+
+OpenedRun RunFolder::Export(const fs::path& run) {
+  std::string error;
+  const std::unique_ptr<RunReader> reader = RunReader::Open(run.string(), error);
+  if (reader == nullptr) return {Error::kNotPossible, error, {}};
+  Diagnostics diagnostics;
+  if (reader->LoadScenario(path_, diagnostics) == nullptr) {
+    return {Error::kNotPossible, diagnostics.ToString(), {}};
+  }
+  std::error_code failed;
+  const fs::path folder = fs::temp_directory_path(failed);
+  if (failed) return {Error::kNotPossible, "there is no folder for temporary files: set TMPDIR", {}};
+  const fs::path out = folder / fmt::format("coopdyn-{}-{}.mat", ::getpid(), ++exports_);
+  ExportOptions options;
+  options.overwrite = true;
+  error = ExportMat(*reader, options, out.string(), [this](double) { return !stopping_; });
+  if (!error.empty()) return {Error::kNotPossible, error, {}};
+  return {Error::kOk, {}, out, true};
+}
+
+}  // namespace coopdyn
