@@ -24,6 +24,7 @@
 #include "clients/cpp/address.h"
 #include "clients/cpp/error.h"
 #include "clients/cpp/json.h"
+#include "clients/cpp/recordings.h"
 #include "clients/cpp/team.h"
 
 namespace coopdyn::client {
@@ -209,6 +210,46 @@ class Simulation {
   void set_speed(double x);
   /// The robots that lockstep waits for; empty: as the scenario says.
   void set_participants(const std::vector<std::string>& names = {});
+  /// Takes a robot from whoever drives it: closes that program's connection, or unloads its controller.
+  void release_robot(const std::string& name);
+
+  /// Keeps all that decides how the run goes on, under a name; replaces what is kept under that name.
+  void save_state(const std::string& name);
+  /// Goes on from a saved state, bit for bit; "start" is where the run began.
+  void restore_state(const std::string& name);
+  /// The states that can be restored.
+  std::vector<SavedState> saved_states();
+
+  /// Records the run from here on, in the daemon's folder; returns the name of the file. Without a name under
+  /// run-DATE-TIME. Nothing is overwritten: error 5.
+  std::string record(const std::string& name = "");
+  /// Ends the recording; returns when its file is closed.
+  Recorded stop_recording();
+  /// Marks this time in the recording; Run::events() has it.
+  void note(const std::string& text);
+  /// What is being recorded now.
+  std::optional<Recording> recording();
+  /// The recordings that the daemon has, newest first.
+  std::vector<RunFile> recordings();
+  /// Copies a recording from the daemon to `file` (default: of the same name, here) and returns the file's
+  /// name. A file called .mat gets the run as MATLAB reads it. What was there is replaced when all has come.
+  std::string fetch_run(const std::string& name, const std::string& file = "");
+
+  // Playing a recording: `coopdyn play RUN`.
+  /// Which recording is played, and what is shown. Error 5 in a live run, as for the others.
+  Playback playback();
+  /// Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside.
+  void seek(double time);
+  /// Lets the recording go on, at this speed if one is given; -4 to 64 times, below 0 backwards.
+  void play(std::optional<double> speed = std::nullopt);
+  void set_play_speed(double s);
+  /// Goes n recorded steps on, or back if n is below 0, and stands there.
+  void skip(int n = 1);
+  /// Whether the recording begins again at its end.
+  void set_loop(bool on);
+  /// Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s], bit
+  /// for bit as it did if the inputs are the same.
+  void branch(std::optional<double> time = std::nullopt);
 
   /// The whole state of the simulation (docs/protocol.md lists the keys).
   Json status();

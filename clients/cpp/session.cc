@@ -130,12 +130,8 @@ void Session::OpenMotors(Link& link) {
   try {
     if (!watch_) {
       try {
-        motors.Request(command::kClaim);
+        Claim(link);
       } catch (const Error& e) {
-        if (e.code() == kOwned)
-          throw Error(kOwned, link.robot + " cannot be driven: " + e.what() +
-                                  ". Stop the other program, or free the robot on the page; to look on only: "
-                                  "connect with watch = true");
         if (e.code() != kNotPossible) throw;  // not possible: a recording is played; reading goes on
       }
     }
@@ -145,6 +141,19 @@ void Session::OpenMotors(Link& link) {
     motors.Close();
     throw;
   }
+}
+
+void Session::Claim(Link& link) {
+  link.unclaimed = true;
+  try {
+    link.motors->Request(command::kClaim);
+  } catch (const Error& e) {
+    if (e.code() != kOwned) throw;
+    throw Error(kOwned, link.robot + " cannot be driven: " + e.what() +
+                            ". Stop the other program, or free the robot on the page; to look on only: "
+                            "connect with watch = true");
+  }
+  link.unclaimed = false;
 }
 
 void Session::Settle(Link& link) {
@@ -206,7 +215,8 @@ void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data
   if (!link.motors)
     throw Error(kNotPossible, link.robot + (link.in_team ? " is driven by its team" : " has no motors"));
   if (link.lost) throw Error(*link.lost);
-  if (mode_ != kLockstep) Settle(link);
+  if (mode_ != kLockstep || link.unclaimed) Settle(link);
+  if (link.unclaimed) Claim(link);  // a branch may go on live from there
   if (mode_ == kLockstep) {
     link.kept = Command{command, std::move(data)};
     return;
@@ -270,6 +280,20 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
 
 void Session::StartedAnew() {
   for (const auto& link : links_) link->ForgetCommands();
+  for (const auto& team : teams_) team->stale = true;
+}
+
+void Session::Jumped() {
+  StartedAnew();
+  const std::vector<std::string> names = RobotNames();
+  const std::set<std::string> here(names.begin(), names.end());
+  const auto is_here = [&](const std::string& name) { return here.contains(name); };
+  const bool all =
+      std::all_of(links_.begin(), links_.end(), [&](const auto& link) { return is_here(link->robot); }) &&
+      std::all_of(teams_.begin(), teams_.end(), [&](const auto& team) {
+        return std::all_of(team->names.begin(), team->names.end(), is_here);
+      });
+  if (!all) Loaded();
 }
 
 void Session::Loaded() {

@@ -36,7 +36,8 @@ struct Link {
   std::optional<Command> kept;                                 // for the next step
   std::optional<Command> sent;                                 // its reply has not come yet
   std::optional<Error> lost;                                   // why it is not ours any more
-  bool in_team = false;                                        // a team of ours drives it: for reading only
+  bool unclaimed = false;  // nobody can have it: a recording was played when it was opened
+  bool in_team = false;    // a team of ours drives it: for reading only
   std::vector<std::string> attached;
   std::optional<Message> carried;  // the readings that came with the reply to the last step
   double labels_step = -1;         // of ids and colours of the targets
@@ -67,6 +68,9 @@ class Session {
   /// A request to /simulation.
   Message Control(std::int32_t command, std::vector<std::int32_t> params = {}, std::vector<double> data = {},
                   std::string text = "", double timeout_s = 10);
+  /// A request to another module of the whole simulation.
+  Message Tell(const std::string& module, std::int32_t command, std::vector<std::int32_t> params = {},
+               std::vector<double> data = {}, std::string text = "", double timeout_s = 10);
   Json Status();
   /// The names of all robots, in the order of the scenario.
   std::vector<std::string> RobotNames();
@@ -111,6 +115,8 @@ class Session {
   /// After a reset, or (with the names of the robots there are now) a load of ours.
   void StartedAnew();
   void Loaded();
+  /// After a restore or branch of ours: the world goes on from another state, maybe of another scenario.
+  void Jumped();
   /// One line that says what the world waits for; with `held_up` empty if its steps go on.
   std::string Whom(bool held_up = false) const;
   /// Writes `stop` to the robots that this session drives, then closes everything. Does not wait.
@@ -128,6 +134,7 @@ class Session {
   Message Ask(Connection& connection, std::int32_t command, std::vector<std::int32_t> params,
               std::string text, std::vector<double> data = {});
   void OpenMotors(Link& link);
+  void Claim(Link& link);
   void Settle(Link& link);
   bool AwaitCommand(Link& link);
   [[noreturn]] void Lose(Link& link, const Closed& closed);

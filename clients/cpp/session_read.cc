@@ -25,6 +25,17 @@ Message Session::Control(std::int32_t command, std::vector<std::int32_t> params,
   return Note(reply);
 }
 
+Message Session::Tell(const std::string& module, std::int32_t command, std::vector<std::int32_t> params,
+                      std::vector<double> data, std::string text, double timeout_s) {
+  RequireOpen();
+  std::unique_ptr<Connection>& connection = others_[module];
+  if (!connection) connection = std::make_unique<Connection>(address_, module, !watch_);
+  if (!connection->Alive()) connection->Open();
+  Message reply = connection->Request(command, std::move(params), data, std::move(text), timeout_s);
+  for (const auto& link : links_) link->carried.reset();
+  return Note(reply);
+}
+
 Json Session::Status() {
   return Json::Parse(Control(command::kGetStatus).text);
 }

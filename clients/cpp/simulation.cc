@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "clients/cpp/coopdyn_client.h"
+#include "clients/cpp/page.h"
 #include "clients/cpp/raw_call.h"
 #include "clients/cpp/session.h"
 #include "protocol/command_ids.h"
@@ -19,7 +18,7 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr double kLoadTimeout_s = 60;
+constexpr double kLoadTimeout_s = 60, kPictureTimeout_s = 30;
 constexpr const char* kModes[] = {"realtime", "lockstep", "free"};
 
 double Finite(double value, const char* what) {
@@ -30,31 +29,6 @@ double Finite(double value, const char* what) {
 int AtLeastOne(int value, const char* what) {
   if (value < 1) throw Error(4, std::string(what) + " must be at least 1");
   return value;
-}
-
-/// The body of the reply to a GET, whole. Throws Error 5 unless the status is 200.
-std::string HttpGet(const Address& address, const std::string& path) {
-  const Deadline deadline = After(30);
-  const int fd = address.Dial(deadline);
-  std::string reply;
-  WriteAll(fd, "GET " + path + " HTTP/1.1\r\nHost: " + address.text() + "\r\nConnection: close\r\n\r\n");
-  char buffer[65536];
-  while (Until(deadline) > 0) {
-    const ssize_t n = read(fd, buffer, sizeof(buffer));
-    if (n > 0) {
-      reply.append(buffer, static_cast<std::size_t>(n));
-    } else if (n == 0) {
-      break;
-    } else {
-      WaitReadable({fd}, Until(deadline));
-    }
-  }
-  close(fd);
-  const std::size_t body = reply.find("\r\n\r\n");
-  if (body == std::string::npos) throw Error(Error::kNoConnection, "no picture: the page does not answer");
-  const std::string content = reply.substr(body + 4);
-  if (reply.compare(0, 13, "HTTP/1.1 200 ") != 0) throw Error(5, "no picture: " + content);
-  return content;
 }
 
 std::string PointText(const std::vector<double>& point, const char* word) {
@@ -209,20 +183,11 @@ std::vector<Awaited> Simulation::waiting() {
 }
 
 std::string Simulation::snapshot(const std::string& file, const View& view) {
-  const std::string url = status()["http"].text();
-  const std::size_t colon = url.rfind(':');
-  const int port = colon == std::string::npos ? 0 : std::atoi(url.c_str() + colon + 1);
-  if (port == 0) throw Error(5, "the daemon was started with --no-http, so there are no pictures");
-  const std::string& host = session_->address().host();
-  const Address page(
-      (host.find(':') != std::string::npos ? "[" + host + "]" : host) + ":" + std::to_string(port), "", "",
-      30);
-  const std::string picture = HttpGet(page, "/snapshot.png?w=" + std::to_string(AtLeastOne(view.w, "w")) +
-                                                "&h=" + std::to_string(AtLeastOne(view.h, "h")) +
-                                                PointText(view.eye, "eye") + PointText(view.look, "look"));
-  std::ofstream out(file, std::ios::binary);
-  out << picture;
-  if (!out.flush()) throw Error(5, "cannot write " + file);
+  Download(session_->address(), status()["http"].text(),
+           "/snapshot.png?w=" + std::to_string(AtLeastOne(view.w, "w")) +
+               "&h=" + std::to_string(AtLeastOne(view.h, "h")) + PointText(view.eye, "eye") +
+               PointText(view.look, "look"),
+           file, "picture", kPictureTimeout_s);
   return file;
 }
 

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// Recordings, playback and saved states of a simulation.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <utility>
+
+#include "clients/cpp/coopdyn_client.h"
+#include "clients/cpp/page.h"
+#include "clients/cpp/session.h"
+#include "clients/cpp/words.h"
+#include "protocol/command_ids.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr double kLoadTimeout_s = 60;     // for what builds a world or closes a file
+constexpr double kExportTimeout_s = 600;  // for a long recording as a MAT file, for repeating a part of a run
+constexpr const char* kRecorder = "/recorder";
+constexpr const char* kPlayback = "/playback";
+
+double Finite(double value, const char* what) {
+  if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
+  return value;
+}
+
+/// One word that the daemon takes as a name.
+std::string Word(const std::string& text, const char* what) {
+  const std::vector<std::string> words = Words(text);
+  if (words.size() != 1) throw Error(3, std::string(what) + " is one word, not '" + text + "'");
+  return words[0];
+}
+
+/// `count` values before the final two. Throws Error 7 if there are fewer.
+void Require(const Message& reply, std::size_t params, std::size_t data) {
+  if (reply.params.size() < params || reply.data.size() < data + 2)
+    throw Error(7, "a reply of the daemon has too few values");
+}
+
+/// A part of a URL.
+std::string Quoted(const std::string& name) {
+  std::string out;
+  for (const unsigned char c : name) {
+    constexpr const char* kHex = "0123456789ABCDEF";
+    if (std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.') {
+      out += static_cast<char>(c);
+    } else {
+      (out += '%') += kHex[c >> 4];
+      out += kHex[c & 15];
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void Simulation::release_robot(const std::string& name) {
+  session_->Control(command::kReleaseRobot, {}, {}, Word(name, "the name of a robot"));
+}
+
+void Simulation::save_state(const std::string& name) {
+  session_->Control(command::kSaveState, {}, {}, Word(name, "the name of a state"));
+}
+
+void Simulation::restore_state(const std::string& name) {
+  session_->Control(command::kRestoreState, {}, {}, Word(name, "the name of a state"), kLoadTimeout_s);
+  session_->Jumped();
+}
+
+std::vector<SavedState> Simulation::saved_states() {
+  const Message reply = session_->Control(command::kGetSaved);
+  const std::vector<std::string> names = Words(reply.text);
+  Require(reply, 0, names.size());
+  std::vector<SavedState> states;
+  for (std::size_t i = 0; i < names.size(); ++i) states.push_back({names[i], reply.data[i]});
+  return states;
+}
+
+std::string Simulation::record(const std::string& name) {
+  return session_
+      ->Tell(kRecorder, command::kStartRecording, {}, {},
+             name.empty() ? name : Word(name, "the name of a recording"))
+      .text;
+}
+
+Recorded Simulation::stop_recording() {
+  const Message reply = session_->Tell(kRecorder, command::kStopRecording, {}, {}, "", kLoadTimeout_s);
+  const std::vector<std::string> words = Words(reply.text);
+  return {words.empty() ? "" : words[0], words.size() < 2 ? "" : UrlHere(session_->address(), words[1])};
+}
+
+void Simulation::note(const std::string& text) {
+  session_->Tell(kRecorder, command::kNote, {}, {}, text);
+}
+
+std::optional<Recording> Simulation::recording() {
+  const Message reply = session_->Tell(kRecorder, command::kGetRecording);
+  Require(reply, 1, 5);
+  if (reply.params[0] == 0) return std::nullopt;
+  const auto whole = [&](std::size_t i) { return static_cast<std::int64_t>(reply.data[i]); };
+  return Recording{reply.text, reply.data[0], reply.data[1], whole(2), whole(3), whole(4)};
+}
+
+std::vector<RunFile> Simulation::recordings() {
+  const Json list =
+      Json::Parse(session_->Tell(kRecorder, command::kListRuns, {}, {}, "", kLoadTimeout_s).text);
+  std::vector<RunFile> files;
+  for (const Json& f : list.items()) {
+    RunFile file{.name = f["name"].text(), .bytes = static_cast<std::int64_t>(f["bytes"].number())};
+    if (!f["seconds"].is_null()) file.seconds = f["seconds"].number();
+    if (!f["steps"].is_null()) file.steps = static_cast<std::int64_t>(f["steps"].number());
+    file.recording = f["recording"].boolean();
+    file.url = UrlHere(session_->address(), f["url"].text());
+    files.push_back(std::move(file));
+  }
+  return files;
+}
+
+std::string Simulation::fetch_run(const std::string& name, const std::string& file) {
+  std::string stem = Word(name, "the name of a recording");
+  if (stem.ends_with(".run")) stem.resize(stem.size() - 4);
+  const std::string to = file.empty() ? stem + ".run" : file;
+  Download(session_->address(), status()["http"].text(),
+           "/runs/" + Quoted(stem) + (to.ends_with(".mat") ? ".mat" : ".run"), to, "recording",
+           kExportTimeout_s);
+  return to;
+}
+
+Playback Simulation::playback() {
+  const Message reply = session_->Tell(kPlayback, command::kGetPlayback);
+  Require(reply, 3, 4);
+  return {reply.data[0],        reply.data[1],        reply.data[2],        reply.data[3],
+          reply.params[0] != 0, reply.params[1] != 0, reply.params[2] != 0, reply.text};
+}
+
+void Simulation::seek(double time) {
+  session_->Tell(kPlayback, command::kSeek, {}, {Finite(time, "the time [s]")});
+}
+
+void Simulation::play(std::optional<double> speed) {
+  std::vector<double> data;
+  if (speed) data.push_back(Finite(*speed, "the speed"));
+  session_->Tell(kPlayback, command::kPlay, {}, std::move(data));
+}
+
+void Simulation::set_play_speed(double s) {
+  session_->Tell(kPlayback, command::kSetPlaySpeed, {}, {Finite(s, "the speed")});
+}
+
+void Simulation::skip(int n) {
+  session_->Tell(kPlayback, command::kSkip, {n});
+}
+
+void Simulation::set_loop(bool on) {
+  session_->Tell(kPlayback, command::kSetLoop, {on ? 1 : 0});
+}
+
+void Simulation::branch(std::optional<double> time) {
+  std::vector<double> data;
+  if (time) data.push_back(Finite(*time, "the time [s]"));
+  session_->Tell(kPlayback, command::kBranch, {}, std::move(data), "", kExportTimeout_s);
+  session_->Jumped();
+}
+
+}  // namespace coopdyn::client
