@@ -107,7 +107,11 @@ class Recorder::Impl {
     NoteLost(lost_before, last_);
     if (failed_ || !Check(writer_->AddStep(frame))) return;
     if (step.keyframe) {
-      Check(writer_->AddKeyframe({step.frame, std::move(step.controllers), step.mode, false}));
+      SavedState state;
+      state.frame = step.frame;
+      state.controllers = std::move(step.controllers);
+      state.mode = step.mode;
+      Check(writer_->AddKeyframe(state));
     }
     if (failed_) return;
     const MutexLock lock(mutex_);

@@ -86,6 +86,10 @@ SentMessage GetMessage(ByteReader& reader, const Frame& frame) {
   return sent;
 }
 
+bool IsStepLength(Nanoseconds length) {
+  return length >= kMinStep && length <= kMaxStep;
+}
+
 bool GetMode(ByteReader& reader, Mode& mode) {
   const auto number = reader.Get<std::uint8_t>();
   mode = static_cast<Mode>(number);
@@ -118,6 +122,9 @@ std::vector<std::byte> EncodeState(const SavedState& state) {
   for (const SentMessage& sent : frame.messages) PutMessage(sent, writer);
   writer.Put(static_cast<std::uint32_t>(state.controllers.size()));
   writer.PutBytes(state.controllers);
+  writer.Put(state.step_length.value_or(0));
+  writer.Put(static_cast<std::uint32_t>(state.setpoints.size()));
+  for (const auto& setpoint : state.setpoints) writer.PutAll(setpoint);
   return bytes;
 }
 
@@ -134,7 +141,7 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
   frame->step_length = reader.Get<Nanoseconds>();
   frame->seed = reader.Get<std::uint64_t>();
   frame->solver_seed = reader.Get<std::uint64_t>();
-  if (frame->time < 0 || frame->step_length < kMinStep || frame->step_length > kMaxStep) return nullptr;
+  if (frame->time < 0 || !IsStepLength(frame->step_length)) return nullptr;
   if (reader.GetCount(kBodyBytes) != scene->body_ids.size()) return nullptr;
   frame->bodies.resize(scene->body_ids.size());
   for (BodyState& body : frame->bodies) body = GetBody(reader);
@@ -146,6 +153,12 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
     frame->messages.push_back(GetMessage(reader, *frame));
   }
   const std::span<const std::byte> controllers = reader.GetBytes(reader.GetCount(1));
+  const auto step_length = reader.Get<Nanoseconds>();
+  if (step_length != 0) state->step_length = step_length;
+  if (step_length != 0 && !IsStepLength(step_length)) return nullptr;
+  state->setpoints.resize(reader.GetCount(2 * 8));
+  for (auto& setpoint : state->setpoints) GetFinite(reader, setpoint);
+  if (!state->setpoints.empty() && state->setpoints.size() != scene->robots.size()) return nullptr;
   if (!reader.finished()) return nullptr;
   state->controllers.assign(controllers.begin(), controllers.end());
   frame->scene = std::move(scene);
