@@ -58,6 +58,11 @@ std::shared_ptr<Frame> Simulation::MakeFrame() {
   return frame;
 }
 
+void Simulation::SetStepLength(Nanoseconds length) {
+  step_length_ = length;
+  if (step_ == 0 && frame_->step_length != length) frame_ = MakeFrame();
+}
+
 void Simulation::StartControllers() {
   if (helpers_.controllers != nullptr) helpers_.controllers->Configure(frame_);
 }

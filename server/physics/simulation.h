@@ -48,6 +48,8 @@ class Simulation {
   const Scene& scene() const { return *scene_; }
   bool has_controllers() const { return has_controllers_; }
 
+  /// How long steps will be, which frame 0 says before there was one. Before StartControllers() or Restart().
+  void SetStepLength(Nanoseconds length);
   /// Makes all controllers afresh for frame(), which is the start.
   void StartControllers();
   /// Back to the start, with this seed of noise and solver: the same bits as a fresh Build(). Controllers as

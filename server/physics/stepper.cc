@@ -34,6 +34,7 @@ bool Stepper::Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagn
     mode_ = options_.mode.value_or(scenario->simulation.mode.value_or(Mode::kRealtime));
     if (options_.speed) speeds_[static_cast<std::size_t>(mode_)] = options_.speed;
     TakeOptions(scenario->simulation);
+    simulation_->SetStepLength(step_length_);
     simulation_->StartControllers();
     Install(StepEnd::kLoad);
   }
@@ -51,7 +52,7 @@ bool Stepper::StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) {
     mode_ = options_.mode.value_or(state->mode);
     if (options_.speed) speeds_[static_cast<std::size_t>(mode_)] = options_.speed;
     TakeOptions(state->frame->scene->scenario->simulation);
-    if (!options_.step) step_length_ = state->frame->step_length;
+    if (!options_.step) step_length_ = LengthOf(*state);
     InstallState(*state, StepEnd::kLoad);
   }
   baton_.Pass();
@@ -166,12 +167,12 @@ void Stepper::StepNow(Nanoseconds now) {
   }
 }
 
-void Stepper::NoteStoppedControllers(std::uint64_t step) {
+void Stepper::NoteStoppedControllers(std::optional<std::uint64_t> step) {
   if (helpers_.controllers == nullptr) return;
   const Scene& scene = simulation_->scene();
   for (const StoppedController& stopped : helpers_.controllers->TakeStopped()) {
     AddEvent("error", stopped.robot + " stands: " + stopped.why);
-    WriteInput(step, "controller_stopped", stopped.robot + " " + stopped.why);
+    if (step) WriteInput(*step, "controller_stopped", stopped.robot + " " + stopped.why);
     const int robot = scene.FindRobot(stopped.robot);
     if (robot < 0) continue;
     const std::string& name = scene.robots[static_cast<std::size_t>(robot)].entry.controller.name;

@@ -106,16 +106,22 @@ class Stepper {
   Nanoseconds WorkOnce() EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
-  /// Takes note of controllers that have stopped in the step after frame `step`.
-  void NoteStoppedControllers(std::uint64_t step) REQUIRES(baton_);
+  /// Takes note of controllers that have stopped: in the step after frame `step`, which is an input of the
+  /// run; or, without, from the start.
+  void NoteStoppedControllers(std::optional<std::uint64_t> step) REQUIRES(baton_);
   std::unique_ptr<Simulation> BuildSimulation(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                                               Diagnostics& diagnostics) REQUIRES(baton_);
   /// The simulation stands at a frame that does not follow from the one before: publishes it and begins anew
-  /// whatever goes by steps. Its controllers run already.
-  void Install(StepEnd end) REQUIRES(baton_);
+  /// whatever goes by steps. Its controllers run already. `state`: from which it goes on; null: the start.
+  void Install(StepEnd end, const SavedState* state = nullptr) REQUIRES(baton_);
+  /// Who drives, and with what, as in `state`.
+  void TakeDrives(const SavedState& state, Nanoseconds now) REQUIRES(baton_);
   /// Puts `state`, whose scene is that of the simulation, in force.
   void InstallState(const SavedState& state, StepEnd end) REQUIRES(baton_);
   SavedStatePtr SaveState() const REQUIRES(baton_);
+  static Nanoseconds LengthOf(const SavedState& state) {
+    return state.step_length.value_or(state.frame->step_length);
+  }
   std::uint64_t NextEpoch() const;
   void WriteInput(std::uint64_t step, std::string action, std::string detail) REQUIRES(baton_);
   /// Takes mode, step, speed and duration of the scenario, as far as it says them and the command line does

@@ -110,6 +110,7 @@ EditResult Stepper::Apply(const edit::Step& step) {
 }
 
 EditResult Stepper::Apply(const edit::Reset& reset) {
+  simulation_->SetStepLength(step_length_);
   simulation_->Restart(reset.seed.value_or(frame().seed), NextEpoch());
   Install(StepEnd::kReset);
   return {};
@@ -123,6 +124,7 @@ EditResult Stepper::Apply(const edit::Load& load) {
   simulation_ = std::move(simulation);
   if (!options_.mode) mode_ = said.mode.value_or(mode_);
   TakeOptions(said);
+  simulation_->SetStepLength(step_length_);
   simulation_->StartControllers();
   Install(StepEnd::kLoad);
   return {};
@@ -132,6 +134,7 @@ EditResult Stepper::Apply(const edit::Restore& restore) {
   const SavedState& state = *restore.state;
   const bool live = simulation_ != nullptr;
   if (live && &simulation_->scene() == state.frame->scene.get()) {
+    step_length_ = LengthOf(state);
     InstallState(state, StepEnd::kReset);
     return {};
   }
@@ -140,7 +143,7 @@ EditResult Stepper::Apply(const edit::Restore& restore) {
   if (simulation == nullptr) return Refusal(Error::kMalformed, diagnostics.ToString());
   simulation_ = std::move(simulation);
   TakeOptions(state.frame->scene->scenario->simulation);
-  step_length_ = state.frame->step_length;
+  step_length_ = LengthOf(state);
   if (!live) {
     mode_ = options_.mode.value_or(state.mode);
     paused_ = state.paused;
@@ -159,6 +162,8 @@ SavedStatePtr Stepper::SaveState() const {
   auto state = std::make_shared<SavedState>(simulation_->Save());
   state->mode = mode_;
   state->paused = paused_;
+  state->step_length = step_length_;
+  state->setpoints = boards_.commands.InForce();
   return state;
 }
 
@@ -182,7 +187,7 @@ void Stepper::TakeOptions(const SimulationOptions& said) {
   if (duration_s) duration_ = std::llround(*duration_s * 1e9);
 }
 
-void Stepper::Install(StepEnd end) {
+void Stepper::Install(StepEnd end, const SavedState* state) {
   const Scene& scene = simulation_->scene();
   ended_ = false;
   allowed_steps_ = 0;
@@ -194,24 +199,32 @@ void Stepper::Install(StepEnd end) {
   boards_.frames.Publish(simulation_->frame());
   boards_.commands.SetMode(mode_, now);
   boards_.commands.Configure(scene, end, simulation_->frame(), now);
-  NoteStoppedControllers(frame().step);
+  if (state != nullptr) TakeDrives(*state, now);
+  // Controllers that stand from the start are no input of the run: its state says so.
   if (journal_ != nullptr) journal_->Begin(SaveState());
+  NoteStoppedControllers(std::nullopt);
   rate_.Reset();
   RestartPace(now);
   PublishStatus(now, true);
 }
 
-void Stepper::InstallState(const SavedState& state, StepEnd end) {
-  simulation_->Restore(state, NextEpoch());
-  if (duration_ && frame().time >= *duration_) duration_.reset();
-  Install(end);
-  const Nanoseconds now = clock_.Now();
+void Stepper::TakeDrives(const SavedState& state, Nanoseconds now) {
   if (helpers_.controllers != nullptr) {
     for (const int robot : helpers_.controllers->Unloaded()) {
       boards_.commands.SetDriven(static_cast<std::size_t>(robot), "", now);
     }
   }
-  boards_.commands.SetInForce(frame().robots);
+  std::vector<Setpoint> setpoints = state.setpoints;
+  if (setpoints.empty()) {
+    for (const RobotState& robot : state.frame->robots) setpoints.push_back(robot.setpoint_rad_s);
+  }
+  boards_.commands.SetInForce(setpoints);
+}
+
+void Stepper::InstallState(const SavedState& state, StepEnd end) {
+  simulation_->Restore(state, NextEpoch());
+  if (duration_ && frame().time >= *duration_) duration_.reset();
+  Install(end, &state);
 }
 
 EditResult Stepper::Apply(const edit::SetMode& set) {

@@ -171,7 +171,9 @@ class CommandBoard {
   /// Names of the robots to wait for; empty: as in the scenario. Unknown names: error 10, nothing changes.
   Verdict SetParticipants(std::span<const std::string> names, Nanoseconds now);
   /// Set-points to go on from, by the scene's order; after the Configure() of a restore.
-  void SetInForce(std::span<const RobotState> robots);
+  void SetInForce(std::span<const Setpoint> setpoints);
+  /// Set-points in force by the scene's order; those of loaded controllers mean nothing.
+  std::vector<Setpoint> InForce() const;
   /// While a recording is played nobody drives: commands, claims and broadcasts get error 5, `ready` is
   /// answered after the next frame shown.
   void SetPlaying(bool playing);

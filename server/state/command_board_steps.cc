@@ -159,11 +159,19 @@ void CommandBoard::SetDriven(std::size_t robot, const std::string& name, Nanosec
   completions.Call();
 }
 
-void CommandBoard::SetInForce(std::span<const RobotState> robots) {
+void CommandBoard::SetInForce(std::span<const Setpoint> setpoints) {
   const MutexLock lock(mutex_);
-  for (std::size_t i = 0; i < drives_.size() && i < robots.size(); ++i) {
-    drives_[i].in_force = robots[i].setpoint_rad_s;
+  for (std::size_t i = 0; i < drives_.size() && i < setpoints.size(); ++i) {
+    drives_[i].in_force = setpoints[i];
   }
+}
+
+std::vector<Setpoint> CommandBoard::InForce() const {
+  const MutexLock lock(mutex_);
+  std::vector<Setpoint> setpoints;
+  setpoints.reserve(drives_.size());
+  for (const Drive& drive : drives_) setpoints.push_back(drive.in_force);
+  return setpoints;
 }
 
 void CommandBoard::SetPlaying(bool playing) {

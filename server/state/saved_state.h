@@ -3,8 +3,10 @@
 // takes. Immutable once published; any thread.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/model/scenario.h"
@@ -17,6 +19,9 @@ struct SavedState {
   std::vector<std::byte> controllers;  // ControllerDriver::Save(); empty: nothing is loaded
   Mode mode = Mode::kRealtime;         // in force then
   bool paused = false;
+  // What edits after the frame's step have changed; a recording has them as inputs instead.
+  std::optional<Nanoseconds> step_length;        // of steps to come; empty: as in the frame
+  std::vector<std::array<double, 2>> setpoints;  // of clients' robots, by the scene's order; empty: likewise
 };
 
 using SavedStatePtr = std::shared_ptr<const SavedState>;
