@@ -42,9 +42,11 @@ void GlobalModule::OnRequest(Connection& connection, Message request, ReplyFunct
   OnAnswered(request, *answer);
 }
 
-bool GlobalModule::IsReading(command::Id id) const {
-  const CommandSpec* spec = table_.Find(id);
-  return spec != nullptr && spec->name.starts_with("get_");
+std::optional<Message> GlobalModule::ReadLater(Peer& /*peer*/, const Message& request) {
+  const FramePtr frame = inbox_.Current();
+  Message reply = Read(request, *frame);
+  if (reply.error == 0) ModuleCore::Stamp(reply, *frame);
+  return reply;
 }
 
 std::optional<Message> GlobalModule::Answer(Peer& peer, const Message& request) {
@@ -73,11 +75,8 @@ std::optional<Message> GlobalModule::Answer(Peer& peer, const Message& request) 
     default:
       break;
   }
-  if (IsReading(request.command)) {
-    Message reply = Read(request, *frame);
-    if (reply.error == 0) ModuleCore::Stamp(reply, *frame);
-    return reply;
-  }
+  const CommandSpec* spec = table_.Find(request.command);
+  if (spec != nullptr && IsReading(*spec)) return ReadLater(peer, request);
   return core_.MayChange(peer.client) ? Change(peer, request) : ModuleCore::NotAllowed(request);
 }
 

@@ -66,6 +66,10 @@ class GlobalModule : public Endpoint, private ReadingSource, private StepListene
   command::Id first_reading() const override = 0;
   /// The error reply to a request that cannot be; nothing if it is fine.
   virtual std::optional<Message> Refuse(const Message& request) const { return core_.Refuse(request); }
+  /// Commands that need no right: those that get_ something.
+  virtual bool IsReading(const CommandSpec& spec) const { return spec.name.starts_with("get_"); }
+  /// Answers a reading; nothing if the reply comes later.
+  virtual std::optional<Message> ReadLater(Peer& peer, const Message& request);
   /// Acts on one of the module's own commands that change something, from a client who may: answers at once,
   /// or nothing if the reply comes later.
   virtual std::optional<Message> Change(Peer& peer, const Message& request) = 0;
@@ -93,7 +97,6 @@ class GlobalModule : public Endpoint, private ReadingSource, private StepListene
 
   /// Answers at once; nothing if the reply comes later (it is kept in `peer`).
   std::optional<Message> Answer(Peer& peer, const Message& request);
-  bool IsReading(command::Id id) const;
   void OnEditDone(ClientId client, const EditResult& result, const AfterEdit& after);
   void ListenForSteps();
 

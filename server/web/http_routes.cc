@@ -46,12 +46,28 @@ bool IsJson(std::string_view content_type) {
   return same && (rest.empty() || rest.front() == ';' || IsBlank(rest.front()));
 }
 
+constexpr std::string_view kRunFolder = "/runs/";
+
+/// No other folders, no hidden files, nothing that would need quotes.
+bool IsRunName(std::string_view name) {
+  const bool ends_well = name.ends_with(".run") || name.ends_with(".mat");
+  return ends_well && name.front() != '.' &&
+         name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") ==
+             std::string_view::npos;
+}
+
 HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/snapshot.png") return AcceptImage(HttpRouteKind::kSnapshot, ImageFormat::kPng, query);
   if (path == "/view.mjpg") return AcceptImage(HttpRouteKind::kStream, ImageFormat::kJpeg, query);
   if (path == "/api/status") return Accept(HttpRouteKind::kStatus);
   if (path == "/api/scenarios") return Accept(HttpRouteKind::kScenarios);
   if (path == "/api/modules") return Accept(HttpRouteKind::kModules);
+  if (path == "/runs") return Accept(HttpRouteKind::kRuns);
+  if (path.starts_with(kRunFolder) && IsRunName(path.substr(kRunFolder.size()))) {
+    HttpRoute route = Accept(HttpRouteKind::kRun);
+    route.run = path.substr(kRunFolder.size());
+    return route;
+  }
   if (const Asset* asset = FindAsset(path)) {
     HttpRoute route = Accept(HttpRouteKind::kAsset);
     route.asset = asset;

@@ -41,6 +41,8 @@ enum class HttpRouteKind {
   kStatus,
   kScenarios,
   kModules,
+  kRuns,
+  kRun,
   kCall,
   kSocket
 };
@@ -50,6 +52,7 @@ struct HttpRoute {
   HttpAnswer refusal;            // kRefused
   const Asset* asset = nullptr;  // kAsset
   ImageRequest image;            // kSnapshot, kStream
+  std::string run;               // kRun: NAME.run or NAME.mat, to be checked by whoever keeps them
 };
 
 /// Where `head` leads. `host_names`: WebOptions.

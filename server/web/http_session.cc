@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "server/web/http_session.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/http/empty_body.hpp>
@@ -10,6 +14,7 @@
 #include <boost/beast/websocket/rfc6455.hpp>
 
 #include "server/web/access.h"
+#include "server/web/file_stream.h"
 #include "server/web/json_answers.h"
 #include "server/web/page_bridge.h"
 #include "server/web/page_socket.h"
@@ -150,6 +155,10 @@ void HttpSession::OnRequest() {
       return Answer(AnswerScenarios(context_));
     case HttpRouteKind::kModules:
       return Answer(AnswerModules(context_));
+    case HttpRouteKind::kRuns:
+      return AnswerRuns();
+    case HttpRouteKind::kRun:
+      return AnswerRun(route_.run);
     case HttpRouteKind::kCall:
       return AnswerCall(request.body());
     case HttpRouteKind::kSocket:
@@ -227,12 +236,45 @@ void HttpSession::AnswerCall(const std::string& body) {
   bridge_->Handle(*call);
 }
 
-std::uint64_t HttpSession::Await(const std::string& whom) {
+void HttpSession::AnswerRuns() {
+  const std::uint64_t ticket = Await("the list of recordings");
+  context_.runs.List([self = shared_from_this(), ticket](const WebRunFile& list) {
+    self->AnswerLater(ticket, JsonAnswer(list.text + "\n"));
+  });
+}
+
+void HttpSession::AnswerRun(const std::string& name) {
+  const std::uint64_t ticket = Await(name, kExportTime);
+  context_.runs.Open(name, [self = shared_from_this(), ticket, name](const WebRunFile& run) {
+    if (run.status != 200) return self->AnswerLater(ticket, ErrorAnswer(run.status, run.text));
+    self->OpenRun(ticket, name, run);
+  });
+}
+
+void HttpSession::OpenRun(std::uint64_t ticket, const std::string& name, const WebRunFile& run) {
+  UniqueFd file(::open(run.file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (run.temporary) ::unlink(run.file.c_str());  // gone once it is sent
+  struct stat about {};
+  if (file.get() < 0 || ::fstat(file.get(), &about) != 0 || !S_ISREG(about.st_mode)) {
+    return AnswerLater(ticket, ErrorAnswer(404, name + " cannot be read"));
+  }
+  if (ticket != ticket_) return;  // the time was up
+  ++ticket_;
+  patience_.cancel();
+  const bool head_only = parser_->get().method() == http::verb::head;
+  const auto stream = std::make_shared<FileStream>(std::move(stream_), std::move(file),
+                                                   static_cast<std::uint64_t>(about.st_size));
+  context_.Register(stream);
+  stream->Start(name, head_only);
+}
+
+std::uint64_t HttpSession::Await(const std::string& whom, std::chrono::seconds time) {
   const std::uint64_t ticket = ++ticket_;
-  patience_.expires_after(kAnswerTime);
-  patience_.async_wait([self = shared_from_this(), ticket, whom](error_code cancelled) {
+  patience_.expires_after(time);
+  patience_.async_wait([self = shared_from_this(), ticket, whom, time](error_code cancelled) {
     if (cancelled) return;
-    self->AnswerLater(ticket, ErrorAnswer(504, "no answer from " + whom + " within a minute"));
+    const std::string text = "no answer from " + whom + " within " + std::to_string(time.count()) + " s";
+    self->AnswerLater(ticket, ErrorAnswer(504, text));
   });
   return ticket;
 }

@@ -32,7 +32,8 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
   static constexpr std::uint64_t kMaxBodyBytes = 16 << 20;
   static constexpr std::chrono::seconds kHeaderTime{15};  // for a whole header; also between two requests
   static constexpr std::chrono::seconds kBodyTime{60};
-  static constexpr std::chrono::seconds kAnswerTime{60};  // for a module or picture, then again for writing
+  static constexpr std::chrono::seconds kAnswerTime{60};   // for a module or picture, then again for writing
+  static constexpr std::chrono::seconds kExportTime{600};  // for a recording in another form
 
   HttpSession(boost::asio::ip::tcp::socket socket, WebContext& context, PeerInfo peer);
   ~HttpSession() override;
@@ -55,8 +56,12 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
   void AnswerStatus();
   void AnswerSnapshot(const ImageRequest& image, bool body_wanted);
   void AnswerCall(const std::string& body);
+  void AnswerRuns();
+  void AnswerRun(const std::string& name);
+  /// Turns the connection into a stream of that file's bytes, unless the time was up.
+  void OpenRun(std::uint64_t ticket, const std::string& name, const WebRunFile& run);
   /// Starts waiting for somebody else's answer; the result is what AnswerLater() needs.
-  std::uint64_t Await(const std::string& whom);
+  std::uint64_t Await(const std::string& whom, std::chrono::seconds time = kAnswerTime);
   /// Like Answer(), unless the time was up.
   void AnswerLater(std::uint64_t ticket, HttpAnswer answer);
   void Answer(HttpAnswer answer);

@@ -14,6 +14,7 @@
 #include "server/net/net_services.h"
 #include "server/web/module_catalog.h"
 #include "server/web/pictures.h"
+#include "server/web/run_files.h"
 #include "server/web/status_feed.h"
 #include "server/web/web_server.h"
 
@@ -34,6 +35,7 @@ struct WebContext {
         names(name_table),
         services(net_services),
         pictures(io_context, frames, images),
+        runs(io_context, options.runs),
         status(io_context, name_table) {}
 
   boost::asio::io_context& io;
@@ -42,6 +44,7 @@ struct WebContext {
   NetServices& services;
   const ModuleCatalog catalog;
   Pictures pictures;
+  RunFiles runs;
   StatusFeed status;
   std::vector<std::weak_ptr<WebConnection>> connections;
 

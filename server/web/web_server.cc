@@ -33,6 +33,7 @@ class WebServer::Impl {
     if (std::exchange(stopped_, true)) return;
     thread_.Call([this] {
       context_.pictures.Stop();
+      context_.runs.Stop();
       for (const auto& weak : context_.connections) {
         if (const auto connection = weak.lock()) connection->Close();
       }

@@ -17,6 +17,21 @@ class FrameBoard;
 class ImageBoard;
 class NameTable;
 
+/// A recording to be copied, or why it cannot be.
+struct WebRunFile {
+  unsigned status = 200;   // of HTTP: 404 no such recording, 409 not now
+  std::string text;        // why not; or the list
+  std::string file;        // path
+  bool temporary = false;  // to be removed once it is open
+};
+
+/// Whoever keeps recordings. Each function calls `done` once, on any thread; called on the UI thread.
+struct WebRuns {
+  std::function<void(std::function<void(const std::string& json)> done)> list;
+  /// `name`: NAME.run or NAME.mat as the client gave it.
+  std::function<void(const std::string& name, std::function<void(const WebRunFile&)> done)> open;
+};
+
 struct WebOptions {
   /// Names under which a browser may ask for this daemon, besides IP addresses and "localhost": those of
   /// `--host` and `--advertise`, and the machine's own. Any other Host header is refused, as a guard against
@@ -30,6 +45,8 @@ struct WebOptions {
   int name_port = 0;
   /// Names of the scenarios that can be loaded by name, sorted. Called on the UI thread.
   std::function<std::vector<std::string>()> scenarios;
+  /// Recordings that can be copied; without functions: none.
+  WebRuns runs = {};
 };
 
 class WebServer {

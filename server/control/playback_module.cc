@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "server/control/playback_module.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "protocol/common_commands.h"
+#include "protocol/module_tables.h"
+#include "server/record/player.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr const char* kNotPlaying = "nothing is being played: coopdyn play RUN plays a recording";
+
+/// Far beyond any run, and well within 64 bits.
+constexpr double kLongest_s = 1e9;
+
+Nanoseconds ToNanoseconds(double time_s) {
+  return std::llround(std::clamp(time_s, -kLongest_s, kLongest_s) * 1e9);
+}
+
+}  // namespace
+
+PlaybackModule::PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches,
+                               ApplyScene apply_scene, StepInbox::Post post)
+    : GlobalModule(services, PlaybackTable(), std::move(post)),
+      edits_(services.edits),
+      run_(run),
+      branches_(branches),
+      apply_scene_(std::move(apply_scene)) {}
+
+Message PlaybackModule::Read(const Message& request, const Frame& /*frame*/) {
+  const std::optional<PlaybackStatus> playback = run_.playback();
+  if (!playback) return ErrorReply(request.command, Error::kNotPossible, kNotPlaying);
+  Message reply;
+  reply.command = request.command;
+  reply.text = std::filesystem::path(playback->file).filename().string();
+  reply.params = {playback->playing, playback->loop, playback->growing};
+  reply.data = {ToSeconds(playback->begin), ToSeconds(playback->end), ToSeconds(playback->time),
+                playback->speed};
+  return reply;
+}
+
+std::optional<Message> PlaybackModule::Refuse(const Message& request) const {
+  if (std::optional<Message> refusal = GlobalModule::Refuse(request)) return refusal;
+  const bool own = request.command >= static_cast<command::Id>(kCommonCommandCount);
+  if (own && !run_.playback()) return ErrorReply(request.command, Error::kNotPossible, kNotPlaying);
+  const bool sets_speed = request.command == command::kSetPlaySpeed || request.command == command::kPlay;
+  if (sets_speed && !request.data.empty()) {
+    const double factor = request.data[0];
+    if (factor < kMinPlaySpeed || factor > kMaxPlaySpeed || factor == 0) {
+      return ErrorReply(request.command, Error::kOutOfRange,
+                        fmt::format("a recording is played at {} to {} times its speed, not 0; below 0 it "
+                                    "goes backwards: set_speed 2, pause to stand",
+                                    kMinPlaySpeed, kMaxPlaySpeed));
+    }
+  }
+  if (request.command == command::kSkip && !request.params.empty() && request.params[0] == 0) {
+    return ErrorReply(request.command, Error::kOutOfRange,
+                      "step goes so many steps on, or back if below 0, not 0: step 1");
+  }
+  return std::nullopt;
+}
+
+std::optional<Message> PlaybackModule::Change(Peer& peer, const Message& request) {
+  switch (request.command) {
+    case command::kSeek:
+      return Push(peer, edit::Seek{ToNanoseconds(request.data[0])});
+    case command::kPlay:
+      return Play(peer, request);
+    case command::kPausePlayback:
+      return Push(peer, edit::Pause{});
+    case command::kSetPlaySpeed:
+      return Push(peer, edit::SetPlaySpeed{request.data[0]});
+    case command::kSkip:
+      return Push(peer, edit::Skip{request.params.empty() ? 1 : request.params[0]});
+    case command::kSetLoop:
+      return Push(peer, edit::SetLoop{request.params[0] == 1});
+    case command::kBranch: {
+      const auto time_s = request.data.empty() ? std::nullopt : std::optional(request.data[0]);
+      branches_.Branch(time_s, Later(peer, [this](const EditResult& result) {
+                         if (result.error == Error::kOk) apply_scene_(*result.frame->scene);
+                       }));
+      return std::nullopt;
+    }
+    default:
+      return ErrorReply(request.command, Error::kUnknownCommand,
+                        "describe (1) lists the commands of /playback");
+  }
+}
+
+std::optional<Message> PlaybackModule::Play(Peer& peer, const Message& request) {
+  if (!request.data.empty()) edits_.Push({edit::SetPlaySpeed{request.data[0]}, nullptr});
+  return Push(peer, edit::Run{});
+}
+
+}  // namespace coopdyn

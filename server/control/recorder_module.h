@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// /recorder: begins and ends recordings of the run. Free of sockets. The control thread only.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "server/control/global_module.h"
+#include "server/control/recording_desk.h"
+#include "server/control/run_folder.h"
+
+namespace coopdyn {
+
+class RecorderModule final : public GlobalModule {
+ public:
+  /// Any thread. `page` tells the page's URL with a slash at its end, empty: none. All outlives the module.
+  RecorderModule(GlobalServices services, RecordingDesk& desk, RunFolder& runs,
+                 std::function<std::string()> page, StepInbox::Post post);
+
+ private:
+  Message Read(const Message& request, const Frame& frame) override;
+  command::Id first_reading() const override { return command::kGetRecording; }
+  bool IsReading(const CommandSpec& spec) const override;
+  std::optional<Message> ReadLater(Peer& peer, const Message& request) override;
+  std::optional<Message> Change(Peer& peer, const Message& request) override;
+
+  RecordingDesk& desk_;
+  RunFolder& runs_;
+  const std::function<std::string()> page_;
+};
+
+}  // namespace coopdyn
