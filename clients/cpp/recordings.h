@@ -12,7 +12,7 @@ namespace coopdyn::client {
 /// left out because the disk could not follow, and its size.
 struct Recording {
   std::string name;
-  double begin = 0, end = 0;
+  double begin_time = 0, end_time = 0;
   std::int64_t steps = 0, lost = 0, bytes = 0;
 };
 /// A recording that the daemon has: seconds (simulated) and steps are empty if it cannot be read, url is
@@ -32,7 +32,7 @@ struct Recorded {
 /// How a recording is played: its simulated times [s], the one shown, how fast, whether it goes on, begins
 /// again at its end, and is still being recorded; and its name.
 struct Playback {
-  double begin = 0, end = 0, time = 0, speed = 1;
+  double begin_time = 0, end_time = 0, time = 0, speed = 1;
   bool playing = false, loop = false, growing = false;
   std::string file;
 };

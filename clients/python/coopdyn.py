@@ -352,8 +352,8 @@ class Recording(NamedTuple):
     because the disk could not follow, and its size."""
 
     name: str
-    begin: float
-    end: float
+    begin_time: float
+    end_time: float
     steps: int
     lost: int
     bytes: int
@@ -382,8 +382,8 @@ class Playback(NamedTuple):
     """How a recording is played: its simulated times [s], the one shown, how fast, whether it goes on, begins again at
     its end, and is still being recorded; and its name."""
 
-    begin: float
-    end: float
+    begin_time: float
+    end_time: float
     time: float
     speed: float
     playing: bool

@@ -1,8 +1,10 @@
 % SPDX-License-Identifier: MIT
-classdef Simulation < handle
+classdef Simulation < coopdyn.internal.RunCalls
 %SIMULATION A connection to a daemon: its time and its robots. Made by coopdyn.connect.
 %   robot, team, robots, step; time, steps, mode, dt; run, pause, stop_all, reset, reload, load_scenario, set_mode, set_step,
-%   set_speed, set_participants; status, hash, waiting, snapshot, describe, modules, call, close.
+%   set_speed, set_participants, release_robot; status, hash, waiting, snapshot, describe, modules, call, close.
+%   Saved states: save_state, restore_state, saved_states. Recording: record, stop_recording, note, recording, recordings,
+%   fetch_run. Playing a recording: playback, seek, play, set_play_speed, skip, set_loop, branch.
 %   In lockstep set_velocity does not wait: it is kept (the last wins) until sim.step(), which sends the commands of all
 %   robots of this sim and waits for the step. In real time it is sent at once, and sim.step() waits for the next step.
   properties (Dependent)
@@ -10,9 +12,6 @@ classdef Simulation < handle
     steps  % step number of the newest reply
     mode   % 'realtime', 'lockstep' or 'free', asked now
     dt     % length of a step [s], asked now
-  end
-  properties (Access = private)
-    session
   end
   methods
     function sim = Simulation(options)
@@ -55,18 +54,7 @@ classdef Simulation < handle
 
     function names = robots(sim)
     %ROBOTS The names of all robots, in the order of the scenario.
-      names = {};
-      while true  % a status lists so many at a time
-        reply = sim.session.control(100, [numel(names) + 1, 1000]);
-        s = jsondecode(reply.text);
-        if isempty(s.robots)
-          return
-        end
-        names = [names reshape({s.robots.name}, 1, [])]; %#ok<AGROW>
-        if ~isfield(s, 'robot_count') || numel(names) >= s.robot_count
-          return
-        end
-      end
+      names = coopdyn.internal.robot_names(sim.session);
     end
 
     function t = team(sim, names)
@@ -161,7 +149,7 @@ classdef Simulation < handle
     function reload(sim)
     %RELOAD Loads the same scenario file again from disk.
       sim.session.control(192, [], [], '', 60);
-      sim.loaded();
+      coopdyn.internal.loaded(sim.session);
     end
 
     function load_scenario(sim, x)
@@ -171,7 +159,7 @@ classdef Simulation < handle
         x = fileread(x);
       end
       sim.session.control(108, [], [], x, 60);
-      sim.loaded();
+      coopdyn.internal.loaded(sim.session);
     end
 
     function set_mode(sim, mode)
@@ -210,6 +198,11 @@ classdef Simulation < handle
       sim.session.control(191, [], [], char(names));
     end
 
+    function release_robot(sim, name)
+    %RELEASE_ROBOT Takes a robot from whoever drives it: closes that program's connection, or unloads its controller.
+      sim.session.control(193, [], [], coopdyn.internal.word(name, 'the name of a robot'));
+    end
+
     % --- looking
     function s = status(sim)
     %STATUS The whole state of the simulation (docs/protocol.md lists the fields).
@@ -236,35 +229,19 @@ classdef Simulation < handle
     function file = snapshot(sim, file, varargin)
     %SNAPSHOT Writes a PNG picture: sim.snapshot('a.png', 'w', 640, 'h', 480, 'eye', [x y z], 'look', [x y z]).
       options = coopdyn.internal.options(varargin, struct('w', 640, 'h', 480, 'eye', [], 'look', []));
-      s = sim.status();
-      port = regexp(char(s.http), '://.*:(\d+)/?$', 'tokens', 'once');
-      if isempty(port)
-        coopdyn.internal.fail(5, 'the daemon was started with --no-http, so there are no pictures');
-      end
-      url = sprintf('http://%s:%s/snapshot.png?w=%d&h=%d', sim.session.address.host, port{1}, ...
-                    coopdyn.internal.count(options.w, 'w'), coopdyn.internal.count(options.h, 'h'));
+      path = sprintf('/snapshot.png?w=%d&h=%d', coopdyn.internal.count(options.w, 'w'), ...
+                     coopdyn.internal.count(options.h, 'h'));
       for word = {'eye', 'look'}
         point = options.(word{1});
         if ~isempty(point)
           if numel(point) ~= 3
             coopdyn.internal.fail(3, [word{1} ' is a point: write [x y z]']);
           end
-          url = sprintf('%s&%s=%.9g,%.9g,%.9g', url, word{1}, point);
+          path = sprintf('%s&%s=%.9g,%.9g,%.9g', path, word{1}, point);
         end
       end
       file = char(file);
-      try
-        if coopdyn.internal.is_octave()
-          [~, ok, message] = urlwrite(url, file);
-          if ~ok
-            error('coopdyn:not_possible', '%s', message);
-          end
-        else
-          websave(file, url);
-        end
-      catch cause
-        coopdyn.internal.fail(5, ['no picture from ' url ': ' cause.message]);
-      end
+      coopdyn.internal.download(sim.session, path, file, 'picture', 30);
     end
 
     function d = describe(sim, name)
@@ -293,29 +270,6 @@ classdef Simulation < handle
       if ~sim.session.closed
         sim.session.close();
       end
-    end
-  end
-  methods (Access = private)
-    function loaded(sim)
-      session = sim.session;
-      session.started_anew();
-      for k = 1:numel(session.teams)
-        team = session.teams{k};  % opened again with the robots that there are now
-        team.connection.close();
-        team.names = {};
-      end
-      names = sim.robots();
-      keep = true(1, numel(session.links));
-      for k = 1:numel(session.links)
-        link = session.links{k};
-        if ~any(strcmp(names, link.robot))
-          link.lost = ['the scenario that was loaded has no ' link.robot '; there are: ' strjoin(names, ', ')];
-          link.lost_code = 10;
-          link.close();
-          keep(k) = false;
-        end
-      end
-      session.links = session.links(keep);
     end
   end
 end

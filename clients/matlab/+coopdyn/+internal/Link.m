@@ -11,6 +11,7 @@ classdef Link < handle
     readers = struct() % connections to other modules, by module
     pushers = struct() % connections that readings are pushed on, by module
     drives = false     % open, ours and not lost
+    unclaimed = false  % nobody can have it: a recording was played when it was opened
     kept = []          % struct of command and data, for the next step
     sent = []          % likewise: its reply has not come yet
     lost = ''          % why it is not ours any more
@@ -25,6 +26,20 @@ classdef Link < handle
       link.label = robot;
       link.names = {robot};
       link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], drives);
+    end
+
+    function claim(link)
+      link.unclaimed = true;
+      try
+        link.motors.request(7, [], []);
+      catch cause
+        if strcmp(cause.identifier, 'coopdyn:owned')
+          coopdyn.internal.fail(6, [link.robot ' cannot be driven: ' cause.message '. Stop the other program, or ' ...
+            'free the robot on the page; to look on only: coopdyn.connect(''watch'', true)']);
+        end
+        rethrow(cause);
+      end
+      link.unclaimed = false;
     end
 
     function reopen(link, session)

@@ -161,12 +161,8 @@ classdef Session < handle
       try
         if ~s.watch
           try
-            c.request(7, [], []);
+            link.claim();
           catch cause
-            if strcmp(cause.identifier, 'coopdyn:owned')
-              coopdyn.internal.fail(6, [link.robot ' cannot be driven: ' cause.message '. Stop the other program, or ' ...
-                'free the robot on the page; to look on only: coopdyn.connect(''watch'', true)']);
-            end
             if ~strcmp(cause.identifier, 'coopdyn:not_possible')  % a recording is played; reading goes on
               rethrow(cause);
             end
@@ -176,7 +172,7 @@ classdef Session < handle
           c.request(9, [], [], strjoin(link.attached, ' '));
         end
         s.note(c.request(3, [], []));
-        link.drives = ~s.watch;
+        link.drives = ~s.watch && ~link.unclaimed;
       catch cause
         c.close();
         rethrow(cause);
@@ -251,8 +247,12 @@ classdef Session < handle
       if ~isempty(link.lost)
         coopdyn.internal.fail(link.lost_code, link.lost);
       end
-      if s.mode ~= 1
+      if s.mode ~= 1 || link.unclaimed
         s.settle(link);
+      end
+      if link.unclaimed
+        link.claim();  % a branch may go on live from there
+        link.drives = true;
       end
       if s.mode == 1
         link.kept = {number, data};
@@ -562,6 +562,10 @@ classdef Session < handle
       for k = 1:numel(s.links)
         link = s.links{k};
         link.forget_commands();
+      end
+      for k = 1:numel(s.teams)
+        team = s.teams{k};
+        team.stale = true;
       end
     end
 

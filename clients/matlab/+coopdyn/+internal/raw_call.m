@@ -25,7 +25,7 @@ function reply = raw_call(session, name, command, params, data, text, limit)
     if strcmp(name, '/simulation')
       c = session.simulation;
     else
-      c = connection_to(session, name);
+      c = coopdyn.internal.connection_to(session, name);
     end
     if ~c.alive()
       c.open();
@@ -41,17 +41,6 @@ function reply = raw_call(session, name, command, params, data, text, limit)
   session.note(message);
   reply = struct('text', message.text, 'command', message.command, 'params', message.params, ...
                  'data', message.data(1:end - 2), 'time', message.data(end - 1), 'step', message.data(end));
-end
-
-function c = connection_to(session, name)
-  for k = 1:numel(session.others)
-    c = session.others{k};
-    if strcmp(c.module, name)
-      return
-    end
-  end
-  c = coopdyn.internal.Connection(session.address, name, ~session.watch);
-  session.others{end + 1} = c;
 end
 
 function number = number_of(session, name, command)

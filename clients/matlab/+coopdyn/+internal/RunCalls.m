@@ -1,0 +1,155 @@
+% SPDX-License-Identifier: MIT
+classdef RunCalls < handle
+%RUNCALLS What a simulation tells /recorder and /playback, and its saved states. Part of coopdyn.Simulation.
+  properties (Access = protected)
+    session
+  end
+  methods
+    % --- states to go on from
+    function save_state(sim, name)
+    %SAVE_STATE Keeps all that decides how the run goes on, under a name; replaces what is kept under that name.
+      sim.session.control(194, [], [], coopdyn.internal.word(name, 'the name of a state'));
+    end
+
+    function restore_state(sim, name)
+    %RESTORE_STATE Goes on from a saved state, bit for bit; 'start' is where the run began.
+      sim.session.control(195, [], [], coopdyn.internal.word(name, 'the name of a state'), 60);
+      coopdyn.internal.jumped(sim.session);
+    end
+
+    function s = saved_states(sim)
+    %SAVED_STATES The states that can be restored: a 1 x n struct with name and time [s].
+      reply = sim.session.control(196);
+      names = strsplit(strtrim(reply.text), ' ');
+      s = struct('name', {}, 'time', {});
+      for k = 1:numel(reply.data) - 2
+        s(1, k) = struct('name', names{k}, 'time', reply.data(k));
+      end
+    end
+
+    % --- recording
+    function name = record(sim, name)
+    %RECORD Records the run from here on, in the daemon's folder; the name of the file. Without a name under
+    %   run-DATE-TIME. Nothing is overwritten: an error.
+      if nargin < 2 || isempty(name)
+        name = '';
+      else
+        name = coopdyn.internal.word(name, 'the name of a recording');
+      end
+      reply = coopdyn.internal.tell(sim.session, '/recorder', 121, [], [], name);
+      name = reply.text;
+    end
+
+    function [name, url] = stop_recording(sim)
+    %STOP_RECORDING Ends the recording; its name, and where the daemon's page has it ('': there is no page), when its
+    %   file is closed.
+      reply = coopdyn.internal.tell(sim.session, '/recorder', 122, [], [], '', 60);
+      [name, url] = strtok(strtrim(reply.text), ' ');
+      url = coopdyn.internal.url_here(sim.session.address, strtrim(url));
+    end
+
+    function note(sim, text)
+    %NOTE Marks this time in the recording; run.events has it.
+      coopdyn.internal.tell(sim.session, '/recorder', 123, [], [], char(text));
+    end
+
+    function r = recording(sim)
+    %RECORDING What is being recorded now: a struct with name, begin_time, end_time [s], steps, lost, bytes; [] if nothing is.
+      reply = coopdyn.internal.tell(sim.session, '/recorder', 120);
+      r = [];
+      if reply.params(1)
+        d = reply.data;
+        r = struct('name', reply.text, 'begin_time', d(1), 'end_time', d(2), 'steps', d(3), 'lost', d(4), 'bytes', d(5));
+      end
+    end
+
+    function files = recordings(sim)
+    %RECORDINGS The recordings that the daemon has, newest first: a 1 x n struct with name, bytes, seconds (simulated),
+    %   steps (nan if it cannot be read), recording, url ('' if it cannot be copied now).
+      reply = coopdyn.internal.tell(sim.session, '/recorder', 124, [], [], '', 60);
+      list = jsondecode(reply.text);
+      files = struct('name', {}, 'bytes', {}, 'seconds', {}, 'steps', {}, 'recording', {}, 'url', {});
+      for k = 1:numel(list)
+        f = list(k);
+        if isempty(f.seconds), f.seconds = NaN; end
+        if isempty(f.steps), f.steps = NaN; end
+        url = coopdyn.internal.url_here(sim.session.address, char(f.url));
+        files(1, k) = struct('name', f.name, 'bytes', f.bytes, 'seconds', f.seconds, 'steps', f.steps, ...
+                             'recording', logical(f.recording), 'url', url);
+      end
+    end
+
+    function file = fetch_run(sim, name, file)
+    %FETCH_RUN Copies a recording from the daemon: file = sim.fetch_run('lesson1') makes lesson1.mat here, which
+    %   coopdyn.read_run and load read. With a file called .run the recording itself. What was there is replaced when
+    %   all has come.
+      name = regexprep(coopdyn.internal.word(name, 'the name of a recording'), '\.(run|mat)$', '');
+      if nargin < 3 || isempty(file)
+        file = [name '.mat'];
+      end
+      file = char(file);
+      kind = '.mat';
+      if numel(file) > 4 && strcmpi(file(end - 3:end), '.run')
+        kind = '.run';
+      end
+      coopdyn.internal.download(sim.session, ['/runs/' name kind], file, 'recording', 600);
+    end
+
+    % --- playing a recording: coopdyn play RUN
+    function p = playback(sim)
+    %PLAYBACK Which recording is played, and what is shown: a struct with begin_time, end_time, time [s], speed, playing, loop,
+    %   growing (still being recorded) and file. An error in a live run, as for the others.
+      reply = coopdyn.internal.tell(sim.session, '/playback', 130);
+      d = reply.data;
+      on = logical(reply.params);
+      p = struct('begin_time', d(1), 'end_time', d(2), 'time', d(3), 'speed', d(4), 'playing', on(1), 'loop', on(2), ...
+                 'growing', on(3), 'file', reply.text);
+    end
+
+    function seek(sim, time)
+    %SEEK Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside.
+      coopdyn.internal.tell(sim.session, '/playback', 131, [], coopdyn.internal.number(time, 'the time [s]'));
+    end
+
+    function play(sim, speed)
+    %PLAY Lets the recording go on, at this speed if one is given; -4 to 64 times, below 0 backwards.
+      data = [];
+      if nargin > 1 && ~isempty(speed)
+        data = coopdyn.internal.number(speed, 'the speed');
+      end
+      coopdyn.internal.tell(sim.session, '/playback', 132, [], data);
+    end
+
+    function set_play_speed(sim, s)
+    %SET_PLAY_SPEED How fast the recording goes, -4 to 64 times, below 0 backwards.
+      coopdyn.internal.tell(sim.session, '/playback', 134, [], coopdyn.internal.number(s, 'the speed'));
+    end
+
+    function skip(sim, n)
+    %SKIP Goes n recorded steps on (one, without n), or back if n is below 0, and stands there.
+      if nargin < 2
+        n = 1;
+      end
+      if ~isnumeric(n) || numel(n) ~= 1 || n ~= round(n) || abs(n) > 2147483647
+        coopdyn.internal.fail(2, 'n must be a whole number of steps');
+      end
+      coopdyn.internal.tell(sim.session, '/playback', 135, n);
+    end
+
+    function set_loop(sim, on)
+    %SET_LOOP Whether the recording begins again at its end.
+      coopdyn.internal.tell(sim.session, '/playback', 136, double(logical(on)));
+    end
+
+    function branch(sim, time)
+    %BRANCH Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s], bit for
+    %   bit as it did if the inputs are the same.
+      data = [];
+      if nargin > 1 && ~isempty(time)
+        data = coopdyn.internal.number(time, 'the time [s]');
+      end
+      coopdyn.internal.tell(sim.session, '/playback', 137, [], data, '', 600);
+      coopdyn.internal.jumped(sim.session);
+    end
+  end
+end

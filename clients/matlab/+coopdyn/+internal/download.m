@@ -1,0 +1,39 @@
+% SPDX-License-Identifier: MIT
+function download(session, path, file, what, limit)
+%DOWNLOAD Copies what the daemon's page has at path to a file, whole or not at all. limit: seconds without an answer.
+  reply = session.control(100, [1 1]);
+  status = jsondecode(reply.text);
+  page = coopdyn.internal.url_here(session.address, char(status.http));
+  if isempty(page)
+    coopdyn.internal.fail(5, 'the daemon was started with --no-http, so there are no pictures and no files');
+  end
+  url = [regexprep(page, '/$', '') path];
+  part = [file '.part'];
+  cleanup = onCleanup(@() remove(part));
+  code = 5;
+  try
+    if coopdyn.internal.is_octave()
+      [~, ok, message] = urlwrite(url, part);
+      if ~ok
+        error('coopdyn:not_possible', '%s', message);
+      end
+    else
+      websave(part, url, weboptions('Timeout', limit));
+    end
+  catch cause
+    if ~isempty(strfind(cause.message, '404'))
+      code = 10;
+    end
+    coopdyn.internal.fail(code, ['no ' what ' from ' url ': ' strtrim(cause.message)]);
+  end
+  [ok, message] = movefile(part, file, 'f');
+  if ~ok
+    coopdyn.internal.fail(5, ['cannot write ' file ': ' message]);
+  end
+end
+
+function remove(part)
+  if exist(part, 'file') == 2
+    delete(part);
+  end
+end

@@ -1,0 +1,112 @@
+% SPDX-License-Identifier: MIT
+classdef Run
+%RUN A recorded run, made by coopdyn.read_run.
+%     run = coopdyn.read_run('lesson1.mat');
+%     p = run.pose('robot1');  plot(p(:, 1), p(:, 2))    % a path
+%   k is the number of recorded moments: the first is the state that recording began with. What was not there, or not
+%   recorded at a moment, is nan. Methods: pose, pose_3d, reading, commands.
+  properties (SetAccess = private)
+    file      % its name
+    info      % struct: what is known of the run as a whole, version and seed
+    scenario  % the text of the scenario
+    names     % of all robots, 1 x n cell
+    time      % simulated times [s], k x 1
+    steps     % numbers of the steps, k x 1
+    hash      % of the exact state at each moment, 16 hexadecimal digits, k x 1 cell: equal runs have equal hashes
+    events    % what happened, in order: 1 x n struct with step, time [s], level, text; notes have the level 'note'
+  end
+  properties (Access = private)
+    robots
+    objects
+  end
+  methods
+    function run = Run(s)
+    % s: the struct that coopdyn export --to mat writes.
+      run.file = s.file;
+      run.info = struct('version', s.version, 'seed', s.seed);
+      run.scenario = s.scenario;
+      run.names = reshape(s.names, 1, []);
+      run.time = s.time(:);
+      run.steps = s.step(:);
+      run.hash = cellstr(s.hash);
+      run.robots = s.robots;
+      run.objects = s.objects;
+      run.events = struct('step', {}, 'time', {}, 'level', {}, 'text', {});
+      for k = 1:numel(s.events)
+        e = s.events(k);
+        run.events(1, k) = struct('step', e.step, 'time', e.time_s, 'level', e.level, 'text', e.text);
+      end
+    end
+
+    function p = pose(run, name)
+    %POSE x, y [m] and heading [rad] of a robot, k x 3; also of an object that moves.
+      i = find_name(run.robots, name);
+      if i > 0
+        p = run.robots(i).pose;
+        return
+      end
+      q = run.pose_3d(name);
+      w = q(:, 4);
+      x = q(:, 5);
+      y = q(:, 6);
+      z = q(:, 7);
+      p = [q(:, 1:2), atan2(2 * (w .* z + x .* y), 1 - 2 * (y .* y + z .* z))];
+    end
+
+    function p = pose_3d(run, name)
+    %POSE_3D x, y, z [m] and quaternion w, x, y, z in the world, k x 7.
+      i = find_name(run.robots, name);
+      if i > 0
+        p = run.robots(i).pose_3d;
+        return
+      end
+      i = find_name(run.objects, name);
+      if i == 0
+        coopdyn.internal.fail(10, ['there is no ''' char(name) ''' in ' run.file '; there are: ' strjoin(run.names, ', ')]);
+      end
+      p = run.objects(i).pose_3d;
+    end
+
+    function r = reading(run, name, what)
+    %READING What a robot read, a row for each moment: 'distances' [m], right to left, inf = nothing there; 'targets':
+    %   distance [m] and bearing [rad] of each, nan = not seen; 'wheels': angle [rad] left and right, not wrapped.
+      known = {'distances', 'targets', 'wheels'};
+      what = char(what);
+      if ~any(strcmp(known, what))
+        coopdyn.internal.fail(4, ['there is no reading ''' what '''; there are: ' strjoin(known, ', ')]);
+      end
+      robot = run.robot(name);
+      r = robot.(what);
+      if isempty(r) && size(r, 1) ~= numel(run.time)
+        coopdyn.internal.fail(5, [what ' were not recorded in ' run.file '; record with --record-what all']);
+      end
+    end
+
+    function c = commands(run, name)
+    %COMMANDS The set-points of a robot, m x 4: step, time [s], left, right [rad/s] of each that came in force, with the
+    %   step in which it did; the first is what was in force when recording began.
+      robot = run.robot(name);
+      c = robot.commands;
+    end
+  end
+  methods (Access = private)
+    function r = robot(run, name)
+      i = find_name(run.robots, name);
+      if i == 0
+        coopdyn.internal.fail(10, [char(name) ' is no robot of ' run.file '; there are: ' strjoin(run.names, ', ')]);
+      end
+      r = run.robots(i);
+    end
+  end
+end
+
+function i = find_name(list, name)
+% Its index; 0 if there is none.
+  i = 0;
+  if ~isempty(list)
+    found = find(strcmp({list.name}, char(name)), 1);
+    if ~isempty(found)
+      i = found;
+    end
+  end
+end

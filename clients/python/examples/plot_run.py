@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+"""Draws where the robots of a recorded run went: python3 plot_run.py lesson1.run [path.png]
+
+Needs matplotlib (`pip install matplotlib`, or Debian's python3-matplotlib); reading the run needs nothing.
+"""
+import sys
+
+import coopdyn
+
+try:
+    import matplotlib.pyplot as plt
+except ImportError:
+    sys.exit("to draw, install matplotlib: pip install matplotlib, or Debian's python3-matplotlib")
+
+run = coopdyn.read_run(sys.argv[1])
+for name in run.names:
+    pose = run.pose(name)                       # a row for each moment: x, y [m], heading [rad]
+    plt.plot(pose[:, 0], pose[:, 1], label=name)
+plt.axis("equal"), plt.xlabel("x [m]"), plt.ylabel("y [m]"), plt.legend()
+plt.savefig(sys.argv[2]) if len(sys.argv) > 2 else plt.show()
