@@ -65,8 +65,9 @@ std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
       robot.frozen |= frame->bodies[body].frozen();
     }
   }
-  const std::vector<SentMessage> messages = inputs_.Messages();
-  frame->messages.assign(messages.begin(), messages.end());
+  for (const SentMessage& sent : inputs_.Messages()) {
+    if (sent.robot < frame->robots.size()) frame->messages.push_back(sent);
+  }
   if (!AddVelocities(*now, *frame)) return nullptr;
   newest_ = std::move(now);
   return frame;

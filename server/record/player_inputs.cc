@@ -31,6 +31,7 @@ bool PlayInputs::Load(std::uint64_t step) {
   newest_ = step_ = keyframe_->frame->step;
   next_ = 0;
   robots_.clear();
+  robot_count_ = keyframe_->frame->robots.size();
   message_steps_ = 0;
   for (const SceneRobot& robot : keyframe_->frame->scene->robots) {
     const NeighboursModel& neighbours = robot.entry.model->neighbours;
@@ -47,8 +48,11 @@ bool PlayInputs::ReadOn(std::uint64_t step, bool& gap) {
   return reader_.ForEach(newest_ + 1, step, true, [&](const RecordedStep& read) {
     gap |= read.step != newest_ + 1;
     newest_ = read.step;
-    if (!read.commands.empty() || !read.messages.empty()) {
-      inputs_.push_back({read.step, read.commands, read.messages});
+    const std::shared_ptr<const Scene> scene = reader_.SceneOf(read.scene);
+    const bool new_scene = scene->robots.size() != robot_count_;
+    robot_count_ = scene->robots.size();
+    if (new_scene || !read.commands.empty() || !read.messages.empty()) {
+      inputs_.push_back({read.step, robot_count_, read.commands, read.messages});
     }
     return true;
   });
@@ -69,6 +73,7 @@ void PlayInputs::Replay(std::uint64_t step) {
     for (RobotState& robot : robots_) robot.commanded = false;
   }
   for (; next_ < inputs_.size() && inputs_[next_].step <= step; ++next_) {
+    robots_.resize(inputs_[next_].robots);
     for (const CommandRecord& command : inputs_[next_].commands) {
       if (command.robot >= robots_.size()) continue;
       robots_[command.robot].setpoint_rad_s = command.setpoint;

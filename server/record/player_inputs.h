@@ -28,9 +28,10 @@ class PlayInputs {
   const Frame& keyframe() const { return *keyframe_->frame; }
 
  private:
-  /// The inputs of one step.
+  /// The inputs of one step, or a new scene.
   struct Inputs {
     std::uint64_t step = 0;
+    std::size_t robots = 0;  // of its scene
     std::vector<CommandRecord> commands;
     std::vector<SentMessage> messages;
   };
@@ -48,6 +49,7 @@ class PlayInputs {
   std::uint64_t step_ = 0;           // gone to
   std::size_t next_ = 0;             // index of the first inputs after step_
   std::vector<RobotState> robots_;   // set-points alone
+  std::size_t robot_count_ = 0;      // in the scene of newest_
   std::uint64_t message_steps_ = 0;  // the longest delay of a robot that hears
 };
 

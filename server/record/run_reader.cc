@@ -55,34 +55,31 @@ bool RunReader::Impl::Open() {
 }
 
 bool RunReader::Impl::Prepare() {
-  Database& from = database();
   sql.emplace();
-  sql->first = from.Prepare("SELECT step, time_ns FROM step ORDER BY step LIMIT 1");
-  sql->last = from.Prepare("SELECT step, time_ns FROM step ORDER BY step DESC LIMIT 1");
-  sql->at_or_after = from.Prepare("SELECT step, time_ns FROM step WHERE step >= ?1 ORDER BY step LIMIT 1");
-  // length() looks at the row's head alone, where IS NULL would read the poses.
-  sql->shown_before =
-      from.Prepare("SELECT step FROM step WHERE step < ?1 AND length(poses) > 0 ORDER BY step DESC LIMIT 1");
-  sql->shown_after =
-      from.Prepare("SELECT step FROM step WHERE step > ?1 AND length(poses) > 0 ORDER BY step LIMIT 1");
-  sql->inputs =
-      from.Prepare("SELECT step, time_ns, hash, scene, commands, messages FROM step WHERE step = ?1");
-  sql->whole = from.Prepare(
-      "SELECT step, time_ns, hash, scene, commands, messages, wheels, distances, targets, poses FROM step"
-      " WHERE step = ?1");
-  sql->keyframe =
-      from.Prepare("SELECT step, state FROM keyframe WHERE step <= ?1 ORDER BY step DESC LIMIT 1");
-  sql->scene = from.Prepare("SELECT description FROM scene WHERE id = ?1");
-  sql->meta = from.Prepare("SELECT value FROM meta WHERE key = ?1");
-  const bool all = sql->first && sql->last && sql->at_or_after && sql->shown_before && sql->shown_after &&
-                   sql->inputs && sql->whole && sql->keyframe && sql->scene && sql->meta;
-  if (!all) {
-    error = from.error() +
-            ": it is damaged, or its recording has only just begun: try again, or copy it again "
-            "from where it was recorded";
+  const std::pair<Statement&, const char*> all[] = {
+      {sql->first, "SELECT step, time_ns FROM step ORDER BY step LIMIT 1"},
+      {sql->last, "SELECT step, time_ns FROM step ORDER BY step DESC LIMIT 1"},
+      {sql->at_or_after, "SELECT step, time_ns FROM step WHERE step >= ?1 ORDER BY step LIMIT 1"},
+      // length() looks at the row's head alone, where IS NULL would read the poses.
+      {sql->shown_before,
+       "SELECT step FROM step WHERE step < ?1 AND length(poses) > 0 ORDER BY step DESC LIMIT 1"},
+      {sql->shown_after, "SELECT step FROM step WHERE step > ?1 AND length(poses) > 0 ORDER BY step LIMIT 1"},
+      {sql->inputs, "SELECT step, time_ns, hash, scene, commands, messages FROM step WHERE step = ?1"},
+      {sql->whole,
+       "SELECT step, time_ns, hash, scene, commands, messages, wheels, distances, targets, poses FROM step"
+       " WHERE step = ?1"},
+      {sql->keyframe, "SELECT step, state FROM keyframe WHERE step <= ?1 ORDER BY step DESC LIMIT 1"},
+      {sql->scene, "SELECT description FROM scene WHERE id = ?1"},
+      {sql->meta, "SELECT value FROM meta WHERE key = ?1"},
+  };
+  for (const auto& [statement, text] : all) {
+    statement = database().Prepare(text);
+    if (statement) continue;
+    error = UnfinishedText(database());
     sql.reset();
+    return false;
   }
-  return all;
+  return true;
 }
 
 bool RunReader::Impl::Refresh() {
@@ -91,6 +88,7 @@ bool RunReader::Impl::Refresh() {
   const bool closed = run.growing && IsClosed(database());
   RunExtent found;
   for (Statement* end : {&sql->first, &sql->last}) {
+    end->Reset();
     const Result result = end->Step();
     if (result == Result::kError) return FailReading("its ends");
     if (result == Result::kDone) {
@@ -105,6 +103,7 @@ bool RunReader::Impl::Refresh() {
     if (!sane) return FailSense("a step number or time below 0");
   }
   if (found.end < found.begin) return FailSense("a run that ends before it begins");
+  sql->meta.Reset();
   sql->meta.BindText(1, "lost");
   const bool has_lost = sql->meta.Step() == Result::kRow;
   const std::uint64_t span = found.last - found.first;
@@ -122,6 +121,7 @@ bool RunReader::Impl::Refresh() {
 }
 
 std::optional<std::uint64_t> RunReader::Impl::One(Statement& statement, std::uint64_t key, const char* what) {
+  statement.Reset();
   statement.Bind(1, Key(key));
   const Result result = statement.Step();
   if (result == Result::kError) FailReading(std::string(what) + " " + std::to_string(key));

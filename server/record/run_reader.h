@@ -64,6 +64,8 @@ class RunReader {
   /// Reads the scenario that the file carries, with the file's own worlds and robot models; loaded
   /// controllers are found on `path`. Null with diagnostics. Before Scene(), Step() …
   std::shared_ptr<const Scenario> LoadScenario(const SearchPath& path, Diagnostics& diagnostics);
+  /// Instead, if the same scenario has been read already, e.g. by another reader of the same file.
+  void UseScenario(std::shared_ptr<const Scenario> scenario);
 
   // All below: false, nothing or null, and error() says why, if the file is damaged there.
   const std::string& error() const;

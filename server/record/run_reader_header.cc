@@ -69,9 +69,7 @@ bool ReadTexts(Database& database, RunHeader& header) {
 bool ReadHeader(Database& database, RunHeader& header, std::string& error) {
   Meta meta;
   if (!ReadMeta(database, meta) || !ReadTexts(database, header)) {
-    error = database.error() +
-            ": it is damaged, or its recording has only just begun: try again, or copy it "
-            "again from where it was recorded";
+    error = UnfinishedText(database);
     return false;
   }
   header.version = TextOf(meta, "version");

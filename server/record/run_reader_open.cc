@@ -86,6 +86,14 @@ bool MakePlain(Database& database) {
   return database.Text("PRAGMA journal_mode = DELETE") == "delete";
 }
 
+/// A plain file is whole pages.
+bool IsCutShort(Database& database) {
+  std::error_code code;
+  const std::uintmax_t bytes = fs::file_size(database.file(), code);
+  const std::optional<std::int64_t> page = database.Integer("PRAGMA page_size");
+  return !code && page.value_or(0) > 0 && bytes % static_cast<std::uintmax_t>(*page) != 0;
+}
+
 bool MarkClosed(Database& database) {
   const std::string lost = std::to_string(CountLost(database));
   return database.Run("BEGIN IMMEDIATE; INSERT OR REPLACE INTO meta(key, value) VALUES('lost', " + lost +
@@ -93,6 +101,13 @@ bool MarkClosed(Database& database) {
 }
 
 }  // namespace
+
+std::string UnfinishedText(const Database& database) {
+  return database.error() +
+         ": it is damaged, or its recording has only just begun: try again, or copy it again from where it "
+         "was "
+         "recorded";
+}
 
 bool IsClosed(Database& database) {
   return database.Integer("SELECT value FROM meta WHERE key = 'closed'") == 1;
@@ -118,6 +133,10 @@ OpenedRun OpenRun(const std::string& file, std::string& error) {
   if (run.database == nullptr || !CheckKind(*run.database, error)) return {};
   const bool closed = IsClosed(*run.database);
   const bool plain = run.database->Text("PRAGMA journal_mode") != "wal";
+  if (plain && IsCutShort(*run.database)) {
+    error = file + " is cut short: copy it again from where it was recorded";
+    return {};
+  }
   if (plain && closed) return run;
 
   // A writer keeps the file in WAL mode and has it open; then it cannot be made plain.

@@ -22,6 +22,9 @@ struct OpenedRun {
 /// Waits at most a second for locks of others. `database` is null with `error`, what is wrong and what to do.
 OpenedRun OpenRun(const std::string& file, std::string& error);
 
+/// That something is missing, after `database` could not prepare a statement.
+std::string UnfinishedText(const Database& database);
+
 /// Whether meta says that the recording was closed.
 bool IsClosed(Database& database);
 

@@ -94,6 +94,7 @@ std::optional<RecordedStep> RunReader::Read(std::uint64_t step, bool inputs_only
   if (!impl.sql) return impl.FailReading("its start"), std::nullopt;
   if (step > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) return std::nullopt;
   Statement& row = inputs_only ? impl.sql->inputs : impl.sql->whole;
+  row.Reset();
   row.Bind(1, static_cast<std::int64_t>(step));
   const Impl::Result result = row.Step();
   if (result == Impl::Result::kError) impl.FailReading("step " + std::to_string(step));
@@ -145,6 +146,12 @@ std::shared_ptr<const Scenario> RunReader::LoadScenario(const SearchPath& path, 
   return impl.scenario;
 }
 
+void RunReader::UseScenario(std::shared_ptr<const Scenario> scenario) {
+  impl_->library.reset();
+  impl_->scenes.clear();
+  impl_->scenario = std::move(scenario);
+}
+
 std::shared_ptr<const Scene> RunReader::SceneOf(std::uint64_t scene) {
   impl_->error.clear();
   return impl_->SceneOf(scene);
@@ -158,6 +165,7 @@ std::shared_ptr<const Scene> RunReader::Impl::SceneOf(std::uint64_t scene_number
     return nullptr;
   }
   if (!sql) return FailReading(name), nullptr;
+  sql->scene.Reset();
   sql->scene.Bind(1, static_cast<std::int64_t>(scene_number));
   const Result result = sql->scene.Step();
   if (result == Result::kError) return FailReading(name), nullptr;
@@ -166,6 +174,7 @@ std::shared_ptr<const Scene> RunReader::Impl::SceneOf(std::uint64_t scene_number
     for (const RobotEntry& robot : scenario->robots) {
       if (robot.model->type == type) return robot.model;
     }
+    if (library == nullptr) return nullptr;
     Diagnostics ignored;
     return library->Get(type, SourceLine{file, 0}, ignored);
   };
@@ -183,6 +192,7 @@ SavedStatePtr RunReader::Keyframe(std::uint64_t step) {
   if (!impl.sql) return impl.FailReading(wanted), nullptr;
   Statement& row = impl.sql->keyframe;
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  row.Reset();
   row.Bind(1, static_cast<std::int64_t>(std::min(step, kMost)));
   const Impl::Result result = row.Step();
   if (result == Impl::Result::kError) return impl.FailReading(wanted), nullptr;
@@ -194,6 +204,7 @@ SavedStatePtr RunReader::Keyframe(std::uint64_t step) {
   const std::string name = "the keyframe of step " + std::to_string(number);
   SavedStatePtr state;
   Statement& step_row = impl.sql->inputs;
+  step_row.Reset();
   step_row.Bind(1, number);
   const Impl::Result step_result = step_row.Step();
   if (step_result == Impl::Result::kError) {
