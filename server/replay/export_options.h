@@ -10,11 +10,12 @@
 namespace coopdyn {
 
 struct ExportOptions {
-  std::optional<double> from_s, until_s;  // simulated time, both included; nothing: to the ends
+  std::optional<double> from_s = {};  // simulated time, both ends included; nothing: to the ends
+  std::optional<double> until_s = {};
   /// Names, also of swarms, in any order; nothing: all. The columns stand in the order of the run.
-  std::optional<std::vector<std::string>> robots;
-  std::optional<std::vector<std::string>> objects;  // of things that move; nothing: all
-  double every_s = 0;                               // at most one row per so much simulated time; 0: all
+  std::optional<std::vector<std::string>> robots = {};
+  std::optional<std::vector<std::string>> objects = {};  // of things that move; nothing: all
+  double every_s = 0;                                    // at most one row per so much simulated time; 0: all
   bool overwrite = false;
 };
 

@@ -13,16 +13,20 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// What is there instead of `word`.
-std::string Instead(const std::string& word, const Names& known, const std::string& plural) {
+/// What is there to choose from.
+std::string Listed(const Names& known, const std::string& plural) {
   constexpr std::size_t kListed = 20;
   if (known.empty()) return ": this run has no " + plural;
-  const std::string near = Nearest(word, known);
-  if (!near.empty()) return "; did you mean '" + near + "'?";
   Names listed(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(std::min(known.size(), kListed)));
   const bool all = listed.size() == known.size();
   return ": there are " + JoinNames(listed) +
          (all ? "" : " … (" + std::to_string(known.size()) + " " + plural + ")");
+}
+
+/// What is there instead of `word`.
+std::string Instead(const std::string& word, const Names& known, const std::string& plural) {
+  const std::string near = Nearest(word, known);
+  return near.empty() ? Listed(known, plural) : "; did you mean '" + near + "'?";
 }
 
 /// The robots that `word` names: one, or those of a swarm; empty if it names none.
@@ -65,9 +69,10 @@ void ChooseObjects(const Names& words, const std::unordered_set<std::string>& fi
                    std::string& error) {
   for (const std::string& word : words) {
     if (std::find(objects.begin(), objects.end(), word) != objects.end()) continue;
-    error = fixed.contains(word) ? "'" + word + "' never moves: only things with a mass have a path"
-                                 : "there is no thing '" + word + "' that moves in this part of the run";
-    error += Instead(word, objects, "things that move");
+    const std::string plural = "things that move";
+    error = fixed.contains(word) ? "'" + word + "' never moves" + Listed(objects, plural)
+                                 : "there is no thing '" + word + "' that moves in this part of the run" +
+                                       Instead(word, objects, plural);
     return;
   }
   std::erase_if(objects, [&](const std::string& name) {

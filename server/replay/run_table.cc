@@ -182,6 +182,10 @@ std::string RunTable::Impl::Choose(const ExportOptions& options) {
     scenes.push_back(scene);
   }
   if (!whole) return reader.error();
+  if (steps == 0) {
+    return fmt::format("there is no recorded step from {} to {} s", FormatNumber(ToSeconds(begin)),
+                       FormatNumber(ToSeconds(end)));
+  }
   std::string error;
   columns = ChooseColumns(scenes, options, error);
   const Nanoseconds spacing = std::max(every, reader.header().pose_every);
