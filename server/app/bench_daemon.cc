@@ -123,6 +123,9 @@ void BenchDaemon::Start(const BenchDaemonOptions& options) {
   if (options.robot_threads) {
     words.insert(words.end(), {"--robot-threads", std::to_string(*options.robot_threads)});
   }
+  if (!options.record.empty()) {
+    words.insert(words.end(), {"--record", folder / "bench.run", "--record-what", options.record});
+  }
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);

@@ -19,6 +19,7 @@ struct BenchDaemonOptions {
   double range_m = 4;                      // of those
   std::optional<int> robot_threads = std::nullopt;
   int threads = 1;
+  std::string record;  // what of the run is recorded, as --record-what; empty: nothing
 };
 
 class BenchDaemon {

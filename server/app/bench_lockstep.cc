@@ -61,11 +61,12 @@ std::string Describe(const Options& options) {
                            : options.client.batch ? "poses"
                                                   : "no readings";
   return fmt::format(
-      "{} {}, {}, {}; {} client{}, {}{}", options.daemon.robots, options.daemon.robot,
+      "{} {}, {}, {}; {} client{}, {}{}{}", options.daemon.robots, options.daemon.robot,
       options.daemon.fidelity, rays, options.language,
       options.client.batch ? "" : " with one connection per robot", options.client.batch ? "one team, " : "",
       options.daemon.robot_threads ? fmt::format("{} robot threads", *options.daemon.robot_threads)
-                                   : "threads by default");
+                                   : "threads by default",
+      options.daemon.record.empty() ? "" : ", recorded: " + options.daemon.record);
 }
 
 std::string Table(const Options& options, const Figures& median, const std::string& hash) {
@@ -95,6 +96,7 @@ std::string Json(const Options& options, const Figures& median, const std::strin
              {"protocol_only", options.protocol_only},
              {"robot_threads", options.daemon.robot_threads.value_or(0)},
              {"threads", options.daemon.threads},
+             {"record", options.daemon.record},
              {"rounds", options.client.rounds},
              {"repeats", options.repeats},
              {"rounds_per_s", Rounded(median.rounds_per_s)},
@@ -199,6 +201,7 @@ void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen) {
   sub->add_option("--threads", daemon.threads, "Threads of sensing and physics")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  sub->add_option("--record", daemon.record, "Record the run, with so much: poses, or as --record-what");
   sub->add_option("--rounds", options->rounds, "Measured rounds of each repeat (default: 50,000 by robots)")
       ->check(CLI::Range(1, 10'000'000));
   sub->add_option("--repeats", options->repeats, "Runs of which the median is told")

@@ -84,6 +84,8 @@ std::optional<BenchRun> RunOnce(const std::shared_ptr<const Scenario>& scenario,
   if (!stepper.Start(scenario, diagnostics)) return std::nullopt;
   DriveAtRandom(*frames.Latest()->scene, scenario->simulation.seed, commands);
 
+  if (options.journal != nullptr) edits.Push({edit::SetJournal{options.journal}, nullptr});
+
   BenchRun result;
   Nanoseconds sensing = 0;
   std::vector<int> robots(scenario->robots.size());

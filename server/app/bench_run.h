@@ -11,6 +11,7 @@
 #include "server/base/diagnostics.h"
 #include "server/model/scenario.h"
 #include "server/state/phase_times.h"
+#include "server/state/run_journal.h"
 
 namespace coopdyn {
 
@@ -19,6 +20,7 @@ struct BenchRunOptions {
   int threads = 1;
   bool controllers_in_process = false;
   std::string program = "/proc/self/exe";  // which becomes the controllers' child
+  RunJournal* journal = nullptr;           // null: the run is not recorded
   bool sense = false;  // compute all distances after each step; for robots without a controller that does
 };
 

@@ -85,19 +85,6 @@ std::string LanAddress() {
   return address;
 }
 
-/// More threads than cores would only take turns; the results are the same.
-int ThreadsOf(const ServeOptions& options) {
-  const unsigned cores = std::thread::hardware_concurrency();
-  return cores == 0 ? options.threads : std::min(options.threads, static_cast<int>(cores));
-}
-
-ControllerOptions ControllersOf(const ServeOptions& options) {
-  ControllerOptions controllers;
-  controllers.in_process = options.controllers_in_process;
-  controllers.threads = ThreadsOf(options);
-  return controllers;
-}
-
 /// An error of listening, with the flag that helps if the port is the matter.
 std::string WithAdvice(const std::string& error, const char* flags) {
   if (error.empty()) return error;
@@ -126,6 +113,10 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       pool_(ThreadsOf(options)),
       controllers_(ControllersOf(options), clock_, logger_, pool_),
       stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run, {&pool_, &controllers_}),
+      recordings_(recording_options(), edits_, run_, frames_, clock_, logger_),
+      runs_(
+          options_.record.folder, models_.path(), [this] { return recordings_.status().file.file; }, logger_),
+      branches_(BranchStateMaker(replay_services()), edits_, run_, logger_),
       control_("control", logger_) {
   stepper_.set_on_ended([this] { shutdown_.Request(); });
 }
@@ -135,15 +126,10 @@ Daemon::~Daemon() {
 }
 
 std::string Daemon::Start() {
-  Diagnostics diagnostics;
-  const auto scenario = LoadScenario(options_.scenario, models_, diagnostics, false, options_.run.seed);
-  const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
-  if (!built) return diagnostics.ToString();
-  for (const Diagnostic& warning : diagnostics.all()) logger_->warn("{}", ToString(warning));
-  if (options_.no_net && board_.mode() == Mode::kLockstep && !board_.AllReady()) {
+  if (std::string error = StartWorld(); !error.empty()) return error;
+  if (options_.no_net && player_ == nullptr && board_.mode() == Mode::kLockstep && !board_.AllReady()) {
     return "--no-net leaves nobody to drive the robots in lockstep: use --mode free";
   }
-  duration_s_ = options_.run.duration_s.value_or(scenario->simulation.duration_s.value_or(0));
 
   if (!options_.no_render) {
     RenderOptions render;
@@ -156,7 +142,11 @@ std::string Daemon::Start() {
   if (std::string error = OpenNames(); !error.empty()) return error;
   if (std::string error = OpenRobots(); !error.empty()) return error;
   if (std::string error = OpenPage(); !error.empty()) return error;
-  physics_ = std::jthread([this](std::stop_token stop) { stepper_.Run(stop); });
+  if (!options_.record.file.empty()) {
+    const std::string error = recordings_.StartFile(options_.record.file, options_.record.force);
+    if (!error.empty()) return error;
+  }
+  physics_ = std::jthread([this](const std::stop_token& stop) { RunWorld(stop); });
   return {};
 }
 
@@ -186,19 +176,7 @@ std::string Daemon::OpenRobots() {
   if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
     return WithAdvice(error, "--port");
   }
-  const SimulationServices services{board_,  frames_,        edits_, run_,  names_,   roster_,
-                                    models_, control_guard_, clock_, *this, kVersion, options_.run.seed};
-  simulation_ = std::make_unique<SimulationModule>(
-      services, [this](std::function<void()> work) { control_.Post(std::move(work)); });
-  simulation_port_ = std::make_unique<PublishedModule>("/simulation", *simulation_, control_, net_, names_);
-  std::string error = simulation_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);
-  if (!error.empty()) return WithAdvice(error, "--port");
-  swarm_ = std::make_unique<SwarmModule>(
-      SwarmServices{board_, frames_, roster_, robot_guard_, clock_, ThreadsOf(options_), kVersion},
-      [this](std::function<void()> work) { control_.Post(std::move(work)); });
-  swarm_port_ = std::make_unique<PublishedModule>("/swarm", *swarm_, control_, net_, names_);
-  error = swarm_port_->Open(host.addresses, host.sockets ? ports_.Take() : 0);
-  if (!error.empty()) return WithAdvice(error, "--port");
+  if (std::string error = OpenGlobalModules(); !error.empty()) return WithAdvice(error, "--port");
   if (!options_.yarp_server.empty() && host.sockets) {
     std::string yarp_host;
     int yarp_port = 0;
@@ -208,6 +186,32 @@ std::string Daemon::OpenRobots() {
     TellYarpServer();
   }
   return {};
+}
+
+std::string Daemon::OpenModule(const char* name, Endpoint& module, std::unique_ptr<PublishedModule>& port) {
+  port = std::make_unique<PublishedModule>(name, module, control_, net_, names_);
+  if (options_.no_net) return port->Open({}, 0);
+  return port->Open(Addresses(options_.hosts), ports_.Take());
+}
+
+std::string Daemon::OpenGlobalModules() {
+  const auto post = [this](std::function<void()> work) { control_.Post(std::move(work)); };
+  simulation_ = std::make_unique<SimulationModule>(
+      SimulationServices{board_, frames_, edits_, run_, names_, roster_, models_, control_guard_, clock_,
+                         *this, kVersion, options_.run.seed},
+      post);
+  swarm_ = std::make_unique<SwarmModule>(
+      SwarmServices{board_, frames_, roster_, robot_guard_, clock_, ThreadsOf(options_), kVersion}, post);
+  const GlobalServices services{board_, frames_, edits_, roster_, control_guard_, clock_, kVersion};
+  playback_ = std::make_unique<PlaybackModule>(
+      services, run_, branches_, [this](const Scene& scene) { ApplyScene(scene); }, post);
+  recorder_ = std::make_unique<RecorderModule>(
+      services, recordings_, runs_, [this] { return http(); }, post);
+  std::string error = OpenModule("/simulation", *simulation_, simulation_port_);
+  if (error.empty()) error = OpenModule("/swarm", *swarm_, swarm_port_);
+  if (error.empty()) error = OpenModule("/playback", *playback_, playback_port_);
+  if (error.empty()) error = OpenModule("/recorder", *recorder_, recorder_port_);
+  return error;
 }
 
 std::string Daemon::OpenPage() {
@@ -221,6 +225,17 @@ std::string Daemon::OpenPage() {
   web.version = kVersion;
   web.name_port = name_server_->port();
   web.scenarios = [this] { return models_.path().ScenarioNames(); };
+  web.runs.list = [this](std::function<void(const std::string&)> done) {
+    runs_.List(
+        [this, done = std::move(done)](const std::vector<RunFile>& runs) { done(RunsJson(runs, http())); });
+  };
+  web.runs.open = [this](const std::string& name, std::function<void(const WebRunFile&)> done) {
+    runs_.Open(name, [done = std::move(done)](const OpenedRun& run) {
+      const bool missing = run.error == Error::kNoSuchName;
+      const unsigned status = run.error == Error::kOk ? 200 : missing ? 404 : 409;
+      done({status, run.text, run.file.string(), run.temporary});
+    });
+  };
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
@@ -235,14 +250,19 @@ void Daemon::Stop() {
   physics_.request_stop();
   bell_.Ring();
   if (physics_.joinable()) physics_.join();
+  recordings_.Close();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
   if (robots_ != nullptr) control_.Call([this] { robots_->Stop(); });
+  recorder_port_.reset();
+  playback_port_.reset();
   swarm_port_.reset();
   simulation_port_.reset();
   control_.Call([this] { name_server_.reset(); });
   control_.Stop();
   name_client_.reset();
   if (web_ != nullptr) web_->Stop();
+  recorder_.reset();
+  playback_.reset();
   swarm_.reset();
   simulation_.reset();
   if (render_ != nullptr) render_->Stop();

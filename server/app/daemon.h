@@ -12,13 +12,20 @@
 #include "server/app/shutdown.h"
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
+#include "server/control/branch_desk.h"
+#include "server/control/playback_module.h"
 #include "server/control/published_module.h"
+#include "server/control/recorder_module.h"
+#include "server/control/recording_desk.h"
+#include "server/control/run_folder.h"
 #include "server/control/simulation_module.h"
 #include "server/control/swarm_module.h"
 #include "server/controllers/controller_host.h"
 #include "server/naming/name_client.h"
 #include "server/naming/name_server.h"
+#include "server/record/player.h"
 #include "server/render/render_thread.h"
+#include "server/replay/state_at.h"
 #include "server/robot/robot_host.h"
 #include "server/state/image_board.h"
 #include "server/web/web_server.h"
@@ -47,6 +54,8 @@ class Daemon final : private ControlActions {
   RunStatus status() const { return run_.status(); }
   /// The simulated time at which the run ends; 0: never.
   double duration_s() const { return duration_s_; }
+  /// A recording could not go on.
+  bool recording_failed() const { return recordings_.failed(); }
   /// Follows a mode that was switched: `--spin` is for lockstep. Called now and then.
   void UpdateSpin();
   /// Says in the log, now and then, whom a lockstep world waits for. Called now and then.
@@ -57,11 +66,24 @@ class Daemon final : private ControlActions {
   void ApplyScene(const Scene& scene) override;
   void CloseClient(const std::string& robot, ClientId client, const std::string& reason) override;
   void Quit() override;
-  std::string recording() const override { return {}; }
+  std::string recording() const override { return recordings_.recording(); }
   std::string http() const override;
+
+  // daemon_world.cc: an error text, empty if the world stands.
+  std::string StartWorld();
+  std::string StartScenario();
+  std::string StartFromRecording();
+  std::string StartPlayback();
+  /// The physics thread: plays, until a branch, or steps.
+  void RunWorld(const std::stop_token& stop);
+  ReplayServices replay_services();
+  RecordingOptions recording_options();
 
   std::string OpenNames();
   std::string OpenRobots();
+  std::string OpenGlobalModules();
+  /// Publishes `module` at the next free port.
+  std::string OpenModule(const char* name, Endpoint& module, std::unique_ptr<PublishedModule>& port);
   std::string OpenPage();
   /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
   void TellYarpServer();
@@ -94,6 +116,10 @@ class Daemon final : private ControlActions {
   WorkerPool pool_;             // of whoever holds the step baton
   ControllerHost controllers_;  // likewise
   Stepper stepper_;
+  RecordingDesk recordings_;
+  RunFolder runs_;
+  BranchDesk branches_;
+  std::unique_ptr<Player> player_;  // of a recording, until it is branched from; else null
   std::unique_ptr<RenderThread> render_;
   IoThread control_;
   std::unique_ptr<RobotHost> robots_;
@@ -101,6 +127,10 @@ class Daemon final : private ControlActions {
   std::unique_ptr<PublishedModule> simulation_port_;
   std::unique_ptr<SwarmModule> swarm_;
   std::unique_ptr<PublishedModule> swarm_port_;
+  std::unique_ptr<PlaybackModule> playback_;
+  std::unique_ptr<PublishedModule> playback_port_;
+  std::unique_ptr<RecorderModule> recorder_;
+  std::unique_ptr<PublishedModule> recorder_port_;
   std::unique_ptr<NameServer> name_server_;
   std::unique_ptr<NameClient> name_client_;
   std::map<std::string, int> told_names_;  // to the other name server: name, port

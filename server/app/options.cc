@@ -11,144 +11,13 @@
 #include <sstream>
 
 #include "server/app/more_commands.h"
+#include "server/app/serve_options.h"
 
 namespace coopdyn {
 
 namespace {
 
 constexpr int kWrongUse = 2;
-
-std::string CheckStep(const std::string& text) {
-  double step_s = 0;
-  if (!CLI::detail::lexical_cast(text, step_s)) return "--step takes seconds, e.g. --step 0.01, not " + text;
-  const double step_us = step_s * 1e6;
-  if (!(step_s >= 0.0005 && step_s <= 0.1) || std::abs(step_us - std::round(step_us)) > 1e-6) {
-    return "--step must be from 0.0005 to 0.1 s in whole microseconds, e.g. --step 0.01, not " + text;
-  }
-  return {};
-}
-
-std::string CheckPositive(const std::string& text) {
-  double value = 0;
-  if (!CLI::detail::lexical_cast(text, value) || !(value > 0) || !std::isfinite(value)) {
-    return "must be a number above 0, not " + text;
-  }
-  return {};
-}
-
-std::string CheckFinite(const std::string& text) {
-  double value = 0;
-  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
-    return "must be a finite number, not " + text;
-  return {};
-}
-
-std::string CheckSeed(const std::string& text) {
-  const bool digits =
-      !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-  return digits ? "" : "--seed must be a whole number from 0, not " + text;
-}
-
-std::string CheckToken(const std::string& text) {
-  return text.find_first_of(" \t\r\n") == std::string::npos
-             ? ""
-             : "--token must be one word: hello NAME TOKEN is split at blanks";
-}
-
-/// The raw values CLI11 fills before they are turned into options.
-struct Raw {
-  std::string mode, controllers;
-  double step_s = 0;
-  double speed = 0;
-  std::uint64_t seed = 0;
-  double duration_s = 0;
-  int name_port = 0, http_port = 0, robot_threads = 0, spin_us = 0;
-  std::string config;  // read before the arguments are: InsertConfig()
-};
-
-void AddServe(CLI::App& app, ServeOptions& serve, Raw& raw) {
-  CLI::App* sub = app.add_subcommand("serve", "Run a scenario and serve its robots");
-  sub->footer("Example: coopdyn serve classroom --mode lockstep --port 10000");
-  sub->add_option("scenario", serve.scenario, "A .scenario or .world file, or a bare name on the search path")
-      ->capture_default_str();
-  sub->add_option("--mode", raw.mode, "realtime, lockstep or free")
-      ->check(CLI::IsMember({"realtime", "lockstep", "free"}))
-      ->envname("COOPDYN_MODE");
-  sub->add_option("--step", raw.step_s, "Step in seconds, 0.0005 to 0.1")
-      ->check(CLI::Validator(CheckStep, ""))
-      ->envname("COOPDYN_STEP");
-  sub->add_option("--speed", raw.speed, "Times the wall clock; 0 or less: no limit")
-      ->check(CLI::Validator(CheckFinite, ""))
-      ->envname("COOPDYN_SPEED");
-  sub->add_option("--seed", raw.seed, "Of noise and solver")
-      ->check(CLI::Validator(CheckSeed, ""))
-      ->envname("COOPDYN_SEED");
-  sub->add_option("--duration", raw.duration_s, "End the run at this simulated time, s")
-      ->check(CLI::Validator(CheckPositive, ""))
-      ->envname("COOPDYN_DURATION");
-  sub->add_flag("--paused", serve.run.paused, "Start paused")->envname("COOPDYN_PAUSED");
-  sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
-      ->check(CLI::Range(0, 65000))
-      ->envname("COOPDYN_PORT")
-      ->capture_default_str();
-  sub->add_option("--name-port", raw.name_port, "Another port for the name server")
-      ->check(CLI::Range(0, 65535))
-      ->envname("COOPDYN_NAME_PORT");
-  sub->add_option("--http-port", raw.http_port, "Another port for the page")
-      ->check(CLI::Range(0, 65535))
-      ->envname("COOPDYN_HTTP_PORT");
-  sub->add_option("--host", serve.hosts,
-                  "Address to listen at (default: this machine only); 0.0.0.0: everybody")
-      ->envname("COOPDYN_HOST");
-  sub->add_option("--advertise", serve.advertise, "Address that the name server tells")
-      ->envname("COOPDYN_ADVERTISE");
-  sub->add_option("--token", serve.token, "What changing commands from other machines must show")
-      ->check(CLI::Validator(CheckToken, ""))
-      ->envname("COOPDYN_TOKEN");
-  sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too")
-      ->envname("COOPDYN_PRIVATE");
-  sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT")
-      ->envname("COOPDYN_YARP_SERVER");
-  sub->add_flag("--no-render", serve.no_render, "No pictures")->envname("COOPDYN_NO_RENDER");
-  sub->add_flag("--no-http", serve.no_http, "No page")->envname("COOPDYN_NO_HTTP");
-  sub->add_flag("--no-net", serve.no_net, "No sockets at all")->envname("COOPDYN_NO_NET");
-  sub->add_option("--render-fps", serve.render_fps, "Pictures per second of the live view")
-      ->check(CLI::Range(0.1, 60.0))
-      ->envname("COOPDYN_RENDER_FPS")
-      ->capture_default_str();
-  sub->add_option("--renderer", serve.renderer, "auto, osmesa or egl")
-      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
-      ->envname("COOPDYN_RENDERER")
-      ->capture_default_str();
-  sub->add_option("--robot-threads", raw.robot_threads,
-                  "Threads for the robots' connections (default: one each on many cores, else 1 or 2)")
-      ->check(CLI::Range(1, 10000))
-      ->envname("COOPDYN_ROBOT_THREADS");
-  sub->add_option(
-         "--threads", serve.threads,
-         "Threads that share out sensing, controllers and physics, at most one a core; worth it from some "
-         "hundred robots on; the results stay the same")
-      ->check(CLI::Range(1, 256))
-      ->envname("COOPDYN_THREADS")
-      ->capture_default_str();
-  sub->add_option(
-         "--controllers", raw.controllers,
-         "Where loaded controllers run: child (a process of their own) or in-process (for a debugger)")
-      ->check(CLI::IsMember({"child", "in-process"}))
-      ->envname("COOPDYN_CONTROLLERS");
-  sub->add_option("--spin", raw.spin_us, "Poll this many microseconds before sleeping")
-      ->check(CLI::Range(0, 1000000))
-      ->envname("COOPDYN_SPIN");
-  sub->add_option("--log-level", serve.log_level, "debug, info, warning, error or off")
-      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
-      ->envname("COOPDYN_LOG_LEVEL")
-      ->capture_default_str();
-  sub->add_option("--summary", serve.summary_file, "Write a summary of the run to this file (JSON)")
-      ->envname("COOPDYN_SUMMARY");
-  sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
-  sub->set_config("--config", "", "Read options from this file (name=value lines)")
-      ->envname("COOPDYN_CONFIG");
-}
 
 /// Says which commands there are if the first argument is none.
 void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
@@ -205,20 +74,6 @@ void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
     }
   }
   arguments.insert(arguments.begin() + 1, added.begin(), added.end());
-}
-
-void TakeRaw(const CLI::App& sub, const Raw& raw, ServeOptions& serve) {
-  const auto given = [&sub](const char* name) { return sub.get_option(name)->count() > 0; };
-  if (given("--mode")) serve.run.mode = ParseMode(raw.mode);
-  serve.controllers_in_process = raw.controllers == "in-process";
-  if (given("--step")) serve.run.step = std::llround(raw.step_s * 1e6) * 1000;
-  if (given("--speed")) serve.run.speed = raw.speed;
-  if (given("--seed")) serve.run.seed = raw.seed;
-  if (given("--duration")) serve.run.duration_s = raw.duration_s;
-  if (given("--name-port")) serve.name_port = raw.name_port;
-  if (given("--http-port")) serve.http_port = raw.http_port;
-  if (given("--robot-threads")) serve.robot_threads = raw.robot_threads;
-  if (given("--spin")) serve.spin_us = raw.spin_us;
 }
 
 struct Verb {
@@ -280,13 +135,15 @@ void AddRemote(CLI::App& app, RemoteOptions& remote) {
 
 CommandLine ParseCommandLine(int argc, const char* const* argv) {
   CommandLine line;
-  Raw raw;
+  RawServe raw, raw_play;
+  ServeOptions play;
   CLI::App app{"coopdyn, a multi-robot simulator daemon"};
   app.name("coopdyn");
   app.set_version_flag("--version", std::string("coopdyn ") + kVersion);
   app.require_subcommand(1);
   app.footer("Example: coopdyn serve classroom");
   AddServe(app, line.serve, raw);
+  AddPlay(app, play, raw_play);
 
   CLI::App* check = app.add_subcommand("check", "Say what is wrong in worlds, scenarios and robot models");
   check->footer("Example: coopdyn check my.scenario --picture my.png");
@@ -318,8 +175,17 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
   variable("COOPDYN_SERVER", line.remote.server);
   variable("COOPDYN_TOKEN", line.remote.token);
   const CLI::App* sub = app.get_subcommands().front();
-  if (sub->get_name() == "serve") {
-    TakeRaw(*sub, raw, line.serve);
+  if (sub->get_name() == "serve" || sub->get_name() == "play") {
+    const bool plays = sub->get_name() == "play";
+    if (plays) line.serve = std::move(play);
+    try {
+      TakeRaw(*sub, plays ? raw_play : raw, line.serve);
+    } catch (const CLI::ValidationError& error) {
+      std::cerr << "coopdyn: " << error.what() << '\n';
+      line.exit_code = kWrongUse;
+      return line;
+    }
+    for (int i = 0; i < argc; ++i) line.serve.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
     line.action = CommandLine::Action::kServe;
   } else if (sub->get_name() == "check") {
     line.action = CommandLine::Action::kCheck;

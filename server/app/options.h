@@ -7,12 +7,35 @@
 #include <string>
 #include <vector>
 
+#include "server/controllers/controller_set.h"
 #include "server/physics/stepper.h"
+#include "server/record/recorded_step.h"
 
 namespace coopdyn {
 
+/// What is recorded, and where.
+struct RecordOptions {
+  std::string file;                // from the start; empty: not
+  std::string folder = ".";        // of recordings that are started later
+  std::optional<RecordWhat> what;  // empty: as many robots there are
+  Nanoseconds every = 0;           // of poses and readings; 0: each step
+  bool force = false;
+  bool stop_on_failure = false;
+};
+
+/// `coopdyn play`.
+struct PlayRun {
+  std::string file;  // empty: a live run
+  double speed = 1;
+  Nanoseconds start = 0;
+  bool loop = false, paused = false;
+};
+
 struct ServeOptions {
   std::string scenario = "classroom";  // path or bare name
+  std::string from;                    // RUN@TIME, instead of the scenario
+  PlayRun play;                        // instead of both
+  RecordOptions record;
   RunOptions run;
   int port = 10000;
   std::optional<int> name_port, http_port;
@@ -31,6 +54,7 @@ struct ServeOptions {
   std::string log_level = "info";
   std::string summary_file;
   std::vector<std::string> scenario_folders;
+  std::string command_line;  // as given; a recording says it
 };
 
 struct CheckOptions {
@@ -46,6 +70,10 @@ struct RemoteOptions {
   std::string verb;                // list, status, run, …, call
   std::vector<std::string> words;  // what follows the verb
 };
+
+/// Threads that share out a step: more than there are cores would only take turns; the results are the same.
+int ThreadsOf(const ServeOptions& options);
+ControllerOptions ControllersOf(const ServeOptions& options);
 
 /// What the command line asks for.
 struct CommandLine {

@@ -73,7 +73,7 @@ int Serve(const ServeOptions& options) {
       return kExitErrors;
     }
   }
-  return status.frozen.empty() ? kExitOk : kExitFrozen;
+  return status.frozen.empty() && !daemon.recording_failed() ? kExitOk : kExitFrozen;
 }
 
 }  // namespace coopdyn

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// Where the daemon's world comes from: a scenario, a moment of a recording, or a recording that is played.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "server/app/daemon.h"
+#include "server/replay/state_at.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// RUN@TIME, split at the last @.
+std::pair<std::string, std::string> SplitMoment(const std::string& from) {
+  const std::size_t at = from.rfind('@');
+  if (at == std::string::npos || at == 0 || at + 1 == from.size()) return {};
+  return {from.substr(0, at), from.substr(at + 1)};
+}
+
+}  // namespace
+
+int ThreadsOf(const ServeOptions& options) {
+  const unsigned cores = std::thread::hardware_concurrency();
+  return cores == 0 ? options.threads : std::min(options.threads, static_cast<int>(cores));
+}
+
+ControllerOptions ControllersOf(const ServeOptions& options) {
+  ControllerOptions controllers;
+  controllers.in_process = options.controllers_in_process;
+  controllers.threads = ThreadsOf(options);
+  return controllers;
+}
+
+std::string Daemon::StartWorld() {
+  if (!options_.play.file.empty()) return StartPlayback();
+  return options_.from.empty() ? StartScenario() : StartFromRecording();
+}
+
+std::string Daemon::StartScenario() {
+  Diagnostics diagnostics;
+  const auto scenario = LoadScenario(options_.scenario, models_, diagnostics, false, options_.run.seed);
+  const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
+  if (!built) return diagnostics.ToString();
+  for (const Diagnostic& warning : diagnostics.all()) logger_->warn("{}", ToString(warning));
+  duration_s_ = options_.run.duration_s.value_or(scenario->simulation.duration_s.value_or(0));
+  return {};
+}
+
+std::string Daemon::StartFromRecording() {
+  const auto [file, when] = SplitMoment(options_.from);
+  if (file.empty()) {
+    return "--from takes a recording and a time in seconds: --from lesson1.run@12.5, or lesson1.run@end";
+  }
+  std::string error;
+  const auto reader = RunReader::Open(file, error);
+  if (reader == nullptr) return error;
+  Diagnostics diagnostics;
+  if (reader->LoadScenario(models_.path(), diagnostics) == nullptr) return diagnostics.ToString();
+  const std::optional<std::uint64_t> step = FindStep(*reader, when, error);
+  if (!step) return error;
+  const SavedStatePtr state = StateAt(*reader, *step, replay_services(), error);
+  if (state == nullptr) return error;
+  if (!stepper_.StartFrom(state, diagnostics)) return diagnostics.ToString();
+  const SimulationOptions& said = state->frame->scene->scenario->simulation;
+  duration_s_ = options_.run.duration_s.value_or(said.duration_s.value_or(0));
+  if (duration_s_ > 0 && duration_s_ <= state->frame->time_s()) {
+    if (options_.run.duration_s) {
+      return fmt::format("--duration {} is over at t = {} s, where the run goes on: write a later time",
+                         duration_s_, state->frame->time_s());
+    }
+    duration_s_ = 0;
+  }
+  return {};
+}
+
+std::string Daemon::StartPlayback() {
+  std::string error;
+  auto reader = RunReader::Open(options_.play.file, error);
+  if (reader == nullptr) return error;
+  if (reader->mended()) logger_->info("{}: mended, the recording had not been closed", reader->file());
+  Diagnostics diagnostics;
+  if (reader->LoadScenario(models_.path(), diagnostics) == nullptr) return diagnostics.ToString();
+  PlayOptions play;
+  play.speed = options_.play.speed;
+  play.loop = options_.play.loop;
+  play.paused = options_.play.paused;
+  play.start = options_.play.start;
+  player_ = std::make_unique<Player>(Player::Boards{frames_, board_, edits_, run_, bell_}, std::move(reader),
+                                     clock_, logger_, play);
+  return player_->Start();
+}
+
+void Daemon::RunWorld(const std::stop_token& stop) {
+  while (player_ != nullptr) {
+    std::optional<Edit> branch = player_->Run(stop);
+    if (!branch) return;
+    if (stepper_.TakeOver(*std::move(branch))) break;
+    board_.SetPlaying(true);  // it was refused: the playback goes on
+  }
+  stepper_.Run(stop);
+}
+
+RecordingOptions Daemon::recording_options() {
+  RecordingOptions recording;
+  recording.folder = options_.record.folder;
+  recording.what = options_.record.what;
+  recording.pose_every = options_.record.every;
+  recording.duration_s = options_.run.duration_s.value_or(0);
+  recording.version = kVersion;
+  recording.command = options_.command_line;
+  if (options_.record.stop_on_failure) recording.on_failure = [this] { shutdown_.Request(); };
+  return recording;
+}
+
+ReplayServices Daemon::replay_services() {
+  return {clock_, logger_, pool_, ControllersOf(options_), models_.path()};
+}
+
+}  // namespace coopdyn

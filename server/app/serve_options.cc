@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/serve_options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "server/record/player.h"
+
+namespace coopdyn {
+
+namespace {
+
+std::string CheckStep(const std::string& text) {
+  double step_s = 0;
+  if (!CLI::detail::lexical_cast(text, step_s)) return "--step takes seconds, e.g. --step 0.01, not " + text;
+  const double step_us = step_s * 1e6;
+  if (!(step_s >= 0.0005 && step_s <= 0.1) || std::abs(step_us - std::round(step_us)) > 1e-6) {
+    return "--step must be from 0.0005 to 0.1 s in whole microseconds, e.g. --step 0.01, not " + text;
+  }
+  return {};
+}
+
+std::string CheckPositive(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !(value > 0) || !std::isfinite(value)) {
+    return "must be a number above 0, not " + text;
+  }
+  return {};
+}
+
+std::string CheckFinite(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
+    return "must be a finite number, not " + text;
+  return {};
+}
+
+std::string CheckSeed(const std::string& text) {
+  const bool digits =
+      !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return digits ? "" : "--seed must be a whole number from 0, not " + text;
+}
+
+std::string CheckToken(const std::string& text) {
+  return text.find_first_of(" \t\r\n") == std::string::npos
+             ? ""
+             : "--token must be one word: hello NAME TOKEN is split at blanks";
+}
+
+std::string CheckPlaySpeed(const std::string& text) {
+  double value = 0;
+  const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+  const bool fits = number && value >= kMinPlaySpeed && value <= kMaxPlaySpeed && value != 0;
+  return fits ? "" : "--speed of a playback lies between -4 (backwards) and 64 and is not 0, not " + text;
+}
+
+/// How the daemon is reached, and what it shows.
+void AddNetwork(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
+  sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
+      ->check(CLI::Range(0, 65000))
+      ->envname("COOPDYN_PORT")
+      ->capture_default_str();
+  sub->add_option("--name-port", raw.name_port, "Another port for the name server")
+      ->check(CLI::Range(0, 65535))
+      ->envname("COOPDYN_NAME_PORT");
+  sub->add_option("--http-port", raw.http_port, "Another port for the page")
+      ->check(CLI::Range(0, 65535))
+      ->envname("COOPDYN_HTTP_PORT");
+  sub->add_option("--host", serve.hosts,
+                  "Address to listen at (default: this machine only); 0.0.0.0: everybody")
+      ->envname("COOPDYN_HOST");
+  sub->add_option("--advertise", serve.advertise, "Address that the name server tells")
+      ->envname("COOPDYN_ADVERTISE");
+  sub->add_option("--token", serve.token, "What changing commands from other machines must show")
+      ->check(CLI::Validator(CheckToken, ""))
+      ->envname("COOPDYN_TOKEN");
+  sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too")
+      ->envname("COOPDYN_PRIVATE");
+  sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT")
+      ->envname("COOPDYN_YARP_SERVER");
+  sub->add_flag("--no-render", serve.no_render, "No pictures")->envname("COOPDYN_NO_RENDER");
+  sub->add_flag("--no-http", serve.no_http, "No page")->envname("COOPDYN_NO_HTTP");
+  sub->add_option("--render-fps", serve.render_fps, "Pictures per second of the live view")
+      ->check(CLI::Range(0.1, 60.0))
+      ->envname("COOPDYN_RENDER_FPS")
+      ->capture_default_str();
+  sub->add_option("--renderer", serve.renderer, "auto, osmesa or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->envname("COOPDYN_RENDERER")
+      ->capture_default_str();
+  sub->add_option("--robot-threads", raw.robot_threads,
+                  "Threads for the robots' connections (default: one each on many cores, else 1 or 2)")
+      ->check(CLI::Range(1, 10000))
+      ->envname("COOPDYN_ROBOT_THREADS");
+  sub->add_option("--spin", raw.spin_us, "Poll this many microseconds before sleeping")
+      ->check(CLI::Range(0, 1000000))
+      ->envname("COOPDYN_SPIN");
+  sub->add_option("--log-level", serve.log_level, "debug, info, warning, error or off")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
+      ->envname("COOPDYN_LOG_LEVEL")
+      ->capture_default_str();
+  sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
+}
+
+void AddRecording(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
+  sub->add_option("--record", serve.record.file, "Record the run in this file, e.g. lesson1.run")
+      ->envname("COOPDYN_RECORD");
+  sub->add_option(
+         "--record-what", raw.record_what,
+         "Besides poses and commands: wheels, distances, targets, controllers (with commas), all, or "
+         "poses (default: all up to 50 robots, beyond that poses,controllers)")
+      ->envname("COOPDYN_RECORD_WHAT");
+  sub->add_option("--record-every", raw.record_every_s,
+                  "Poses and readings only so often, s (commands and hashes are recorded with each step)")
+      ->check(CLI::Validator(CheckPositive, ""))
+      ->envname("COOPDYN_RECORD_EVERY");
+  sub->add_flag("--force", serve.record.force,
+                "Overwrite the recording; record though the disk is too small");
+  sub->add_option("--on-record-failure", raw.on_record_failure,
+                  "What to do when the recording fails, e.g. on a full disk: continue or stop")
+      ->check(CLI::IsMember({"continue", "stop"}))
+      ->envname("COOPDYN_ON_RECORD_FAILURE");
+  sub->add_option("--recordings", serve.record.folder, "Folder of recordings that are started later")
+      ->envname("COOPDYN_RECORDINGS")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
+  CLI::App* sub = app.add_subcommand("serve", "Run a scenario and serve its robots");
+  sub->footer("Example: coopdyn serve classroom --mode lockstep --port 10000");
+  sub->add_option("scenario", serve.scenario, "A .scenario or .world file, or a bare name on the search path")
+      ->capture_default_str();
+  sub->add_option("--mode", raw.mode, "realtime, lockstep or free")
+      ->check(CLI::IsMember({"realtime", "lockstep", "free"}))
+      ->envname("COOPDYN_MODE");
+  sub->add_option("--step", raw.step_s, "Step in seconds, 0.0005 to 0.1")
+      ->check(CLI::Validator(CheckStep, ""))
+      ->envname("COOPDYN_STEP");
+  sub->add_option("--speed", raw.speed, "Times the wall clock; 0 or less: no limit")
+      ->check(CLI::Validator(CheckFinite, ""))
+      ->envname("COOPDYN_SPEED");
+  sub->add_option("--seed", raw.seed, "Of noise and solver")
+      ->check(CLI::Validator(CheckSeed, ""))
+      ->envname("COOPDYN_SEED");
+  sub->add_option("--duration", raw.duration_s, "End the run at this simulated time, s")
+      ->check(CLI::Validator(CheckPositive, ""))
+      ->envname("COOPDYN_DURATION");
+  sub->add_flag("--paused", serve.run.paused, "Start paused")->envname("COOPDYN_PAUSED");
+  sub->add_flag("--no-net", serve.no_net, "No sockets at all")->envname("COOPDYN_NO_NET");
+  sub->add_option(
+         "--threads", serve.threads,
+         "Threads that share out sensing, controllers and physics, at most one a core; worth it from some "
+         "hundred robots on; the results stay the same")
+      ->check(CLI::Range(1, 256))
+      ->envname("COOPDYN_THREADS")
+      ->capture_default_str();
+  sub->add_option(
+         "--controllers", raw.controllers,
+         "Where loaded controllers run: child (a process of their own) or in-process (for a debugger)")
+      ->check(CLI::IsMember({"child", "in-process"}))
+      ->envname("COOPDYN_CONTROLLERS");
+  sub->add_option("--summary", serve.summary_file, "Write a summary of the run to this file (JSON)")
+      ->envname("COOPDYN_SUMMARY");
+  sub->add_option("--from", serve.from,
+                  "Go on from a moment of a recording, RUN@SECONDS or RUN@end, instead of a scenario");
+  AddRecording(sub, serve, raw);
+  AddNetwork(sub, serve, raw);
+  sub->set_config("--config", "", "Read options from this file (name=value lines)")
+      ->envname("COOPDYN_CONFIG");
+}
+
+void AddPlay(CLI::App& app, ServeOptions& serve, RawServe& raw) {
+  CLI::App* sub = app.add_subcommand("play", "Play a recording: its robots, pictures and page as in the run");
+  sub->footer("Example: coopdyn play lesson1.run --speed 2 --at 12.5");
+  sub->add_option("run", raw.recording, "A recording, e.g. lesson1.run")->required();
+  sub->add_option("--speed", raw.speed, "Times the wall clock, -4 to 64; below 0: backwards")
+      ->check(CLI::Validator(CheckPlaySpeed, ""));
+  sub->add_option("--at", raw.start_s, "Begin at this simulated time, s")
+      ->check(CLI::Validator(CheckFinite, ""));
+  sub->add_flag("--loop", serve.play.loop, "Begin anew at the end");
+  sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
+  AddNetwork(sub, serve, raw);
+}
+
+void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
+  const auto given = [&sub](const char* name) {
+    const CLI::Option* option = sub.get_option_no_throw(name);
+    return option != nullptr && option->count() > 0;
+  };
+  const bool plays = sub.get_name() == "play";
+  if (plays) {
+    serve.play.file = raw.recording;
+    if (given("--speed")) serve.play.speed = raw.speed;
+    if (given("--at")) serve.play.start = std::llround(raw.start_s * 1e9);
+  }
+  if (given("--record-what")) {
+    std::string unknown;
+    serve.record.what = ParseRecordWhat(raw.record_what, unknown);
+    if (!serve.record.what) {
+      throw CLI::ValidationError("--record-what knows no '" + unknown +
+                                 "': write some of poses,wheels,distances,targets,controllers, or all");
+    }
+  }
+  if (given("--record-every")) serve.record.every = std::llround(raw.record_every_s * 1e9);
+  serve.record.stop_on_failure = raw.on_record_failure == "stop";
+  if (!serve.from.empty() && given("scenario")) {
+    throw CLI::ValidationError("--from takes the scenario out of the recording: leave " + serve.scenario +
+                               " out");
+  }
+  if (given("--mode")) serve.run.mode = ParseMode(raw.mode);
+  serve.controllers_in_process = raw.controllers == "in-process";
+  if (given("--step")) serve.run.step = std::llround(raw.step_s * 1e6) * 1000;
+  if (!plays && given("--speed")) serve.run.speed = raw.speed;
+  if (given("--seed")) serve.run.seed = raw.seed;
+  if (given("--duration")) serve.run.duration_s = raw.duration_s;
+  if (given("--name-port")) serve.name_port = raw.name_port;
+  if (given("--http-port")) serve.http_port = raw.http_port;
+  if (given("--robot-threads")) serve.robot_threads = raw.robot_threads;
+  if (given("--spin")) serve.spin_us = raw.spin_us;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/verify_command.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/app/commands.h"
+#include "server/app/progress_bar.h"
+#include "server/replay/verify.h"
+
+namespace coopdyn {
+
+namespace {
+
+struct Given {
+  std::string run, other;
+  int threads = 1;
+  std::vector<std::string> scenario_folders;
+};
+
+/// Null, and said, if it cannot be opened.
+std::unique_ptr<RunReader> Open(const std::string& file) {
+  std::string error;
+  auto reader = RunReader::Open(file, error);
+  if (reader == nullptr) {
+    std::cerr << "coopdyn: verify: " << error << '\n';
+  } else if (reader->mended()) {
+    std::cerr << file << ": had not been closed; it is mended\n";
+  } else if (reader->growing()) {
+    std::cerr << file << ": is being recorded; verified as far as it is now\n";
+  }
+  return reader;
+}
+
+int RunVerify(const Given& given) {
+  const auto run = Open(given.run);
+  if (run == nullptr) return kExitErrors;
+  const auto other = given.other.empty() ? nullptr : Open(given.other);
+  if (other == nullptr && !given.other.empty()) return kExitErrors;
+
+  const LogBackend log("warn");
+  const SteadyClock clock;
+  WorkerPool pool(given.threads);
+  ControllerOptions controllers;
+  controllers.threads = given.threads;
+  SearchPath path;
+  for (const std::string& folder : DataFolders(given.scenario_folders)) path.folders.emplace_back(folder);
+  const ReplayServices services{clock, log.logger(), pool, controllers, path};
+
+  VerifyReport report;
+  {
+    ProgressBar bar(clock);
+    const Progress progress = [&bar](double share) { bar.Show(share); };
+    report = other == nullptr ? Verify(*run, services, progress) : Compare(*run, *other, services, progress);
+  }
+  if (!report.error.empty()) {
+    std::cerr << "coopdyn: verify: " << ToString(report);
+    return kExitErrors;
+  }
+  std::cout << ToString(report);
+  return report.difference ? kExitErrors : kExitOk;
+}
+
+}  // namespace
+
+void AddVerify(CLI::App& app, std::function<int()>& chosen) {
+  const auto given = std::make_shared<Given>();
+  CLI::App* sub = app.add_subcommand("verify", "Repeat a recorded run and compare it, or two runs");
+  sub->footer(
+      "Prints 'equal, N steps', exit code 0; or the first step, body and value that differ, exit code 1.\n"
+      "With OTHER it compares two recordings: where they part, and by what.\n"
+      "Examples: coopdyn verify lesson1.run\n"
+      "          coopdyn verify monday.run tuesday.run");
+  sub->add_option("run", given->run, "A recorded run, NAME.run")->required();
+  sub->add_option("other", given->other, "Another, to be compared with it");
+  sub->add_option("--threads", given->threads, "Threads of sensing, controllers and physics")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
+  sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names");
+  sub->callback([&chosen, given] { chosen = [given] { return RunVerify(*given); }; });
+}
+
+}  // namespace coopdyn
