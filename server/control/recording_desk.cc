@@ -100,10 +100,11 @@ std::string RecordingDesk::BeginStart() {
   return "a recording is under way: stop ends it";
 }
 
-void RecordingDesk::Set(State state, std::shared_ptr<Recorder> recorder) {
+void RecordingDesk::Set(State state, std::shared_ptr<Recorder> recorder, const fs::path& file) {
   const MutexLock lock(mutex_);
   if (state_ == State::kClosed) return;
   state_ = state;
+  file_ = file;
   recorder_.swap(recorder);
 }
 
@@ -120,14 +121,14 @@ std::string RecordingDesk::StartFile(const std::string& file, bool force) {
   const std::shared_ptr<Recorder> recorder = MakeRecorder(path, force);
   std::string error = CheckFile(*recorder, path, force);
   if (!error.empty()) {
-    Set(State::kIdle, nullptr);
+    Set(State::kIdle);
     return error;
   }
-  Set(State::kRecording, recorder);
-  edits_.Push({edit::SetJournal{recorder.get()}, [this, recorder](const EditResult& result) {
+  Set(State::kRecording, recorder, path);
+  edits_.Push({edit::SetJournal{recorder.get()}, [this, recorder, path](const EditResult& result) {
                  if (result.error == Error::kOk) return;
-                 logger_->error("{} is not recorded: {}", recorder->status().file, result.text);
-                 Set(State::kIdle, nullptr);
+                 logger_->error("{} is not recorded: {}", path.string(), result.text);
+                 Set(State::kIdle);
                }});
   return {};
 }
@@ -162,17 +163,21 @@ void RecordingDesk::Start(const std::string& name, Done done) {
     error = CheckFile(*recorder, path, false);
   }
   if (!error.empty()) {
-    Set(State::kIdle, nullptr);
+    Set(State::kIdle);
     return done(Refusal(Error::kNotPossible, std::move(error)));
   }
   RunJournal* const journal = recorder.get();
   edits_.Push({edit::SetJournal{journal},
-               [this, recorder = std::move(recorder), file_name, done](const EditResult& result) {
+               [this, recorder = std::move(recorder), path, done](const EditResult& result) {
                  const bool good = result.error == Error::kOk;
-                 Set(good ? State::kRecording : State::kIdle, good ? recorder : nullptr);
+                 if (good) {
+                   Set(State::kRecording, recorder, path);
+                 } else {
+                   Set(State::kIdle);
+                 }
                  // It may have failed by now.
                  if (std::shared_ptr<Recorder> broken = TakeToStop(true)) PutAway(std::move(broken), nullptr);
-                 done({result.error, good ? file_name : result.text, true, result.frame});
+                 done({result.error, good ? path.filename().string() : result.text, true, result.frame});
                }});
 }
 
@@ -191,7 +196,7 @@ void RecordingDesk::PutAway(std::shared_ptr<Recorder> recorder, Done done) {
                  thread_.Post([this, recorder, done, frame = result.frame] {
                    recorder->Close();
                    const fs::path file = recorder->status().file;
-                   Set(State::kIdle, nullptr);
+                   Set(State::kIdle);
                    logger_->info("recorded {}", file.string());
                    if (!done) return;
                    done({Error::kOk, file.filename().string(), SameFolder(file, options_.folder), frame});
@@ -218,10 +223,8 @@ void RecordingDesk::Note(const std::string& text, Done done) {
 
 void RecordingDesk::Fail(const std::string& text) {
   failed_ = true;
-  const std::string said = "the recording ended: " + text;
-  logger_->error("{}", said);
   const FramePtr frame = frames_.Latest();
-  run_.AddEvent({frame == nullptr ? 0 : frame->step, frame == nullptr ? 0 : frame->time_s(), "error", said});
+  run_.AddEvent({frame == nullptr ? 0 : frame->step, frame == nullptr ? 0 : frame->time_s(), "error", text});
   {
     const MutexLock lock(mutex_);
     broken_ = true;
@@ -243,18 +246,20 @@ void RecordingDesk::Close() {
   thread_.Stop();
 }
 
-std::shared_ptr<Recorder> RecordingDesk::recorder() const {
-  const MutexLock lock(mutex_);
-  return recorder_;
-}
-
 RecordingStatus RecordingDesk::status() const {
   RecordingStatus status;
-  if (const std::shared_ptr<Recorder> present = recorder()) {
-    status.recording = true;
-    status.file = present->status();
-    status.name = fs::path(status.file.file).filename().string();
+  std::shared_ptr<Recorder> present;
+  fs::path file;
+  {
+    const MutexLock lock(mutex_);
+    present = recorder_;
+    file = file_;
   }
+  if (present == nullptr) return status;
+  status.recording = true;
+  status.file = present->status();
+  if (status.file.file.empty()) status.file.file = file.string();  // it is about to be made
+  status.name = fs::path(status.file.file).filename().string();
   return status;
 }
 

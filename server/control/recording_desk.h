@@ -89,7 +89,8 @@ class RecordingDesk {
   /// Takes the right to start; an error text, empty if taken.
   std::string BeginStart() EXCLUDES(mutex_);
   /// Nothing after Close().
-  void Set(State state, std::shared_ptr<Recorder> recorder) EXCLUDES(mutex_);
+  void Set(State state, std::shared_ptr<Recorder> recorder = nullptr, const std::filesystem::path& file = {})
+      EXCLUDES(mutex_);
   /// The recorder, if one is recording, for PutAway(); `if_broken`: and only if it has failed. Else null.
   std::shared_ptr<Recorder> TakeToStop(bool if_broken) EXCLUDES(mutex_);
   /// An error text if `recorder` cannot write; says in the log how much it will.
@@ -98,7 +99,6 @@ class RecordingDesk {
   /// Takes the journal away from the stepping thread, then closes it on the desk's.
   void PutAway(std::shared_ptr<Recorder> recorder, Done done);
   void Fail(const std::string& text) EXCLUDES(mutex_);
-  std::shared_ptr<Recorder> recorder() const EXCLUDES(mutex_);
 
   const RecordingOptions options_;
   EditQueue& edits_;
@@ -111,6 +111,7 @@ class RecordingDesk {
   State state_ GUARDED_BY(mutex_) = State::kIdle;
   bool broken_ GUARDED_BY(mutex_) = false;                 // the present recorder has failed
   std::shared_ptr<Recorder> recorder_ GUARDED_BY(mutex_);  // while recording or stopping
+  std::filesystem::path file_ GUARDED_BY(mutex_);          // its first file
   IoThread thread_;                                        // last: what it runs uses the rest
 };
 

@@ -4,6 +4,7 @@ import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
 import {byId, say, setText} from './dom.js';
+import {Record} from './record.js';
 import {Robots} from './robots.js';
 import {Strip} from './strip.js';
 import {keepToken, rememberedToken} from './token.js';
@@ -12,6 +13,7 @@ import {View} from './view.js';
 const connection = new Connection(rememberedToken());
 const strip = new Strip();
 const controls = new Controls(connection);
+const record = new Record(connection);
 const robots = new Robots(connection);
 const lines = new Console(connection);
 new View(connection);
@@ -35,6 +37,7 @@ let lastRefresh = 0;
 connection.addEventListener('status', ({detail: status}) => {
   strip.update(status);
   controls.update(status);
+  record.update(status);
   const unknown = robots.update(status);
   const now = performance.now();
   if (status && (status.scenario !== scenario || (unknown && now - lastRefresh > 2000))) {

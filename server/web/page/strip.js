@@ -28,6 +28,14 @@ export function waitingText(status) {
   return `waiting for ${names}${others}${same ? ` (${first[0].why})` : ''}, ${showNumber(seconds, 1)} s`;
 }
 
+/** "of lesson1.run, 0.00 to 60.00 s, × −2"; empty in a live run. */
+export function playbackText(playback) {
+  if (!playback) return '';
+  const ends = `${showNumber(playback.begin_s, 2)} to ${showNumber(playback.end_s, 2)} s`;
+  const speed = playback.speed === 1 ? '' : `, × ${showNumber(playback.speed, 2)}`;
+  return `of ${playback.file}, ${ends}${playback.growing ? ' and growing' : ''}${speed}${playback.loop ? ', loop' : ''}`;
+}
+
 export class Strip {
   #lastEvents = '';
 
@@ -40,6 +48,7 @@ export class Strip {
     setText(byId('rtf'), status ? `× ${showNumber(status.rtf, 2)}` : '');
     byId('rtf').title = 'real-time factor: simulated seconds per second';
     setText(byId('scenario-name'), status?.scenario ?? '');
+    setText(byId('playback'), playbackText(status?.playback));
     const frozen = status?.frozen ?? [];
     const warning = frozen.length > 0 ? `frozen: ${frozen.join(', ')}` : '';
     const lines = status ? [waitingText(status), warning].filter(Boolean).join(' · ') : '';
