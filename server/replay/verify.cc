@@ -219,7 +219,7 @@ class Verifier {
       return keyframe || !visible;
     });
     if (equal_again) {
-      note += fmt::format("{}step {} is equal again: this one's hash is damaged, or something else of it",
+      note += fmt::format("{}step {} is equal again: a set-point that had no effect is damaged, or this hash",
                           note.empty() ? "" : "; ", run_.frame()->step);
       return std::nullopt;
     }
@@ -271,7 +271,8 @@ std::string ToString(const VerifyReport& report) {
       text += fmt::format("  at step {}, where it shows first\n", difference.value_step);
     }
     if (!difference.note.empty()) text += "  " + difference.note + "\n";
-    text += fmt::format("{} step{} before it equal", report.steps, report.steps == 1 ? " is" : "s are");
+    text += fmt::format("{} step{} before it {} equal", report.steps, report.steps == 1 ? "" : "s",
+                        report.steps == 1 ? "is" : "are");
   } else {
     text = fmt::format("equal, {} step{}", report.steps, report.steps == 1 ? "" : "s");
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/record/pose_codec.h"
+#include "server/record/run_tables.h"
 
 namespace coopdyn {
 
@@ -84,13 +85,16 @@ std::optional<Difference> FindBody(const Frame& recorded, const Frame& repeated)
   for (std::size_t i = 0; i < recorded.bodies.size(); ++i) {
     const BodyState &a = recorded.bodies[i], &b = repeated.bodies[i];
     const std::vector<Field> ours = FieldsOf(a), theirs = FieldsOf(b);
-    Difference difference = DifferenceAt(repeated, BodyName(*repeated.scene, i), "sleep_counter");
-    for (std::size_t k = 0; k < ours.size(); ++k) {
+    Difference difference = DifferenceAt(repeated, "", "sleep_counter");
+    bool differs = Differs(a.sleep_counter, b.sleep_counter, difference);
+    for (std::size_t k = ours.size(); k-- > 0;) {  // the first one last
       if (!Differs(ours[k].value, theirs[k].value, difference)) continue;
       difference.field = ours[k].name;
-      return difference;
+      differs = true;
     }
-    if (Differs(a.sleep_counter, b.sleep_counter, difference)) return difference;
+    if (!differs) continue;
+    difference.what = BodyNames(*repeated.scene)[i];
+    return difference;
   }
   return std::nullopt;
 }
@@ -155,19 +159,6 @@ std::optional<Difference> FindMessage(std::span<const SentMessage> recorded,
 
 }  // namespace
 
-std::string BodyName(const Scene& scene, std::size_t body) {
-  const int place = static_cast<int>(body);
-  for (const SceneRobot& robot : scene.robots) {
-    if (place < robot.first_body || place >= robot.first_body + robot.body_count) continue;
-    const std::size_t link = body - static_cast<std::size_t>(robot.first_body);
-    return robot.entry.name + "." + robot.entry.model->links[link].name;
-  }
-  for (const SceneObject& object : scene.objects) {
-    if (object.body == place) return object.object.name;
-  }
-  return "body " + std::to_string(body);
-}
-
 Difference DifferenceAt(const Frame& frame, std::string what, std::string field) {
   Difference difference;
   difference.step = difference.value_step = frame.step;
@@ -221,7 +212,7 @@ std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Fr
       const double told = place ? recorded[i].p_WB[static_cast<Eigen::Index>(k)] : turn[k - 3];
       const double rounding = place ? 0.501 * unit_m : kTurnRounding;
       if (std::abs(told - fields[k].value) <= rounding) continue;
-      Difference difference = DifferenceAt(repeated, BodyName(*repeated.scene, i), fields[k].name);
+      Difference difference = DifferenceAt(repeated, BodyNames(*repeated.scene)[i], fields[k].name);
       difference.recorded = place ? fmt::format("{:.6f}", told) : fmt::format("{:.7f}", told);
       difference.repeated = Exact(fields[k].value);
       return difference;

@@ -12,9 +12,6 @@
 
 namespace coopdyn {
 
-/// As table `body` of a recording calls it: robot1.chassis, BOX_1.
-std::string BodyName(const Scene& scene, std::size_t body);
-
 /// A difference at the step of `frame`, with values of it.
 Difference DifferenceAt(const Frame& frame, std::string what, std::string field);
 

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: MIT
+#include "server/replay/verify.h"
+
+#include <gmock/gmock.h>
+
+#include "server/record/bytes.h"
+#include "tests/server/replay/replay_fixture.h"
+
+namespace coopdyn {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// Two coopbots that meet, and a crate in between.
+const char* const kLesson =
+    "[CRATE_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.8 0\nmass 2\n"
+    "[ROBOT_1]\ntype coopbot\nname robot1\nposition 0 0\n"
+    "[ROBOT_2]\ntype coopbot\nname robot2\nposition 1.6 0\norientation 180deg\n";
+
+class VerifyTest : public ::testing::Test {
+ protected:
+  std::string File(const std::string& name = "lesson1.run") const { return folder_.File(name); }
+
+  static VerifyReport Repeat(const std::string& file, int threads = 1) {
+    std::string error;
+    const auto reader = RunReader::Open(file, error);
+    EXPECT_NE(reader, nullptr) << error;
+    const Repeating repeating(threads);
+    return Verify(*reader, repeating.services, nullptr);
+  }
+  static void ExpectEqual(const std::string& file, std::uint64_t steps) {
+    const VerifyReport report = Repeat(file);
+    EXPECT_EQ(ToString(report), "equal, " + std::to_string(steps) + " steps\n");
+  }
+  static VerifyReport Against(const std::string& one, const std::string& other) {
+    std::string error;
+    const auto first = RunReader::Open(one, error), second = RunReader::Open(other, error);
+    EXPECT_TRUE(first != nullptr && second != nullptr) << error;
+    const Repeating repeating;
+    return Compare(*first, *second, repeating.services, nullptr);
+  }
+
+  /// 120 steps with commands that change irregularly.
+  void Drive(LiveRun& run, int steps = 120) {
+    for (int k = 0; k < steps; ++k) {
+      if (k % 7 == 0) run.Command("robot1", 3 + 0.1 * k, 3);
+      if (k % 11 == 3) run.Command("robot2", 2, 2 - 0.05 * k);
+      run.Step();
+    }
+  }
+  void MakeLesson(const std::string& file) {
+    LiveRun run(file, kLesson);
+    Drive(run);
+  }
+
+  RunFolder folder_;
+};
+
+class VerifyFidelityTest : public VerifyTest, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(VerifyFidelityTest, ARunWithIrregularCommandsIsEqual) {
+  {
+    LiveRun run(File(), std::string(kLesson) +
+                            "[SWARM_1]\ntype minibot\nname m\ncount 12\narea 0 3 2 2\nfidelity " +
+                            GetParam() + "\n");
+    for (int k = 0; k < 120; ++k) {
+      if (k % 7 == 0) run.Command("robot1", 3 + 0.1 * k, 3);
+      if (k % 3 == 0) run.Command("m_" + std::to_string(1 + k % 12), 5, 4 - 0.01 * k);
+      run.Step();
+    }
+  }
+  ExpectEqual(File(), 120);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VerifyFidelityTest, ::testing::Values("full", "rolling", "planar"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST_F(VerifyTest, AStepThatChangesInTheMiddleIsEqual) {
+  {
+    LiveRun run(File(), kLesson);
+    Drive(run, 30);
+    run.Apply(edit::SetStep{25'000'000});
+    Drive(run, 30);
+    run.Apply(edit::SetStep{2'000'000});
+    Drive(run, 30);
+  }
+  ExpectEqual(File(), 90);
+}
+
+TEST_F(VerifyTest, StopAllAndChangesOfModeAreEqual) {
+  {
+    LiveRun run(File(), kLesson);
+    Drive(run, 30);
+    run.Apply(edit::StopAll{});
+    run.Step(10);
+    run.Apply(edit::SetMode{Mode::kRealtime});
+    Drive(run, 20);
+  }
+  ExpectEqual(File(), 60);
+}
+
+TEST_F(VerifyTest, ARecordingThatBeginsLaterIsEqual) {
+  {
+    LiveRun run(File("start.run"), kLesson);
+    Drive(run, 40);
+    const EditResult saved = run.Apply(edit::Save{});
+    ASSERT_NE(saved.saved, nullptr);
+    run.End();
+    LiveRun later(File("later.run"), saved.saved);
+    EXPECT_EQ(later.frame()->step, 40u);
+    later.Step(60);  // with the set-points that are in force
+  }
+  ExpectEqual(File("later.run"), 60);
+}
+
+TEST_F(VerifyTest, AnotherNumberOfThreadsIsEqual) {
+  {
+    LiveRun run(File(), "[SWARM_1]\ntype minibot\nname m\ncount 60\narea 0 0 3 3\nfidelity rolling\n");
+    for (int k = 0; k < 60; ++k) {
+      run.Command("m_" + std::to_string(1 + k % 60), 5, 4 - 0.01 * k);
+      run.Step();
+    }
+  }
+  EXPECT_EQ(ToString(Repeat(File(), 2)), "equal, 60 steps\n");
+}
+
+TEST_F(VerifyTest, ProgressGrowsToTheEnd) {
+  MakeLesson(File());
+  std::string error;
+  const auto reader = RunReader::Open(File(), error);
+  const Repeating repeating;
+  std::vector<double> shares;
+  Verify(*reader, repeating.services, [&](double share) { shares.push_back(share); });
+  EXPECT_GT(shares.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1);
+}
+
+// --- what is wrong with a file is named
+
+TEST_F(VerifyTest, ABitOfACommandIsNamedByItsStep) {
+  MakeLesson(File());
+  // robot1 gets a command with step 22 (k = 21): its left wheel's lowest bit, which moves nothing by 1 µm.
+  Tamper(File()).FlipCommand(22, 32);
+  const VerifyReport report = Repeat(File());
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 22u);
+  EXPECT_EQ(report.steps, 21u);
+  EXPECT_TRUE(report.difference->exact);
+  EXPECT_EQ(report.difference->value_step, 50u) << ToString(report);  // the next exact state
+  EXPECT_THAT(report.difference->note, HasSubstr("robot1 (5.1"));
+  EXPECT_NE(report.difference->recorded, report.difference->repeated);
+  EXPECT_EQ(ToString(report), "differs from step 22 on, t = 0.22 s: " + report.difference->what + " " +
+                                  report.difference->field + "\n  recorded  " + report.difference->recorded +
+                                  "\n  repeated  " + report.difference->repeated +
+                                  "\n  at step 50, where it shows first\n  " + report.difference->note +
+                                  "\n21 steps before it are equal\n");
+}
+
+TEST_F(VerifyTest, EveryBitOfACommandsNumbersMatters) {
+  MakeLesson(File());
+  for (const std::size_t bit : {32u, 50u, 84u, 95u, 96u, 120u, 148u, 159u}) {
+    {
+      Tamper tamper(File());
+      tamper.FlipCommand(29, bit);  // robot1 and its k = 28
+    }
+    const VerifyReport report = Repeat(File());
+    // Some bits make a number that no speed can be.
+    const bool named =
+        report.difference ? report.difference->step == 29 : report.error.find("step 29") != std::string::npos;
+    EXPECT_TRUE(named) << "bit " << bit << ": " << ToString(report);
+    Tamper tamper(File());
+    tamper.FlipCommand(29, bit);
+  }
+  ExpectEqual(File(), 120);
+}
+
+TEST_F(VerifyTest, ACommandThatMovesARobotElsewhereIsNamedByItsPose) {
+  MakeLesson(File());
+  Tamper(File()).FlipCommand(78, 32 + 63);  // backwards
+  const VerifyReport report = Repeat(File());
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 78u);
+  EXPECT_EQ(report.difference->value_step, 78u);
+  EXPECT_THAT(report.difference->what, StartsWith("robot1."));
+  EXPECT_FALSE(report.difference->exact);
+}
+
+TEST_F(VerifyTest, ABitOfAHashIsNamed) {
+  MakeLesson(File());
+  Tamper(File()).Run("UPDATE step SET hash = hash + 1 WHERE step = 60");
+  const VerifyReport report = Repeat(File());
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 60u);
+  EXPECT_EQ(report.difference->field, "hash");
+  EXPECT_THAT(report.difference->note, HasSubstr("step 61 is equal again"));
+}
+
+TEST_F(VerifyTest, ABitOfALaterKeyframeIsNamed) {
+  MakeLesson(File());
+  // Past the head, in the middle of the first body's position.
+  Tamper(File()).FlipBit("SELECT state FROM keyframe WHERE step = 50",
+                         "UPDATE keyframe SET state = ?1 WHERE step = 50", 8 * 63);
+  const VerifyReport report = Repeat(File());
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 50u);
+  EXPECT_EQ(report.difference->what, "CRATE_1");
+  EXPECT_EQ(report.difference->field, "x_m");
+  EXPECT_EQ(report.steps, 49u);
+}
+
+TEST_F(VerifyTest, ABitOfTheFirstKeyframeIsNamed) {
+  MakeLesson(File());
+  Tamper(File()).FlipBit("SELECT state FROM keyframe WHERE step = 0",
+                         "UPDATE keyframe SET state = ?1 WHERE step = 0", 8 * 63);
+  const VerifyReport report = Repeat(File());
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 0u);
+  EXPECT_EQ(report.steps, 0u);
+}
+
+TEST_F(VerifyTest, AStepThatTookNoTimeIsDamage) {
+  MakeLesson(File());
+  Tamper(File()).Run("UPDATE step SET time_ns = time_ns - 10000000 WHERE step = 33");
+  EXPECT_THAT(Repeat(File()).error, HasSubstr("step 33 is damaged"));
+}
+
+TEST_F(VerifyTest, LostStepsAreCountedAndItGoesOnFromTheNextKeyframe) {
+  MakeLesson(File());
+  Tamper(File()).Run("DELETE FROM step WHERE step BETWEEN 31 AND 49");
+  const VerifyReport report = Repeat(File());
+  EXPECT_FALSE(report.difference) << ToString(report);
+  EXPECT_EQ(report.not_verified, 19u);
+  EXPECT_EQ(report.steps, 101u);
+  EXPECT_EQ(ToString(report), "equal, 101 steps; 19 lost steps could not be verified\n");
+}
+
+TEST_F(VerifyTest, StepsAfterAGapWithoutKeyframeAreNotVerified) {
+  MakeLesson(File());
+  Tamper(File()).Run("DELETE FROM step WHERE step = 110");
+  const VerifyReport report = Repeat(File());
+  EXPECT_EQ(report.error, "");
+  EXPECT_EQ(report.steps, 109u);
+  EXPECT_EQ(report.not_verified, 11u);
+}
+
+TEST_F(VerifyTest, AnotherBuildAndProcessorAreSaid) {
+  MakeLesson(File());
+  Tamper(File()).Run(
+      "UPDATE meta SET value = '0123456789abcdef' WHERE key = 'build';"
+      "UPDATE meta SET value = 'Abacus' WHERE key = 'cpu'");
+  const VerifyReport report = Repeat(File());
+  EXPECT_FALSE(report.difference);
+  EXPECT_EQ(report.warning, File() +
+                                " was made by another build (version test, 0123456789abcdef) on another "
+                                "processor (Abacus): equal bits are not promised");
+}
+
+// --- two runs
+
+TEST_F(VerifyTest, RunsWithTheSameInputsAreEqual) {
+  MakeLesson(File("a.run"));
+  MakeLesson(File("b.run"));
+  EXPECT_EQ(ToString(Against(File("a.run"), File("b.run"))), "equal, 120 steps\n");
+}
+
+TEST_F(VerifyTest, ALongerRunIsSaid) {
+  MakeLesson(File("a.run"));
+  {
+    LiveRun run(File("b.run"), kLesson);
+    Drive(run, 80);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  EXPECT_EQ(report.steps, 80u);
+  EXPECT_THAT(report.warning, HasSubstr("a.run has steps 0 to 120"));
+}
+
+TEST_F(VerifyTest, TwoRunsPartAtACommandWithBothExactValues) {
+  MakeLesson(File("a.run"));
+  {
+    LiveRun run(File("b.run"), kLesson);
+    Drive(run, 78);
+    run.Command("robot2", 1.5, 2.25);
+    run.Step(40);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 79u);
+  EXPECT_EQ(report.steps, 78u);
+  EXPECT_EQ(report.difference->what, "robot2");
+  EXPECT_EQ(report.difference->field, "setpoint_left_rad_s");
+  EXPECT_EQ(report.difference->recorded, "2");
+  EXPECT_EQ(report.difference->repeated, "1.5");
+  EXPECT_EQ(report.difference->recorded_is, File("a.run"));
+  EXPECT_TRUE(report.difference->exact);
+  EXPECT_THAT(report.difference->note,
+              HasSubstr("b.run: set-points that came in force with step 79: robot2"));
+}
+
+TEST_F(VerifyTest, TwoRunsThatBeginDifferentlyPartAtTheFirstBody) {
+  MakeLesson(File("a.run"));
+  std::string moved = kLesson;
+  moved.replace(moved.find("position 0.8 0"), 14, "position 0.8 1");
+  {
+    LiveRun run(File("b.run"), moved);
+    run.Step(10);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 0u);
+  EXPECT_EQ(report.difference->what, "CRATE_1");
+  EXPECT_EQ(report.difference->field, "y_m");
+  EXPECT_EQ(report.difference->recorded, "0");
+  EXPECT_EQ(report.difference->repeated, "1");
+  EXPECT_THAT(report.warning, HasSubstr("their scenarios differ"));
+}
+
+TEST_F(VerifyTest, RunsOfDifferentThingsAreSaidToBe) {
+  MakeLesson(File("a.run"));
+  {
+    LiveRun run(File("b.run"), "[ROBOT_1]\ntype coopbot\nname robot1\nposition 0 0\n");
+    run.Step(10);
+  }
+  EXPECT_THAT(Against(File("a.run"), File("b.run")).error, HasSubstr("are different runs from the start on"));
+}
+
+TEST_F(VerifyTest, RunsWithoutCommonStepsAreSaid) {
+  {
+    LiveRun run(File("a.run"), kLesson);
+    run.Step(10);
+    const SavedStatePtr state = run.Apply(edit::Save{}).saved;
+    run.End();
+    LiveRun later(File("b.run"), state);
+    later.Step(30);
+    const SavedStatePtr last = later.Apply(edit::Save{}).saved;
+    later.End();
+    LiveRun last_run(File("c.run"), last);
+    last_run.Step(5);
+  }
+  EXPECT_THAT(Against(File("a.run"), File("c.run")).error, HasSubstr("no step in common"));
+}
+
+}  // namespace
+}  // namespace coopdyn
