@@ -136,7 +136,7 @@ void Session::OpenMotors(Link& link) {
       }
     }
     if (!link.attached.empty()) motors.Request(command::kAttach, {}, {}, Join(link.attached, " "));
-    Note(motors.Request(command::kGetTime));
+    if (watch_ || link.unclaimed) Note(motors.Request(command::kGetTime));
   } catch (...) {
     motors.Close();
     throw;
@@ -154,6 +154,7 @@ void Session::Claim(Link& link) {
                             "connect with watch = true");
   }
   link.unclaimed = false;
+  Note(link.motors->Request(command::kGetTime));  // a branch may have brought another mode
 }
 
 void Session::Settle(Link& link) {
@@ -285,6 +286,7 @@ void Session::StartedAnew() {
 
 void Session::Jumped() {
   StartedAnew();
+  Control(command::kGetTime);  // tells the mode
   const std::vector<std::string> names = RobotNames();
   const std::set<std::string> here(names.begin(), names.end());
   const auto is_here = [&](const std::string& name) { return here.contains(name); };

@@ -1202,7 +1202,8 @@ class _Session:
                         raise
             if link.attached:
                 link.motors.request(_ATTACH, text=" ".join(link.attached))
-            self.note(link.motors.request(_GET_TIME))
+            if self.watch or link.unclaimed:
+                self.note(link.motors.request(_GET_TIME))
         except BaseException:
             link.motors.close()
             raise
@@ -1217,6 +1218,7 @@ class _Session:
                 raise Error(6, f"{link.robot} {_owned_text(e.text)}") from None
             raise
         link.unclaimed = False
+        self.note(link.motors.request(_GET_TIME))  # a branch may have brought another mode
 
     def settle(self, link: _Link) -> None:
         """Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue."""
@@ -2235,6 +2237,7 @@ class Simulation:
         """The world goes on from another state, which may be of another scenario."""
         session = self._session
         session.started_anew()
+        session.control(_GET_TIME)  # tells the mode
         here = set(self.robots())
         if any(link.robot not in here for link in session.links) or any(set(team.names) - here for team in session.teams):
             self._loaded()
@@ -2465,8 +2468,8 @@ class Run:
     """
 
     def __init__(self, file: Union[str, "os.PathLike[str]"]) -> None:
-        self.file = os.fspath(file)
-        self._db = _open_run(self.file)
+        self._file = os.fspath(file)
+        self._db = _open_run(self._file)
         with self._reading():
             self._last = self._db.execute("SELECT max(step) FROM step WHERE poses IS NOT NULL").fetchone()[0]
             if self._last is None:
@@ -2484,6 +2487,11 @@ class Run:
         db = getattr(self, "_db", None)
         if db is not None:
             db.close()
+
+    @property
+    def file(self) -> str:
+        """Its name."""
+        return self._file
 
     @property
     def info(self) -> Dict[str, Any]:

@@ -16,17 +16,25 @@ READY_TIMEOUT_S = 60
 
 
 class Daemon:
-    """`with Daemon("classroom", "--mode", "lockstep") as d:` – a shipped scenario, or the text of one."""
+    """`with Daemon("classroom", "--mode", "lockstep") as d:` – a shipped scenario, the text of one, or a recording (a path
+    to NAME.run), which is played. Recordings are made in `recordings`."""
 
     def __init__(self, scenario: str, *options: str) -> None:
         self.folder = tempfile.TemporaryDirectory()
-        if "\n" in scenario:
+        self.recordings = pathlib.Path(self.folder.name) / "runs"
+        self.recordings.mkdir()
+        verb = "play" if scenario.endswith(".run") else "serve"
+        if verb == "play":
+            path = pathlib.Path(scenario)
+        elif "\n" in scenario:
             path = pathlib.Path(self.folder.name) / "test.scenario"
             path.write_text(scenario, encoding="utf-8")
         else:
             path = ROOT / "scenarios" / f"{scenario}.scenario"
         self.log = open(pathlib.Path(self.folder.name) / "log", "w+", encoding="utf-8")
-        self.process = subprocess.Popen([os.environ["COOPDYN_BINARY"], "serve", str(path), "--port", "0", *options],
+        if verb == "serve":
+            options += ("--recordings", str(self.recordings))
+        self.process = subprocess.Popen([os.environ["COOPDYN_BINARY"], verb, str(path), "--port", "0", *options],
                                         stdout=subprocess.PIPE, stderr=self.log, text=True)
         assert self.process.stdout is not None
         readable, _, _ = select.select([self.process.stdout], [], [], READY_TIMEOUT_S)

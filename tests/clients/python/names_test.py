@@ -9,15 +9,18 @@ import coopdyn
 
 MATLAB = harness.ROOT / "clients" / "matlab" / "+coopdyn"
 CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
-CPP_TEAM = CPP_HEADER.parent / "team.h"
+CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "recordings.h", "run_file.h")]
 
 SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
-    set_speed set_participants status hash waiting snapshot describe modules call close""".split())
+    set_speed set_participants release_robot status hash waiting snapshot describe modules call close
+    save_state restore_state saved_states record stop_recording note recording recordings fetch_run
+    playback seek play set_play_speed skip set_loop branch""".split())
 ROBOT = set("""name set_velocity set_wheel_speeds stop get_pose get_pose_3d get_distances get_geometry get_targets
     get_target get_robots get_neighbours get_messages send_message get_wheels get_limits sense subscribe next call""".split())
 TEAM = set("n names ids step step_wheels read select stop release close".split())
+RUN = set("file info scenario names time steps hash pose pose_3d reading commands events".split())
 READINGS = set("pose distances targets neighbours wheels".split())
-FUNCTIONS = {"connect", "doctor"}
+FUNCTIONS = {"connect", "doctor", "read_run"}
 
 
 def python_names(cls):
@@ -25,11 +28,15 @@ def python_names(cls):
 
 
 def matlab_names(name):
-    """Public methods and properties of a classdef file."""
-    text = (MATLAB / f"{name}.m").read_text(encoding="utf-8")
-    names = set()
+    """Public methods and properties of a classdef file, and of what it inherits from."""
+    path = MATLAB / f"{name}.m"
+    if not path.exists():
+        path = MATLAB / "+internal" / f"{name}.m"
+    text = path.read_text(encoding="utf-8")
+    inherits = re.search(r"^classdef \w+ < coopdyn\.internal\.(\w+)$", text, re.M)
+    names = matlab_names(inherits.group(1)) if inherits else set()
     for kind, access, body in re.findall(r"^  (methods|properties)( \([^)]*\))?\n(.*?)^  end$", text, re.M | re.S):
-        if "Access = private" in access and "SetAccess" not in access:
+        if re.search(r"(?<!Set)Access = (private|protected)", access):
             continue
         if kind == "properties":
             names |= set(re.findall(r"^    (\w+)", body, re.M))
@@ -40,7 +47,7 @@ def matlab_names(name):
 
 
 def cpp_class(name):
-    text = "".join(path.read_text(encoding="utf-8") for path in (CPP_HEADER, CPP_TEAM))
+    text = "".join(path.read_text(encoding="utf-8") for path in CPP_HEADERS)
     return re.search(rf"^(?:class|struct) {name} {{\n(.*?)^}};$", text, re.M | re.S).group(1)
 
 
@@ -81,6 +88,28 @@ class NamesTest(unittest.TestCase):
         self.assertEqual(matlab_names("Team"), TEAM)
         self.assertEqual(cpp_names("Team"), TEAM)
 
+    def test_runs_have_the_same_calls(self):
+        self.assertEqual(python_names(coopdyn.Run), RUN)
+        self.assertEqual(matlab_names("Run"), RUN)
+        self.assertEqual(cpp_names("Run"), RUN)
+
+    def test_runs_have_the_same_readings(self):
+        matlab = re.search(r"known = {(.*?)}", (MATLAB / "Run.m").read_text(encoding="utf-8")).group(1)
+        cpp = (CPP_HEADER.parent / "run_file.cc").read_text(encoding="utf-8")
+        listed = re.search(r"kReadings = {(.*?)}", cpp).group(1)
+        self.assertEqual(tuple(re.findall(r"'(\w+)'", matlab)), coopdyn._RUN_READINGS)
+        self.assertEqual(tuple(re.findall(r'"(\w+)"', listed)), coopdyn._RUN_READINGS)
+
+    def test_what_is_told_of_runs_has_the_same_fields(self):
+        matlab = "".join((MATLAB / name).read_text(encoding="utf-8") for name in ("+internal/RunCalls.m", "Run.m"))
+        structs = [set(re.findall(r"'(\w+)', ", body)) for body in re.findall(r" = struct\((.*?)\);", matlab, re.S)]
+        for name in ("Recording", "RunFile", "Playback", "SavedState", "Event"):
+            with self.subTest(name):
+                fields = set(getattr(coopdyn, name)._fields)
+                self.assertEqual(cpp_fields(name), fields)
+                self.assertIn(fields, structs)
+        self.assertEqual(cpp_fields("Recorded"), set(coopdyn.Recorded._fields))
+
     def test_teams_have_the_same_readings(self):
         self.assertEqual(set(coopdyn._READINGS), READINGS)
         self.assertEqual(set(coopdyn.TeamReading.__annotations__), READINGS | {"time", "step", "text"})
@@ -92,9 +121,9 @@ class NamesTest(unittest.TestCase):
         functions = {n for n, f in inspect.getmembers(coopdyn, inspect.isfunction)
                      if not n.startswith("_") and f.__module__ == "coopdyn"}
         self.assertEqual(functions - {"encode", "decode"}, FUNCTIONS)
-        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot", "Team"}, FUNCTIONS)
-        header = CPP_HEADER.read_text(encoding="utf-8")
-        self.assertEqual(set(re.findall(r"^(?:Simulation|bool) (\w+)\(", header, re.M)), FUNCTIONS)
+        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot", "Team", "Run"}, FUNCTIONS)
+        headers = "".join(path.read_text(encoding="utf-8") for path in CPP_HEADERS)
+        self.assertEqual(set(re.findall(r"^(?:Simulation|bool|Run) (\w+)\(", headers, re.M)), FUNCTIONS)
 
     def test_readings_have_the_same_fields(self):
         for command, name in ((12, "Wheels"), (13, "Limits"), (21, "Geometry"), (31, "Bearing"), (40, "Pose"), (41, "Pose3d")):

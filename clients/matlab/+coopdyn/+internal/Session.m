@@ -251,7 +251,8 @@ classdef Session < handle
         s.settle(link);
       end
       if link.unclaimed
-        link.claim();  % a branch may go on live from there
+        link.claim();  % a branch may go on live from there, in another mode
+        s.note(link.motors.request(3, [], []));
         link.drives = true;
       end
       if s.mode == 1

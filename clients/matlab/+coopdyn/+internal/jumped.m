@@ -2,6 +2,7 @@
 function jumped(session)
 %JUMPED After a restore or branch of ours: the world goes on from another state, maybe of another scenario.
   session.started_anew();
+  session.control(3);  % tells the mode
   driven = {};
   for group = {session.links, session.teams}
     for k = 1:numel(group{1})
