@@ -143,7 +143,7 @@ Nanoseconds PlayerCore::AtEnd(bool back) {
   }
   // The last frame is there for the length of its step before it begins again.
   const Nanoseconds end = !back && loop_ ? shown_->time + shown_->step_length : shown_->time;
-  const Nanoseconds wall = pace_.WallTime(end);
+  const Nanoseconds wall = pace_.WallTime(end) - (back ? 1 : 0);
   if (now_ < wall) return wall;
   if (!loop_) {
     AddEvent("info", back ? "the start of the recording" : "the recording has ended");
