@@ -41,7 +41,7 @@ int RunVerify(const Given& given) {
   const auto other = given.other.empty() ? nullptr : Open(given.other);
   if (other == nullptr && !given.other.empty()) return kExitErrors;
 
-  const LogBackend log("warn");
+  const LogBackend log("warning");
   const SteadyClock clock;
   WorkerPool pool(given.threads);
   ControllerOptions controllers;
@@ -79,7 +79,8 @@ void AddVerify(CLI::App& app, std::function<int()>& chosen) {
   sub->add_option("--threads", given->threads, "Threads of sensing, controllers and physics")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
-  sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names");
+  sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names")
+      ->allow_extra_args(false);  // what follows is a run
   sub->callback([&chosen, given] { chosen = [given] { return RunVerify(*given); }; });
 }
 

@@ -162,6 +162,13 @@ void Resimulator::Apply(const RunInput& input) {
     mode_ = ParseMode(input.detail).value_or(mode_);
     return;
   }
+  if (input.action == "stop_all") {
+    // The steps say so too, but for a robot whose controller was gone already when the recording began.
+    for (std::size_t i = 0; i < in_force_.size() && !controllers_given_up_; ++i) {
+      if (computed_[i] == 0) in_force_[i] = {};
+    }
+    return;
+  }
   const bool released = input.action == "release_robot", stopped = input.action == "controller_stopped";
   if (!released && !stopped) return;
   const std::size_t space = input.detail.find(' ');

@@ -149,6 +149,27 @@ TEST_F(ResimulatorTest, AnUnloadedControllerIsRepeatedWithoutRecordedSetpoints) 
   ExpectEqual(File(), 120);
 }
 
+TEST_F(ResimulatorTest, ARecordingThatBeginsAfterAControllerWasUnloadedIsEqual) {
+  SavedStatePtr state;
+  {
+    LiveRun run(File("before.run"), Swarm("diffuse"));
+    run.Step(10);
+    run.Apply(edit::UnloadController{"m_3"});
+    run.Command("m_3", 4, 5);
+    run.Step(10);
+    state = run.Apply(edit::Save{}).saved;
+  }
+  for (const bool setpoints : {true, false}) {
+    const std::string file = File(setpoints ? "with.run" : "without.run");
+    LiveRun run(file, state, {.what = {.controllers = setpoints}});
+    run.Step(10);
+    run.Apply(edit::StopAll{});
+    run.Step(60);
+    run.End();
+    ExpectEqual(file, 70);
+  }
+}
+
 TEST_F(ResimulatorTest, ACrashingControllerStopsInTheSameStep) {
   {
     LiveRun run(File(), Swarm("hostile deed=" + std::to_string(kDivideByZero) + " at=70"));
