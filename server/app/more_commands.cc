@@ -8,6 +8,7 @@
 #include "server/app/bench_swarm.h"
 #include "server/app/controller_child.h"
 #include "server/app/export_command.h"
+#include "server/app/info_command.h"
 #include "server/app/new_controller.h"
 #include "server/app/verify_command.h"
 
@@ -18,6 +19,7 @@ void AddMoreCommands(CLI::App& app, std::function<int()>& chosen) {
   AddNewController(app, chosen);
   AddVerify(app, chosen);
   AddExport(app, chosen);
+  AddInfo(app, chosen);
   CLI::App* bench = app.add_subcommand("bench", "Measure the speed of this machine and build");
   bench->require_subcommand(0, 1);
   bench->callback([bench] {

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+// coopdyn info: what it says of a recording.
+#include "server/app/info_command.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "server/app/commands.h"
+#include "server/model/readers.h"
+#include "server/record/run_writer.h"
+
+namespace coopdyn {
+namespace {
+
+namespace fs = std::filesystem;
+
+class InfoCommandTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = testing::TempDir() + "coopdyn_info_XXXXXX";
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    file_ = (folder_ / "lesson1.run").string();
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// Four steps of 10 ms of `robots` robots; step 3 is lost.
+  std::unique_ptr<RunWriter> Record(int robots = 1) {
+    SearchPath path;
+    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+    static RobotLibrary library(path);
+    std::string text;
+    for (int i = 1; i <= robots; ++i) {
+      const std::string number = std::to_string(i);
+      text += "[ROBOT_" + number + "]\ntype coopbot\nname robot" + number + "\nposition 0 " + number + "\n";
+    }
+    Diagnostics diagnostics;
+    const auto scenario = ReadScenario(text, "lesson.scenario", library, false, diagnostics);
+    EXPECT_NE(scenario, nullptr) << diagnostics.ToString();
+    const auto scene = MakeScene(scenario);
+    SavedState state;
+    RunWriterOptions options;
+    std::unique_ptr<RunWriter> writer;
+    for (const std::uint64_t step : {0, 1, 2, 4}) {
+      auto frame = std::make_shared<Frame>();
+      frame->step = step;
+      frame->time = static_cast<Nanoseconds>(step) * kDefaultStep;
+      frame->scene = scene;
+      frame->bodies.resize(scene->body_ids.size());
+      frame->robots.resize(scene->robots.size());
+      frame->robots[0].setpoint_rad_s = {static_cast<double>(step), 0};
+      state.frame = frame;
+      last_hash_ = HashText(StateHash(*frame));
+      if (step == 0) {
+        options.header = HeaderOf(*frame, Mode::kFree, {true, false, false, true}, 0);
+        options.header.version = "1.2.3";
+        options.header.build = "00ff";
+        std::string error;
+        writer = RunWriter::Create(file_, options, state, error);
+        EXPECT_NE(writer, nullptr) << error;
+      } else {
+        if (step == 4) writer->AddLost(1);
+        writer->AddStep(*frame);
+        if (step == 4) writer->AddKeyframe(state);
+      }
+    }
+    writer->AddInput({2, "pause", ""});
+    writer->AddEvent({1, 0.01, "note", "look here"});
+    writer->AddEvent({2, 0.02, "warning", "robot1 has left the floor"});
+    EXPECT_TRUE(writer->Commit());
+    return writer;
+  }
+  void RecordAndClose(int robots = 1) {
+    std::string remark;
+    ASSERT_TRUE(Record(robots)->Close(remark));
+  }
+  int Run(InfoOptions options = {}) {
+    if (options.files.empty()) options.files = {file_};
+    out_.str("");
+    errors_.str("");
+    return Info(options, out_, errors_);
+  }
+  void ExpectLine(const std::string& line) {
+    EXPECT_NE(out_.str().find(line), std::string::npos) << line << "\nis not in\n" << out_.str();
+  }
+
+  fs::path folder_;
+  std::string file_, last_hash_;
+  std::ostringstream out_, errors_;
+};
+
+TEST_F(InfoCommandTest, SaysWhatTheRecordingHolds) {
+  RecordAndClose();
+  EXPECT_EQ(Run(), kExitOk) << errors_.str();
+  ExpectLine(file_ + ": 0.04 s, 3 steps, 1 robot\n");
+  ExpectLine("time      0 to 0.04 s, steps 0 to 4\n");
+  ExpectLine("scenario  lesson, seed 1, free, steps of 10 ms\n");
+  ExpectLine("robots    robot1 (coopbot)\n");
+  ExpectLine("recorded  poses,wheels,controllers\n");
+  ExpectLine("2 keyframes\n");
+  ExpectLine("inputs    3 commands, 1 other input\n");
+  ExpectLine("lost      1 step\n");
+  ExpectLine("made by   coopdyn 1.2.3 (build 00ff)");
+  ExpectLine("last hash " + last_hash_ + "\n");
+  ExpectLine("events    2, 1 note; --events lists them all\n");
+}
+
+TEST_F(InfoCommandTest, NotesAreAlwaysListedOtherEventsWhenAskedFor) {
+  RecordAndClose();
+  Run();
+  ExpectLine("0.010 s  note    look here\n");
+  EXPECT_EQ(out_.str().find("has left the floor"), std::string::npos);
+  Run({.events = true});
+  ExpectLine("0.020 s  warning robot1 has left the floor\n");
+  EXPECT_EQ(out_.str().find("--events"), std::string::npos);
+}
+
+TEST_F(InfoCommandTest, NamesTenRobotsAtMost) {
+  RecordAndClose(12);
+  Run();
+  ExpectLine("robot10 (coopbot), and 2 more\n");
+}
+
+TEST_F(InfoCommandTest, MendsWhatACrashHasLeftAndSaysSo) {
+  Record().reset();
+  EXPECT_EQ(Run(), kExitOk) << errors_.str();
+  ExpectLine("mended: the recording had not been closed\n");
+  Run();
+  EXPECT_EQ(out_.str().find("mended"), std::string::npos);
+}
+
+TEST_F(InfoCommandTest, SaysThatItIsBeingRecorded) {
+  const auto writer = Record();
+  EXPECT_EQ(Run(), kExitOk) << errors_.str();
+  ExpectLine("it is being recorded at this moment\n");
+}
+
+TEST_F(InfoCommandTest, JsonHasTheSameAsText) {
+  RecordAndClose();
+  EXPECT_EQ(Run({.json = true}), kExitOk);
+  const boost::json::value value = boost::json::parse(out_.str());
+  ASSERT_EQ(value.as_array().size(), 1u);
+  const boost::json::object& run = value.as_array()[0].as_object();
+  EXPECT_EQ(run.at("file").as_string(), file_);
+  EXPECT_EQ(run.at("steps").to_number<int>(), 3);
+  EXPECT_EQ(run.at("lost").to_number<int>(), 1);
+  EXPECT_DOUBLE_EQ(run.at("end_s").to_number<double>(), 0.04);
+  EXPECT_EQ(run.at("last_hash").as_string(), last_hash_);
+  EXPECT_EQ(run.at("commands").to_number<int>(), 3);
+  EXPECT_EQ(run.at("robots").as_array()[0].as_object().at("type").as_string(), "coopbot");
+  EXPECT_EQ(run.at("events").as_array().size(), 2u);
+}
+
+TEST_F(InfoCommandTest, ABadFileIsAnErrorAndTheOthersAreToldOf) {
+  RecordAndClose();
+  const std::string bad = (folder_ / "bad.run").string();
+  std::ofstream(bad) << std::string(2000, 'x');
+  EXPECT_EQ(Run({.files = {bad, file_}}), kExitErrors);
+  EXPECT_NE(errors_.str().find("coopdyn: " + bad + " is not a recording of coopdyn"), std::string::npos);
+  ExpectLine(file_ + ": 0.04 s");
+}
+
+}  // namespace
+}  // namespace coopdyn
