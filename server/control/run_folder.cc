@@ -87,8 +87,7 @@ RunFile RunFolder::Look(const fs::directory_entry& entry) {
     known.file.steps = extent.steps;
     known.file.recording = reader->growing();
   }
-  const std::string present = present_();
-  if (!present.empty() && fs::equivalent(entry.path(), present, ignored)) known.file.recording = true;
+  known.file.recording |= IsPresent(entry.path());
   return known.file;
 }
 
@@ -103,21 +102,29 @@ void RunFolder::Open(const std::string& name, std::function<void(const OpenedRun
   });
 }
 
-OpenedRun RunFolder::Find(const std::string& name) const {
-  const fs::path file = folder_ / name;
+bool RunFolder::IsPresent(const fs::path& file) const {
+  const fs::path present = present_();
   std::error_code ignored;
-  if (!name.ends_with(kRunExtension) || !RunNameObjection(name).empty() ||
-      !fs::is_regular_file(file, ignored)) {
+  // It may be about to be made.
+  return !present.empty() && (present == file || fs::equivalent(file, present, ignored));
+}
+
+OpenedRun RunFolder::Find(const std::string& name) const {
+  if (!name.ends_with(kRunExtension) || !RunNameObjection(name).empty()) {
     return {Error::kNoSuchName, "there is no recording of that name: /runs lists them", {}};
   }
-  const std::string present = present_();
+  const fs::path file = folder_ / name;
+  const OpenedRun recording = {
+      Error::kNotPossible, name + " is being recorded: stop the recording first", {}};
+  if (IsPresent(file)) return recording;
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) {
+    return {Error::kNoSuchName, "there is no recording of that name: /runs lists them", {}};
+  }
   std::string error;
   const std::unique_ptr<RunReader> reader = RunReader::Open(file.string(), error);
   if (reader == nullptr) return {Error::kNotPossible, error, {}};
-  if (reader->growing() || (!present.empty() && fs::equivalent(file, present, ignored))) {
-    return {Error::kNotPossible, name + " is being recorded: stop the recording first", {}};
-  }
-  return {Error::kOk, {}, file};
+  return reader->growing() ? recording : OpenedRun{Error::kOk, {}, file};
 }
 
 OpenedRun RunFolder::Export(const fs::path& run) {

@@ -68,6 +68,8 @@ class RunFolder {
   std::vector<RunFile> ListNow();
   RunFile Look(const std::filesystem::directory_entry& entry);
   OpenedRun Find(const std::string& name) const;
+  /// This program is recording to `file`.
+  bool IsPresent(const std::filesystem::path& file) const;
   OpenedRun Export(const std::filesystem::path& run);
 
   const std::filesystem::path folder_;

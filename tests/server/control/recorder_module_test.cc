@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+// /recorder with its desks and real files.
+#include "server/control/recorder_module.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <boost/json.hpp>
+#include <fstream>
+#include <future>
+#include <optional>
+#include <thread>
+
+#include "server/record/run_reader.h"
+#include "tests/server/control/global_fixture.h"
+
+namespace coopdyn {
+namespace {
+
+namespace json = boost::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr auto kNotPossible = static_cast<std::int32_t>(Error::kNotPossible);
+constexpr std::time_t kMoonLanding = -14'182'940;  // 1969-07-20 20:17:40 UTC
+
+class RecorderModuleTest : public GlobalModuleTest {
+ protected:
+  RecorderModuleTest() { Make({}); }
+
+  void Make(RecordingOptions options) {
+    client_.reset();
+    module_.reset();
+    runs_.reset();
+    desk_.reset();
+    options.folder = folder_;
+    options.wall_clock = [] { return kMoonLanding; };
+    desk_.emplace(std::move(options), edits_, run_, world_.frames, clock_, logger_);
+    runs_.emplace(
+        folder_, SearchPath{}, [this] { return desk_->status().file.file; }, logger_);
+    module_.emplace(
+        services_, *desk_, *runs_, [] { return "http://here:10001/"; }, thread_.poster());
+    client_.emplace(*module_, 1);
+  }
+  Message Ask(const std::string& line) { return GlobalModuleTest::Ask(*client_, line); }
+  json::array List() { return json::parse(Ask("list").text).as_array(); }
+  OpenedRun Open(const std::string& name) {
+    std::promise<OpenedRun> opened;
+    runs_->Open(name, [&](const OpenedRun& run) { opened.set_value(run); });
+    return opened.get_future().get();
+  }
+
+  std::optional<RecordingDesk> desk_;
+  std::optional<RunFolder> runs_;
+  std::optional<RecorderModule> module_;
+  std::optional<FakeClient> client_;
+};
+
+TEST_F(RecorderModuleTest, RecordsFromStartToStop) {
+  EXPECT_EQ(Ask("get_recording").text, "");
+  EXPECT_THAT(client_->received.back().params, ElementsAre(0));
+  const Message started = Ask("start lesson1");
+  ASSERT_EQ(started.error, 0) << started.text;
+  EXPECT_EQ(started.text, "lesson1.run");
+  EXPECT_EQ(desk_->recording(), "lesson1.run");
+  for (int i = 0; i < 10; ++i) Step();
+  EXPECT_THAT(Ask("get_recording").params, ElementsAre(1));
+  const Message stopped = Ask("stop");
+  EXPECT_EQ(stopped.text, "lesson1.run http://here:10001/runs/lesson1.run");
+  EXPECT_EQ(StepOf(stopped), 10);
+  EXPECT_EQ(journal_, nullptr);
+  EXPECT_EQ(desk_->recording(), "");
+
+  std::string error;
+  const auto reader = RunReader::Open((folder_ / "lesson1.run").string(), error);
+  ASSERT_NE(reader, nullptr) << error;
+  EXPECT_EQ(reader->extent().steps, 10u);
+  EXPECT_EQ(reader->header().started, "1969-07-20T20:17:40Z");
+}
+
+TEST_F(RecorderModuleTest, WithoutANameItIsTheDateAndTime) {
+  EXPECT_EQ(Ask("start").text, "run-19690720-201740.run");
+  Ask("stop");
+  EXPECT_EQ(Ask("start").text, "run-19690720-201740_2.run");
+}
+
+TEST_F(RecorderModuleTest, OnlyOneRecordingAtATime) {
+  EXPECT_EQ(Ask("stop").error, kNotPossible);
+  EXPECT_EQ(Ask("note here").error, kNotPossible);
+  Ask("start lesson1");
+  const Message again = Ask("start lesson2");
+  EXPECT_EQ(again.error, kNotPossible);
+  EXPECT_THAT(again.text, HasSubstr("stop ends it"));
+  Ask("stop");
+  EXPECT_EQ(Ask("start lesson2").error, 0);
+}
+
+TEST_F(RecorderModuleTest, NothingIsOverwrittenAndNothingElseIsReached) {
+  std::ofstream(folder_ / "lesson1.run") << "mine";
+  const Message there = Ask("start lesson1");
+  EXPECT_EQ(there.error, kNotPossible);
+  EXPECT_THAT(there.text, HasSubstr("there already"));
+  for (const char* name : {"../lesson2", "/tmp/lesson2", ".hidden", "a b", "größe"}) {
+    EXPECT_EQ(Ask(std::string("start \"") + name + "\"").error, static_cast<std::int32_t>(Error::kOutOfRange))
+        << name;
+  }
+  EXPECT_EQ(Ask("start " + std::string(65, 'a')).error, static_cast<std::int32_t>(Error::kOutOfRange));
+  EXPECT_TRUE(applied_.empty());
+}
+
+TEST_F(RecorderModuleTest, ANoteStandsAtItsStep) {
+  Ask("start lesson1");
+  for (int i = 0; i < 3; ++i) Step();
+  EXPECT_EQ(Ask("note the robots meet").error, 0);
+  Step();
+  Ask("stop");
+  std::string error;
+  const auto reader = RunReader::Open((folder_ / "lesson1.run").string(), error);
+  ASSERT_NE(reader, nullptr) << error;
+  const std::vector<Event> events = reader->Events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].step, 3u);
+  EXPECT_EQ(events[0].level, "note");
+  EXPECT_EQ(events[0].text, "the robots meet");
+}
+
+TEST_F(RecorderModuleTest, WhoeverStepsMayRefuse) {
+  next_result_.error = Error::kNotPossible;
+  next_result_.text = "playing a recording";
+  EXPECT_EQ(Ask("start lesson1").text, "playing a recording");
+  EXPECT_EQ(desk_->recording(), "");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "lesson1.run"));
+  next_result_ = {};
+  EXPECT_EQ(Ask("start lesson1").error, 0);
+}
+
+TEST_F(RecorderModuleTest, ListTellsTheNewestFirstAndWhatCannotBeRead) {
+  Ask("start old");
+  Step();
+  Ask("stop");
+  std::ofstream(folder_ / "foreign.run") << "no recording";
+  std::ofstream(folder_ / "notes.txt") << "no recording";
+  const auto now = std::filesystem::last_write_time(folder_ / "old.run");
+  std::filesystem::last_write_time(folder_ / "foreign.run", now - std::chrono::hours(1));
+  Ask("start new");
+  Step();
+  while (desk_->status().file.bytes == 0) std::this_thread::yield();  // until it has been made
+  const json::array list = List();
+  ASSERT_EQ(list.size(), 3u);
+  const auto named = [&](const char* name) -> const json::object& {
+    return std::find_if(list.begin(), list.end(), [&](const auto& run) { return run.at("name") == name; })
+        ->as_object();
+  };
+  EXPECT_EQ(list.back().at("name"), "foreign.run");
+  EXPECT_TRUE(list.back().at("steps").is_null());
+  EXPECT_TRUE(list.back().at("url").is_null());
+  EXPECT_EQ(named("old.run").at("steps"), 1);
+  EXPECT_DOUBLE_EQ(named("old.run").at("seconds").to_number<double>(), 0.01);
+  EXPECT_EQ(named("old.run").at("recording"), false);
+  EXPECT_EQ(named("old.run").at("url"), "http://here:10001/runs/old.run");
+  EXPECT_EQ(named("new.run").at("recording"), true);
+  EXPECT_TRUE(named("new.run").at("url").is_null());
+}
+
+TEST_F(RecorderModuleTest, OnlyClosedRecordingsOfTheFolderAreHandedOut) {
+  Ask("start lesson1");
+  Step();
+  EXPECT_EQ(Open("lesson1.run").error, Error::kNotPossible);
+  EXPECT_THAT(Open("lesson1.run").text, HasSubstr("stop the recording first"));
+  Ask("stop");
+  EXPECT_EQ(Open("lesson1.run").file, folder_ / "lesson1.run");
+  std::ofstream(folder_ / "secret.txt") << "x";
+  for (const char* name :
+       {"lesson2.run", "secret.txt", "../lesson1.run", "", ".run", ".mat", "/etc/passwd"}) {
+    EXPECT_EQ(Open(name).error, Error::kNoSuchName) << name;
+  }
+}
+
+TEST_F(RecorderModuleTest, StrangersLookButChangeOnlyWithTheToken) {
+  FakeClient stranger(*module_, 2, false);
+  EXPECT_EQ(GlobalModuleTest::Ask(stranger, "list").error, 0);
+  EXPECT_EQ(stranger.Ask("get_recording").error, 0);
+  for (const char* line : {"start", "stop", "note x"}) {
+    EXPECT_EQ(stranger.Ask(line).error, static_cast<std::int32_t>(Error::kNotAllowed)) << line;
+  }
+  stranger.Ask("hello ana secret");
+  EXPECT_EQ(GlobalModuleTest::Ask(stranger, "start lesson1").error, 0);
+}
+
+TEST_F(RecorderModuleTest, TheCommandLinesFileIsRecordedFromTheFirstStep) {
+  const std::string file = (folder_ / "sub" / "night").string();
+  EXPECT_THAT(desk_->StartFile(file, false), HasSubstr("cannot make"));
+  std::filesystem::create_directory(folder_ / "sub");
+  EXPECT_EQ(desk_->StartFile(file, false), "");
+  ApplyEdits();
+  Step();
+  // It is not in the folder, so the page does not have it.
+  EXPECT_EQ(Ask("stop").text, "night.run");
+  EXPECT_THAT(desk_->StartFile(file, false), HasSubstr("--force"));
+  EXPECT_EQ(desk_->StartFile(file, true), "");
+}
+
+TEST_F(RecorderModuleTest, CloseEndsARecordingThatIsUnderWay) {
+  Ask("start lesson1");
+  for (int i = 0; i < 5; ++i) Step();
+  edits_.Close();
+  desk_->Close();
+  EXPECT_EQ(Open("lesson1.run").error, Error::kOk);
+  EXPECT_EQ(Ask("start lesson2").error, kNotPossible);
+  EXPECT_FALSE(desk_->failed());
+}
+
+TEST_F(RecorderModuleTest, ARunThatCannotFitIsRefused) {
+  RecordingOptions options;
+  options.duration_s = 1e12;
+  Make(std::move(options));
+  const Message reply = Ask("start lesson1");
+  EXPECT_EQ(reply.error, kNotPossible);
+  EXPECT_THAT(reply.text, HasSubstr("cannot fit"));
+  EXPECT_EQ(desk_->StartFile((folder_ / "lesson1").string(), true), "");
+}
+
+/// Files cannot grow beyond this many bytes while it lives.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limited = before_;
+    limited.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &limited);
+  }
+  ~FileLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(RecorderModuleTest, ADiskThatIsFullEndsTheRecordingOnly) {
+  std::promise<void> failed;
+  RecordingOptions options;
+  options.on_failure = [&] { failed.set_value(); };
+  Make(std::move(options));
+  {
+    const FileLimit limit(200'000);
+    ASSERT_EQ(Ask("start lesson1").error, 0);
+    std::future<void> ended = failed.get_future();
+    while (ended.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+      Step();
+      clock_.Advance(1'000'000'000);
+    }
+  }
+  EXPECT_TRUE(desk_->failed());
+  ASSERT_FALSE(run_.events().empty());
+  EXPECT_EQ(run_.events().back().level, "error");
+  EXPECT_THAT(run_.events().back().text, HasSubstr("the recording ends"));
+  // The journal is taken away by itself, and then another recording may begin.
+  WaitForEdit();
+  ApplyEdits();
+  EXPECT_EQ(journal_, nullptr);
+  while (desk_->status().recording) std::this_thread::yield();
+  EXPECT_EQ(Ask("start lesson2").error, 0);
+}
+
+}  // namespace
+}  // namespace coopdyn
