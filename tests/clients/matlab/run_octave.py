@@ -2,13 +2,14 @@
 """Runs one test script in Octave: python3 run_octave.py NAME_test.m
 
 The first line after the licence says what it needs: `% needs: nothing`, `% needs: fake --robots 2 --mode lockstep` (the
-scripted daemon) or `% needs: daemon classroom --mode lockstep` (the real one). COOPDYN_SERVER tells the script where it
-is. A script passes if it prints `passed` at the end, and each text of a line `% prints once: TEXT` just once.
+scripted daemon), `% needs: daemon classroom --mode lockstep` (the real one) or `% needs: recording classroom --duration 1`
+(one that plays a run recorded so). COOPDYN_SERVER tells the script where it is. A script passes if it prints `passed` at the end, and each text of a line `% prints once: TEXT` just once.
 """
 import os
 import pathlib
 import subprocess
 import sys
+import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "python"))
@@ -35,6 +36,14 @@ def main():
     if needs[0] == "daemon":
         with harness.Daemon(needs[1], *needs[2:]) as daemon:
             return octave(script, daemon.server)
+    if needs[0] == "recording":
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "a.run")
+            scenario = str(harness.ROOT / "scenarios" / f"{needs[1]}.scenario")
+            subprocess.run([os.environ["COOPDYN_BINARY"], "serve", scenario, "--mode", "free", "--no-net", "--record", file,
+                            *needs[2:]], check=True, stdout=subprocess.DEVNULL, timeout=60)
+            with harness.Daemon(file) as daemon:
+                return octave(script, daemon.server)
     command = [sys.executable, str(HERE.parent / "python" / "fake_daemon.py"), *needs[1:]]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as fake:
         server = fake.stdout.readline().split("names=")[1].split()[0]

@@ -92,7 +92,18 @@ classdef RunCalls < handle
       if numel(file) > 4 && strcmpi(file(end - 3:end), '.run')
         kind = '.run';
       end
-      coopdyn.internal.download(sim.session, ['/runs/' name kind], file, 'recording', 600);
+      try
+        coopdyn.internal.download(sim.session, ['/runs/' name kind], file, 'recording', 600);
+      catch cause  % Octave does not tell what the page answered
+        files = sim.recordings();
+        at = find(strcmp({files.name}, [name '.run']), 1);
+        if isempty(at)
+          coopdyn.internal.fail(10, ['there is no recording ' name '.run; there are: ' strjoin({files.name}, ', ')]);
+        elseif files(at).recording
+          coopdyn.internal.fail(5, [name '.run is being recorded: sim.stop_recording() first']);
+        end
+        rethrow(cause);
+      end
     end
 
     % --- playing a recording: coopdyn play RUN

@@ -10,7 +10,6 @@ function download(session, path, file, what, limit)
   url = [regexprep(page, '/$', '') path];
   part = [file '.part'];
   cleanup = onCleanup(@() remove(part));
-  code = 5;
   try
     if coopdyn.internal.is_octave()
       [~, ok, message] = urlwrite(url, part);
@@ -21,10 +20,7 @@ function download(session, path, file, what, limit)
       websave(part, url, weboptions('Timeout', limit));
     end
   catch cause
-    if ~isempty(strfind(cause.message, '404'))
-      code = 10;
-    end
-    coopdyn.internal.fail(code, ['no ' what ' from ' url ': ' strtrim(cause.message)]);
+    coopdyn.internal.fail(5, ['no ' what ' from ' url ': ' strtrim(cause.message)]);
   end
   [ok, message] = movefile(part, file, 'f');
   if ~ok
