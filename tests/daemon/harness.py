@@ -182,9 +182,10 @@ def scenario(robots=1, extra="", mode="lockstep", robot_extra=None):
 
 
 class Daemon:
-    """`coopdyn serve` on free ports; a context manager that ends it in order and checks its exit code."""
+    """`coopdyn serve` (or another `verb` that serves) on free ports; a context manager that ends it in order and checks its
+    exit code. `name`: instead of the scenario's text; "": neither. `before_exec` is called in the new process."""
 
-    def __init__(self, text=None, *options, name=None, env=None, expect_exit=0):
+    def __init__(self, text=None, *options, name=None, env=None, expect_exit=0, verb="serve", before_exec=None):
         self.folder = tempfile.TemporaryDirectory()
         self.expect_exit = expect_exit
         self.connections = []
@@ -194,12 +195,12 @@ class Daemon:
             name = str(path)
         self.stderr_path = Path(self.folder.name) / "stderr"
         self.stderr_file = open(self.stderr_path, "wb")
-        command = [BINARY, "serve", name, "--port", "0", *options]
+        command = [BINARY, verb, *([name] if name else []), "--port", "0", *options]
         if "--no-http" not in options and "--http" not in options:
             command.append("--no-http")
         command = [word for word in command if word != "--http"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.stderr_file,
-                                        env={**os.environ, **(env or {})})
+                                        env={**os.environ, **(env or {})}, preexec_fn=before_exec)
         self.ready = self.process.stdout.readline().decode()
         if not self.ready.startswith("ready "):
             self.process.wait()

@@ -1,0 +1,86 @@
+"""A recording whose daemon is killed: it opens, is mended, verifies, and has all but the last half second."""
+import os
+import random
+import tempfile
+import threading
+import time
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from harness import Daemon, frame, scenario, until
+from recording import SANITIZED, equal_steps, rows, tool
+
+SET_WHEEL_SPEEDS = 11
+KILLS = 6 if SANITIZED else 50
+MAY_LOSE_S = 5 if SANITIZED else 0.5
+LONGEST_S = 0.8
+
+
+class Victim:
+    """A daemon in lockstep that records, a client that drives it as fast as it can, and what this client has seen."""
+
+    def __init__(self, file, delay_s, seed):
+        self.seen = []  # moments and steps of the replies
+        with Daemon(scenario(1), "--record", file, expect_exit=-9) as daemon:
+            recorder = daemon.text("/recorder")
+            until(lambda: recorder.must("get_recording").data[4] > 0)  # bytes: its file is there
+            motors = daemon.binary("/robot1/motors")
+            chance = random.Random(seed)
+            requests = [frame(SET_WHEEL_SPEEDS, data=(chance.uniform(-5, 5), chance.uniform(-5, 5))) for _ in range(64)]
+            killer = threading.Timer(delay_s, self.kill, [daemon])
+            killer.start()
+            try:
+                for k in range(10 ** 9):
+                    motors.write(requests[k % 64])
+                    self.seen.append((motors.receive().step, time.monotonic()))
+            except (EOFError, OSError):
+                pass
+            killer.join()
+
+    def kill(self, daemon):
+        self.killed = time.monotonic()
+        daemon.process.kill()
+
+    def must_have(self):
+        """The last step that the client had seen long enough before."""
+        return max([step for step, moment in self.seen if moment <= self.killed - MAY_LOSE_S], default=0)
+
+
+class KillTest(unittest.TestCase):
+    def kill_once(self, file, delay_s, seed):
+        """The wall time that was lost, s."""
+        victim = Victim(file, delay_s, seed)
+        code, said = tool("info", file)
+        self.assertEqual(code, 0, said)
+        self.assertIn("mended", said)
+        steps = equal_steps(file)
+        self.assertEqual(rows(file, "SELECT max(step), count(*) FROM step"), [(steps, steps + 1)])
+        self.assertGreaterEqual(steps, victim.must_have(), f"killed after {delay_s} s and {len(victim.seen)} steps")
+        self.assertEqual([one for one in os.listdir(file.parent) if one.startswith(file.name)], [file.name],
+                         "mended it is one plain file")
+        after = [moment for step, moment in victim.seen if step == steps + 1]
+        return victim.killed - after[0] if after else 0
+
+    def test_killed_at_any_moment_it_verifies_up_to_the_last_commit(self):
+        chance = random.Random(2604)
+        delays = [chance.uniform(0.01, LONGEST_S) for _ in range(KILLS)]
+        with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
+            files = [Path(folder) / f"{k}.run" for k in range(KILLS)]
+            lost = list(pool.map(self.kill_once, files, delays, range(KILLS)))
+        print(f"{KILLS} kills: at most {max(lost):.3f} s of wall time lost, {sum(lost) / KILLS:.3f} s on average")
+
+    def test_what_was_killed_goes_on_where_it_ended(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "lesson.run"
+            Victim(file, 0.5, 1)
+            with Daemon(None, "--from", f"{file}@end", name="") as daemon:
+                status = daemon.status()
+                step, hash_ = rows(file, "SELECT step, hash FROM step ORDER BY step DESC LIMIT 1")[0]
+                self.assertEqual(status["step"], step)
+                self.assertEqual(status["hash"], f"{hash_ % 2**64:016x}")
+                self.assertEqual(daemon.text("/robot1/motors").must("set_velocity 0.1 0").step, step + 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
