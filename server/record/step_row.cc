@@ -15,7 +15,7 @@ constexpr std::size_t kFixedBytes = 36;
 constexpr std::size_t kWheelsBytes = 18;
 constexpr std::size_t kReserve = 64;  // of a page, for its header and cell pointers
 // A page size that wastes this much more than the best is still taken, if it is smaller.
-constexpr double kAlmostBest = 1.02;
+constexpr double kAlmostBest = 1.03;
 
 }  // namespace
 

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/recorded_step.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "record_fixture.h"
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+namespace {
+
+TEST(RecordWhatTest, WordsAreReadInAnyOrder) {
+  std::string unknown;
+  EXPECT_EQ(ParseRecordWhat("targets, poses,wheels", unknown), (RecordWhat{true, false, true, false}));
+  EXPECT_EQ(ParseRecordWhat("poses", unknown), RecordWhat());
+  EXPECT_EQ(ParseRecordWhat("all", unknown), (RecordWhat{true, true, true, true}));
+}
+
+TEST(RecordWhatTest, WhatIsWrittenIsReadAgain) {
+  for (int bits = 0; bits < 16; ++bits) {
+    const RecordWhat what{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0};
+    std::string unknown;
+    EXPECT_EQ(ParseRecordWhat(ToString(what), unknown), what);
+  }
+  EXPECT_EQ(ToString(RecordWhat{true, true, true, true}), "poses,wheels,distances,targets,controllers");
+}
+
+TEST(RecordWhatTest, AnUnknownWordIsNamed) {
+  std::string unknown;
+  EXPECT_FALSE(ParseRecordWhat("poses,weels", unknown));
+  EXPECT_EQ(unknown, "weels");
+  EXPECT_FALSE(ParseRecordWhat("", unknown));
+  EXPECT_FALSE(ParseRecordWhat("poses,", unknown));
+}
+
+TEST(RecordWhatTest, EverythingUpToFiftyRobotsThenPosesAndControllers) {
+  EXPECT_EQ(DefaultRecordWhat(50), (RecordWhat{true, true, true, true}));
+  EXPECT_EQ(DefaultRecordWhat(51), (RecordWhat{false, false, false, true}));
+}
+
+TEST(RecordedStepTest, CommandsKeepEveryBit) {
+  const std::vector<CommandRecord> commands{
+      {0, true, {1.0 / 3, -0.0}}, {4711, false, {std::numeric_limits<double>::denorm_min(), 1e300}}};
+  std::vector<std::byte> blob;
+  EncodeCommands(commands, blob);
+  EXPECT_EQ(blob.size(), 40U);
+  std::vector<CommandRecord> read;
+  ASSERT_TRUE(DecodeCommands(blob, read));
+  ASSERT_EQ(read.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read[i].robot, commands[i].robot);
+    EXPECT_EQ(read[i].by_client, commands[i].by_client);
+    EXPECT_TRUE(SameBits(read[i].setpoint, commands[i].setpoint));
+  }
+}
+
+TEST(RecordedStepTest, CommandsThatDoNotAddUpAreRefused) {
+  std::vector<std::byte> blob;
+  EncodeCommands(std::vector<CommandRecord>{{1, true, {1, 2}}}, blob);
+  std::vector<CommandRecord> read;
+  EXPECT_FALSE(DecodeCommands(std::span(blob).first(19), read));
+  EXPECT_TRUE(read.empty());
+  blob[11] = std::byte{0x7F};
+  blob[10] = std::byte{0xF8};  // not a number
+  EXPECT_FALSE(DecodeCommands(blob, read));
+  EXPECT_TRUE(read.empty());
+}
+
+TEST(RecordedStepTest, MessagesKeepEveryBitAndTheirStep) {
+  SentMessage one, other;
+  one.robot = 3;
+  one.message.count = 2;
+  one.message.values = {1.0 / 3, -0.0};
+  other.robot = 5;
+  other.message.count = 8;
+  other.message.values = {1, 2, 3, 4, 5, 6, 7, 8};
+  std::vector<std::byte> blob;
+  EncodeMessages(std::vector<SentMessage>{one, other}, blob);
+  std::vector<SentMessage> read;
+  ASSERT_TRUE(DecodeMessages(blob, 77, read));
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0].robot, 3U);
+  EXPECT_EQ(read[0].step, 77U);
+  EXPECT_EQ(read[0].message.count, 2U);
+  EXPECT_TRUE(SameBits(read[0].message.values, one.message.values));
+  EXPECT_EQ(read[1].robot, 5U);
+  EXPECT_TRUE(SameBits(read[1].message.values, other.message.values));
+}
+
+TEST(RecordedStepTest, MessagesThatDoNotAddUpAreRefused) {
+  std::vector<std::byte> blob;
+  SentMessage sent;
+  sent.message.count = 8;
+  EncodeMessages(std::vector<SentMessage>{sent, sent}, blob);
+  std::vector<SentMessage> read;
+  EXPECT_FALSE(DecodeMessages(std::span(blob).first(blob.size() - 1), 1, read));
+  EXPECT_TRUE(read.empty());
+  blob[4] = std::byte{9};  // more values than a message has
+  EXPECT_FALSE(DecodeMessages(blob, 1, read));
+  EXPECT_TRUE(read.empty());
+}
+
+TEST(RecordedStepTest, WheelsAreWithinTheirUnits) {
+  FrameMaker maker(RecordScene());
+  const auto frame = maker.Make(1);
+  frame->robots[0].wheel_angle_rad = {5.4e6, -5.4e6};  // 30 h at 50 rad/s
+  std::vector<std::byte> blob;
+  EncodeWheels(frame->robots, blob);
+  EXPECT_EQ(blob.size(), 18 * frame->robots.size());
+  std::vector<RobotState> read(frame->robots.size());
+  ASSERT_TRUE(DecodeWheels(blob, read));
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      EXPECT_NEAR(read[i].wheel_angle_rad[side], frame->robots[i].wheel_angle_rad[side], 0.5e-5 + 1e-9);
+      EXPECT_EQ(read[i].wheel_speed_rad_s[side],
+                static_cast<float>(frame->robots[i].wheel_speed_rad_s[side]));
+    }
+  }
+  EXPECT_FALSE(DecodeWheels(std::span(blob).first(blob.size() - 1), read));
+}
+
+TEST(RecordedStepTest, AnglesBeyondTheUnitsAreHeld) {
+  std::vector<RobotState> robots(1);
+  robots[0].wheel_angle_rad = {1e12, -std::numeric_limits<double>::infinity()};
+  std::vector<std::byte> blob;
+  EncodeWheels(robots, blob);
+  std::vector<RobotState> read(1);
+  ASSERT_TRUE(DecodeWheels(blob, read));
+  EXPECT_NEAR(read[0].wheel_angle_rad[0], 5497558.13887, 1e-6);
+  EXPECT_NEAR(read[0].wheel_angle_rad[1], -5497558.13887, 1e-6);
+}
+
+TEST(RecordedStepTest, ReadingsAreThoseOfTheSensors) {
+  FrameMaker maker(RecordScene());
+  const auto frame = maker.Make(1);
+  std::vector<std::byte> blob;
+  EncodeDistances(*frame, blob);
+  std::vector<float> distances;
+  ASSERT_TRUE(DecodeFloats(blob, distances));
+  std::size_t at = 0;
+  for (int robot = 0; robot < 3; ++robot) {
+    for (const double range_m : Distances(*frame, robot)) {
+      ASSERT_LT(at, distances.size());
+      EXPECT_EQ(distances[at++], static_cast<float>(range_m));
+    }
+  }
+  EXPECT_EQ(at, distances.size());
+  EXPECT_GT(at, 0U);
+}
+
+TEST(RecordedStepTest, TargetsThatAreNotSeenAreNoNumbers) {
+  FrameMaker maker(RecordScene());
+  const auto frame = maker.Make(1);
+  std::vector<std::byte> blob;
+  EncodeTargets(*frame, blob);
+  std::vector<float> values;
+  ASSERT_TRUE(DecodeFloats(blob, values));
+  ASSERT_EQ(values.size(), 3U * 2U * 2U);
+  std::size_t seen = 0;
+  for (int robot = 0; robot < 3; ++robot) {
+    for (const Sighting& sighting : SeenTargets(*frame, robot)) {
+      const std::size_t at = static_cast<std::size_t>(robot * 4 + sighting.index * 2);
+      EXPECT_EQ(values[at], static_cast<float>(sighting.distance_m));
+      EXPECT_EQ(values[at + 1], static_cast<float>(sighting.bearing_rad));
+      ++seen;
+    }
+  }
+  std::size_t numbers = 0;
+  for (const float value : values) numbers += std::isnan(value) ? 0 : 1;
+  EXPECT_EQ(numbers, 2 * seen);
+}
+
+TEST(RecordedStepTest, FloatsComeInFours) {
+  std::vector<float> values;
+  const std::vector<std::byte> blob(7);
+  EXPECT_FALSE(DecodeFloats(blob, values));
+  EXPECT_TRUE(values.empty());
+}
+
+TEST(RecordedStepTest, MutatedBytesNeverReadTooFar) {
+  std::vector<std::byte> commands, messages;
+  EncodeCommands(std::vector<CommandRecord>(5), commands);
+  SentMessage sent;
+  sent.message.count = 4;
+  EncodeMessages(std::vector<SentMessage>(5, sent), messages);
+  std::mt19937 random(3);
+  for (int round = 0; round < 2000; ++round) {
+    // Copies of their exact size, so that AddressSanitizer sees one byte too many.
+    std::vector<std::byte> blob = round % 2 == 0 ? commands : messages;
+    blob[random() % blob.size()] = static_cast<std::byte>(random());
+    blob.resize(random() % (blob.size() + 1));
+    blob.shrink_to_fit();
+    std::vector<CommandRecord> read_commands;
+    std::vector<SentMessage> read_messages;
+    EXPECT_TRUE(DecodeCommands(blob, read_commands) || read_commands.empty());
+    EXPECT_TRUE(DecodeMessages(blob, 1, read_messages) || read_messages.empty());
+  }
+}
+
+}  // namespace
+}  // namespace coopdyn
