@@ -3,9 +3,14 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
+#include <filesystem>
 #include <fstream>
+#include <future>
 #include <new>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,6 +24,9 @@ namespace {
 
 /// Of one variable, by the format; some are left for what is not counted.
 constexpr std::uint64_t kFormatLimit = (std::uint64_t{1} << 31U) - (std::uint64_t{1} << 20U);
+
+/// Of the time that an export takes; writing compresses.
+constexpr double kShareOfReading = 0.25;
 
 constexpr std::array kRunFields{"file",  "scenario", "seed",   "version", "time",    "step",
                                 "names", "hash",     "robots", "objects", "targets", "events"};
@@ -221,6 +229,25 @@ std::string Write(MatValue value, const std::string& version, ExportFile& file) 
   return {};
 }
 
+/// Write(), on a thread of its own so that `progress` is called meanwhile. It cannot be stopped half-way.
+std::string WriteWatched(MatValue value, const std::string& version, const ExportProgress& progress,
+                         ExportFile& file) {
+  constexpr double kShrunk = 0.2;  // numbers of runs, about
+  constexpr auto kPeriod = std::chrono::milliseconds(100);
+  const double expected = kShrunk * static_cast<double>(MatBytes(*value));
+  bool stopped = false;
+  std::future<std::string> writing =
+      std::async(std::launch::async, [&] { return Write(std::move(value), version, file); });
+  while (writing.wait_for(kPeriod) != std::future_status::ready) {
+    std::error_code ignored;
+    const auto size = static_cast<double>(std::filesystem::file_size(file.temporary(), ignored));
+    const double share = std::min(size / expected, 1.0);
+    stopped = stopped || (progress && !progress(kShareOfReading + (1 - kShareOfReading) * share));
+  }
+  const std::string error = writing.get();
+  return error.empty() && stopped ? kExportStopped : error;
+}
+
 }  // namespace
 
 std::string ExportMat(RunReader& reader, const ExportOptions& options, const std::string& out,
@@ -237,16 +264,17 @@ std::string ExportMat(RunReader& reader, const ExportOptions& options, const std
     run.robots[command.robot].commands.Append(std::array{static_cast<double>(command.step), command.time_s,
                                                          command.setpoint[0], command.setpoint[1]});
   };
-  // Writing takes about as long as reading, and cannot be stopped.
-  const auto half = [&](double share) { return !progress || progress(share / 2); };
-  error = table->ForEach({take_row, take_command}, half);
+  const auto reading = [&](double share) { return !progress || progress(kShareOfReading * share); };
+  error = table->ForEach({take_row, take_command}, reading);
   if (!error.empty()) return error;
   if (run.hashes.empty()) return "no step of this time range was recorded with poses";
-  error = Write(RunValue(reader, *table, run), reader.header().version, file);
+  error = WriteWatched(RunValue(reader, *table, run), reader.header().version, progress, file);
   if (!error.empty()) return error;
   return file.Commit();
 } catch (const std::bad_alloc&) {
   return TooMuch(out, "there is not enough memory for this run");
+} catch (const std::system_error& failed) {  // no more threads
+  return out + " cannot be written: " + failed.what();
 }
 
 }  // namespace coopdyn

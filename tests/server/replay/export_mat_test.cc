@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "export_fixture.h"
+#include "server/record/sqlite_db.h"
 #include "server/replay/export_csv.h"
 #include "server/replay/mat_value.h"
 
@@ -173,6 +174,19 @@ TEST_F(ExportMatTest, AFullDiskLeavesNothing) {
   }
   EXPECT_THAT(error, HasSubstr("run.mat cannot be written: the disk may be full"));
   EXPECT_THAT(Files(), ElementsAre("run.run"));
+}
+
+TEST_F(ExportMatTest, MoreThanAFileHoldsIsRefusedAtOnce) {
+  Record({.scenario = "[SWARM_1]\ntype minibot\nname mini\ncount 60\n", .steps = 1});
+  std::string error;
+  const auto database = Database::Open(File("run.run"), Database::Access::kReadWrite, error);
+  ASSERT_NE(database, nullptr) << error;
+  ASSERT_TRUE(database->Run(
+      "INSERT INTO step(step, time_ns, hash, scene) WITH RECURSIVE n(i) AS (VALUES (2) UNION ALL SELECT i + "
+      "1 "
+      "FROM n WHERE i < 200000) SELECT i, i * 10000000, 0, (SELECT max(scene) FROM step) FROM n"));
+  EXPECT_THAT(Export(), HasSubstr(" GB of numbers, a MAT file holds 2.1: choose robots with --robots"));
+  EXPECT_EQ(Export({.until_s = 0.01}), "") << "less of it fits";
 }
 
 TEST_F(ExportMatTest, StoppedItLeavesNothing) {
