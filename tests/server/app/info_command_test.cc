@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "server/app/commands.h"
 #include "server/model/readers.h"
@@ -84,6 +85,21 @@ class InfoCommandTest : public testing::Test {
     errors_.str("");
     return Info(options, out_, errors_);
   }
+  static InfoOptions Json() {
+    InfoOptions options;
+    options.json = true;
+    return options;
+  }
+  static InfoOptions AllEvents() {
+    InfoOptions options;
+    options.events = true;
+    return options;
+  }
+  static InfoOptions Of(std::vector<std::string> files) {
+    InfoOptions options;
+    options.files = std::move(files);
+    return options;
+  }
   void ExpectLine(const std::string& line) {
     EXPECT_NE(out_.str().find(line), std::string::npos) << line << "\nis not in\n" << out_.str();
   }
@@ -114,7 +130,7 @@ TEST_F(InfoCommandTest, NotesAreAlwaysListedOtherEventsWhenAskedFor) {
   Run();
   ExpectLine("0.010 s  note    look here\n");
   EXPECT_EQ(out_.str().find("has left the floor"), std::string::npos);
-  Run({.events = true});
+  Run(AllEvents());
   ExpectLine("0.020 s  warning robot1 has left the floor\n");
   EXPECT_EQ(out_.str().find("--events"), std::string::npos);
 }
@@ -141,7 +157,7 @@ TEST_F(InfoCommandTest, SaysThatItIsBeingRecorded) {
 
 TEST_F(InfoCommandTest, JsonHasTheSameAsText) {
   RecordAndClose();
-  EXPECT_EQ(Run({.json = true}), kExitOk);
+  EXPECT_EQ(Run(Json()), kExitOk);
   const boost::json::value value = boost::json::parse(out_.str());
   ASSERT_EQ(value.as_array().size(), 1u);
   const boost::json::object& run = value.as_array()[0].as_object();
@@ -159,7 +175,7 @@ TEST_F(InfoCommandTest, ABadFileIsAnErrorAndTheOthersAreToldOf) {
   RecordAndClose();
   const std::string bad = (folder_ / "bad.run").string();
   std::ofstream(bad) << std::string(2000, 'x');
-  EXPECT_EQ(Run({.files = {bad, file_}}), kExitErrors);
+  EXPECT_EQ(Run(Of({bad, file_})), kExitErrors);
   EXPECT_NE(errors_.str().find("coopdyn: " + bad + " is not a recording of coopdyn"), std::string::npos);
   ExpectLine(file_ + ": 0.04 s");
 }
