@@ -3,6 +3,7 @@
 
 #include <sqlite3.h>
 
+#include <cerrno>
 #include <system_error>
 
 namespace coopdyn {
@@ -13,11 +14,14 @@ constexpr int kBusyTimeoutMs = 2000;
 
 /// `message (reason of the system)`.
 std::string ErrorText(sqlite3* database) {
+  const int last = errno;
   const int code = sqlite3_errcode(database) & 0xff;
   if (code == SQLITE_FULL) return "the disk is full";
   std::string text = sqlite3_errmsg(database);
   if (code != SQLITE_IOERR && code != SQLITE_CANTOPEN) return text;
-  const int reason = sqlite3_system_errno(database);
+  // SQLite keeps the reason of opening only; every call below clears errno, so it is that of the last one.
+  const int opening = sqlite3_system_errno(database);
+  const int reason = opening != 0 ? opening : last;
   if (reason != 0) text += " (" + std::generic_category().message(reason) + ")";
   return text;
 }
@@ -59,6 +63,7 @@ void Statement::BindBlob(int parameter, std::span<const std::byte> bytes) {
 }
 
 Statement::Result Statement::Step() {
+  errno = 0;
   switch (sqlite3_step(statement_)) {
     case SQLITE_ROW:
       return Result::kRow;
@@ -147,6 +152,7 @@ Database::~Database() {
 }
 
 Statement Database::Prepare(std::string_view sql) {
+  errno = 0;
   sqlite3_stmt* statement = nullptr;
   sqlite3_prepare_v3(database_, sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
                      &statement, nullptr);
@@ -154,6 +160,7 @@ Statement Database::Prepare(std::string_view sql) {
 }
 
 bool Database::Run(const std::string& sql) {
+  errno = 0;
   return sqlite3_exec(database_, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK;
 }
 
@@ -174,7 +181,8 @@ bool Database::in_transaction() const {
 }
 
 std::string Database::error() const {
-  return file_ + ": " + ErrorText(database_);
+  const std::string text = ErrorText(database_);
+  return file_ + ": " + text;
 }
 
 int Database::error_code() const {
