@@ -70,7 +70,7 @@ std::string RecordingDesk::CheckFile(const Recorder& recorder, const fs::path& f
   const RecordWhat what = options_.what.value_or(DefaultRecordWhat(frame->scene->robots.size()));
   const double left_s = options_.duration_s > 0 ? std::max(0.0, options_.duration_s - frame->time_s()) : 0;
   const SpaceNeeded space = EstimateSpace(*frame, what, options_.pose_every, left_s, file.string());
-  logger_->info("recording to {}: {}", file.string(), ToString(space));
+  logger_->info("a recording to {} takes {}", file.string(), ToString(space));
   // A run without an end needs room for its first seconds at least.
   constexpr double kLeast_s = 10;
   const double needed =
@@ -83,6 +83,7 @@ std::string RecordingDesk::CheckFile(const Recorder& recorder, const fs::path& f
 
 std::string RecordingDesk::BeginStart() {
   if (frames_.Latest() == nullptr) return "the simulation has not begun yet";
+  if (run_.playback()) return kPlayingText;
   const MutexLock lock(mutex_);
   switch (state_) {
     case State::kIdle:

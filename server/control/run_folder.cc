@@ -88,6 +88,10 @@ RunFile RunFolder::Look(const fs::directory_entry& entry) {
     known.file.recording = reader->growing();
   }
   known.file.recording |= IsPresent(entry.path());
+  if (known.file.recording) {  // what it holds stands in two files
+    const std::uintmax_t more = fs::file_size(entry.path().string() + "-wal", ignored);
+    if (!ignored) known.file.bytes += more;
+  }
   return known.file;
 }
 

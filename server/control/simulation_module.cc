@@ -165,7 +165,8 @@ Message SimulationModule::ReadSaved(const Message& request) const {
   Message reply;
   reply.command = request.command;
   reply.text = saved_.Names();
-  reply.data.push_back(0);  // the start
+  const std::optional<PlaybackStatus> playback = services_.run.playback();
+  reply.data.push_back(playback ? ToSeconds(playback->begin) : 0);  // the start
   for (const auto& [name, state] : saved_.all()) reply.data.push_back(state->frame->time_s());
   return reply;
 }

@@ -9,10 +9,15 @@ import {chromium} from 'playwright-core';
 const SOURCE_DIR = new URL('../..', import.meta.url).pathname;
 
 /** A daemon on free ports: {url, names, process, stop()}. `scenario`: a name or path. */
-export async function startDaemon(scenario = 'classroom', ...flags) {
+export const startDaemon = (scenario = 'classroom', ...flags) => start('serve', scenario, ...flags);
+
+/** Plays a recording on free ports; as startDaemon(). */
+export const startPlayer = (file, ...flags) => start('play', file, ...flags);
+
+async function start(...words) {
   const binary = process.env.COOPDYN_BINARY;
   if (!binary) throw new Error('set COOPDYN_BINARY to the daemon to test, e.g. build/release/coopdyn');
-  const child = spawn(binary, ['serve', scenario, '--port', '0', ...flags],
+  const child = spawn(binary, [...words, '--port', '0'],
     {stdio: ['ignore', 'pipe', 'pipe'], env: {...process.env, COOPDYN_PATH: SOURCE_DIR}});
   let log = '';
   child.stderr.on('data', (chunk) => { log += chunk; });

@@ -125,6 +125,12 @@ TEST_F(RecorderModuleTest, ANoteStandsAtItsStep) {
   EXPECT_EQ(events[0].text, "the robots meet");
 }
 
+TEST_F(RecorderModuleTest, WhatIsPlayedIsNotRecordedAgain) {
+  run_.SetPlayback(PlaybackStatus{});
+  EXPECT_THAT(Ask("start lesson1").text, HasSubstr("playing a recording"));
+  EXPECT_TRUE(applied_.empty());
+}
+
 TEST_F(RecorderModuleTest, WhoeverStepsMayRefuse) {
   next_result_.error = Error::kNotPossible;
   next_result_.text = "playing a recording";
