@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <iostream>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -110,21 +111,30 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
 /// After an error or a timeout a command that had not run may still run while its successor is on the way:
 /// its robot is then one step behind the others, and each would wait for the other for ever. The world says
 /// whether it waits for robots of ours that have stepped already: these go on by one step with what they
-/// have.
+/// have. If it waits for one whose reply has not come, too, then that reply is on its way.
 void Session::CatchUp(std::vector<Waiting>& waiting) {
+  std::set<std::string> awaited;
   const Json status = FreshStatus();
-  for (const Json& awaited : status["awaiting"].items()) {
-    const std::string& robot = awaited["robot"].text();
-    for (Waiting& w : waiting) {
-      if (!w.done) continue;
-      if (w.link != nullptr && w.link->robot == robot) {
-        w.done = false;
-        w.connection->Send(command::kReady, {1}, {});
-      } else if (w.team != nullptr &&
-                 std::find(w.team->names.begin(), w.team->names.end(), robot) != w.team->names.end()) {
-        w.done = false;
-        w.connection->Send(command::kStepAll, {}, {});
-      }
+  for (const Json& a : status["awaiting"].items()) awaited.insert(a["robot"].text());
+  const auto is_awaited = [&](const Waiting& w) {
+    if (w.link != nullptr) return awaited.contains(w.link->robot);
+    return w.team != nullptr && std::any_of(w.team->names.begin(), w.team->names.end(),
+                                            [&](const std::string& name) { return awaited.contains(name); });
+  };
+  if (std::any_of(waiting.begin(), waiting.end(), [&](auto& w) { return !w.done && is_awaited(w); })) return;
+  std::size_t stepped = 0;
+  for (const Waiting& w : waiting) {
+    if (w.done) stepped += w.team != nullptr ? w.team->names.size() : 1;
+  }
+  const auto listed = static_cast<double>(std::max(stepped, awaited.size()));  // the first of those awaited
+  if (status["awaiting_count"].number() > listed) return;
+  for (Waiting& w : waiting) {
+    if (!w.done || !is_awaited(w)) continue;
+    w.done = false;
+    if (w.team != nullptr) {
+      w.connection->Send(command::kStepAll, {}, {});
+    } else {
+      w.connection->Send(command::kReady, {1}, {});
     }
   }
 }

@@ -973,6 +973,9 @@ class _Link:
     def is_among(self, robots: "set[str]") -> bool:
         return self.robot in robots
 
+    def robots(self) -> int:
+        return 1
+
     def reopen(self, session: "_Session") -> None:
         session.open_motors(self)
 
@@ -1059,6 +1062,9 @@ class _TeamLink:
 
     def is_among(self, robots: "set[str]") -> bool:
         return not robots.isdisjoint(self.names)
+
+    def robots(self) -> int:
+        return len(self.names)
 
     def reopen(self, session: "_Session") -> None:
         self.open(session)
@@ -1462,8 +1468,14 @@ class _Session:
     def catch_up(self, stepped: List[_Driven], waiting: Dict[_Connection, Optional[_Driven]]) -> None:
         """After an error or a timeout a command that had not run may still run while its successor is on the way: its
         robot is then one step behind the others, and each would wait for the other for ever. The world says whether it
-        waits for robots of ours that have stepped already: these go on by one step with what they have."""
-        awaited = {a["robot"] for a in self.fresh_status().get("awaiting") or []}
+        waits for robots of ours that have stepped already: these go on by one step with what they have. If it waits for one
+        whose reply has not come, too, then that reply is on its way."""
+        status = self.fresh_status()
+        awaited = {a["robot"] for a in status.get("awaiting") or []}  # the first of them
+        if any(link is not None and link.is_among(awaited) for link in waiting.values()):
+            return
+        if int(status.get("awaiting_count") or 0) > max(len(awaited), sum(link.robots() for link in stepped)):
+            return
         for link in list(stepped):
             if not link.is_among(awaited):
                 continue

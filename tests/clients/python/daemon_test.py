@@ -103,6 +103,20 @@ class WrongNames(DaemonTestCase):
         self.assertNotIn("names:", run.stdout)
 
 
+class Stepping(DaemonTestCase):
+    def test_a_reply_that_is_late_sets_off_no_other_step(self):
+        before, coopdyn._CATCH_UP_AFTER_S = coopdyn._CATCH_UP_AFTER_S, 0.0
+        self.addCleanup(setattr, coopdyn, "_CATCH_UP_AFTER_S", before)
+        for n, steps in ((4, 100), (60, 10)):  # more than a status lists
+            sim = self.connect(self.start(harness.scenario_of(n)))
+            robots = [sim.robot(k) for k in range(3, n + 1)]
+            team = sim.team(["robot1", "robot2"])
+            for k in range(steps):
+                for r in robots:
+                    r.set_velocity(0.1, 0)
+                self.assertEqual(team.step((0.1, 0.1), timeout=60).step, k + 1)
+
+
 class Waiting(DaemonTestCase):
     def notices_after(self, seconds):
         before, coopdyn._NOTICE_AFTER_S = coopdyn._NOTICE_AFTER_S, seconds

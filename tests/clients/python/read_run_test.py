@@ -175,22 +175,12 @@ class Gaps(ReadRunTestCase):
         self.assertEqual(run.commands("robot1")[:, 0], array.array("d", range(5)))
 
     def test_things_that_come_and_go_are_nan_where_they_are_not(self):
-        db = rf.create(self.path)
-        rf.add_scene(db, 1, 0, ["a.chassis", "b.chassis"],
-                     [("a", 0, (0, 0, 0), rf.IDENTITY, 2), ("b", 1, (0, 0, 0), rf.IDENTITY, 1)], ["red"])
-        rf.add_scene(db, 2, 2, ["b.chassis"], [("b", 0, (1, 0, 0), rf.IDENTITY, 3)], ["blue", "red"])
-        db.execute("UPDATE target SET id = 3 - id WHERE scene = 2")  # columns stand by increasing id
-        for k in range(2):
-            rf.add_step(db, k, rf.poses_blob([((5, k, 0), rf.IDENTITY), ((6, k, 0), rf.IDENTITY)]), distances=rf.floats_blob(1, 2, 3),
-                        targets=rf.floats_blob(1, 2, 3, 4), commands=rf.commands_blob((0, 1, 1, k), (1, 1, 2, k)))
-        for k in range(2, 4):
-            rf.add_step(db, k, rf.poses_blob([((7, k, 0), rf.IDENTITY)]), scene=2, distances=rf.floats_blob(7, 8, 9),
-                        targets=rf.floats_blob(5, 6, 7, 8), commands=rf.commands_blob((0, 1, 3, k)))
-        rf.close(db)
+        rf.write_sample(self.path)
         run = coopdyn.read_run(self.path)
         self.assertEqual(run.names, ["a", "b"])
         self.assertEqual(str(list(run.pose("a"))), "[(5.0, 0.0, 0.0), (5.0, 1.0, 0.0), (nan, nan, nan), (nan, nan, nan)]")
         self.assertEqual(run.pose("b")[:, 0], array.array("d", [6, 6, 8, 8]))
+        self.assertEqual(run.pose("b")[:, 1], array.array("d", [0, 1, 2, 3]))
         self.assertEqual(str(list(run.reading("b", "distances"))[1:3]), "[(3.0, nan, nan), (7.0, 8.0, 9.0)]")
         self.assertEqual(str(list(run.reading("b", "targets"))[1:3]), "[(3.0, 4.0, nan, nan), (7.0, 8.0, 5.0, 6.0)]")
         self.assertEqual(list(run.commands("b")), [(0, 0, 2, 0), (1, 0.01, 2, 1), (2, 0.02, 3, 2), (3, 30000000 * 1e-9, 3, 3)])

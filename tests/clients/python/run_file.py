@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Writes recordings by hand, after docs/formats.md, for tests of what reads them."""
+"""Writes recordings by hand, after docs/formats.md, for tests of what reads them: python3 run_file.py FILE (a sample)."""
 import math
 import sqlite3
 import struct
+import sys
 
 SCHEMA = """
 CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
@@ -90,3 +91,25 @@ def add_scene(db, scene, first_step, bodies, robots, targets=()):
 def add_step(db, step, poses, scene=1, hash=0, commands=None, wheels=None, distances=None, targets=None, dt_ns=10_000_000):
     db.execute("INSERT INTO step VALUES (?, ?, ?, ?, ?, NULL, ?, ?, ?, ?)",
                (step, step * dt_ns, hash, scene, commands, wheels, distances, targets, poses))
+
+
+def write_sample(path):
+    """Two robots of which one goes and gets another scene's body, sensors and targets, over four steps."""
+    db = create(path)
+    add_scene(db, 1, 0, ["a.chassis", "b.chassis"],
+              [("a", 0, (0, 0, 0), IDENTITY, 2), ("b", 1, (0, 0, 0), IDENTITY, 1)], ["red"])
+    add_scene(db, 2, 2, ["b.chassis"], [("b", 0, (1, 0, 0), IDENTITY, 3)], ["blue", "red"])
+    db.execute("UPDATE target SET id = 3 - id WHERE scene = 2")  # columns stand by increasing id
+    for k in range(2):
+        add_step(db, k, poses_blob([((5, k, 0), IDENTITY), ((6, k, 0), IDENTITY)]), distances=floats_blob(1, 2, 3),
+                 targets=floats_blob(1, 2, 3, 4), commands=commands_blob((0, 1, 1, k), (1, 1, 2, k)))
+    for k in range(2, 4):
+        add_step(db, k, poses_blob([((7, k, 0), IDENTITY)]), scene=2, distances=floats_blob(7, 8, 9),
+                 targets=floats_blob(5, 6, 7, 8), commands=commands_blob((0, 1, 3, k)), hash=-k)
+    db.execute("INSERT INTO text VALUES ('scenario', 's', 's.scenario', '[FLOOR]')")
+    db.execute("INSERT INTO event VALUES (1, 2, 20000000, 'note', 'b alone')")
+    close(db)
+
+
+if __name__ == "__main__":
+    write_sample(sys.argv[1])

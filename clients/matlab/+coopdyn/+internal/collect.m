@@ -60,7 +60,7 @@ function collect(s, connections, links, limit)
     end
     if now_s - stepped_s > 0.1
       stepped_s = now_s;
-      behind = catch_up(s, connections, links, stepped);
+      behind = catch_up(s, connections, links, stepped, waiting);
       stepped = setdiff(stepped, behind);
       waiting = [waiting behind]; %#ok<AGROW>
     end
@@ -72,16 +72,31 @@ function collect(s, connections, links, limit)
   end
 end
 
-function again = catch_up(s, connections, links, stepped)
+function again = catch_up(s, connections, links, stepped, waiting)
 % After an error or a timeout a command that had not run may still run while its successor is on the way: its robot
 % is then one step behind the others, and each would wait for the other for ever. The world says whether it waits
-% for robots of ours that have stepped already: these go on by one step with what they have.
+% for robots of ours that have stepped already: these go on by one step with what they have. If it waits for one whose
+% reply has not come, too, then that reply is on its way.
   again = [];
   status = coopdyn.internal.fresh_status(s.address);
   if isempty(status.awaiting)
     return
   end
   awaited = {status.awaiting.robot};
+  for j = waiting
+    if ~isempty(links{j}) && any(ismember(awaited, links{j}.names))
+      return
+    end
+  end
+  n = 0;
+  for j = stepped
+    if ~isempty(links{j})
+      n = n + numel(links{j}.names);
+    end
+  end
+  if isfield(status, 'awaiting_count') && status.awaiting_count > max(n, numel(awaited))  % not all are listed
+    return
+  end
   for j = stepped
     link = links{j};
     if isempty(link) || ~any(ismember(awaited, link.names))
