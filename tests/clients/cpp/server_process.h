@@ -25,6 +25,14 @@ class ServerProcess {
     command.insert(command.end(), options.begin(), options.end());
     return ServerProcess(command);
   }
+  /// `coopdyn VERB …`, e.g. play RUN.
+  static ServerProcess Command(std::vector<std::string> words) {
+    const char* binary = std::getenv("COOPDYN_BINARY");
+    if (binary == nullptr) throw std::runtime_error("COOPDYN_BINARY is not set");
+    words.insert(words.begin(), binary);
+    words.insert(words.end(), {"--port", "0"});
+    return ServerProcess(words);
+  }
   static ServerProcess Fake(std::vector<std::string> options) {
     std::vector<std::string> command = {"python3", COOPDYN_SOURCE_DIR "/tests/clients/python/fake_daemon.py"};
     command.insert(command.end(), options.begin(), options.end());
