@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "export_fixture.h"
+#include "server/record/sqlite_db.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {
@@ -111,6 +112,19 @@ TEST_F(ExportCsvTest, StepsRecordedWithoutPosesAreLeftOut) {
   for (const auto& row : table.rows) steps.push_back(row.front());
   EXPECT_THAT(steps, ElementsAre("0", "10", "20", "30", "40"));
   EXPECT_EQ(table.Number(2, "robot1.left_rad_s"), SetpointAt(20, 0)[0]);
+}
+
+TEST_F(ExportCsvTest, AfterLostStepsTheKeyframeThatFollowsTellsTheSetPoints) {
+  Record();
+  std::string error;
+  const auto database = Database::Open(File("run.run"), Database::Access::kReadWrite, error);
+  ASSERT_NE(database, nullptr) << error;
+  ASSERT_TRUE(database->Run("DELETE FROM step WHERE step BETWEEN 9 AND 15"));  // the command of step 10, too
+  const Table table = Exported();
+  ASSERT_EQ(table.rows.size(), 34U);
+  EXPECT_EQ(table.rows[9].front(), "16");
+  EXPECT_EQ(table.Number(8, "robot1.left_rad_s"), 0);
+  EXPECT_EQ(table.Number(9, "robot1.left_rad_s"), SetpointAt(10, 0)[0]);
 }
 
 TEST_F(ExportCsvTest, RobotsAndThingsAreChosenByName) {
