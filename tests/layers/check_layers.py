@@ -17,7 +17,7 @@ ONLY_IN = {
     r"(GL|EGL|GLES\d?)/": ["server/render"],
     r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/control", "server/web", "server/app"],
     r"sdf/": ["server/model"],
-    r"sqlite3": ["server/record"],
+    r"sqlite3": ["server/record", "clients/cpp"],
     r"matio": ["server/replay"],
 }
 
