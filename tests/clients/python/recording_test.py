@@ -4,8 +4,10 @@ import csv
 import math
 import os
 import pathlib
+import socket
 import subprocess
 import tempfile
+import threading
 import unittest
 
 import harness
@@ -258,6 +260,23 @@ class Requests(RunTestCase):
             sim.fetch_run("here", pathlib.Path(folder, "x.run"))
             self.assertEqual(os.listdir(folder), ["x.run"])
             self.assertEqual(coopdyn.read_run(os.path.join(folder, "x.run")).names, ["robot1"])
+
+    def test_a_copy_that_breaks_off_leaves_what_was_there(self):
+        with socket.create_server(("127.0.0.1", 0)) as listener, tempfile.TemporaryDirectory() as folder:
+            def answer():
+                connection, _ = listener.accept()
+                with connection:
+                    connection.recv(65536)
+                    connection.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 3000000\r\n\r\n" + bytes(2_000_000))
+
+            server = threading.Thread(target=answer)
+            server.start()
+            self.addCleanup(server.join)
+            file = os.path.join(folder, "x.run")
+            pathlib.Path(file).write_text("old")
+            url = f"http://127.0.0.1:{listener.getsockname()[1]}/runs/x.run"
+            self.assert_error(-1, lambda: coopdyn._download(url, file), "2000000")
+            self.assertEqual((os.listdir(folder), pathlib.Path(file).read_text()), (["x.run"], "old"))
 
     def test_without_a_page_there_is_nothing_to_copy_from(self):
         sim = self.connect(self.start("classroom", "--no-http"))
