@@ -68,6 +68,7 @@ Statement::Result Statement::Step() {
     case SQLITE_ROW:
       return Result::kRow;
     case SQLITE_DONE:
+      sqlite3_reset(statement_);
       return Result::kDone;
     default:
       sqlite3_reset(statement_);

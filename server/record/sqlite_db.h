@@ -38,7 +38,7 @@ class Statement {
   /// No bytes at all are NULL.
   void BindBlob(int parameter, std::span<const std::byte> bytes);
 
-  /// Runs on to the next row, or to the end. An error resets the statement.
+  /// Runs on to the next row, or to the end, which resets the statement, as an error does.
   Result Step();
   /// Steps to the end of a statement without rows, and resets it; false on error.
   bool Run();

@@ -10,6 +10,7 @@
 
 #include "server/replay/resimulator.h"
 #include "server/replay/verify_difference.h"
+#include "server/replay/verify_row.h"
 
 namespace coopdyn {
 
@@ -94,7 +95,7 @@ class Verifier {
     run_.SetInputs(reader_.Inputs(from, to - 1));
     if (!reader_.error().empty()) return Fail(reader_.error());
     bool stopped = false;
-    const bool read = reader_.ForEach(from + 1, to, true, [&](const RecordedStep& step) {
+    const bool read = reader_.ForEach(from + 1, to, false, [&](const RecordedStep& step) {
       stopped = !Check(step);
       return !stopped;
     });
@@ -128,6 +129,10 @@ class Verifier {
     }
     if (std::optional<Difference> difference = FindInRecord(step)) {
       difference->note = "the state is the recorded one: what is recorded of this controller is damaged";
+      return Part(std::move(*difference));
+    }
+    if (std::optional<Difference> difference = row_check_.Find(step, frame)) {
+      difference->note = "the state is the recorded one: what is recorded of this step to be seen is damaged";
       return Part(std::move(*difference));
     }
     ++report_.steps;
@@ -236,6 +241,7 @@ class Verifier {
   const Progress& progress_;
   Resimulator run_;
   RunExtent extent_;
+  RowCheck row_check_;
   std::vector<std::uint64_t> keyframes_;
   std::optional<RecordedStep> failed_;  // its hash is not that of frame()
   bool lost_track_ = false;             // until the next keyframe
