@@ -68,7 +68,9 @@ std::string RecordingDesk::CheckFile(const Recorder& recorder, const fs::path& f
   if (std::string error = recorder.Check(); !error.empty()) return error;
   const FramePtr frame = frames_.Latest();
   const RecordWhat what = options_.what.value_or(DefaultRecordWhat(frame->scene->robots.size()));
-  const double left_s = options_.duration_s > 0 ? std::max(0.0, options_.duration_s - frame->time_s()) : 0;
+  const double said_s = frame->scene->scenario->simulation.duration_s.value_or(0);
+  const double duration_s = options_.duration_s > 0 ? options_.duration_s : said_s;
+  const double left_s = duration_s > 0 ? std::max(0.0, duration_s - frame->time_s()) : 0;
   const SpaceNeeded space = EstimateSpace(*frame, what, options_.pose_every, left_s, file.string());
   logger_->info("a recording to {} takes {}", file.string(), ToString(space));
   // A run without an end needs room for its first seconds at least.
@@ -206,18 +208,11 @@ void RecordingDesk::PutAway(std::shared_ptr<Recorder> recorder, Done done) {
 }
 
 void RecordingDesk::Note(const std::string& text, Done done) {
-  std::shared_ptr<Recorder> journal;
   {
     const MutexLock lock(mutex_);
-    if (state_ == State::kRecording) journal = recorder_;
+    if (state_ != State::kRecording) return done(Refusal(Error::kNotPossible, kNothing));
   }
-  if (journal == nullptr) return done(Refusal(Error::kNotPossible, kNothing));
-  // A journal is written to on the stepping thread only, and this edit changes nothing: its answer comes
-  // there, with the frame that the note belongs to.
-  edits_.Push({edit::Save{}, [journal, text, done = std::move(done)](const EditResult& result) {
-                 if (result.error == Error::kOk) {
-                   journal->Note({result.frame->step, result.frame->time_s(), "note", text});
-                 }
+  edits_.Push({edit::Note{text}, [done = std::move(done)](const EditResult& result) {
                  done({result.error, result.text, false, result.frame});
                }});
 }

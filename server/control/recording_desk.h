@@ -28,7 +28,7 @@ struct RecordingOptions {
   std::filesystem::path folder = ".";  // of recordings that have a bare name
   std::optional<RecordWhat> what;      // empty: DefaultRecordWhat()
   Nanoseconds pose_every = 0;          // poses and readings only so often; 0: each step
-  double duration_s = 0;               // simulated time at which the run ends; 0: never
+  double duration_s = 0;               // simulated time at which the run ends; 0: as the scenario says
   std::string version, command;        // for the file: of the program, its command line
   /// Seconds since 1970, for default names and for what the file says of its start.
   std::function<std::time_t()> wall_clock = [] { return std::time(nullptr); };

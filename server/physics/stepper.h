@@ -93,6 +93,7 @@ class Stepper {
   EditResult Apply(const edit::StopAll&) REQUIRES(baton_);
   EditResult Apply(const edit::UnloadController&) REQUIRES(baton_);
   EditResult Apply(const edit::SetJournal&) REQUIRES(baton_);
+  EditResult Apply(const edit::Note&) REQUIRES(baton_);
   EditResult Apply(const edit::Save&) REQUIRES(baton_);
   EditResult Apply(const edit::Restore&) REQUIRES(baton_);
   EditResult Apply(const edit::Seek&) REQUIRES(baton_);

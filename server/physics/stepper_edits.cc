@@ -152,6 +152,11 @@ EditResult Stepper::Apply(const edit::Restore& restore) {
   return {};
 }
 
+EditResult Stepper::Apply(const edit::Note& note) {
+  AddEvent("note", note.text);
+  return {};
+}
+
 EditResult Stepper::Apply(const edit::Save&) {
   EditResult result;
   result.saved = SaveState();

@@ -55,6 +55,10 @@ struct StopAll {};
 struct SetJournal {
   RunJournal* journal = nullptr;
 };
+/// An event of level `note`.
+struct Note {
+  std::string text;
+};
 /// The result has all that decides how the run goes on from here.
 struct Save {};
 /// Goes on from `state`, also if another scenario was in force; ends a playback.
@@ -83,8 +87,8 @@ struct UnloadController {
 
 using EditAction = std::variant<edit::Run, edit::Pause, edit::Step, edit::Reset, edit::Load, edit::SetMode,
                                 edit::SetStep, edit::SetSpeed, edit::SetParticipants, edit::StopAll,
-                                edit::UnloadController, edit::SetJournal, edit::Save, edit::Restore,
-                                edit::Seek, edit::Skip, edit::SetPlaySpeed, edit::SetLoop>;
+                                edit::UnloadController, edit::SetJournal, edit::Note, edit::Save,
+                                edit::Restore, edit::Seek, edit::Skip, edit::SetPlaySpeed, edit::SetLoop>;
 
 struct EditResult {
   Error error = Error::kOk;
