@@ -205,7 +205,7 @@ bool ChildBackend::Revive(const Order& order) {
   for (WorkerProgress& worker : out.workers) worker.word.store(0);
   try {
     child_core_ = -1;
-    process_ = std::make_unique<ChildProcess>(options_.program, areas_.in.fd(), areas_.out.fd());
+    process_ = std::make_unique<ChildProcess>(*options_.launcher, areas_.in.fd(), areas_.out.fd());
   } catch (const std::exception& exception) {
     StopAll(order, std::string("could not run: its process cannot be started: ") + exception.what());
     return false;

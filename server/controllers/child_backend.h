@@ -28,7 +28,7 @@ class ChildBackend final : public Backend {
   static constexpr int kMaxHangs = 3;
 
   struct Options {
-    std::string program;                             // of the child
+    std::shared_ptr<ChildLauncher> launcher;         // of the child; shared by all that a host runs
     int threads = 1;                                 // of the child
     Nanoseconds deadline = 0;                        // wall clock for one robot's step; 0: none
     const std::atomic<bool>* interrupted = nullptr;  // true: what takes long is given up; may be null

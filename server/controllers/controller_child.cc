@@ -6,14 +6,18 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <thread>
 
+#include "server/controllers/child_launcher.h"
 #include "server/controllers/futex.h"
 #include "server/controllers/runner.h"
 #include "server/controllers/shared_area.h"
@@ -59,9 +63,14 @@ void NoCoreFiles() {
   setrlimit(RLIMIT_CORE, &limit);
 }
 
-int Serve(int fd) {
-  const ParentWatch watch(fd);
-  const SharedArea head(fd + 1, sizeof(InHeader), false);
+/// The files that a copy serves: its socket and the areas.
+struct Files {
+  int socket = -1, in = -1, out = -1;
+};
+
+int Serve(const Files& files) {
+  const ParentWatch watch(files.socket);
+  const SharedArea head(files.in, sizeof(InHeader), false);
   const InHeader& header = *head.At<InHeader>(0);
   SharedArea in, out;
   Runner runner;
@@ -69,8 +78,8 @@ int Serve(int fd) {
   for (std::uint32_t seen = 0;;) {
     while (header.go.load(std::memory_order_acquire) == seen) FutexWait(header.go, seen, 0);
     seen = header.go.load(std::memory_order_acquire);
-    if (in.bytes() != header.in_bytes) in = SharedArea(fd + 1, header.in_bytes, false);
-    if (out.bytes() != header.out_bytes) out = SharedArea(fd + 2, header.out_bytes, true);
+    if (in.bytes() != header.in_bytes) in = SharedArea(files.in, header.in_bytes, false);
+    if (out.bytes() != header.out_bytes) out = SharedArea(files.out, header.out_bytes, true);
     if (!pool) pool = std::make_unique<WorkerPool>(static_cast<int>(header.workers));
     const bool last = header.operation == Operation::kEnd;
     runner.Run(in.data(), out.data(), *pool);
@@ -81,24 +90,85 @@ int Serve(int fd) {
   }
 }
 
+/// The main program of a copy.
+int RunCopy(const Files& files) {
+  setpgid(0, 0);  // what a controller does to its process group is its own
+  // A copy that a controller makes of this process would go on as if it were the process itself.
+  pthread_atfork(nullptr, nullptr, [] { _exit(0); });
+  prctl(PR_SET_NAME, "coopdyn-ctrl");
+  try {
+    return Serve(files);
+  } catch (const std::exception& exception) {
+    std::fprintf(stderr, "coopdyn: the controllers' process: %s\n", exception.what());
+    return 1;
+  }
+}
+
+/// The next request with its files, if it has any. False: the daemon is gone.
+bool Receive(int socket, LaunchRequest& request, Files& files) {
+  iovec bytes{&request, sizeof(request)};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(files))> room{};
+  msghdr message{};
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  message.msg_control = room.data();
+  message.msg_controllen = room.size();
+  ssize_t got = 0;
+  do {
+    got = recvmsg(socket, &message, 0);
+  } while (got < 0 && errno == EINTR);
+  if (got != sizeof(request)) return false;
+  const cmsghdr* header = CMSG_FIRSTHDR(&message);
+  if (header != nullptr && header->cmsg_type == SCM_RIGHTS && header->cmsg_len == CMSG_LEN(sizeof(files))) {
+    std::memcpy(&files, CMSG_DATA(header), sizeof(files));
+  }
+  return true;
+}
+
+LaunchReply AwaitEnd(pid_t pid) {
+  LaunchReply reply;
+  rusage usage{};
+  do {
+    reply.pid = wait4(pid, &reply.status, 0, &usage);
+  } while (reply.pid < 0 && errno == EINTR);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  reply.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  return reply;
+}
+
 }  // namespace
 
 int RunControllerChild(int fd) {
-  if (fcntl(fd, F_GETFD) < 0 || fcntl(fd + 1, F_GETFD) < 0 || fcntl(fd + 2, F_GETFD) < 0) {
+  int type = 0;
+  socklen_t size = sizeof(type);
+  if (getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) != 0 || type != SOCK_SEQPACKET) {
     std::fputs("coopdyn: controller-child is started by coopdyn serve itself; write coopdyn serve SCENARIO\n",
                stderr);
     return 2;
   }
   NoCoreFiles();
-  // A copy that a controller makes of this process would go on as if it were the process itself.
-  pthread_atfork(nullptr, nullptr, [] { _exit(0); });
-  prctl(PR_SET_NAME, "coopdyn-ctrl");
-  try {
-    return Serve(fd);
-  } catch (const std::exception& exception) {
-    std::fprintf(stderr, "coopdyn: the controllers' process: %s\n", exception.what());
-    return 1;
+  prctl(PR_SET_NAME, "coopdyn-ctrl-0");
+  LaunchRequest request;
+  for (Files files; Receive(fd, request, files); files = {}) {
+    LaunchReply reply;
+    if (request.kind == LaunchRequest::Kind::kAwaitEnd) {
+      reply = AwaitEnd(request.pid);
+    } else {
+      reply.pid = fork();
+      reply.error = errno;
+      if (reply.pid == 0) {
+        close(fd);
+        return RunCopy(files);
+      }
+    }
+    for (const int file : {files.socket, files.in, files.out}) {
+      if (file >= 0) close(file);
+    }
+    if (send(fd, &reply, sizeof(reply), MSG_NOSIGNAL) != sizeof(reply)) break;
   }
+  return 0;
 }
 
 }  // namespace coopdyn

@@ -4,8 +4,9 @@
 
 namespace coopdyn {
 
-/// Serves the daemon that started this process until it is told to end; ends the process at once when the
-/// daemon is gone. Files: `fd` a socket to the daemon, then the areas `in` and `out`. Returns the exit code.
+/// Makes copies of this process as the daemon asks for them over the socket `fd` (child_launcher.h), until it
+/// is gone. Each copy serves it until it is told to end, and ends at once when the daemon is gone. Returns
+/// the exit code of whichever process returns.
 int RunControllerChild(int fd);
 
 }  // namespace coopdyn

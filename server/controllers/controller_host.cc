@@ -41,6 +41,7 @@ ControllerHost::~ControllerHost() = default;
 
 ControllerOptions ControllerHost::WithFlag(ControllerOptions options, const std::atomic<bool>& interrupted) {
   options.interrupted = &interrupted;
+  if (options.launcher == nullptr) options.launcher = std::make_shared<ChildLauncher>(options.program);
   return options;
 }
 

@@ -84,9 +84,11 @@ ControllerSet::ControllerSet(std::vector<std::string> files, const ControllerOpt
   if (options.in_process) {
     backend_ = std::make_unique<InProcessBackend>(*areas_, pool);
   } else {
+    auto launcher = options.launcher;
+    if (launcher == nullptr) launcher = std::make_shared<ChildLauncher>(options.program);
     backend_ = std::make_unique<ChildBackend>(
-        *areas_, ChildBackend::Options{options.program, threads_, options.deadline, options.interrupted},
-        clock, logger);
+        *areas_, ChildBackend::Options{launcher, threads_, options.deadline, options.interrupted}, clock,
+        logger);
   }
   if (files.empty()) return;
   Run(Operation::kLoad, items);

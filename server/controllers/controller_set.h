@@ -15,18 +15,20 @@
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
 #include "server/controllers/backend.h"
+#include "server/controllers/child_launcher.h"
 #include "server/controllers/plugin.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
 
 struct ControllerOptions {
-  bool in_process = false;                           // for debugging: a crash is the daemon's
-  int threads = 1;                                   // of the child
-  Nanoseconds deadline = 2 * kNanosecondsPerSecond;  // wall clock, for one robot's step; 0: none
-  Nanoseconds share_from = 200'000;                  // a step that takes longer is shared out to the threads
-  const std::atomic<bool>* interrupted = nullptr;    // true: a step that hangs is given up at once
-  std::string program = "/proc/self/exe";            // which becomes the child with `controller-child 3`
+  bool in_process = false;                            // for debugging: a crash is the daemon's
+  int threads = 1;                                    // of the child
+  Nanoseconds deadline = 2 * kNanosecondsPerSecond;   // wall clock, for one robot's step; 0: none
+  Nanoseconds share_from = 200'000;                   // a step that takes longer is shared out to the threads
+  const std::atomic<bool>* interrupted = nullptr;     // true: a step that hangs is given up at once
+  std::string program = "/proc/self/exe";             // which becomes the child with `controller-child 3`
+  std::shared_ptr<ChildLauncher> launcher = nullptr;  // of the children; null: a set has its own
 };
 
 /// A loaded shared object, or why it is none.

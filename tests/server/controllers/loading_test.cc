@@ -75,7 +75,8 @@ TEST(LoadingTest, AProgramThatIsNoChildIsGivenUp) {
   Driven driven(Swarm().Add(Sample("diffuse")), options);
   driven.Start();
   ASSERT_EQ(driven.run().stopped.size(), 1u);
-  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("could not run: its process called exit(1)"));
+  EXPECT_THAT(driven.run().stopped[0].why,
+              HasSubstr("could not run: its process cannot be started: /bin/false called exit(1)"));
 }
 
 TEST(LoadingTest, AProcessOfControllersStartsNoOther) {
