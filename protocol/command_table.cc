@@ -34,7 +34,7 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return cost.back();
 }
 
-bool AllUnique(const std::vector<CommandSpec>& commands) {
+[[maybe_unused]] bool AllUnique(const std::vector<CommandSpec>& commands) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (commands[i].id == commands[j].id || commands[i].name == commands[j].name) return false;
