@@ -15,11 +15,17 @@ if(COOPDYN_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${COOPDYN_CCACHE})
 endif()
 
+# Warnings are for the targets of this source tree alone, not for a project that adds it and links a library of it.
+define_property(TARGET PROPERTY COOPDYN_WARNINGS INITIALIZE_FROM_VARIABLE COOPDYN_WARNINGS)
+set(COOPDYN_WARNINGS ON)
+set(ours $<BOOL:$<TARGET_PROPERTY:COOPDYN_WARNINGS>>)
+
 add_library(coopdyn_options INTERFACE)
-target_compile_options(coopdyn_options INTERFACE -Wall -Wextra -Wpedantic -Werror -fno-fast-math)
+target_compile_options(coopdyn_options INTERFACE
+  $<${ours}:-Wall> $<${ours}:-Wextra> $<${ours}:-Wpedantic> $<${ours}:-Werror> -fno-fast-math)
 target_include_directories(coopdyn_options INTERFACE ${PROJECT_SOURCE_DIR})
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-  target_compile_options(coopdyn_options INTERFACE -Wthread-safety)
+  target_compile_options(coopdyn_options INTERFACE $<${ours}:-Wthread-safety>)
 endif()
 if(COOPDYN_SANITIZE)
   target_compile_options(coopdyn_options INTERFACE
