@@ -71,6 +71,9 @@ _CATCH_UP_AFTER_S = 0.1  # some robots have stepped and others have not: see _Se
 _NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
 _HELD_UP_S = 0.5  # lockstep awaits its robots before every step; a shorter wait holds nobody up
 _NAMED_ROBOTS = 4
+_LISTED_NAMES = 20
+_PLAYING = "playing a recording"  # how an error begins
+_MOST_GAPS = 100000
 _FEW = 8  # of more replies the first are not looked for one by one as they come in: it is waited for the one that is
 _AT_ONCE = 256  # this further on alone, at most so long that errors and closed connections are seen, too
 _GLANCE_S = 0.01
@@ -428,7 +431,18 @@ def decode(buffer: Union[bytes, bytearray]) -> Tuple[Optional[Message], int]:
 
 
 def _list_of(words: Any) -> str:
-    return ", ".join(str(w) for w in words) or "none"
+    """The words; of very many the first and how many there are."""
+    words = [str(w) for w in words]
+    return (", ".join(words[:_LISTED_NAMES]) or "none") + (f", … ({len(words)})" if len(words) > _LISTED_NAMES else "")
+
+
+def _nearest(name: str, known: Sequence[str]) -> str:
+    """What `name` may have meant, as part of an error; capitals do not matter."""
+    import difflib
+
+    lower = {k.lower(): k for k in reversed(known)}
+    found = difflib.get_close_matches(name.lower(), list(lower), 1, 0.7)
+    return f"did you mean {lower[found[0]]}? " if found else ""
 
 
 def _parse_server(server: Optional[str]) -> Tuple[str, int]:
@@ -845,7 +859,7 @@ def _checked(reply: Message) -> Message:
 
 def _number(value: Any, what: str) -> float:
     try:
-        number = float(value)
+        number = float(None if isinstance(value, (str, bytes)) else value)
     except (TypeError, ValueError):
         raise Error(3, f"{what} must be one number, not {value!r}") from None
     if not math.isfinite(number):
@@ -998,6 +1012,7 @@ class _TeamLink:
         self.reply: Optional[Message] = None
         self.gone: List[str] = []  # who was taken from it since it stepped last
         self.lost: Optional[Error] = None
+        self.playing = ""  # why nobody can have the robots: a recording is played; then it is for reading
 
     @property
     def label(self) -> str:
@@ -1011,12 +1026,68 @@ class _TeamLink:
         try:
             if not self.names:
                 self.connection.request(_RELEASE)  # an older team may have been of others
-            self.named(self.claim(session))
+            self.take(session)
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:
             self.connection.close()
             raise
+
+    def take(self, session: "_Session") -> None:
+        """Makes the robots ours; while a recording is played only finds out which they are."""
+        try:
+            reply = self.claim(session)
+        except Error as e:
+            if e.code == 6 and self.playing:  # a branch has gone on live meanwhile
+                raise Error(6, f"{self.label} {_owned_text(e.text)}") from None
+            if e.code != 5 or not e.text.startswith(_PLAYING):
+                raise
+            playing = e.text
+        else:
+            playing = "" if reply.params or not session.plays() else f"{_PLAYING}: sim.branch() goes on live from here"
+            if not playing:
+                self.playing = ""
+                self.named(reply)
+                return
+        self.find(session)
+        self.playing = playing
+
+    def find(self, session: "_Session") -> None:
+        """Who is meant, in a recording that is played: `claim` has found the names good, but tells no ids."""
+        there = session.robot_names()
+        ids = dict(zip(there, self.known_ids(len(there))))
+        words = self.text.split()
+        chosen = set(there) if not words else {
+            name for name in there if name in words or "_" in name and name.rsplit("_", 1)[1].isdigit()
+            and name.rsplit("_", 1)[0] in words}
+        if words and not chosen:
+            raise Error(10, f"none of {_list_of(words)} is there at this moment of the recording under that name; "
+                            f"there are: {_list_of(there)}")
+        self.names = [name for name in ids if name in chosen]
+        self.ids, self.stale = [ids[name] for name in self.names], False
+
+    def known_ids(self, n: int) -> List[int]:
+        """The ids of the n robots, in their order: from 1 on, with gaps where robots have been removed."""
+        if not n:
+            return []
+        ids: List[int] = list(range(1, n + 1))
+        try:
+            self.connection.request(_READ_ALL, ids)
+            return ids
+        except Error as e:
+            if e.code != 10:
+                raise
+        ids = []
+        for k in itertools.count(1):
+            try:
+                self.connection.request(_READ_ALL, (k,))
+                ids.append(k)
+            except Error as e:
+                if e.code != 10 or k > n + _MOST_GAPS:
+                    raise
+            if len(ids) == n:
+                break
+        return ids
 
     def claim(self, session: "_Session") -> Message:
         """Again those that it had, not whom its name would mean by now: less who is another's meanwhile."""
@@ -1057,11 +1128,16 @@ class _TeamLink:
         self.selected = (words, neighbours)
         self.readings, self.columns = reply.text.split(), reply.params
 
+    def fit(self, width: int) -> None:
+        """Of robots that are not ours `select_readings` does not know how many distances they have."""
+        if "distances" in self.readings:
+            self.columns[self.readings.index("distances")] += width - sum(self.columns)
+
     def forget_commands(self) -> None:
         self.reply = None
 
     def is_among(self, robots: "set[str]") -> bool:
-        return not robots.isdisjoint(self.names)
+        return not self.playing and not robots.isdisjoint(self.names)
 
     def robots(self) -> int:
         return len(self.names)
@@ -1187,7 +1263,7 @@ class _Session:
             modules = self.address.modules()
             if not any(m.name.startswith(f"/{robot}/") for m in modules):
                 robots = sorted({m.name.split("/")[1] for m in modules if m.name.count("/") == 2})
-                raise Error(10, f"there is no robot {robot!r}; there are: {_list_of(robots)}") from None
+                raise Error(10, f"there is no robot {robot!r}; {_nearest(robot, robots)}there are: {_list_of(robots)}") from None
             link.motors = None  # it has no motors: it can be read only
         if in_team:
             link.motors = None
@@ -1305,6 +1381,19 @@ class _Session:
         link.sent = (command, data)
         self.await_command(link)
 
+    def robot_names(self) -> List[str]:
+        """Of all robots, in the order of the scenario."""
+        names: List[str] = []
+        while True:  # a status lists so many at a time
+            status = json.loads(self.control(_GET_STATUS, (len(names) + 1, _LISTED)).text)
+            names += [robot["name"] for robot in status["robots"]]
+            if not status["robots"] or len(names) >= int(status.get("robot_count") or 0):
+                return names
+
+    def plays(self) -> bool:
+        """A recording is played."""
+        return json.loads(self.control(_GET_STATUS, (1, 1)).text).get("playback") is not None
+
     # --- teams ---
     def team(self, text: str) -> _TeamLink:
         """The team of these names, opened and claimed."""
@@ -1348,15 +1437,41 @@ class _Session:
             raise team.lost
         if team.connection.sock is None or team.connection.busy:  # interrupted, or never opened again
             team.open(self)
+        elif team.stale and team.playing:
+            team.take(self)
         elif team.stale:
             team.named(team.connection.request(_GET_TEAM))
         return team.connection
 
-    def ask_team(self, team: _TeamLink, command: int, text: str = "") -> Message:
+    def own_team(self, team: _TeamLink) -> None:
+        """Error 5 while a recording is played; a branch may have gone on live from there."""
+        self.settle_team(team)
+        if team.playing:
+            team.take(self)
+        if team.playing:
+            raise Error(5, team.playing)
+
+    def read_team(self, team: _TeamLink) -> Message:
+        """The readings of the newest step."""
+        self.settle_team(team)
+        if not team.playing:
+            return self.ask_team(team, _READ_ALL)
+        try:
+            reply = self.ask_team(team, _READ_ALL, team.ids)
+        except Error as e:
+            if e.code != 10:
+                raise
+            team.find(self)  # at this moment there are others
+            reply = self.ask_team(team, _READ_ALL, team.ids)
+        team.ask_for(*team.selected)
+        team.fit(reply.params[-1])
+        return reply
+
+    def ask_team(self, team: _TeamLink, command: int, params: Sequence[int] = ()) -> Message:
         """A request that is answered at once."""
         connection = self.settle_team(team)
         try:
-            return self.note(connection.request(command, (), (), text, spin_s=self.spin_s()))
+            return self.note(connection.request(command, params, spin_s=self.spin_s()))
         except _Closed as e:
             raise self.lose(team, e) from None
 
@@ -1883,7 +1998,7 @@ class Team:
 
     def read(self) -> TeamReading:
         """The readings of the newest step, without a step."""
-        return self._reading(self._session.ask_team(self._link, _READ_ALL))
+        return self._reading(self._session.read_team(self._link))
 
     def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
         """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (so many nearest) and
@@ -1901,6 +2016,7 @@ class Team:
 
     def stop(self) -> None:
         """Stops all robots of the team."""
+        self._session.own_team(self._link)
         self._session.ask_team(self._link, _STOP_TEAM)
 
     def release(self) -> None:
@@ -1921,6 +2037,15 @@ class Team:
         kept = [(other, other.kept) for other in session.links]
         n, raw = len(link.names), text.encode()
         data = self._data(values, what, columns)
+        if link.playing:
+            try:
+                session.own_team(link)
+            except Error as e:
+                if e.code != 5 or values is not None:
+                    raise
+                session.step(1, limit)  # the next moment that is shown
+                return self.read()
+            return self._step(values, what, columns, text, timeout)
         try:
             return self._reading(session.step_team(link, self._frame(raw, data), limit))
         except Error as e:
@@ -1992,16 +2117,12 @@ class Simulation:
 
     def robots(self) -> List[str]:
         """The names of all robots, in the order of the scenario."""
-        names: List[str] = []
-        while True:  # a status lists so many at a time
-            status = json.loads(self._session.control(_GET_STATUS, (len(names) + 1, _LISTED)).text)
-            names += [robot["name"] for robot in status["robots"]]
-            if not status["robots"] or len(names) >= int(status.get("robot_count") or 0):
-                return names
+        return self._session.robot_names()
 
     def team(self, names: Union[str, Sequence[str], None] = None) -> Team:
         """Takes robots to be driven together, through one connection: the name of a swarm or robot, a list of such, or
-        all that nobody drives. Error 6 if another client owns one of them; then none is taken."""
+        all that nobody drives. Error 6 if another client owns one of them; then none is taken. While a recording is
+        played the team reads (all robots, without names), and what drives it is error 5."""
         if names is not None and not isinstance(names, str):
             if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):
                 raise Error(3, f'the robots of a team are named, not {names!r}; write e.g. sim.team("swarm1"), '
@@ -2187,7 +2308,9 @@ class Simulation:
 
     def set_loop(self, on: bool) -> None:
         """Whether the recording begins again at its end."""
-        self._session.tell(_PLAYBACK, _SET_LOOP, (1 if on else 0,))
+        if on not in (0, 1) or isinstance(on, float):  # True and False are such numbers
+            raise Error(3, f"on is True or False, not {on!r}")
+        self._session.tell(_PLAYBACK, _SET_LOOP, (int(on),))
 
     def branch(self, time: Optional[float] = None) -> None:
         """Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s], bit for
@@ -2643,7 +2766,10 @@ class Run:
                 if not math.isfinite(sum(p.p_BR) + sum(p.q_BR)):
                     raise ValueError(f"the frame of {name} is no pose")
         if not found:
-            raise Error(10, f"there is no {name!r} in {self.file}; there are: {_list_of(self._names)}")
+            with self._reading():
+                known = self._names + [str(o) for (o,) in self._db.execute(
+                    "SELECT name FROM body WHERE robot IS NULL GROUP BY name ORDER BY min(scene), place")]
+            raise Error(10, f"there is no {name!r} in {self.file}; {_nearest(str(name), known)}there are: {_list_of(known)}")
         return found
 
     def _slices(self, column: str, slices: Dict[int, Tuple[int, int]]) -> Iterator[Tuple[Any, ...]]:
@@ -2747,6 +2873,9 @@ def _open_run(file: str) -> "sqlite3.Connection":
 
     if not os.path.isfile(file):
         raise Error(10, f"there is no file {file!r}; a recording is called NAME.run")
+    if file.lower().endswith(".mat"):
+        raise Error(7, f"{file} is the run as MATLAB reads it (a .mat); here read the recording itself, {file[:-4]}.run: "
+                       'sim.fetch_run("NAME") copies it from the daemon')
     foreign = f"{file} is no recording of coopdyn (NAME.run)"
     cure = f"run `coopdyn info {file}`, which mends what a crash has left, where the file can be written"
     waits = os.path.isfile(file + "-wal") and os.path.getsize(file + "-wal") > 0  # of a recording that is not closed

@@ -126,6 +126,27 @@ class Columns(ReadRunTestCase):
             self.assertIn(hint, error.text)
 
 
+class Names(ReadRunTestCase):
+    def test_what_is_not_there_is_answered_with_all_that_pose_takes(self):
+        self.write_two()
+        run = coopdyn.read_run(self.path)
+        self.assertEqual(len(run.pose("BOX_1")), 3)
+        text = self.error_of(lambda: run.pose("box_1")).text
+        self.assertIn("did you mean BOX_1? there are: robot1, robot2, BOX_1", text)
+        self.assertNotIn("chassis", text)
+        self.assertNotIn("did you mean", self.error_of(lambda: run.pose("table")).text)
+
+    def test_of_many_names_twenty_are_listed(self):
+        db = rf.create(self.path)
+        robots = [f"bee_{i}" for i in range(1, 101)]
+        rf.add_scene(db, 1, 0, [f"{name}.chassis" for name in robots],
+                     [(name, i, (0, 0, 0), rf.IDENTITY, 0) for i, name in enumerate(robots)], [])
+        rf.add_step(db, 0, rf.poses_blob([((0, 0, 0), rf.IDENTITY)] * 100))
+        rf.close(db)
+        text = self.error_of(lambda: coopdyn.read_run(self.path).pose("wasp")).text
+        self.assertTrue(text.endswith("bee_19, bee_20, … (100)"), text)
+
+
 class Encodings(ReadRunTestCase):
     def test_every_component_can_be_the_one_left_out(self):
         qs = []

@@ -200,9 +200,53 @@ class RecordingTest(RunTestCase):
         for _ in range(2):  # and the connection goes on
             self.assert_error(5, lambda: r.set_velocity(0.1, 0), "playing a recording")
             self.assertAlmostEqual(r.get_pose().x, self.run_.pose("robot1")[0, 0], delta=1e-9)
-        self.assert_error(5, lambda: sim.team("robot1"), "playing a recording")
         self.assert_error(4, lambda: sim.play(100))
         self.assert_error(4, lambda: sim.set_play_speed(0))
+
+    def test_a_team_reads_a_recording_and_drives_after_a_branch(self):
+        sim = self.connect(self.start(self.recorded.file, "--paused"))
+        team, second = sim.team(), sim.team("robot2")
+        self.assertEqual((team.names, second.names), (["robot1", "robot2"], ["robot2"]))
+        for k in (10, 70):
+            sim.seek(k * 0.01)
+            s = team.read()
+            self.assertEqual(s.step, k)
+            for i, name in enumerate(team.names):
+                for j, x in enumerate(self.run_.pose(name)[k]):
+                    self.assertAlmostEqual(s.pose[i][j], x, delta=1e-9)
+                for a, b in zip(s.distances[i], self.run_.reading(name, "distances")[k]):
+                    self.assertTrue(a == b or abs(a - b) < 1e-4, (a, b))
+            self.assertEqual(len(s.distances[0]), 11)
+            self.assertEqual(second.read().pose[0], s.pose[1])
+        second.select("wheels", "distances", "pose")
+        self.assertEqual(second.read().pose[0], s.pose[1])
+        self.assertEqual(second.read().distances[0], s.distances[1])
+        for drives in (lambda: team.step((0.1, 0)), lambda: team.step_wheels((1, 1)), team.stop):
+            self.assert_error(5, drives, "playing a recording")
+        sim.set_loop(True)
+        sim.play()
+        before = team.read().step
+        self.assertNotEqual(team.step(timeout=30).step, before)
+        sim.step(timeout=30)
+        self.assert_error(10, lambda: sim.team("robot9"), "robot9")
+        sim.pause()
+        sim.branch(0.5)
+        sim.run()
+        second.close()
+        there = team.read().pose[0]
+        for _ in range(5):
+            s = team.step((0.3, 0.0), timeout=60)
+        self.assertEqual(s.step, 55)
+        self.assertNotEqual(s.pose[0], there)
+
+    def test_arguments_of_a_playback_are_looked_at(self):
+        sim = self.connect(self.start(self.recorded.file, "--paused"))
+        self.assert_error(3, lambda: sim.seek("1"), "one number, not '1'")
+        self.assert_error(3, lambda: sim.set_loop("yes"), "True or False, not 'yes'")
+        self.assertEqual((sim.playback().time, sim.playback().loop), (0, False))
+
+    def test_a_mat_file_is_not_what_python_reads(self):
+        self.assert_error(7, lambda: coopdyn.read_run(self.recorded.mat), "MATLAB", "lesson1.run")
 
     def test_a_branch_goes_on_live_with_the_programs_that_were_there(self):
         sim = self.connect(self.start(self.recorded.file, "--paused"))
