@@ -1065,6 +1065,11 @@ class _TeamLink:
                             f"there are: {_list_of(there)}")
         self.names = [name for name in ids if name in chosen]
         self.ids, self.stale = [ids[name] for name in self.names], False
+        for link in session.links:  # after a branch the team drives these
+            if link.unclaimed and link.motors is not None and link.robot in chosen:
+                link.in_team = True
+                link.motors.close()
+                link.motors = None
 
     def known_ids(self, n: int) -> List[int]:
         """The ids of the n robots, in their order: from 1 on, with gaps where robots have been removed."""
@@ -2277,7 +2282,12 @@ class Simulation:
         file = os.fspath(file) or f"{name}.run"
         kind = ".mat" if file.lower().endswith(".mat") else ".run"
         url = f"{_page(self._session.address, self.status())}/runs/{urllib.parse.quote(name + kind)}"
-        _download(url, file)
+        try:
+            _download(url, file)
+        except Error as e:
+            if e.code != 10:
+                raise
+            raise Error(10, f"there is no recording {name}.run; there are: {_list_of(f.name for f in self.recordings())}") from None
         return file
 
     # --- playing a recording: `coopdyn play RUN` ---

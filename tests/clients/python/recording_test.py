@@ -205,6 +205,7 @@ class RecordingTest(RunTestCase):
 
     def test_a_team_reads_a_recording_and_drives_after_a_branch(self):
         sim = self.connect(self.start(self.recorded.file, "--paused"))
+        single = sim.robot("robot1")
         team, second = sim.team(), sim.team("robot2")
         self.assertEqual((team.names, second.names), (["robot1", "robot2"], ["robot2"]))
         for k in (10, 70):
@@ -234,6 +235,8 @@ class RecordingTest(RunTestCase):
         sim.run()
         second.close()
         there = team.read().pose[0]
+        self.assertEqual(single.get_pose()[:3], there)
+        self.assert_error(5, lambda: single.set_velocity(0, 0), "its team")
         for _ in range(5):
             s = team.step((0.3, 0.0), timeout=60)
         self.assertEqual(s.step, 55)
@@ -298,7 +301,8 @@ class Requests(RunTestCase):
             sim.stop_recording()
             self.assert_error(5, lambda: sim.fetch_run("here", os.path.join(folder, "no folder", "x.run")), "cannot write")
             pathlib.Path(folder, "x.run").write_text("old")
-            self.assert_error(10, lambda: sim.fetch_run("never", os.path.join(folder, "x.run")))
+            self.assert_error(10, lambda: sim.fetch_run("never", os.path.join(folder, "x.run")),
+                              "there is no recording never.run; there are: here.run")
             self.assertEqual(os.listdir(folder), ["x.run"])
             self.assertEqual(pathlib.Path(folder, "x.run").read_text(), "old")
             sim.fetch_run("here", pathlib.Path(folder, "x.run"))
