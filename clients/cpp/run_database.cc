@@ -81,6 +81,10 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored))
     throw Error(10, "there is no file '" + file + "'; a recording is called NAME.run");
+  if (file.ends_with(".mat"))
+    throw Error(7, file + " is the run as MATLAB reads it (a .mat); here read the recording itself, " +
+                       file.substr(0, file.size() - 4) +
+                       ".run: sim.fetch_run(\"NAME\") copies it from the daemon");
   try {
     Open(false);
   } catch (...) {

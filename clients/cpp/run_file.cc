@@ -173,14 +173,19 @@ struct Run::Impl {
           "SELECT scene, place FROM body WHERE name = ?1 ORDER BY scene",
           [&](const RunRow& row) { places.push_back({.scene = row.count(0), .body = row.count(1)}); }, &name);
     }
-    if (places.empty())
-      throw Error(10, "there is no '" + name + "' in " + file() + "; there are: " + Join(names, ", "));
+    if (places.empty()) {
+      std::vector<std::string> known = names;
+      database.ForEach("SELECT name FROM body WHERE robot IS NULL GROUP BY name ORDER BY min(scene), place",
+                       [&](const RunRow& row) { known.push_back(row.text(0)); });
+      throw Error(10, "there is no '" + name + "' in " + file() + "; " + Nearest(name, known) +
+                          "there are: " + ListOf(known));
+    }
     return places;
   }
 
   std::vector<Place> RobotPlaces(const std::string& name) const {
     std::vector<Place> places = Places(name);
-    if (places.front().robot < 0) throw Error(10, name + " is no robot; there are: " + Join(names, ", "));
+    if (places.front().robot < 0) throw Error(10, name + " is no robot; there are: " + ListOf(names));
     return places;
   }
 

@@ -114,8 +114,9 @@ std::shared_ptr<Link> Session::Drive(const std::string& robot) {
       if (slash != std::string::npos) robots.insert(module.name.substr(1, slash - 1));
     }
     if (!robots.contains(robot))
-      throw Error(kNoSuchName, "there is no robot '" + robot +
-                                   "'; there are: " + Join({robots.begin(), robots.end()}, ", "));
+      throw Error(kNoSuchName, "there is no robot '" + robot + "'; " +
+                                   Nearest(robot, {robots.begin(), robots.end()}) +
+                                   "there are: " + ListOf({robots.begin(), robots.end()}));
     link->motors.reset();  // it has no motors: it can be read only
   }
   links_.push_back(link);
@@ -307,8 +308,8 @@ void Session::Loaded() {
   const std::vector<std::string> names = RobotNames();
   std::erase_if(links_, [&](const auto& link) {
     if (std::find(names.begin(), names.end(), link->robot) != names.end()) return false;
-    link->lost.emplace(kNoSuchName, "the scenario that was loaded has no " + link->robot +
-                                        "; there are: " + Join(names, ", "));
+    link->lost.emplace(
+        kNoSuchName, "the scenario that was loaded has no " + link->robot + "; there are: " + ListOf(names));
     link->Close();
     return true;
   });

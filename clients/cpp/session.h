@@ -101,7 +101,11 @@ class Session {
   std::vector<std::optional<Command>> Kept() const;
   void Keep(std::vector<std::optional<Command>> kept);
   /// A request that is answered at once.
-  Message AskTeam(TeamLink& team, std::int32_t command);
+  Message AskTeam(TeamLink& team, std::int32_t command, std::vector<std::int32_t> params = {});
+  /// The readings of the newest step.
+  Message ReadTeam(TeamLink& team);
+  /// Throws Error 5 while a recording is played; a branch may have gone on live from there.
+  void OwnTeam(TeamLink& team);
   void Select(TeamLink& team, const std::string& words, int neighbours);
   /// What of a row changes if robots or targets have come or gone; asked anew.
   void RefreshTeam(TeamLink& team);
@@ -143,6 +147,12 @@ class Session {
                     std::optional<Error>& lost);
   void OpenTeam(TeamLink& team);
   Message Claim(const TeamLink& team);
+  /// Takes over who is in the team. One that has lost all its robots is none any more: throws.
+  static void NameTeam(TeamLink& team, Message reply);
+  /// Makes the robots ours; while a recording is played only finds out which they are.
+  void TakeTeam(TeamLink& team);
+  /// Who is meant, in a recording that is played: `claim` has found the names good, but tells no ids.
+  void FindTeam(TeamLink& team);
   [[noreturn]] void NotOurs(const TeamLink& team, const Error& owned) const;
   Connection& AttachedConnection(Link& link, const std::vector<std::string>& modules);
   static std::string Label(const Waiting& w);

@@ -16,8 +16,13 @@ namespace {
 constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10;
 constexpr double kRequestTimeout_s = 10;
 
-/// Takes over who is in the team. One that has lost all its robots is none any more: throws.
-void Name(TeamLink& team, Message reply) {
+std::string FirstWord(const std::string& text) {
+  return text.substr(0, text.find(' '));
+}
+
+}  // namespace
+
+void Session::NameTeam(TeamLink& team, Message reply) {
   const std::vector<std::string> before = std::exchange(team.names, Words(reply.text));
   team.ids = std::move(reply.params);
   team.stale = false;
@@ -33,12 +38,6 @@ void Name(TeamLink& team, Message reply) {
   team.connection->Close();
   throw Error(*team.lost);
 }
-
-std::string FirstWord(const std::string& text) {
-  return text.substr(0, text.find(' '));
-}
-
-}  // namespace
 
 /// Again those that it had, not whom its name would mean by now: less who is another's meanwhile.
 Message Session::Claim(const TeamLink& team) {
@@ -109,7 +108,7 @@ void Session::OpenTeam(TeamLink& team) {
   connection.Open();
   try {
     if (team.names.empty()) connection.Request(command::kRelease);  // an older team may have been of others
-    Name(team, Claim(team));
+    TakeTeam(team);
     Select(team, team.selected, team.neighbours);
     Note(connection.Request(command::kGetTime));
   } catch (...) {
@@ -122,7 +121,8 @@ Connection& Session::SettleTeam(TeamLink& team) {
   RequireOpen();
   if (team.lost) throw Error(*team.lost);
   if (!team.connection->is_open() || team.connection->busy()) OpenTeam(team);
-  if (team.stale) Name(team, team.connection->Request(command::kGetTeam));
+  if (team.stale && !team.playing.empty()) TakeTeam(team);
+  if (team.stale) NameTeam(team, team.connection->Request(command::kGetTeam));
   return *team.connection;
 }
 
@@ -137,10 +137,10 @@ void Session::Select(TeamLink& team, const std::string& words, int neighbours) {
   team.columns.resize(team.readings.size());
 }
 
-Message Session::AskTeam(TeamLink& team, std::int32_t command) {
+Message Session::AskTeam(TeamLink& team, std::int32_t command, std::vector<std::int32_t> params) {
   Connection& connection = SettleTeam(team);
   try {
-    Message reply = connection.Request(command, {}, {}, "", kRequestTimeout_s, spin_s());
+    Message reply = connection.Request(command, std::move(params), {}, "", kRequestTimeout_s, spin_s());
     Note(reply);
     return reply;
   } catch (const Closed& e) {
@@ -149,7 +149,7 @@ Message Session::AskTeam(TeamLink& team, std::int32_t command) {
 }
 
 void Session::RefreshTeam(TeamLink& team) {
-  Name(team, AskTeam(team, command::kGetTeam));
+  NameTeam(team, AskTeam(team, command::kGetTeam));
   Select(team, team.selected, team.neighbours);
 }
 

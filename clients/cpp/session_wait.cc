@@ -118,8 +118,9 @@ void Session::CatchUp(std::vector<Waiting>& waiting) {
   for (const Json& a : status["awaiting"].items()) awaited.insert(a["robot"].text());
   const auto is_awaited = [&](const Waiting& w) {
     if (w.link != nullptr) return awaited.contains(w.link->robot);
-    return w.team != nullptr && std::any_of(w.team->names.begin(), w.team->names.end(),
-                                            [&](const std::string& name) { return awaited.contains(name); });
+    return w.team != nullptr && w.team->playing.empty() &&
+           std::any_of(w.team->names.begin(), w.team->names.end(),
+                       [&](const std::string& name) { return awaited.contains(name); });
   };
   if (std::any_of(waiting.begin(), waiting.end(), [&](auto& w) { return !w.done && is_awaited(w); })) return;
   std::size_t stepped = 0;

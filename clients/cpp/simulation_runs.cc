@@ -120,9 +120,16 @@ std::string Simulation::fetch_run(const std::string& name, const std::string& fi
   std::string stem = Word(name, "the name of a recording");
   if (stem.ends_with(".run")) stem.resize(stem.size() - 4);
   const std::string to = file.empty() ? stem + ".run" : file;
-  Download(session_->address(), status()["http"].text(),
-           "/runs/" + Quoted(stem) + (to.ends_with(".mat") ? ".mat" : ".run"), to, "recording",
-           kExportTimeout_s);
+  try {
+    Download(session_->address(), status()["http"].text(),
+             "/runs/" + Quoted(stem) + (to.ends_with(".mat") ? ".mat" : ".run"), to, "recording",
+             kExportTimeout_s);
+  } catch (const Error& e) {
+    if (e.code() != 10) throw;
+    std::vector<std::string> known;
+    for (const RunFile& run : recordings()) known.push_back(run.name);
+    throw Error(10, "there is no recording " + stem + ".run; there are: " + ListOf(known));
+  }
   return to;
 }
 

@@ -102,6 +102,16 @@ TeamReading Team::Step(std::span<const double> values, const char* what, const c
     for (std::size_t i = 0; i < for_all.size(); ++i) for_all[i] = values[i % 2];
     return for_all;
   };
+  if (!link_->playing.empty()) {
+    rows();  // what is wrong with them is said first
+    try {
+      session_->OwnTeam(*link_);
+    } catch (const Error& e) {
+      if (link_->playing.empty() || !values.empty() || *text != '\0') throw;
+      session_->Step(1, timeout);  // the next moment that is shown
+      return read();
+    }
+  }
   const std::size_t before = n();
   const auto sent = rows();
   auto kept = session_->Kept();
@@ -117,7 +127,7 @@ TeamReading Team::Step(std::span<const double> values, const char* what, const c
 }
 
 TeamReading Team::read() {
-  return ToReading(session_->AskTeam(*link_, command::kReadAll));
+  return ToReading(session_->ReadTeam(*link_));
 }
 
 TeamReading Team::ToReading(Message reply) {
@@ -166,6 +176,7 @@ void Team::select(const std::vector<std::string>& readings, int neighbours) {
 }
 
 void Team::stop() {
+  session_->OwnTeam(*link_);
   session_->AskTeam(*link_, command::kStopTeam);
 }
 

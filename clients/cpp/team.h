@@ -66,6 +66,7 @@ struct TeamReading {
   std::shared_ptr<const std::vector<double>> values;  // what the rows point into
 };
 
+/// While a recording is played a team reads, and what drives it throws Error 5.
 class Team {
  public:
   /// How many robots, their names and their ids, in the order of the rows.

@@ -31,6 +31,7 @@ struct TeamLink {
   std::optional<Message> reply;       // to the step that ran last
   std::vector<std::string> gone;      // who was taken from it since it stepped last
   std::optional<Error> lost;          // why it is not ours any more
+  std::string playing;  // why nobody can have the robots: a recording is played; then it is for reading
   /// Numbers that were handed out; whose readers are gone is used again.
   std::array<std::shared_ptr<std::vector<double>>, 2> handed_out;
 

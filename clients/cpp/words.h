@@ -2,6 +2,8 @@
 // Lists of names as texts.
 #pragma once
 
+#include <algorithm>
+#include <cctype>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -20,6 +22,25 @@ inline std::string Join(const std::vector<std::string>& words, const char* betwe
   std::string out;
   for (const std::string& word : words) out += (out.empty() ? "" : between) + word;
   return out;
+}
+
+/// For an error: of very many the first and how many there are.
+inline std::string ListOf(std::vector<std::string> words) {
+  constexpr std::size_t kListed = 20;
+  const std::size_t count = words.size();
+  if (count == 0) return "none";
+  if (count > kListed) words.resize(kListed);
+  return Join(words, ", ") + (count > kListed ? ", … (" + std::to_string(count) + ")" : "");
+}
+
+/// What `name` is but for its capitals, as part of an error.
+inline std::string Nearest(const std::string& name, const std::vector<std::string>& known) {
+  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  for (const std::string& word : known) {
+    if (std::equal(name.begin(), name.end(), word.begin(), word.end(), same))
+      return "did you mean " + word + "? ";
+  }
+  return "";
 }
 
 }  // namespace coopdyn::client

@@ -87,7 +87,9 @@ std::vector<std::string> Record(const Folder& folder) {
   EXPECT_FALSE(files.at(0).recording);
   EXPECT_EQ(sim.fetch_run("lesson1", folder / "lesson1.run"), folder / "lesson1.run");
   EXPECT_EQ(fs::file_size(folder / "lesson1.run"), static_cast<std::uintmax_t>(files.at(0).bytes));
-  EXPECT_EQ(ErrorOf([&] { sim.fetch_run("never", folder / "x.run"); }).code(), 10);
+  const Error never = ErrorOf([&] { sim.fetch_run("never", folder / "x.run"); });
+  EXPECT_EQ(never.code(), 10);
+  EXPECT_TRUE(never.text().starts_with("there is no recording never.run; there are: ")) << never.text();
   EXPECT_EQ(ErrorOf([&] { sim.fetch_run("lesson1", folder / "none/x.run"); }).code(), 5);
   EXPECT_FALSE(fs::exists(folder / "x.run"));
   EXPECT_EQ(ErrorOf([&] { sim.record("lesson1"); }).code(), 5);  // nothing is overwritten
@@ -165,6 +167,51 @@ TEST(Recording, EveryNumberOfARunIsThatOfTheCsvExport) {
   std::ifstream svg(folder / "path.svg");
   const std::string drawn(std::istreambuf_iterator<char>(svg), {});
   EXPECT_NE(drawn.find("-1.5000,0.5000 "), std::string::npos) << drawn.substr(0, 300);
+}
+
+TEST(Recording, ATeamReadsARecordingAndDrivesAfterABranch) {
+  const Folder folder;
+  Record(folder);
+  const auto daemon = ServerProcess::Command({"play", folder / "lesson1.run", "--paused"});
+  auto sim = connect(daemon.server());
+  auto all = sim.team();
+  EXPECT_EQ(all.names(), std::vector<std::string>{"robot1"});
+  all.close();
+  auto team = sim.team(std::vector<std::string>{"robot1"});
+  const auto run = read_run(folder / "lesson1.run");
+  const auto pose = run.pose("robot1"), distances = run.reading("robot1", "distances");
+  EXPECT_TRUE(Says(ErrorOf([&] { run.pose("Robot1"); }), "did you mean robot1? there are: robot1"));
+  fs::copy_file(folder / "lesson1.run", folder / "lesson1.mat");
+  const Error mat = ErrorOf([&] { read_run(folder / "lesson1.mat"); });
+  EXPECT_TRUE(Says(mat, "MATLAB") && Says(mat, "lesson1.run")) << mat.text();
+  for (const std::size_t k : {10, 40}) {
+    sim.seek(0.01 * static_cast<double>(k));
+    const TeamReading s = team.read();
+    EXPECT_EQ(s.step, static_cast<std::int64_t>(k));
+    ASSERT_EQ(s.distances.columns(), distances.columns());
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(s.pose[0][i], pose[k][i], 1e-9);
+    EXPECT_EQ(std::isinf(s.distances[0][5]), std::isinf(distances[k][5]));
+  }
+  const std::vector<double> v = {0.3, 0.0};
+  for (const auto& drive : std::vector<std::function<void()>>{
+           [&] { team.step(v); }, [&] { team.step_wheels(v); }, [&] { team.stop(); }}) {
+    const Error refused = ErrorOf(drive);
+    EXPECT_EQ(refused.code(), 5);
+    EXPECT_TRUE(Says(refused, "playing a recording")) << refused.text();
+  }
+  sim.set_loop(true);
+  sim.play();
+  const std::int64_t before = team.read().step;
+  EXPECT_NE(team.step({}, 30).step, before);
+  sim.step(1, 30);
+  sim.pause();
+  sim.branch(0.5);
+  sim.run();
+  const double x = team.read().pose[0][0];
+  TeamReading s;
+  for (int i = 0; i < 5; ++i) s = team.step(v, 60);
+  EXPECT_EQ(s.step, 55);
+  EXPECT_NE(s.pose[0][0], x);
 }
 
 TEST(Recording, ABranchGoesOnWithTheSameHashesAndClients) {

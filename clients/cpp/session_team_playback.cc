@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// The teams of a session while a recording is played: nobody can have the robots, so a team reads.
+#include <algorithm>
+#include <cctype>
+#include <numeric>
+#include <set>
+
+#include "clients/cpp/session.h"
+#include "clients/cpp/words.h"
+#include "protocol/command_ids.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10;
+constexpr std::int32_t kMostGaps = 100000;
+constexpr const char* kPlaying = "playing a recording";  // how an error begins
+
+/// `name` is asked for by `words`: it is one of them, or a robot NAME_1, NAME_2 … of the swarm NAME.
+bool IsMeant(const std::string& name, const std::set<std::string>& words) {
+  if (words.empty() || words.contains(name)) return true;
+  const std::size_t bar = name.rfind('_');
+  return bar != std::string::npos && bar + 1 < name.size() && words.contains(name.substr(0, bar)) &&
+         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(bar) + 1, name.end(),
+                     [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/// The ids of the n robots, in their order: from 1 on, with gaps where robots have been removed.
+std::vector<std::int32_t> KnownIds(Connection& connection, std::size_t n) {
+  std::vector<std::int32_t> ids(n);
+  if (n == 0) return ids;
+  const auto are_there = [&](const std::vector<std::int32_t>& wanted) {
+    try {
+      connection.Request(command::kReadAll, wanted);
+      return true;
+    } catch (const Error& e) {
+      if (e.code() != kNoSuchName) throw;
+      return false;
+    }
+  };
+  std::iota(ids.begin(), ids.end(), 1);
+  if (are_there(ids)) return ids;
+  ids.clear();
+  const auto last = static_cast<std::int32_t>(n) + kMostGaps;
+  for (std::int32_t id = 1; ids.size() < n && id <= last; ++id) {
+    if (are_there({id})) ids.push_back(id);
+  }
+  return ids;
+}
+
+}  // namespace
+
+void Session::TakeTeam(TeamLink& team) {
+  std::string playing;
+  try {
+    Message reply = Claim(team);
+    if (!reply.params.empty() || Status()["playback"].is_null()) {
+      team.playing.clear();
+      NameTeam(team, std::move(reply));
+      return;
+    }
+    playing = std::string(kPlaying) + ": sim.branch() goes on live from here";
+  } catch (const Error& e) {
+    if (e.code() == kOwned && !team.playing.empty()) NotOurs(team, e);  // a branch has gone on live meanwhile
+    if (e.code() != kNotPossible || !e.text().starts_with(kPlaying)) throw;
+    playing = e.text();
+  }
+  FindTeam(team);
+  team.playing = playing;
+}
+
+void Session::FindTeam(TeamLink& team) {
+  const std::vector<std::string> there = RobotNames();
+  const std::vector<std::int32_t> ids = KnownIds(*team.connection, there.size());
+  const std::vector<std::string> asked = Words(team.text);
+  const std::set<std::string> words(asked.begin(), asked.end());
+  team.names.clear();
+  team.ids.clear();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (!IsMeant(there[i], words)) continue;
+    team.names.push_back(there[i]);
+    team.ids.push_back(ids[i]);
+  }
+  team.stale = false;
+  for (const auto& link : links_) {  // after a branch the team drives these
+    if (!link->unclaimed || std::find(team.names.begin(), team.names.end(), link->robot) == team.names.end())
+      continue;
+    link->in_team = true;
+    link->motors.reset();
+  }
+  if (!words.empty() && team.names.empty()) {
+    throw Error(kNoSuchName,
+                "none of " + ListOf(asked) +
+                    " is there at this moment of the recording under that name; there are: " + ListOf(there));
+  }
+}
+
+void Session::OwnTeam(TeamLink& team) {
+  SettleTeam(team);
+  if (!team.playing.empty()) TakeTeam(team);
+  if (!team.playing.empty()) throw Error(kNotPossible, team.playing);
+}
+
+Message Session::ReadTeam(TeamLink& team) {
+  SettleTeam(team);
+  if (team.playing.empty()) return AskTeam(team, command::kReadAll);
+  Message reply;
+  try {
+    reply = AskTeam(team, command::kReadAll, team.ids);
+  } catch (const Error& e) {
+    if (e.code() != kNoSuchName) throw;
+    FindTeam(team);  // at this moment there are others
+    reply = AskTeam(team, command::kReadAll, team.ids);
+  }
+  Select(team, team.selected, team.neighbours);
+  // Of robots that are not ours the daemon does not tell there how many distances they have.
+  const auto distances = std::find(team.readings.begin(), team.readings.end(), "distances");
+  if (distances != team.readings.end() && !reply.params.empty()) {
+    team.columns[static_cast<std::size_t>(distances - team.readings.begin())] +=
+        reply.params.back() - std::accumulate(team.columns.begin(), team.columns.end(), 0);
+  }
+  return reply;
+}
+
+}  // namespace coopdyn::client
