@@ -62,7 +62,12 @@ classdef Run
       end
       i = find_name(run.objects, name);
       if i == 0
-        coopdyn.internal.fail(10, ['there is no ''' char(name) ''' in ' run.file '; there are: ' strjoin(run.names, ', ')]);
+        known = run.names;
+        if ~isempty(run.objects)
+          known = [known reshape({run.objects.name}, 1, [])];
+        end
+        coopdyn.internal.fail(10, ['there is no ''' char(name) ''' in ' run.file '; ' ...
+          coopdyn.internal.nearest(char(name), known) 'there are: ' coopdyn.internal.list_of(known)]);
       end
       p = run.objects(i).pose_3d;
     end
@@ -93,7 +98,7 @@ classdef Run
     function r = robot(run, name)
       i = find_name(run.robots, name);
       if i == 0
-        coopdyn.internal.fail(10, [char(name) ' is no robot of ' run.file '; there are: ' strjoin(run.names, ', ')]);
+        coopdyn.internal.fail(10, [char(name) ' is no robot of ' run.file '; there are: ' coopdyn.internal.list_of(run.names)]);
       end
       r = run.robots(i);
     end

@@ -40,7 +40,7 @@ classdef Simulation < coopdyn.internal.RunCalls
         number = coopdyn.internal.count(which, 'the number of a robot');
         names = sim.robots();
         if number > numel(names)
-          coopdyn.internal.fail(10, sprintf('there is no robot %d; there are: %s', number, strjoin(names, ', ')));
+          coopdyn.internal.fail(10, sprintf('there is no robot %d; there are: %s', number, coopdyn.internal.list_of(names)));
         end
         which = names{number};
       end

@@ -8,6 +8,7 @@ classdef Team < handle
 %       s = team.step(V);
 %     end
 %     team.close();
+%   While a recording is played a team reads, and what drives it is an error.
 %   names, ids, n; step, step_wheels, read, select, stop, release, close.
 %   Readings are a struct with time, step, text (says if speeds were limited, who was taken away) and, of those chosen with select, matrices with a row for each robot in the order
 %   of team.names: pose (x, y [m], heading [rad]), distances [m], targets (distance [m], bearing [rad] of each), neighbours
@@ -66,7 +67,7 @@ classdef Team < handle
 
     function s = read(t)
     %READ The readings of the newest step, without a step.
-      s = t.readings(t.link.ask(t.session, 112));
+      s = t.readings(t.link.read(t.session));
     end
 
     function select(t, varargin)
@@ -95,6 +96,7 @@ classdef Team < handle
 
     function stop(t)
     %STOP Stops all robots of the team.
+      t.link.own(t.session);
       t.link.ask(t.session, 114);
     end
 
@@ -121,6 +123,18 @@ classdef Team < handle
       end
       n = numel(link.names);
       frame = t.frame(V, what, columns, text);
+      if ~isempty(link.playing)
+        try
+          link.own(t.session);
+        catch cause
+          if ~isempty(V) || ~coopdyn.internal.is_playing(cause)
+            rethrow(cause);
+          end
+          t.session.step(1, limit);  % the next moment that is shown
+          s = t.read();
+          return
+        end
+      end
       links = t.session.links;
       kept = cellfun(@(l) {l.kept}, links);
       try

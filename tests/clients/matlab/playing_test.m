@@ -14,6 +14,7 @@ assert(s.step == 30 && numel(s.distances) == 11 && isequal(s.pose, r.get_pose())
 for k = 1:2
   expect_error('coopdyn:not_possible', @() r.set_velocity(0.1, 0), 'playing a recording');
 end
+expect_error('coopdyn:wrong_data', @() sim.set_loop('yes'), 'true or false');
 sim.skip(10);
 assert(sim.steps == 40);
 sim.skip(-20);

@@ -32,6 +32,7 @@ assert(isequaln(r.reading('robot1', 'targets'), [1 0.5; NaN NaN]) && isequal(r.r
 assert(isequal(r.commands('robot1'), [0 0 0 0; 1 0.01 2 3]) && isempty(r.commands('robot2')));
 assert(isequal({r.events.level}, {'info', 'note'}) && r.events(2).time == 0.01);
 expect_error('coopdyn:no_such_name', @() r.pose('robot3'), 'robot1, robot2');
+expect_error('coopdyn:no_such_name', @() r.pose('box_1'), 'did you mean BOX_1? there are: robot1, robot2, BOX_1');
 expect_error('coopdyn:no_such_name', @() r.commands('BOX_1'), 'no robot');
 expect_error('coopdyn:out_of_range', @() r.reading('robot1', 'smell'), 'distances, targets, wheels');
 expect_error('coopdyn:not_possible', @() r.reading('robot2', 'wheels'), '--record-what');

@@ -98,7 +98,7 @@ classdef RunCalls < handle
         files = sim.recordings();
         at = find(strcmp({files.name}, [name '.run']), 1);
         if isempty(at)
-          coopdyn.internal.fail(10, ['there is no recording ' name '.run; there are: ' strjoin({files.name}, ', ')]);
+          coopdyn.internal.fail(10, ['there is no recording ' name '.run; there are: ' coopdyn.internal.list_of({files.name})]);
         elseif files(at).recording
           coopdyn.internal.fail(5, [name '.run is being recorded: sim.stop_recording() first']);
         end
@@ -149,7 +149,10 @@ classdef RunCalls < handle
 
     function set_loop(sim, on)
     %SET_LOOP Whether the recording begins again at its end.
-      coopdyn.internal.tell(sim.session, '/playback', 136, double(logical(on)));
+      if ~(islogical(on) || isnumeric(on)) || numel(on) ~= 1 || ~any(double(on) == [0 1])
+        coopdyn.internal.fail(3, 'on is true or false');
+      end
+      coopdyn.internal.tell(sim.session, '/playback', 136, double(on));
     end
 
     function branch(sim, time)

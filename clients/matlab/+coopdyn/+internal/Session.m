@@ -144,7 +144,8 @@ classdef Session < handle
         if ~any(strncmp(names, ['/' robot '/'], numel(robot) + 2))
           found = regexp(names, '^/([^/]+)/', 'tokens', 'once');
           robots = unique(cellfun(@(t) t{1}, found(~cellfun(@isempty, found)), 'UniformOutput', false));
-          coopdyn.internal.fail(10, ['there is no robot ''' robot '''; there are: ' strjoin(robots, ', ')]);
+          coopdyn.internal.fail(10, ['there is no robot ''' robot '''; ' coopdyn.internal.nearest(robot, robots) ...
+            'there are: ' coopdyn.internal.list_of(robots)]);
         end
         link.motors = [];  % it has no motors: it can be read only
       end

@@ -16,6 +16,7 @@ classdef TeamLink < handle
     reply = []                    % to the step that ran last
     gone = {}                     % who was taken from it since it stepped last
     lost = ''                     % why it is not ours any more
+    playing = ''                  % why nobody can have the robots: a recording is played; then it is for reading
     lost_code = 6
   end
   properties (Dependent)
@@ -47,7 +48,7 @@ classdef TeamLink < handle
         if isempty(t.names)
           c.request(8, [], []);  % an older team may have been of others
         end
-        t.named(t.claim(session));
+        t.take(session);
         t.choose(t.selected, t.neighbours);
         session.note(c.request(3, [], []));
       catch cause
@@ -69,16 +70,80 @@ classdef TeamLink < handle
       c = t.connection;
       if isempty(c.socket) || c.busy  % never opened again, or interrupted
         t.open(session);
+      elseif t.stale && ~isempty(t.playing)
+        t.take(session);
       elseif t.stale
         t.named(c.request(113, [], []));
       end
     end
 
-    function reply = ask(t, session, command)
+    function take(t, session)
+    % Makes the robots ours; while a recording is played only finds out which they are.
+      text = '';
+      try
+        reply = t.claim(session);
+        if isempty(reply.params)
+          answer = session.control(100, [1 1]);
+          status = jsondecode(answer.text);
+          if isfield(status, 'playback') && ~isempty(status.playback)
+            text = 'playing a recording: sim.branch() goes on live from here';
+          end
+        end
+      catch cause
+        if ~coopdyn.internal.is_playing(cause)
+          rethrow(cause);
+        end
+        text = cause.message;
+      end
+      if isempty(text)
+        t.playing = '';
+        t.named(reply);
+        return
+      end
+      [t.names, t.ids] = coopdyn.internal.find_team(session, t.connection, t.text);
+      t.stale = false;
+      t.playing = text;
+    end
+
+    function own(t, session)
+    % An error while a recording is played; a branch may have gone on live from there.
+      t.settle(session);
+      if ~isempty(t.playing)
+        t.take(session);
+      end
+      if ~isempty(t.playing)
+        coopdyn.internal.fail(5, t.playing);
+      end
+    end
+
+    function reply = read(t, session)
+    % The readings of the newest step.
+      t.settle(session);
+      if isempty(t.playing)
+        reply = t.ask(session, 112);
+        return
+      end
+      try
+        reply = t.ask(session, 112, t.ids);
+      catch cause
+        if ~strcmp(cause.identifier, 'coopdyn:no_such_name')
+          rethrow(cause);
+        end
+        [t.names, t.ids] = coopdyn.internal.find_team(session, t.connection, t.text);  % at this moment there are others
+        reply = t.ask(session, 112, t.ids);
+      end
+      t.choose(t.selected, t.neighbours);
+      % Of robots that are not ours the daemon does not tell there how many distances they have.
+      at = strcmp(t.readings, 'distances');
+      t.columns(at) = t.columns(at) + reply.params(end) - sum(t.columns);
+    end
+
+    function reply = ask(t, session, command, params)
     % A request that is answered at once.
+      if nargin < 4, params = []; end
       t.settle(session);
       try
-        reply = t.connection.request(command, [], []);
+        reply = t.connection.request(command, params, []);
       catch cause
         session.lose(t, cause);
       end

@@ -12,7 +12,7 @@ function loaded(session)
   for k = 1:numel(session.links)
     link = session.links{k};
     if ~any(strcmp(names, link.robot))
-      link.lost = ['the scenario that was loaded has no ' link.robot '; there are: ' strjoin(names, ', ')];
+      link.lost = ['the scenario that was loaded has no ' link.robot '; there are: ' coopdyn.internal.list_of(names)];
       link.lost_code = 10;
       link.close();
       keep(k) = false;

@@ -1,0 +1,11 @@
+% SPDX-License-Identifier: MIT
+function text = list_of(names)
+%LIST_OF Names for an error; of very many the first twenty and how many there are.
+  text = 'none';
+  if ~isempty(names)
+    text = strjoin(reshape(names(1:min(end, 20)), 1, []), ', ');
+  end
+  if numel(names) > 20
+    text = sprintf('%s, ... (%d)', text, numel(names));
+  end
+end
