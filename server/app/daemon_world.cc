@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <thread>
 #include <utility>
 
@@ -57,6 +58,11 @@ std::string Daemon::StartFromRecording() {
   std::string error;
   const auto reader = RunReader::Open(file, error);
   if (reader == nullptr) return error;
+  std::error_code missing;
+  if (std::filesystem::equivalent(options_.record.file, reader->file(), missing)) {
+    return "--record " + options_.record.file +
+           " would overwrite the run that is gone on from: write another name";
+  }
   Diagnostics diagnostics;
   if (reader->LoadScenario(models_.path(), diagnostics) == nullptr) return diagnostics.ToString();
   const std::optional<std::uint64_t> step = FindStep(*reader, when, error);
@@ -83,6 +89,12 @@ std::string Daemon::StartPlayback() {
   if (reader->mended()) logger_->info("{}: mended, the recording had not been closed", reader->file());
   Diagnostics diagnostics;
   if (reader->LoadScenario(models_.path(), diagnostics) == nullptr) return diagnostics.ToString();
+  const RunExtent extent = reader->extent();
+  if (options_.play.start > extent.end && !reader->growing()) {
+    return fmt::format("--at {:g} lies beyond the end of {}: write a time from {:g} to {:g}",
+                       ToSeconds(options_.play.start), reader->file(), ToSeconds(extent.begin),
+                       ToSeconds(extent.end));
+  }
   PlayOptions play;
   play.speed = options_.play.speed;
   play.loop = options_.play.loop;

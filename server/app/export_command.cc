@@ -121,6 +121,10 @@ int Export(Given given) {
   if (!error.empty()) return Fail(error);
   const auto reader = RunReader::Open(given.run, error);
   if (reader == nullptr) return Fail(error);
+  std::error_code missing;
+  if (std::filesystem::equivalent(given.out, reader->file(), missing)) {
+    return Fail(given.out + " is the recording itself: write another name");
+  }
   if (reader->mended()) std::cerr << given.run << ": had not been closed; it is mended\n";
   SearchPath path;
   for (const std::string& folder : DataFolders(given.scenario_folders)) path.folders.emplace_back(folder);

@@ -57,7 +57,7 @@ std::size_t Notes(const RunInfo& info) {
 std::string What(const RunHeader& header) {
   std::string what = ToString(header.what);
   if (header.pose_every > 0)
-    what += fmt::format(", poses and readings each {} s", ToSeconds(header.pose_every));
+    what += fmt::format(", poses and readings each {:.10g} s", ToSeconds(header.pose_every));
   return what;
 }
 
@@ -91,12 +91,12 @@ std::optional<RunInfo> ReadRunInfo(const std::string& file, bool count_commands,
 std::string ToText(const RunInfo& info, bool all_events) {
   const RunHeader& header = info.header;
   const RunExtent& extent = info.extent;
-  std::string text = fmt::format("{}: {} s, {}, {}\n", info.file, Duration(info), Count(extent.steps, "step"),
-                                 Count(info.contents.robots.size(), "robot"));
+  std::string text = fmt::format("{}: {:.10g} s, {}, {}\n", info.file, Duration(info),
+                                 Count(extent.steps, "step"), Count(info.contents.robots.size(), "robot"));
   if (info.mended) text += "  mended: the recording had not been closed\n";
   if (info.growing) text += "  it is being recorded at this moment\n";
   AddLine(text, "time",
-          fmt::format("{} to {} s, steps {} to {}", ToSeconds(extent.begin), ToSeconds(extent.end),
+          fmt::format("{:.10g} to {:.10g} s, steps {} to {}", ToSeconds(extent.begin), ToSeconds(extent.end),
                       extent.first, extent.last));
   AddLine(text, "scenario",
           fmt::format("{}, seed {}, {}, steps of {} ms", header.scenario_name, header.seed,

@@ -165,7 +165,8 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
   sub->add_option("--summary", serve.summary_file, "Write a summary of the run to this file (JSON)")
       ->envname("COOPDYN_SUMMARY");
   sub->add_option("--from", serve.from,
-                  "Go on from a moment of a recording, RUN@SECONDS or RUN@end, instead of a scenario");
+                  "Go on from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
+                  "RUN@start or RUN@end");
   AddRecording(sub, serve, raw);
   AddNetwork(sub, serve, raw);
   sub->set_config("--config", "", "Read options from this file (name=value lines)")
@@ -206,6 +207,12 @@ void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
   }
   if (given("--record-every")) serve.record.every = std::llround(raw.record_every_s * 1e9);
   serve.record.stop_on_failure = raw.on_record_failure == "stop";
+  if (given("--record") && serve.record.file.empty()) {
+    throw CLI::ValidationError("--record takes the name of a file, e.g. --record lesson1.run");
+  }
+  if (!serve.from.empty() && given("--seed")) {
+    throw CLI::ValidationError("--from goes on with the seed of the recording: leave --seed out");
+  }
   if (!serve.from.empty() && given("scenario")) {
     throw CLI::ValidationError("--from takes the scenario out of the recording: leave " + serve.scenario +
                                " out");

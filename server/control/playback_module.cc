@@ -57,7 +57,7 @@ std::optional<Message> PlaybackModule::Refuse(const Message& request) const {
     if (factor < kMinPlaySpeed || factor > kMaxPlaySpeed || factor == 0) {
       return ErrorReply(request.command, Error::kOutOfRange,
                         fmt::format("a recording is played at {} to {} times its speed, not 0; below 0 it "
-                                    "goes backwards: set_speed 2, pause to stand",
+                                    "goes backwards: play 2, pause to stand",
                                     kMinPlaySpeed, kMaxPlaySpeed));
     }
   }

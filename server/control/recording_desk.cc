@@ -79,7 +79,8 @@ std::string RecordingDesk::CheckFile(const Recorder& recorder, const fs::path& f
       space.bytes_in_all > 0 ? space.bytes_in_all : std::max(1e6, space.bytes_per_s * kLeast_s);
   if (force || needed <= space.bytes_free) return {};
   return fmt::format(
-      "the recording cannot fit on the disk: {}; record less (--record-every, --record-what), or elsewhere",
+      "the recording cannot fit on the disk: {}; record less (--record-every, --record-what), elsewhere, or "
+      "with --force",
       ToString(space));
 }
 
@@ -91,6 +92,7 @@ std::string RecordingDesk::BeginStart() {
     case State::kIdle:
       state_ = State::kStarting;
       broken_ = false;
+      failure_.clear();
       return {};
     case State::kClosed:
       return kStopping;
@@ -119,6 +121,11 @@ std::shared_ptr<Recorder> RecordingDesk::TakeToStop(bool if_broken) {
 }
 
 std::string RecordingDesk::StartFile(const std::string& file, bool force) {
+  std::error_code missing;
+  if (file.ends_with('/') || fs::is_directory(file, missing)) {
+    return file + " is a folder: write the name of a file, e.g. --record " +
+           (fs::path(file) / "lesson1.run").string();
+  }
   if (std::string error = BeginStart(); !error.empty()) return error;
   const fs::path path = fs::path(file).has_extension() ? file : WithRunExtension(file);
   const std::shared_ptr<Recorder> recorder = MakeRecorder(path, force);
@@ -186,7 +193,14 @@ void RecordingDesk::Start(const std::string& name, Done done) {
 
 void RecordingDesk::Stop(Done done) {
   std::shared_ptr<Recorder> recorder = TakeToStop(false);
-  if (recorder == nullptr) return done(Refusal(Error::kNotPossible, kNothing));
+  if (recorder == nullptr) {
+    std::string text = kNothing;
+    {
+      const MutexLock lock(mutex_);
+      if (!failure_.empty()) text = "nothing is being recorded any more: " + failure_;
+    }
+    return done(Refusal(Error::kNotPossible, std::move(text)));
+  }
   PutAway(std::move(recorder), std::move(done));
 }
 
@@ -224,6 +238,7 @@ void RecordingDesk::Fail(const std::string& text) {
   {
     const MutexLock lock(mutex_);
     broken_ = true;
+    failure_ = text;
   }
   // Not if it is being started or stopped just now: whoever does that looks.
   if (std::shared_ptr<Recorder> broken = TakeToStop(true)) PutAway(std::move(broken), nullptr);

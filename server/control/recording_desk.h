@@ -109,6 +109,7 @@ class RecordingDesk {
   std::atomic<bool> failed_{false};
   mutable Mutex mutex_;
   State state_ GUARDED_BY(mutex_) = State::kIdle;
+  std::string failure_ GUARDED_BY(mutex_);                 // of the last recording; empty: it went well
   bool broken_ GUARDED_BY(mutex_) = false;                 // the present recorder has failed
   std::shared_ptr<Recorder> recorder_ GUARDED_BY(mutex_);  // while recording or stopping
   std::filesystem::path file_ GUARDED_BY(mutex_);          // its first file

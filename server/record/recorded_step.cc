@@ -95,7 +95,8 @@ bool DecodeCommands(std::span<const std::byte> blob, std::vector<CommandRecord>&
     command.robot = robot & ~kByClient;
     command.by_client = (robot & kByClient) != 0;
     reader.GetAll(command.setpoint);
-    if (std::isfinite(command.setpoint[0]) && std::isfinite(command.setpoint[1])) continue;
+    const bool in_order = &command == commands.data() || command.robot > (&command - 1)->robot;
+    if (in_order && std::isfinite(command.setpoint[0]) && std::isfinite(command.setpoint[1])) continue;
     commands.clear();
     return false;
   }

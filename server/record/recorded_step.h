@@ -38,7 +38,7 @@ struct CommandRecord {
   bool by_client = false;   // a client sent it for this step; else: a loaded controller, a policy, stop_all
   Setpoint setpoint{};      // rad/s
 };
-/// u32 robot with bit 31 = by_client, f64 left, f64 right; each.
+/// By increasing robot: u32 robot with bit 31 = by_client, f64 left, f64 right; each.
 void EncodeCommands(std::span<const CommandRecord> commands, std::vector<std::byte>& blob);
 bool DecodeCommands(std::span<const std::byte> blob, std::vector<CommandRecord>& commands);
 

@@ -19,6 +19,9 @@ namespace coopdyn {
 
 namespace {
 
+/// Steps of one commit at most: free mode makes thousands in the time of commit_every.
+constexpr std::uint64_t kStepsAtOnce = 256;
+
 /// lesson1-2.run for lesson1.run and 2.
 std::string NumberedName(const std::string& file, int number) {
   const std::string end = file.ends_with(".run") ? ".run" : "";
@@ -88,7 +91,7 @@ class Recorder::Impl {
   void Write(QueuedItem& item) {
     if (const auto* state = std::get_if<SavedStatePtr>(&item.what)) {
       if (writer_ != nullptr) NoteLost(item.lost_before, last_);
-      CloseFile();
+      BeginAnew();
       if (!failed_) OpenFile(**state);
     } else if (writer_ == nullptr) {
       return;
@@ -97,6 +100,7 @@ class Recorder::Impl {
     } else if (const auto* input = std::get_if<RunInput>(&item.what)) {
       Check(writer_->AddInput(*input));
     } else if (const auto* event = std::get_if<Event>(&item.what)) {
+      noted_ = noted_ || event->level == "note";
       Check(writer_->AddEvent(*event));
     }
   }
@@ -119,8 +123,25 @@ class Recorder::Impl {
     status_.end = writer_->end();
   }
 
+  /// After a reset, load or restore: ends the present file, which says where the run goes on. One without
+  /// steps is dropped, and its name used again.
+  void BeginAnew() {
+    if (writer_ == nullptr || failed_) return CloseFile();
+    if (writer_->steps() == 0 && !noted_) {
+      const std::string file = writer_->file();
+      CloseFile();
+      if (failed_) return;
+      RemoveRunFile(file);
+      reused_ = file;
+      return;
+    }
+    reused_ = NextName();
+    Check(writer_->AddEvent({last_.step, last_.time_s, "info", "the run begins anew in " + reused_}));
+    CloseFile();
+  }
+
   void OpenFile(const SavedState& state) {
-    const std::string file = NextName();
+    const std::string file = reused_.empty() ? NextName() : std::exchange(reused_, {});
     RunWriterOptions options;
     options.overwrite = options_.overwrite;
     const RecordWhat what = options_.what.value_or(DefaultRecordWhat(state.frame->robots.size()));
@@ -128,15 +149,17 @@ class Recorder::Impl {
     options.header.version = options_.version;
     options.header.command = options_.command;
     options.header.started = options_.started;
-    if (build_.empty()) build_ = BuildId();
     options.header.build = build_;
     options.header.cpu = CpuName();
     std::string error;
     writer_ = RunWriter::Create(file, std::move(options), state, error);
     if (writer_ == nullptr) return Fail(error);
+    // So that it can be read from now on, whatever happens.
+    if (!Check(writer_->Commit())) return;
+    committed_steps_ = 0;
     logger_->info("recording to {}", file);
     last_ = committed_ = {state.frame->step, state.frame->time_s()};
-    is_dirty_ = false;
+    is_dirty_ = noted_ = false;
     const MutexLock lock(mutex_);
     status_.file = file;
     status_.steps = 0;
@@ -174,8 +197,11 @@ class Recorder::Impl {
     const Nanoseconds now = clock_.Now();
     if (!is_dirty_) dirty_since_ = now;
     is_dirty_ = true;
-    if (now - dirty_since_ < options_.commit_every) return;
+    // A disk that is full takes the present transaction with it.
+    const bool many = writer_->steps() >= committed_steps_ + kStepsAtOnce;
+    if (now - dirty_since_ < options_.commit_every && !many) return;
     is_dirty_ = false;
+    committed_steps_ = writer_->steps();
     if (!Check(writer_->Commit())) return;
     committed_ = last_;
     const std::uint64_t bytes = writer_->bytes();
@@ -228,8 +254,11 @@ class Recorder::Impl {
 
   // The recorder's thread only.
   std::unique_ptr<RunWriter> writer_;
-  std::string build_;
-  int number_ = 0;       // of the present file
+  const std::string build_ = BuildId();  // before the run, as it reads the whole program
+  int number_ = 0;  // of the present file
+  std::uint64_t committed_steps_ = 0;
+  bool noted_ = false;   // somebody's note stands in it
+  std::string reused_;   // name of the next file; empty: NextName()
   bool failed_ = false;  // nothing is written any more
   bool is_dirty_ = false;
   Nanoseconds dirty_since_ = 0;  // wall clock

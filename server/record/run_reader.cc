@@ -142,6 +142,10 @@ RunReader::~RunReader() = default;
 std::unique_ptr<RunReader> RunReader::Open(const std::string& file, std::string& error) {
   auto impl = std::make_unique<Impl>();
   impl->file = file;
+  std::error_code missing;
+  if (!std::filesystem::exists(file, missing) && std::filesystem::exists(file + ".run", missing)) {
+    impl->file = file + ".run";  // recordings are started and fetched by their bare names
+  }
   const bool fine =
       impl->Open() && ReadHeader(impl->database(), impl->header, impl->error) && impl->Refresh();
   if (!fine) {

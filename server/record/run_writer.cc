@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "server/record/pose_codec.h"
+#include "server/record/run_reader_open.h"
 #include "server/record/run_tables.h"
 #include "server/record/state_codec.h"
 #include "server/record/step_row.h"
@@ -30,16 +31,16 @@ std::string SystemText(int code) {
   return std::generic_category().message(code);
 }
 
-void RemoveRunFile(const std::string& file) {
-  for (const char* end : {"", "-wal", "-shm", "-journal"}) ::unlink((file + end).c_str());
-}
-
 /// Makes `file`, empty; an error text, empty if that went well.
 std::string MakeEmpty(const std::string& file, bool overwrite) {
   struct stat found {};
   if (::lstat(file.c_str(), &found) == 0) {
     if (!overwrite) return file + " exists: choose another name, or --force";
     if (!S_ISREG(found.st_mode)) return file + " is no file: choose another name";
+    std::string ignored;
+    if (OpenRun(file, ignored).growing) {
+      return file + " is being recorded by another program: choose another name";
+    }
   }
   RemoveRunFile(file);
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -58,6 +59,10 @@ bool SameBits(const Setpoint& a, const Setpoint& b) {
 }
 
 }  // namespace
+
+void RemoveRunFile(const std::string& file) {
+  for (const char* end : {"", "-wal", "-shm", "-journal"}) ::unlink((file + end).c_str());
+}
 
 RunHeader HeaderOf(const Frame& frame, Mode mode, const RecordWhat& what, Nanoseconds pose_every) {
   const Scenario& scenario = *frame.scene->scenario;

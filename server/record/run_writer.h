@@ -99,6 +99,9 @@ class RunWriter {
   std::vector<std::byte> commands_blob_, messages_blob_, wheels_, distances_, targets_, poses_;
 };
 
+/// Removes `file` and what SQLite keeps beside it.
+void RemoveRunFile(const std::string& file);
+
 /// Of a recording that begins with `frame`; the rest (version, command, started) is the caller's.
 RunHeader HeaderOf(const Frame& frame, Mode mode, const RecordWhat& what, Nanoseconds pose_every);
 

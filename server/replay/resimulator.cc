@@ -43,8 +43,8 @@ std::string OtherOrigin(const RunHeader& header) {
   const bool other_build = header.build != BuildId(), other_cpu = header.cpu != CpuName();
   if (!other_build && !other_cpu) return {};
   const std::string version = header.version.empty() ? "" : "version " + header.version + ", ";
-  std::string text = "made by ";
-  if (other_build) text += "another build (" + version + header.build + ")";
+  std::string text = "made ";
+  if (other_build) text += "by another build (" + version + header.build + ")";
   if (other_cpu) text += std::string(other_build ? " " : "") + "on another processor (" + header.cpu + ")";
   return text + ": equal bits are not promised";
 }

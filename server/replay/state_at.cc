@@ -29,6 +29,22 @@ std::string PartsAt(const RunReader& reader, std::uint64_t step, const std::stri
   return text + ": coopdyn verify " + reader.file() + " says what differs";
 }
 
+/// A run cannot go on without those that drive its robots; empty: all are there.
+std::string MissingControllers(const Scene& scene) {
+  std::string name;
+  std::size_t robots = 0;
+  for (const SceneRobot& robot : scene.robots) {
+    const ControllerChoice& controller = robot.entry.controller;
+    if (controller.empty() || !controller.file.empty()) continue;
+    if (robots++ == 0) name = controller.name;
+  }
+  if (robots == 0) return {};
+  return fmt::format(
+      "controller {}, which drives {} robot{} of this run, was not found: put it on the search path "
+      "(--scenarios DIR, or COOPDYN_PATH)",
+      name, robots, robots == 1 ? "" : "s");
+}
+
 }  // namespace
 
 SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayServices& services,
@@ -54,6 +70,8 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
                     reader.file(), from);
     return nullptr;
   }
+  error = MissingControllers(*keyframe->frame->scene);
+  if (!error.empty()) return nullptr;
   if (from == step) return keyframe;
 
   Resimulator run(reader.file(), reader.header(), services);

@@ -4,7 +4,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,10 @@ namespace {
 /// How far a difference is followed when no exact state is ahead that could tell more.
 constexpr std::uint64_t kMaxFollowed = 2000;
 constexpr std::uint64_t kTellEvery = 16;
+
+bool SameBits(const Setpoint& a, const Setpoint& b) {
+  return std::memcmp(a.data(), b.data(), sizeof a) == 0;
+}
 
 /// Goes through a recording once, from keyframe to keyframe.
 class Verifier {
@@ -39,6 +45,13 @@ class Verifier {
       }
     }
     if (progress_) progress_(1);
+    const bool whole = report_.error.empty() && !report_.difference && !reader_.growing();
+    if (whole && report_.not_verified > extent_.lost) {
+      report_.error = fmt::format(
+          "{}: {} steps cannot be verified, though it says that {} were lost: steps are missing, it is "
+          "damaged",
+          reader_.file(), report_.not_verified, extent_.lost);
+    }
     const std::string origin = OtherOrigin(reader_.header());
     report_.warning = origin.empty() ? "" : reader_.file() + " was " + origin;
     if (!run_.warning().empty()) {
@@ -121,6 +134,7 @@ class Verifier {
       lost_track_ = true;
       return true;
     }
+    if (std::optional<Difference> difference = FindImpossible(step)) return Part(std::move(*difference));
     if (!run_.Step(step)) return Fail(run_.error());
     const Frame& frame = *run_.frame();
     if (StateHash(frame) != step.hash) {
@@ -141,6 +155,28 @@ class Verifier {
       progress_(static_cast<double>(done) / static_cast<double>(extent_.last - extent_.first));
     }
     return true;
+  }
+
+  /// A command that no recorder writes: one that changes nothing and comes from nobody, or a client's to a
+  /// robot that a controller drives.
+  std::optional<Difference> FindImpossible(const RecordedStep& step) const {
+    const std::span<const Setpoint> in_force = run_.recorded_setpoints();
+    for (const CommandRecord& command : step.commands) {
+      if (command.robot >= in_force.size()) continue;  // Step() says so
+      const bool driven = run_.computed()[command.robot] != 0;
+      const bool idle = !command.by_client && !driven && SameBits(command.setpoint, in_force[command.robot]);
+      if (!idle && !(driven && command.by_client)) continue;
+      const Frame& frame = *run_.frame();
+      Difference difference = DifferenceAt(frame, frame.scene->robots[command.robot].entry.name, "command");
+      difference.step = difference.value_step = step.step;
+      difference.time = step.time;
+      difference.recorded = idle ? "of nobody, without effect" : "of a client";
+      difference.repeated = idle ? "such a command is not recorded" : "a loaded controller drives it";
+      difference.exact = true;
+      difference.note = "what is recorded of this command is damaged";
+      return difference;
+    }
+    return std::nullopt;
   }
 
   /// What is recorded of loaded controllers against what they did now.

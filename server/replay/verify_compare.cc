@@ -18,13 +18,21 @@ constexpr std::uint64_t kStepsAtOnce = 4096;
 
 struct StepHash {
   std::uint64_t step = 0, hash = 0;
+  std::vector<CommandRecord> commands;
 };
+
+bool SameCommands(const StepHash& one, const StepHash& other) {
+  return std::equal(one.commands.begin(), one.commands.end(), other.commands.begin(), other.commands.end(),
+                    [](const CommandRecord& a, const CommandRecord& b) {
+                      return a.robot == b.robot && a.setpoint == b.setpoint;
+                    });
+}
 
 /// The hashes of steps first…last. False if the file is damaged.
 bool ReadHashes(RunReader& reader, std::uint64_t first, std::uint64_t last, std::vector<StepHash>& hashes) {
   hashes.clear();
   return reader.ForEach(first, last, true, [&](const RecordedStep& step) {
-    hashes.push_back({step.step, step.hash});
+    hashes.push_back({step.step, step.hash, step.commands});
     return true;
   });
 }
@@ -155,6 +163,13 @@ VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& ser
       if (there == theirs.end()) break;
       if (there->step != at.step) continue;
       if (there->hash != at.hash) return Explain(one, other, at, *there, services, std::move(report));
+      if (at.step > first && report.warning.empty() && !SameCommands(at, *there)) {
+        report.warning = fmt::format(
+            "the hashes of step {0} are equal, but not the commands that are recorded with it: coopdyn "
+            "verify {1} "
+            "and coopdyn verify {2} tell which file is damaged",
+            at.step, one.file(), other.file());
+      }
       report.steps += at.step > first ? 1 : 0;
       ++common;
     }
@@ -165,10 +180,15 @@ VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& ser
         "the runs have no step in common, as steps were lost: " + SpanOf(one) + ", " + SpanOf(other);
     return report;
   }
+  if (!SameTexts(one.header(), other.header())) {
+    report.warning += (report.warning.empty() ? "" : "\n") +
+                      std::string("their scenarios differ, though nothing that moves does");
+  }
   report.not_verified = last - first - std::min(last - first, report.steps);
   if (a.last != b.last || a.first != b.first) {
-    report.warning = "they are compared where both have steps, " + std::to_string(first) + " to " +
-                     std::to_string(last) + ": " + SpanOf(one) + ", " + SpanOf(other);
+    report.warning += (report.warning.empty() ? "" : "\n") + std::string() +
+                      "they are compared where both have steps, " + std::to_string(first) + " to " +
+                      std::to_string(last) + ": " + SpanOf(one) + ", " + SpanOf(other);
   }
   return report;
 }

@@ -77,6 +77,11 @@ class GlobalModuleTest : public testing::Test {
       if (result.error == Error::kOk) {
         if (const auto* set = std::get_if<edit::SetJournal>(&each.action)) SetJournal(set->journal);
         if (std::holds_alternative<edit::Save>(each.action)) result.saved = State();
+        const auto* note = std::get_if<edit::Note>(&each.action);
+        if (note != nullptr && journal_ != nullptr) {
+          const FramePtr frame = world_.frames.Latest();
+          journal_->Note({frame->step, frame->time_s(), "note", note->text});
+        }
       }
       result.frame = world_.frames.Latest();
       if (each.done) each.done(result);

@@ -57,6 +57,15 @@ TEST(RecordedStepTest, CommandsKeepEveryBit) {
   }
 }
 
+TEST(RecordedStepTest, CommandsOutOfOrderAreRefused) {
+  for (const std::uint32_t second : {0u, 1u}) {
+    std::vector<std::byte> blob;
+    EncodeCommands(std::vector<CommandRecord>{{1, true, {1, 2}}, {second, true, {1, 2}}}, blob);
+    std::vector<CommandRecord> read;
+    EXPECT_FALSE(DecodeCommands(blob, read)) << second;
+  }
+}
+
 TEST(RecordedStepTest, CommandsThatDoNotAddUpAreRefused) {
   std::vector<std::byte> blob;
   EncodeCommands(std::vector<CommandRecord>{{1, true, {1, 2}}}, blob);
@@ -182,7 +191,9 @@ TEST(RecordedStepTest, FloatsComeInFours) {
 
 TEST(RecordedStepTest, MutatedBytesNeverReadTooFar) {
   std::vector<std::byte> commands, messages;
-  EncodeCommands(std::vector<CommandRecord>(5), commands);
+  EncodeCommands(
+      std::vector<CommandRecord>{{0, true, {}}, {1, true, {}}, {2, true, {}}, {3, true, {}}, {4, true, {}}},
+      commands);
   SentMessage sent;
   sent.message.count = 4;
   EncodeMessages(std::vector<SentMessage>(5, sent), messages);

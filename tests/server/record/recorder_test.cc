@@ -173,10 +173,53 @@ TEST_F(RecorderTest, NumbersThatAreTakenAreLeftAlone) {
   { const auto old = MakeWriter(taken, *maker_.Start(100)); }
   Recorder recorder(Options(), clock_, NullLogger());
   recorder.Begin(maker_.Start());
+  Step(recorder, 1, Mode::kLockstep);
   recorder.Begin(maker_.Start());
   recorder.Close();
   EXPECT_EQ(recorder.status().file, folder_.File("lesson1-3.run"));
   EXPECT_EQ(Ask(taken, "SELECT step FROM step"), 100);
+}
+
+TEST_F(RecorderTest, APartSaysWhereTheRunGoesOn) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  Step(recorder, 1, Mode::kLockstep);
+  recorder.Begin(maker_.Start());
+  recorder.Close();
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM event WHERE text LIKE '%begins anew in %lesson1-2.run'"), 1);
+}
+
+TEST_F(RecorderTest, APartWithoutStepsGivesItsNameToTheNext) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  recorder.Begin(maker_.Start());
+  Step(recorder, 1, Mode::kLockstep);
+  recorder.Close();
+  EXPECT_EQ(recorder.status().file, file_);
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step"), 2);
+  EXPECT_FALSE(std::filesystem::exists(folder_.File("lesson1-2.run")));
+}
+
+TEST_F(RecorderTest, ANoteIsNotDroppedWithAPartWithoutSteps) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  recorder.Note({0, 0, "note", "look here"});
+  recorder.Begin(maker_.Start());
+  recorder.Close();
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM event WHERE level = 'note'"), 1);
+}
+
+TEST_F(RecorderTest, AFileThatAnotherProgramRecordsIsNotOverwritten) {
+  const auto other = MakeWriter(file_, *maker_.Start());
+  ASSERT_TRUE(other->Commit());
+  RecorderOptions options = Options();
+  options.overwrite = true;
+  std::string said;
+  options.on_failure = [&said](const std::string& text) { said = text; };
+  Recorder recorder(options, clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  recorder.Close();
+  EXPECT_NE(said.find("is being recorded by another program"), std::string::npos) << said;
 }
 
 TEST_F(RecorderTest, AnExistingFileIsToldBeforeTheRun) {

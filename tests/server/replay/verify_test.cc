@@ -228,7 +228,8 @@ TEST_F(VerifyTest, AStepThatTookNoTimeIsDamage) {
 
 TEST_F(VerifyTest, LostStepsAreCountedAndItGoesOnFromTheNextKeyframe) {
   MakeLesson(File());
-  Tamper(File()).Run("DELETE FROM step WHERE step BETWEEN 31 AND 49");
+  Tamper(File()).Run(
+      "DELETE FROM step WHERE step BETWEEN 31 AND 49; UPDATE meta SET value = 19 WHERE key = 'lost'");
   const VerifyReport report = Repeat(File());
   EXPECT_FALSE(report.difference) << ToString(report);
   EXPECT_EQ(report.not_verified, 19u);
@@ -236,13 +237,53 @@ TEST_F(VerifyTest, LostStepsAreCountedAndItGoesOnFromTheNextKeyframe) {
   EXPECT_EQ(ToString(report), "equal, 101 steps; 19 lost steps could not be verified\n");
 }
 
-TEST_F(VerifyTest, StepsAfterAGapWithoutKeyframeAreNotVerified) {
+TEST_F(VerifyTest, AStepThatIsMissingThoughNoneWasLostIsDamage) {
   MakeLesson(File());
   Tamper(File()).Run("DELETE FROM step WHERE step = 110");
   const VerifyReport report = Repeat(File());
-  EXPECT_EQ(report.error, "");
+  EXPECT_THAT(report.error, HasSubstr("11 steps cannot be verified, though it says that 0 were lost"));
   EXPECT_EQ(report.steps, 109u);
   EXPECT_EQ(report.not_verified, 11u);
+}
+
+TEST_F(VerifyTest, AChangedPictureOfAnUnchangedRunIsNamed) {
+  MakeLesson(File());
+  Tamper(File()).Run("UPDATE step SET poses = (SELECT poses FROM step WHERE step = 90) WHERE step = 91");
+  const VerifyReport report = Repeat(File());
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 91u);
+  EXPECT_EQ(report.steps, 90u);
+}
+
+TEST_F(VerifyTest, ABitOfAReadingIsNamed) {
+  {
+    LiveOptions options;
+    options.what.distances = true;
+    LiveRun run(File(), kLesson, options);
+    Drive(run);
+  }
+  Tamper(File()).FlipBit("SELECT distances FROM step WHERE step = 40",
+                         "UPDATE step SET distances = ?1 WHERE step = 40", 8 * 4 + 1);
+  const VerifyReport report = Repeat(File());
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 40u);
+  EXPECT_EQ(report.difference->what, "distances");
+  EXPECT_EQ(report.difference->field, "number 2");
+}
+
+TEST_F(VerifyTest, ACommandOfNobodyWithoutEffectIsNamed) {
+  {
+    LiveRun run(File(), kLesson);
+    for (int k = 0; k < 10; ++k) {
+      run.Command("robot1", 3, 3);
+      run.Step();
+    }
+  }
+  Tamper(File()).FlipCommand(5, 31);  // by_client
+  const VerifyReport report = Repeat(File());
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 5u);
+  EXPECT_EQ(report.difference->what, "robot1");
 }
 
 TEST_F(VerifyTest, AnotherBuildAndProcessorAreSaid) {
