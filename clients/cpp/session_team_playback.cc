@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The teams of a session while a recording is played: nobody can have the robots, so a team reads.
 #include <algorithm>
-#include <cctype>
 #include <numeric>
 #include <set>
 
@@ -16,13 +15,23 @@ constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10;
 constexpr std::int32_t kMostGaps = 100000;
 constexpr const char* kPlaying = "playing a recording";  // how an error begins
 
-/// `name` is asked for by `words`: it is one of them, or a robot NAME_1, NAME_2 … of the swarm NAME.
-bool IsMeant(const std::string& name, const std::set<std::string>& words) {
-  if (words.empty() || words.contains(name)) return true;
-  const std::size_t bar = name.rfind('_');
-  return bar != std::string::npos && bar + 1 < name.size() && words.contains(name.substr(0, bar)) &&
-         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(bar) + 1, name.end(),
-                     [](unsigned char c) { return std::isdigit(c) != 0; });
+/// The NAME of a robot NAME_1, NAME_2 … of a swarm; else empty.
+std::string SwarmOf(const std::string& robot) {
+  const std::size_t bar = robot.rfind('_');
+  if (bar == std::string::npos || bar + 1 == robot.size()) return "";
+  const bool digits = robot.find_first_not_of("0123456789", bar + 1) == std::string::npos;
+  return digits ? robot.substr(0, bar) : "";
+}
+
+/// The names of robots and swarms that are meant by what was asked for.
+std::set<std::string> Meant(const std::vector<std::string>& asked, const std::vector<std::string>& there) {
+  std::set<std::string> words(asked.begin(), asked.end()), known(there.begin(), there.end()), swarms;
+  for (const std::string& robot : there) swarms.insert(SwarmOf(robot));
+  swarms.erase("");
+  known.insert(swarms.begin(), swarms.end());
+  const bool all = std::includes(known.begin(), known.end(), words.begin(), words.end());
+  if (swarms.size() == 1 && !all) words.merge(swarms);  // the section, swarm1, of the only swarm
+  return words;
 }
 
 /// The ids of the n robots, in their order: from 1 on, with gaps where robots have been removed.
@@ -73,11 +82,11 @@ void Session::FindTeam(TeamLink& team) {
   const std::vector<std::string> there = RobotNames();
   const std::vector<std::int32_t> ids = KnownIds(*team.connection, there.size());
   const std::vector<std::string> asked = Words(team.text);
-  const std::set<std::string> words(asked.begin(), asked.end());
+  const std::set<std::string> words = Meant(asked, there);
   team.names.clear();
   team.ids.clear();
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (!IsMeant(there[i], words)) continue;
+    if (!words.empty() && !words.contains(there[i]) && !words.contains(SwarmOf(there[i]))) continue;
     team.names.push_back(there[i]);
     team.ids.push_back(ids[i]);
   }
@@ -89,9 +98,10 @@ void Session::FindTeam(TeamLink& team) {
     link->motors.reset();
   }
   if (!words.empty() && team.names.empty()) {
-    throw Error(kNoSuchName,
-                "none of " + ListOf(asked) +
-                    " is there at this moment of the recording under that name; there are: " + ListOf(there));
+    throw Error(kNoSuchName, "none of " + ListOf(asked) +
+                                 " is there at this moment of the recording under that name, write the NAME "
+                                 "of a swarm or robots; there are: " +
+                                 ListOf(there));
   }
 }
 

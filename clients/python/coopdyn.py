@@ -1056,13 +1056,15 @@ class _TeamLink:
         """Who is meant, in a recording that is played: `claim` has found the names good, but tells no ids."""
         there = session.robot_names()
         ids = dict(zip(there, self.known_ids(len(there))))
-        words = self.text.split()
-        chosen = set(there) if not words else {
-            name for name in there if name in words or "_" in name and name.rsplit("_", 1)[1].isdigit()
-            and name.rsplit("_", 1)[0] in words}
+        words = set(self.text.split())
+        swarm_of = {name: name.rsplit("_", 1)[0] if "_" in name and name.rsplit("_", 1)[1].isdigit() else "" for name in there}
+        swarms = set(swarm_of.values()) - {""}
+        if len(swarms) == 1 and words - set(there) - swarms:
+            words |= swarms  # the section, swarm1, of the only swarm
+        chosen = {name for name in there if not words or name in words or swarm_of[name] in words}
         if words and not chosen:
-            raise Error(10, f"none of {_list_of(words)} is there at this moment of the recording under that name; "
-                            f"there are: {_list_of(there)}")
+            raise Error(10, f"none of {_list_of(self.text.split())} is there at this moment of the recording under that name, write the NAME "
+                            f"of a swarm or robots; there are: {_list_of(there)}")
         self.names = [name for name in ids if name in chosen]
         self.ids, self.stale = [ids[name] for name in self.names], False
         for link in session.links:  # after a branch the team drives these

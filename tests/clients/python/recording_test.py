@@ -242,6 +242,21 @@ class RecordingTest(RunTestCase):
         self.assertEqual(s.step, 55)
         self.assertNotEqual(s.pose[0], there)
 
+    def test_a_swarm_that_is_played_is_found_by_either_name(self):
+        daemon = self.start("arena20", "--mode", "lockstep")
+        with tempfile.TemporaryDirectory() as folder:
+            sim = self.connect(daemon)
+            sim.record("swarm")
+            live = sim.team("swarm1").step((0.1, 0.0), timeout=60)
+            sim.stop_recording()
+            sim = self.connect(self.start(sim.fetch_run("swarm", os.path.join(folder, "swarm.run")), "--paused"))
+            sim.seek(live.time)
+            for names in ("swarm1", "robot"):
+                team = sim.team(names)
+                s = team.read()
+                self.assertEqual((team.n, s.step), (20, live.step))
+                self.assertAlmostEqual(s.pose[19][0], live.pose[19][0], delta=MICROMETRE)
+
     def test_arguments_of_a_playback_are_looked_at(self):
         sim = self.connect(self.start(self.recorded.file, "--paused"))
         self.assert_error(3, lambda: sim.seek("1"), "one number, not '1'")

@@ -9,10 +9,15 @@ function [names, ids] = find_team(session, connection, text)
   words = strsplit(strtrim(text), ' ');
   if ~isempty(words{1})
     swarm = regexprep(there, '_\d+$', '');
-    meant = ismember(there, words) | ~strcmp(swarm, there) & ismember(swarm, words);
+    in_swarm = ~strcmp(swarm, there);
+    swarms = unique(swarm(in_swarm));
+    if numel(swarms) == 1 && ~all(ismember(words, [there swarms]))
+      words = [words swarms];  % the section, swarm1, of the only swarm
+    end
+    meant = ismember(there, words) | in_swarm & ismember(swarm, words);
     if ~any(meant)
       coopdyn.internal.fail(10, ['none of ' coopdyn.internal.list_of(words) ' is there at this moment of the ' ...
-        'recording under that name; there are: ' coopdyn.internal.list_of(there)]);
+        'recording under that name, write the NAME of a swarm or robots; there are: ' coopdyn.internal.list_of(there)]);
     end
   end
   names = there(meant);
