@@ -255,7 +255,7 @@ class Recorder::Impl {
   // The recorder's thread only.
   std::unique_ptr<RunWriter> writer_;
   const std::string build_ = BuildId();  // before the run, as it reads the whole program
-  int number_ = 0;  // of the present file
+  int number_ = 0;                       // of the present file
   std::uint64_t committed_steps_ = 0;
   bool noted_ = false;   // somebody's note stands in it
   std::string reused_;   // name of the next file; empty: NextName()

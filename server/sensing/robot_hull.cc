@@ -167,9 +167,7 @@ void RobotHull::CastParts(const Frame& frame, int robot, const Pose& X_WR, const
   for (const Part& part : parts_) {
     const bool in_place = rigid || part.link == 0;
     if (part.hidden && between_ends && in_place) continue;
-    const Vector3 center_W =
-        in_place ? X_WR * part.p_RC
-                 : BodyOfLink(frame, scene_robot, part.link).p_WB;
+    const Vector3 center_W = in_place ? X_WR * part.p_RC : BodyOfLink(frame, scene_robot, part.link).p_WB;
     if (!MayMeet(ray_W, center_W, in_place ? part.radius_m : part.body_radius_m, nearest_m)) continue;
     const Pose X_WG = part.link == 0 ? X_WR * part.X_RG : LinkPose(frame, robot, part.link) * part.X_LG;
     const Matrix3 R_GW = X_WG.q.toRotationMatrix().transpose();
