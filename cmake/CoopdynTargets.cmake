@@ -1,5 +1,5 @@
 # What every target shares, and one short function a kind of target.
-option(COOPDYN_TESTS "Build the tests and benchmarks" ON)
+option(COOPDYN_TESTS "Build the tests and benchmarks" ${PROJECT_IS_TOP_LEVEL})
 set(COOPDYN_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
 option(COOPDYN_COVERAGE "Instrument for coverage" OFF)
 option(COOPDYN_FUZZ "Build the libFuzzer targets (clang only)" OFF)

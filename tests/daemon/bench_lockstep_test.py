@@ -5,7 +5,7 @@ import unittest
 
 from harness import BINARY
 
-KEYS = {"robots", "robot", "clients", "language", "fidelity", "rays", "protocol_only", "robot_threads", "threads", "rounds",
+KEYS = {"robots", "robot", "clients", "language", "fidelity", "rays", "protocol_only", "robot_threads", "threads", "record", "rounds",
         "repeats", "rounds_per_s", "robot_rounds_per_s", "rtf", "us_per_robot_round", "server_cpu_us_per_robot_round",
         "client_cpu_us_per_robot_round", "hash"}
 
@@ -47,6 +47,10 @@ class BenchLockstepTest(unittest.TestCase):
     def test_protocol_only_is_a_team_at_rest(self):
         said = figures("--clients", "batch", "--protocol-only")
         self.assertEqual((said["fidelity"], said["protocol_only"], said["rays"]), ("planar", True, 0))
+
+    def test_a_recorded_run_ends_in_the_same_state(self):
+        said = figures("--record", "poses")
+        self.assertEqual((said["record"], said["hash"]), ("poses", figures()["hash"]))
 
     def test_the_table_has_the_figures_too(self):
         done = bench("--robots", "3", "--rounds", "20", "--repeats", "1")
