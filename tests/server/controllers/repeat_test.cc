@@ -43,12 +43,12 @@ std::size_t Children() {
   return count;
 }
 
-/// Of this process and of the controllers' process, or of this alone if there is none, in kB: private memory.
+/// Memory that a process has written to, in kB. Clean pages of files are private or shared by who else runs.
 long MemoryOf(const std::string& pid) {
   std::ifstream stream("/proc/" + pid + "/smaps_rollup");
   long sum = 0;
   for (std::string line; std::getline(stream, line);) {
-    if (line.starts_with("Private_")) sum += std::stol(line.substr(line.find(':') + 1));
+    if (line.starts_with("Private_Dirty")) sum += std::stol(line.substr(line.find(':') + 1));
   }
   return sum;
 }
