@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/record/run_tables.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "server/record/state_codec.h"
@@ -52,9 +53,7 @@ std::vector<int> RobotsOfBodies(const Scene& scene) {
   std::vector<int> robots(scene.body_ids.size(), -1);
   for (std::size_t place = 0; place < scene.robots.size(); ++place) {
     const SceneRobot& robot = scene.robots[place];
-    for (int body = 0; body < robot.body_count; ++body) {
-      robots[static_cast<std::size_t>(robot.first_body + body)] = static_cast<int>(place);
-    }
+    std::fill_n(robots.begin() + robot.first_body, robot.body_count, static_cast<int>(place));
   }
   return robots;
 }

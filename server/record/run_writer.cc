@@ -6,9 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <iterator>
 #include <system_error>
 #include <utility>
@@ -55,7 +57,8 @@ std::uint64_t SizeOf(const std::string& file) {
 }
 
 bool SameBits(const Setpoint& a, const Setpoint& b) {
-  return std::memcmp(a.data(), b.data(), sizeof a) == 0;
+  using Bits = std::array<std::uint64_t, 2>;
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <cstring>
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
@@ -23,7 +25,8 @@ constexpr std::uint64_t kMaxFollowed = 2000;
 constexpr std::uint64_t kTellEvery = 16;
 
 bool SameBits(const Setpoint& a, const Setpoint& b) {
-  return std::memcmp(a.data(), b.data(), sizeof a) == 0;
+  using Bits = std::array<std::uint64_t, 2>;
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
 
 /// Goes through a recording once, from keyframe to keyframe.
