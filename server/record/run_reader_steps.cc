@@ -141,8 +141,8 @@ std::shared_ptr<const Scenario> RunReader::LoadScenario(const SearchPath& path, 
   const RunHeader& header = impl.header;
   impl.library = std::make_unique<RobotLibrary>(path, header.sources);
   impl.scenes.clear();
-  impl.scenario = ReadScenario(header.scenario_text, header.scenario_file, *impl.library, false, diagnostics,
-                               header.scenario_seed);
+  impl.scenario = ReadScenario(header.scenario_text, header.scenario_file, *impl.library,
+                               header.scenario_file.empty(), diagnostics, header.scenario_seed);
   return impl.scenario;
 }
 
