@@ -231,12 +231,13 @@ class Recorder::Impl {
     queue_.Fail();
     const std::string text = "the recording ends: " + reason;
     logger_->error("{}", text);
-    if (writer_ != nullptr) LetFileGo();
     {
       const MutexLock lock(mutex_);
       status_.failure = text;
     }
+    // First: to close a file can take seconds on a disk that is busy, or full.
     if (options_.on_failure) options_.on_failure(text);
+    if (writer_ != nullptr) LetFileGo();
   }
 
   void ReportCpu() {

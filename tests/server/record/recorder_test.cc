@@ -332,13 +332,26 @@ TEST_F(RecorderTest, ALockstepRunWaitingForRoomIsReleasedByAFailure) {
   EXPECT_EQ(Ask(file_, "SELECT value FROM meta WHERE key = 'closed'"), 1);
 }
 
+/// This process has it open.
+bool IsOpen(const std::string& file) {
+  for (const auto& descriptor : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    if (std::filesystem::read_symlink(descriptor, gone) == std::filesystem::path(file)) return true;
+  }
+  return false;
+}
+
 /// In a child process, whose files may not grow beyond 300 kB. Its exit code is what failed; 0: nothing.
 int RecordWithinLimit(const RecorderOptions& base, FrameMaker& maker) {
   const rlimit limit{300'000, 300'000};
   if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) return 2;
   RecorderOptions options = base;
   std::atomic<int> failures{0};
-  options.on_failure = [&failures](const std::string&) { ++failures; };
+  std::atomic<bool> told_before_close{false};
+  options.on_failure = [&](const std::string&) {
+    ++failures;
+    told_before_close = IsOpen(options.file);
+  };
   const SteadyClock clock;
   Recorder recorder(options, clock, NullLogger());
   recorder.Begin(maker.Start());
@@ -348,6 +361,7 @@ int RecordWithinLimit(const RecorderOptions& base, FrameMaker& maker) {
   recorder.Close();
   const std::string failure = recorder.status().failure;
   if (failures != 1) return 3;
+  if (!told_before_close) return 6;
   if (failure.find("(File too large); ") == std::string::npos) return 4;
   if (failure.find("lesson1.run holds the run up to ") == std::string::npos) return 5;
   return 0;
