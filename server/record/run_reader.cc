@@ -112,6 +112,12 @@ bool RunReader::Impl::Refresh() {
         std::clamp<std::int64_t>(sql->meta.integer(0), 0, static_cast<std::int64_t>(span)));
   }
   sql->meta.Reset();
+  sql->meta.BindText(1, "last_step");
+  if (sql->meta.Step() == Result::kRow) {
+    const auto last = static_cast<std::int64_t>(found.last);
+    found.missing = static_cast<std::uint64_t>(std::max<std::int64_t>(0, sql->meta.integer(0) - last));
+  }
+  sql->meta.Reset();
   found.steps = span - found.lost;
   unchanged = found.last == extent.last ? unchanged + 1 : 0;
   extent = found;

@@ -36,6 +36,7 @@ struct RunExtent {
   Nanoseconds begin = 0, end = 0;     // their simulated times
   std::uint64_t steps = 0;            // recorded after the first frame
   std::uint64_t lost = 0;             // left out between first and last
+  std::uint64_t missing = 0;          // after the last: they were there when the file was closed
 };
 
 class RunReader {

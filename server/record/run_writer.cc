@@ -164,6 +164,7 @@ bool RunWriter::AddStep(const Frame& frame) {
   if (!WriteRow(frame)) return Failed();
   ++steps_;
   end_ = frame.time;
+  last_step_ = frame.step;
   return true;
 }
 
@@ -261,7 +262,10 @@ bool RunWriter::Commit() {
 }
 
 bool RunWriter::Close(std::string& remark) {
-  if (!Begin() || !SetMeta(*database_, "closed", 1)) return Failed();
+  const auto last_step = static_cast<std::int64_t>(last_step_);
+  if (!Begin() || !SetMeta(*database_, "last_step", last_step) || !SetMeta(*database_, "closed", 1)) {
+    return Failed();
+  }
   if (!Commit()) return false;
   insert_ = Statements();
   database_->Run("PRAGMA busy_timeout = " + std::to_string(kCloseTimeoutMs));

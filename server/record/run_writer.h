@@ -89,7 +89,7 @@ class RunWriter {
   std::int64_t scene_number_ = 0;
   std::vector<Setpoint> in_force_;   // of scene_->robots
   std::vector<bool> is_recomputed_;  // likewise: its controller's set-points are left out
-  std::uint64_t steps_ = 0, lost_ = 0;
+  std::uint64_t steps_ = 0, lost_ = 0, last_step_ = 0;
   Nanoseconds begin_ = 0, end_ = 0;
   Nanoseconds shown_ = -1;  // time of the last step with poses
 

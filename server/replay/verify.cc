@@ -49,7 +49,10 @@ class Verifier {
     }
     if (progress_) progress_(1);
     const bool whole = report_.error.empty() && !report_.difference && !reader_.growing();
-    if (whole && report_.not_verified > extent_.lost) {
+    if (whole && extent_.missing > 0) {
+      report_.error =
+          fmt::format("{}: {} steps are missing at its end: it is damaged", reader_.file(), extent_.missing);
+    } else if (whole && report_.not_verified > extent_.lost) {
       report_.error = fmt::format(
           "{}: {} steps cannot be verified, though it says that {} were lost: steps are missing, it is "
           "damaged",

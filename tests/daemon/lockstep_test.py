@@ -323,7 +323,7 @@ class InterruptionTest(unittest.TestCase):
 
     def waiting_again(self, daemon, motors):
         motors.send("set_velocity 0.2 0")
-        until(lambda: "robot2" in [a["robot"] for a in daemon.status()["awaiting"]])
+        until(lambda: [a["robot"] for a in daemon.status()["awaiting"]] == ["robot2"])
         return motors
 
     def test_reset_gives_the_same_hashes_as_a_fresh_start(self):

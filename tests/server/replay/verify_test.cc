@@ -246,6 +246,12 @@ TEST_F(VerifyTest, AStepThatIsMissingThoughNoneWasLostIsDamage) {
   EXPECT_EQ(report.not_verified, 11u);
 }
 
+TEST_F(VerifyTest, StepsCutOffTheEndAreDamage) {
+  MakeLesson(File());
+  Tamper(File()).Run("DELETE FROM step WHERE step > 100");
+  EXPECT_THAT(Repeat(File()).error, HasSubstr("20 steps are missing at its end"));
+}
+
 TEST_F(VerifyTest, AChangedPictureOfAnUnchangedRunIsNamed) {
   MakeLesson(File());
   Tamper(File()).Run("UPDATE step SET poses = (SELECT poses FROM step WHERE step = 90) WHERE step = 91");
