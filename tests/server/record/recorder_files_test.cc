@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// Which files a recorder makes, and which it leaves alone.
+#include "recorder_fixture.h"
+
+namespace coopdyn {
+namespace {
+
+TEST_F(RecorderTest, EachLaterBeginGoesOnInANumberedFile) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  for (std::uint64_t run = 1; run <= 3; ++run) {
+    recorder.Begin(maker_.Start());
+    Steps(recorder, 1, run, Mode::kRealtime);
+  }
+  recorder.Close();
+  EXPECT_EQ(recorder.status().file, folder_.File("lesson1-3.run"));
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step"), 2);
+  EXPECT_EQ(Ask(folder_.File("lesson1-2.run"), "SELECT count(*) FROM step"), 3);
+  EXPECT_EQ(Ask(folder_.File("lesson1-3.run"), "SELECT count(*) FROM step"), 4);
+  EXPECT_EQ(Ask(folder_.File("lesson1-2.run"), "SELECT value FROM meta WHERE key = 'closed'"), 1);
+}
+
+TEST_F(RecorderTest, NumbersThatAreTakenAreLeftAlone) {
+  const std::string taken = folder_.File("lesson1-2.run");
+  { const auto old = MakeWriter(taken, *maker_.Start(100)); }
+  Recorder recorder(Options(), clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  Step(recorder, 1, Mode::kLockstep);
+  recorder.Begin(maker_.Start());
+  recorder.Close();
+  EXPECT_EQ(recorder.status().file, folder_.File("lesson1-3.run"));
+  EXPECT_EQ(Ask(taken, "SELECT step FROM step"), 100);
+}
+
+TEST_F(RecorderTest, APartSaysWhereTheRunGoesOn) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  Step(recorder, 1, Mode::kLockstep);
+  recorder.Begin(maker_.Start());
+  recorder.Close();
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM event WHERE text LIKE '%begins anew in %lesson1-2.run'"), 1);
+}
+
+TEST_F(RecorderTest, APartWithoutStepsGivesItsNameToTheNext) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  recorder.Begin(maker_.Start());
+  Step(recorder, 1, Mode::kLockstep);
+  recorder.Close();
+  EXPECT_EQ(recorder.status().file, file_);
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step"), 2);
+  EXPECT_FALSE(std::filesystem::exists(folder_.File("lesson1-2.run")));
+}
+
+TEST_F(RecorderTest, ANoteIsNotDroppedWithAPartWithoutSteps) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  recorder.Note({0, 0, "note", "look here"});
+  recorder.Begin(maker_.Start());
+  recorder.Close();
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM event WHERE level = 'note'"), 1);
+}
+
+TEST_F(RecorderTest, AFileThatAnotherProgramRecordsIsNotOverwritten) {
+  const auto other = MakeWriter(file_, *maker_.Start());
+  ASSERT_TRUE(other->Commit());
+  RecorderOptions options = Options();
+  options.overwrite = true;
+  std::string said;
+  options.on_failure = [&said](const std::string& text) { said = text; };
+  Recorder recorder(options, clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  recorder.Close();
+  EXPECT_NE(said.find("is being recorded by another program"), std::string::npos) << said;
+}
+
+TEST_F(RecorderTest, AnExistingFileIsToldBeforeTheRun) {
+  { const auto old = MakeWriter(file_, *maker_.Start()); }
+  EXPECT_EQ(Recorder(Options(), clock_, NullLogger()).Check(),
+            file_ + " exists: choose another name, or --force");
+  RecorderOptions options = Options();
+  options.overwrite = true;
+  EXPECT_EQ(Recorder(options, clock_, NullLogger()).Check(), "");
+  options.file = folder_.File("nowhere/lesson1.run");
+  EXPECT_EQ(Recorder(options, clock_, NullLogger()).Check(),
+            "cannot make " + options.file + ": No such file or directory");
+}
+
+}  // namespace
+}  // namespace coopdyn
