@@ -30,9 +30,9 @@ classdef Robot < handle
       end
       link = r.link;
       if link.drives && r.session.mode == 1
-        link.kept = {11, command};  % lockstep: what Session.command does
+        link.kept = {11, command};  % lockstep: what Link.command does
       else
-        r.session.command(link, 11, command);
+        link.command(r.session, 11, command);
       end
     end
 
@@ -40,7 +40,7 @@ classdef Robot < handle
     %SET_WHEEL_SPEEDS Speeds of the left and right wheel [rad/s].
       left = coopdyn.internal.number(left, 'left [rad/s]');
       right = coopdyn.internal.number(right, 'right [rad/s]');
-      r.session.command(r.link, 10, [left right]);
+      r.link.command(r.session, 10, [left right]);
     end
 
     function send_message(r, values)
@@ -60,7 +60,7 @@ classdef Robot < handle
 
     function stop(r)
     %STOP Stops both wheels; like the other commands, in lockstep with the next sim.step().
-      r.session.command(r.link, 14, []);
+      r.link.command(r.session, 14, []);
     end
 
     % --- readings
@@ -297,7 +297,7 @@ classdef Robot < handle
       link = r.link;
       session = r.session;
       if ~isempty(link.motors)
-        session.settle(link);
+        link.settle(session);
         c = link.motors;
         return
       end
@@ -320,7 +320,7 @@ classdef Robot < handle
         if isempty(link.motors)
           rethrow(cause);
         end
-        r.session.lose(link, cause);
+        coopdyn.internal.lose(r.session, link, cause);
       end
       r.session.note(reply);
     end

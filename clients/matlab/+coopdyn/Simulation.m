@@ -48,7 +48,7 @@ classdef Simulation < coopdyn.internal.RunCalls
       if isempty(regexp(name, '^[^\s/]+$', 'once'))
         coopdyn.internal.fail(10, ['''' name ''' is not the name of a robot; write e.g. sim.robot(''robot1'')']);
       end
-      link = sim.session.drive(name);
+      link = coopdyn.internal.take_robot(sim.session, name);
       r = coopdyn.Robot(sim.session, link);
     end
 
@@ -77,7 +77,7 @@ classdef Simulation < coopdyn.internal.RunCalls
         end
         text = strjoin(words, ' ');
       end
-      link = sim.session.team(text);
+      link = coopdyn.internal.take_team(sim.session, text);
       t = coopdyn.Team(sim.session, link);
     end
 

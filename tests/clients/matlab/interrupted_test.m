@@ -20,7 +20,7 @@ assert(p.forward == 0.4);
 % A request whose reply nobody took, as Ctrl-C leaves it: the next use opens the connection again.
 a = coopdyn.internal.address('', '', '', 3);
 s = coopdyn.internal.Session(a, false);
-link = s.drive('robot1');
+link = coopdyn.internal.take_robot(s, 'robot1');
 c = link.motors;
 c.send(13, coopdyn.internal.encode(13, [], []));
 assert(c.busy);

@@ -32,7 +32,7 @@ assert(s.step == alone_sim.steps && isequal(size(s.pose), [2 3]));
 a = coopdyn.internal.address('', 'ben', '', 3);
 alone_sim.close();
 session = coopdyn.internal.Session(a, false);
-link = session.team('robot1');
+link = coopdyn.internal.take_team(session, 'robot1');
 c = link.connection;
 c.send(112, coopdyn.internal.encode(112, [], []));
 assert(c.busy);

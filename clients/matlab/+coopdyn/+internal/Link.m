@@ -42,8 +42,122 @@ classdef Link < handle
       link.unclaimed = false;
     end
 
-    function reopen(link, session)
-      session.open_motors(link);
+    function open(link, session)
+    % Opens (again) the connection that commands go through: hello takes the module back, claim makes it ours.
+      link.sent = [];
+      link.carried = [];
+      link.drives = false;
+      c = link.motors;
+      c.open();
+      try
+        if ~session.watch
+          try
+            link.claim();
+          catch cause
+            if ~strcmp(cause.identifier, 'coopdyn:not_possible')  % a recording is played; reading goes on
+              rethrow(cause);
+            end
+          end
+        end
+        if ~isempty(link.attached)
+          c.request(9, [], [], strjoin(link.attached, ' '));
+        end
+        session.note(c.request(3, [], []));
+        link.drives = ~session.watch && ~link.unclaimed;
+      catch cause
+        c.close();
+        rethrow(cause);
+      end
+    end
+
+    function settle(link, session)
+    % Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue.
+      if ~isempty(link.lost)
+        coopdyn.internal.fail(link.lost_code, link.lost);
+      end
+      c = link.motors;
+      if isempty(c.socket) || (c.busy && isempty(link.sent))  % interrupted, or never opened again
+        link.open(session);
+      end
+      if isempty(link.sent) || link.await_command(session)
+        return
+      end
+      % No reply: in lockstep it comes after the step only. Take the command back, and keep it.
+      reply = session.control(3);
+      if reply.params(1) == 1
+        if isempty(link.kept)
+          link.kept = link.sent;
+        end
+        link.open(session);
+      else
+        reply = c.receive(10);
+        link.sent = [];
+        coopdyn.internal.check_reply(reply, '');
+        session.note(reply);
+      end
+    end
+
+    function came = await_command(link, session)
+    % Waits at most 0.1 s for the reply to a command.
+      c = link.motors;
+      started = [];
+      while true
+        try
+          reply = c.poll(isempty(started));
+        catch cause
+          coopdyn.internal.lose(session, link, cause);
+        end
+        came = ~isempty(reply);
+        if came
+          link.sent = [];
+          coopdyn.internal.check_reply(reply, '');
+          session.note(reply);
+          return
+        end
+        if isempty(started)
+          started = tic;
+        elseif toc(started) > 0.08
+          return
+        end
+        pause(0.001);
+      end
+    end
+
+    function command(link, session, number, data)
+    % An actuator command: kept in lockstep, sent at once otherwise.
+      session.require_open();
+      if session.watch
+        coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive');
+      end
+      if isempty(link.motors)
+        if link.in_team
+          coopdyn.internal.fail(5, [link.robot ' is driven by its team']);
+        end
+        coopdyn.internal.fail(5, [link.robot ' has no motors']);
+      end
+      if ~isempty(link.lost)
+        coopdyn.internal.fail(link.lost_code, link.lost);
+      end
+      if session.mode ~= 1 || link.unclaimed
+        link.settle(session);
+      end
+      if link.unclaimed
+        link.claim();  % a branch may go on live from there, in another mode
+        session.note(link.motors.request(3, [], []));
+        link.drives = true;
+      end
+      if session.mode == 1
+        link.kept = {number, data};
+        return
+      end
+      link.kept = [];
+      try
+        link.motors.send(number, coopdyn.internal.encode(number, [], data));
+      catch cause
+        coopdyn.internal.lose(session, link, cause);
+      end
+      link.sent = {number, data};
+      link.await_command(session);
     end
 
     function text = take_again(link)

@@ -52,10 +52,7 @@ classdef Session < handle
         s.simulation.open();
       end
       reply = s.simulation.request(command, params, data, text, limit);
-      for k = 1:numel(s.links)
-        link = s.links{k};
-        link.carried = [];
-      end
+      s.forget_readings();
       s.note(reply);
     end
 
@@ -64,7 +61,7 @@ classdef Session < handle
       if nargin < 7, data = []; end
       s.require_open();
       if strcmp(module, 'motors') && ~isempty(link.motors) && isempty(link.lost)
-        s.settle(link);
+        link.settle(s);
         reply = link.motors.request(command, params, [], text);
         s.note(reply);
         return
@@ -108,235 +105,6 @@ classdef Session < handle
       s.note(reply);
     end
 
-    % --- driving
-    function link = drive(s, robot)
-    % The link to a robot, opened and (unless watching) claimed.
-      s.require_open();
-      in_team = false;
-      for k = 1:numel(s.teams)
-        in_team = in_team || any(strcmp(s.teams{k}.names, robot));
-      end
-      keep = true(1, numel(s.links));
-      for k = 1:numel(s.links)
-        link = s.links{k};
-        if strcmp(link.robot, robot)
-          if isempty(link.lost) && link.in_team == in_team
-            return
-          end
-          keep(k) = false;
-        end
-      end
-      link = coopdyn.internal.Link(s.address, robot, ~s.watch);
-      if in_team
-        link.in_team = true;
-        link.motors = [];
-        s.links = [s.links(keep) {link}];
-        return
-      end
-      try
-        s.open_motors(link);
-      catch cause
-        if ~strcmp(cause.identifier, 'coopdyn:no_such_name')
-          rethrow(cause);
-        end
-        modules = coopdyn.internal.ask_names(s.address);
-        names = {modules.name};
-        if ~any(strncmp(names, ['/' robot '/'], numel(robot) + 2))
-          found = regexp(names, '^/([^/]+)/', 'tokens', 'once');
-          robots = unique(cellfun(@(t) t{1}, found(~cellfun(@isempty, found)), 'UniformOutput', false));
-          coopdyn.internal.fail(10, ['there is no robot ''' robot '''; ' coopdyn.internal.nearest(robot, robots) ...
-            'there are: ' coopdyn.internal.list_of(robots)]);
-        end
-        link.motors = [];  % it has no motors: it can be read only
-      end
-      s.links = [s.links(keep) {link}];
-    end
-
-    function open_motors(s, link)
-    % Opens (again) the connection that commands go through: hello takes the module back, claim makes it ours.
-      link.sent = [];
-      link.carried = [];
-      link.drives = false;
-      c = link.motors;
-      c.open();
-      try
-        if ~s.watch
-          try
-            link.claim();
-          catch cause
-            if ~strcmp(cause.identifier, 'coopdyn:not_possible')  % a recording is played; reading goes on
-              rethrow(cause);
-            end
-          end
-        end
-        if ~isempty(link.attached)
-          c.request(9, [], [], strjoin(link.attached, ' '));
-        end
-        s.note(c.request(3, [], []));
-        link.drives = ~s.watch && ~link.unclaimed;
-      catch cause
-        c.close();
-        rethrow(cause);
-      end
-    end
-
-    function settle(s, link)
-    % Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue.
-      if ~isempty(link.lost)
-        coopdyn.internal.fail(link.lost_code, link.lost);
-      end
-      c = link.motors;
-      if isempty(c.socket) || (c.busy && isempty(link.sent))  % interrupted, or never opened again
-        s.open_motors(link);
-      end
-      if isempty(link.sent) || s.await_command(link)
-        return
-      end
-      % No reply: in lockstep it comes after the step only. Take the command back, and keep it.
-      reply = s.control(3);
-      if reply.params(1) == 1
-        if isempty(link.kept)
-          link.kept = link.sent;
-        end
-        s.open_motors(link);
-      else
-        reply = c.receive(10);
-        link.sent = [];
-        coopdyn.internal.check_reply(reply, '');
-        s.note(reply);
-      end
-    end
-
-    function came = await_command(s, link)
-    % Waits at most 0.1 s for the reply to a command.
-      c = link.motors;
-      started = [];
-      while true
-        try
-          reply = c.poll(isempty(started));
-        catch cause
-          s.lose(link, cause);
-        end
-        came = ~isempty(reply);
-        if came
-          link.sent = [];
-          coopdyn.internal.check_reply(reply, '');
-          s.note(reply);
-          return
-        end
-        if isempty(started)
-          started = tic;
-        elseif toc(started) > 0.08
-          return
-        end
-        pause(0.001);
-      end
-    end
-
-    function command(s, link, number, data)
-    % An actuator command: kept in lockstep, sent at once otherwise.
-      s.require_open();
-      if s.watch
-        coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive');
-      end
-      if isempty(link.motors)
-        if link.in_team
-          coopdyn.internal.fail(5, [link.robot ' is driven by its team']);
-        end
-        coopdyn.internal.fail(5, [link.robot ' has no motors']);
-      end
-      if ~isempty(link.lost)
-        coopdyn.internal.fail(link.lost_code, link.lost);
-      end
-      if s.mode ~= 1 || link.unclaimed
-        s.settle(link);
-      end
-      if link.unclaimed
-        link.claim();  % a branch may go on live from there, in another mode
-        s.note(link.motors.request(3, [], []));
-        link.drives = true;
-      end
-      if s.mode == 1
-        link.kept = {number, data};
-        return
-      end
-      link.kept = [];
-      try
-        link.motors.send(number, coopdyn.internal.encode(number, [], data));
-      catch cause
-        s.lose(link, cause);
-      end
-      link.sent = {number, data};
-      s.await_command(link);
-    end
-
-    % --- teams
-    function team = team(s, text)
-    % The team of these names, opened and claimed.
-      s.require_open();
-      if s.watch
-        coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive a team');
-      end
-      s.drop_lost_teams();
-      numbers = zeros(1, 0);
-      for k = 1:numel(s.teams)
-        team = s.teams{k};
-        if strcmp(team.text, text)
-          return
-        end
-        numbers(end + 1) = team.number; %#ok<AGROW>
-      end
-      for k = 1:numel(s.teams)  % what one of ours lets go of for a moment is not free
-        other = s.teams{k};
-        if isempty(other.connection.socket) || other.connection.busy
-          try
-            other.settle(s);
-          catch
-            % its next use says what is wrong
-          end
-        end
-      end
-      team = coopdyn.internal.TeamLink(s.address, text, min(setdiff(1:numel(numbers) + 1, numbers)));
-      try
-        team.open(s);
-      catch cause
-        if strcmp(cause.identifier, 'coopdyn:owned')
-          robot = coopdyn.internal.first_word(cause.message);
-          for k = 1:numel(s.teams)
-            other = s.teams{k};
-            if isempty(other.lost) && any(strcmp(other.names, robot))
-              coopdyn.internal.fail(6, ['robot ' robot ' belongs to your ' other.label ': drive it there, or release ' ...
-                'that team first']);
-            end
-          end
-          label = ['the team with ' robot];
-          if team.one_word()
-            label = team.label;
-          end
-          coopdyn.internal.fail(6, [label ' cannot be driven: ' cause.message '. Stop the other program, or free ' ...
-            'the robot on the page']);
-        end
-        rethrow(cause);
-      end
-      if isempty(team.names)
-        team.connection.close();
-        coopdyn.internal.fail(10, 'there is no robot that nobody drives');
-      end
-      s.teams{end + 1} = team;
-    end
-
-    function drop_lost_teams(s)
-      s.teams = s.teams(cellfun(@(t) isempty(t.lost), s.teams));
-    end
-
-    function reply = step_team(s, team, bytes, limit)
-    % One step of the world, in which the team does what the bytes say.
-      s.step(1, limit, team, bytes);
-      reply = team.reply;
-      team.reply = [];
-      team.gone = {};
-    end
-
     % --- a step of the world
     function step(s, n, limit, commanded, bytes)
     % Sends what was kept (or ready) for every robot and every team of this sim, then takes in the replies. One of the
@@ -367,7 +135,7 @@ classdef Session < handle
           link = s.links{k};
           if ~isempty(link.motors)
             if ~isempty(link.lost) || ~isempty(link.sent) || link.motors.busy || isempty(link.motors.socket)
-              s.settle(link);
+              link.settle(s);
             end
             links{end + 1} = link; %#ok<AGROW>
             connections{end + 1} = link.motors; %#ok<AGROW>
@@ -395,12 +163,10 @@ classdef Session < handle
         links = {[]};
         connections = {s.simulation};
       end
-      waiting = true(1, numel(links));
-      current = 1;
       try
-        for current = 1:numel(links)
-          link = links{current};
-          c = connections{current};
+        for k = 1:numel(links)
+          link = links{k};
+          c = connections{k};
           number = 2;
           data = [];
           if ~isempty(link) && link.is_team
@@ -423,7 +189,7 @@ classdef Session < handle
         end
         coopdyn.internal.collect(s, connections, links, limit);
       catch cause
-        s.give_up(connections, links, cause);
+        coopdyn.internal.recover(s, connections, links, cause);
       end
     end
 
@@ -453,7 +219,7 @@ classdef Session < handle
           coopdyn.internal.check_reply(reply, [link.robot ': ']);
         end
       catch cause
-        s.give_up({c}, {link}, cause);
+        coopdyn.internal.recover(s, {c}, {link}, cause);
       end
       s.newest = reply.data(end - 1:end);
       mode = reply.params(1);
@@ -479,84 +245,27 @@ classdef Session < handle
           coopdyn.internal.check_reply(reply, [team.label ': ']);
         end
       catch cause
-        s.give_up({c}, {team}, cause);
+        coopdyn.internal.recover(s, {c}, {team}, cause);
       end
       s.note(reply);
       team.reply = reply;
     end
 
-    function give_up(s, connections, links, cause)
-    % Connections that still wait for a reply are closed and opened again: reading on would take the next reply for the
-    % one that is missing. Raises the cause.
-      raised = cause;
-      again = {};
-      for k = 1:numel(connections)
-        c = connections{k};
-        link = links{k};
-        gone = isempty(c.socket);
-        if ~gone && ~c.busy
-          continue  % it has had its reply, or nothing was sent
-        end
-        c.close();
-        if isempty(link)
-          continue
-        end
-        link.forget_commands();
-        if gone && strcmp(cause.identifier, 'coopdyn:connection')
-          try
-            s.lose(link, cause);
-          catch raised
-          end
-        end
-        again{end + 1} = link; %#ok<AGROW>
-      end
-      for k = 1:numel(again)
-        link = again{k};
-        if isempty(link.lost)
-          try
-            link.reopen(s);
-          catch
-            % tried again at the next use, which says what is wrong
-          end
-        end
-      end
-      for k = 1:numel(s.teams)
-        team = s.teams{k};
-        if team.stale && isempty(team.lost)
-          try
-            team.settle(s);
-          catch again
-            if ~isempty(team.lost)
-              raised = again;  % else likewise
-            end
-          end
-        end
-      end
-      rethrow(raised);
+    function reply = step_team(s, team, bytes, limit)
+    % One step of the world, in which the team does what the bytes say.
+      s.step(1, limit, team, bytes);
+      reply = team.reply;
+      team.reply = [];
+      team.gone = {};
     end
 
-    function lose(s, link, cause)
-    % The motors connection was closed by the daemon. If the robot was taken over or freed it is not opened again by
-    % itself: that would take it back from whoever got it. Raises what happened.
-      if ~strcmp(cause.identifier, 'coopdyn:connection')
-        rethrow(cause);
+    % --- what was kept of robots and teams
+    function forget_readings(s)
+    % Those that came with the last step are not the newest any more.
+      for k = 1:numel(s.links)
+        link = s.links{k};
+        link.carried = [];
       end
-      link.forget_commands();
-      if link.is_team
-        why = link.connection.notice;
-      else
-        link.drives = false;
-        why = link.motors.notice;
-      end
-      if isempty(why)  % Octave loses a notice that comes together with the end of the connection
-        why = coopdyn.internal.new_owner(s.address, link.names{1});
-      end
-      if isempty(why)
-        coopdyn.internal.fail(-1, ['the connection to ' link.label ' broke; is the daemon still running?']);
-      end
-      link.lost = [link.label ' is not driven by this sim any more: ' why '; ' link.take_again() ' takes it again'];
-      link.lost_code = 6;
-      coopdyn.internal.fail(6, link.lost);
     end
 
     function started_anew(s)
@@ -569,6 +278,10 @@ classdef Session < handle
         team = s.teams{k};
         team.stale = true;
       end
+    end
+
+    function drop_lost_teams(s)
+      s.teams = s.teams(cellfun(@(t) isempty(t.lost), s.teams));
     end
 
     function close(s)

@@ -57,10 +57,6 @@ classdef TeamLink < handle
       end
     end
 
-    function reopen(t, session)
-      t.open(session);
-    end
-
     function settle(t, session)
     % Makes the connection free for a request.
       session.require_open();
@@ -145,7 +141,7 @@ classdef TeamLink < handle
       try
         reply = t.connection.request(command, params, []);
       catch cause
-        session.lose(t, cause);
+        coopdyn.internal.lose(session, t, cause);
       end
       session.note(reply);
     end

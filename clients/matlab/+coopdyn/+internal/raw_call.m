@@ -10,16 +10,16 @@ function reply = raw_call(session, name, command, params, data, text, limit)
   if any(params ~= round(params)) || any(abs(params) > 2147483648)
     coopdyn.internal.fail(2, 'params are whole numbers of 32 bits');
   end
+  session.forget_readings();
   owner = [];
   for k = 1:numel(session.links)
     link = session.links{k};
-    link.carried = [];
     if ~isempty(link.motors) && strcmp(link.motors.module, name)
       owner = link;
     end
   end
   if ~isempty(owner)
-    session.settle(owner);
+    owner.settle(session);
     c = owner.motors;
   else
     if strcmp(name, '/simulation')
@@ -35,7 +35,7 @@ function reply = raw_call(session, name, command, params, data, text, limit)
     c.send(command, coopdyn.internal.encode(command, params, data, text));
     message = await_one(session, c, limit);
   catch cause
-    session.give_up({c}, {owner}, cause);
+    coopdyn.internal.recover(session, {c}, {owner}, cause);
   end
   coopdyn.internal.check_reply(message, '');
   session.note(message);

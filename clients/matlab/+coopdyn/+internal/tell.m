@@ -11,9 +11,6 @@ function reply = tell(session, module, command, params, data, text, limit)
     c.open();
   end
   reply = c.request(command, params, data, text, limit);
-  for k = 1:numel(session.links)
-    link = session.links{k};
-    link.carried = [];
-  end
+  session.forget_readings();
   session.note(reply);
 end

@@ -1,0 +1,24 @@
+% SPDX-License-Identifier: MIT
+function lose(session, link, cause)
+%LOSE The motors connection was closed by the daemon. If the robot was taken over or freed it is not opened again by
+%  itself: that would take it back from whoever got it. Raises what happened.
+  if ~strcmp(cause.identifier, 'coopdyn:connection')
+    rethrow(cause);
+  end
+  link.forget_commands();
+  if link.is_team
+    why = link.connection.notice;
+  else
+    link.drives = false;
+    why = link.motors.notice;
+  end
+  if isempty(why)  % Octave loses a notice that comes together with the end of the connection
+    why = coopdyn.internal.new_owner(session.address, link.names{1});
+  end
+  if isempty(why)
+    coopdyn.internal.fail(-1, ['the connection to ' link.label ' broke; is the daemon still running?']);
+  end
+  link.lost = [link.label ' is not driven by this sim any more: ' why '; ' link.take_again() ' takes it again'];
+  link.lost_code = 6;
+  coopdyn.internal.fail(6, link.lost);
+end

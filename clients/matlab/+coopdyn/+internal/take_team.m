@@ -1,0 +1,54 @@
+% SPDX-License-Identifier: MIT
+function team = take_team(session, text)
+%TAKE_TEAM The team of these names, opened and claimed.
+  session.require_open();
+  if session.watch
+    coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive a team');
+  end
+  session.drop_lost_teams();
+  numbers = zeros(1, 0);
+  for k = 1:numel(session.teams)
+    team = session.teams{k};
+    if strcmp(team.text, text)
+      return
+    end
+    numbers(end + 1) = team.number; %#ok<AGROW>
+  end
+  for k = 1:numel(session.teams)  % what one of ours lets go of for a moment is not free
+    other = session.teams{k};
+    if isempty(other.connection.socket) || other.connection.busy
+      try
+        other.settle(session);
+      catch
+        % its next use says what is wrong
+      end
+    end
+  end
+  team = coopdyn.internal.TeamLink(session.address, text, min(setdiff(1:numel(numbers) + 1, numbers)));
+  try
+    team.open(session);
+  catch cause
+    if strcmp(cause.identifier, 'coopdyn:owned')
+      robot = coopdyn.internal.first_word(cause.message);
+      for k = 1:numel(session.teams)
+        other = session.teams{k};
+        if isempty(other.lost) && any(strcmp(other.names, robot))
+          coopdyn.internal.fail(6, ['robot ' robot ' belongs to your ' other.label ': drive it there, or release ' ...
+            'that team first']);
+        end
+      end
+      label = ['the team with ' robot];
+      if team.one_word()
+        label = team.label;
+      end
+      coopdyn.internal.fail(6, [label ' cannot be driven: ' cause.message '. Stop the other program, or free ' ...
+        'the robot on the page']);
+    end
+    rethrow(cause);
+  end
+  if isempty(team.names)
+    team.connection.close();
+    coopdyn.internal.fail(10, 'there is no robot that nobody drives');
+  end
+  session.teams{end + 1} = team;
+end
