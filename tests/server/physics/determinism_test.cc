@@ -32,10 +32,12 @@ void Command(PhysicsScene& scene, int step) {
   for (int i = 0; i < 18; ++i) scene.SetWheels(i, (step / 10 + i) % 4 + 1, (step / 10 + 3 * i) % 5);
 }
 
-std::vector<std::uint64_t> Hashes(PhysicsScene& scene, int from, int to) {
+using Commands = void(PhysicsScene& scene, int step);
+
+std::vector<std::uint64_t> Hashes(PhysicsScene& scene, int from, int to, Commands command = Command) {
   std::vector<std::uint64_t> hashes;
   for (int step = from; step < to; ++step) {
-    Command(scene, step);
+    command(scene, step);
     scene.Run(1);
     hashes.push_back(StateHash(*scene.Capture()));
   }
@@ -141,20 +143,10 @@ void CommandMixed(PhysicsScene& scene, int step) {
   }
 }
 
-std::vector<std::uint64_t> MixedHashes(PhysicsScene& scene, int from, int to) {
-  std::vector<std::uint64_t> hashes;
-  for (int step = from; step < to; ++step) {
-    CommandMixed(scene, step);
-    scene.Run(1);
-    hashes.push_back(StateHash(*scene.Capture()));
-  }
-  return hashes;
-}
-
 TEST(Determinism, MixedFidelitiesRestoredInMidRunContinueBitByBit) {
   PhysicsScene whole;
   PopulateMixed(whole, 1);
-  const auto expected = MixedHashes(whole, 0, 300);
+  const auto expected = Hashes(whole, 0, 300, CommandMixed);
   PhysicsScene running;
   PopulateMixed(running, 1);
   for (int step = 0; step < 300; step += 50) {
@@ -162,7 +154,7 @@ TEST(Determinism, MixedFidelitiesRestoredInMidRunContinueBitByBit) {
     PhysicsScene part;
     PopulateMixed(part, 1);
     part.Restore(*running.Capture());
-    const auto hashes = MixedHashes(part, step, step + 50);
+    const auto hashes = Hashes(part, step, step + 50, CommandMixed);
     EXPECT_TRUE(std::equal(hashes.begin(), hashes.end(), expected.begin() + step)) << step;
     running.Restore(*part.Capture());
   }
@@ -173,7 +165,7 @@ TEST(Determinism, TheMixedSceneSleepsTouchesAndUsesBothSolvers) {
   PhysicsScene scene;
   PopulateMixed(scene, 1);
   const std::uint64_t seed = scene.Capture()->solver_seed;
-  MixedHashes(scene, 0, 200);
+  Hashes(scene, 0, 200, CommandMixed);
   const auto frame = scene.Capture();
   EXPECT_NE(frame->solver_seed, seed);
   const auto count = std::count_if(frame->bodies.begin(), frame->bodies.end(),
@@ -189,7 +181,7 @@ TEST(Determinism, AnyNumberOfThreadsGivesTheSameHashes) {
     PhysicsScene scene;
     scene.pool = threads == 0 ? nullptr : &pool;
     PopulateMixed(scene, 12);  // enough robots for the loops to be shared out
-    const auto hashes = MixedHashes(scene, 0, 60);
+    const auto hashes = Hashes(scene, 0, 60, CommandMixed);
     if (threads == 0) expected = hashes;
     EXPECT_EQ(hashes, expected) << threads;
   }

@@ -27,52 +27,84 @@ Pose Raised(double x_m, double z_m) {
   return {{x_m, 0, z_m}, Quaternion::Identity()};
 }
 
-}  // namespace
+/// Of a round chassis with two balls under it and a wheel on either side.
+struct Dimensions {
+  const char* type;
+  double mass_kg;  // of the chassis; its centre of mass lies at this height
+  double center_z_m;
+  Vector3 inertia_kg_m2;
+  Cylinder hull;  // with its middle at this height
+  double hull_z_m;
+  double ball_radius_m;
+  double ball_x_m;
+  Cylinder tyre;
+  double wheel_mass_kg;
+  Vector3 wheel_inertia_kg_m2;
+  double track_m;
+  double max_wheel_speed_rad_s;
+  double max_torque_nm;
+  double height_m;
+};
 
-std::shared_ptr<const RobotModel> TestRobot() {
+std::shared_ptr<const RobotModel> MakeRobot(const Dimensions& of) {
   auto model = std::make_shared<RobotModel>();
-  model->type = "testbot";
+  model->type = of.type;
   LinkModel chassis;
   chassis.name = "chassis";
-  chassis.mass_kg = 9;
-  chassis.X_LI.p = {0, 0, 0.09};
-  chassis.inertia_kg_m2 = {0.0684, 0.0684, 0.1152};
-  chassis.collisions = {{Cylinder{0.18, 0.21}, Raised(0, 0.155), {}, 0.3, false},
-                        {Sphere{0.025}, Raised(0.14, 0.025), {}, 0, false},
-                        {Sphere{0.025}, Raised(-0.14, 0.025), {}, 0, false}};
-  const Cylinder tyre{0.075, 0.025};
-  const Vector3 inertia{0.000729167, 0.000729167, 0.00140625};
-  model->links = {chassis, Wheel("left_wheel", 0.14, tyre, 0.5, inertia),
-                  Wheel("right_wheel", -0.14, tyre, 0.5, inertia)};
-  model->joints = {Hinge("left", 1, 0.14, 0.075, 1), Hinge("right", 2, -0.14, 0.075, 1)};
-  model->drive = {0, 1, 0.075, 0.28, 14, 1};
+  chassis.mass_kg = of.mass_kg;
+  chassis.X_LI.p = {0, 0, of.center_z_m};
+  chassis.inertia_kg_m2 = of.inertia_kg_m2;
+  chassis.collisions = {{of.hull, Raised(0, of.hull_z_m), {}, 0.3, false},
+                        {Sphere{of.ball_radius_m}, Raised(of.ball_x_m, of.ball_radius_m), {}, 0, false},
+                        {Sphere{of.ball_radius_m}, Raised(-of.ball_x_m, of.ball_radius_m), {}, 0, false}};
+  const double wheel_radius_m = of.tyre.radius_m, left_m = of.track_m / 2;
+  model->links = {chassis, Wheel("left_wheel", left_m, of.tyre, of.wheel_mass_kg, of.wheel_inertia_kg_m2),
+                  Wheel("right_wheel", -left_m, of.tyre, of.wheel_mass_kg, of.wheel_inertia_kg_m2)};
+  model->joints = {Hinge("left", 1, left_m, wheel_radius_m, of.max_torque_nm),
+                   Hinge("right", 2, -left_m, wheel_radius_m, of.max_torque_nm)};
+  model->drive = {0, 1, wheel_radius_m, of.track_m, of.max_wheel_speed_rad_s, of.max_torque_nm};
   model->modules = {{"motors", "motors"}};
-  model->footprint_radius_m = 0.18;
-  model->height_m = 0.26;
+  model->footprint_radius_m = of.hull.radius_m;
+  model->height_m = of.height_m;
   return model;
 }
 
+}  // namespace
+
+std::shared_ptr<const RobotModel> TestRobot() {
+  return MakeRobot({.type = "testbot",
+                    .mass_kg = 9,
+                    .center_z_m = 0.09,
+                    .inertia_kg_m2 = {0.0684, 0.0684, 0.1152},
+                    .hull = {0.18, 0.21},
+                    .hull_z_m = 0.155,
+                    .ball_radius_m = 0.025,
+                    .ball_x_m = 0.14,
+                    .tyre = {0.075, 0.025},
+                    .wheel_mass_kg = 0.5,
+                    .wheel_inertia_kg_m2 = {0.000729167, 0.000729167, 0.00140625},
+                    .track_m = 0.28,
+                    .max_wheel_speed_rad_s = 14,
+                    .max_torque_nm = 1,
+                    .height_m = 0.26});
+}
+
 std::shared_ptr<const RobotModel> SmallRobot() {
-  auto model = std::make_shared<RobotModel>();
-  model->type = "smallbot";
-  LinkModel chassis;
-  chassis.name = "chassis";
-  chassis.mass_kg = 1.5;
-  chassis.X_LI.p = {0, 0, 0.045};
-  chassis.inertia_kg_m2 = {0.00291, 0.00291, 0.00422};
-  chassis.collisions = {{Cylinder{0.085, 0.1}, Raised(0, 0.07), {}, 0.3, false},
-                        {Sphere{0.012}, Raised(0.065, 0.012), {}, 0, false},
-                        {Sphere{0.012}, Raised(-0.065, 0.012), {}, 0, false}};
-  const Cylinder tyre{0.03, 0.015};
-  const Vector3 inertia{1.21875e-5, 1.21875e-5, 2.25e-5};
-  model->links = {chassis, Wheel("left_wheel", 0.07, tyre, 0.05, inertia),
-                  Wheel("right_wheel", -0.07, tyre, 0.05, inertia)};
-  model->joints = {Hinge("left", 1, 0.07, 0.03, 0.08), Hinge("right", 2, -0.07, 0.03, 0.08)};
-  model->drive = {0, 1, 0.03, 0.14, 17, 0.08};
-  model->modules = {{"motors", "motors"}};
-  model->footprint_radius_m = 0.085;
-  model->height_m = 0.12;
-  return model;
+  return MakeRobot({.type = "smallbot",
+                    .mass_kg = 1.5,
+                    .center_z_m = 0.045,
+                    .inertia_kg_m2 = {0.00291, 0.00291, 0.00422},
+                    .hull = {0.085, 0.1},
+                    .hull_z_m = 0.07,
+                    .ball_radius_m = 0.012,
+                    .ball_x_m = 0.065,
+                    .tyre = {0.03, 0.015},
+                    .wheel_mass_kg = 0.05,
+                    .wheel_inertia_kg_m2 = {1.21875e-5, 1.21875e-5, 2.25e-5},
+                    .track_m = 0.14,
+                    .max_wheel_speed_rad_s = 17,
+                    .max_torque_nm = 0.08,
+                    .height_m = 0.12});
 }
 
 double TiltOf(const Pose& pose) {

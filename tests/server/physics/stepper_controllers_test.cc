@@ -3,8 +3,7 @@
 // steps.
 #include <gtest/gtest.h>
 
-#include "server/model/readers.h"
-#include "server/physics/stepper.h"
+#include "tests/server/physics/stepper_boards.h"
 
 namespace coopdyn {
 namespace {
@@ -52,32 +51,26 @@ class Driver final : public ControllerDriver {
   std::vector<StoppedController> stopped;
 };
 
-class StepperControllersTest : public testing::Test {
+class StepperControllersTest : public StepperBoards {
  protected:
   /// robot1, driven by `controller`, and robot2; both hear each other after `delay_steps`.
   static std::shared_ptr<const Scenario> TwoRobots(const std::string& controller, int delay_steps = 0) {
-    SearchPath path;
-    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
-    RobotLibrary library(path);
-    Diagnostics diagnostics;
-    const auto read = ReadScenario(
+    const auto read = Read(
         "[ROBOT_1]\ntype coopbot\nname robot1\nposition 0 0\n"
-        "[ROBOT_2]\ntype coopbot\nname robot2\nposition 0 2\n",
-        "two.scenario", library, false, diagnostics);
+        "[ROBOT_2]\ntype coopbot\nname robot2\nposition 0 2\n");
     auto scenario = std::make_shared<Scenario>(*read);
     auto model = std::make_shared<RobotModel>(*read->robots[0].model);
     model->neighbours.range_m = model->neighbours.message_range_m = 5;
     model->neighbours.delay_steps = delay_steps;
     for (RobotEntry& robot : scenario->robots) robot.model = model;
-    scenario->robots[0].controller = {controller, controller + ".so", {}, {"two.scenario", 4}};
+    scenario->robots[0].controller = {controller, controller + ".so", {}, {"test.scenario", 4}};
     return scenario;
   }
 
   std::string Start(std::shared_ptr<const Scenario> scenario, ControllerDriver* driver) {
     RunOptions options;
     options.mode = Mode::kLockstep;
-    stepper_ = std::make_unique<Stepper>(Stepper::Boards{frames_, board_, edits_, control_, bell_}, clock_,
-                                         NullLogger(), options, StepHelpers{nullptr, driver});
+    stepper_ = MakeStepper(clock_, options, {nullptr, driver});
     Diagnostics diagnostics;
     stepper_->Start(std::move(scenario), diagnostics);
     return diagnostics.ToString();
@@ -88,11 +81,6 @@ class StepperControllersTest : public testing::Test {
   }
 
   SteadyClock clock_;
-  Doorbell bell_;
-  FrameBoard frames_;
-  CommandBoard board_;
-  EditQueue edits_{bell_};
-  RunControl control_;
   Driver driver_;
   std::unique_ptr<Stepper> stepper_;
 };
@@ -137,11 +125,11 @@ TEST_F(StepperControllersTest, AControllerThatCannotStartIsAnEventAtStepZero) {
 }
 
 TEST_F(StepperControllersTest, WrongOptionsAreErrorsOfTheScenario) {
-  EXPECT_EQ(Start(TwoRobots("bad"), &driver_), "two.scenario:4: error: no such option\n");
+  EXPECT_EQ(Start(TwoRobots("bad"), &driver_), "test.scenario:4: error: no such option\n");
 }
 
 TEST_F(StepperControllersTest, WithoutADriverAControllerIsAnError) {
-  EXPECT_NE(Start(TwoRobots("good"), nullptr).find("two.scenario:4: error: "), std::string::npos);
+  EXPECT_NE(Start(TwoRobots("good"), nullptr).find("test.scenario:4: error: "), std::string::npos);
 }
 
 TEST_F(StepperControllersTest, BroadcastsOfAStepLieInItsFrameBySender) {

@@ -7,7 +7,7 @@
 #include <future>
 #include <thread>
 
-#include "server/model/readers.h"
+#include "tests/server/physics/stepper_boards.h"
 
 namespace coopdyn {
 namespace {
@@ -22,22 +22,11 @@ name robot2
 position 0 2 0
 )";
 
-class StepperTest : public testing::Test {
+class StepperTest : public StepperBoards {
  protected:
-  std::shared_ptr<const Scenario> Read(const std::string& text) {
-    SearchPath path;
-    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
-    RobotLibrary robots(path);
-    Diagnostics diagnostics;
-    auto scenario = ReadScenario(text, "test.scenario", robots, false, diagnostics);
-    EXPECT_NE(scenario, nullptr) << diagnostics.ToString();
-    return scenario;
-  }
-
   void Begin(const std::string& text, Mode mode, RunOptions options = {}) {
     options.mode = mode;
-    stepper_ = std::make_unique<Stepper>(Stepper::Boards{frames_, board_, edits_, control_, bell_}, clock_,
-                                         NullLogger(), options);
+    stepper_ = MakeStepper(clock_, options);
     Diagnostics diagnostics;
     ASSERT_TRUE(stepper_->Start(Read(text), diagnostics)) << diagnostics.ToString();
   }
@@ -83,11 +72,6 @@ class StepperTest : public testing::Test {
   }
 
   SteadyClock clock_;
-  Doorbell bell_;
-  FrameBoard frames_;
-  CommandBoard board_;
-  EditQueue edits_{bell_};
-  RunControl control_;
   std::unique_ptr<Stepper> stepper_;
   std::jthread thread_;
   const Client ana_{1, "ana", "a"}, bob_{2, "bob", "b"};
