@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// /swarm on the real boards, with steps that run as soon as everybody is ready; no sockets, no physics.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/control/swarm_module.h"
+#include "tests/server/devices/fake_client.h"
+#include "tests/server/devices/small_world.h"
+
+namespace coopdyn {
+
+/// ant_1 to ant_`ants` (neighbours within 11 m), then loner with one distance sensor, 10 m apart in y.
+inline std::shared_ptr<Scenario> AntScenario(int ants) {
+  auto scenario = std::make_shared<Scenario>(*SmallScenario(ants + 1));
+  auto ant = std::make_shared<RobotModel>(*SmallModel("ant"));
+  ant->neighbours.range_m = 11;
+  ant->neighbours.message_range_m = 11;
+  ant->modules.push_back({"neighbours", "neighbours"});
+  auto loner = std::make_shared<RobotModel>(*SmallModel("loner"));
+  loner->distance_sensors.resize(1);
+  for (int i = 0; i < ants; ++i) {
+    RobotEntry& entry = scenario->robots[static_cast<std::size_t>(i)];
+    entry.name = "ant_" + std::to_string(i + 1);
+    entry.model = ant;
+  }
+  scenario->robots.back().name = "loner";
+  scenario->robots.back().model = loner;
+  SwarmEntry swarm;
+  swarm.name = "ant";
+  swarm.section = "swarm1";
+  swarm.count = static_cast<std::size_t>(ants);
+  scenario->swarms.push_back(swarm);
+  return scenario;
+}
+
+class SwarmModuleTest : public testing::Test {
+ protected:
+  SwarmModuleTest() {
+    Load(AntScenario(3));
+    Start(false);
+  }
+  ~SwarmModuleTest() override {
+    client_.reset();
+    module_.reset();
+  }
+
+  void Load(std::shared_ptr<const Scenario> scenario, StepEnd end = StepEnd::kLoad) {
+    world_.Load(std::move(scenario), Mode::kLockstep, end);
+  }
+  void Start(bool token_required) {
+    client_.reset();
+    module_.reset();
+    guard_.emplace("secret", token_required);
+    module_.emplace(SwarmServices{world_.board, world_.frames, roster_, *guard_, clock_, 1, "1.2.3"},
+                    thread_.poster());
+    client_.emplace(*module_, 1);
+    world_.StepInline();
+  }
+
+  Message Ask(const std::string& line) { return client_->Ask(line); }
+  void Name(const std::string& name) { EXPECT_EQ(Ask("hello " + name).error, 0); }
+  std::vector<double> LastSetpoints(int robot) {
+    const auto& setpoint = world_.frames.Latest()->robots[static_cast<std::size_t>(robot)].setpoint_rad_s;
+    return {setpoint[0], setpoint[1]};
+  }
+  SlotId slot(const std::string& robot) { return world_.board.FindSlot(robot); }
+
+  SmallWorld world_;
+  ManualClock clock_;
+  ConnectionRoster roster_;
+  std::optional<TokenGuard> guard_;
+  FakeThread thread_;
+  std::optional<SwarmModule> module_;
+  std::optional<FakeClient> client_;
+  const Client ana_{100, "ana", "127.0.0.1:100"};
+  const StepDone nobody_ = [](const StepResult&) {};
+};
+
+}  // namespace coopdyn
