@@ -175,7 +175,7 @@ class ReadinessTest(unittest.TestCase):
                 other.must("ready 30")  # the deadline fires once, and not in each step anew
                 left, right = slow.must("get_wheels").data[2:4]
                 self.assertLess(max(abs(left), abs(right)), 1e-6, what)
-                self.assertEqual([entry["robot"] for entry in daemon.status()["awaiting"]], ["robot2"])
+                self.assertEqual(daemon.awaited(), ["robot2"])
                 slow.must("hello ana")
                 slow.send("set_velocity 0.3 0")
                 until(lambda: slow.has_bytes() or not other.must("ready"))  # it may come after some steps of the other
@@ -189,7 +189,8 @@ class ReadinessTest(unittest.TestCase):
             gone, heir = daemon.text("/robot1/motors"), daemon.text("/robot1/motors")
             gone.write("set_velocity 0.5 0\nset_velocity 0.5 0\nget_limits\n")
             gone.socket.shutdown(1)
-            until(lambda: daemon.status()["robots"][0]["owner"] is None and not daemon.status()["awaiting"])
+            until(lambda: not daemon.awaited())
+            until(lambda: daemon.status()["robots"][0]["owner"] is None)
             heir.send("stop")
             self.assertEqual([gone.receive().error for _ in range(3)], [6, 6, 0])
             self.assertEqual(gone.read_to_end(), b"")
@@ -202,7 +203,7 @@ class ReadinessTest(unittest.TestCase):
             simulation, motors = daemon.text("/simulation"), daemon.text("/robot1/motors")
             simulation.must("pause")
             motors.send("set_velocity (10) 0.5 0")
-            until(lambda: not daemon.status()["awaiting"])
+            until(lambda: not daemon.awaited())
             simulation.must("step 5")
             simulation.must("stop_all")
             simulation.must("step 5")

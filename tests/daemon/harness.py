@@ -142,6 +142,15 @@ class Text(Connection):
         self.send(line)
         return self.receive()
 
+    def send_to_wait(self, line):
+        """Sends a request that must wait for a robot; returns when it does, so it has arrived and is not answered."""
+        self.send("verbose")
+        self.send(line)
+        said = ""
+        while not said.startswith("# waiting for "):
+            said = self.read_line()
+            assert not said or said.startswith("#"), f"{line} was answered: {said}"
+
     def must(self, line):
         reply = self.ask(line)
         assert reply.error == 0, f"{line}: {reply}"
@@ -241,6 +250,10 @@ class Daemon:
         reply = connection.must("get_status")
         connection.close()
         return json.loads(reply.text)
+
+    def awaited(self, for_s=0):
+        """The robots that lockstep waits for (20 at most), if it has waited for so long."""
+        return [robot["robot"] for robot in self.status()["awaiting"] if robot["seconds"] >= for_s]
 
     def open_files(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))

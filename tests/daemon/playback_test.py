@@ -138,19 +138,18 @@ class TimeTest(PlaybackTest):
             playback.must("play 4")
             until(lambda: playback.must("get_playback").data[2] == STEPS * STEP_S)
             until(lambda: playback.must("get_playback").params[0] == 0)
-            self.assertTrue(any("end" in event["text"] for event in daemon.status()["events"]), daemon.status()["events"])
+            self.assertEqual([event["text"] for event in daemon.status()["events"]], ["the recording has ended"])
 
     def test_backwards_it_shows_every_step_in_turn(self):
         with Play(self.file, "--paused", "--at", "1") as daemon:
             playback, simulation = daemon.text("/playback"), daemon.text("/simulation")
             playback.must("set_speed -2")
-            simulation.send("ready")
+            simulation.write("ping\n" + "ready\n" * STEPS)  # more than it shows: one that came late would wait for ever
+            self.assertEqual(simulation.receive().step, STEPS)
             playback.must("play")
             shown = []
             while not shown or shown[-1] > 0:
                 shown.append(simulation.receive().step)
-                if shown[-1] > 0:
-                    simulation.send("ready")
             self.assertEqual(shown, sorted(shown, reverse=True))
             self.assertGreater(len(shown), 10)
             until(lambda: playback.must("get_playback").params[0] == 0)
@@ -168,7 +167,7 @@ class TimeTest(PlaybackTest):
             until(lambda: playback.must("get_playback").params[0] == 0)
 
     def test_the_simulations_own_commands_drive_it_too(self):
-        with Play(self.file, "--paused", "--at", "0.5") as daemon:
+        with Play(self.file, "--paused", "--at", "0.5", "--speed", "0.1") as daemon:  # so slow that its end is far
             simulation, playback = daemon.text("/simulation"), daemon.text("/playback")
             self.assertEqual(simulation.must("step 2").step, 52)
             simulation.must("run")
@@ -226,9 +225,10 @@ class GrowingTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "lesson.run"
             with Daemon(WORLD, "--record", file) as live:
-                driver = Client(live)
+                driver, recorder = Client(live), live.text("/recorder")
                 driver.drive(1, 50)
-                with Play(until(lambda: file if file.exists() else None), "--paused") as daemon:
+                until(lambda: recorder.must("get_recording").data[4] > 0)  # bytes: the file can be read
+                with Play(file, "--paused") as daemon:
                     playback, watcher = daemon.text("/playback"), Client(daemon)
                     until(lambda: playback.must("seek 0.5").step == 50)
                     self.assertEqual(playback.must("get_playback").params[2], 1, "growing")

@@ -10,7 +10,7 @@ import threading
 import unittest
 from pathlib import Path
 
-from harness import BINARY, Daemon, scenario, until
+from harness import BINARY, LIMIT_S, Daemon, scenario, until
 
 
 def run(*arguments, **more):
@@ -213,12 +213,14 @@ class EndTest(unittest.TestCase):
         for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             with Daemon(name="arena20") as daemon:
                 daemon.text("/simulation").must("set_mode free")
-                stop = threading.Event()
+                stop, loading = threading.Event(), threading.Semaphore(0)
 
                 def load():
                     try:
                         motors = daemon.text("/robot_1/motors")
                         motors.must("subscribe")
+                        motors.ask("set_velocity 0.1 0.1")
+                        loading.release()
                         while not stop.is_set():
                             motors.ask("set_velocity 0.1 0.1")
                     except (EOFError, ConnectionError, OSError):
@@ -227,6 +229,7 @@ class EndTest(unittest.TestCase):
                 workers = [threading.Thread(target=load) for _ in range(4)]
                 for worker in workers:
                     worker.start()
+                self.assertTrue(all(loading.acquire(timeout=LIMIT_S) for _ in workers))
                 until(lambda: daemon.status()["step"] > 10)
                 self.assertEqual(daemon.end(signum), 0)
                 stop.set()
@@ -237,7 +240,7 @@ class EndTest(unittest.TestCase):
         with Daemon(scenario(2)) as daemon:
             motors = daemon.text("/robot1/motors")
             motors.send("set_velocity 0.2 0")
-            until(lambda: daemon.status()["robots"][0]["owner"])
+            until(lambda: daemon.awaited() == ["robot2"])
             self.assertEqual(daemon.end(), 0)
             self.assertIn("stopping", motors.read_to_end().decode())
 
@@ -290,7 +293,7 @@ class OptionTest(unittest.TestCase):
                 self.assertEqual((status["mode"], status["step_s"], status["seed"]), ("free", 0.005, 9))
 
     def test_ports_come_in_one_block_in_the_documented_order(self):
-        base = 23450
+        base = 20000 + 32 * (os.getpid() % 256)  # another for each process
         with Daemon(name="formation") as daemon:
             pass  # the binary works; now with a fixed block
         process = subprocess.Popen([BINARY, "serve", "formation", "--port", str(base), "--no-render"],

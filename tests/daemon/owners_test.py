@@ -1,0 +1,180 @@
+"""Who drives a robot in lockstep, and what becomes of it when this client is gone, over raw sockets."""
+import signal
+import subprocess
+import sys
+import unittest
+from contextlib import contextmanager
+
+from harness import Daemon, scenario, until
+
+CLIENT = """
+import socket, sys
+s = socket.create_connection((sys.argv[1], int(sys.argv[2])))
+f = s.makefile("rw", newline="\\n")
+def ask(line):
+    f.write(line + "\\n"); f.flush(); return f.readline()
+assert ask("OPEN " + sys.argv[3]) == "ok\\n"
+print(ask("claim"), end="", flush=True)
+while True:
+    ask("set_velocity 0.1 0")
+"""
+
+
+@contextmanager
+def client_process(daemon, module):
+    """A client in a process of its own that commands for ever; it owns the module, its first command may be on the way."""
+    with subprocess.Popen([sys.executable, "-c", CLIENT, daemon.names[0], str(daemon.names[1]), module],
+                          stdout=subprocess.PIPE) as process:
+        try:
+            assert process.stdout.readline().startswith(b"0 ")
+            yield process
+        finally:
+            process.kill()
+
+
+class LostClientTest(unittest.TestCase):
+    def test_a_stopped_client_stalls_the_world_and_is_named(self):
+        with Daemon(scenario(2)) as daemon:
+            with client_process(daemon, "/robot2/motors") as client:
+                motors = daemon.text("/robot1/motors")
+                motors.must("ready 5")
+                client.send_signal(signal.SIGSTOP)
+                motors.send("ready 100000")
+                until(lambda: daemon.awaited(0.2) == ["robot2"])
+                status = daemon.status()
+                self.assertIn("no command from", status["awaiting"][0]["why"])
+                step = status["step"]
+                self.assertEqual(daemon.status()["step"], step)
+                client.send_signal(signal.SIGCONT)
+                until(lambda: daemon.status()["step"] > step)
+
+    def test_with_a_deadline_and_hold_the_others_go_on(self):
+        text = scenario(2, robot_extra={2: "deadline 0.2\non_deadline hold"})
+        with Daemon(text) as daemon:
+            with client_process(daemon, "/robot2/motors") as client:
+                motors = daemon.text("/robot1/motors")
+                motors.must("ready 5")
+                client.send_signal(signal.SIGSTOP)
+                self.assertGreaterEqual(motors.must("ready 300").step, 300)
+                self.assertTrue(any("robot2 missed its deadline" in e["text"] for e in daemon.status()["events"]))
+                client.send_signal(signal.SIGCONT)
+                motors.must("ready 5")
+
+    def test_a_killed_client_frees_its_robot(self):
+        with Daemon(scenario(1)) as daemon:
+            motors = daemon.text("/robot1/motors")
+            with client_process(daemon, "/robot1/motors"):
+                self.assertEqual(motors.ask("set_velocity 0 0").error, 6)
+            reply = until(lambda: (r := motors.ask("set_velocity 0 0")).error == 0 and r)
+            self.assertEqual(reply.params[0], 1)
+
+    def test_a_client_killed_while_its_command_waits_is_noticed_at_once(self):
+        with Daemon(scenario(2)) as daemon:
+            with client_process(daemon, "/robot1/motors"):
+                until(lambda: daemon.awaited() == ["robot2"])  # which has no client
+            until(lambda: not daemon.status()["robots"][0]["owner"])
+
+    def test_on_disconnect_hold_lets_the_others_go_on(self):
+        with Daemon(scenario(2, robot_extra={2: "on_disconnect hold"})) as daemon:
+            one, two = daemon.text("/robot1/motors"), daemon.text("/robot2/motors")
+            two.send("set_velocity 0.2 0")
+            one.must("ready")
+            two.receive()
+            two.close()
+            self.assertEqual(one.must("ready 20").step, 21)
+            self.assertGreater(daemon.text("/robot2/pose").must("get_pose").data[3], 0.1)
+
+    def test_on_disconnect_drop_takes_the_robot_out_until_its_next_command(self):
+        with Daemon(scenario(2, robot_extra={2: "on_disconnect drop"})) as daemon:
+            one, two = daemon.text("/robot1/motors"), daemon.text("/robot2/motors")
+            two.send("ready")
+            one.must("ready")
+            two.receive()
+            two.close()
+            one.must("ready 3")
+            self.assertFalse(daemon.status()["robots"][1]["participates"])
+            again = daemon.text("/robot2/motors")
+            again.send("ready")
+            until(lambda: daemon.status()["robots"][1]["participates"])
+            one.must("ready")
+            again.receive()
+            one.send("ready")
+            until(lambda: daemon.awaited() == ["robot2"])
+
+
+class OwnershipTest(unittest.TestCase):
+    def test_a_second_commander_gets_error_6_naming_the_owner(self):
+        with Daemon(scenario(1)) as daemon:
+            first, second = daemon.text("/robot1/motors"), daemon.text("/robot1/motors")
+            first.must("hello ana")
+            first.must("ready")
+            reply = second.ask("set_velocity 0.1 0")
+            self.assertEqual(reply.error, 6)
+            self.assertIn("ana", reply.text)
+            self.assertEqual(second.must("get_wheels").error, 0)
+
+    def test_release_frees_the_module(self):
+        with Daemon(scenario(1)) as daemon:
+            first, second = daemon.text("/robot1/motors"), daemon.text("/robot1/motors")
+            first.must("claim")
+            self.assertEqual(second.ask("claim").error, 6)
+            first.must("release")
+            second.must("claim")
+
+    def test_hello_of_the_same_name_takes_over_and_the_old_one_gets_a_notice(self):
+        with Daemon(scenario(1)) as daemon:
+            old, new = daemon.text("/robot1/motors"), daemon.text("/robot1/motors")
+            reader = daemon.text("/robot1/pose")
+            for connection in (old, reader):
+                connection.must("hello ana")
+            old.must("claim")
+            new.must("hello ana")
+            self.assertEqual(old.receive().command, -1)
+            self.assertEqual(old.read_to_end(), b"")
+            new.must("set_velocity 0.1 0")
+            reader.must("get_pose")
+
+    def test_a_new_owners_first_command_replaces_the_old_ones_rest(self):
+        with Daemon(scenario(2)) as daemon:
+            old, new = daemon.text("/robot1/motors"), daemon.text("/robot1/motors")
+            two = daemon.text("/robot2/motors")
+            old.must("hello ana")
+            old.send("set_wheel_speeds (100) 5 5")
+            two.must("ready")
+            new.must("hello ana")
+            new.send_to_wait("set_wheel_speeds 0 0")
+            two.must("ready")
+            self.assertEqual(new.receive().step, 2)
+            two.send("ready")
+            until(lambda: daemon.awaited() == ["robot1"])
+
+    def test_release_of_a_robot_by_the_simulation_closes_its_owner(self):
+        with Daemon(scenario(1)) as daemon:
+            motors, simulation = daemon.text("/robot1/motors"), daemon.text("/simulation")
+            motors.must("claim")
+            simulation.must('release_robot robot1')
+            self.assertEqual(motors.receive().command, -1)
+            until(lambda: not daemon.status()["robots"][0]["owner"])
+
+    def test_half_closed_one_line_commands_are_executed_and_answered(self):
+        with Daemon(scenario(1)) as daemon:
+            host, port = daemon.names[0], daemon.module_port("/robot1/motors")
+            for line in ("set_velocity 0.2 0", "get_wheels"):
+                done = subprocess.run(["nc", "-N", host, str(port)], input=(line + "\n").encode(),
+                                      stdout=subprocess.PIPE, timeout=60)
+                self.assertTrue(done.stdout.startswith(b"0 "), done.stdout)
+            self.assertEqual(daemon.status()["step"], 1)
+
+    def test_pipelined_requests_of_a_half_closed_connection_run_in_their_steps(self):
+        with Daemon(scenario(1)) as daemon:
+            port = daemon.module_port("/robot1/motors")
+            lines = "".join(f"set_wheel_speeds {k} {k}\n" for k in range(1, 6))
+            done = subprocess.run(["nc", "-N", "127.0.0.1", str(port)], input=lines.encode(),
+                                  stdout=subprocess.PIPE, timeout=60)
+            self.assertEqual(done.stdout.count(b"\n"), 5)
+            self.assertEqual(daemon.status()["step"], 5)
+            self.assertFalse(daemon.status()["robots"][0]["owner"])
+
+
+if __name__ == "__main__":
+    unittest.main()
