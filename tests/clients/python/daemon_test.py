@@ -14,21 +14,12 @@ import unittest
 
 import harness
 import coopdyn
+from cases import DaemonTestCase
 
 CLIENT = harness.ROOT / "clients" / "python"
 
 
-class DaemonTestCase(unittest.TestCase):
-    def start(self, scenario, *options):
-        daemon = harness.Daemon(scenario, *options)
-        self.addCleanup(daemon.stop)
-        return daemon
-
-    def connect(self, daemon, **options):
-        sim = coopdyn.connect(daemon.server, **options)
-        self.addCleanup(sim.close)
-        return sim
-
+class ProgramTestCase(DaemonTestCase):
     def run_program(self, daemon, program, *arguments):
         run = subprocess.run([sys.executable, str(CLIENT / program), *arguments], timeout=110, text=True, capture_output=True,
                              env=dict(os.environ, COOPDYN_SERVER=daemon.server))
@@ -41,7 +32,7 @@ class DaemonTestCase(unittest.TestCase):
         self.assertLess(math.dist(at, (x, y)), within, line)
 
 
-class Programs(DaemonTestCase):
+class Programs(ProgramTestCase):
     def test_hello_reaches_the_target_in_lockstep(self):
         out = self.run_program(self.start("classroom", "--mode", "lockstep"), "hello.py")
         self.assert_at_target(out, 1.5, 0.5, 0.45)
@@ -118,10 +109,6 @@ class Stepping(DaemonTestCase):
 
 
 class Waiting(DaemonTestCase):
-    def notices_after(self, seconds):
-        before, coopdyn._NOTICE_AFTER_S = coopdyn._NOTICE_AFTER_S, seconds
-        self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", before)
-
     def test_next_with_nobody_stepping_says_once_whom_for(self):
         r = self.connect(self.start(harness.scenario_of(2))).robot(1)
         self.notices_after(0.1)
@@ -232,7 +219,7 @@ class Lockstep(DaemonTestCase):
 
         thread = threading.Thread(target=wait)
         thread.start()
-        while not all(a.robot == "robot2" for a in other.waiting()):
+        while [a.robot for a in other.waiting()] != ["robot2"]:
             pass
         other.reset()
         thread.join()

@@ -74,3 +74,9 @@ def scenario_of(robots: int, mode: str = "lockstep") -> str:
     for i in range(robots):
         text += f"[ROBOT_{i + 1}]\ntype single\nname robot{i + 1}\nposition -2 {1.0 * (i - robots // 2):g}\n"
     return text
+
+
+def swarm_of(count: int, more: str = "", mode: str = "lockstep", floor: int = 6) -> str:
+    """Minibots mini_1, mini_2 ... on a floor, and a red target."""
+    return (f"[SIMULATION]\nmode {mode}\n[FLOOR]\nsize {floor} {floor} 0.1\n[TARGET]\nred 2 0\n"
+            f"[SWARM_1]\ntype minibot\nname mini\ncount {count}\nfidelity rolling\n{more}")

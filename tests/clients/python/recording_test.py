@@ -12,28 +12,10 @@ import unittest
 
 import harness
 import coopdyn
+from cases import DaemonTestCase
 
 STEPS = 120
 MICROMETRE = 1e-6
-
-
-class RunTestCase(unittest.TestCase):
-    def start(self, scenario, *options):
-        daemon = harness.Daemon(scenario, *options)
-        self.addCleanup(daemon.stop)
-        return daemon
-
-    def connect(self, daemon, **options):
-        sim = coopdyn.connect(daemon.server, **options)
-        self.addCleanup(sim.close)
-        return sim
-
-    def assert_error(self, code, call, *hints):
-        with self.assertRaises(coopdyn.Error) as caught:
-            call()
-        self.assertEqual(caught.exception.code, code, caught.exception)
-        for hint in hints:
-            self.assertIn(hint, caught.exception.text)
 
 
 def drive(sim, steps, robots):
@@ -67,7 +49,7 @@ class Recorded:
             self.mat = sim.fetch_run("lesson1.run", os.path.join(folder, "lesson1.mat"))
 
 
-class RecordingTest(RunTestCase):
+class RecordingTest(DaemonTestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
@@ -290,7 +272,7 @@ class RecordingTest(RunTestCase):
         self.assertNotEqual(sim.hash(), self.run_.hash[40])
 
 
-class Requests(RunTestCase):
+class Requests(DaemonTestCase):
     def test_wrong_names_and_states_are_errors_that_say_what_to_do(self):
         sim = self.connect(self.start("classroom"))
         self.assert_error(5, sim.stop_recording)

@@ -2,21 +2,14 @@
 """A team that loses robots, to others or to another scenario, against the real daemon."""
 import unittest
 
-import harness  # noqa: F401  (finds coopdyn.py)
-import coopdyn
-from team_test import TeamTestCase as DaemonTestCase, swarm_of
+from cases import DaemonTestCase
+from harness import swarm_of
 
 LONG_S = 60
 
 
 class LossTestCase(DaemonTestCase):
-    def assert_error(self, code, call, *says):
-        with self.assertRaises(coopdyn.Error) as caught:
-            call()
-        self.assertEqual(caught.exception.code, code, caught.exception.text)
-        for word in says:
-            self.assertIn(word, caught.exception.text)
-        return caught.exception.text
+    options = ("--no-http", "--no-render")
 
     def take_away(self, sim, team, other, robot):
         """The robot is freed by hand and driven by another program, which has its command ready for the next step."""

@@ -10,27 +10,14 @@ import unittest
 
 import harness
 import coopdyn
-
-
-def swarm_of(count, more="", mode="lockstep", floor=6):
-    """Minibots mini_1, mini_2 ... on a floor, and a red target."""
-    return (f"[SIMULATION]\nmode {mode}\n[FLOOR]\nsize {floor} {floor} 0.1\n[TARGET]\nred 2 0\n"
-            f"[SWARM_1]\ntype minibot\nname mini\ncount {count}\nfidelity rolling\n{more}")
-
+from cases import DaemonTestCase
+from harness import swarm_of
 
 SINGLE = "[ROBOT_1]\ntype single\nname robot1\nposition -2 -2\n"
 
 
-class TeamTestCase(unittest.TestCase):
-    def start(self, scenario, *options):
-        daemon = harness.Daemon(scenario, "--no-http", "--no-render", *options)
-        self.addCleanup(daemon.stop)
-        return daemon
-
-    def connect(self, daemon, **options):
-        sim = coopdyn.connect(daemon.server, **options)
-        self.addCleanup(sim.close)
-        return sim
+class TeamTestCase(DaemonTestCase):
+    options = ("--no-http", "--no-render")
 
 
 class Lockstep(TeamTestCase):

@@ -6,35 +6,15 @@ import gc
 import io
 import math
 import os
-import signal
 import threading
 import unittest
 
 import harness  # noqa: F401  (finds coopdyn.py)
 import coopdyn
-from fake_daemon import FakeDaemon
+from cases import FakeTestCase
 
 
-class TeamTestCase(unittest.TestCase):
-    def start(self, **options):
-        daemon = FakeDaemon(**options)
-        self.addCleanup(daemon.stop)
-        return daemon
-
-    def connect(self, daemon, **options):
-        sim = coopdyn.connect(daemon.server, **options)
-        self.addCleanup(sim.close)
-        return sim
-
-    def assert_error(self, code, call, *says):
-        with self.assertRaises(coopdyn.Error) as caught:
-            call()
-        self.assertEqual(caught.exception.code, code, caught.exception.text)
-        for word in says:
-            self.assertIn(word, caught.exception.text)
-
-
-class Speeds(TeamTestCase):
+class Speeds(FakeTestCase):
     def setUp(self):
         self.daemon = self.start(mode=1, robots=3)
         self.team = self.connect(self.daemon).team()
@@ -80,7 +60,7 @@ class Speeds(TeamTestCase):
         self.assertEqual(len(self.daemon.received), before)
 
 
-class Readings(TeamTestCase):
+class Readings(FakeTestCase):
     def setUp(self):
         self.sim = self.connect(self.start(mode=1, robots=3))
         self.team = self.sim.team()
@@ -121,7 +101,7 @@ class Readings(TeamTestCase):
         self.assertEqual(view["typestr"][1:], "f8")
 
 
-class Interrupted(TeamTestCase):
+class Interrupted(FakeTestCase):
     def test_after_a_timeout_the_next_reply_is_the_right_one(self):
         daemon = self.start(mode=1, robots=3)
         sim = self.connect(daemon)
@@ -137,14 +117,7 @@ class Interrupted(TeamTestCase):
     def test_after_ctrl_c_the_next_reply_is_the_right_one(self):
         daemon = self.start(mode=1, robots=2)
         team = self.connect(daemon).team("robot1")
-        old = signal.signal(signal.SIGALRM, signal.default_int_handler)
-        try:
-            signal.setitimer(signal.ITIMER_REAL, 0.05)
-            with self.assertRaises(KeyboardInterrupt):
-                team.step((0.1, 0))
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            signal.signal(signal.SIGALRM, old)
+        self.interrupt(daemon, lambda: daemon.robots[0].command is not None, lambda: team.step((0.1, 0)))
         self.assertEqual(len(team.read().pose), 1)
         self.assertEqual([r.owner is not None for r in daemon.robots], [True, False])
 
@@ -179,14 +152,13 @@ class Interrupted(TeamTestCase):
 
     def test_a_long_wait_says_once_whom_for(self):
         team = self.connect(self.start(mode=1, robots=2)).team("robot1")
-        notice, coopdyn._NOTICE_AFTER_S = coopdyn._NOTICE_AFTER_S, 0.02
-        self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", notice)
+        self.notices_after(0.02)
         with contextlib.redirect_stderr(io.StringIO()) as err:
             self.assert_error(11, lambda: team.step(timeout=0.3))
         self.assertEqual(err.getvalue().count("coopdyn: waiting for robot2 (no client)"), 1, err.getvalue())
 
 
-class RunningTwice(TeamTestCase):
+class RunningTwice(FakeTestCase):
     def test_the_same_client_name_takes_over(self):
         daemon = self.start(mode=1, robots=3)
         old = self.connect(daemon).team()
@@ -292,7 +264,7 @@ class RunningTwice(TeamTestCase):
         self.assert_error(10, lambda: sim.team(["a/b"]), "'a/b' is not the name of a robot or swarm")
 
 
-class WithSingleRobots(TeamTestCase):
+class WithSingleRobots(FakeTestCase):
     def test_a_step_of_the_team_is_one_of_the_single_robots_too(self):
         daemon = self.start(mode=1, robots=3)
         sim = self.connect(daemon)
@@ -380,7 +352,7 @@ class WithSingleRobots(TeamTestCase):
         self.assertEqual((s.pose.shape, team.n, len(team)), ((2, 3), 2, 2))
 
 
-class ModuleNeighbours(TeamTestCase):
+class ModuleNeighbours(FakeTestCase):
     def test_a_robot_without_it_says_so(self):
         r = self.connect(self.start()).robot(1)
         for call in (r.get_neighbours, r.get_messages, lambda: r.send_message([1])):

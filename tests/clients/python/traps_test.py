@@ -4,7 +4,6 @@ import contextlib
 import gc
 import io
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -13,29 +12,10 @@ import unittest
 
 import harness
 import coopdyn
-from fake_daemon import FakeDaemon
+from cases import FakeTestCase
 
 
-class TrapTestCase(unittest.TestCase):
-    def start(self, **options):
-        daemon = FakeDaemon(**options)
-        self.addCleanup(daemon.stop)
-        return daemon
-
-    def connect(self, daemon, **options):
-        sim = coopdyn.connect(daemon.server, **options)
-        self.addCleanup(sim.close)
-        return sim
-
-    def assert_error(self, code, call, *says):
-        with self.assertRaises(coopdyn.Error) as caught:
-            call()
-        self.assertEqual(caught.exception.code, code, caught.exception.text)
-        for word in says:
-            self.assertIn(word, caught.exception.text)
-
-
-class RunningTwice(TrapTestCase):
+class RunningTwice(FakeTestCase):
     def test_the_same_client_name_takes_over(self):
         daemon = self.start(mode=1)
         old = self.connect(daemon)
@@ -99,7 +79,7 @@ class RunningTwice(TrapTestCase):
         self.assertIsNotNone(daemon.robots[0].owner)
 
 
-class Interrupted(TrapTestCase):
+class Interrupted(FakeTestCase):
     def test_after_a_timeout_the_next_reply_is_the_right_one(self):
         daemon = self.start(mode=1, robots=2)
         sim = self.connect(daemon)
@@ -130,7 +110,7 @@ class Interrupted(TrapTestCase):
         daemon = self.start(mode=1, robots=2)
         sim = self.connect(daemon)
         r = sim.robot(1)
-        self.interrupt(sim.step)
+        self.interrupt(daemon, lambda: daemon.robots[0].command is not None, sim.step)
         self.assertEqual(sim.call("/robot1/motors", "get_limits").command, 13)
         self.assertEqual(r.get_wheels().left_speed, 0.0)
         self.assertIsNotNone(daemon.robots[0].owner)
@@ -140,22 +120,12 @@ class Interrupted(TrapTestCase):
         daemon.hold = True
         sim = self.connect(daemon)
         r = sim.robot(1)
-        self.interrupt(r.get_pose)
+        self.interrupt(daemon, lambda: any(command == 40 for _, command, _, _ in daemon.received), r.get_pose)
         with daemon.lock:
             daemon.hold = False
             daemon.lock.notify_all()
         self.assertEqual(len(r.get_pose_3d()), 13)
         self.assertEqual(len(r.get_pose()), 5)
-
-    def interrupt(self, call):
-        old = signal.signal(signal.SIGALRM, signal.default_int_handler)
-        try:
-            signal.setitimer(signal.ITIMER_REAL, 0.05)
-            with self.assertRaises(KeyboardInterrupt):
-                call()
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            signal.signal(signal.SIGALRM, old)
 
     def test_a_reading_whose_connection_breaks_is_asked_for_again(self):
         daemon = self.start()
@@ -175,7 +145,7 @@ class Interrupted(TrapTestCase):
         self.assertEqual(sim.steps, 3)
 
 
-class Connecting(TrapTestCase):
+class Connecting(FakeTestCase):
     def test_nothing_listens_says_how_to_start_the_daemon(self):
         with socket.create_server(("127.0.0.1", 0)) as s:
             port = s.getsockname()[1]
@@ -233,14 +203,13 @@ class Connecting(TrapTestCase):
             self.assertNotIn("names: 0", out.getvalue())
 
 
-class Stepping(TrapTestCase):
+class Stepping(FakeTestCase):
     def test_a_long_wait_says_once_whom_for(self):
         daemon = self.start(mode=1, robots=2)
         sim = self.connect(daemon)
         sim.robot(1)
-        notice, coopdyn._NOTICE_AFTER_S = coopdyn._NOTICE_AFTER_S, 0.02
-        self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", notice)
-        self.assertEqual(notice, 2.0)
+        self.assertEqual(coopdyn._NOTICE_AFTER_S, 2.0)
+        self.notices_after(0.02)
         with contextlib.redirect_stderr(io.StringIO()) as err:
             self.assert_error(11, lambda: sim.step(timeout=0.3))
         self.assertEqual(err.getvalue().count("coopdyn: waiting for"), 1, err.getvalue())

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: MIT
+"""What tests of the client share: clients that are closed, the errors they expect, and either daemon to start."""
+import signal
+import threading
+import time
+import unittest
+
+import harness
+import coopdyn
+from fake_daemon import FakeDaemon
+
+LIMIT_S = 30
+
+
+class ClientTestCase(unittest.TestCase):
+    def connect(self, daemon, **options):
+        sim = coopdyn.connect(daemon.server, **options)
+        self.addCleanup(sim.close)
+        return sim
+
+    def assert_error(self, code, call, *says):
+        """Returns the text of the error."""
+        with self.assertRaises(coopdyn.Error) as caught:
+            call()
+        self.assertEqual(caught.exception.code, code, caught.exception.text)
+        for word in says:
+            self.assertIn(word, caught.exception.text)
+        return caught.exception.text
+
+    def notices_after(self, seconds):
+        """Whoever waits is told whom for after so long."""
+        self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", coopdyn._NOTICE_AFTER_S)
+        coopdyn._NOTICE_AFTER_S = seconds
+
+
+class DaemonTestCase(ClientTestCase):
+    """Against the real daemon, which gets the class's `options` too."""
+    options = ()
+
+    def start(self, scenario, *options):
+        daemon = harness.Daemon(scenario, *self.options, *options)
+        self.addCleanup(daemon.stop)
+        return daemon
+
+
+class FakeTestCase(ClientTestCase):
+    """Against the scripted daemon."""
+
+    def start(self, **options):
+        daemon = FakeDaemon(**options)
+        self.addCleanup(daemon.stop)
+        return daemon
+
+    def interrupt(self, daemon, arrived, call):
+        """Ctrl-C in the call, once its request has arrived at the daemon."""
+        def press():
+            end = time.monotonic() + LIMIT_S
+            with daemon.lock:
+                while not daemon.lock.wait_for(arrived, 0.01) and time.monotonic() < end:
+                    pass
+            signal.pthread_kill(threading.main_thread().ident, signal.SIGALRM)
+
+        old = signal.signal(signal.SIGALRM, signal.default_int_handler)
+        presses = threading.Thread(target=press)
+        try:
+            with self.assertRaises(KeyboardInterrupt):
+                presses.start()
+                call()
+            self.assertTrue(arrived())
+        finally:
+            presses.join()
+            signal.signal(signal.SIGALRM, old)
