@@ -6,6 +6,13 @@
 
 namespace coopdyn {
 
+Message ReplyTo(std::int32_t command, std::string text) {
+  Message reply;
+  reply.text = std::move(text);
+  reply.command = command;
+  return reply;
+}
+
 Message ErrorReply(std::int32_t command, Error error, std::string text) {
   return Message{.error = static_cast<std::int32_t>(error),
                  .text = std::move(text),

@@ -37,6 +37,9 @@ struct Message {
   bool operator==(const Message&) const = default;
 };
 
+/// A reply to `command` without error; the caller adds params and data.
+Message ReplyTo(std::int32_t command, std::string text = {});
+
 /// Builds the error reply to `command`: no params, no data.
 Message ErrorReply(std::int32_t command, Error error, std::string text);
 

@@ -38,9 +38,7 @@ PlaybackModule::PlaybackModule(GlobalServices services, const RunControl& run, B
 Message PlaybackModule::Read(const Message& request, const Frame& /*frame*/) {
   const std::optional<PlaybackStatus> playback = run_.playback();
   if (!playback) return ErrorReply(request.command, Error::kNotPossible, kNotPlaying);
-  Message reply;
-  reply.command = request.command;
-  reply.text = std::filesystem::path(playback->file).filename().string();
+  Message reply = ReplyTo(request.command, std::filesystem::path(playback->file).filename().string());
   reply.params = {playback->playing, playback->loop, playback->growing};
   reply.data = {ToSeconds(playback->begin), ToSeconds(playback->end), ToSeconds(playback->time),
                 playback->speed};

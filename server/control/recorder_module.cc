@@ -24,9 +24,7 @@ RecorderModule::RecorderModule(GlobalServices services, RecordingDesk& desk, Run
 
 Message RecorderModule::Read(const Message& request, const Frame& /*frame*/) {
   const RecordingStatus status = desk_.status();
-  Message reply;
-  reply.command = request.command;
-  reply.text = status.name;
+  Message reply = ReplyTo(request.command, status.name);
   reply.params = {status.recording ? 1 : 0};
   reply.data = {ToSeconds(status.file.begin), ToSeconds(status.file.end),
                 static_cast<double>(status.file.steps), static_cast<double>(status.file.lost),

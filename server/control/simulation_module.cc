@@ -162,9 +162,7 @@ std::optional<Message> SimulationModule::Restore(Peer& peer, const Message& requ
 }
 
 Message SimulationModule::ReadSaved(const Message& request) const {
-  Message reply;
-  reply.command = request.command;
-  reply.text = saved_.Names();
+  Message reply = ReplyTo(request.command, saved_.Names());
   const std::optional<PlaybackStatus> playback = services_.run.playback();
   reply.data.push_back(playback ? ToSeconds(playback->begin) : 0);  // the start
   for (const auto& [name, state] : saved_.all()) reply.data.push_back(state->frame->time_s());
@@ -177,8 +175,8 @@ std::optional<Message> SimulationModule::PushNewScene(Peer& peer, EditAction act
   });
 }
 
-void SimulationModule::OnAnswered(const Message& request, const Message& reply) {
-  if (request.command == command::kQuit && reply.error == 0) services_.actions.Quit();
+void SimulationModule::OnAnswered(const Message& request, bool done) {
+  if (request.command == command::kQuit && done) services_.actions.Quit();
 }
 
 }  // namespace coopdyn

@@ -27,7 +27,7 @@ class SimulationModule final : public GlobalModule {
   command::Id first_reading() const override { return command::kGetStatus; }
   std::optional<Message> Refuse(const Message& request) const override;
   std::optional<Message> Change(Peer& peer, const Message& request) override;
-  void OnAnswered(const Message& request, const Message& reply) override;
+  void OnAnswered(const Message& request, bool done) override;
 
   std::optional<Message> SetStep(Peer& peer, const Message& request);
   std::optional<Message> Reset(Peer& peer, const Message& request);

@@ -76,8 +76,7 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
 
 Message SimulationModule::Read(const Message& request, const Frame& frame) {
   if (request.command == command::kGetSaved) return ReadSaved(request);
-  Message reply;
-  reply.command = request.command;
+  Message reply = ReplyTo(request.command);
   reply.text = request.params.size() == 2 ? StatusText(frame, static_cast<std::size_t>(request.params[0]),
                                                        static_cast<std::size_t>(request.params[1]))
                                           : StatusText(frame);

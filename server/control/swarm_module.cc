@@ -13,62 +13,20 @@
 
 namespace coopdyn {
 
-namespace {
-
-Message Ok(command::Id command) {
-  Message reply;
-  reply.command = command;
-  return reply;
-}
-
-}  // namespace
-
 SwarmModule::SwarmModule(SwarmServices services, StepInbox::Post post)
-    : services_(std::move(services)),
+    : PeerModule({services.board, services.roster, services.guard, services.clock, services.version},
+                 "/swarm", table_, inbox_),
       table_(SwarmTable()),
-      core_(table_, *this, services_.guard, services_.version),
-      pool_(services_.threads),
-      inbox_(services_.board, services_.frames, std::move(post)) {}
+      pool_(services.threads),
+      inbox_(services.board, services.frames, std::move(post)) {}
 
 SwarmModule::~SwarmModule() {
   inbox_.Close();
 }
 
-void SwarmModule::OnOpen(Connection& connection) {
-  Peer& peer = peers_[connection.id()];
-  peer.connection = &connection;
-  peer.client.client = {connection.id(), {}, connection.peer(), connection.input_ended(), true};
-  peer.client.trusted = connection.trusted();
-  peer.client.push = [&connection](const Message& message) { connection.Push(message); };
-  services_.roster.Add({connection.id(), "/swarm", connection.peer(), {}});
-}
-
-void SwarmModule::OnRequest(Connection& connection, Message request, ReplyFunction reply) {
-  const StepInbox::Scope scope(inbox_);
-  const auto found = peers_.find(connection.id());
-  if (found == peers_.end()) return;
-  Peer& peer = found->second;
-  if (std::optional<Message> refusal = core_.Refuse(request)) {
-    reply(std::move(*refusal));
-    return;
-  }
-  peer.client.client.input_ended = connection.input_ended();
-  peer.command = request.command;
-  peer.text.clear();
-  peer.reply = std::move(reply);
-  std::optional<Message> answer = Answer(peer, request);
-  if (answer) std::exchange(peer.reply, nullptr)(std::move(*answer));
-}
-
 std::optional<Message> SwarmModule::Answer(Peer& peer, const Message& request) {
-  const FramePtr frame = inbox_.Current();
-  if (frame == nullptr)
-    return ErrorReply(request.command, Error::kNotPossible, "the simulation has not begun yet");
-  if (std::optional<Message> common =
-          core_.AnswerCommon(peer.client, request, *frame, services_.board.mode())) {
-    ListenForSteps();
-    return common;
-  }
+  FramePtr frame;
+  if (std::optional<Message> common = AnswerCommon(peer, request, frame)) return common;
   Refresh(peer, *frame);
   std::optional<Message> answer;
   switch (request.command) {
@@ -91,7 +49,7 @@ std::optional<Message> SwarmModule::Answer(Peer& peer, const Message& request) {
 std::optional<Message> SwarmModule::Change(Peer& peer, const Message& request, const Frame& frame) {
   if (request.command == command::kHello) return Hello(peer, request);
   if (request.command == command::kReady && peer.team.empty()) return Ready(peer, request);
-  if (!core_.MayChange(peer.client)) return ModuleCore::NotAllowed(request);
+  if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
   switch (request.command) {
     case command::kReady:
       return Ready(peer, request);
@@ -101,23 +59,21 @@ std::optional<Message> SwarmModule::Change(Peer& peer, const Message& request, c
     case command::kStepAll:
       return StepAll(peer, request);
     case command::kStopTeam:
-      services_.board.StopTeam(SlotsOf(peer.team), peer.client.client);
-      return Ok(request.command);
+      board().StopTeam(SlotsOf(peer.team), peer.client.client);
+      return ReplyTo(request.command);
     default:
       return ErrorReply(request.command, Error::kUnknownCommand, "describe (1) lists the commands of /swarm");
   }
 }
 
 Message SwarmModule::Hello(Peer& peer, const Message& request) {
-  if (std::optional<Message> refusal = core_.TakeHello(peer.client, request)) return *refusal;
+  if (std::optional<Message> refusal = TakeHello(peer, request)) return *refusal;
   const Client& client = peer.client.client;
-  services_.roster.SetName(client.id, client.name);
-  if (!core_.MayChange(peer.client)) return ModuleCore::NotAllowed(request);
-  for (const ClientId displaced : services_.board.HelloAll(client)) {
-    const auto old = peers_.find(displaced);
-    if (old != peers_.end()) old->second.connection->Close("taken over by " + client.name);
+  if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
+  for (const ClientId displaced : board().HelloAll(client)) {
+    CloseClient(displaced, "taken over by " + client.name);
   }
-  return Ok(request.command);
+  return ReplyTo(request.command);
 }
 
 Message SwarmModule::ClaimOrRelease(Peer& peer, const Message& request, const Frame& frame) {
@@ -127,10 +83,9 @@ Message SwarmModule::ClaimOrRelease(Peer& peer, const Message& request, const Fr
   const Client& client = peer.client.client;
   Verdict verdict;
   if (request.command == command::kRelease) {
-    verdict = services_.board.ReleaseAll(SlotsOf(all ? peer.team : named.robots), client);
+    verdict = board().ReleaseAll(SlotsOf(all ? peer.team : named.robots), client);
   } else {
-    verdict =
-        all ? services_.board.ClaimFree(client) : services_.board.ClaimAll(SlotsOf(named.robots), client);
+    verdict = all ? board().ClaimFree(client) : board().ClaimAll(SlotsOf(named.robots), client);
     peer.lost.clear();
   }
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
@@ -140,14 +95,13 @@ Message SwarmModule::ClaimOrRelease(Peer& peer, const Message& request, const Fr
 
 std::optional<Message> SwarmModule::Ready(Peer& peer, const Message& request) {
   const int steps = request.params.empty() ? 1 : request.params.front();
-  StepDone done = inbox_.Waiter(*this, peer.client.client.id);
+  StepDone done = Waiter(peer);
   if (peer.team.empty()) {
-    services_.board.WaitSteps(steps, std::move(done));
+    board().WaitSteps(steps, std::move(done));
     return std::nullopt;
   }
   const std::vector<SlotId> slots = SlotsOf(peer.team);
-  const Verdict verdict =
-      services_.board.StepAll({slots, {}, {}}, peer.client.client, steps, std::move(done));
+  const Verdict verdict = board().StepAll({slots, {}, {}}, peer.client.client, steps, std::move(done));
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   return std::nullopt;
 }
@@ -183,8 +137,7 @@ std::optional<Message> SwarmModule::StepAll(Peer& peer, const Message& request) 
   const std::vector<SlotId> slots = SlotsOf(peer.rows);
   // The step may run, and the reply be on its way, before this returns; it is sent when the inbox's scope
   // ends.
-  const Verdict verdict = services_.board.StepAll({slots, setpoints_, others}, peer.client.client, 1,
-                                                  inbox_.Waiter(*this, peer.client.client.id));
+  const Verdict verdict = board().StepAll({slots, setpoints_, others}, peer.client.client, 1, Waiter(peer));
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   if (!peer.lost.empty()) {
     peer.text += (peer.text.empty() ? "" : "; ") + LostText(peer.lost);
@@ -203,7 +156,7 @@ Message SwarmModule::Select(Peer& peer, const Message& request, const Frame& fra
   }
   const std::string error = peer.readings.Select(request.text, nearest);
   if (!error.empty()) return ErrorReply(request.command, Error::kWrongParams, error);
-  Message reply = Ok(request.command);
+  Message reply = ReplyTo(request.command);
   reply.text = peer.readings.Names();
   reply.params = peer.readings.Columns(*frame.scene, peer.sensors);
   return reply;
@@ -212,11 +165,11 @@ Message SwarmModule::Select(Peer& peer, const Message& request, const Frame& fra
 Message SwarmModule::ReadAll(Peer& peer, const Message& request, const Frame& frame) {
   std::vector<int> rows;
   if (std::optional<Message> refusal = FindRows(peer, request, rows)) return *refusal;
-  return Table(peer, request.command, frame, services_.board.mode(), rows);
+  return Table(peer, request.command, frame, board().mode(), rows);
 }
 
 Message SwarmModule::Team(const Peer& peer, command::Id command) const {
-  Message reply = Ok(command);
+  Message reply = ReplyTo(command);
   reply.params.reserve(peer.team.size());
   for (const int index : peer.team) {
     const SceneRobot& robot = peer.scene->robots[static_cast<std::size_t>(index)];
@@ -233,7 +186,7 @@ Message SwarmModule::Table(const Peer& peer, command::Id command, const Frame& f
   const std::size_t sensors = MostSensors(*frame.scene, rows, peer.sensors);
   const std::vector<std::int32_t> columns = peer.readings.Columns(*frame.scene, sensors);
   const std::int32_t width = std::accumulate(columns.begin(), columns.end(), 0);
-  Message reply = Ok(command);
+  Message reply = ReplyTo(command);
   reply.params = {static_cast<std::int32_t>(mode), static_cast<std::int32_t>(rows.size()), width};
   const std::size_t size = rows.size() * static_cast<std::size_t>(width);
   reply.data.reserve(size + 2);  // time_s and step follow
@@ -242,72 +195,24 @@ Message SwarmModule::Table(const Peer& peer, command::Id command, const Frame& f
   return reply;
 }
 
-void SwarmModule::OnStepEnd(ClientId client, const StepResult& result) {
-  const auto found = peers_.find(client);
-  if (found == peers_.end() || !found->second.reply) return;
-  Peer& peer = found->second;
-  const ReplyFunction reply = std::exchange(peer.reply, nullptr);
-  if (result.end != StepEnd::kRan) {
-    reply(WaitEnded(peer.command, result.end, {}));
-    return;
-  }
-  if (peer.command == command::kReady) {
-    reply(core_.StepReply(peer.client, peer.command, {}, *result.frame, result.mode));
-    return;
-  }
+Message SwarmModule::Stepped(Peer& peer, const StepResult& result) {
+  if (peer.command == command::kReady) return PeerModule::Stepped(peer, result);
   MoveRows(peer, *result.frame);
   Message answer = Table(peer, peer.command, *result.frame, result.mode, peer.rows);
   if (answer.error == 0) {
     answer.text = std::move(peer.text);
     ModuleCore::Stamp(answer, *result.frame);
   }
-  reply(std::move(answer));
+  return answer;
 }
 
-void SwarmModule::OnFrame(const FramePtr& frame, int dropped) {
-  for (auto& [id, peer] : peers_) {
-    if (peer.client.subscriptions.empty()) continue;
-    Refresh(peer, *frame);
-    pushed_to_ = &peer;
-    core_.PushDue(peer.client, *frame, dropped);
-  }
-  pushed_to_ = nullptr;
+void SwarmModule::BeforePush(Peer& peer, const Frame& frame) {
+  Refresh(peer, frame);
+  pushed_to_ = &peer;
 }
 
 Message SwarmModule::Read(const Message& request, const Frame&) {
   return Team(*pushed_to_, request.command);
-}
-
-void SwarmModule::ListenForSteps() {
-  const bool subscribed = std::any_of(peers_.begin(), peers_.end(), [](const auto& entry) {
-    return !entry.second.client.subscriptions.empty();
-  });
-  if (subscribed) {
-    inbox_.Subscribe(*this);
-  } else {
-    inbox_.Unsubscribe(*this);
-  }
-}
-
-void SwarmModule::OnInputEnded(Connection& connection) {
-  const StepInbox::Scope scope(inbox_);
-  const auto found = peers_.find(connection.id());
-  if (found == peers_.end()) return;
-  found->second.client.client.input_ended = true;
-  services_.board.InputEndedAll(connection.id());
-}
-
-void SwarmModule::OnClosed(Connection& connection) {
-  const StepInbox::Scope scope(inbox_);
-  peers_.erase(connection.id());
-  services_.roster.Remove(connection.id());
-  ListenForSteps();
-  services_.board.ClosedAll(connection.id());
-}
-
-std::string SwarmModule::WaitingFor() {
-  std::size_t total = 0;
-  return DescribeWaiting(services_.board.Awaiting(services_.clock.Now(), 1, &total));
 }
 
 }  // namespace coopdyn

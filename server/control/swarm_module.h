@@ -9,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "protocol/command_table.h"
@@ -17,10 +16,9 @@
 #include "server/base/worker_pool.h"
 #include "server/control/team_readings.h"
 #include "server/devices/connection_roster.h"
-#include "server/devices/module_core.h"
+#include "server/devices/peer_module.h"
 #include "server/devices/step_inbox.h"
 #include "server/devices/token_guard.h"
-#include "server/net/endpoint.h"
 #include "server/state/command_board.h"
 #include "server/state/frame_board.h"
 
@@ -37,51 +35,42 @@ struct SwarmServices {
   std::string version;
 };
 
-class SwarmModule final : public Endpoint, private ReadingSource, private StepListener {
+/// A connection and its team.
+struct TeamPeer : ModulePeer {
+  TeamPeer() { client.client.is_team = true; }
+
+  TeamReadings readings;
+
+  std::vector<int> team;               // what it owns: indices into `scene`, increasing
+  std::size_t sensors = 0;             // distance sensors of the team's robot with the most
+  std::shared_ptr<const Scene> scene;  // of `team`
+  std::uint64_t team_revision = 0;     // of the board, when `team` was asked for
+  std::uint64_t layout_revision = 0;
+  std::vector<std::string> lost;  // robots that others took away, not told yet
+  std::vector<int> rows;          // of the reply to step_all
+  std::shared_ptr<const Scene> rows_scene;
+};
+
+class SwarmModule final : public PeerModule<TeamPeer> {
  public:
   /// Any thread. `post` runs a function on the control thread.
   SwarmModule(SwarmServices services, StepInbox::Post post);
   /// On the control thread, or when it has stopped.
   ~SwarmModule() override;
 
-  const CommandTable& table() const override { return table_; }
-  void OnOpen(Connection& connection) override;
-  void OnRequest(Connection& connection, Message request, ReplyFunction reply) override;
-  void OnInputEnded(Connection& connection) override;
-  void OnClosed(Connection& connection) override;
-  std::string WaitingFor() override;
-
  private:
-  /// A connection, its team, and the request that it waits for.
-  struct Peer {
-    Connection* connection = nullptr;
-    ModuleClient client;
-    ReplyFunction reply;  // null: nothing is waiting
-    command::Id command = 0;
-    std::string text;  // of the reply
-    TeamReadings readings;
-
-    std::vector<int> team;               // what it owns: indices into `scene`, increasing
-    std::size_t sensors = 0;             // distance sensors of the team's robot with the most
-    std::shared_ptr<const Scene> scene;  // of `team`
-    std::uint64_t team_revision = 0;     // of the board, when `team` was asked for
-    std::uint64_t layout_revision = 0;
-    std::vector<std::string> lost;  // robots that others took away, not told yet
-    std::vector<int> rows;          // of the reply to step_all
-    std::shared_ptr<const Scene> rows_scene;
-  };
+  using Peer = TeamPeer;
 
   // ReadingSource
   Message Read(const Message& request, const Frame& frame) override;
   command::Id first_reading() const override { return command::kGetTeam; }
-  std::span<const std::string> attachable() const override { return {}; }
-  void AppendReading(std::size_t, const Frame&, std::vector<double>&) override {}
-  // StepListener
-  void OnStepEnd(ClientId client, const StepResult& result) override;
-  void OnFrame(const FramePtr& frame, int dropped) override;
 
-  /// Answers at once; nothing if the reply comes later (it is kept in `peer`).
-  std::optional<Message> Answer(Peer& peer, const Message& request);
+  std::optional<Message> Answer(Peer& peer, const Message& request) override;
+  Message Stepped(Peer& peer, const StepResult& result) override;
+  void BeforePush(Peer& peer, const Frame& frame) override;
+  void InputEnded(ClientId client) override { board().InputEndedAll(client); }
+  void Closed(ClientId client) override { board().ClosedAll(client); }
+
   std::optional<Message> Change(Peer& peer, const Message& request, const Frame& frame);
   Message Hello(Peer& peer, const Message& request);
   Message ClaimOrRelease(Peer& peer, const Message& request, const Frame& frame);
@@ -113,14 +102,10 @@ class SwarmModule final : public Endpoint, private ReadingSource, private StepLi
   /// Set-points of `rows` from the data of step_all; how many were beyond their limits.
   std::size_t MakeSetpoints(const Peer& peer, const Message& request);
   std::vector<SlotId> SlotsOf(std::span<const int> robots) const;
-  void ListenForSteps();
 
-  const SwarmServices services_;
   const CommandTable table_;
-  ModuleCore core_;
   WorkerPool pool_;
-  std::unordered_map<ClientId, Peer> peers_;
-  const Peer* pushed_to_ = nullptr;  // while its subscriptions are served
+  const Peer* pushed_to_ = nullptr;  // whose subscriptions are served
 
   std::shared_ptr<const Scene> scene_;  // the newest seen
   std::uint64_t layout_revision_ = 0;   // of the board, when slots_ was asked for

@@ -123,7 +123,7 @@ std::vector<SlotId> SwarmModule::SlotsOf(std::span<const int> robots) const {
 }
 
 void SwarmModule::Refresh(Peer& peer, const Frame& frame, bool quiet) {
-  const CommandBoard& board = services_.board;
+  const CommandBoard& board = this->board();
   // Read before what they stand for: what changes meanwhile is noticed next time.
   const std::uint64_t layout = board.layout_revision();
   const std::uint64_t revision = board.team_revision();

@@ -43,11 +43,4 @@ class Device {
   virtual std::optional<RobotMessage> Broadcast(const Message& /*request*/) const { return std::nullopt; }
 };
 
-/// A reply to `request` without error; the caller fills it in.
-inline Message ReplyTo(const Message& request) {
-  Message reply;
-  reply.command = request.command;
-  return reply;
-}
-
 }  // namespace coopdyn

@@ -13,7 +13,7 @@ void DistanceDevice::AppendFirstReading(const Frame& frame, int robot, std::vect
 }
 
 Message DistanceDevice::Read(const Message& request, const Frame& frame, int robot) const {
-  Message reply = ReplyTo(request);
+  Message reply = ReplyTo(request.command);
   if (request.command == command::kGetGeometry) {
     reply.data.reserve(3 * model_->distance_sensors.size() + 2);
     for (const DistanceSensorModel& sensor : model_->distance_sensors) {

@@ -14,12 +14,6 @@ namespace {
 
 constexpr std::size_t kMaxClientName = 200;
 
-Message Ok(const Message& request) {
-  Message reply;
-  reply.command = request.command;
-  return reply;
-}
-
 std::string Join(std::span<const std::string> words) {
   std::string text;
   for (const std::string& word : words) {
@@ -76,12 +70,12 @@ std::optional<Message> ModuleCore::AnswerCommon(ModuleClient& client, const Mess
   Message reply;
   switch (request.command) {
     case command::kPing:
-      reply = Ok(request);
+      reply = ReplyTo(request.command);
       reply.params = request.params;
       reply.data = request.data;
       break;
     case command::kDescribe:
-      reply = Ok(request);
+      reply = ReplyTo(request.command);
       reply.text = table_.DescribeJson(version_);
       break;
     case command::kGetTime:
@@ -107,7 +101,7 @@ Message ModuleCore::Subscribe(ModuleClient& client, const Message& request) cons
   const command::Id reading = request.params.size() > 1 ? request.params[1] : source_.first_reading();
   std::erase_if(client.subscriptions, [reading](const auto& old) { return old.reading == reading; });
   client.subscriptions.push_back({reading, every, every, 0});
-  return Ok(request);
+  return ReplyTo(request.command);
 }
 
 Message ModuleCore::Unsubscribe(ModuleClient& client, const Message& request) const {
@@ -116,7 +110,7 @@ Message ModuleCore::Unsubscribe(ModuleClient& client, const Message& request) co
   } else {
     std::erase_if(client.subscriptions, [&](const auto& old) { return old.reading == request.params[0]; });
   }
-  return Ok(request);
+  return ReplyTo(request.command);
 }
 
 Message ModuleCore::Attach(ModuleClient& client, const Message& request) const {
@@ -138,7 +132,7 @@ Message ModuleCore::Attach(ModuleClient& client, const Message& request) const {
     attached.push_back(index);
   }
   client.attached = std::move(attached);
-  return Ok(request);
+  return ReplyTo(request.command);
 }
 
 std::optional<Message> ModuleCore::TakeHello(ModuleClient& client, const Message& request) const {
@@ -162,9 +156,7 @@ std::optional<Message> ModuleCore::TakeHello(ModuleClient& client, const Message
 
 Message ModuleCore::StepReply(const ModuleClient& client, command::Id command, std::string text,
                               const Frame& frame, Mode mode) {
-  Message reply;
-  reply.command = command;
-  reply.text = std::move(text);
+  Message reply = ReplyTo(command, std::move(text));
   reply.params.reserve(1 + client.attached.size());
   reply.params.push_back(static_cast<std::int32_t>(mode));
   reply.data.reserve(client.attached.empty() ? 2 : 32);

@@ -41,7 +41,7 @@ void MotorsDevice::AppendFirstReading(const Frame& frame, int robot, std::vector
 }
 
 Message MotorsDevice::Read(const Message& request, const Frame& frame, int robot) const {
-  Message reply = ReplyTo(request);
+  Message reply = ReplyTo(request.command);
   if (request.command == command::kGetLimits) {
     reply.data = {drive_.max_wheel_speed_rad_s, drive_.wheel_radius_m, drive_.track_m};
   } else {

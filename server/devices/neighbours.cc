@@ -14,7 +14,7 @@ const SceneRobot& RobotAt(const Frame& frame, int index) {
 }
 
 Message ReadNeighbours(const Message& request, const Frame& frame, int robot) {
-  Message reply = ReplyTo(request);
+  Message reply = ReplyTo(request.command);
   for (const Sighting& sighting : Neighbours(frame, robot)) {
     const SceneRobot& other = RobotAt(frame, sighting.index);
     reply.params.push_back(static_cast<std::int32_t>(other.id.value));
@@ -26,7 +26,7 @@ Message ReadNeighbours(const Message& request, const Frame& frame, int robot) {
 }
 
 Message ReadMessages(const Message& request, const Frame& frame, int robot) {
-  Message reply = ReplyTo(request);
+  Message reply = ReplyTo(request.command);
   for (const HeardMessage& heard : HeardMessages(frame, robot)) {
     const RobotMessage& message = *heard.message;
     reply.params.push_back(static_cast<std::int32_t>(RobotAt(frame, heard.sender).id.value));
@@ -48,7 +48,7 @@ void NeighboursDevice::AppendFirstReading(const Frame& frame, int robot, std::ve
 Message NeighboursDevice::Read(const Message& request, const Frame& frame, int robot) const {
   if (request.command == command::kGetNeighbours) return ReadNeighbours(request, frame, robot);
   if (request.command == command::kGetMessages) return ReadMessages(request, frame, robot);
-  Message reply = ReplyTo(request);
+  Message reply = ReplyTo(request.command);
   const NeighboursModel& link = model_->neighbours;
   reply.data = {link.range_m, link.message_range_m, link.loss,
                 ToSeconds(link.delay_steps * frame.step_length)};

@@ -30,7 +30,7 @@ void PoseDevice::AppendFirstReading(const Frame& frame, int robot, std::vector<d
 }
 
 Message PoseDevice::Read(const Message& request, const Frame& frame, int robot) const {
-  Message reply = ReplyTo(request);
+  Message reply = ReplyTo(request.command);
   if (request.command == command::kGetPose3d) {
     const BodyState& chassis = ChassisOf(frame, robot);
     const Pose X_WR = RobotPose(frame, robot);

@@ -65,7 +65,7 @@ Message TargetDevice::ReadTarget(const Message& request, const Frame& frame, int
         color.empty() ? "target " + std::to_string(request.params.front()) : color + " target";
     return ErrorReply(request.command, Error::kNoSuchName, NoSuchTarget(asked, exists, scene));
   }
-  Message reply = ReplyTo(request);
+  Message reply = ReplyTo(request.command);
   reply.data.reserve(4);
   reply.data = {nearest->distance_m, nearest->bearing_rad};
   return reply;
@@ -80,7 +80,7 @@ void TargetDevice::AppendFirstReading(const Frame& frame, int robot, std::vector
 Message TargetDevice::Read(const Message& request, const Frame& frame, int robot) const {
   if (request.command == command::kGetTarget) return ReadTarget(request, frame, robot);
   const bool robots = request.command == command::kGetRobots;
-  Message reply = ReplyTo(request);
+  Message reply = ReplyTo(request.command);
   for (const Sighting& sighting : robots ? SeenRobots(frame, robot) : SeenTargets(frame, robot)) {
     if (robots) {
       const SceneRobot& other = frame.scene->robots[static_cast<std::size_t>(sighting.index)];

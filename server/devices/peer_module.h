@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+// What the modules of robots and of the simulation do alike with their connections: who is there, the one
+// request that each waits for, the reply when it can be given, subscriptions. Free of sockets. One thread:
+// the inbox's.
+#pragma once
+
+#include <concepts>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "protocol/command_table.h"
+#include "server/base/clock.h"
+#include "server/devices/connection_roster.h"
+#include "server/devices/module_core.h"
+#include "server/devices/step_inbox.h"
+#include "server/devices/token_guard.h"
+#include "server/net/endpoint.h"
+#include "server/state/command_board.h"
+
+namespace coopdyn {
+
+/// A connection, and the request that it waits for.
+struct ModulePeer {
+  Connection* connection = nullptr;
+  ModuleClient client;
+  ReplyFunction reply;  // null: nothing is waiting
+  command::Id command = 0;
+  std::string text;  // of the reply
+
+  ClientId id() const { return client.client.id; }
+};
+
+/// What every module acts on; all outlives it.
+struct ModuleServices {
+  CommandBoard& board;
+  ConnectionRoster& roster;
+  const TokenGuard& guard;
+  const Clock& clock;
+  std::string version;
+};
+
+/// `Peer` may keep more about a connection than every module does.
+template <std::derived_from<ModulePeer> Peer>
+class PeerModule : public Endpoint, protected ReadingSource, private StepListener {
+ public:
+  /// "/robot1/motors"
+  const std::string& path() const { return path_; }
+  const CommandTable& table() const final { return table_; }
+
+  void OnOpen(Connection& connection) final {
+    Peer& peer = peers_[connection.id()];
+    peer.connection = &connection;
+    peer.client.client.id = connection.id();
+    peer.client.client.peer = connection.peer();
+    peer.client.client.input_ended = connection.input_ended();
+    peer.client.trusted = connection.trusted();
+    peer.client.push = [&connection](const Message& message) { connection.Push(message); };
+    services_.roster.Add({connection.id(), path_, connection.peer(), {}});
+  }
+
+  void OnRequest(Connection& connection, Message request, ReplyFunction reply) final {
+    const StepInbox::Scope scope(inbox_);
+    Peer* const peer = FindPeer(connection.id());
+    if (peer == nullptr) return;
+    if (std::optional<Message> refusal = Refuse(request)) {
+      reply(std::move(*refusal));
+      return;
+    }
+    peer->client.client.input_ended = connection.input_ended();
+    peer->command = request.command;
+    peer->text.clear();
+    peer->reply = std::move(reply);
+    std::optional<Message> answer = Answer(*peer, request);
+    if (!answer) return;
+    const bool done = answer->error == 0;
+    Finish(*peer, std::move(*answer));
+    OnAnswered(request, done);
+  }
+
+  void OnInputEnded(Connection& connection) final {
+    const StepInbox::Scope scope(inbox_);
+    Peer* const peer = FindPeer(connection.id());
+    if (peer == nullptr) return;
+    peer->client.client.input_ended = true;
+    InputEnded(connection.id());
+  }
+
+  void OnClosed(Connection& connection) final {
+    const StepInbox::Scope scope(inbox_);
+    recent_ = nullptr;
+    peers_.erase(connection.id());
+    services_.roster.Remove(connection.id());
+    ListenForSteps();
+    Closed(connection.id());
+  }
+
+  std::string WaitingFor() final {
+    std::size_t total = 0;
+    return DescribeWaiting(board().Awaiting(services_.clock.Now(), 1, &total));
+  }
+
+  /// Closes that connection with a notice, if it is one of this module's.
+  void CloseClient(ClientId client, const std::string& reason) {
+    if (Peer* const peer = FindPeer(client)) peer->connection->Close(reason);
+  }
+
+ protected:
+  /// Any thread. `table` and `inbox` may be members of the class that derives. When it is
+  /// destroyed it closes the inbox, or calls StopListening().
+  PeerModule(ModuleServices services, std::string path, const CommandTable& table, StepInbox& inbox)
+      : services_(std::move(services)),
+        path_(std::move(path)),
+        table_(table),
+        inbox_(inbox),
+        core_(table_, *this, services_.guard, services_.version) {}
+
+  /// The error reply to a request that cannot be; nothing if it is fine.
+  virtual std::optional<Message> Refuse(const Message& request) const { return core_.Refuse(request); }
+  /// Answers at once; nothing if the reply comes later, by Finish() or when a wait ends.
+  virtual std::optional<Message> Answer(Peer& peer, const Message& request) = 0;
+  /// After the reply of Answer() to `request`; `done`: it was no error.
+  virtual void OnAnswered(const Message& /*request*/, bool /*done*/) {}
+  /// The reply to the request that `peer` waits for, after the step has run.
+  virtual Message Stepped(Peer& peer, const StepResult& result) {
+    return core_.StepReply(peer.client, peer.command, std::move(peer.text), *result.frame, result.mode);
+  }
+  /// Who has replaced a client whose wait ended so; empty if that is not told.
+  virtual std::string NewOwner() { return {}; }
+  /// Before the subscriptions of `peer` are served.
+  virtual void BeforePush(Peer& /*peer*/, const Frame& /*frame*/) {}
+  /// The client sends no more; its connection is gone.
+  virtual void InputEnded(ClientId /*client*/) {}
+  virtual void Closed(ClientId /*client*/) {}
+  // ReadingSource, for modules to which nothing can be attached
+  std::span<const std::string> attachable() const override { return {}; }
+  void AppendReading(std::size_t, const Frame&, std::vector<double>&) override {}
+
+  /// Answers the common commands that concern nobody else, and everything before the first frame; otherwise
+  /// `frame` is the newest one.
+  std::optional<Message> AnswerCommon(Peer& peer, const Message& request, FramePtr& frame) {
+    frame = inbox_.Current();
+    if (frame == nullptr)
+      return ErrorReply(request.command, Error::kNotPossible, "the simulation has not begun yet");
+    const Mode mode = request.command == command::kGetTime ? board().mode() : Mode::kRealtime;
+    std::optional<Message> common = core_.AnswerCommon(peer.client, request, *frame, mode);
+    if (common) ListenForSteps();
+    return common;
+  }
+  /// `hello`: takes name and token; an error reply, or nothing if it is fine.
+  std::optional<Message> TakeHello(Peer& peer, const Message& request) {
+    std::optional<Message> refusal = core_.TakeHello(peer.client, request);
+    if (!refusal) services_.roster.SetName(peer.id(), peer.client.client.name);
+    return refusal;
+  }
+  /// A reply without error to `request`, stamped with the newest frame.
+  Message Done(const Message& request, std::string text = {}) {
+    Message reply = ReplyTo(request.command, std::move(text));
+    ModuleCore::Stamp(reply, *inbox_.Current());
+    return reply;
+  }
+  /// What to hand to the board: Stepped() makes the reply when the wait ends.
+  StepDone Waiter(const Peer& peer) { return inbox_.Waiter(*this, peer.id()); }
+  /// Null: the connection is gone, or waits for nothing.
+  Peer* FindWaiting(ClientId client) {
+    Peer* const peer = FindPeer(client);
+    return peer != nullptr && peer->reply ? peer : nullptr;
+  }
+  /// Gives the reply that `peer` waits for.
+  static void Finish(Peer& peer, Message reply) { std::exchange(peer.reply, nullptr)(std::move(reply)); }
+
+  /// Ends all subscriptions at the inbox.
+  void StopListening() { inbox_.Unsubscribe(*this); }
+
+  CommandBoard& board() { return services_.board; }
+  StepInbox& inbox() { return inbox_; }
+  ModuleCore& core() { return core_; }
+
+ private:
+  // StepListener
+  void OnStepEnd(ClientId client, const StepResult& result) final {
+    Peer* const peer = FindWaiting(client);
+    if (peer == nullptr) return;
+    if (result.end == StepEnd::kRan) return Finish(*peer, Stepped(*peer, result));
+    Finish(*peer, WaitEnded(peer->command, result.end,
+                            result.end == StepEnd::kReplaced ? NewOwner() : std::string()));
+  }
+  void OnFrame(const FramePtr& frame, int dropped) final {
+    for (auto& [id, peer] : peers_) {
+      if (peer.client.subscriptions.empty()) continue;
+      BeforePush(peer, *frame);
+      core_.PushDue(peer.client, *frame, dropped);
+    }
+  }
+
+  /// Null: the connection is gone.
+  Peer* FindPeer(ClientId client) {
+    if (recent_ != nullptr && recent_->id() == client) return recent_;
+    const auto found = peers_.find(client);
+    return found == peers_.end() ? nullptr : recent_ = &found->second;
+  }
+  void ListenForSteps() {
+    bool subscribed = false;
+    for (const auto& [id, peer] : peers_) subscribed |= !peer.client.subscriptions.empty();
+    if (subscribed) {
+      inbox_.Subscribe(*this);
+    } else {
+      inbox_.Unsubscribe(*this);
+    }
+  }
+
+  const ModuleServices services_;
+  const std::string path_;
+  const CommandTable& table_;
+  StepInbox& inbox_;
+  ModuleCore core_;
+  std::unordered_map<ClientId, Peer> peers_;
+  Peer* recent_ = nullptr;  // of peers_: mostly the same one is meant again
+};
+
+}  // namespace coopdyn
