@@ -8,28 +8,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "tests/clients/cpp/error_of.h"
 #include "tests/clients/cpp/server_process.h"
 
 namespace coopdyn::client {
 namespace {
-
-/// The error of a call; code 0 if there is none.
-Error ErrorOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& e) {
-    return e;
-  }
-  return Error(0, "no error");
-}
-
-bool Says(const Error& error, const std::string& word) {
-  return error.text().find(word) != std::string::npos;
-}
 
 std::ptrdiff_t OpenFiles() {
   return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});

@@ -16,6 +16,7 @@
 
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/run_file.h"
+#include "tests/clients/cpp/error_of.h"
 #include "tests/clients/cpp/server_process.h"
 
 namespace coopdyn::client {
@@ -24,19 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSteps = 60;
-
-Error ErrorOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& e) {
-    return e;
-  }
-  return Error(0, "no error");
-}
-
-bool Says(const Error& error, const std::string& word) {
-  return error.text().find(word) != std::string::npos;
-}
 
 /// A folder for one test.
 class Folder {
