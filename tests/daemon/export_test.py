@@ -13,6 +13,7 @@ import unittest
 from pathlib import Path
 
 from harness import BINARY, LIMIT_S, Daemon, scenario
+from recording import RecordingTestCase, tool
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "clients" / "python"))
 import coopdyn  # noqa: E402
@@ -86,14 +87,7 @@ with open(out[5:], "w") as file:
 """
 
 
-def tool(*words, cwd, env=None):
-    """Runs the program; its exit code and all that it says."""
-    done = subprocess.run([BINARY, *map(str, words)], cwd=cwd, capture_output=True, text=True, timeout=2 * LIMIT_S,
-                          env={**os.environ, **(env or {})})
-    return done.returncode, done.stdout + done.stderr
-
-
-class ExportTest(unittest.TestCase):
+class ExportTest(RecordingTestCase):
     @classmethod
     def setUpClass(cls):
         cls.recorded = tempfile.TemporaryDirectory()
@@ -111,9 +105,7 @@ class ExportTest(unittest.TestCase):
                     assert robot.receive().error == 0
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         shutil.copy(Path(self.recorded.name) / "run.run", self.folder)
 
     def export(self, *words, env=None):

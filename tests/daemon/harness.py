@@ -17,6 +17,7 @@ from pathlib import Path
 
 BINARY = os.environ.get("COOPDYN_BINARY", "build/release/coopdyn")
 LIMIT_S = 60
+BOX = "[BOX_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.9 0.1\nmass 1\n"
 
 
 class Reply:

@@ -6,9 +6,9 @@ import struct
 import subprocess
 import threading
 import unittest
-from pathlib import Path
 
-from harness import Connection, Daemon, frame, scenario, until
+from document import block
+from harness import Daemon, frame, scenario, until
 
 STEPS = 60
 
@@ -196,17 +196,8 @@ class HostileTest(unittest.TestCase):
 class ExchangeTest(unittest.TestCase):
     """docs/protocol.md, played against the classroom scenario."""
 
-    def document(self):
-        return (Path(__file__).parents[2] / "docs" / "protocol.md").read_text()
-
-    def block(self, marker):
-        text = self.document()
-        start = text.index(f"<!-- {marker} -->")
-        fence = text.index("```", start)
-        return text[text.index("\n", fence) + 1:text.index("```", fence + 3)]
-
     def test_the_sixty_line_client_drives_the_robot(self):
-        source = self.block("client")
+        source = block("client")
         with Daemon(name="classroom") as daemon:
             done = subprocess.run(["python3", "-c", source, f"{daemon.names[0]}:{daemon.names[1]}"],
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)

@@ -4,7 +4,7 @@ import random
 import threading
 import unittest
 
-from harness import Daemon, scenario, until
+from harness import BOX, Daemon, scenario, until
 
 
 def drive(connection, commands, delays):
@@ -25,7 +25,7 @@ class DeterminismTest(unittest.TestCase):
         chance = random.Random(seed)
         fixed = random.Random(42)
         commands = [[(fixed.uniform(-5, 5), fixed.uniform(-5, 5)) for _ in range(self.STEPS)] for _ in range(2)]
-        with Daemon(scenario(2, extra="[BOX_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.9 0.1\nmass 1\n")) as daemon:
+        with Daemon(scenario(2, extra=BOX)) as daemon:
             simulation = daemon.text("/simulation")
             stop = threading.Event()
             watchers = []

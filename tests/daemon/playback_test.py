@@ -5,13 +5,13 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from harness import Daemon, scenario, until
+from harness import BOX, Daemon, scenario, until
 from recording import Play, equal_steps
 
 STEPS = 100
 STEP_S = 0.01
 ROBOTS = ("robot1", "robot2")
-WORLD = scenario(2, extra="[BOX_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.9 0.1\nmass 1\n")
+WORLD = scenario(2, extra=BOX)
 # Positions are kept to 1 um, headings to 1.9e-6 rad, speeds are their differences; readings are taken from these poses.
 NEAR_M, NEAR_RAD, NEAR_RANGE_M = 2e-6, 4e-6, 5e-5
 NEAR_M_S, NEAR_RAD_S = 4e-4, 1e-3

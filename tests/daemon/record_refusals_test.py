@@ -1,20 +1,12 @@
 """What must not be overwritten is not, and what cannot be recorded is said at once."""
 import shutil
-import tempfile
 import unittest
-from pathlib import Path
 
 from harness import Daemon, scenario, until
-from recording import change, rows, tool
+from recording import RecordingTestCase, change, rows, tool
 
 
-class RefusalsTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-        self.file = self.folder / "lesson.run"
-
+class RefusalsTest(RecordingTestCase):
     def record(self):
         """A run of a few steps, closed."""
         with Daemon(scenario(1), "--record", self.file) as daemon:

@@ -1,27 +1,16 @@
 """Recordings of live runs: they verify, keep what happened, and never cost the simulation anything but themselves."""
 import random
 import resource
-import tempfile
 import unittest
 from pathlib import Path
 
-from harness import LIMIT_S, Daemon, scenario, until
-from recording import change, equal_steps, rows, tool, verify
-
-BOX = "[BOX_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.9 0.1\nmass 1\n"
+from harness import BOX, LIMIT_S, Daemon, scenario, until
+from recording import RecordingTestCase, change, equal_steps, rows, tool, verify
 
 
 def minibots(mode="lockstep", count=4, more=""):
     return (f"[SIMULATION]\nmode {mode}\nstep 0.01\n[FLOOR]\nsize 20 20 0.1\n[SWARM_1]\ntype minibot\nname ant\n"
             f"count {count}\narea 0 0 3 3\n{more}\n")
-
-
-class RecordingTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-        self.file = self.folder / "lesson.run"
 
 
 def drive(motors, steps, seed=1):
@@ -32,7 +21,7 @@ def drive(motors, steps, seed=1):
     return step
 
 
-class VerifyTest(RecordingTest):
+class VerifyTest(RecordingTestCase):
     def test_a_run_in_lockstep_verifies_equal(self):
         chance = random.Random(5)
         with Daemon(scenario(2, extra=BOX), "--record", self.file) as daemon:
@@ -93,7 +82,7 @@ class VerifyTest(RecordingTest):
         self.assertIn("robot1", said)
 
 
-class FileTest(RecordingTest):
+class FileTest(RecordingTestCase):
     def test_what_is_there_is_not_overwritten_without_force(self):
         self.file.write_bytes(b"precious")
         code, said = tool("serve", "empty", "--port", "0", "--no-http", "--record", self.file)
@@ -155,7 +144,7 @@ class FileTest(RecordingTest):
             self.assertEqual(equal_steps(self.folder / name), 50)
 
 
-class RecorderModuleTest(RecordingTest):
+class RecorderModuleTest(RecordingTestCase):
     def test_a_recording_is_started_marked_and_stopped_by_socket(self):
         with Daemon(scenario(1), "--recordings", self.folder) as daemon:
             recorder, motors = daemon.text("/recorder"), daemon.text("/robot1/motors")
@@ -184,7 +173,7 @@ def small_files():
     resource.setrlimit(resource.RLIMIT_FSIZE, (FULL_BYTES, FULL_BYTES))
 
 
-class FullDiskTest(RecordingTest):
+class FullDiskTest(RecordingTestCase):
     def daemon(self, *options):
         # Five times real time, so that the disk is full after some commits.
         return Daemon(minibots(count=20), "--mode", "free", "--speed", "5", "--record", self.file, *options,

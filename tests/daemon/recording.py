@@ -1,6 +1,9 @@
 """What tests of recordings share: the program's tools, and looks into the file with SQLite alone."""
+import os
 import sqlite3
 import subprocess
+import tempfile
+import unittest
 from contextlib import closing
 from pathlib import Path
 
@@ -10,9 +13,10 @@ from harness import BINARY, LIMIT_S, Daemon
 SANITIZED = any(mark in Path(BINARY).read_bytes() for mark in (b"__asan_init", b"__tsan_init"))
 
 
-def tool(*words):
+def tool(*words, cwd=None, env=None):
     """Runs the program; returns its exit code and all that it says."""
-    done = subprocess.run([BINARY, *map(str, words)], capture_output=True, text=True, timeout=2 * LIMIT_S)
+    done = subprocess.run([BINARY, *map(str, words)], capture_output=True, text=True, timeout=2 * LIMIT_S, cwd=cwd,
+                          env={**os.environ, **(env or {})})
     return done.returncode, done.stdout + done.stderr
 
 
@@ -38,6 +42,16 @@ def change(file, query, *values):
     with closing(sqlite3.connect(file)) as database:
         database.execute(query, values)
         database.commit()
+
+
+class RecordingTestCase(unittest.TestCase):
+    """An empty folder for each test, and the name of a file in it."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.file = self.folder / "lesson.run"
 
 
 class Play(Daemon):

@@ -3,8 +3,8 @@ import math
 import random
 import re
 import unittest
-from pathlib import Path
 
+from document import block
 from harness import Daemon, frame, until
 
 CLAIM, RELEASE, STEP_ALL, SELECT, READ_ALL, GET_TEAM, STOP_TEAM = 7, 8, 110, 111, 112, 113, 114
@@ -179,14 +179,9 @@ class SwarmTest(unittest.TestCase):
 class DocumentTest(unittest.TestCase):
     """docs/protocol.md, played."""
 
-    def block(self, marker):
-        text = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text()
-        start = text.index("```", text.index(f"<!-- {marker} -->"))
-        return text[text.index("\n", start) + 1:text.index("```", start + 3)]
-
     def play(self, daemon, marker):
         connection = daemon.raw()
-        for line in self.block(marker).splitlines():
+        for line in block(marker).splitlines():
             if line.startswith("> "):
                 connection.write(line[2:] + "\n")
                 continue
@@ -195,7 +190,7 @@ class DocumentTest(unittest.TestCase):
             self.assertRegex(said, f"^{pattern}$")
 
     def test_the_exchange_of_a_team(self):
-        with Daemon(self.block("scenario: swarm")) as daemon:
+        with Daemon(block("scenario: swarm")) as daemon:
             self.play(daemon, "exchange: swarm")
 
     def test_the_exchange_with_a_robot(self):
