@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/model/text_file.h"
-#include "tests/server/model/temp_folder.h"
+#include "tests/server/model/read_text.h"
 
 namespace coopdyn {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <sstream>
 
-#include "tests/server/model/temp_folder.h"
+#include "tests/server/model/read_text.h"
 
 namespace coopdyn {
 namespace {

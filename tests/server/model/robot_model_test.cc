@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "tests/server/model/temp_folder.h"
+#include "tests/server/model/read_text.h"
 
 namespace coopdyn {
 namespace {

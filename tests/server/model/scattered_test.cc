@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "server/model/swarm.h"
-#include "tests/server/model/temp_folder.h"
+#include "tests/server/model/read_text.h"
 
 namespace coopdyn {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "tests/server/model/temp_folder.h"
+#include "tests/server/model/read_text.h"
 
 namespace coopdyn {
 namespace {

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "server/model/summary.h"
-#include "tests/server/model/temp_folder.h"
+#include "tests/server/model/read_text.h"
 
 namespace coopdyn {
 namespace {
@@ -36,6 +36,15 @@ ReadResult Load(const std::string& file) {
   Diagnostics diagnostics;
   auto scenario = LoadScenario(file, ShippedRobots(), diagnostics);
   return {scenario, diagnostics.ToString()};
+}
+
+/// Of a.scenario that says `scenario`, beside a world `name` that says `world`; both without their folder.
+ReadResult LoadBeside(const TempFolder& folder, const std::string& name, const std::string& world,
+                      const std::string& scenario) {
+  folder.Write(name, world);
+  ReadResult result = Load(folder.Write("a.scenario", scenario));
+  result.messages = folder.Strip(result.messages);
+  return result;
 }
 
 TEST(PaperFilesTest, FilledInTemplatesLoadUnchanged) {
@@ -174,19 +183,17 @@ TEST(TargetTest, UnknownColourIsGuessed) {
 
 TEST(FloorTest, FloorInBothFilesIsAnError) {
   const TempFolder folder;
-  folder.Write("a.world", "[FLOOR]\nsize 4 4 0.1\n");
-  const ReadResult result =
-      Load(folder.Write("a.scenario", "[WORLD]\nfile a.world\n[FLOOR]\nsize 5 5 0.1\n"));
+  const ReadResult result = LoadBeside(folder, "a.world", "[FLOOR]\nsize 4 4 0.1\n",
+                                       "[WORLD]\nfile a.world\n[FLOOR]\nsize 5 5 0.1\n");
   EXPECT_THAT(
-      folder.Strip(result.messages),
+      result.messages,
       HasSubstr("a.scenario:3: error: [FLOOR] stands in the world too (a.world:1): keep one of them"));
 }
 
 TEST(WorldFileTest, ObjectsOfTheWorldComeFirst) {
   const TempFolder folder;
-  folder.Write("a.world", "[B]\ntype box\nsize 1 1 1\nposition 0 0\n");
-  const ReadResult result =
-      Load(folder.Write("a.scenario", "[A]\ntype box\nsize 1 1 1\nposition 3 0\n[WORLD]\nfile a\n"));
+  const ReadResult result = LoadBeside(folder, "a.world", "[B]\ntype box\nsize 1 1 1\nposition 0 0\n",
+                                       "[A]\ntype box\nsize 1 1 1\nposition 3 0\n[WORLD]\nfile a\n");
   EXPECT_EQ(result.messages, "");
   ASSERT_NE(result.scenario, nullptr);
   EXPECT_EQ(result.scenario->objects.at(0).name, "B");
@@ -196,24 +203,22 @@ TEST(WorldFileTest, ObjectsOfTheWorldComeFirst) {
 
 TEST(WorldFileTest, OneNameInBothFilesIsAnError) {
   const TempFolder folder;
-  folder.Write("a.world", "[B]\ntype box\nsize 1 1 1\nposition 0 0\n");
-  const ReadResult result =
-      Load(folder.Write("a.scenario", "[WORLD]\nfile a\n[b]\ntype box\nsize 1 1 1\nposition 3 0\n"));
+  const ReadResult result = LoadBeside(folder, "a.world", "[B]\ntype box\nsize 1 1 1\nposition 0 0\n",
+                                       "[WORLD]\nfile a\n[b]\ntype box\nsize 1 1 1\nposition 3 0\n");
   EXPECT_THAT(result.messages, HasSubstr("a.scenario:3: error: [b] stands in the world too"));
 }
 
 TEST(WorldFileTest, MistakesInTheWorldAreNamedThere) {
   const TempFolder folder;
-  folder.Write("a.world", "[B]\ntype bx\nsize 1 1 1\nposition 0 0\n");
-  const ReadResult result = Load(folder.Write("a.scenario", "[WORLD]\nfile a.world\n"));
-  EXPECT_EQ(folder.Strip(result.messages), "a.world:2: error: 'type' cannot be 'bx'; did you mean 'box'?\n");
+  const ReadResult result =
+      LoadBeside(folder, "a.world", "[B]\ntype bx\nsize 1 1 1\nposition 0 0\n", "[WORLD]\nfile a.world\n");
+  EXPECT_EQ(result.messages, "a.world:2: error: 'type' cannot be 'bx'; did you mean 'box'?\n");
 }
 
 TEST(WorldFileTest, NamesMayHoldSpacesAndBackslashes) {
   const TempFolder folder;
-  folder.Write("my worlds/big arena.world", "[FLOOR]\nsize 7 7\n");
-  const ReadResult result =
-      Load(folder.Write("a.scenario", "[WORLD]\nfile my worlds\\big arena.world # here\n"));
+  const ReadResult result = LoadBeside(folder, "my worlds/big arena.world", "[FLOOR]\nsize 7 7\n",
+                                       "[WORLD]\nfile my worlds\\big arena.world # here\n");
   EXPECT_EQ(result.messages, "");
   ASSERT_NE(result.scenario, nullptr);
   EXPECT_EQ(result.scenario->floor.length_m, 7);

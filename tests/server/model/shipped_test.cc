@@ -13,7 +13,7 @@
 
 #include "server/model/summary.h"
 #include "server/model/swarm.h"
-#include "tests/server/model/temp_folder.h"
+#include "tests/server/model/read_text.h"
 
 namespace coopdyn {
 namespace {

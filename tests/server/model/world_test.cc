@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/server/model/temp_folder.h"
+#include "tests/server/model/read_text.h"
 
 namespace coopdyn {
 namespace {

@@ -29,6 +29,19 @@ class NameServerTest : public ::testing::Test {
   }
   TestClient Connect() { return TestClient::Connect(names_->port()); }
   TestClient ConnectLocal() { return TestClient::ConnectLocal(NameServer::LocalName(names_->port())); }
+  /// `open` and a binary request behind it, at once; the module answers the request.
+  static void ExpectEcho(TestClient client, const std::string& open) {
+    Message request;
+    request.command = ScriptedEndpoint::kEcho;
+    request.data = {5};
+    std::string bytes = open + "CDS1";
+    EncodeBinary(request, bytes);
+    client.Send(bytes);
+    client.EndInput();
+    EXPECT_EQ(client.Line(), "ok");
+    EXPECT_EQ(client.Frame().data.at(0), 5);
+    EXPECT_EQ(client.Rest(), "");
+  }
 
   SteadyClock clock_;
   NetServices services_{NullLogger(), clock_};
@@ -65,17 +78,7 @@ TEST_F(NameServerTest, OpenTurnsTheConnectionIntoTheModules) {
 }
 
 TEST_F(NameServerTest, WhatFollowsOpenAtOnceReachesTheModule) {
-  Message request;
-  request.command = ScriptedEndpoint::kEcho;
-  request.data = {5};
-  std::string bytes = "OPEN /robot1/motors\r\nCDS1";
-  EncodeBinary(request, bytes);
-  TestClient client = Connect();
-  client.Send(bytes);
-  client.EndInput();
-  EXPECT_EQ(client.Line(), "ok");
-  EXPECT_EQ(client.Frame().data.at(0), 5);
-  EXPECT_EQ(client.Rest(), "");
+  ExpectEcho(Connect(), "OPEN /robot1/motors\r\n");
 }
 
 TEST_F(NameServerTest, TheUnixSocketAnswersAsLoopbackDoes) {
@@ -87,17 +90,7 @@ TEST_F(NameServerTest, TheUnixSocketAnswersAsLoopbackDoes) {
 }
 
 TEST_F(NameServerTest, OpenTurnsAUnixConnectionIntoATrustedOneOfTheModule) {
-  Message request;
-  request.command = ScriptedEndpoint::kEcho;
-  request.data = {5};
-  std::string bytes = "OPEN /robot1/motors\nCDS1";
-  EncodeBinary(request, bytes);
-  TestClient client = ConnectLocal();
-  client.Send(bytes);
-  client.EndInput();
-  EXPECT_EQ(client.Line(), "ok");
-  EXPECT_EQ(client.Frame().data.at(0), 5);
-  EXPECT_EQ(client.Rest(), "");
+  ExpectEcho(ConnectLocal(), "OPEN /robot1/motors\n");
   EXPECT_EQ(endpoint_.events().front(), "open unix:" + std::to_string(getpid()) + " trusted");
   EXPECT_TRUE(Eventually([this] { return names_->session_count() == 0 && module_->session_count() == 0; }));
 }
