@@ -51,6 +51,24 @@ class FakeTestCase(ClientTestCase):
         self.addCleanup(daemon.stop)
         return daemon
 
+    def reset_in(self, call, daemon, other):
+        """The errors, (code, text), of a call in which robot1's command waits when another sim resets."""
+        raised = []
+
+        def wait():
+            try:
+                call()
+            except coopdyn.Error as e:
+                raised.append((e.code, e.text))
+
+        waiting = threading.Thread(target=wait)
+        waiting.start()
+        with daemon.lock:
+            self.assertTrue(daemon.lock.wait_for(lambda: daemon.robots[0].command is not None, LIMIT_S))
+        other.reset()
+        waiting.join()
+        return raised
+
     def interrupt(self, daemon, arrived, call):
         """Ctrl-C in the call, once its request has arrived at the daemon."""
         def press():

@@ -11,13 +11,6 @@ LONG_S = 60
 class LossTestCase(DaemonTestCase):
     options = ("--no-http", "--no-render")
 
-    def take_away(self, sim, team, other, robot):
-        """The robot is freed by hand and driven by another program, which has its command ready for the next step."""
-        other.call("simulation", "release_robot", text=robot)
-        taken = other.robot(robot)
-        taken.set_velocity(0, 0.5)
-        return taken
-
 
 class Emptied(LossTestCase):
     def test_a_team_without_robots_takes_none_from_its_successor(self):
@@ -47,7 +40,9 @@ class TakenAway(LossTestCase):
         self.team.step((0.1, 0), timeout=LONG_S)
 
     def lose(self):
-        self.take_away(self.sim, self.team, self.other, "mini_5")
+        """The robot is freed by hand and driven by another program."""
+        self.other.call("simulation", "release_robot", text="mini_5")
+        self.other.robot("mini_5").set_velocity(0, 0.5)
 
     def test_one_row_for_all_goes_on_with_the_rest(self):
         self.lose()

@@ -6,7 +6,6 @@ import gc
 import io
 import math
 import os
-import threading
 import unittest
 
 import harness  # noqa: F401  (finds coopdyn.py)
@@ -317,21 +316,7 @@ class WithSingleRobots(FakeTestCase):
         daemon = self.start(mode=1, robots=2)
         sim, other = self.connect(daemon), self.connect(daemon, name="other")
         team = sim.team("robot1")
-        raised = []
-
-        def wait():
-            try:
-                team.step((0.1, 0))
-            except coopdyn.Error as e:
-                raised.append((e.code, e.text))
-
-        waiting = threading.Thread(target=wait)
-        waiting.start()
-        with daemon.lock:
-            self.assertTrue(daemon.lock.wait_for(lambda: daemon.robots[0].command is not None, 30))
-        other.reset()
-        waiting.join()
-        self.assertEqual(raised, [(5, "team robot1: reset")])
+        self.assertEqual(self.reset_in(lambda: team.step((0.1, 0)), daemon, other), [(5, "team robot1: reset")])
         sim.team("robot2")
         self.assertEqual(team.step((0.1, 0), timeout=30).step, 1)
 

@@ -319,21 +319,7 @@ class Stepping(FakeTestCase):
         sim = self.connect(daemon)
         sim.robot(1)
         other = self.connect(daemon, name="other")
-        raised = []
-
-        def wait():
-            try:
-                sim.step()
-            except coopdyn.Error as e:
-                raised.append((e.code, e.text))
-
-        waiting = threading.Thread(target=wait)
-        waiting.start()
-        with daemon.lock:
-            self.assertTrue(daemon.lock.wait_for(lambda: daemon.robots[0].command is not None, 30))
-        other.reset()
-        waiting.join()
-        self.assertEqual(raised, [(5, "robot1: reset")])
+        self.assertEqual(self.reset_in(sim.step, daemon, other), [(5, "robot1: reset")])
         sim.robot(2)
         sim.step(timeout=30)
         self.assertEqual(sim.steps, 1)
