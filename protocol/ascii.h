@@ -24,4 +24,30 @@ constexpr char ToLower(char c) {
   return IsUpper(c) ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
+/// The letter that stands for `c` after a backslash, in the text form and in JSON: n for a line feed; '\0' if
+/// `c` has none.
+constexpr char EscapeLetter(char c) {
+  switch (c) {
+    case '"':
+    case '\\':
+      return c;
+    case '\n':
+      return 'n';
+    case '\r':
+      return 'r';
+    case '\t':
+      return 't';
+    default:
+      return '\0';
+  }
+}
+
+/// The character that `letter` stands for after a backslash; '\0' if none.
+constexpr char EscapedBy(char letter) {
+  for (const char c : {'"', '\\', '\n', '\r', '\t'}) {
+    if (EscapeLetter(c) == letter) return c;
+  }
+  return '\0';
+}
+
 }  // namespace coopdyn

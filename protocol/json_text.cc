@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/ascii.h"
 #include "protocol/codec.h"
 
 namespace coopdyn {
@@ -38,28 +39,13 @@ void AppendJsonString(std::string_view text, std::string& out) {
       continue;
     }
     ++i;
-    switch (c) {
-      case '"':
-        out += "\\\"";
-        break;
-      case '\\':
-        out += "\\\\";
-        break;
-      case '\n':
-        out += "\\n";
-        break;
-      case '\r':
-        out += "\\r";
-        break;
-      case '\t':
-        out += "\\t";
-        break;
-      default:
-        if (byte < 0x20 || byte == 0x7F || c == '<' || c == '>' || c == '&') {
-          AppendEscape(byte, out);
-        } else {
-          out += c;
-        }
+    if (const char letter = EscapeLetter(c); letter != '\0') {
+      out += '\\';
+      out += letter;
+    } else if (byte < 0x20 || byte == 0x7F || c == '<' || c == '>' || c == '&') {
+      AppendEscape(byte, out);
+    } else {
+      out += c;
     }
   }
   out += '"';

@@ -89,25 +89,9 @@ std::string LineScanner::QuotedText(std::string& text) {
       text += c;
       continue;
     }
-    switch (Peek()) {
-      case '"':
-        text += '"';
-        break;
-      case '\\':
-        text += '\\';
-        break;
-      case 'n':
-        text += '\n';
-        break;
-      case 'r':
-        text += '\r';
-        break;
-      case 't':
-        text += '\t';
-        break;
-      default:
-        return "the only escapes are \\\" \\\\ \\n \\r \\t: write \\\\ for a backslash";
-    }
+    const char meant = EscapedBy(Peek());
+    if (meant == '\0') return "the only escapes are \\\" \\\\ \\n \\r \\t: write \\\\ for a backslash";
+    text += meant;
     Take(1);
   }
   return "the closing quote is missing";
@@ -116,24 +100,11 @@ std::string LineScanner::QuotedText(std::string& text) {
 void AppendQuotedText(std::string_view text, std::string& out) {
   out += '"';
   for (const char c : text) {
-    switch (c) {
-      case '"':
-        out += "\\\"";
-        break;
-      case '\\':
-        out += "\\\\";
-        break;
-      case '\n':
-        out += "\\n";
-        break;
-      case '\r':
-        out += "\\r";
-        break;
-      case '\t':
-        out += "\\t";
-        break;
-      default:
-        out += (static_cast<unsigned char>(c) < 0x20 || c == kDelete) ? '?' : c;
+    if (const char letter = EscapeLetter(c); letter != '\0') {
+      out += '\\';
+      out += letter;
+    } else {
+      out += (static_cast<unsigned char>(c) < 0x20 || c == kDelete) ? '?' : c;
     }
   }
   out += '"';

@@ -8,19 +8,13 @@
 #include <cmath>
 #include <iostream>
 
+#include "server/app/progress_text.h"
+
 namespace coopdyn {
 
 namespace {
 
 constexpr Nanoseconds kFirst = 1'000'000'000, kPeriod = 200'000'000;
-
-/// "45 s", "12 min" or "3.1 h".
-std::string Rough(double seconds) {
-  constexpr double kMinute_s = 60, kHour_s = 3600;
-  if (seconds < 2 * kMinute_s) return fmt::format("{:.0f} s", seconds);
-  if (seconds < 2 * kHour_s) return fmt::format("{:.0f} min", seconds / kMinute_s);
-  return fmt::format("{:.1f} h", seconds / kHour_s);
-}
 
 }  // namespace
 
@@ -41,12 +35,9 @@ void ProgressBar::Show(double share) {
 }
 
 std::string ProgressText(double share, double elapsed_s) {
-  constexpr int kWidth = 40;
   const double done = std::clamp(share, 0.0, 1.0);
-  const auto marks = static_cast<std::size_t>(std::lround(kWidth * done));
-  std::string text = fmt::format("[{}{}] {:3.0f} %", std::string(marks, '#'),
-                                 std::string(kWidth - marks, '.'), std::floor(100 * done));
-  if (done > 0 && done < 1) text += "  " + Rough(elapsed_s * (1 - done) / done) + " left";
+  std::string text = fmt::format("{} {:3.0f} %", BarText(done), std::floor(100 * done));
+  if (done > 0 && done < 1) text += "  " + LeftText(elapsed_s * (1 - done) / done);
   return text;
 }
 

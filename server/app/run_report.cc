@@ -4,40 +4,24 @@
 #include <spdlog/fmt/fmt.h>
 #include <algorithm>
 #include <boost/json.hpp>
-#include <cmath>
 
 #include "server/app/options.h"
+#include "server/app/progress_text.h"
 
 namespace coopdyn {
-
-namespace {
-
-/// "45 s", "12 min" or "3.1 h".
-std::string Rough(double seconds) {
-  constexpr double kMinute_s = 60, kHour_s = 3600;
-  if (seconds < 2 * kMinute_s) return fmt::format("{:.0f} s", seconds);
-  if (seconds < 2 * kHour_s) return fmt::format("{:.0f} min", seconds / kMinute_s);
-  return fmt::format("{:.1f} h", seconds / kHour_s);
-}
-
-}  // namespace
 
 std::string ProgressLine(const Frame& frame, const RunStatus& status, double duration_s) {
   const std::string of = duration_s > 0 ? fmt::format(" of {:g}", duration_s) : "";
   std::string line = fmt::format("t = {:.2f}{} s  step {}  real-time factor {:.2f}", frame.time_s(), of,
                                  frame.step, status.real_time_factor);
   if (duration_s > frame.time_s() && status.real_time_factor > 0) {
-    line += "  " + Rough((duration_s - frame.time_s()) / status.real_time_factor) + " left";
+    line += "  " + LeftText((duration_s - frame.time_s()) / status.real_time_factor);
   }
   return line;
 }
 
-std::string ProgressBar(const Frame& frame, const RunStatus& status, double duration_s) {
-  constexpr int kWidth = 40;
-  const int done = std::clamp(static_cast<int>(std::lround(kWidth * frame.time_s() / duration_s)), 0, kWidth);
-  return fmt::format("[{}{}] {}", std::string(static_cast<std::size_t>(done), '#'),
-                     std::string(static_cast<std::size_t>(kWidth - done), '.'),
-                     ProgressLine(frame, status, duration_s));
+std::string ProgressWithBar(const Frame& frame, const RunStatus& status, double duration_s) {
+  return BarText(frame.time_s() / duration_s) + " " + ProgressLine(frame, status, duration_s);
 }
 
 std::string SummaryLine(const Frame& frame, const RunStatus& status, double wall_s) {

@@ -29,15 +29,15 @@ void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock) {
     daemon.LogWaiting();
     const Nanoseconds now = clock.Now();
     if (bar) {
-      std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << kClearToEnd
-                << std::flush;
+      std::cerr << '\r' << ProgressWithBar(*daemon.frame(), daemon.status(), daemon.duration_s())
+                << kClearToEnd << std::flush;
     } else if (!terminal && now - told >= kProgressEvery) {
       told = now;
       std::cerr << ProgressLine(*daemon.frame(), daemon.status(), daemon.duration_s()) << std::endl;
     }
   }
   if (bar) {
-    std::cerr << '\r' << ProgressBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << kClearToEnd
+    std::cerr << '\r' << ProgressWithBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << kClearToEnd
               << '\n';
   }
 }

@@ -49,8 +49,9 @@ TEST_F(RunReportTest, NobodyKnowsTheTimeLeftOfARunThatStands) {
 }
 
 TEST_F(RunReportTest, BarIsAsLongAsTheRunIsDone) {
-  EXPECT_THAT(ProgressBar(frame_, status_, 48), HasSubstr("[##########..............................] t = "));
-  EXPECT_THAT(ProgressBar(frame_, status_, 12), HasSubstr("[########################################] "));
+  EXPECT_THAT(ProgressWithBar(frame_, status_, 48),
+              HasSubstr("[##########..............................] t = "));
+  EXPECT_THAT(ProgressWithBar(frame_, status_, 12), HasSubstr("[########################################] "));
 }
 
 TEST_F(RunReportTest, SummaryHasStepsRobotsFactorAndHash) {

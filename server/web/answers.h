@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Answers that other threads give to the UI thread: brought there, or dropped once the UI has stopped.
+#pragma once
+
+#include <utility>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <unordered_map>
+
+#include "server/base/mutex.h"
+
+namespace coopdyn {
+
+template <class Answer>
+class Answers {
+ public:
+  using Done = std::function<void(const Answer&)>;
+
+  /// `drop` is called, on any thread, with answers that come too late. `context` outlives it.
+  explicit Answers(
+      boost::asio::io_context& context, Done drop = [](const Answer&) {})
+      : drop_(drop), mailbox_(std::make_shared<Mailbox>(context, *this, std::move(drop))) {}
+  /// Stop().
+  ~Answers() { Stop(); }
+  Answers(const Answers&) = delete;
+  Answers& operator=(const Answers&) = delete;
+
+  /// What to call, once, from any thread, with an answer: `done` gets it on the UI thread, later, unless
+  /// Stop() came first. UI thread.
+  Done Expect(Done done) {
+    const std::uint64_t ticket = ++last_ticket_;
+    waiting_.emplace(ticket, std::move(done));
+    return [mailbox = mailbox_, ticket](const Answer& answer) { mailbox->Post(ticket, answer); };
+  }
+  /// No answer gets through any more, those that wait are forgotten. UI thread, or when that has stopped.
+  void Stop() { mailbox_->Close(); }
+
+ private:
+  /// The way back to the UI thread, for answers that may come when it is gone.
+  class Mailbox {
+   public:
+    Mailbox(boost::asio::io_context& context, Answers& answers, Done drop)
+        : context_(&context), answers_(answers), drop_(std::move(drop)) {}
+
+    void Post(std::uint64_t ticket, const Answer& answer) EXCLUDES(mutex_) {
+      MutexLock lock(mutex_);
+      if (context_ == nullptr) return drop_(answer);
+      boost::asio::post(*context_,
+                        [&answers = answers_, ticket, answer] { answers.Deliver(ticket, answer); });
+    }
+    void Close() EXCLUDES(mutex_) {
+      MutexLock lock(mutex_);
+      context_ = nullptr;
+    }
+
+   private:
+    Mutex mutex_;
+    boost::asio::io_context* context_ GUARDED_BY(mutex_);
+    Answers& answers_;
+    const Done drop_;
+  };
+
+  void Deliver(std::uint64_t ticket, const Answer& answer) {
+    auto found = waiting_.extract(ticket);
+    if (!found) return drop_(answer);
+    found.mapped()(answer);
+  }
+
+  const Done drop_;
+  std::shared_ptr<Mailbox> mailbox_;
+  // Kept here, not with who answers: what they hold must not outlive the UI thread's context.
+  std::unordered_map<std::uint64_t, Done> waiting_;
+  std::uint64_t last_ticket_ = 0;
+};
+
+}  // namespace coopdyn
