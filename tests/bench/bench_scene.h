@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A scenario of N coopbots, 2 m apart on a square, with a red target, for the benchmarks.
+// Scenarios for the benchmarks: coopbots 2 m apart on a square, with a red target; swarms of minibots.
 #pragma once
 
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "server/model/readers.h"
 
@@ -22,15 +23,40 @@ inline std::string BenchScenarioText(int robots) {
   return text;
 }
 
+/// `made`, or the end of the program with what is wrong.
+template <typename T>
+std::shared_ptr<const T> OrExit(std::shared_ptr<const T> made, const Diagnostics& diagnostics) {
+  if (made != nullptr) return made;
+  std::fputs(diagnostics.ToString().c_str(), stderr);
+  std::exit(1);
+}
+
 inline std::shared_ptr<const Scenario> BenchScenario(int robots) {
-  SearchPath path;
-  path.folders.emplace_back(COOPDYN_SOURCE_DIR);
-  RobotLibrary library(path);
+  RobotLibrary library(SearchPath{{COOPDYN_SOURCE_DIR}});
   Diagnostics diagnostics;
-  auto scenario = ReadScenario(BenchScenarioText(robots), "bench.scenario", library, false, diagnostics);
-  if (scenario == nullptr) {
-    std::fputs(diagnostics.ToString().c_str(), stderr);
-    std::exit(1);
+  return OrExit(ReadScenario(BenchScenarioText(robots), "bench.scenario", library, false, diagnostics),
+                diagnostics);
+}
+
+/// A shipped robot.
+inline std::shared_ptr<const RobotModel> BenchModel(const std::string& type) {
+  RobotLibrary library(SearchPath{{COOPDYN_SOURCE_DIR}});
+  Diagnostics diagnostics;
+  return OrExit(library.Get(type, {}, diagnostics), diagnostics);
+}
+
+/// Robots on a square of 1 m² each, all headed along x.
+inline std::shared_ptr<Scenario> SwarmScenario(std::shared_ptr<const RobotModel> model, Fidelity fidelity,
+                                               int robots) {
+  auto scenario = std::make_shared<Scenario>();
+  const int side = static_cast<int>(std::ceil(std::sqrt(robots)));
+  for (int i = 0; i < robots; ++i) {
+    RobotEntry entry;
+    entry.name = "robot" + std::to_string(i + 1);
+    entry.model = model;
+    entry.fidelity = fidelity;
+    entry.X_WR.p = {1.0 * (i % side), 1.0 * (i / side), 0};
+    scenario->robots.push_back(std::move(entry));
   }
   return scenario;
 }

@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
-#include <cmath>
+#include <array>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -26,21 +26,8 @@ constexpr std::uint64_t kKeyframe = 500;
 class Swarm {
  public:
   explicit Swarm(int robots) {
-    SearchPath path;
-    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
-    RobotLibrary library(path);
     Diagnostics diagnostics;
-    auto scenario = std::make_shared<Scenario>();
-    const int side = static_cast<int>(std::ceil(std::sqrt(robots)));
-    for (int i = 0; i < robots; ++i) {
-      RobotEntry entry;
-      entry.name = "robot" + std::to_string(i + 1);
-      entry.model = library.Get("minibot", {}, diagnostics);
-      entry.fidelity = Fidelity::kRolling;
-      entry.X_WR.p = {1.0 * (i % side), 1.0 * (i / side), 0};
-      scenario->robots.push_back(std::move(entry));
-    }
-    const auto scene = MakeScene(scenario);
+    const auto scene = MakeScene(SwarmScenario(BenchModel("minibot"), Fidelity::kRolling, robots));
     auto world = PhysicsWorld::Build(scene, 1, diagnostics);
     std::vector<std::array<double, 2>> setpoints(static_cast<std::size_t>(robots));
     std::mt19937 random(1);
@@ -120,6 +107,10 @@ void BM_Hash(benchmark::State& state) {
 const RecordWhat kPoses{};
 const RecordWhat kAll{true, true, true, true};
 
+void OfTwoSizes(benchmark::internal::Benchmark* bench) {
+  bench->Arg(100)->Arg(1000)->Unit(benchmark::kMicrosecond);
+}
+
 BENCHMARK_CAPTURE(BM_Record, poses, std::size_t{0}, kPoses)
     ->Arg(10)
     ->Arg(100)
@@ -127,26 +118,11 @@ BENCHMARK_CAPTURE(BM_Record, poses, std::size_t{0}, kPoses)
     ->Arg(5000)
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(BM_Record, all, std::size_t{0}, kAll)->Arg(10)->Arg(50)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(BM_Record, page4096, std::size_t{4096}, kPoses)
-    ->Arg(100)
-    ->Arg(1000)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(BM_Record, page8192, std::size_t{8192}, kPoses)
-    ->Arg(100)
-    ->Arg(1000)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(BM_Record, page16384, std::size_t{16384}, kPoses)
-    ->Arg(100)
-    ->Arg(1000)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(BM_Record, page32768, std::size_t{32768}, kPoses)
-    ->Arg(100)
-    ->Arg(1000)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(BM_Record, page65536, std::size_t{65536}, kPoses)
-    ->Arg(100)
-    ->Arg(1000)
-    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BM_Record, page4096, std::size_t{4096}, kPoses)->Apply(OfTwoSizes);
+BENCHMARK_CAPTURE(BM_Record, page8192, std::size_t{8192}, kPoses)->Apply(OfTwoSizes);
+BENCHMARK_CAPTURE(BM_Record, page16384, std::size_t{16384}, kPoses)->Apply(OfTwoSizes);
+BENCHMARK_CAPTURE(BM_Record, page32768, std::size_t{32768}, kPoses)->Apply(OfTwoSizes);
+BENCHMARK_CAPTURE(BM_Record, page65536, std::size_t{65536}, kPoses)->Apply(OfTwoSizes);
 BENCHMARK(BM_EncodePoses)->Arg(1000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BM_Hash)->Arg(1000)->Unit(benchmark::kMicrosecond);
 

@@ -4,34 +4,18 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <numbers>
 #include <numeric>
 #include <random>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "server/model/readers.h"
+#include "bench_scene.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {
 namespace {
-
-RobotModel ReadModel(const std::string& type) {
-  SearchPath path;
-  path.folders.emplace_back(COOPDYN_SOURCE_DIR);
-  RobotLibrary library(path);
-  Diagnostics diagnostics;
-  const auto model = library.Get(type, {}, diagnostics);
-  if (model == nullptr) {
-    std::fputs(diagnostics.ToString().c_str(), stderr);
-    std::exit(1);
-  }
-  return *model;
-}
 
 /// `model` with `rays` sensors of one ray each all round, that reach `range_m`.
 RobotModel WithRays(RobotModel model, int rays, double range_m) {
@@ -54,16 +38,9 @@ RobotModel WithRays(RobotModel model, int rays, double range_m) {
 class Crowd {
  public:
   Crowd(RobotModel model, int robots, Fidelity fidelity) {
-    auto scenario = std::make_shared<Scenario>();
-    const auto shared = std::make_shared<const RobotModel>(std::move(model));
+    const auto scenario =
+        SwarmScenario(std::make_shared<const RobotModel>(std::move(model)), fidelity, robots);
     side_ = static_cast<int>(std::ceil(std::sqrt(robots)));
-    for (int i = 0; i < robots; ++i) {
-      RobotEntry entry;
-      entry.name = "robot" + std::to_string(i + 1);
-      entry.model = shared;
-      entry.fidelity = fidelity;
-      scenario->robots.push_back(std::move(entry));
-    }
     for (int wall = 0; wall < 4; ++wall) {
       WorldObject object;
       const Quaternion turn = FromRollPitchYaw(0, 0, wall * std::numbers::pi / 2);
@@ -143,26 +120,26 @@ void Measure(benchmark::State& state, Crowd crowd) {
 
 /// Rays per minibot, their range in mm, minibots.
 void BM_Sense(benchmark::State& state) {
-  const RobotModel model = WithRays(ReadModel("minibot"), static_cast<int>(state.range(0)),
+  const RobotModel model = WithRays(*BenchModel("minibot"), static_cast<int>(state.range(0)),
                                     1e-3 * static_cast<double>(state.range(1)));
   Measure(state, Crowd(model, static_cast<int>(state.range(2)), Fidelity::kRolling));
 }
 
 /// The same with wheels that are bodies of their own.
 void BM_SenseFull(benchmark::State& state) {
-  const RobotModel model = WithRays(ReadModel("minibot"), static_cast<int>(state.range(0)),
+  const RobotModel model = WithRays(*BenchModel("minibot"), static_cast<int>(state.range(0)),
                                     1e-3 * static_cast<double>(state.range(1)));
   Measure(state, Crowd(model, static_cast<int>(state.range(2)), Fidelity::kFull));
 }
 
 /// Coopbots as they are: 11 sectors of 5 rays of 4 m.
 void BM_SenseCoopbot(benchmark::State& state) {
-  Measure(state, Crowd(ReadModel("coopbot"), static_cast<int>(state.range(0)), Fidelity::kRolling));
+  Measure(state, Crowd(*BenchModel("coopbot"), static_cast<int>(state.range(0)), Fidelity::kRolling));
 }
 
 /// Only where the robots are and who is where.
 void BM_Field(benchmark::State& state) {
-  Crowd crowd(ReadModel("minibot"), static_cast<int>(state.range(0)), Fidelity::kRolling);
+  Crowd crowd(*BenchModel("minibot"), static_cast<int>(state.range(0)), Fidelity::kRolling);
   WorkerPool pool(1);
   for (auto _ : state) {
     std::unique_ptr<Frame> frame = crowd.Take();
@@ -174,7 +151,7 @@ void BM_Field(benchmark::State& state) {
 
 /// Everybody's neighbours within 1 m.
 void BM_Neighbours(benchmark::State& state) {
-  Crowd crowd(ReadModel("minibot"), static_cast<int>(state.range(0)), Fidelity::kRolling);
+  Crowd crowd(*BenchModel("minibot"), static_cast<int>(state.range(0)), Fidelity::kRolling);
   std::vector<Sighting> seen;
   for (auto _ : state) {
     std::unique_ptr<Frame> frame = crowd.Take();

@@ -3,7 +3,6 @@
 #include <benchmark/benchmark.h>
 
 #include <array>
-#include <cmath>
 #include <random>
 #include <vector>
 
@@ -45,21 +44,12 @@ class Driven {
 class Swarm {
  public:
   Swarm(Fidelity fidelity, int robots) {
-    SearchPath path;
-    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
-    RobotLibrary library(path);
-    Diagnostics diagnostics;
-    auto scenario = std::make_shared<Scenario>();
-    const int side = static_cast<int>(std::ceil(std::sqrt(robots)));
-    for (int i = 0; i < robots; ++i) {
-      RobotEntry entry;
-      entry.name = "robot" + std::to_string(i + 1);
-      entry.model = library.Get("minibot", {}, diagnostics);
-      entry.fidelity = fidelity;
-      entry.X_WR.p = {1.0 * (i % side) + Uniform(-0.3, 0.3), 1.0 * (i / side) + Uniform(-0.3, 0.3), 0};
-      entry.X_WR.q = FromRollPitchYaw(0, 0, Uniform(-3, 3));
-      scenario->robots.push_back(std::move(entry));
+    const auto scenario = SwarmScenario(BenchModel("minibot"), fidelity, robots);
+    for (RobotEntry& robot : scenario->robots) {
+      robot.X_WR.p += Vector3{Uniform(-0.3, 0.3), Uniform(-0.3, 0.3), 0};
+      robot.X_WR.q = FromRollPitchYaw(0, 0, Uniform(-3, 3));
     }
+    Diagnostics diagnostics;
     scene_ = MakeScene(scenario);
     world_ = PhysicsWorld::Build(scene_, 1, diagnostics);
     setpoints_.resize(static_cast<std::size_t>(robots));

@@ -49,7 +49,7 @@ std::string Python(const std::string& file) {
 }
 
 TEST(FormatsDocTest, ThePythonOfTheDocsReadsABodysTrack) {
-  TestFolder folder;
+  TempFolder folder;
   const std::string file = folder.File("lesson1.run");
   FrameMaker maker(RecordScene());
   std::vector<FramePtr> frames;
@@ -84,7 +84,7 @@ TEST(FormatsDocTest, ThePythonOfTheDocsReadsABodysTrack) {
 }
 
 TEST(FormatsDocTest, EveryTableColumnAndMetaKeyIsDescribed) {
-  TestFolder folder;
+  TempFolder folder;
   const std::string file = folder.File("lesson1.run");
   FrameMaker maker(RecordScene());
   std::string remark;

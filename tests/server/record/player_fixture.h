@@ -78,8 +78,8 @@ class PlayerFixture : public testing::Test {
     return events.empty() ? "" : events.back().level + ": " + events.back().text;
   }
 
-  const TestFolder folder_;
-  const std::string file_ = folder_ / "lesson1.run";
+  const TempFolder folder_;
+  const std::string file_ = folder_.File("lesson1.run");
   const SampleRun sample_;
   std::unique_ptr<RunWriter> writer_;
   Doorbell bell_;

@@ -3,12 +3,10 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 #include <random>
 #include <string>
@@ -19,6 +17,7 @@
 #include "server/record/run_writer.h"
 #include "server/record/sqlite_db.h"
 #include "server/state/saved_state.h"
+#include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {
 
@@ -136,25 +135,6 @@ class FrameMaker {
  private:
   std::mt19937_64 random_{1};
   std::shared_ptr<const Scene> scene_;
-};
-
-/// A folder that is gone after the test.
-class TestFolder {
- public:
-  TestFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "coopdyn-record-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~TestFolder() {
-    std::error_code none;
-    std::filesystem::remove_all(folder_, none);
-  }
-  TestFolder(const TestFolder&) = delete;
-  TestFolder& operator=(const TestFolder&) = delete;
-  std::string File(const std::string& name) const { return (folder_ / name).string(); }
-
- private:
-  std::filesystem::path folder_;
 };
 
 /// A writer of `file` with everything recorded, that begins with `state`.

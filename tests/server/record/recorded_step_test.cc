@@ -142,13 +142,19 @@ TEST(RecordedStepTest, AnglesBeyondTheUnitsAreHeld) {
   EXPECT_NEAR(read[0].wheel_angle_rad[1], -5497558.13887, 1e-6);
 }
 
+/// What `encode` writes of a frame, read again.
+std::vector<float> FloatsOf(const Frame& frame, void (*encode)(const Frame&, std::vector<std::byte>&)) {
+  std::vector<std::byte> blob;
+  encode(frame, blob);
+  std::vector<float> floats;
+  EXPECT_TRUE(DecodeFloats(blob, floats));
+  return floats;
+}
+
 TEST(RecordedStepTest, ReadingsAreThoseOfTheSensors) {
   FrameMaker maker(RecordScene());
   const auto frame = maker.Make(1);
-  std::vector<std::byte> blob;
-  EncodeDistances(*frame, blob);
-  std::vector<float> distances;
-  ASSERT_TRUE(DecodeFloats(blob, distances));
+  const std::vector<float> distances = FloatsOf(*frame, EncodeDistances);
   std::size_t at = 0;
   for (int robot = 0; robot < 3; ++robot) {
     for (const double range_m : Distances(*frame, robot)) {
@@ -163,10 +169,7 @@ TEST(RecordedStepTest, ReadingsAreThoseOfTheSensors) {
 TEST(RecordedStepTest, TargetsThatAreNotSeenAreNoNumbers) {
   FrameMaker maker(RecordScene());
   const auto frame = maker.Make(1);
-  std::vector<std::byte> blob;
-  EncodeTargets(*frame, blob);
-  std::vector<float> values;
-  ASSERT_TRUE(DecodeFloats(blob, values));
+  const std::vector<float> values = FloatsOf(*frame, EncodeTargets);
   ASSERT_EQ(values.size(), 3U * 2U * 2U);
   std::size_t seen = 0;
   for (int robot = 0; robot < 3; ++robot) {

@@ -2,6 +2,7 @@
 // What is left of a recording when the file may not grow or the process is killed.
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>

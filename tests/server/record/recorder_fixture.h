@@ -86,7 +86,7 @@ class RecorderTest : public testing::Test {
     clock_.AwaitWaiter();
   }
 
-  TestFolder folder_;
+  TempFolder folder_;
   const std::string file_ = folder_.File("lesson1.run");
   FrameMaker maker_{RecordScene()};
   GateClock clock_;

@@ -67,8 +67,8 @@ class RunReaderDamageTest : public testing::Test {
     for (std::uint64_t scene = 0; scene < 3; ++scene) reader_->SceneOf(scene);
   }
 
-  const TestFolder folder_;
-  const std::string file_ = folder_ / "lesson1.run";
+  const TempFolder folder_;
+  const std::string file_ = folder_.File("lesson1.run");
   const SampleRun sample_;
   std::unique_ptr<RunReader> reader_;
 };

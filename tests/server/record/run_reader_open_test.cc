@@ -21,7 +21,7 @@ class RunReaderOpenTest : public testing::Test {
   }
   /// A copy of a recording as a crash would leave it, with its log.
   std::string CrashCopy() {
-    const std::string left = folder_ / "left.run";
+    const std::string left = folder_.File("left.run");
     const auto writer = sample_.Write(file_, {.close = false});
     fs::copy_file(file_, left);
     fs::copy_file(file_ + "-wal", left + "-wal");
@@ -32,8 +32,8 @@ class RunReaderOpenTest : public testing::Test {
     for (int i = 0; i < 12; ++i) reader_->extent();
   }
 
-  const TestFolder folder_;
-  const std::string file_ = folder_ / "lesson1.run";
+  const TempFolder folder_;
+  const std::string file_ = folder_.File("lesson1.run");
   const SampleRun sample_;
   std::unique_ptr<RunReader> reader_;
 };
@@ -133,7 +133,7 @@ TEST_F(RunReaderOpenTest, WhatACrashLeftIsMended) {
 }
 
 TEST_F(RunReaderOpenTest, LostStepsAreCountedWhenItIsMended) {
-  const std::string left = folder_ / "left.run";
+  const std::string left = folder_.File("left.run");
   {
     const auto writer = sample_.Write(file_, {.lost_from = 5, .lost_to = 9, .close = false});
     fs::copy_file(file_, left);
@@ -150,7 +150,7 @@ TEST_F(RunReaderOpenTest, ACutLogIsReadUpToItsLastWholeCommit) {
   const auto size = fs::file_size(left + "-wal");
   for (const std::uintmax_t part : {9, 5, 1}) {
     fs::resize_file(left + "-wal", size * part / 10);
-    const std::string copy = folder_ / ("cut" + std::to_string(part) + ".run");
+    const std::string copy = folder_.File("cut" + std::to_string(part) + ".run");
     fs::copy_file(left, copy);
     fs::copy_file(left + "-wal", copy + "-wal");
     std::string error;

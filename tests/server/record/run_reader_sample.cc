@@ -2,10 +2,8 @@
 #include "tests/server/record/run_reader_sample.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
 
 namespace coopdyn {
 
@@ -27,18 +25,6 @@ name robot2
 position 1 0
 fidelity planar
 )";
-
-TestFolder::TestFolder() {
-  std::string name = testing::TempDir() + "coopdyn_run_XXXXXX";
-  EXPECT_NE(::mkdtemp(name.data()), nullptr);
-  path_ = name;
-}
-
-TestFolder::~TestFolder() {
-  std::error_code ignored;
-  std::filesystem::permissions(path_, std::filesystem::perms::owner_all, ignored);
-  std::filesystem::remove_all(path_, ignored);
-}
 
 SearchPath SourcePath() {
   SearchPath path;

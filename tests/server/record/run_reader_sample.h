@@ -4,7 +4,6 @@
 // step a client gives robot 0 the set-points {0.01 k, −0.01 k}; every fifth step robot 1 broadcasts {k}.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,20 +11,9 @@
 #include "server/model/readers.h"
 #include "server/record/run_writer.h"
 #include "server/state/saved_state.h"
+#include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {
-
-/// A folder that goes away with it.
-class TestFolder {
- public:
-  TestFolder();
-  ~TestFolder();
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Where the shipped robots are.
 SearchPath SourcePath();

@@ -25,8 +25,8 @@ class RunReaderTest : public testing::Test {
     reader_->UseScenario(sample_.scenario());
   }
 
-  const TestFolder folder_;
-  const std::string file_ = folder_ / "lesson1.run";
+  const TempFolder folder_;
+  const std::string file_ = folder_.File("lesson1.run");
   const SampleRun sample_;
   std::unique_ptr<RunReader> reader_;
 };

@@ -55,7 +55,7 @@ class RunWriterTest : public testing::Test {
     Close(*writer);
   }
 
-  TestFolder folder_;
+  TempFolder folder_;
   const std::string file_ = folder_.File("test.run");
   FrameMaker maker_{RecordScene()};
 };

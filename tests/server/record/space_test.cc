@@ -10,7 +10,7 @@ namespace {
 TEST(SpaceTest, TheEstimateIsThatOfTheFile) {
   FrameMaker maker(RecordScene());
   const SavedStatePtr start = maker.Start();
-  TestFolder folder;
+  TempFolder folder;
   for (const Nanoseconds pose_every : {Nanoseconds{0}, Nanoseconds{50'000'000}}) {
     const RecordWhat what{true, true, true, true};
     const std::string file = folder.File("space" + std::to_string(pose_every) + ".run");

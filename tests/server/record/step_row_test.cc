@@ -8,7 +8,7 @@ namespace {
 
 TEST(StepRowTest, TheBytesOfARowAreThoseThatAreWritten) {
   FrameMaker maker(RecordScene());
-  TestFolder folder;
+  TempFolder folder;
   const std::string file = folder.File("rows.run");
   const SavedStatePtr start = maker.Start();
   const RecordWhat what{true, true, true, true};
