@@ -10,11 +10,12 @@
 #include <fstream>
 #include <utility>
 
+#include "clients/cpp/codes.h"
+
 namespace coopdyn::client {
 namespace {
 
 constexpr std::size_t kMaxHead = 65536;
-constexpr int kNotPossible = 5, kNoSuchName = 10, kTimedOut = 11;
 
 /// A socket that is closed at the end.
 class Socket {

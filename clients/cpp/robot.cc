@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <utility>
 
+#include "clients/cpp/arguments.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/raw_call.h"
 #include "clients/cpp/session.h"
@@ -15,11 +15,6 @@ namespace {
 
 constexpr std::size_t kMaxMessage = 8;
 constexpr double kLabelsLive_s = 0.5;  // ids and colours of targets are asked for again after this
-
-double Finite(double value, const char* what) {
-  if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
-  return value;
-}
 
 /// Throws Error 7 if a reply is shorter than its command promises.
 std::vector<double> Values(const Message& reply, std::size_t count) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "clients/cpp/codes.h"
 #include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
 
@@ -13,9 +14,7 @@ namespace coopdyn::client {
 namespace {
 
 constexpr int kLockstep = 1;
-constexpr int kOwned = 6, kNoSuchName = 10, kNotPossible = 5;
 constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
-constexpr double kRequestTimeout_s = 10;
 
 bool CarriesMode(std::int32_t id) {
   return id == command::kReady || id == command::kGetTime || id == command::kSetWheelSpeeds ||

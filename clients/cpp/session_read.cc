@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "clients/cpp/codes.h"
 #include "clients/cpp/session.h"
 #include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
@@ -10,9 +11,7 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr int kNoSuchName = 10, kNotPossible = 5;
-constexpr std::int32_t kListed = 1000;  // robots in one status
-constexpr double kRequestTimeout_s = 10;
+constexpr std::int32_t kStatusRobots = 1000;  // robots in one status
 
 }  // namespace
 
@@ -44,7 +43,7 @@ std::vector<std::string> Session::RobotNames() {
   std::vector<std::string> names;
   while (true) {  // a status lists so many at a time
     const auto first = static_cast<std::int32_t>(names.size() + 1);
-    const Json status = Json::Parse(Control(command::kGetStatus, {first, kListed}).text);
+    const Json status = Json::Parse(Control(command::kGetStatus, {first, kStatusRobots}).text);
     for (const Json& robot : status["robots"].items()) names.push_back(robot["name"].text());
     if (status["robots"].size() == 0 || static_cast<double>(names.size()) >= status["robot_count"].number())
       return names;

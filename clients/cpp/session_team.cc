@@ -6,15 +6,13 @@
 #include <set>
 #include <utility>
 
+#include "clients/cpp/codes.h"
 #include "clients/cpp/session.h"
 #include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
 
 namespace coopdyn::client {
 namespace {
-
-constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10;
-constexpr double kRequestTimeout_s = 10;
 
 std::string FirstWord(const std::string& text) {
   return text.substr(0, text.find(' '));

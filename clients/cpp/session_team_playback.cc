@@ -4,6 +4,7 @@
 #include <numeric>
 #include <set>
 
+#include "clients/cpp/codes.h"
 #include "clients/cpp/session.h"
 #include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
@@ -11,7 +12,6 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10;
 constexpr std::int32_t kMostGaps = 100000;
 constexpr const char* kPlaying = "playing a recording";  // how an error begins
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <utility>
 
+#include "clients/cpp/arguments.h"
+#include "clients/cpp/codes.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/page.h"
 #include "clients/cpp/raw_call.h"
@@ -18,13 +19,8 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr double kLoadTimeout_s = 60, kPictureTimeout_s = 30;
+constexpr double kPictureTimeout_s = 30;
 constexpr const char* kModes[] = {"realtime", "lockstep", "free"};
-
-double Finite(double value, const char* what) {
-  if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
-  return value;
-}
 
 int AtLeastOne(int value, const char* what) {
   if (value < 1) throw Error(4, std::string(what) + " must be at least 1");

@@ -2,9 +2,10 @@
 // Recordings, playback and saved states of a simulation.
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <utility>
 
+#include "clients/cpp/arguments.h"
+#include "clients/cpp/codes.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/page.h"
 #include "clients/cpp/session.h"
@@ -14,15 +15,9 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr double kLoadTimeout_s = 60;     // for what builds a world or closes a file
 constexpr double kExportTimeout_s = 600;  // for a long recording as a MAT file, for repeating a part of a run
 constexpr const char* kRecorder = "/recorder";
 constexpr const char* kPlayback = "/playback";
-
-double Finite(double value, const char* what) {
-  if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
-  return value;
-}
 
 /// One word that the daemon takes as a name.
 std::string Word(const std::string& text, const char* what) {

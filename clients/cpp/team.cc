@@ -15,7 +15,7 @@ namespace coopdyn::client {
 namespace {
 
 constexpr const char* kReadings[] = {"pose", "distances", "targets", "neighbours", "wheels"};
-constexpr const char* kListed = "pose, distances, targets, neighbours, wheels";
+constexpr const char* kReadingWords = "pose, distances, targets, neighbours, wheels";
 
 Rows TeamReading::*RowsOf(const std::string& name) {
   static constexpr Rows TeamReading::*kRows[] = {&TeamReading::pose, &TeamReading::distances,
@@ -166,10 +166,11 @@ TeamReading Team::ToReading(Message reply) {
 void Team::select(const std::vector<std::string>& readings, int neighbours) {
   std::string words;
   for (const std::string& name : readings) {
-    if (RowsOf(name) == nullptr) throw Error(4, "there is no reading '" + name + "'; there are: " + kListed);
+    if (RowsOf(name) == nullptr)
+      throw Error(4, "there is no reading '" + name + "'; there are: " + kReadingWords);
     words += (words.empty() ? "" : " ") + name;
   }
-  if (words.empty()) throw Error(3, std::string("nothing was chosen; there are: ") + kListed);
+  if (words.empty()) throw Error(3, std::string("nothing was chosen; there are: ") + kReadingWords);
   if (neighbours < 1) throw Error(4, "neighbours must be at least 1");
   session_->SettleTeam(*link_);
   session_->Select(*link_, words, neighbours);

@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kGrain = 256;        // robots that a thread takes at a time
+constexpr std::size_t kListedGrain = 256;  // robots that a thread takes at a time
 constexpr std::size_t kFixedGrain = 4096;  // if there are no lists: hardly any work
 constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
 
@@ -54,7 +54,7 @@ void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> w
     }
   };
   // By reference: a std::function of what it captures would allocate.
-  pool_.For(wanted.size(), listed ? kGrain : kFixedGrain, std::cref(work));
+  pool_.For(wanted.size(), listed ? kListedGrain : kFixedGrain, std::cref(work));
   if (listed) PlaceLists(wanted, set);
 }
 

@@ -16,7 +16,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kGrain = 16;  // robots that a worker takes at a time
+constexpr std::size_t kStepGrain = 16;  // robots that a worker takes at a time
 
 void CopyText(char* to, std::size_t size, const std::string& text) {
   const std::size_t length = std::min(size - 1, text.size());
@@ -206,7 +206,7 @@ void Runner::StepAll(WorkerPool& pool) {
   const std::size_t workers = std::clamp<std::size_t>(header().workers, 1, kMaxWorkers);
   // To wake a thread costs more than many a controller's step. It changes nothing but the time it takes.
   const bool shared = item_time_ * static_cast<Nanoseconds>(count) >= header().share_from_ns;
-  const std::size_t parts = shared ? std::min(workers, (count + kGrain - 1) / kGrain) : 1;
+  const std::size_t parts = shared ? std::min(workers, (count + kStepGrain - 1) / kStepGrain) : 1;
   const SteadyClock clock;
   const Nanoseconds begun = clock.Now();
   next_.store(0, std::memory_order_relaxed);
@@ -226,9 +226,9 @@ void Runner::StepSome(std::size_t worker) {
   const std::size_t count = header().item_count;
   const std::uint32_t* items = In<std::uint32_t>(header().items);
   for (;;) {
-    const std::size_t first = next_.fetch_add(kGrain, std::memory_order_relaxed);
+    const std::size_t first = next_.fetch_add(kStepGrain, std::memory_order_relaxed);
     if (first >= count) break;
-    for (std::size_t i = first; i < std::min(count, first + kGrain); ++i) {
+    for (std::size_t i = first; i < std::min(count, first + kStepGrain); ++i) {
       Begin(worker, items[i]);
       Step(items[i], workers_[worker]);
     }

@@ -11,7 +11,7 @@ namespace coopdyn {
 namespace {
 
 // What lies beyond is sorted into the cells at the edge, so that no sum overflows.
-constexpr double kReach_m = 1e12;
+constexpr double kFurthest_m = 1e12;
 
 }  // namespace
 
@@ -31,10 +31,10 @@ void UniformGrid::Build(std::span<const Aabb2> boxes, double cell_m) {
     all.max_x = std::max(all.max_x, box.max_x);
     all.max_y = std::max(all.max_y, box.max_y);
   }
-  min_x_ = std::clamp(all.min_x, -kReach_m, kReach_m);
-  min_y_ = std::clamp(all.min_y, -kReach_m, kReach_m);
-  const double length_x = std::clamp(all.max_x, -kReach_m, kReach_m) - min_x_;
-  const double length_y = std::clamp(all.max_y, -kReach_m, kReach_m) - min_y_;
+  min_x_ = std::clamp(all.min_x, -kFurthest_m, kFurthest_m);
+  min_y_ = std::clamp(all.min_y, -kFurthest_m, kFurthest_m);
+  const double length_x = std::clamp(all.max_x, -kFurthest_m, kFurthest_m) - min_x_;
+  const double length_y = std::clamp(all.max_y, -kFurthest_m, kFurthest_m) - min_y_;
   const auto cells = [this](double length) { return std::floor(length / cell_m_) + 1; };
   while (cells(length_x) * cells(length_y) > kMaxCells) cell_m_ *= 2;
   columns_ = static_cast<int>(cells(length_x));

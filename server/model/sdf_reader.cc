@@ -19,7 +19,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kMaxLength_m = 1e3;
+constexpr double kMaxSize_m = 1e3;
 constexpr double kMinLength_m = 1e-4;
 
 Vector3 ToVector(const ignition::math::Vector3d& v) {
@@ -122,7 +122,7 @@ class RobotReader {
   Pose CheckedPose(const ignition::math::Pose3d& pose, const sdf::ElementPtr& element,
                    const std::string& what) {
     const Pose out = ToPose(pose);
-    if (!out.p.allFinite() || !out.q.coeffs().allFinite() || out.p.cwiseAbs().maxCoeff() > kMaxLength_m) {
+    if (!out.p.allFinite() || !out.q.coeffs().allFinite() || out.p.cwiseAbs().maxCoeff() > kMaxSize_m) {
       Error(LineOf(element), "the pose of " + what + " is not finite or more than 1 km away");
       return {};
     }
@@ -138,7 +138,7 @@ class RobotReader {
 
   std::optional<Shape> ToShape(const sdf::Geometry& geometry, int line, const std::string& what) {
     const auto good = [&](double size) {
-      return std::isfinite(size) && size >= kMinLength_m && size <= kMaxLength_m;
+      return std::isfinite(size) && size >= kMinLength_m && size <= kMaxSize_m;
     };
     Shape shape;
     bool fine = false;

@@ -14,7 +14,7 @@ constexpr double kLarge = 4;
 constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
 
 template <typename A, typename B>
-bool Overlap(const A& a, const B& b) {
+bool Meet(const A& a, const B& b) {
   const double dx = a.x - b.x, dy = a.y - b.y, reach = a.radius_m + b.radius_m;
   return dx * dx + dy * dy <= reach * reach;
 }
@@ -88,12 +88,12 @@ void CircleGrid::FindPairs(std::span<const Circle> circles, std::vector<Pair>& p
       for (std::uint32_t i = first; i < end; ++i) {
         const Item& a = items_[i];
         for (std::uint32_t j = i + 1; j < end; ++j) {
-          if (Overlap(a, items_[j])) add(a.index, items_[j].index);
+          if (Meet(a, items_[j])) add(a.index, items_[j].index);
         }
         for (const int neighbour : neighbours) {
           const std::size_t n = static_cast<std::size_t>(neighbour);
           for (std::uint32_t j = starts_[n]; j < starts_[n + 1]; ++j) {
-            if (Overlap(a, items_[j])) add(a.index, items_[j].index);
+            if (Meet(a, items_[j])) add(a.index, items_[j].index);
           }
         }
       }
@@ -103,7 +103,7 @@ void CircleGrid::FindPairs(std::span<const Circle> circles, std::vector<Pair>& p
     const std::uint32_t a = large_[k];
     for (std::uint32_t b = 0; b < circles.size(); ++b) {
       const bool also_large = cells_[b] == kNoCell;
-      if ((also_large && b <= a) || !Overlap(circles[a], circles[b])) continue;
+      if ((also_large && b <= a) || !Meet(circles[a], circles[b])) continue;
       add(a, b);
     }
   }

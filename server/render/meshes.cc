@@ -8,9 +8,9 @@ namespace coopdyn {
 
 namespace {
 
-class Builder {
+class MeshBuilder {
  public:
-  explicit Builder(Meshes& meshes) : meshes_(meshes) {}
+  explicit MeshBuilder(Meshes& meshes) : meshes_(meshes) {}
 
   void Begin(MeshId id) {
     range_ = &meshes_.ranges[static_cast<std::size_t>(id)];
@@ -39,7 +39,7 @@ class Builder {
   std::size_t base_ = 0;
 };
 
-void AddBox(Builder& build) {
+void AddBox(MeshBuilder& build) {
   build.Begin(MeshId::kBox);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
@@ -61,7 +61,7 @@ void AddBox(Builder& build) {
   build.End();
 }
 
-void AddCylinder(Builder& build, MeshId id, int segments) {
+void AddCylinder(MeshBuilder& build, MeshId id, int segments) {
   build.Begin(id);
   for (int i = 0; i < segments; ++i) {
     const double angle = 2 * std::numbers::pi * i / segments;
@@ -82,7 +82,7 @@ void AddCylinder(Builder& build, MeshId id, int segments) {
   build.End();
 }
 
-void AddSphere(Builder& build, MeshId id, int segments) {
+void AddSphere(MeshBuilder& build, MeshId id, int segments) {
   const int rings = segments / 2;
   build.Begin(id);
   for (int ring = 0; ring <= rings; ++ring) {
@@ -108,7 +108,7 @@ void AddSphere(Builder& build, MeshId id, int segments) {
 
 Meshes MakeMeshes() {
   Meshes meshes;
-  Builder build(meshes);
+  MeshBuilder build(meshes);
   AddBox(build);
   AddCylinder(build, MeshId::kCylinder8, 8);
   AddCylinder(build, MeshId::kCylinder16, 16);

@@ -12,8 +12,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kGrain = 64;       // robots that one thread takes at a time
-constexpr double kWorthThreads_us = 60;  // less work is done before another thread has woken up
+constexpr std::size_t kReadingGrain = 64;  // robots that one thread takes at a time
+constexpr double kWorthThreads_us = 60;    // less work is done before another thread has woken up
 
 /// About what the distances of one robot cost (docs/decisions.md has the figures measured).
 double Cost_us(const SceneSensing::RobotType& type) {
@@ -123,7 +123,7 @@ void PrepareDistances(const Frame& frame, std::span<const int> robots, WorkerPoo
   if (robots.empty() || count * Cost_us(cache.scene().type(robots.front())) < kWorthThreads_us) {
     compute(0, robots.size());
   } else {
-    pool.For(robots.size(), kGrain, compute);
+    pool.For(robots.size(), kReadingGrain, compute);
   }
 }
 

@@ -7,7 +7,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kGrain = 256;  // robots that one thread takes at a time
+constexpr std::size_t kPlaceGrain = 256;  // robots that one thread takes at a time
 constexpr double kMinCell_m = 0.05;
 
 }  // namespace
@@ -32,8 +32,8 @@ void RobotField::Build(const Frame& frame, const SceneSensing& scene, WorkerPool
     for (std::size_t k = first; k < end; ++k) entries_[k] = by_robot_[grid_.order()[k]];
   };
   const auto run = [&](const auto& work) {
-    if (pool != nullptr && count > 4 * kGrain) {
-      pool->For(count, kGrain, work);
+    if (pool != nullptr && count > 4 * kPlaceGrain) {
+      pool->For(count, kPlaceGrain, work);
     } else {
       work(0, count);
     }

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// Numbers of the protocol, and how long it is waited for an answer.
+#pragma once
+
+namespace coopdyn::client {
+
+/// Error codes that this library acts on.
+inline constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10, kTimedOut = 11;
+
+inline constexpr double kRequestTimeout_s = 10;  // for what is answered at once
+inline constexpr double kLoadTimeout_s = 60;     // for what builds a world or closes a file
+
+}  // namespace coopdyn::client
