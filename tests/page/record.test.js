@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A run is recorded from the page, copied from it, and played.
 import assert from 'node:assert/strict';
-import {mkdtemp, rm, writeFile} from 'node:fs/promises';
+import {mkdtemp, readFile, rm, writeFile} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
-import {eventually, launchBrowser, nextPicture, openPage, startDaemon, startPlayer} from './harness.js';
+import {call, eventually, launchBrowser, nextPicture, openPage, startDaemon, startPlayer} from './harness.js';
 
 let browser;
 let folder;
@@ -60,6 +60,73 @@ test('a run is recorded by a button, copied, and played', async () => {
     await hasText(page, '#message', /playing a recording/);
     await page.click('#run');
     await hasText(page, '#state', /^playing$/);
+    assert.deepEqual(page.mistakes, []);
+    await page.close();
+  } finally {
+    await player.stop();
+  }
+});
+
+/** Downloads what the link of the list that ends with `extension` leads to. */
+async function download(page, extension) {
+  const [{suggestedFilename, path}] = await Promise.all([
+    page.waitForEvent('download').then((event) => ({suggestedFilename: event.suggestedFilename(), path: event.path()})),
+    page.click(`#runs-list a[href$="${extension}"]`)]);
+  return {name: suggestedFilename, bytes: await readFile(await path)};
+}
+
+test('recordings are listed, and copied by their links', async () => {
+  const recordings = await mkdtemp(join(folder, 'listed-'));
+  const daemon = await startDaemon('classroom', '--recordings', recordings);
+  try {
+    const page = await openPage(browser, daemon.url);
+    await page.click('#runs-title');
+    await hasText(page, '#runs-list', /^none yet$/);
+
+    assert.equal((await call(daemon.url, {module: '/recorder', command: 'start', text: 'lesson1'})).error, 0);
+    await hasText(page, '#runs-title', /^Recordings \(1\)$/);
+    await hasText(page, '#runs-list', /^lesson1\.run.*being recorded$/);
+    assert.equal(await page.locator('#runs-list a').count(), 0);
+
+    await eventually(async () => (await (await fetch(new URL('runs', daemon.url))).json())[0].steps > 20);
+    assert.equal((await call(daemon.url, {module: '/recorder', command: 'stop'})).error, 0);
+    await hasText(page, '#runs-list', /^lesson1\.run\d+\.\d s\.run \.mat$/);
+    const run = await download(page, '.run');
+    assert.equal(run.name, 'lesson1.run');
+    assert.match(run.bytes.subarray(0, 15).toString(), /^SQLite format 3$/);
+    const mat = await download(page, '.mat');
+    assert.equal(mat.name, 'lesson1.mat');
+    assert.match(mat.bytes.subarray(0, 19).toString(), /^MATLAB 5\.0 MAT-file$/);
+
+    await writeFile(join(recordings, 'torn.run'), 'no recording');
+    await page.click('#runs-title');
+    await page.click('#runs-title');
+    await hasText(page, '#runs-title', /^Recordings \(2\)$/);
+    await hasText(page, '#runs-list', /torn\.runcannot be read/);
+    assert.deepEqual(page.mistakes, []);
+    await page.close();
+  } finally {
+    await daemon.stop();
+  }
+});
+
+test('a branch by somebody else ends what was said of the recording', async () => {
+  const name = 'branched.run';
+  const live = await startDaemon('classroom', '--record', join(folder, name));
+  try {
+    await eventually(async () => (await (await fetch(new URL('api/status', live.url))).json()).step > 20);
+  } finally {
+    await live.stop();
+  }
+  const player = await startPlayer(join(folder, name), '--loop');
+  try {
+    const page = await openPage(browser, player.url);
+    await page.click('#stop-all');
+    await hasText(page, '#message.error', /playing a recording/);
+    assert.equal((await call(player.url, {module: '/playback', command: 'branch'})).error, 0);
+    await hasText(page, '#message:not(.error)', /^branched\.run is not played any more: the run is live$/);
+    await hasText(page, '#state', /^running$/);
+    await hasText(page, '#playback', /^$/);
     assert.deepEqual(page.mistakes, []);
     await page.close();
   } finally {

@@ -6,6 +6,7 @@ import {Controls, showVersion} from './controls.js';
 import {byId, say, setText} from './dom.js';
 import {Record} from './record.js';
 import {Robots} from './robots.js';
+import {Runs} from './runs.js';
 import {Strip} from './strip.js';
 import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
@@ -14,6 +15,7 @@ const connection = new Connection(rememberedToken());
 const strip = new Strip();
 const controls = new Controls(connection);
 const record = new Record(connection);
+const runs = new Runs();
 const robots = new Robots(connection);
 const lines = new Console(connection);
 new View(connection);
@@ -38,6 +40,7 @@ connection.addEventListener('status', ({detail: status}) => {
   strip.update(status);
   controls.update(status);
   record.update(status);
+  runs.update(status);
   const unknown = robots.update(status);
   const now = performance.now();
   if (status && (status.scenario !== scenario || (unknown && now - lastRefresh > 2000))) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The strip at the top, to be read from the last row: state, mode, time, real-time factor, and whom the world waits for.
-import {byId, make, setText, showNumber} from './dom.js';
+import {byId, make, say, setText, showNumber} from './dom.js';
 
 const SHOWN_ROBOTS = 4;
 const SHORT_WAIT_S = 0.5;  // a lockstep world awaits its robots before every step; shorter waits are no news
@@ -38,6 +38,7 @@ export function playbackText(playback) {
 
 export class Strip {
   #lastEvents = '';
+  #played = null;  // the file
 
   update(status) {
     const state = status ? stateText(status) : 'no answer';
@@ -49,11 +50,18 @@ export class Strip {
     byId('rtf').title = 'real-time factor: simulated seconds per second';
     setText(byId('scenario-name'), status?.scenario ?? '');
     setText(byId('playback'), playbackText(status?.playback));
+    if (status) this.#followPlayback(status.playback?.file ?? null);
     const frozen = status?.frozen ?? [];
     const warning = frozen.length > 0 ? `frozen: ${frozen.join(', ')}` : '';
     const lines = status ? [waitingText(status), warning].filter(Boolean).join(' · ') : '';
     setText(byId('waiting'), lines);
     this.#showEvents(status?.events ?? []);
+  }
+
+  /** The end of a playback, also by somebody else, replaces what was said of it, such as "playing a recording". */
+  #followPlayback(file) {
+    if (this.#played !== null && file === null) say(`${this.#played} is not played any more: the run is live`);
+    this.#played = file;
   }
 
   #showEvents(events) {

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// The recordings that the daemon keeps, to copy from it.
+import {byId, make, setText, showNumber} from './dom.js';
+
+const link = (name) => make('a', {href: `runs/${encodeURIComponent(name)}`, download: ''}, name.slice(name.lastIndexOf('.')));
+
+/** `lesson1.run 12.5 s .run .mat`, or why it cannot be copied. `url` is null for what cannot. */
+function row({name, seconds, recording, url}) {
+  const length = seconds === null ? '' : `${showNumber(seconds, 1)} s`;
+  const copies = url === null ? [make('span', {class: 'quiet'}, recording ? 'being recorded' : 'cannot be read')]
+    : [link(name), ' ', link(name.replace(/\.run$/, '.mat'))];
+  return make('li', {}, make('span', {class: 'run-name'}, name), make('span', {class: 'number'}, length),
+    make('span', {}, ...copies));
+}
+
+export class Runs {
+  #recording;  // when the list was last asked for
+  #asked = 0;
+
+  constructor() {
+    byId('runs').addEventListener('toggle', () => { if (byId('runs').open) this.#refresh(); });
+  }
+
+  /** A recording that has begun or ended changes the list. */
+  update(status) {
+    if (!status || status.recording === this.#recording) return;
+    this.#recording = status.recording;
+    this.#refresh();
+  }
+
+  async #refresh() {
+    const asked = ++this.#asked;
+    let runs;
+    try {
+      runs = await (await fetch('runs')).json();
+    } catch { return; /* the daemon is gone: the banner says so */ }
+    if (asked !== this.#asked) return;
+    setText(byId('runs-title'), runs.length > 0 ? `Recordings (${runs.length})` : 'Recordings');
+    const rows = runs.length > 0 ? runs.map(row) : [make('li', {class: 'quiet'}, 'none yet')];
+    byId('runs-list').replaceChildren(...rows);
+  }
+}
