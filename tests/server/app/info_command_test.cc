@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -13,22 +12,13 @@
 #include "server/app/commands.h"
 #include "server/model/readers.h"
 #include "server/record/run_writer.h"
+#include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {
 namespace {
 
-namespace fs = std::filesystem;
-
 class InfoCommandTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = testing::TempDir() + "coopdyn_info_XXXXXX";
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    file_ = (folder_ / "lesson1.run").string();
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   /// Four steps of 10 ms of `robots` robots; step 3 is lost.
   std::unique_ptr<RunWriter> Record(int robots = 1) {
     SearchPath path;
@@ -104,8 +94,9 @@ class InfoCommandTest : public testing::Test {
     EXPECT_NE(out_.str().find(line), std::string::npos) << line << "\nis not in\n" << out_.str();
   }
 
-  fs::path folder_;
-  std::string file_, last_hash_;
+  const TempFolder folder_;
+  const std::string file_ = folder_.File("lesson1.run");
+  std::string last_hash_;
   std::ostringstream out_, errors_;
 };
 
@@ -173,7 +164,7 @@ TEST_F(InfoCommandTest, JsonHasTheSameAsText) {
 
 TEST_F(InfoCommandTest, ABadFileIsAnErrorAndTheOthersAreToldOf) {
   RecordAndClose();
-  const std::string bad = (folder_ / "bad.run").string();
+  const std::string bad = folder_.File("bad.run");
   std::ofstream(bad) << std::string(2000, 'x');
   EXPECT_EQ(Run(Of({bad, file_})), kExitErrors);
   EXPECT_NE(errors_.str().find("coopdyn: " + bad + " is not a recording of coopdyn"), std::string::npos);

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <deque>
 #include <filesystem>
@@ -19,6 +18,7 @@
 #include "server/base/mutex.h"
 #include "server/control/global_module.h"
 #include "server/state/run_control.h"
+#include "tests/server/base/temp_folder.h"
 #include "tests/server/devices/fake_client.h"
 #include "tests/server/devices/small_world.h"
 
@@ -64,12 +64,6 @@ class TestThread {
 
 class GlobalModuleTest : public testing::Test {
  protected:
-  GlobalModuleTest() {
-    std::string pattern = testing::TempDir() + "coopdyn_runs_XXXXXX";
-    folder_ = ::mkdtemp(pattern.data());
-  }
-  ~GlobalModuleTest() override { std::filesystem::remove_all(folder_); }
-
   /// What the stepping thread does with the edits that wait; all are kept in applied_.
   void ApplyEdits() {
     for (Edit& each : edits_.TakeAll()) {
@@ -125,7 +119,8 @@ class GlobalModuleTest : public testing::Test {
     return std::get<T>(applied_.back());
   }
 
-  std::filesystem::path folder_;
+  const TempFolder temp_folder_;
+  const std::filesystem::path& folder_ = temp_folder_.path();
   ManualClock clock_;
   Logger logger_ = NullLogger();
   ConnectionRoster roster_;

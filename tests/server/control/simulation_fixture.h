@@ -4,16 +4,14 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <boost/json.hpp>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/control/simulation_module.h"
+#include "tests/server/base/temp_folder.h"
 #include "tests/server/devices/fake_client.h"
 #include "tests/server/devices/small_world.h"
 
@@ -38,8 +36,6 @@ class FakeActions final : public ControlActions {
 class SimulationModuleTest : public testing::Test {
  protected:
   SimulationModuleTest() {
-    folder_ = std::filesystem::path(testing::TempDir()) / ("coopdyn_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
     Write("hall.scenario", "[FLOOR]\nsize 8 8 0.1\n");
     Write("broken.scenario", "[FLOOR]\nsize 8 banana 0.1\n");
     run_.SetStatus(RunStatus{});
@@ -49,10 +45,9 @@ class SimulationModuleTest : public testing::Test {
   ~SimulationModuleTest() override {
     client_.reset();
     module_.reset();
-    std::filesystem::remove_all(folder_);
   }
 
-  void Write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+  void Write(const std::string& name, const std::string& text) { folder_.Write(name, text); }
 
   /// What the stepping thread does: answers every edit, keeping what it was.
   void ApplyEdits() {
@@ -95,13 +90,12 @@ class SimulationModuleTest : public testing::Test {
     return json::parse(Ask(line).text).as_object();
   }
 
-  std::filesystem::path folder_;
+  const TempFolder folder_;
   ManualClock clock_;
   NameTable names_;
   ConnectionRoster roster_;
   TokenGuard guard_{"secret", true};
-  RobotLibrary robots_{
-      SearchPath{{std::filesystem::path(testing::TempDir()) / ("coopdyn_" + std::to_string(getpid()))}}};
+  RobotLibrary robots_{SearchPath{{folder_.path()}}};
   Doorbell bell_;
   EditQueue edits_{bell_};
   RunControl run_;

@@ -50,42 +50,39 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"throw_on_describe", "threw an exception (speechless)"},
                     Case{"not_there", "cannot be loaded"}));
 
+/// Why the one robot stands that `controller` was to drive; empty if it does not.
+std::string WhyItStands(const std::string& controller, const ControllerOptions& options = TestOptions()) {
+  Driven driven(Swarm().Add(controller), options);
+  driven.Start();
+  EXPECT_EQ(driven.run().stopped.size(), 1u);
+  return driven.run().stopped.empty() ? "" : driven.run().stopped[0].why;
+}
+
 TEST(LoadingTest, ATextIsNoSharedObject) {
   const std::string file = testing::TempDir() + "text_controller_" + std::to_string(getpid()) + ".so";
   std::ofstream(file) << "forward 0.1\n";
-  Driven driven(Swarm().Add(file));
-  driven.Start();
-  ASSERT_EQ(driven.run().stopped.size(), 1u);
-  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("cannot be loaded"));
+  EXPECT_THAT(WhyItStands(file), HasSubstr("cannot be loaded"));
   std::remove(file.c_str());
 }
 
 TEST(LoadingTest, AProgramThatIsNotThereIsSaid) {
   ControllerOptions options = TestOptions();
   options.program = "/nowhere/coopdyn";
-  Driven driven(Swarm().Add(Sample("diffuse")), options);
-  driven.Start();
-  ASSERT_EQ(driven.run().stopped.size(), 1u);
-  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("/nowhere/coopdyn: No such file"));
+  EXPECT_THAT(WhyItStands(Sample("diffuse"), options), HasSubstr("/nowhere/coopdyn: No such file"));
 }
 
 TEST(LoadingTest, AProgramThatIsNoChildIsGivenUp) {
   ControllerOptions options = TestOptions();
   options.program = "/bin/false";
-  Driven driven(Swarm().Add(Sample("diffuse")), options);
-  driven.Start();
-  ASSERT_EQ(driven.run().stopped.size(), 1u);
-  EXPECT_THAT(driven.run().stopped[0].why,
+  EXPECT_THAT(WhyItStands(Sample("diffuse"), options),
               HasSubstr("could not run: its process cannot be started: /bin/false called exit(1)"));
 }
 
 TEST(LoadingTest, AProcessOfControllersStartsNoOther) {
   setenv("COOPDYN_CONTROLLER_CHILD", "1", 1);
-  Driven driven(Swarm().Add(Sample("diffuse")));
-  driven.Start();
+  const std::string why = WhyItStands(Sample("diffuse"));
   unsetenv("COOPDYN_CONTROLLER_CHILD");
-  ASSERT_EQ(driven.run().stopped.size(), 1u);
-  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("may not start another"));
+  EXPECT_THAT(why, HasSubstr("may not start another"));
 }
 
 TEST(LoadingTest, AControllerChangedOnDiskIsNotMixedWithTheOldOne) {

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -24,6 +23,7 @@
 #include "server/record/recorder.h"
 #include "server/record/run_reader.h"
 #include "server/replay/export_options.h"
+#include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {
 
@@ -72,20 +72,11 @@ struct RunToMake {
 
 class ExportTest : public testing::Test {
  protected:
-  ExportTest() {
-    std::string name = (std::filesystem::temp_directory_path() / "coopdyn_export_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~ExportTest() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-
-  std::string File(const std::string& name) const { return folder_ + "/" + name; }
+  std::string File(const std::string& name) const { return folder_.File(name); }
   /// Names of all that is in the test's folder, sorted.
   std::vector<std::string> Files() const {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
       names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
@@ -96,9 +87,7 @@ class ExportTest : public testing::Test {
     text << stream.rdbuf();
     return text.str();
   }
-  void Put(const std::string& name, const std::string& text) const {
-    std::ofstream(File(name), std::ios::binary) << text;
-  }
+  void Put(const std::string& name, const std::string& text) const { folder_.Write(name, text); }
   static SearchPath Path() {
     SearchPath path;
     path.folders.emplace_back(COOPDYN_SOURCE_DIR);
@@ -163,7 +152,7 @@ class ExportTest : public testing::Test {
   }
 
  private:
-  std::string folder_;
+  const TempFolder folder_;
   SteadyClock clock_;
 };
 

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
@@ -25,27 +24,9 @@
 #include "server/record/run_reader.h"
 #include "server/record/sqlite_db.h"
 #include "server/replay/state_at.h"
+#include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {
-
-/// A folder that is gone with the test.
-class RunFolder {
- public:
-  RunFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "coopdyn_replay_XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~RunFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
-  std::string File(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
 
 inline SearchPath TestPath() {
   SearchPath path;

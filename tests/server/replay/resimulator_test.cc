@@ -47,7 +47,7 @@ class ResimulatorTest : public ::testing::Test {
     return path;
   }
 
-  const RunFolder folder_;
+  const TempFolder folder_;
 };
 
 TEST_F(ResimulatorTest, LoadedControllersComputeTheSameAgain) {

@@ -50,7 +50,7 @@ class StateAtTest : public ::testing::Test {
     return hashes;
   }
 
-  const RunFolder folder_;
+  const TempFolder folder_;
 };
 
 TEST_F(StateAtTest, ABranchAtKeyframesAndBetweenHasTheOriginalHashesToTheEnd) {

@@ -54,7 +54,20 @@ class VerifyTest : public ::testing::Test {
     Drive(run);
   }
 
-  RunFolder folder_;
+  /// A bit past the head, in the middle of the first body's position.
+  void FlipKeyframe(std::uint64_t step) {
+    const std::string where = " WHERE step = " + std::to_string(step);
+    Tamper(File()).FlipBit("SELECT state FROM keyframe" + where, "UPDATE keyframe SET state = ?1" + where,
+                           8 * 63);
+  }
+  /// The repetition of a lesson that `sql` was done to.
+  VerifyReport Tampered(const std::string& sql) {
+    MakeLesson(File());
+    Tamper(File()).Run(sql);
+    return Repeat(File());
+  }
+
+  TempFolder folder_;
 };
 
 class VerifyFidelityTest : public VerifyTest, public ::testing::WithParamInterface<const char*> {};
@@ -188,9 +201,7 @@ TEST_F(VerifyTest, ACommandThatMovesARobotElsewhereIsNamedByItsPose) {
 }
 
 TEST_F(VerifyTest, ABitOfAHashIsNamed) {
-  MakeLesson(File());
-  Tamper(File()).Run("UPDATE step SET hash = hash + 1 WHERE step = 60");
-  const VerifyReport report = Repeat(File());
+  const VerifyReport report = Tampered("UPDATE step SET hash = hash + 1 WHERE step = 60");
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 60u);
   EXPECT_EQ(report.difference->field, "hash");
@@ -199,9 +210,7 @@ TEST_F(VerifyTest, ABitOfAHashIsNamed) {
 
 TEST_F(VerifyTest, ABitOfALaterKeyframeIsNamed) {
   MakeLesson(File());
-  // Past the head, in the middle of the first body's position.
-  Tamper(File()).FlipBit("SELECT state FROM keyframe WHERE step = 50",
-                         "UPDATE keyframe SET state = ?1 WHERE step = 50", 8 * 63);
+  FlipKeyframe(50);
   const VerifyReport report = Repeat(File());
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 50u);
@@ -212,8 +221,7 @@ TEST_F(VerifyTest, ABitOfALaterKeyframeIsNamed) {
 
 TEST_F(VerifyTest, ABitOfTheFirstKeyframeIsNamed) {
   MakeLesson(File());
-  Tamper(File()).FlipBit("SELECT state FROM keyframe WHERE step = 0",
-                         "UPDATE keyframe SET state = ?1 WHERE step = 0", 8 * 63);
+  FlipKeyframe(0);
   const VerifyReport report = Repeat(File());
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 0u);
@@ -221,16 +229,13 @@ TEST_F(VerifyTest, ABitOfTheFirstKeyframeIsNamed) {
 }
 
 TEST_F(VerifyTest, AStepThatTookNoTimeIsDamage) {
-  MakeLesson(File());
-  Tamper(File()).Run("UPDATE step SET time_ns = time_ns - 10000000 WHERE step = 33");
-  EXPECT_THAT(Repeat(File()).error, HasSubstr("step 33 is damaged"));
+  EXPECT_THAT(Tampered("UPDATE step SET time_ns = time_ns - 10000000 WHERE step = 33").error,
+              HasSubstr("step 33 is damaged"));
 }
 
 TEST_F(VerifyTest, LostStepsAreCountedAndItGoesOnFromTheNextKeyframe) {
-  MakeLesson(File());
-  Tamper(File()).Run(
+  const VerifyReport report = Tampered(
       "DELETE FROM step WHERE step BETWEEN 31 AND 49; UPDATE meta SET value = 19 WHERE key = 'lost'");
-  const VerifyReport report = Repeat(File());
   EXPECT_FALSE(report.difference) << ToString(report);
   EXPECT_EQ(report.not_verified, 19u);
   EXPECT_EQ(report.steps, 101u);
@@ -238,24 +243,20 @@ TEST_F(VerifyTest, LostStepsAreCountedAndItGoesOnFromTheNextKeyframe) {
 }
 
 TEST_F(VerifyTest, AStepThatIsMissingThoughNoneWasLostIsDamage) {
-  MakeLesson(File());
-  Tamper(File()).Run("DELETE FROM step WHERE step = 110");
-  const VerifyReport report = Repeat(File());
+  const VerifyReport report = Tampered("DELETE FROM step WHERE step = 110");
   EXPECT_THAT(report.error, HasSubstr("11 steps cannot be verified, though it says that 0 were lost"));
   EXPECT_EQ(report.steps, 109u);
   EXPECT_EQ(report.not_verified, 11u);
 }
 
 TEST_F(VerifyTest, StepsCutOffTheEndAreDamage) {
-  MakeLesson(File());
-  Tamper(File()).Run("DELETE FROM step WHERE step > 100");
-  EXPECT_THAT(Repeat(File()).error, HasSubstr("20 steps are missing at its end"));
+  EXPECT_THAT(Tampered("DELETE FROM step WHERE step > 100").error,
+              HasSubstr("20 steps are missing at its end"));
 }
 
 TEST_F(VerifyTest, AChangedPictureOfAnUnchangedRunIsNamed) {
-  MakeLesson(File());
-  Tamper(File()).Run("UPDATE step SET poses = (SELECT poses FROM step WHERE step = 90) WHERE step = 91");
-  const VerifyReport report = Repeat(File());
+  const VerifyReport report =
+      Tampered("UPDATE step SET poses = (SELECT poses FROM step WHERE step = 90) WHERE step = 91");
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 91u);
   EXPECT_EQ(report.steps, 90u);
@@ -293,11 +294,9 @@ TEST_F(VerifyTest, ACommandOfNobodyWithoutEffectIsNamed) {
 }
 
 TEST_F(VerifyTest, AnotherBuildAndProcessorAreSaid) {
-  MakeLesson(File());
-  Tamper(File()).Run(
+  const VerifyReport report = Tampered(
       "UPDATE meta SET value = '0123456789abcdef' WHERE key = 'build';"
       "UPDATE meta SET value = 'Abacus' WHERE key = 'cpu'");
-  const VerifyReport report = Repeat(File());
   EXPECT_FALSE(report.difference);
   EXPECT_EQ(report.warning, File() +
                                 " was made by another build (version test, 0123456789abcdef) on another "

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "server/base/mutex.h"
+#include "tests/server/base/temp_folder.h"
 #include "web_fixture.h"
 
 namespace coopdyn {
@@ -19,19 +19,7 @@ using testing::StartsWith;
 /// Whoever keeps recordings, answering on a thread of its own.
 class FakeRuns {
  public:
-  FakeRuns() {
-    std::string pattern = testing::TempDir() + "coopdyn_web_XXXXXX";
-    folder_ = ::mkdtemp(pattern.data());
-  }
-  ~FakeRuns() {
-    threads_.clear();
-    std::filesystem::remove_all(folder_);
-  }
-
-  std::string Write(const std::string& name, const std::string& bytes) {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return (folder_ / name).string();
-  }
+  std::string Write(const std::string& name, const std::string& bytes) { return folder_.Write(name, bytes); }
   WebOptions Options(WebRunFile answer) {
     WebOptions options = WebWorld::DefaultOptions();
     options.runs.list = [this](auto done) { Run([done] { done(R"([{"name":"lesson1.run"}])"); }); };
@@ -54,7 +42,7 @@ class FakeRuns {
  private:
   void Run(std::function<void()> work) { threads_.emplace_back(std::move(work)); }
 
-  std::filesystem::path folder_;
+  const TempFolder folder_;
   std::vector<std::jthread> threads_;  // added to by the UI thread, ended when that has gone
   Mutex mutex_;
   std::vector<std::string> asked_ GUARDED_BY(mutex_);
