@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const char* const kLesson =
+const char* const kStatesLesson =
     "[CRATE_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.8 0\nmass 2\n"
     "[ROBOT_1]\ntype coopbot\nname robot1\nposition 0 0\n"
     "[ROBOT_2]\ntype coopbot\nname robot2\nposition 1.6 0\norientation 180deg\n";
@@ -35,7 +35,7 @@ class StateAtTest : public ::testing::Test {
     run.Step();
   }
   void MakeLesson(const std::string& file, int steps) {
-    LiveRun run(file, kLesson);
+    LiveRun run(file, kStatesLesson);
     for (int k = 0; k < steps; ++k) DriveStep(run);
   }
   /// The hash of every step of a file.
@@ -79,7 +79,7 @@ TEST_F(StateAtTest, ABranchAtKeyframesAndBetweenHasTheOriginalHashesToTheEnd) {
 
 TEST_F(StateAtTest, TheModeIsTheOneInForceThen) {
   {
-    LiveRun run(File(), kLesson);
+    LiveRun run(File(), kStatesLesson);
     run.Step(10);
     run.Apply(edit::SetMode{Mode::kRealtime});
     run.Step(10);
@@ -125,7 +125,7 @@ TEST_F(StateAtTest, ARepetitionThatComesOutOtherwiseIsRefused) {
 class FindStepTest : public StateAtTest {
  protected:
   void SetUp() override {
-    LiveRun run(File(), kLesson);
+    LiveRun run(File(), kStatesLesson);
     run.Step(20);
     run.End();
     reader_ = OpenRun(File());
