@@ -214,7 +214,7 @@ class Daemon:
         self.ready = self.process.stdout.readline().decode()
         if not self.ready.startswith("ready "):
             self.process.wait()
-            raise AssertionError(f"no ready line: {shlex.join(command)}\n{self.stderr()}")
+            raise AssertionError(f"no ready line: {shlex.join(map(str, command))}\n{self.stderr()}")
         names = re.search(r"names=(\S+)", self.ready).group(1)
         self.names = None
         if names != "off":

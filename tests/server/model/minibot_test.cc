@@ -11,8 +11,6 @@
 namespace coopdyn {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 const RobotModel& Minibot() {
   Diagnostics diagnostics;
   static const auto kModel = ShippedRobots().Get("minibot", {}, diagnostics);
@@ -36,7 +34,7 @@ TEST(MinibotTest, ProximitySensorsStandAllRoundOnTheChassis) {
   ASSERT_EQ(robot.distance_sensors.size(), 24u);
   for (std::size_t i = 0; i < 24; ++i) {
     const DistanceSensorModel& sensor = robot.distance_sensors[i];
-    EXPECT_NEAR(sensor.bearing_rad, (-172.5 + 15 * static_cast<double>(i)) * kDegree, 1e-12);
+    EXPECT_NEAR(sensor.bearing_rad, (-172.5 + 15 * static_cast<double>(i)) * (std::numbers::pi / 180), 1e-12);
     EXPECT_EQ(sensor.rays, 1);
     EXPECT_EQ(sensor.max_range_m, 0.1);
     EXPECT_NEAR(sensor.X_RS.p.head<2>().norm(), 0.085, 1e-12);

@@ -11,14 +11,6 @@
 namespace coopdyn {
 namespace {
 
-std::string FileText(const std::string& name) {
-  std::ifstream stream(std::string(COOPDYN_SOURCE_DIR) + "/" + name, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  EXPECT_FALSE(text.str().empty()) << name;
-  return text.str();
-}
-
 /// `text` with a few bytes changed, cut, doubled or replaced by words that hurt.
 std::string Mutate(std::string text, std::mt19937& random) {
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : std::size_t{random()} % n; };

@@ -2,7 +2,11 @@
 // Scenarios and worlds that a test writes as texts, and what the readers make of them. One thread.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -27,7 +31,21 @@ inline ReadResult Read(const std::string& text, bool by_socket = false) {
   auto scenario = ReadScenario(text, "test.scenario", ShippedRobots(), by_socket, diagnostics);
   return {scenario, diagnostics.ToString()};
 }
-/// The same for a .world, called "test.world".
+/// The scenario of `text`, which must be good.
+inline std::shared_ptr<const Scenario> Good(const std::string& text) {
+  const ReadResult result = Read(text);
+  EXPECT_EQ(result.messages, "") << text;
+  return result.scenario != nullptr ? result.scenario : std::make_shared<Scenario>();
+}
+/// The content of a file of the source tree, named from its root; it must have some.
+inline std::string FileText(const std::string& name) {
+  std::ifstream stream(std::string(COOPDYN_SOURCE_DIR) + "/" + name, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  EXPECT_FALSE(text.str().empty()) << name;
+  return text.str();
+}
+/// What ReadWorld makes of `text`, called "test.world".
 struct WorldResult {
   WorldModel world;
   std::string messages;

@@ -15,22 +15,16 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kRobot = "[ROBOT_1]\ntype single\nposition 1 2\n";
+const std::string kPlaced = "[ROBOT_1]\ntype single\nposition 1 2\n";
 const std::string kSwarm = "[SWARM_1]\ntype coopbot\nname ant\ncount 40\n";
-
-std::shared_ptr<const Scenario> Good(const std::string& text) {
-  const ReadResult result = Read(text);
-  EXPECT_EQ(result.messages, "") << text;
-  return result.scenario != nullptr ? result.scenario : std::make_shared<Scenario>();
-}
 
 /// The messages for a robot with one more line, its fourth.
 std::string With(const std::string& line) {
-  return Read(kRobot + line + "\n").messages;
+  return Read(kPlaced + line + "\n").messages;
 }
 
 TEST(RobotTest, Defaults) {
-  const RobotEntry robot = Good(kRobot)->robots.at(0);
+  const RobotEntry robot = Good(kPlaced)->robots.at(0);
   EXPECT_EQ(robot.name, "robot1");
   EXPECT_EQ(robot.X_WR.p, Vector3(1, 2, 0));
   EXPECT_TRUE(robot.sync);
@@ -42,7 +36,7 @@ TEST(RobotTest, Defaults) {
 
 TEST(RobotTest, AllWords) {
   const RobotEntry robot =
-      Good(kRobot +
+      Good(kPlaced +
            "name /ana-1\norientation 90deg\ncolor green\nsync no\nwaits_for motors\n"
            "deadline 500ms\non_deadline drop\non_disconnect stop\nfidelity full\nsockets no\n")
           ->robots.at(0);
@@ -75,7 +69,7 @@ TEST(RobotTest, NamesOfGlobalModulesAreReserved) {
 
 TEST(RobotTest, TwoOfOneNameAreAnError) {
   EXPECT_EQ(
-      Read(kRobot + "name a\n[ROBOT_2]\ntype single\nposition 5 5\nname a\n").messages,
+      Read(kPlaced + "name a\n[ROBOT_2]\ntype single\nposition 5 5\nname a\n").messages,
       "test.scenario:8: error: there are two robots 'a' (the first in line 4): give one another name\n");
 }
 
@@ -111,16 +105,16 @@ TEST(RobotTest, PoliciesAreChecked) {
 }
 
 TEST(RobotTest, FidelityIsOneOfThree) {
-  EXPECT_EQ(Good(kRobot)->robots.at(0).fidelity, Fidelity::kFull);
-  EXPECT_EQ(Good(kRobot + "fidelity Rolling")->robots.at(0).fidelity, Fidelity::kRolling);
-  EXPECT_EQ(Good(kRobot + "fidelity planar")->robots.at(0).fidelity, Fidelity::kPlanar);
+  EXPECT_EQ(Good(kPlaced)->robots.at(0).fidelity, Fidelity::kFull);
+  EXPECT_EQ(Good(kPlaced + "fidelity Rolling")->robots.at(0).fidelity, Fidelity::kRolling);
+  EXPECT_EQ(Good(kPlaced + "fidelity planar")->robots.at(0).fidelity, Fidelity::kPlanar);
   EXPECT_EQ(Good(kSwarm + "fidelity rolling")->robots.at(39).fidelity, Fidelity::kRolling);
   EXPECT_THAT(With("fidelity roling"),
               HasSubstr(":4: error: 'fidelity' cannot be 'roling'; did you mean 'rolling'?"));
 }
 
 TEST(RobotTest, YesAndNo) {
-  EXPECT_FALSE(Good(kRobot + "sockets off")->robots.at(0).sockets);
+  EXPECT_FALSE(Good(kPlaced + "sockets off")->robots.at(0).sockets);
   EXPECT_THAT(With("sockets maybe"), HasSubstr("must be yes or no, not 'maybe'"));
 }
 
@@ -147,7 +141,7 @@ TEST(SwarmTest, NamesAndDefaults) {
 }
 
 TEST(SwarmTest, ScenarioSaysWhereTheyStand) {
-  const auto scenario = Good(kSwarm + kRobot + "[SWARM_7]\ntype coopbot\nname bee\ncount 3\n");
+  const auto scenario = Good(kSwarm + kPlaced + "[SWARM_7]\ntype coopbot\nname bee\ncount 3\n");
   ASSERT_EQ(scenario->swarms.size(), 2u);
   EXPECT_EQ(scenario->swarms[0].name, "ant");
   EXPECT_EQ(scenario->swarms[0].first, 0u);
@@ -159,12 +153,12 @@ TEST(SwarmTest, ScenarioSaysWhereTheyStand) {
 }
 
 TEST(SwarmTest, NameIsNoRobotsName) {
-  EXPECT_THAT(Read(kRobot + "name Ant\n" + kSwarm).messages,
+  EXPECT_THAT(Read(kPlaced + "name Ant\n" + kSwarm).messages,
               HasSubstr(":7: error: a robot is called 'ant' too (in line 4): give the swarm another name"));
 }
 
 TEST(SwarmTest, OrderIsThatOfTheFile) {
-  const auto scenario = Good(kSwarm + kRobot);
+  const auto scenario = Good(kSwarm + kPlaced);
   EXPECT_EQ(scenario->robots.at(0).name, "ant_1");
   EXPECT_EQ(scenario->robots.at(40).name, "robot1");
   EXPECT_EQ(scenario->robots.at(40).id, RobotId{41});
@@ -245,8 +239,8 @@ TEST(SwarmTest, BridgesAreNoObstacles) {
 }
 
 TEST(SummaryTest, OneLine) {
-  EXPECT_EQ(Summary(*Good(kRobot + "[TARGET]\nred 1 1\n[B]\ntype box\nsize 1 1 1\nposition 5 5\nmass 1\n"
-                                   "[SIMULATION]\nmode lockstep\nstep 0.02\n")),
+  EXPECT_EQ(Summary(*Good(kPlaced + "[TARGET]\nred 1 1\n[B]\ntype box\nsize 1 1 1\nposition 5 5\nmass 1\n"
+                                    "[SIMULATION]\nmode lockstep\nstep 0.02\n")),
             "1 robot (coopbot), 1 object (0 static), 1 target, floor 20 x 20 m, lockstep 20 ms");
 }
 
@@ -256,7 +250,7 @@ TEST(SummaryTest, SwarmsAndHowTheyAreSimulated) {
       "40 robots in swarm ant (coopbot, rolling), no objects, no targets, floor 20 x 20 m, realtime 10 ms");
   EXPECT_EQ(
       Summary(*Good("[FLOOR]\nsize 30 30\n" + kSwarm + "fidelity planar\n[SWARM_2]\ntype minibot\ncount 2\n" +
-                    kRobot)),
+                    kPlaced)),
       "43 robots in 2 swarms (41 coopbot and 2 minibot, 40 planar), no objects, no targets, floor 30 x 30 m, "
       "realtime 10 ms");
 }

@@ -15,12 +15,6 @@ using ::testing::HasSubstr;
 
 const std::string kCrates = "[CRATE]\ntype box\nsize 0.4 0.3 0.2\nmass 1kg\ncount 30\n";
 
-std::shared_ptr<const Scenario> Good(const std::string& text) {
-  const ReadResult result = Read(text);
-  EXPECT_EQ(result.messages, "") << text;
-  return result.scenario != nullptr ? result.scenario : std::make_shared<Scenario>();
-}
-
 TEST(ScatteredTest, CopiesAreNumberedAndRestOnTheFloor) {
   const auto scenario = Good(kCrates + "color red\n");
   ASSERT_EQ(scenario->objects.size(), 30u);

@@ -14,23 +14,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kPi = std::numbers::pi;
-const std::string kData = std::string(COOPDYN_SOURCE_DIR) + "/tests/server/model/data/";
+const std::string kData = COOPDYN_SOURCE_DIR "/tests/server/model/data/";
 const std::string kRobot = "[ROBOT_1]\ntype single\nposition 0 0\n";
-
-std::string FileText(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-/// The scenario of `text`, which must be good.
-std::shared_ptr<const Scenario> Good(const std::string& text) {
-  const ReadResult result = Read(text);
-  EXPECT_EQ(result.messages, "") << text;
-  return result.scenario != nullptr ? result.scenario : std::make_shared<Scenario>();
-}
 
 ReadResult Load(const std::string& file) {
   Diagnostics diagnostics;
@@ -89,11 +74,11 @@ TEST(PaperFilesTest, WindowsLineEndsLatin1AndPathsLoadTheSame) {
 
 TEST(DiagnosticsTest, TenMistakesGiveTenDiagnosticsInOneGo) {
   Diagnostics diagnostics;
-  const auto scenario = ReadScenario(FileText(kData + "ten_mistakes.scenario"), "ten_mistakes.scenario",
-                                     ShippedRobots(), false, diagnostics);
+  const auto scenario = ReadScenario(FileText("tests/server/model/data/ten_mistakes.scenario"),
+                                     "ten_mistakes.scenario", ShippedRobots(), false, diagnostics);
   EXPECT_EQ(scenario, nullptr);
   EXPECT_EQ(diagnostics.errors(), 10);
-  EXPECT_EQ(diagnostics.ToString(), FileText(kData + "ten_mistakes.expected"));
+  EXPECT_EQ(diagnostics.ToString(), FileText("tests/server/model/data/ten_mistakes.expected"));
 }
 
 TEST(ScenarioTest, EmptyTextIsAnEmptyWorld) {
@@ -128,7 +113,7 @@ TEST(SimulationTest, AllWords) {
   EXPECT_EQ(options.speed, 2.5);
   EXPECT_EQ(options.duration_s, 60);
   EXPECT_EQ(options.gravity_m_s2, 1.62);
-  EXPECT_NEAR(Heading(scenario->robots.at(0).X_WR.q), kPi / 2, 1e-12);
+  EXPECT_NEAR(Heading(scenario->robots.at(0).X_WR.q), std::numbers::pi / 2, 1e-12);
 }
 
 TEST(SimulationTest, StepIsBetweenHalfAndAHundredMilliseconds) {

@@ -36,7 +36,7 @@ class ShippedLibrary {
   RobotLibrary library_;
 };
 
-ReadResult Load(const std::string& name) {
+ReadResult LoadShipped(const std::string& name) {
   static ShippedLibrary shipped;
   Diagnostics diagnostics;
   auto scenario = LoadScenario(name, shipped.library(), diagnostics);
@@ -56,16 +56,16 @@ TEST(ShippedTest, EveryScenarioLoadsWithoutDiagnostics) {
   const std::vector<std::string> files = FilesIn("scenarios", ".scenario");
   EXPECT_GE(files.size(), 8u);
   for (const std::string& file : files) {
-    EXPECT_EQ(Load(file).messages, "");
+    EXPECT_EQ(LoadShipped(file).messages, "");
     // By its bare name too.
-    EXPECT_NE(Load(fs::path(file).stem().string()).scenario, nullptr) << file;
+    EXPECT_NE(LoadShipped(fs::path(file).stem().string()).scenario, nullptr) << file;
   }
 }
 
 TEST(ShippedTest, EveryWorldLoadsWithoutDiagnostics) {
   const std::vector<std::string> files = FilesIn("worlds", ".world");
   EXPECT_GE(files.size(), 8u);
-  for (const std::string& file : files) EXPECT_EQ(Load(file).messages, "");
+  for (const std::string& file : files) EXPECT_EQ(LoadShipped(file).messages, "");
 }
 
 TEST(ShippedTest, NamesAreListedSorted) {
@@ -77,7 +77,7 @@ TEST(ShippedTest, NamesAreListedSorted) {
 
 TEST(ShippedTest, RobotsStartClearOfEverything) {
   for (const std::string& file : FilesIn("scenarios", ".scenario")) {
-    const auto scenario = Load(file).scenario;
+    const auto scenario = LoadShipped(file).scenario;
     ASSERT_NE(scenario, nullptr);
     for (std::size_t i = 0; i < scenario->robots.size(); ++i) {
       const RobotEntry& robot = scenario->robots[i];
@@ -101,7 +101,7 @@ TEST(ShippedTest, RobotsStartClearOfEverything) {
 TEST(ShippedTest, PassagesOfLessonsAreWide) {
   constexpr double kPassage_m = 1.2;
   for (const char* name : {"empty", "corridor", "box_maze", "cluttered", "fig4", "classroom"}) {
-    const auto scenario = Load(name).scenario;
+    const auto scenario = LoadShipped(name).scenario;
     ASSERT_NE(scenario, nullptr);
     ASSERT_EQ(scenario->robots.size(), 1u);
     const Vector3 target = scenario->targets.at(0).p_WT;
@@ -131,7 +131,7 @@ TEST(ShippedTest, PassagesOfLessonsAreWide) {
 }
 
 TEST(ShippedTest, ClassroomIsTheFirstLesson) {
-  const auto scenario = Load("classroom").scenario;
+  const auto scenario = LoadShipped("classroom").scenario;
   ASSERT_NE(scenario, nullptr);
   EXPECT_EQ(scenario->simulation.mode, Mode::kRealtime);
   ASSERT_EQ(scenario->robots.size(), 1u);
@@ -149,7 +149,7 @@ TEST(ShippedTest, ClassroomIsTheFirstLesson) {
 }
 
 TEST(ShippedTest, FormationIsAnInvertedVBeforeItsTarget) {
-  const auto scenario = Load("formation").scenario;
+  const auto scenario = LoadShipped("formation").scenario;
   ASSERT_NE(scenario, nullptr);
   ASSERT_EQ(scenario->robots.size(), 5u);
   EXPECT_EQ(scenario->simulation.mode, Mode::kLockstep);
@@ -160,7 +160,7 @@ TEST(ShippedTest, FormationIsAnInvertedVBeforeItsTarget) {
 }
 
 TEST(ShippedTest, ArenaHasTwentyRobotsWithSockets) {
-  const auto scenario = Load("arena20").scenario;
+  const auto scenario = LoadShipped("arena20").scenario;
   ASSERT_NE(scenario, nullptr);
   EXPECT_EQ(scenario->robots.size(), 20u);
   for (const RobotEntry& robot : scenario->robots) EXPECT_TRUE(robot.sockets);
@@ -171,7 +171,7 @@ TEST(ShippedTest, SwarmsAreOnePerSquareMetreAndTheCrowdIsDenser) {
        {std::tuple("swarm100", 100u, 100.0), std::tuple("diffuse100", 100u, 100.0),
         std::tuple("swarm1000", 1000u, 1024.0), std::tuple("swarm5000", 5000u, 5041.0),
         std::tuple("crowd200", 200u, 60.0625)}) {
-    const auto scenario = Load(name).scenario;
+    const auto scenario = LoadShipped(name).scenario;
     ASSERT_NE(scenario, nullptr);
     EXPECT_EQ(scenario->robots.size(), count);
     EXPECT_EQ(scenario->robots[0].fidelity, Fidelity::kRolling);

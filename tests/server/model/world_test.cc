@@ -12,8 +12,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kPi = std::numbers::pi;
-
 const std::string kBox = "[BOX_1]\ntype box\nsize 1 2 3\nposition 4 5 6\n";
 
 TEST(WorldTest, BoxOfThePaper) {
@@ -74,13 +72,13 @@ TEST(WorldTest, TwoNumbersRestOnTheFloor) {
 TEST(WorldTest, OneAngleIsYaw) {
   const auto [world, messages] = ReadWorldText(kBox + "orientation 90deg\n");
   EXPECT_EQ(messages, "");
-  EXPECT_NEAR(Heading(world.objects.at(0).X_WO.q), kPi / 2, 1e-12);
+  EXPECT_NEAR(Heading(world.objects.at(0).X_WO.q), std::numbers::pi / 2, 1e-12);
 }
 
 TEST(WorldTest, AnglesDegInFloorIsForTheWholeFile) {
   const auto [world, messages] = ReadWorldText(kBox + "orientation 90\n[FLOOR]\nsize 5 5 0.1\nangles deg\n");
   EXPECT_EQ(messages, "");
-  EXPECT_NEAR(Heading(world.objects.at(0).X_WO.q), kPi / 2, 1e-12);
+  EXPECT_NEAR(Heading(world.objects.at(0).X_WO.q), std::numbers::pi / 2, 1e-12);
   const auto rad = ReadWorldText(kBox + "orientation 1rad\n[FLOOR]\nsize 5 5 0.1\nangles deg\n");
   EXPECT_NEAR(Heading(rad.world.objects.at(0).X_WO.q), 1, 1e-12);
 }

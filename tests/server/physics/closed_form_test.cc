@@ -13,10 +13,6 @@ namespace {
 constexpr double kGravity = 9.81;
 const Box kCube{Vector3(0.2, 0.2, 0.2)};
 
-Pose At(double x, double y, double z) {
-  return {{x, y, z}, Quaternion::Identity()};
-}
-
 TEST(Mechanics, DroppedBoxFallsFreelyAndLandsWithoutBounce) {
   PhysicsScene scene;
   scene.step_length = 1'000'000;

@@ -10,13 +10,6 @@
 namespace coopdyn {
 namespace {
 
-double Tilt(const Pose& pose) {
-  return std::acos(std::min(1.0, (pose.q * Vector3::UnitZ()).z()));
-}
-Pose At(double x, double y, double z) {
-  return {{x, y, z}, Quaternion::Identity()};
-}
-
 class WallAtHeading : public testing::TestWithParam<double> {};
 
 TEST_P(WallAtHeading, RobotThatDrivesIntoAWallStopsThereAndStaysUpright) {
@@ -25,7 +18,7 @@ TEST_P(WallAtHeading, RobotThatDrivesIntoAWallStopsThereAndStaysUpright) {
   for (int i = 0; i < 80; ++i) {
     scene.RunFor(0.1);
     ASSERT_LT(scene.robot(0).p.x(), 0.95 - 0.18 + 0.003);
-    ASSERT_LT(Tilt(scene.robot(0)), 0.02);
+    ASSERT_LT(TiltOf(scene.robot(0)), 0.02);
     ASSERT_NEAR(scene.robot(0).p.z(), 0, 0.002);
   }
   EXPECT_GT(scene.robot(0).p.x(), 0.95 - 0.18 - 0.01);
@@ -61,7 +54,7 @@ TEST(Contact, TwoRobotsHeadOnHoldEachOther) {
   scene.SetVelocity(1, 0.3, 0);
   scene.RunFor(5);
   EXPECT_NEAR((scene.robot(0).p - scene.robot(1).p).norm(), 0.36, 0.003);
-  EXPECT_LT(Tilt(scene.robot(0)), 0.02);
+  EXPECT_LT(TiltOf(scene.robot(0)), 0.02);
 }
 
 TEST(Contact, WheelsRollOverTheTopOfALowStaticBox) {
@@ -109,7 +102,7 @@ TEST(Contact, ThirtyCrowdedRobotsNeitherExplodeNorSinkNorTopple) {
     ASSERT_TRUE(scene.built()) << scene.diagnostics().ToString();
     for (int i = 0; i < 30; ++i) {
       const Pose pose = scene.robot(i);
-      ASSERT_LT(Tilt(pose), 0.2) << "robot" << i + 1 << " at " << second + 1 << " s";
+      ASSERT_LT(TiltOf(pose), 0.2) << "robot" << i + 1 << " at " << second + 1 << " s";
       ASSERT_NEAR(pose.p.z(), 0, 0.01);
       ASSERT_LT(pose.p.head<2>().cwiseAbs().maxCoeff(), half);
     }

@@ -12,10 +12,6 @@
 namespace coopdyn {
 namespace {
 
-Pose At(double x, double y, double z) {
-  return {{x, y, z}, Quaternion::Identity()};
-}
-
 /// A crowd beyond the direct solver's reach, single robots, and objects of every shape.
 void Populate(PhysicsScene& scene) {
   for (int i = 0; i < 16; ++i) {

@@ -11,10 +11,6 @@
 namespace coopdyn {
 namespace {
 
-double Tilt(const Pose& pose) {
-  return std::acos(std::min(1.0, (pose.q * Vector3::UnitZ()).z()));
-}
-
 TEST(Drive, StraightTenMetresWithinAPercent) {
   PhysicsScene scene;
   scene.AddRobot(0, 0, 0.5).SetVelocity(0, 0.5, 0);
@@ -91,7 +87,7 @@ TEST_P(DriveAtStep, IsStableAndAccurate) {
   EXPECT_NEAR(scene.robot(0).p.x() - start.p.x(), 2, 0.02);
   EXPECT_NEAR(scene.robot(0).p.y(), 0, 0.005);
   EXPECT_NEAR(scene.robot(0).p.z(), 0, 1e-3);
-  EXPECT_LT(Tilt(scene.robot(0)), 0.01);
+  EXPECT_LT(TiltOf(scene.robot(0)), 0.01);
 }
 
 TEST_P(DriveAtStep, StaysUprightThroughFullBrakingAndTurning) {
@@ -102,10 +98,10 @@ TEST_P(DriveAtStep, StaysUprightThroughFullBrakingAndTurning) {
        std::vector<std::array<double, 2>>{{14, 14}, {-14, -14}, {14, -14}, {0, 0}}) {
     scene.SetWheels(0, left, right);
     scene.RunFor(0.5);
-    EXPECT_LT(Tilt(scene.robot(0)), 0.1);
+    EXPECT_LT(TiltOf(scene.robot(0)), 0.1);
   }
   scene.RunFor(1);
-  EXPECT_LT(Tilt(scene.robot(0)), 0.01);
+  EXPECT_LT(TiltOf(scene.robot(0)), 0.01);
   EXPECT_TRUE(scene.world().TakeFrozen().empty());
 }
 
@@ -118,7 +114,7 @@ TEST(Drive, OneLongSubstepIsStableToo) {
   scene.AddRobot(0, 0).SetVelocity(0, 0.5, 0.25);
   scene.RunFor(10);
   EXPECT_NEAR(scene.robot(0).p.z(), 0, 1e-3);
-  EXPECT_LT(Tilt(scene.robot(0)), 0.01);
+  EXPECT_LT(TiltOf(scene.robot(0)), 0.01);
 }
 
 TEST(Drive, TheShippedRobotDrivesAsItsModelSays) {

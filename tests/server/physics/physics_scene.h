@@ -18,6 +18,11 @@ std::shared_ptr<const RobotModel> TestRobot();
 /// One with the dimensions of minibot: wheels of 3 cm, track 14 cm, 1.6 kg.
 std::shared_ptr<const RobotModel> SmallRobot();
 
+/// Upright at a point, m.
+inline Pose At(double x, double y, double z) {
+  return {{x, y, z}, Quaternion::Identity()};
+}
+
 /// Angle between a robot's z axis and the vertical, rad.
 double TiltOf(const Pose& pose);
 

@@ -13,10 +13,6 @@
 namespace coopdyn {
 namespace {
 
-Pose At(double x, double y, double z) {
-  return {{x, y, z}, Quaternion::Identity()};
-}
-
 class Push : public testing::TestWithParam<std::tuple<Fidelity, int>> {
  protected:
   Push() {

@@ -8,10 +8,7 @@
 namespace coopdyn {
 namespace {
 
-Pose At(double x, double y, double z) {
-  return {{x, y, z}, Quaternion::Identity()};
-}
-const Box kCube{Vector3(0.3, 0.3, 0.3)};
+const Box kCrate{Vector3(0.3, 0.3, 0.3)};
 
 bool Sleeps(const BodyState& body) {
   return body.sleep_counter == kAsleep;
@@ -81,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(Fidelities, SleepOf,
 
 TEST(Sleep, AStackSleepsAndWakesTogether) {
   PhysicsScene scene;
-  scene.Add(kCube, At(1, 0, 0.15), 1).Add(kCube, At(1, 0, 0.45), 1).Add(kCube, At(1, 0, 0.75), 1);
+  scene.Add(kCrate, At(1, 0, 0.15), 1).Add(kCrate, At(1, 0, 0.45), 1).Add(kCrate, At(1, 0, 0.75), 1);
   scene.AddRobot(0, 0).RunFor(3);
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(Sleeps(scene.object_body(i))) << i;
   scene.SetVelocity(0, 0.3, 0);
@@ -92,7 +89,7 @@ TEST(Sleep, AStackSleepsAndWakesTogether) {
 
 TEST(Sleep, WhatFallsOnASleeperWakesIt) {
   PhysicsScene scene;
-  scene.Add(kCube, At(0, 0, 0.15), 1).Add(Sphere{0.1}, At(0, 0, 8), 1);
+  scene.Add(kCrate, At(0, 0, 0.15), 1).Add(Sphere{0.1}, At(0, 0, 8), 1);
   scene.RunFor(1);
   ASSERT_TRUE(Sleeps(scene.object_body(0)));
   bool woke = false;
@@ -107,7 +104,7 @@ TEST(Sleep, WhatFallsOnASleeperWakesIt) {
 TEST(Sleep, AMovingIslandKeepsItsRestingMembersAwake) {
   // The box on the robot's way rests on nothing that moves; the one that it pushes moves.
   PhysicsScene scene;
-  scene.AddRobot(0, 0).Add(kCube, At(0.4, 0, 0.15), 1).SetVelocity(0, 0.1, 0);
+  scene.AddRobot(0, 0).Add(kCrate, At(0.4, 0, 0.15), 1).SetVelocity(0, 0.1, 0);
   for (int i = 0; i < 30; ++i) {
     scene.RunFor(0.1);
     if (i <= 10) continue;

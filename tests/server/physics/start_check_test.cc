@@ -10,14 +10,11 @@ namespace {
 
 using testing::HasSubstr;
 
-Pose At(double x, double y, double z) {
-  return {{x, y, z}, Quaternion::Identity()};
-}
-const Box kCube{Vector3(0.4, 0.4, 0.4)};
+const Box kBlock{Vector3(0.4, 0.4, 0.4)};
 
 TEST(StartCheck, DynamicBoxInsideAWallIsAnErrorAtItsLine) {
   PhysicsScene scene;
-  scene.Add(Box{Vector3(0.2, 4, 0.5)}, At(1, 0, 0.25)).Add(kCube, At(0.82, 0, 0.2), 1).Build();
+  scene.Add(Box{Vector3(0.2, 4, 0.5)}, At(1, 0, 0.25)).Add(kBlock, At(0.82, 0, 0.2), 1).Build();
   EXPECT_FALSE(scene.built());
   EXPECT_EQ(scene.diagnostics().ToString(),
             "test.world:2: error: box THING_2 starts 0.12 m inside THING_1: move it\n");
@@ -34,7 +31,7 @@ TEST(StartCheck, RobotInsideAWallIsAnErrorAtItsLine) {
 TEST(StartCheck, AllMistakesComeAtOnce) {
   PhysicsScene scene;
   scene.AddRobot(0, 0).AddRobot(0.3, 0);
-  scene.Add(kCube, At(3, 0, 0.15), 1).Add(Sphere{0.2}, At(3.1, 0, 0.5), 1).Build();
+  scene.Add(kBlock, At(3, 0, 0.15), 1).Add(Sphere{0.2}, At(3.1, 0, 0.5), 1).Build();
   EXPECT_FALSE(scene.built());
   const std::string text = scene.diagnostics().ToString();
   EXPECT_EQ(scene.diagnostics().errors(), 3) << text;
@@ -56,14 +53,14 @@ TEST(StartCheck, AThingWhollyWithinAnotherIsFound) {
 
 TEST(StartCheck, TouchingIsAllowed) {
   PhysicsScene scene;
-  scene.Add(kCube, At(1, 0, 0.2), 1).Add(kCube, At(1.4, 0, 0.2), 1).Add(kCube, At(1, 0, 0.6), 1);
+  scene.Add(kBlock, At(1, 0, 0.2), 1).Add(kBlock, At(1.4, 0, 0.2), 1).Add(kBlock, At(1, 0, 0.6), 1);
   scene.AddRobot(0.6205, 0).AddRobot(0.2605, 0).Build();
   EXPECT_TRUE(scene.built()) << scene.diagnostics().ToString();
 }
 
 TEST(StartCheck, StaticThingsMayOverlap) {
   PhysicsScene scene;
-  scene.Add(kCube, At(1, 0, 0.1)).Add(kCube, At(1.1, 0, 0)).Build();
+  scene.Add(kBlock, At(1, 0, 0.1)).Add(kBlock, At(1.1, 0, 0)).Build();
   EXPECT_TRUE(scene.built());
 }
 

@@ -47,7 +47,7 @@ class Shot {
   Picture picture_;
 };
 
-ImageRequest From(const Vector3& eye, const Vector3& look) {
+ImageRequest PictureFrom(const Vector3& eye, const Vector3& look) {
   ImageRequest request;
   request.width = 320;
   request.height = 240;
@@ -56,7 +56,7 @@ ImageRequest From(const Vector3& eye, const Vector3& look) {
   return request;
 }
 
-const ImageRequest kFromAbove = From({0, 0, 8}, {0, 0, 0});
+const ImageRequest kFromAbove = PictureFrom({0, 0, 8}, {0, 0, 0});
 
 TEST(PictureTest, ARobotIsSeenInItsColourWhereItStands) {
   auto frame = SampleWorld().Robot(At(1, 1), SampleRobot(), {0.1, 0.2, 0.9}).MakeFrame();
@@ -89,7 +89,7 @@ TEST(PictureTest, ATargetIsMarkedOnTheFloorInItsColour) {
 
 TEST(PictureTest, TheFloorHasALineEveryMetre) {
   const auto frame = SampleWorld().Floor(10, 10).MakeFrame();
-  ImageRequest request = From({0.5, 0.5, 2}, {0.5, 0.5, 0});
+  ImageRequest request = PictureFrom({0.5, 0.5, 2}, {0.5, 0.5, 0});
   request.width = request.height = 480;
   const Shot shot(*frame, request);
   const int cell = shot.At(Vector3(0.5, 0.5, 0)).brightness();
@@ -125,8 +125,8 @@ TEST(PictureTest, ThingsThrowShadowsThatDoNotAddUp) {
 
 TEST(PictureTest, SidesTowardsTheSunAreBrighter) {
   const auto frame = SampleWorld().Object(Box{{1, 1, 1}}, {{0, 0, 0.5}, Quaternion::Identity()}).MakeFrame();
-  const Shot sunny(*frame, From({0, -4, 0.5}, {0, 0, 0.5}));
-  const Shot shady(*frame, From({0, 4, 0.5}, {0, 0, 0.5}));
+  const Shot sunny(*frame, PictureFrom({0, -4, 0.5}, {0, 0, 0.5}));
+  const Shot shady(*frame, PictureFrom({0, 4, 0.5}, {0, 0, 0.5}));
   EXPECT_GT(sunny.At(Vector3(0, -0.5, 0.6)).brightness(), shady.At(Vector3(0, 0.5, 0.6)).brightness() + 60);
 }
 
@@ -145,7 +145,7 @@ TEST(PictureTest, RaysAreDrawnOnRequest) {
 
 TEST(PictureTest, NamesAreWrittenAboveRobots) {
   const auto frame = SampleWorld().Robot(At(0, 0)).MakeFrame();
-  ImageRequest request = From({-3, 0, 1}, {0, 0, 0.3});
+  ImageRequest request = PictureFrom({-3, 0, 1}, {0, 0, 0.3});
   const Picture named = Shot(*frame, request).picture();
   request.show_names = false;
   const Picture bare = Shot(*frame, request).picture();
@@ -166,7 +166,7 @@ TEST(PictureTest, BothBackEndsGiveNearlyTheSamePicture) {
                          .Object(Sphere{0.4}, {{-1, 0.5, 0.4}, Quaternion::Identity()})
                          .Object(Box{{0.5, 0.5, 0.5}}, {{1, -1, 0.25}, Quaternion::Identity()})
                          .MakeFrame();
-  const ImageRequest request = From({-3, -3, 3}, {0, 0, 0});
+  const ImageRequest request = PictureFrom({-3, -3, 3}, {0, 0, 0});
   const Picture a = Shot(*frame, request, RendererKind::kOsmesa).picture();
   const Picture b = Shot(*frame, request, RendererKind::kEgl).picture();
   ASSERT_EQ(a.rgb.size(), b.rgb.size());

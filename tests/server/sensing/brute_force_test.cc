@@ -16,8 +16,7 @@
 namespace coopdyn {
 namespace {
 
-constexpr double kTolerance_m = 1e-9;
-constexpr double kPi = std::numbers::pi;
+constexpr double kAgreed_m = 1e-9;
 
 class Random {
  public:
@@ -98,7 +97,8 @@ std::shared_ptr<RobotModel> RandomRobot(Random& random) {
   model->links.push_back(chassis);
   for (const double side : {1.0, -1.0}) {
     LinkModel wheel;
-    wheel.X_RL = {{0, side * random.Uniform(0.5, 1.1) * radius_m, wheel_m}, FromRollPitchYaw(-kPi / 2, 0, 0)};
+    wheel.X_RL = {{0, side * random.Uniform(0.5, 1.1) * radius_m, wheel_m},
+                  FromRollPitchYaw(-std::numbers::pi / 2, 0, 0)};
     wheel.mass_kg = 0.1;
     const Vector3 off(random.OneIn(3) ? 0.3 * wheel_m : 0, 0, 0);  // an eccentric wheel now and then
     wheel.collisions = {{Cylinder{wheel_m, 0.2 * radius_m}, {off, Quaternion::Identity()}, {}, 1, false}};
@@ -113,7 +113,7 @@ std::shared_ptr<RobotModel> RandomRobot(Random& random) {
   const double height_m = random.Uniform(0.5, 2.5) * wheel_m;
   for (int i = 0; i < sensors; ++i) {
     DistanceSensorModel sensor;
-    const double bearing = 2 * kPi * i / sensors - kPi;
+    const double bearing = 2 * std::numbers::pi * i / sensors - std::numbers::pi;
     sensor.X_RS.q =
         is_wild ? FromRollPitchYaw(random.Uniform(-3, 3), random.Uniform(-1.5, 1.5), random.Uniform(-3, 3))
                 : FromRollPitchYaw(0, random.OneIn(9) ? 0.2 : 0, bearing);
@@ -136,8 +136,8 @@ class RandomWorld {
     const double half_m = random_.Uniform(0.5, 6);
     const int robots = 2 + random_.Int(40), objects = random_.Int(random_.OneIn(3) ? 60 : 6);
     for (int i = 0; i < robots; ++i) {
-      Pose X_WR =
-          At(random_.Uniform(-half_m, half_m), random_.Uniform(-half_m, half_m), random_.Uniform(-kPi, kPi));
+      Pose X_WR = At(random_.Uniform(-half_m, half_m), random_.Uniform(-half_m, half_m),
+                     random_.Uniform(-std::numbers::pi, std::numbers::pi));
       if (random_.OneIn(3)) X_WR.q = X_WR.q * Tilt(1e-3);
       if (random_.OneIn(8)) {
         X_WR.q = X_WR.q * Tilt(3);
@@ -206,7 +206,7 @@ void CompareAll(Fidelity fidelity, unsigned first_seed) {
         if (expected_m[i] == kNoHit) {
           ASSERT_EQ(ranges_m[i], kNoHit) << "seed " << seed << " robot " << robot << " sensor " << i;
         } else {
-          ASSERT_NEAR(ranges_m[i], expected_m[i], kTolerance_m)
+          ASSERT_NEAR(ranges_m[i], expected_m[i], kAgreed_m)
               << "seed " << seed << " robot " << robot << " sensor " << i;
         }
         (expected_m[i] == kNoHit ? infinite : expected_m[i] == 0 ? inside : finite) += 1;

@@ -13,8 +13,6 @@
 namespace coopdyn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 std::shared_ptr<RobotModel> Talker(double range_m = 1, double message_range_m = 1) {
   auto model = SampleRobot(1);
   model->neighbours.range_m = range_m;
@@ -26,7 +24,7 @@ std::shared_ptr<RobotModel> Talker(double range_m = 1, double message_range_m = 
 std::unique_ptr<Frame> Crowd(int count, double side_m, const std::shared_ptr<const RobotModel>& model,
                              unsigned seed) {
   std::mt19937 engine(seed);
-  std::uniform_real_distribution<> place(0, side_m), heading(-kPi, kPi);
+  std::uniform_real_distribution<> place(0, side_m), heading(-std::numbers::pi, std::numbers::pi);
   SampleWorld world;
   for (int i = 0; i < count; ++i) {
     const double x = place(engine), y = place(engine);
@@ -46,7 +44,7 @@ void Broadcast(Frame& frame, int robot, std::uint64_t step, double value = 0) {
 
 TEST(NeighboursTest, AreSeenByRangeAndBearingByIncreasingId) {
   const auto frame = SampleWorld()
-                         .Robot(At(0, 0, kPi / 2), Talker())
+                         .Robot(At(0, 0, std::numbers::pi / 2), Talker())
                          .Robot(At(0, -0.9), Talker())
                          .Robot(At(3, 0), Talker())
                          .Robot(At(0.5, 0), Talker())
@@ -55,10 +53,10 @@ TEST(NeighboursTest, AreSeenByRangeAndBearingByIncreasingId) {
   ASSERT_EQ(seen.size(), 2U);
   EXPECT_EQ(seen[0].index, 1);
   EXPECT_NEAR(seen[0].distance_m, 0.9, 1e-12);
-  EXPECT_NEAR(std::abs(seen[0].bearing_rad), kPi, 1e-12);
+  EXPECT_NEAR(std::abs(seen[0].bearing_rad), std::numbers::pi, 1e-12);
   EXPECT_EQ(seen[1].index, 3);
   EXPECT_NEAR(seen[1].distance_m, 0.5, 1e-12);
-  EXPECT_NEAR(seen[1].bearing_rad, -kPi / 2, 1e-12);
+  EXPECT_NEAR(seen[1].bearing_rad, -std::numbers::pi / 2, 1e-12);
 }
 
 TEST(NeighboursTest, AreSeenThroughWalls) {
@@ -96,7 +94,7 @@ TEST(NeighboursTest, EqualAllPairsAndAreMutual) {
         const Vector3 way = RobotPose(*frame, sighting.index).p - p;
         EXPECT_NEAR(sighting.distance_m, std::hypot(way.x(), way.y()), 1e-12);
         const double bearing_rad = std::atan2(way.y(), way.x()) - Heading(RobotPose(*frame, robot).q);
-        EXPECT_NEAR(std::remainder(sighting.bearing_rad - bearing_rad, 2 * kPi), 0, 1e-9);
+        EXPECT_NEAR(std::remainder(sighting.bearing_rad - bearing_rad, 2 * std::numbers::pi), 0, 1e-9);
         distances[static_cast<std::size_t>(robot)][static_cast<std::size_t>(sighting.index)] =
             sighting.distance_m;
       }

@@ -17,7 +17,7 @@
 namespace coopdyn {
 namespace {
 
-constexpr int kRobots = 900;
+constexpr int kCrowd = 900;
 
 /// Worlds of many noisy robots and a few things that move; the same for the same seed.
 class Swarm {
@@ -28,7 +28,7 @@ class Swarm {
     auto short_model = SampleRobot(24);
     for (DistanceSensorModel& sensor : short_model->distance_sensors) sensor.max_range_m = 0.2;
     SampleWorld world;
-    for (int i = 0; i < kRobots; ++i)
+    for (int i = 0; i < kCrowd; ++i)
       world.Robot(At(i % 30, i / 30, 0.7 * i), i % 3 == 0 ? short_model : model);
     for (int i = 0; i < 40; ++i) {
       world.Object(Cylinder{0.1, 0.5}, {{i % 8 * 3.7, i / 8 * 5.3, 0.25}, Quaternion::Identity()}, i % 2);
@@ -57,14 +57,14 @@ class Swarm {
 };
 
 std::vector<int> AllRobots() {
-  std::vector<int> robots(kRobots);
+  std::vector<int> robots(kCrowd);
   std::iota(robots.begin(), robots.end(), 0);
   return robots;
 }
 
 std::vector<double> ReadAll(const Frame& frame) {
   std::vector<double> values;
-  for (int robot = 0; robot < kRobots; ++robot) {
+  for (int robot = 0; robot < kCrowd; ++robot) {
     const auto ranges_m = Distances(frame, robot);
     values.insert(values.end(), ranges_m.begin(), ranges_m.end());
   }

@@ -10,25 +10,23 @@
 namespace coopdyn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 TEST(SightingTest, BearingsAreLeftPositive) {
   const auto frame = SampleWorld().Robot(At(0, 0)).Mark(2, 2).Mark(0, -3).Mark(5, 0).MakeFrame();
   const auto seen = SeenTargets(*frame, 0);
   ASSERT_EQ(seen.size(), 3U);
   EXPECT_EQ(seen[1].index, 1);
-  EXPECT_NEAR(seen[0].bearing_rad, kPi / 4, 1e-12);
-  EXPECT_NEAR(seen[1].bearing_rad, -kPi / 2, 1e-12);
+  EXPECT_NEAR(seen[0].bearing_rad, std::numbers::pi / 4, 1e-12);
+  EXPECT_NEAR(seen[1].bearing_rad, -std::numbers::pi / 2, 1e-12);
   EXPECT_NEAR(seen[2].bearing_rad, 0, 1e-12);
   EXPECT_NEAR(seen[0].distance_m, std::hypot(2, 2), 1e-12);
 }
 
 TEST(SightingTest, BearingsAreWrapped) {
   // Heading 170°, target at −170° as seen from the world: 20° to the left.
-  const double heading = 170 * kPi / 180;
+  const double heading = 170 * std::numbers::pi / 180;
   const auto frame =
       SampleWorld().Robot(At(0, 0, heading)).Mark(std::cos(-heading), std::sin(-heading)).MakeFrame();
-  EXPECT_NEAR(SeenTargets(*frame, 0)[0].bearing_rad, 20 * kPi / 180, 1e-12);
+  EXPECT_NEAR(SeenTargets(*frame, 0)[0].bearing_rad, 20 * std::numbers::pi / 180, 1e-12);
 }
 
 TEST(SightingTest, DistanceIsInThePlaneFromTheAxlesMiddle) {
@@ -70,7 +68,7 @@ TEST(SightingTest, OtherRobotsAreSeenAndNotOneself) {
   EXPECT_EQ(seen[0].index, 0);
   EXPECT_EQ(seen[1].index, 2);
   EXPECT_NEAR(seen[0].distance_m, 1, 1e-12);
-  EXPECT_NEAR(std::abs(seen[0].bearing_rad), kPi, 1e-12);
+  EXPECT_NEAR(std::abs(seen[0].bearing_rad), std::numbers::pi, 1e-12);
 }
 
 TEST(SightingTest, ARobotHidesTheOneBehindItButNotItself) {

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/server/timing/milliseconds.h"
+
 namespace coopdyn {
 namespace {
-
-constexpr Nanoseconds kMs = 1'000'000;
 
 TEST(Pacer, FirstStepIsDueOnePeriodAfterTheStart) {
   Pacer pacer;
