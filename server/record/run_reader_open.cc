@@ -8,6 +8,9 @@
 #include <system_error>
 #include <utility>
 
+#include "server/record/run_seal.h"
+#include "server/record/run_tables.h"
+
 namespace coopdyn {
 
 namespace {
@@ -95,9 +98,16 @@ bool IsCutShort(Database& database) {
 }
 
 bool MarkClosed(Database& database) {
-  const std::string lost = std::to_string(CountLost(database));
-  return database.Run("BEGIN IMMEDIATE; INSERT OR REPLACE INTO meta(key, value) VALUES('lost', " + lost +
-                      "); INSERT OR REPLACE INTO meta(key, value) VALUES('closed', 1); COMMIT");
+  const auto lost = static_cast<std::int64_t>(CountLost(database));
+  if (!database.Run("BEGIN IMMEDIATE")) return false;
+  // What was changed before does not become right by being mended.
+  const bool sealed = IsSealed(database);
+  if (SetMeta(database, "lost", lost) && SetMeta(database, "closed", 1) && (!sealed || Seal(database)) &&
+      database.Run("COMMIT")) {
+    return true;
+  }
+  database.Run("ROLLBACK");
+  return false;
 }
 
 }  // namespace

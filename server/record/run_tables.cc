@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kSchema = R"(
 CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
 CREATE TABLE text(kind TEXT, name TEXT, file TEXT, content TEXT, PRIMARY KEY(kind, name)) WITHOUT ROWID;
-CREATE TABLE scene(id INTEGER PRIMARY KEY, first_step INTEGER, description BLOB);
+CREATE TABLE scene(id INTEGER PRIMARY KEY, first_step INTEGER, description BLOB, chain INTEGER);
 CREATE TABLE body(scene INTEGER, place INTEGER, id INTEGER, name TEXT, robot INTEGER,
                   PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE robot(scene INTEGER, place INTEGER, id INTEGER, name TEXT, type TEXT, body INTEGER,
@@ -22,21 +22,13 @@ CREATE TABLE robot(scene INTEGER, place INTEGER, id INTEGER, name TEXT, type TEX
 CREATE TABLE target(scene INTEGER, place INTEGER, id INTEGER, color TEXT, x REAL, y REAL, z REAL,
                     PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE step(step INTEGER PRIMARY KEY, time_ns INTEGER, hash INTEGER, scene INTEGER, commands BLOB,
-                  messages BLOB, wheels BLOB, distances BLOB, targets BLOB, poses BLOB);
-CREATE TABLE keyframe(step INTEGER PRIMARY KEY, state BLOB);
-CREATE TABLE input(id INTEGER PRIMARY KEY, step INTEGER, action TEXT, detail TEXT);
-CREATE TABLE event(id INTEGER PRIMARY KEY, step INTEGER, time_ns INTEGER, level TEXT, text TEXT);
+                  messages BLOB, wheels BLOB, distances BLOB, targets BLOB, poses BLOB, chain INTEGER);
+CREATE TABLE keyframe(step INTEGER PRIMARY KEY, state BLOB, chain INTEGER);
+CREATE TABLE input(id INTEGER PRIMARY KEY, step INTEGER, action TEXT, detail TEXT, chain INTEGER);
+CREATE TABLE event(id INTEGER PRIMARY KEY, step INTEGER, time_ns INTEGER, level TEXT, text TEXT, chain INTEGER);
 )";
 
 constexpr const char* kInsertMeta = "INSERT OR REPLACE INTO meta VALUES(?, ?)";
-
-bool SetMetaText(Database& database, const std::string& key, const std::string& value) {
-  Statement insert = database.Prepare(kInsertMeta);
-  if (!insert) return false;
-  insert.BindText(1, key);
-  insert.BindText(2, value);
-  return insert.Run();
-}
 
 bool WriteText(Database& database, const SourceText& text) {
   Statement insert = database.Prepare("INSERT OR REPLACE INTO text VALUES(?, ?, ?, ?)");
@@ -153,7 +145,7 @@ bool WriteHeader(Database& database, const RunHeader& header) {
 }
 
 bool WriteScene(Database& database, std::int64_t number, std::uint64_t first_step, const Scene& scene) {
-  Statement insert = database.Prepare("INSERT INTO scene VALUES(?, ?, ?)");
+  Statement insert = database.Prepare("INSERT INTO scene(id, first_step, description) VALUES(?, ?, ?)");
   if (!insert) return false;
   const std::vector<std::byte> description = EncodeScene(scene);
   insert.Bind(1, number);
@@ -168,6 +160,14 @@ bool SetMeta(Database& database, const std::string& key, std::int64_t value) {
   if (!insert) return false;
   insert.BindText(1, key);
   insert.Bind(2, value);
+  return insert.Run();
+}
+
+bool SetMetaText(Database& database, const std::string& key, const std::string& value) {
+  Statement insert = database.Prepare(kInsertMeta);
+  if (!insert) return false;
+  insert.BindText(1, key);
+  insert.BindText(2, value);
   return insert.Run();
 }
 

@@ -61,6 +61,38 @@ bool SameBits(const Setpoint& a, const Setpoint& b) {
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
 
+/// One row, column by column, the number that tells its place first: into `insert` and the chain of its
+/// table.
+class RowInserter {
+ public:
+  RowInserter(Statement& insert, TableEnd& end) : insert_(insert), end_(end) {}
+
+  void Integer(std::int64_t value) {
+    if (column_ == 1) id_ = value;
+    insert_.Bind(column_++, value);
+    end_.chain.Integer(value);
+  }
+  void Text(std::string_view text) {
+    insert_.BindText(column_++, text);
+    end_.chain.Text(text);
+  }
+  void Blob(std::span<const std::byte> bytes) {
+    insert_.BindBlob(column_++, bytes);
+    end_.chain.Blob(bytes);
+  }
+  bool Run() {
+    end_.id = id_;
+    insert_.Bind(column_, std::int64_t{end_.chain.Link()});
+    return insert_.Run();
+  }
+
+ private:
+  Statement& insert_;
+  TableEnd& end_;
+  std::int64_t id_ = 0;
+  int column_ = 1;
+};
+
 }  // namespace
 
 void RemoveRunFile(const std::string& file) {
@@ -118,6 +150,8 @@ bool RunWriter::Open(const SavedState& first) {
   if (options_.max_pages > 0) setup += "; PRAGMA max_page_count = " + std::to_string(options_.max_pages);
   if (!database_->Run(setup) || !Begin() || !CreateTables(*database_)) return Failed();
   if (!WriteHeader(*database_, options_.header) || !PrepareStatements()) return Failed();
+  const std::optional<std::int32_t> texts = TextsChain(*database_);
+  if (!texts || !SetMeta(*database_, "texts", std::int64_t{*texts})) return Failed();
   begin_ = first.frame->time;
   if (!AddStep(*first.frame) || !AddKeyframe(first) || !Commit()) return false;
   steps_ = 0;
@@ -125,10 +159,10 @@ bool RunWriter::Open(const SavedState& first) {
 }
 
 bool RunWriter::PrepareStatements() {
-  insert_.step = database_->Prepare("INSERT INTO step VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  insert_.keyframe = database_->Prepare("INSERT INTO keyframe VALUES(?, ?)");
-  insert_.input = database_->Prepare("INSERT INTO input(step, action, detail) VALUES(?, ?, ?)");
-  insert_.event = database_->Prepare("INSERT INTO event(step, time_ns, level, text) VALUES(?, ?, ?, ?)");
+  insert_.step = database_->Prepare("INSERT INTO step VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  insert_.keyframe = database_->Prepare("INSERT INTO keyframe VALUES(?, ?, ?)");
+  insert_.input = database_->Prepare("INSERT INTO input VALUES(?, ?, ?, ?, ?)");
+  insert_.event = database_->Prepare("INSERT INTO event VALUES(?, ?, ?, ?, ?, ?)");
   return insert_.step && insert_.keyframe && insert_.input && insert_.event;
 }
 
@@ -151,7 +185,10 @@ bool RunWriter::AddStep(const Frame& frame) {
   const bool new_scene = frame.scene != scene_;
   if (new_scene) {
     scene_ = frame.scene;
-    if (!WriteScene(*database_, ++scene_number_, frame.step, *scene_)) return Failed();
+    if (!WriteScene(*database_, ++scene_number_, frame.step, *scene_) ||
+        !LinkScene(*database_, ends_[kSceneTable])) {
+      return Failed();
+    }
     is_recomputed_.assign(scene_->robots.size(), false);
     for (std::size_t i = 0; i < scene_->robots.size() && !options_.header.what.controllers; ++i) {
       is_recomputed_[i] = !scene_->robots[i].entry.controller.empty();
@@ -208,23 +245,24 @@ bool RunWriter::WriteRow(const Frame& frame) {
     EncodeShown(frame);
     shown_ = frame.time;
   }
-  insert_.step.Bind(1, static_cast<std::int64_t>(frame.step));
-  insert_.step.Bind(2, frame.time);
-  insert_.step.Bind(3, static_cast<std::int64_t>(StateHash(frame)));
-  insert_.step.Bind(4, scene_number_);
-  int column = 5;
+  RowInserter row(insert_.step, ends_[kStepTable]);
+  row.Integer(static_cast<std::int64_t>(frame.step));
+  row.Integer(frame.time);
+  row.Integer(static_cast<std::int64_t>(StateHash(frame)));
+  row.Integer(scene_number_);
   for (const auto* blob : {&commands_blob_, &messages_blob_, &wheels_, &distances_, &targets_, &poses_}) {
-    insert_.step.BindBlob(column++, *blob);
+    row.Blob(*blob);
   }
-  return insert_.step.Run();
+  return row.Run();
 }
 
 bool RunWriter::AddKeyframe(const SavedState& state) {
   if (!Begin()) return false;
   const std::vector<std::byte> bytes = EncodeState(state);
-  insert_.keyframe.Bind(1, static_cast<std::int64_t>(state.frame->step));
-  insert_.keyframe.BindBlob(2, bytes);
-  return insert_.keyframe.Run() || Failed();
+  RowInserter row(insert_.keyframe, ends_[kKeyframeTable]);
+  row.Integer(static_cast<std::int64_t>(state.frame->step));
+  row.Blob(bytes);
+  return row.Run() || Failed();
 }
 
 bool RunWriter::AddInput(const RunInput& input) {
@@ -233,19 +271,23 @@ bool RunWriter::AddInput(const RunInput& input) {
     const int robot = scene_->FindRobot(input.detail);
     if (robot >= 0) is_recomputed_[static_cast<std::size_t>(robot)] = false;
   }
-  insert_.input.Bind(1, static_cast<std::int64_t>(input.step));
-  insert_.input.BindText(2, input.action);
-  insert_.input.BindText(3, input.detail);
-  return insert_.input.Run() || Failed();
+  RowInserter row(insert_.input, ends_[kInputTable]);
+  row.Integer(ends_[kInputTable].id + 1);
+  row.Integer(static_cast<std::int64_t>(input.step));
+  row.Text(input.action);
+  row.Text(input.detail);
+  return row.Run() || Failed();
 }
 
 bool RunWriter::AddEvent(const Event& event) {
   if (!Begin()) return false;
-  insert_.event.Bind(1, static_cast<std::int64_t>(event.step));
-  insert_.event.Bind(2, static_cast<std::int64_t>(std::llround(event.time_s * 1e9)));
-  insert_.event.BindText(3, event.level);
-  insert_.event.BindText(4, event.text);
-  return insert_.event.Run() || Failed();
+  RowInserter row(insert_.event, ends_[kEventTable]);
+  row.Integer(ends_[kEventTable].id + 1);
+  row.Integer(static_cast<std::int64_t>(event.step));
+  row.Integer(static_cast<std::int64_t>(std::llround(event.time_s * 1e9)));
+  row.Text(event.level);
+  row.Text(event.text);
+  return row.Run() || Failed();
 }
 
 bool RunWriter::AddLost(std::uint64_t steps) {
@@ -256,7 +298,10 @@ bool RunWriter::AddLost(std::uint64_t steps) {
 
 bool RunWriter::Commit() {
   if (!error_.empty()) return false;
-  if (dirty_ && !database_->Run("COMMIT")) return Failed();
+  if (dirty_ &&
+      (!SetMetaText(*database_, "ends", EndsText(ends_)) || !Seal(*database_) || !database_->Run("COMMIT"))) {
+    return Failed();
+  }
   dirty_ = false;
   return true;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/record/run_header.h"
+#include "server/record/run_seal.h"
 #include "server/record/sqlite_db.h"
 #include "server/state/run_journal.h"
 
@@ -82,6 +83,7 @@ class RunWriter {
     Statement step, keyframe, input, event;
   };
   Statements insert_;
+  TableEnds ends_;
   std::string error_;
   bool dirty_ = false;
 

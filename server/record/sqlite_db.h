@@ -21,6 +21,7 @@ namespace coopdyn {
 class Statement {
  public:
   enum class Result { kRow, kDone, kError };
+  enum class Kind : std::uint8_t { kNull, kInteger, kReal, kText, kBlob };
 
   Statement() = default;
   Statement(Statement&& other) noexcept;
@@ -45,12 +46,13 @@ class Statement {
   /// Ready for new parameters and another run. What was bound stays bound.
   void Reset();
 
+  Kind kind(int column) const;
   bool is_null(int column) const;
   bool is_integer(int column) const;
   std::int64_t integer(int column) const;
   double real(int column) const;
   std::string text(int column) const;
-  /// Valid until the next Step() or Reset(). Empty for NULL.
+  /// Valid until the next Step() or Reset(). Empty for NULL; of a text its bytes.
   std::span<const std::byte> blob(int column) const;
 
  private:

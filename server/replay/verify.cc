@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/record/run_chain.h"
 #include "server/replay/resimulator.h"
 #include "server/replay/verify_difference.h"
 #include "server/replay/verify_row.h"
@@ -48,21 +49,11 @@ class Verifier {
       }
     }
     if (progress_) progress_(1);
-    const bool whole = report_.error.empty() && !report_.difference && !reader_.growing();
-    if (whole && extent_.missing > 0) {
-      report_.error =
-          fmt::format("{}: {} steps are missing at its end: it is damaged", reader_.file(), extent_.missing);
-    } else if (whole && report_.not_verified > extent_.lost) {
-      report_.error = fmt::format(
-          "{}: {} steps cannot be verified, though it says that {} were lost: steps are missing, it is "
-          "damaged",
-          reader_.file(), report_.not_verified, extent_.lost);
-    }
+    Conclude();
     const std::string origin = OtherOrigin(reader_.header());
     report_.warning = origin.empty() ? "" : reader_.file() + " was " + origin;
-    if (!run_.warning().empty()) {
-      report_.warning += (report_.warning.empty() ? "" : "\n") + run_.warning();
-    }
+    if (!run_.warning().empty()) Warn(run_.warning());
+    if (!head_.empty() && !head_said_) Warn(reader_.file() + ": " + head_);
     return std::move(report_);
   }
 
@@ -77,11 +68,69 @@ class Verifier {
     return false;
   }
 
+  /// A row that is not as it was written.
+  bool Part(const ChainDamage& damage) {
+    Difference difference;
+    difference.step = difference.value_step = damage.step;
+    const std::optional<RecordedStep> row = reader_.Read(std::min(damage.step, extent_.last), true);
+    difference.time = row ? row->time : extent_.begin;
+    difference.what = damage.what;
+    difference.field = damage.field;
+    difference.recorded = damage.recorded;
+    difference.repeated = damage.computed;
+    difference.exact = true;
+    difference.repeated_is = "computed";
+    difference.note = damage.field == "row" ? "it was taken out after it was written"
+                                            : "it is not as it was written, or one before it was taken out, "
+                                              "put in or moved; nothing that was repeated differs";
+    return Part(std::move(difference));
+  }
+  void Warn(const std::string& line) { report_.warning += (report_.warning.empty() ? "" : "\n") + line; }
+
+  /// What can only be said at the end.
+  void Conclude() {
+    const bool equal = report_.error.empty() && !report_.difference;
+    if (equal && !changed_ && !reader_.growing() && extent_.missing > 0) {
+      Fail(
+          fmt::format("{}: {} steps are missing at its end: it is damaged", reader_.file(), extent_.missing));
+    } else if (equal && !reader_.growing() && report_.not_verified > extent_.lost) {
+      Fail(
+          fmt::format("{}: {} steps cannot be verified, though it says that {} were lost: steps are missing, "
+                      "it is damaged",
+                      reader_.file(), report_.not_verified, extent_.lost));
+    }
+    if (chain_ == nullptr || !report_.error.empty()) return;
+    if (changed_) return TellChanged(*changed_);
+    if (report_.difference) return;
+    std::string ends;
+    if (const std::optional<ChainDamage> damage = chain_->CheckRest(ends)) {
+      Part(*damage);
+    } else if (!chain_->error().empty()) {
+      Fail(chain_->error());
+    } else if (!ends.empty() || !head_.empty()) {
+      head_said_ = ends.empty();
+      Fail(fmt::format("{}: {}: it is damaged", reader_.file(), head_said_ ? head_ : ends));
+    }
+  }
+  void TellChanged(const ChainDamage& damage) {
+    if (!report_.difference || report_.difference->step > damage.step + 1) {
+      report_.steps = std::min(report_.steps, steps_unchanged_);
+      Part(damage);
+      return;
+    }
+    std::string& note = report_.difference->note;
+    note += fmt::format("{}{} is not as it was written", note.empty() ? "" : "; ", damage.what);
+  }
+
   /// Puts the first frame in force, and compares it with what is recorded of it.
   bool Begin() {
+    std::string error;
+    chain_ = RunChain::Open(reader_.file(), error);
+    if (chain_ == nullptr) return Fail(error);
+    head_ = chain_->CheckHead();
     keyframes_ = reader_.Keyframes();
     if (!reader_.error().empty()) return Fail(reader_.error());
-    return Resume(extent_.first);
+    return Resume(extent_.first) && CheckRows(extent_.first, 0);
   }
 
   /// Goes on from the keyframe of `step`.
@@ -104,7 +153,7 @@ class Verifier {
     std::vector<Setpoint> recorded(run_.recorded_setpoints().begin(), run_.recorded_setpoints().end());
     for (const CommandRecord& command : row->commands) recorded[command.robot] = command.setpoint;
     std::optional<Difference> difference = FindSetpoint(recorded, frame);
-    if (!difference) return true;
+    if (!difference) return CheckKeyframeRows(step, report_.steps);
     difference->note = "the exact state of this step has the other value, and its hash is equal";
     return Part(std::move(*difference));
   }
@@ -138,7 +187,7 @@ class Verifier {
   bool Check(const RecordedStep& step) {
     if (lost_track_ || !run_.Follows(step)) {
       lost_track_ = true;
-      return true;
+      return changed_ || CheckRows(step.step, report_.steps);
     }
     if (std::optional<Difference> difference = FindImpossible(step)) return Part(std::move(*difference));
     if (!run_.Step(step)) return Fail(run_.error());
@@ -155,12 +204,29 @@ class Verifier {
       difference->note = "the state is the recorded one: what is recorded of this step to be seen is damaged";
       return Part(std::move(*difference));
     }
-    ++report_.steps;
+    if (changed_) return false;  // and nothing shows it
+    if (!CheckRows(step.step, report_.steps++)) return false;
     const std::uint64_t done = step.step - extent_.first;
     if (progress_ && done % kTellEvery == 0) {
       progress_(static_cast<double>(done) / static_cast<double>(extent_.last - extent_.first));
     }
     return true;
+  }
+
+  /// Nothing that was repeated differs up to `step`: are the rows those that were written? What was changed
+  /// may show in the next step, as a broadcast or an input does, which tells more: changed_ waits for that.
+  bool CheckRows(std::uint64_t step, std::uint64_t steps_before) {
+    changed_ = chain_->CheckRows(step);
+    steps_unchanged_ = steps_before;
+    return chain_->error().empty() || Fail(chain_->error());
+  }
+  bool CheckKeyframeRows(std::uint64_t step, std::uint64_t steps_before) {
+    const std::optional<ChainDamage> damage = chain_->CheckKeyframes(step);
+    if (!chain_->error().empty()) return Fail(chain_->error());
+    if (!damage || changed_) return true;
+    changed_ = damage;
+    steps_unchanged_ = steps_before;
+    return false;
   }
 
   /// A command that no recorder writes: one that changes nothing and comes from nobody, or a client's to a
@@ -200,7 +266,7 @@ class Verifier {
     if (state == nullptr) return Fail(reader_.error());
     std::optional<Difference> difference = FindExact(*state->frame, *run_.frame());
     if (!difference && run_.has_controllers()) difference = FindSaved(state->controllers);
-    if (!difference) return true;
+    if (!difference) return CheckKeyframeRows(step, report_.steps - 1);
     difference->note = "the hash of this step is equal: its exact state in the file is damaged";
     --report_.steps;
     return Part(std::move(*difference));
@@ -284,6 +350,11 @@ class Verifier {
   Resimulator run_;
   RunExtent extent_;
   RowCheck row_check_;
+  std::unique_ptr<RunChain> chain_;
+  std::string head_;                    // what of meta and texts was changed
+  bool head_said_ = false;              // that is the error
+  std::optional<ChainDamage> changed_;  // the first row found to be
+  std::uint64_t steps_unchanged_ = 0;   // report_.steps before that
   std::vector<std::uint64_t> keyframes_;
   std::optional<RecordedStep> failed_;  // its hash is not that of frame()
   bool lost_track_ = false;             // until the next keyframe
@@ -298,40 +369,13 @@ VerifyReport Verify(RunReader& reader, const ReplayServices& services, const Pro
     VerifyReport report;
     report.error =
         reader.file() + " cannot be repeated, its scenario does not load:\n" + diagnostics.ToString();
+    std::string none;
+    const auto chain = RunChain::Open(reader.file(), none);
+    const std::string head = chain == nullptr ? "" : chain->CheckHead();
+    if (!head.empty()) report.warning = reader.file() + ": " + head;
     return report;
   }
   return Verifier(reader, services, progress).Verify();
-}
-
-std::string ToString(const VerifyReport& report) {
-  std::string text;
-  if (!report.error.empty()) {
-    text = report.error;
-  } else if (report.difference) {
-    const Difference& difference = *report.difference;
-    const std::size_t width = std::max(difference.recorded_is.size(), difference.repeated_is.size());
-    text = fmt::format("differs from step {} on, t = {:g} s: {} {}\n", difference.step,
-                       ToSeconds(difference.time), difference.what, difference.field);
-    text += fmt::format("  {:{}}  {}{}\n", difference.recorded_is, width, difference.recorded,
-                        difference.exact ? "" : " (as rounded)");
-    text += fmt::format("  {:{}}  {}\n", difference.repeated_is, width, difference.repeated);
-    if (difference.value_step != difference.step) {
-      text += fmt::format("  at step {}, where it shows first\n", difference.value_step);
-    }
-    if (!difference.note.empty()) text += "  " + difference.note + "\n";
-    text += fmt::format("{} step{} before it {} equal", report.steps, report.steps == 1 ? "" : "s",
-                        report.steps == 1 ? "is" : "are");
-  } else {
-    text = fmt::format("equal, {} step{}", report.steps, report.steps == 1 ? "" : "s");
-  }
-  if (report.not_verified > 0) {
-    text += fmt::format("; {} lost step{} could not be verified", report.not_verified,
-                        report.not_verified == 1 ? "" : "s");
-  }
-  while (text.ends_with('\n')) text.pop_back();
-  text += '\n';
-  if (!report.warning.empty()) text += "warning: " + report.warning + '\n';
-  return text;
 }
 
 }  // namespace coopdyn

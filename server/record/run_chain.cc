@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include "server/record/run_chain.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+/// So many rows are read before the file is let go again: a writer waits for readers to tidy up its log.
+constexpr int kRowsAtOnce = 500;
+constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
+constexpr std::int64_t kMostId = std::numeric_limits<std::int64_t>::max();
+
+/// Its rows are numbered 1, 2, …; else by steps, of which some may be missing.
+bool IsNumbered(ChainedTableIndex table) {
+  return kChainedTables[table].step_column != 0;
+}
+
+/// The step that a row of `table` belongs to, whatever the file says.
+std::uint64_t StepOf(ChainedTableIndex table, const Statement& row) {
+  const std::int64_t step = std::max<std::int64_t>(0, row.integer(kChainedTables[table].step_column));
+  return static_cast<std::uint64_t>(step);
+}
+
+std::string NameOf(ChainedTableIndex table, std::int64_t id) {
+  const std::string number = std::to_string(id);
+  if (table == kStepTable) return "the row of step " + number;
+  if (table == kKeyframeTable) return "the keyframe of step " + number;
+  return kChainedTables[table].name + (" " + number);
+}
+
+/// What stands in a column that is to hold a chain.
+std::string ChainText(const Statement& row, int column) {
+  switch (row.kind(column)) {
+    case Statement::Kind::kNull:
+      return "NULL";
+    case Statement::Kind::kInteger:
+      return row.text(column);
+    default:
+      return "no whole number";
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<RunChain> RunChain::Open(const std::string& file, std::string& error) {
+  std::unique_ptr<RunChain> chain(new RunChain);
+  chain->database_ = Database::Open(file, Database::Access::kReadOnly, error);
+  if (chain->database_ == nullptr || !chain->Prepare(error)) return nullptr;
+  error.clear();
+  return chain;
+}
+
+bool RunChain::Prepare(std::string& error) {
+  for (std::size_t i = 0; i < walks_.size(); ++i) {
+    const ChainedTable& table = kChainedTables[i];
+    const std::string columns = table.columns, id = columns.substr(0, columns.find(','));
+    walks_[i].rows =
+        database_->Prepare("SELECT " + columns + ", chain FROM " + table.name + " WHERE " + id +
+                           " BETWEEN ?1 AND ?2 ORDER BY " + id + " LIMIT " + std::to_string(kRowsAtOnce));
+    if (walks_[i].rows) continue;
+    error = database_->error() + ": without a chain of its rows a recording cannot tell whether it was " +
+            "changed: it was made by an older coopdyn, or by another program; record it again";
+    return false;
+  }
+  return true;
+}
+
+std::string RunChain::CheckHead() {
+  // One look, though a writer may add to it.
+  database_->Run("BEGIN");
+  const bool sealed = IsSealed(*database_);
+  const std::optional<std::int32_t> texts = TextsChain(*database_);
+  const std::optional<std::int64_t> recorded =
+      database_->Integer("SELECT value FROM meta WHERE key = 'texts' AND typeof(value) = 'integer'");
+  database_->Run("COMMIT");
+  if (!texts || recorded != std::int64_t{*texts}) {
+    return "a text that it carries (scenario, world or robot) was changed after it was written";
+  }
+  return sealed ? "" : "its table meta was changed after it was written";
+}
+
+std::optional<ChainDamage> RunChain::CheckRows(std::uint64_t step) {
+  std::optional<ChainDamage> first;
+  for (const ChainedTableIndex table : {kStepTable, kSceneTable, kInputTable, kEventTable}) {
+    std::optional<ChainDamage> damage = Go(table, step);
+    if (damage && (!first || damage->step < first->step)) first = std::move(damage);
+  }
+  return first;
+}
+
+std::optional<ChainDamage> RunChain::CheckKeyframes(std::uint64_t step) {
+  return Go(kKeyframeTable, step);
+}
+
+std::optional<ChainDamage> RunChain::CheckRest(std::string& ends) {
+  ends.clear();
+  // The ends that meta tells of are those of the rows of one moment.
+  database_->Run("BEGIN");
+  std::optional<ChainDamage> first = CheckRows(kAll);
+  std::optional<ChainDamage> keyframe = CheckKeyframes(kAll);
+  if (keyframe && (!first || keyframe->step < first->step)) first = std::move(keyframe);
+  if (!first && error_.empty()) ends = CompareEnds();
+  database_->Run("COMMIT");
+  return first;
+}
+
+std::string RunChain::CompareEnds() {
+  const std::optional<std::string> recorded =
+      database_->Text("SELECT value FROM meta WHERE key = 'ends' AND typeof(value) = 'text'");
+  if (!recorded) return "its table meta does not say where its tables end";
+  for (std::size_t i = 0; i < walks_.size(); ++i) {
+    const std::string found = EndText(i, walks_[i].end);
+    if ((", " + *recorded + ",").find(", " + found + ",") != std::string::npos) continue;
+    return "its table " + std::string(kChainedTables[i].name) + " ends with row " +
+           std::to_string(walks_[i].end.id) + ", where meta tells of another end: rows after it are missing";
+  }
+  return {};
+}
+
+std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t step) {
+  Walk& walk = walks_[table];
+  if (step < walk.waits_for || !error_.empty()) return std::nullopt;
+  const bool is_numbered = IsNumbered(table);
+  walk.rows.Bind(2,
+                 is_numbered ? kMostId : static_cast<std::int64_t>(std::min<std::uint64_t>(step, kMostId)));
+  std::optional<ChainDamage> damage;
+  for (int count = kRowsAtOnce; count == kRowsAtOnce && !damage;) {
+    walk.rows.Bind(1, walk.next);
+    Statement::Result result = walk.rows.Step();
+    for (count = 0; result == Statement::Result::kRow; result = walk.rows.Step(), ++count) {
+      walk.waits_for = is_numbered ? StepOf(table, walk.rows) : 0;
+      if (walk.waits_for > step) break;
+      damage = CheckRow(table);
+      if (walk.end.id == kMostId) return walk.rows.Reset(), walk.waits_for = kAll, damage;
+      walk.next = walk.end.id + 1;
+      if (damage || !error_.empty()) break;
+    }
+    if (result == Statement::Result::kError) FailReading(table);
+    // After the last row there is none to come, unless the file grows.
+    if (result == Statement::Result::kDone && is_numbered && count < kRowsAtOnce) walk.waits_for = kAll;
+    walk.rows.Reset();
+    if (!error_.empty()) return std::nullopt;
+  }
+  return damage;
+}
+
+std::optional<ChainDamage> RunChain::CheckRow(ChainedTableIndex table) {
+  Walk& walk = walks_[table];
+  const Statement& row = walk.rows;
+  const int columns = kChainedTables[table].column_count;
+  const std::int64_t id = row.integer(0), before = walk.end.id;
+  walk.end.chain.Columns(row, 0, columns);
+  if (table == kSceneTable && !AddSceneParts(*database_, id, walk.end.chain)) {
+    FailReading(table);
+    return std::nullopt;
+  }
+  const std::int32_t computed = walk.end.chain.Link();
+  walk.end.id = id;
+  if (row.is_integer(columns) && row.integer(columns) == computed) return std::nullopt;
+  walk.end.chain.Restart(static_cast<std::int32_t>(row.integer(columns)));
+  ChainDamage damage;
+  damage.step = StepOf(table, row);
+  if (IsNumbered(table) && id > before + 1) {
+    damage.what = NameOf(table, before + 1);
+    damage.field = "row";
+    damage.recorded = "missing";
+    damage.computed = NameOf(table, id) + " was not written " +
+                      (before == 0 ? "as the first" : "after " + NameOf(table, before));
+    return damage;
+  }
+  damage.what = NameOf(table, id);
+  damage.field = "chain";
+  damage.recorded = ChainText(row, columns);
+  damage.computed = std::to_string(computed);
+  return damage;
+}
+
+void RunChain::FailReading(ChainedTableIndex table) {
+  const Walk& walk = walks_[table];
+  error_ = database_->error() + ", after " +
+           (walk.end.id == 0 ? std::string("the start of table ") + kChainedTables[table].name
+                             : NameOf(table, walk.end.id)) +
+           (database_->busy() ? ": another program holds it, try again"
+                              : ": the file is damaged there, copy it again from where it was recorded");
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Was a recording changed after it was written? Goes along its chains, as far as it is asked to, and looks at
+// its seal (docs/formats.md). What players and exports do without, since it reads every row. One thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/record/run_seal.h"
+
+namespace coopdyn {
+
+/// A row that is not as it was written, or not where.
+struct ChainDamage {
+  std::uint64_t step = 0;          // that the row belongs to
+  std::string what, field;         // "the row of step 22", "event 3"; "chain", or "row" if it is missing
+  std::string recorded, computed;  // values of `field`
+};
+
+class RunChain {
+ public:
+  /// Reads `file` on its own, as it stands. Null with `error` if it cannot, or has no chains.
+  static std::unique_ptr<RunChain> Open(const std::string& file, std::string& error);
+
+  /// What of table meta and the texts was changed, for people: "its table meta was changed after it was
+  /// written"; empty: nothing.
+  std::string CheckHead();
+
+  // The first damage among rows that were not looked at before. If they cannot be read, nothing, and error()
+  // says why.
+  /// Steps up to `step`, and scenes, inputs and events that belong to them.
+  std::optional<ChainDamage> CheckRows(std::uint64_t step);
+  /// Keyframes up to `step`.
+  std::optional<ChainDamage> CheckKeyframes(std::uint64_t step);
+  /// All rows that are left. If nothing is wrong with them, `ends` says whether any are missing after the
+  /// last: "its table event was cut off after row 3"; empty: none are.
+  std::optional<ChainDamage> CheckRest(std::string& ends);
+
+  const std::string& error() const { return error_; }
+
+ private:
+  struct Walk {
+    Statement rows;  // the next ones from ?1 to ?2; their chain in the column after the last
+    std::int64_t next = std::numeric_limits<std::int64_t>::min();  // first column
+    TableEnd end;                                                  // of the row looked at last
+    std::uint64_t waits_for = 0;                                   // the step of the next row
+  };
+
+  RunChain() = default;
+  bool Prepare(std::string& error);
+  std::optional<ChainDamage> Go(ChainedTableIndex table, std::uint64_t step);
+  /// The row that the walk of `table` stands at.
+  std::optional<ChainDamage> CheckRow(ChainedTableIndex table);
+  /// What CheckRest() says of them.
+  std::string CompareEnds();
+  void FailReading(ChainedTableIndex table);
+
+  std::unique_ptr<Database> database_;  // goes after the statements
+  std::array<Walk, kChainedTables.size()> walks_;
+  std::string error_;
+};
+
+}  // namespace coopdyn
