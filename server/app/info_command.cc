@@ -110,6 +110,9 @@ std::string ToText(const RunInfo& info, bool all_events) {
       info.commands ? Count(*info.commands, "command") : "commands not counted (--count-commands)";
   AddLine(text, "inputs", fmt::format("{}, {}", commands, Count(info.contents.inputs, "other input")));
   AddLine(text, "lost", extent.lost == 0 ? "no steps" : Count(extent.lost, "step"));
+  if (extent.missing > 0) {
+    AddLine(text, "missing", Count(extent.missing, "step") + " at the end: the file is damaged");
+  }
   AddLine(text, "made by",
           fmt::format("coopdyn {} (build {}), {}{}", header.version, header.build, header.started,
                       header.cpu.empty() ? "" : ", on " + header.cpu));
@@ -149,6 +152,7 @@ std::string ToJson(const RunInfo& info) {
   object["last_step"] = info.extent.last;
   object["steps"] = info.extent.steps;
   object["lost"] = info.extent.lost;
+  object["missing"] = info.extent.missing;
   object["scenario"] = header.scenario_name;
   object["seed"] = std::to_string(header.seed);
   object["mode"] = ToString(header.mode);

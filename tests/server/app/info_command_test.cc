@@ -162,6 +162,22 @@ TEST_F(InfoCommandTest, JsonHasTheSameAsText) {
   EXPECT_EQ(run.at("events").as_array().size(), 2u);
 }
 
+TEST_F(InfoCommandTest, StepsThatWereCutOffTheEndAreMissing) {
+  RecordAndClose();
+  Run();
+  EXPECT_EQ(out_.str().find("missing"), std::string::npos);
+  {
+    std::string error;
+    const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
+    ASSERT_TRUE(database != nullptr && database->Run("DELETE FROM step WHERE step > 1")) << error;
+  }
+  EXPECT_EQ(Run(), kExitOk) << errors_.str();
+  ExpectLine("missing   3 steps at the end: the file is damaged\n");
+  Run(Json());
+  const boost::json::value value = boost::json::parse(out_.str());
+  EXPECT_EQ(value.as_array()[0].as_object().at("missing").to_number<int>(), 3);
+}
+
 TEST_F(InfoCommandTest, ABadFileIsAnErrorAndTheOthersAreToldOf) {
   RecordAndClose();
   const std::string bad = folder_.File("bad.run");
