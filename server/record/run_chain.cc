@@ -9,7 +9,7 @@ namespace coopdyn {
 namespace {
 
 /// So many rows are read before the file is let go again: a writer waits for readers to tidy up its log.
-constexpr int kRowsAtOnce = 500;
+constexpr int kLinksAtOnce = 500;
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
 constexpr std::int64_t kMostId = std::numeric_limits<std::int64_t>::max();
 
@@ -59,7 +59,7 @@ bool RunChain::Prepare(std::string& error) {
     const std::string columns = table.columns, id = columns.substr(0, columns.find(','));
     walks_[i].rows =
         database_->Prepare("SELECT " + columns + ", chain FROM " + table.name + " WHERE " + id +
-                           " BETWEEN ?1 AND ?2 ORDER BY " + id + " LIMIT " + std::to_string(kRowsAtOnce));
+                           " BETWEEN ?1 AND ?2 ORDER BY " + id + " LIMIT " + std::to_string(kLinksAtOnce));
     if (walks_[i].rows) continue;
     error = database_->error() + ": without a chain of its rows a recording cannot tell whether it was " +
             "changed: it was made by an older coopdyn, or by another program; record it again";
@@ -127,7 +127,7 @@ std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t s
   walk.rows.Bind(2,
                  is_numbered ? kMostId : static_cast<std::int64_t>(std::min<std::uint64_t>(step, kMostId)));
   std::optional<ChainDamage> damage;
-  for (int count = kRowsAtOnce; count == kRowsAtOnce && !damage;) {
+  for (int count = kLinksAtOnce; count == kLinksAtOnce && !damage;) {
     walk.rows.Bind(1, walk.next);
     Statement::Result result = walk.rows.Step();
     for (count = 0; result == Statement::Result::kRow; result = walk.rows.Step(), ++count) {
@@ -140,7 +140,7 @@ std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t s
     }
     if (result == Statement::Result::kError) FailReading(table);
     // After the last row there is none to come, unless the file grows.
-    if (result == Statement::Result::kDone && is_numbered && count < kRowsAtOnce) walk.waits_for = kAll;
+    if (result == Statement::Result::kDone && is_numbered && count < kLinksAtOnce) walk.waits_for = kAll;
     walk.rows.Reset();
     if (!error_.empty()) return std::nullopt;
   }
