@@ -12,10 +12,6 @@
 namespace coopdyn {
 namespace {
 
-Message Unreadable(std::string text) {
-  return ErrorReply(command::kUnreadable, Error::kMalformed, std::move(text));
-}
-
 /// Reads an int of the full form called `name`; says what is wrong, or nothing.
 std::string ReadInt(LineScanner& line, std::string_view name, std::int32_t& value) {
   if (line.AtEnd()) return std::string(name) + " is missing";

@@ -15,10 +15,6 @@
 namespace coopdyn {
 namespace {
 
-Message Unreadable(std::string text) {
-  return ErrorReply(command::kUnreadable, Error::kMalformed, std::move(text));
-}
-
 Message UnknownWord(std::string_view word, const CommandTable& table) {
   std::string text = "unknown command " + Quoted(word);
   const std::string nearest = table.Nearest(word);
@@ -193,6 +189,10 @@ const CommandSpec* FindCommand(std::string_view word, bool has_values, const Com
 }
 
 }  // namespace
+
+Message Unreadable(std::string text) {
+  return ErrorReply(command::kUnreadable, Error::kMalformed, std::move(text));
+}
 
 std::string ReadText(LineScanner& line, std::string& text) {
   if (line.AtEnd()) return "the text is missing";

@@ -2,6 +2,7 @@
 // The named form of a line, `set_velocity 0.2 0.5`. Pure; any thread.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "protocol/command_table.h"
@@ -13,6 +14,9 @@ namespace coopdyn {
 /// Reads the rest of a line after `word` by `table`. Returns the request, or an error reply (error != 0): 1
 /// and 7 with command -2, what CheckRequest says with the command's own number.
 Message ReadNamed(std::string_view word, LineScanner& line, const CommandTable& table);
+
+/// The reply to a line that cannot be read: error 7, command -2.
+Message Unreadable(std::string text);
 
 /// Takes one TEXT at the front (quoted, or up to the next blank) into `text`; says what is wrong with it, or
 /// nothing.

@@ -9,14 +9,14 @@ namespace {
 
 constexpr std::size_t kMaxNames = 40;
 
-ScenarioRead Refusal(Error error, std::string text) {
+ScenarioRead NoScenario(Error error, std::string text) {
   return {nullptr, error, std::move(text)};
 }
 
 ScenarioRead Finish(std::shared_ptr<const Scenario> scenario, const Diagnostics& diagnostics) {
   std::string text = diagnostics.ToString();
   if (!text.empty()) text.pop_back();
-  if (scenario == nullptr || diagnostics.has_errors()) return Refusal(Error::kMalformed, std::move(text));
+  if (scenario == nullptr || diagnostics.has_errors()) return NoScenario(Error::kMalformed, std::move(text));
   return {std::move(scenario), Error::kOk, std::move(text)};
 }
 
@@ -39,13 +39,13 @@ ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots
     return Finish(ReadScenario(text, "(text)", robots, true, diagnostics, seed), diagnostics);
   }
   if (text.find_first_of("/\\") != std::string::npos || text.starts_with('.')) {
-    return Refusal(Error::kNoSuchName,
-                   "load_scenario takes a name on the daemon's search path, without folders, or the "
-                   "text of the file; " +
-                       KnownNames(robots));
+    return NoScenario(Error::kNoSuchName,
+                      "load_scenario takes a name on the daemon's search path, without folders, or the "
+                      "text of the file; " +
+                          KnownNames(robots));
   }
   if (!robots.path().FindScenario(text)) {
-    return Refusal(Error::kNoSuchName, "there is no scenario " + text + ": " + KnownNames(robots));
+    return NoScenario(Error::kNoSuchName, "there is no scenario " + text + ": " + KnownNames(robots));
   }
   return Finish(LoadScenario(text, robots, diagnostics, false, seed), diagnostics);
 }
@@ -53,9 +53,9 @@ ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots
 ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
                                std::optional<std::uint64_t> seed) {
   if (current.file.empty()) {
-    return Refusal(Error::kNotPossible,
-                   "this scenario came as a text, there is no file to read again: upload it again, or "
-                   "coopdyn load FILE");
+    return NoScenario(Error::kNotPossible,
+                      "this scenario came as a text, there is no file to read again: upload it again, or "
+                      "coopdyn load FILE");
   }
   Diagnostics diagnostics;
   return Finish(LoadScenario(current.file, robots, diagnostics, false, seed), diagnostics);

@@ -23,7 +23,6 @@ constexpr std::array<Word, 4> kWords{{{"wheels", &RecordWhat::wheels},
 
 constexpr std::uint32_t kByClient = std::uint32_t{1} << 31;
 constexpr std::size_t kCommandBytes = 4 + 2 * 8;
-constexpr std::size_t kWheelsBytes = 2 * 5 + 2 * 4;
 constexpr double kAngleUnit_rad = 1e-5;
 constexpr double kMostAngleUnits = 549755813887.0;  // 2^39 − 1
 constexpr std::size_t kManyRobots = 50;

@@ -17,6 +17,9 @@
 
 namespace coopdyn {
 
+/// Of one robot in column `wheels`: two angles of 40 bits, two speeds of 32.
+inline constexpr std::size_t kWheelsBytes = 2 * 5 + 2 * 4;
+
 /// What of a step is recorded besides time, hash, poses, and the clients' commands.
 struct RecordWhat {
   bool wheels = false;       // angles and speeds

@@ -14,7 +14,7 @@ namespace coopdyn {
 namespace {
 
 /// So many steps are read before the file is let go again: a writer waits for readers to tidy up its log.
-constexpr std::int64_t kStepsAtOnce = 500;
+constexpr std::int64_t kStepsInMemory = 500;
 
 enum Column { kStep, kTime, kHash, kScene, kCommands, kMessages, kWheels, kDistances, kTargets, kPoses };
 
@@ -118,7 +118,7 @@ bool RunReader::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_onl
                               " FROM step WHERE step BETWEEN ?1 AND ?2 ORDER BY step LIMIT ?3");
   if (!rows) return impl.FailReading("step " + std::to_string(first));
   rows.Bind(2, static_cast<std::int64_t>(std::min(last, kMost)));
-  rows.Bind(3, kStepsAtOnce);
+  rows.Bind(3, kStepsInMemory);
   auto next = static_cast<std::int64_t>(first);
   for (;;) {
     rows.Bind(1, next);
@@ -132,7 +132,7 @@ bool RunReader::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_onl
     }
     if (result == Impl::Result::kError) return impl.FailReading("step " + std::to_string(next));
     rows.Reset();
-    if (count < kStepsAtOnce) return true;
+    if (count < kStepsInMemory) return true;
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint8_t kStateVersion = 1;
 constexpr std::size_t kBodyBytes = (3 + 4 + 9 + 3 + 3) * 8 + 8;
-constexpr std::size_t kRobotBytes = 3 * 2 * 8 + 1;
+constexpr std::size_t kMotionBytes = 3 * 2 * 8 + 1;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
 constexpr std::uint8_t kFrozenBit = 1, kCommandedBit = 2;
 
@@ -101,7 +101,7 @@ bool GetMode(ByteReader& reader, Mode& mode) {
 std::vector<std::byte> EncodeState(const SavedState& state) {
   const Frame& frame = *state.frame;
   std::vector<std::byte> bytes;
-  bytes.reserve(128 + frame.bodies.size() * kBodyBytes + frame.robots.size() * kRobotBytes +
+  bytes.reserve(128 + frame.bodies.size() * kBodyBytes + frame.robots.size() * kMotionBytes +
                 frame.messages.size() * sizeof(SentMessage) + state.controllers.size());
   ByteWriter writer(bytes);
   writer.Put(kStateVersion);
@@ -145,7 +145,7 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
   if (reader.GetCount(kBodyBytes) != scene->body_ids.size()) return nullptr;
   frame->bodies.resize(scene->body_ids.size());
   for (BodyState& body : frame->bodies) body = GetBody(reader);
-  if (reader.GetCount(kRobotBytes) != scene->robots.size()) return nullptr;
+  if (reader.GetCount(kMotionBytes) != scene->robots.size()) return nullptr;
   frame->robots.resize(scene->robots.size());
   for (RobotState& robot : frame->robots) robot = GetRobot(reader);
   const std::size_t messages = reader.GetCount(kMessageBytes);

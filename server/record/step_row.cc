@@ -12,7 +12,6 @@ namespace {
 
 // SQLite's record header, step number, time, hash, scene, chain.
 constexpr std::size_t kFixedBytes = 41;
-constexpr std::size_t kWheelsBytes = 18;
 constexpr std::size_t kReserve = 64;  // of a page, for its header and cell pointers
 // A page size that wastes this much more than the best is still taken, if it is smaller.
 constexpr double kAlmostBest = 1.03;

@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint64_t kMaxFollowed = 2000;
 constexpr std::uint64_t kTellEvery = 16;
 
-bool SameBits(const Setpoint& a, const Setpoint& b) {
+bool SameSetpoint(const Setpoint& a, const Setpoint& b) {
   using Bits = std::array<std::uint64_t, 2>;
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
@@ -236,7 +236,8 @@ class Verifier {
     for (const CommandRecord& command : step.commands) {
       if (command.robot >= in_force.size()) continue;  // Step() says so
       const bool driven = run_.computed()[command.robot] != 0;
-      const bool idle = !command.by_client && !driven && SameBits(command.setpoint, in_force[command.robot]);
+      const bool idle =
+          !command.by_client && !driven && SameSetpoint(command.setpoint, in_force[command.robot]);
       if (!idle && !(driven && command.by_client)) continue;
       const Frame& frame = *run_.frame();
       Difference difference = DifferenceAt(frame, frame.scene->robots[command.robot].entry.name, "command");

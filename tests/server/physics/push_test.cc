@@ -100,7 +100,7 @@ TEST_P(Push, AWheelSpeedIsThatOfTheMotion) {
   EXPECT_NEAR(scene.Capture()->robots[0].wheel_angle_rad[1], (scene.robot(0).p.x()) / 0.075, 0.2);
 }
 
-std::string NameOf(const testing::TestParamInfo<std::tuple<Fidelity, int>>& info) {
+std::string PushName(const testing::TestParamInfo<std::tuple<Fidelity, int>>& info) {
   const std::array<std::string, 3> names{"full", "rolling", "planar"};
   const auto [fidelity, step_ms] = info.param;
   return names[static_cast<std::size_t>(fidelity)] + std::to_string(step_ms) + "ms";
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Fidelities, Push,
                          testing::Combine(testing::Values(Fidelity::kFull, Fidelity::kRolling,
                                                           Fidelity::kPlanar),
                                           testing::Values(1, 10, 20)),
-                         NameOf);
+                         PushName);
 
 TEST(MixedFidelities, PushEachOtherAlike) {
   PhysicsScene scene;

@@ -11,7 +11,7 @@
 namespace coopdyn {
 namespace {
 
-Camera At(const Vector3& eye, const Vector3& look) {
+Camera Viewpoint(const Vector3& eye, const Vector3& look) {
   Camera camera;
   camera.eye_W = eye;
   camera.look_W = look;
@@ -19,7 +19,7 @@ Camera At(const Vector3& eye, const Vector3& look) {
 }
 
 TEST(CameraTest, TheLookPointIsInTheMiddle) {
-  const Camera camera = At({1, -2, 3}, {4, 0, 0.5});
+  const Camera camera = Viewpoint({1, -2, 3}, {4, 0, 0.5});
   const ProjectedPoint p = Project(camera, 640, 480, camera.look_W);
   EXPECT_NEAR(p.x_px, 320, 1e-9);
   EXPECT_NEAR(p.y_px, 240, 1e-9);
@@ -27,13 +27,13 @@ TEST(CameraTest, TheLookPointIsInTheMiddle) {
 }
 
 TEST(CameraTest, LeftOfTheWayIsLeftInThePictureAndUpIsUp) {
-  const Camera camera = At({-5, 0, 1}, {0, 0, 1});
+  const Camera camera = Viewpoint({-5, 0, 1}, {0, 0, 1});
   EXPECT_LT(Project(camera, 640, 480, {0, 1, 1}).x_px, 320);
   EXPECT_LT(Project(camera, 640, 480, {0, 0, 2}).y_px, 240);
 }
 
 TEST(CameraTest, TheFieldOfViewIsTheFullVerticalAngle) {
-  Camera camera = At({-5, 0, 0}, {0, 0, 0});
+  Camera camera = Viewpoint({-5, 0, 0}, {0, 0, 0});
   camera.fov_rad = 0.8;
   const double edge_m = 5 * std::tan(0.4);
   EXPECT_NEAR(Project(camera, 640, 480, {0, 0, edge_m}).y_px, 0, 1e-9);
@@ -41,13 +41,13 @@ TEST(CameraTest, TheFieldOfViewIsTheFullVerticalAngle) {
 }
 
 TEST(CameraTest, StraightDownHasYUp) {
-  const Camera camera = At({0, 0, 10}, {0, 0, 0});
+  const Camera camera = Viewpoint({0, 0, 10}, {0, 0, 0});
   EXPECT_LT(Project(camera, 640, 480, {0, 1, 0}).y_px, 240);
   EXPECT_GT(Project(camera, 640, 480, {1, 0, 0}).x_px, 320);
 }
 
 TEST(CameraTest, WhatIsBehindHasNegativeDepth) {
-  EXPECT_LT(Project(At({0, 0, 1}, {1, 0, 1}), 640, 480, {-1, 0, 1}).depth_m, 0);
+  EXPECT_LT(Project(Viewpoint({0, 0, 1}, {1, 0, 1}), 640, 480, {-1, 0, 1}).depth_m, 0);
 }
 
 TEST(CameraTest, TheDefaultFramesAllThatStandsThere) {
@@ -114,7 +114,7 @@ TEST(CameraTest, WhatARequestLeavesOutComesFromTheDefault) {
 }
 
 TEST(FrustumTest, SeesSpheresThatReachIntoThePicture) {
-  Camera camera = At({0, 0, 0}, {1, 0, 0});
+  Camera camera = Viewpoint({0, 0, 0}, {1, 0, 0});
   camera.fov_rad = 0.8;
   const Frustum frustum(camera, 480, 480);
   const double edge_m = 10 * std::tan(0.4);
@@ -126,7 +126,7 @@ TEST(FrustumTest, SeesSpheresThatReachIntoThePicture) {
 }
 
 TEST(FrustumTest, TellsSizesOnScreen) {
-  Camera camera = At({0, 0, 0}, {1, 0, 0});
+  Camera camera = Viewpoint({0, 0, 0}, {1, 0, 0});
   const Frustum frustum(camera, 640, 480);
   const double px =
       Project(camera, 640, 480, {5, 0, -0.5}).y_px - Project(camera, 640, 480, {5, 0, 0.5}).y_px;
