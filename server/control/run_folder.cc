@@ -27,7 +27,7 @@ constexpr std::string_view kMatExtension = ".mat";
 std::string RunsJson(const std::vector<RunFile>& runs, const std::string& page) {
   json::array list;
   for (const RunFile& run : runs) {
-    const bool copied = !page.empty() && !run.recording && run.steps;
+    const bool copied = !page.empty() && !run.recording && run.steps && RunNameObjection(run.name).empty();
     list.push_back({{"name", run.name},
                     {"bytes", run.bytes},
                     {"seconds", run.seconds ? json::value(*run.seconds) : json::value(nullptr)},

@@ -43,6 +43,12 @@ std::string ChainText(const Statement& row, int column) {
   }
 }
 
+/// What to do about a file that cannot be read.
+std::string Cure(const Database& database) {
+  return database.busy() ? ": another program holds it, try again"
+                         : ": the file is damaged there, copy it again from where it was recorded";
+}
+
 }  // namespace
 
 std::unique_ptr<RunChain> RunChain::Open(const std::string& file, std::string& error) {
@@ -61,6 +67,10 @@ bool RunChain::Prepare(std::string& error) {
         database_->Prepare("SELECT " + columns + ", chain FROM " + table.name + " WHERE " + id +
                            " BETWEEN ?1 AND ?2 ORDER BY " + id + " LIMIT " + std::to_string(kLinksAtOnce));
     if (walks_[i].rows) continue;
+    if (IsUnreadable()) {
+      error = error_;
+      return false;
+    }
     error = database_->error() + ": without a chain of its rows a recording cannot tell whether it was " +
             "changed: it was made by an older coopdyn, or by another program; record it again";
     return false;
@@ -72,10 +82,14 @@ std::string RunChain::CheckHead() {
   // One look, though a writer may add to it.
   database_->Run("BEGIN");
   const bool sealed = IsSealed(*database_);
+  bool unreadable = IsUnreadable();
   const std::optional<std::int32_t> texts = TextsChain(*database_);
+  unreadable = unreadable || IsUnreadable();
   const std::optional<std::int64_t> recorded =
       database_->Integer("SELECT value FROM meta WHERE key = 'texts' AND typeof(value) = 'integer'");
+  unreadable = unreadable || IsUnreadable();
   database_->Run("COMMIT");
+  if (unreadable) return {};
   if (!texts || recorded != std::int64_t{*texts}) {
     return "a text that it carries (scenario, world or robot) was changed after it was written";
   }
@@ -110,6 +124,7 @@ std::optional<ChainDamage> RunChain::CheckRest(std::string& ends) {
 std::string RunChain::CompareEnds() {
   const std::optional<std::string> recorded =
       database_->Text("SELECT value FROM meta WHERE key = 'ends' AND typeof(value) = 'text'");
+  if (IsUnreadable()) return {};
   if (!recorded) return "its table meta does not say where its tables end";
   for (std::size_t i = 0; i < walks_.size(); ++i) {
     const std::string found = EndText(i, walks_[i].end);
@@ -183,8 +198,13 @@ void RunChain::FailReading(ChainedTableIndex table) {
   error_ = database_->error() + ", after " +
            (walk.end.id == 0 ? std::string("the start of table ") + kChainedTables[table].name
                              : NameOf(table, walk.end.id)) +
-           (database_->busy() ? ": another program holds it, try again"
-                              : ": the file is damaged there, copy it again from where it was recorded");
+           Cure(*database_);
+}
+
+bool RunChain::IsUnreadable() {
+  if (!database_->busy() && !database_->damaged()) return false;
+  error_ = database_->error() + Cure(*database_);
+  return true;
 }
 
 }  // namespace coopdyn

@@ -27,7 +27,7 @@ class RunChain {
   static std::unique_ptr<RunChain> Open(const std::string& file, std::string& error);
 
   /// What of table meta and the texts was changed, for people: "its table meta was changed after it was
-  /// written"; empty: nothing.
+  /// written"; empty: nothing, or that it cannot be read (error()).
   std::string CheckHead();
 
   // The first damage among rows that were not looked at before. If they cannot be read, nothing, and error()
@@ -37,7 +37,7 @@ class RunChain {
   /// Keyframes up to `step`.
   std::optional<ChainDamage> CheckKeyframes(std::uint64_t step);
   /// All rows that are left. If nothing is wrong with them, `ends` says whether any are missing after the
-  /// last: "its table event was cut off after row 3"; empty: none are.
+  /// last: "its table event ends with row 3, where meta tells of another end"; empty: none are.
   std::optional<ChainDamage> CheckRest(std::string& ends);
 
   const std::string& error() const { return error_; }
@@ -58,6 +58,8 @@ class RunChain {
   /// What CheckRest() says of them.
   std::string CompareEnds();
   void FailReading(ChainedTableIndex table);
+  /// The last look at the file failed, which error() then says: it tells nothing of what was changed.
+  bool IsUnreadable();
 
   std::unique_ptr<Database> database_;  // goes after the statements
   std::array<Walk, kChainedTables.size()> walks_;

@@ -114,8 +114,9 @@ bool RunReader::Impl::Refresh() {
   sql->meta.Reset();
   sql->meta.BindText(1, "last_step");
   if (sql->meta.Step() == Result::kRow) {
-    const auto last = static_cast<std::int64_t>(found.last);
-    found.missing = static_cast<std::uint64_t>(std::max<std::int64_t>(0, sql->meta.integer(0) - last));
+    const std::int64_t last = sql->meta.integer(0);
+    if (last > static_cast<std::int64_t>(found.last))
+      found.missing = static_cast<std::uint64_t>(last) - found.last;
   }
   sql->meta.Reset();
   found.steps = span - found.lost;

@@ -97,9 +97,14 @@ bool IsCutShort(Database& database) {
   return !code && page.value_or(0) > 0 && bytes % static_cast<std::uintmax_t>(*page) != 0;
 }
 
+/// False: its recorder has done it meanwhile, or it cannot be done.
 bool MarkClosed(Database& database) {
   const auto lost = static_cast<std::int64_t>(CountLost(database));
   if (!database.Run("BEGIN IMMEDIATE")) return false;
+  if (IsClosed(database)) {
+    database.Run("ROLLBACK");
+    return false;
+  }
   // What was changed before does not become right by being mended.
   const bool sealed = IsSealed(database);
   if (SetMeta(database, "lost", lost) && SetMeta(database, "closed", 1) && (!sealed || Seal(database)) &&

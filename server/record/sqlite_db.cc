@@ -212,7 +212,7 @@ bool Database::busy() const {
 
 bool Database::damaged() const {
   const int code = error_code();
-  return code == SQLITE_NOTADB || code == SQLITE_CORRUPT;
+  return code == SQLITE_NOTADB || code == SQLITE_CORRUPT || code == SQLITE_IOERR;
 }
 
 }  // namespace coopdyn

@@ -92,7 +92,7 @@ class Database {
   int error_code() const;
   /// It failed since others hold the database: error_code() is SQLITE_BUSY or SQLITE_LOCKED.
   bool busy() const;
-  /// It failed since the file is no database, or a damaged one.
+  /// It failed since the file is no database, a damaged one, or its disk cannot be read.
   bool damaged() const;
 
  private:

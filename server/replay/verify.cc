@@ -72,7 +72,9 @@ class Verifier {
   bool Part(const ChainDamage& damage) {
     Difference difference;
     difference.step = difference.value_step = damage.step;
-    const std::optional<RecordedStep> row = reader_.Read(std::min(damage.step, extent_.last), true);
+    const std::uint64_t step = std::min(damage.step, extent_.last);
+    std::optional<RecordedStep> row = reader_.Read(step, true);
+    if (!row) row = reader_.Read(reader_.NextShown(step, true).value_or(extent_.first), true);  // it was lost
     difference.time = row ? row->time : extent_.begin;
     difference.what = damage.what;
     difference.field = damage.field;
@@ -128,6 +130,7 @@ class Verifier {
     chain_ = RunChain::Open(reader_.file(), error);
     if (chain_ == nullptr) return Fail(error);
     head_ = chain_->CheckHead();
+    if (!chain_->error().empty()) return Fail(chain_->error());
     keyframes_ = reader_.Keyframes();
     if (!reader_.error().empty()) return Fail(reader_.error());
     return Resume(extent_.first) && CheckRows(extent_.first, 0);

@@ -4,10 +4,13 @@ import {byId, make, setText, showNumber} from './dom.js';
 
 const link = (name) => make('a', {href: `runs/${encodeURIComponent(name)}`, download: ''}, name.slice(name.lastIndexOf('.')));
 
+const whyNot = (recording, seconds) => (recording ? 'being recorded'
+  : seconds !== null ? 'its name cannot stand in a link' : 'cannot be read');
+
 /** `lesson1.run 12.5 s .run .mat`, or why it cannot be copied. `url` is null for what cannot. */
 function row({name, seconds, recording, url}) {
   const length = seconds === null ? '' : `${showNumber(seconds, 1)} s`;
-  const copies = url === null ? [make('span', {class: 'quiet'}, recording ? 'being recorded' : 'cannot be read')]
+  const copies = url === null ? [make('span', {class: 'quiet'}, whyNot(recording, seconds))]
     : [link(name), ' ', link(name.replace(/\.run$/, '.mat'))];
   return make('li', {}, make('span', {class: 'run-name'}, name), make('span', {class: 'number'}, length),
     make('span', {}, ...copies));
@@ -16,6 +19,8 @@ function row({name, seconds, recording, url}) {
 export class Runs {
   #recording;  // when the list was last asked for
   #asked = 0;
+  #names = [];
+  #tries = 0;  // left, to find the recording that has begun: its file is made a moment later
 
   constructor() {
     byId('runs').addEventListener('toggle', () => { if (byId('runs').open) this.#refresh(); });
@@ -23,9 +28,12 @@ export class Runs {
 
   /** A recording that has begun or ended changes the list. */
   update(status) {
-    if (!status || status.recording === this.#recording) return;
+    if (!status) return;
+    const changed = status.recording !== this.#recording;
+    if (changed) this.#tries = 10;
+    const awaited = status.recording && !this.#names.includes(status.recording) && this.#tries-- > 0;
     this.#recording = status.recording;
-    this.#refresh();
+    if (changed || awaited) this.#refresh();
   }
 
   async #refresh() {
@@ -35,6 +43,7 @@ export class Runs {
       runs = await (await fetch('runs')).json();
     } catch { return; /* the daemon is gone: the banner says so */ }
     if (asked !== this.#asked) return;
+    this.#names = runs.map(({name}) => name);
     setText(byId('runs-title'), runs.length > 0 ? `Recordings (${runs.length})` : 'Recordings');
     const rows = runs.length > 0 ? runs.map(row) : [make('li', {class: 'quiet'}, 'none yet')];
     byId('runs-list').replaceChildren(...rows);

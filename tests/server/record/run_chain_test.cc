@@ -78,6 +78,17 @@ class RunChainTest : public ::testing::Test {
   static constexpr const char* kMore = "[BOX_2]\ntype box\nsize 0.5 0.5 0.5\nposition -3 3\nmass 2kg\n";
 };
 
+TEST_F(RunChainTest, AFileThatAnotherProgramHoldsWasNotChanged) {
+  std::string error;
+  const auto other = Database::Open(file_, Database::Access::kReadWrite, error);
+  const auto chain = Open();
+  ASSERT_TRUE(other->Run("BEGIN EXCLUSIVE"));
+  EXPECT_EQ(chain->CheckHead(), "");
+  EXPECT_THAT(chain->error(), HasSubstr("another program holds it, try again"));
+  EXPECT_EQ(RunChain::Open(file_, error), nullptr);
+  EXPECT_THAT(error, HasSubstr("another program holds it, try again"));
+}
+
 TEST_F(RunChainTest, ChainsAreThoseThatTheDocsTellOf) {
   const std::string written = Rechainer(file_).Dump();
   Rechain(file_);

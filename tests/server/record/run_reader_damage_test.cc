@@ -178,6 +178,11 @@ TEST_F(RunReaderDamageTest, NegativeStepNumbersAreDamage) {
   EXPECT_SAYS(RefusalAfter("UPDATE step SET step = -5 WHERE step = 0"), "a step number or time below 0");
 }
 
+TEST_F(RunReaderDamageTest, ALastStepBelowAllTellsOfNoMissingOnes) {
+  EXPECT_EQ(RefusalAfter("INSERT OR REPLACE INTO meta VALUES ('last_step', -9223372036854775808)"), "");
+  EXPECT_EQ(reader_->extent().missing, 0u);
+}
+
 TEST_F(RunReaderDamageTest, AMissingKeyframeIsSaid) {
   EXPECT_EQ(RefusalAfter("DELETE FROM keyframe WHERE step < 10"), "");
   EXPECT_EQ(reader_->Keyframe(5), nullptr);

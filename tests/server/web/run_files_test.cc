@@ -43,9 +43,9 @@ class FakeRuns {
   void Run(std::function<void()> work) { threads_.emplace_back(std::move(work)); }
 
   const TempFolder folder_;
-  std::vector<std::jthread> threads_;  // added to by the UI thread, ended when that has gone
   Mutex mutex_;
   std::vector<std::string> asked_ GUARDED_BY(mutex_);
+  std::vector<std::jthread> threads_;  // added to by the UI thread; joined before what they use goes
 };
 
 /// More than a socket buffers.

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// What the list of recordings says.
+#include "server/control/run_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+namespace coopdyn {
+namespace {
+
+RunFile Readable(const std::string& name) {
+  RunFile run;
+  run.name = name;
+  run.seconds = 1.5;
+  run.steps = 150;
+  return run;
+}
+
+boost::json::value UrlOf(const RunFile& run) {
+  return boost::json::parse(RunsJson({run}, "http://127.0.0.1:8080/")).at(0).at("url");
+}
+
+TEST(RunsJson, ARecordingThatCanBeCopiedHasALink) {
+  EXPECT_EQ(UrlOf(Readable("lesson1.run")), "http://127.0.0.1:8080/runs/lesson1.run");
+}
+
+TEST(RunsJson, ANameThatThePageWouldRefuseHasNoLink) {
+  EXPECT_TRUE(UrlOf(Readable("my lesson.run")).is_null());
+}
+
+TEST(RunsJson, WhatIsBeingRecordedHasNoLink) {
+  RunFile run = Readable("lesson1.run");
+  run.recording = true;
+  EXPECT_TRUE(UrlOf(run).is_null());
+}
+
+}  // namespace
+}  // namespace coopdyn
