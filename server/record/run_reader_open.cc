@@ -41,11 +41,6 @@ std::unique_ptr<Database> OpenDatabase(const std::string& file, Database::Access
   return database;
 }
 
-bool HasLog(const std::string& file) {
-  std::error_code code;
-  return fs::file_size(file + "-wal", code) > 0 && !code;
-}
-
 /// Why the first look into `database` failed.
 std::string WhyUnreadable(const Database& database) {
   const std::string& file = database.file();
@@ -57,9 +52,9 @@ std::string WhyUnreadable(const Database& database) {
     return file + " is damaged or cut short (" + database.error() +
            "): copy it again from where it was recorded";
   }
-  if (HasLog(file)) {
+  if (const std::string log = UnmergedLog(file); !log.empty()) {
     return database.error() + ": the recording was not closed, and its folder cannot be written to: copy " +
-           file + " and " + file + "-wal together to a folder of yours and open it there";
+           file + " and " + log + " together to a folder of yours and open it there";
   }
   return database.error() + ": make sure that you may read it, or copy it to a folder of yours";
 }
@@ -116,6 +111,18 @@ bool MarkClosed(Database& database) {
 }
 
 }  // namespace
+
+std::string UnmergedLog(const std::string& file) {
+  std::error_code code;
+  // SQLite keeps them beside the file that a link stands for.
+  const std::string real = fs::is_symlink(file, code) ? fs::canonical(file, code).string() : file;
+  for (const char* ending : {"-wal", "-journal"}) {
+    const std::string log = real + ending;
+    const std::uintmax_t bytes = fs::file_size(log, code);
+    if (!code && bytes > 0) return log;
+  }
+  return {};
+}
 
 std::string UnfinishedText(const Database& database) {
   return database.error() +

@@ -22,6 +22,10 @@ struct OpenedRun {
 /// Waits at most a second for locks of others. `database` is null with `error`, what is wrong and what to do.
 OpenedRun OpenRun(const std::string& file, std::string& error);
 
+/// The name of the `-wal` or `-journal` with bytes in it that SQLite has beside `file`: the file alone is not
+/// the whole run, copy both. Empty: there is none.
+std::string UnmergedLog(const std::string& file);
+
 /// That something is missing, after `database` could not prepare a statement.
 std::string UnfinishedText(const Database& database);
 
