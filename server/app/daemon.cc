@@ -230,7 +230,7 @@ std::string Daemon::OpenPage() {
         [this, done = std::move(done)](const std::vector<RunFile>& runs) { done(RunsJson(runs, http())); });
   };
   web.runs.open = [this](const std::string& name, std::function<void(const WebRunFile&)> done) {
-    runs_.Open(name, [done = std::move(done)](const OpenedRun& run) {
+    runs_.Open(name, [done = std::move(done)](const RunToCopy& run) {
       const bool missing = run.error == Error::kNoSuchName;
       const unsigned status = run.error == Error::kOk ? 200 : missing ? 404 : 409;
       done({status, run.text, run.file.string(), run.temporary});

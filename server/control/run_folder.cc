@@ -11,6 +11,7 @@
 
 #include "server/control/run_names.h"
 #include "server/record/run_reader.h"
+#include "server/record/run_reader_open.h"
 #include "server/replay/export_mat.h"
 
 namespace coopdyn {
@@ -22,12 +23,22 @@ namespace json = boost::json;
 
 constexpr std::string_view kMatExtension = ".mat";
 
+/// Why `name` alone is not to be copied, after a reader has tried to make its log part of it.
+std::string TwoFilesText(const std::string& name, const fs::path& log) {
+  return fmt::format(
+      "{0} alone is not the whole recording: its log {1} could not be made part of it; the disk is full, its "
+      "folder cannot be written to, or another program has {0} open: make room or close that program and try "
+      "again, or copy {0} and {1} together on the server",
+      name, log.filename().string());
+}
+
 }  // namespace
 
 std::string RunsJson(const std::vector<RunFile>& runs, const std::string& page) {
   json::array list;
   for (const RunFile& run : runs) {
-    const bool copied = !page.empty() && !run.recording && run.steps && RunNameObjection(run.name).empty();
+    const bool whole = run.steps && !run.recording && !run.has_log;
+    const bool copied = !page.empty() && whole && RunNameObjection(run.name).empty();
     list.push_back({{"name", run.name},
                     {"bytes", run.bytes},
                     {"seconds", run.seconds ? json::value(*run.seconds) : json::value(nullptr)},
@@ -78,8 +89,8 @@ RunFile RunFolder::Look(const fs::directory_entry& entry) {
   const fs::file_time_type written = entry.last_write_time(ignored);
   Known& known = known_[name];
   const bool same = known.file.name == name && known.bytes == bytes && known.written == written;
-  if (same && !known.file.recording) return known.file;
-  known = {bytes, written, {name, bytes, {}, {}, false}};
+  if (same && !known.file.recording && !known.file.has_log) return known.file;
+  known = {bytes, written, {name, bytes, {}, {}, false, false}};
   std::string error;
   if (const std::unique_ptr<RunReader> reader = RunReader::Open(entry.path().string(), error)) {
     const RunExtent extent = reader->extent();
@@ -88,19 +99,20 @@ RunFile RunFolder::Look(const fs::directory_entry& entry) {
     known.file.recording = reader->growing();
   }
   known.file.recording |= IsPresent(entry.path());
-  if (known.file.recording) {  // what it holds stands in two files
-    const std::uintmax_t more = fs::file_size(entry.path().string() + "-wal", ignored);
+  if (const std::string log = UnmergedLog(entry.path().string()); !log.empty()) {
+    known.file.has_log = true;
+    const std::uintmax_t more = fs::file_size(log, ignored);
     if (!ignored) known.file.bytes += more;
   }
   return known.file;
 }
 
-void RunFolder::Open(const std::string& name, std::function<void(const OpenedRun&)> done) {
+void RunFolder::Open(const std::string& name, std::function<void(const RunToCopy&)> done) {
   const bool exported = name.ends_with(kMatExtension);
   const std::string run =
       exported ? WithRunExtension(name.substr(0, name.size() - kMatExtension.size())) : name;
   looks_.Post([this, run, exported, done = std::move(done)] {
-    const OpenedRun found = Find(run);
+    const RunToCopy found = Find(run, exported);
     if (!exported || found.error != Error::kOk) return done(found);
     exporter_.Post([this, file = found.file, done] { done(Export(file)); });
   });
@@ -113,14 +125,14 @@ bool RunFolder::IsPresent(const fs::path& file) const {
   return !present.empty() && (present == file || fs::equivalent(file, present, ignored));
 }
 
-OpenedRun RunFolder::Find(const std::string& name) const {
+RunToCopy RunFolder::Find(const std::string& name, bool exported) const {
   if (!name.ends_with(kRunExtension) || !RunNameObjection(name).empty()) {
     return {Error::kNoSuchName, "there is no recording of that name: /runs lists them", {}};
   }
   const fs::path file = folder_ / name;
-  const OpenedRun recording = {
-      Error::kNotPossible, name + " is being recorded: stop the recording first", {}};
-  if (IsPresent(file)) return recording;
+  if (IsPresent(file)) {
+    return {Error::kNotPossible, name + " is being recorded: stop the recording first", {}};
+  }
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) {
     return {Error::kNoSuchName, "there is no recording of that name: /runs lists them", {}};
@@ -128,10 +140,13 @@ OpenedRun RunFolder::Find(const std::string& name) const {
   std::string error;
   const std::unique_ptr<RunReader> reader = RunReader::Open(file.string(), error);
   if (reader == nullptr) return {Error::kNotPossible, error, {}};
-  return reader->growing() ? recording : OpenedRun{Error::kOk, {}, file};
+  const std::string log = UnmergedLog(file.string());
+  if (!log.empty() && !exported) return {Error::kNotPossible, TwoFilesText(name, log), {}};
+  if (!reader->growing()) return {Error::kOk, {}, file};
+  return {Error::kNotPossible, name + " is being recorded, or open in another program: end that first", {}};
 }
 
-OpenedRun RunFolder::Export(const fs::path& run) {
+RunToCopy RunFolder::Export(const fs::path& run) {
   std::string error;
   const std::unique_ptr<RunReader> reader = RunReader::Open(run.string(), error);
   if (reader == nullptr) return {Error::kNotPossible, error, {}};

@@ -25,6 +25,7 @@ struct RunFile {
   std::optional<double> seconds;       // simulated; empty: it cannot be read
   std::optional<std::uint64_t> steps;  // likewise
   bool recording = false;              // it is being written
+  bool has_log = false;                // a part of it stands in a log beside it
 };
 
 /// [{"name":…,"bytes":…,"seconds":…,"steps":…,"recording":…,"url":…}]; `page`: the page's URL with a slash at
@@ -32,8 +33,8 @@ struct RunFile {
 std::string RunsJson(const std::vector<RunFile>& runs, const std::string& page);
 
 /// A file to be copied.
-struct OpenedRun {
-  Error error = Error::kOk;  // no such name; not possible: it is being recorded, or cannot be exported
+struct RunToCopy {
+  Error error = Error::kOk;  // no such name; not possible: it is being recorded, …
   std::string text;
   std::filesystem::path file;
   bool temporary = false;  // whoever gets it removes it
@@ -55,7 +56,7 @@ class RunFolder {
   /// Hands the recordings, newest first, to `done`, on a thread of the folder.
   void List(std::function<void(std::vector<RunFile>)> done);
   /// Hands NAME.run, if it is not being written, or NAME.mat, made of it, to `done`: once, on any thread.
-  void Open(const std::string& name, std::function<void(const OpenedRun&)> done);
+  void Open(const std::string& name, std::function<void(const RunToCopy&)> done);
 
  private:
   /// A file as it was when it was looked into.
@@ -67,10 +68,11 @@ class RunFolder {
 
   std::vector<RunFile> ListNow();
   RunFile Look(const std::filesystem::directory_entry& entry);
-  OpenedRun Find(const std::string& name) const;
+  /// `exported`: to be read, which also takes what stands in a log beside it; else to be copied.
+  RunToCopy Find(const std::string& name, bool exported) const;
   /// This program is recording to `file`.
   bool IsPresent(const std::filesystem::path& file) const;
-  OpenedRun Export(const std::filesystem::path& run);
+  RunToCopy Export(const std::filesystem::path& run);
 
   const std::filesystem::path folder_;
   const SearchPath path_;

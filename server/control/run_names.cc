@@ -15,8 +15,11 @@ std::string RunNameObjection(const std::string& name) {
   const bool good = length >= 1 && length <= kMaxRunName && name.front() != '.' &&
                     name.find_first_not_of(kAllowed) == std::string::npos;
   if (good) return {};
-  return fmt::format("the name of a recording is letters, digits, _, - and ., at most {}: start lesson1",
-                     kMaxRunName);
+  return fmt::format(
+      "the name of a recording is letters, digits, _, - and ., at most {}, and does not begin with a '.': "
+      "start "
+      "lesson1",
+      kMaxRunName);
 }
 
 }  // namespace coopdyn

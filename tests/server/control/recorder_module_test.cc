@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "server/record/run_reader.h"
+#include "server/record/sqlite_db.h"
 #include "tests/server/control/global_fixture.h"
 
 namespace coopdyn {
@@ -45,9 +46,9 @@ class RecorderModuleTest : public GlobalModuleTest {
   }
   Message Ask(const std::string& line) { return GlobalModuleTest::Ask(*client_, line); }
   json::array List() { return json::parse(Ask("list").text).as_array(); }
-  OpenedRun Open(const std::string& name) {
-    std::promise<OpenedRun> opened;
-    runs_->Open(name, [&](const OpenedRun& run) { opened.set_value(run); });
+  RunToCopy Open(const std::string& name) {
+    std::promise<RunToCopy> opened;
+    runs_->Open(name, [&](const RunToCopy& run) { opened.set_value(run); });
     return opened.get_future().get();
   }
 
@@ -106,6 +107,7 @@ TEST_F(RecorderModuleTest, NothingIsOverwrittenAndNothingElseIsReached) {
         << name;
   }
   EXPECT_EQ(Ask("start " + std::string(65, 'a')).error, static_cast<std::int32_t>(Error::kOutOfRange));
+  EXPECT_THAT(Ask("start .hidden").text, HasSubstr("does not begin with a '.'"));
   EXPECT_TRUE(applied_.empty());
 }
 
@@ -181,6 +183,27 @@ TEST_F(RecorderModuleTest, OnlyClosedRecordingsOfTheFolderAreHandedOut) {
        {"lesson2.run", "secret.txt", "../lesson1.run", "", ".run", ".mat", "/etc/passwd"}) {
     EXPECT_EQ(Open(name).error, Error::kNoSuchName) << name;
   }
+}
+
+TEST_F(RecorderModuleTest, AFileWithoutItsLogIsNotHandedOut) {
+  Ask("start lesson1");
+  Step();
+  Ask("stop");
+  std::string error;
+  std::unique_ptr<Database> other =
+      Database::Open((folder_ / "lesson1.run").string(), Database::Access::kReadWrite, error);
+  ASSERT_NE(other, nullptr) << error;
+  ASSERT_TRUE(other->Run("PRAGMA journal_mode = WAL; PRAGMA user_version = 1")) << other->error();
+  const RunToCopy refused = Open("lesson1.run");
+  EXPECT_EQ(refused.error, Error::kNotPossible);
+  EXPECT_THAT(refused.text, HasSubstr("its log lesson1.run-wal could not be made part of it"));
+  EXPECT_THAT(refused.text, HasSubstr("copy lesson1.run and lesson1.run-wal together"));
+  EXPECT_EQ(List()[0].at("steps"), 1);
+  EXPECT_TRUE(List()[0].at("url").is_null());
+
+  other.reset();  // the last that has it open makes the log part of it
+  EXPECT_EQ(Open("lesson1.run").error, Error::kOk);
+  EXPECT_EQ(List()[0].at("url"), "http://here:10001/runs/lesson1.run");
 }
 
 TEST_F(RecorderModuleTest, StrangersLookButChangeOnlyWithTheToken) {
