@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/record/run_chain.h"
 #include "server/replay/resimulator.h"
+#include "server/replay/verify_chain.h"
 #include "server/replay/verify_difference.h"
 #include "server/replay/verify_row.h"
 
@@ -69,37 +69,18 @@ class Verifier {
   }
 
   /// A row that is not as it was written.
-  bool Part(const ChainDamage& damage) {
-    Difference difference;
-    difference.step = difference.value_step = damage.step;
-    const std::uint64_t step = std::min(damage.step, extent_.last);
-    std::optional<RecordedStep> row = reader_.Read(step, true);
-    if (!row) row = reader_.Read(reader_.NextShown(step, true).value_or(extent_.first), true);  // it was lost
-    difference.time = row ? row->time : extent_.begin;
-    difference.what = damage.what;
-    difference.field = damage.field;
-    difference.recorded = damage.recorded;
-    difference.repeated = damage.computed;
-    difference.exact = true;
-    difference.repeated_is = "computed";
-    difference.note = damage.field == "row" ? "it was taken out after it was written"
-                                            : "it is not as it was written, or one before it was taken out, "
-                                              "put in or moved; nothing that was repeated differs";
-    return Part(std::move(difference));
-  }
+  bool Part(const ChainDamage& damage) { return Part(DifferenceOf(damage, reader_)); }
   void Warn(const std::string& line) { report_.warning += (report_.warning.empty() ? "" : "\n") + line; }
 
   /// What can only be said at the end.
   void Conclude() {
-    const bool equal = report_.error.empty() && !report_.difference;
-    if (equal && !changed_ && !reader_.growing() && extent_.missing > 0) {
+    const bool equal = report_.error.empty() && !report_.difference && !changed_;
+    if (equal && !reader_.growing() && extent_.missing > 0) {
       Fail(
-          fmt::format("{}: {} steps are missing at its end: it is damaged", reader_.file(), extent_.missing));
+          fmt::format("{}: {} missing at its end: it is damaged", reader_.file(), StepsAre(extent_.missing)));
     } else if (equal && !reader_.growing() && report_.not_verified > extent_.lost) {
-      Fail(
-          fmt::format("{}: {} steps cannot be verified, though it says that {} were lost: steps are missing, "
-                      "it is damaged",
-                      reader_.file(), report_.not_verified, extent_.lost));
+      Fail(fmt::format("{}: {} not to be verified, from step {} on, where it calls {} lost: it is damaged",
+                       reader_.file(), StepsAre(report_.not_verified), first_not_verified_, extent_.lost));
     }
     if (chain_ == nullptr || !report_.error.empty()) return;
     if (changed_) return TellChanged(*changed_);
@@ -176,6 +157,7 @@ class Verifier {
     const std::uint64_t reached = run_.frame()->step;
     if (reached == to) return !keyframe || CheckKeyframe(to);
     lost_track_ = true;
+    if (report_.not_verified == 0) first_not_verified_ = reached + 1;
     if (!keyframe) {
       report_.not_verified += to - reached;
       return true;
@@ -362,6 +344,7 @@ class Verifier {
   std::vector<std::uint64_t> keyframes_;
   std::optional<RecordedStep> failed_;  // its hash is not that of frame()
   bool lost_track_ = false;             // until the next keyframe
+  std::uint64_t first_not_verified_ = 0;
   VerifyReport report_;
 };
 

@@ -18,6 +18,7 @@ struct Difference {
   std::string what;        // "robot1.chassis", "robot2"
   std::string field;       // "x_m", "setpoint_left_rad_s", …; `hash` if nothing that is recorded tells more
   std::string recorded, repeated;  // the values, exact as far as `exact`; 17 digits
+  bool of_file = false;            // `what` is a row of the file that is not as it was written
   bool exact = false;              // false: the recorded one is a rounding (a pose between two keyframes)
   std::uint64_t value_step = 0;    // of the values: `step`, or a later one where the difference shows first
   std::string note;                // for people, e.g. which commands came in force with this step; or empty
@@ -27,7 +28,7 @@ struct Difference {
 struct VerifyReport {
   std::string error;               // it could not be done: a damaged file, a scenario that does not load …
   std::uint64_t steps = 0;         // that are equal
-  std::uint64_t not_verified = 0;  // lost ones
+  std::uint64_t not_verified = 0;  // that were lost, or are missing in a damaged file
   std::optional<Difference> difference;
   std::string warning;  // another build or processor, controllers that were not found
 };
@@ -38,7 +39,8 @@ using Progress = std::function<void(double)>;
 /// Repeats the run of `reader`, whose scenario it loads.
 VerifyReport Verify(RunReader& reader, const ReplayServices& services, const Progress& progress);
 /// Compares the hashes of two runs over their common steps; where they part, repeats both from the last
-/// common keyframe to say which body and field differ first, and by what.
+/// common keyframe to say which body and field differ first, and by what. A file that was changed after it
+/// was written is told of: as an error if the runs are equal else, as a warning if they differ.
 VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& services,
                      const Progress& progress);
 /// "equal, 1200 steps", or the difference, with the warning; lines.

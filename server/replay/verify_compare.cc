@@ -3,11 +3,15 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "server/replay/resimulator.h"
 #include "server/replay/verify.h"
+#include "server/replay/verify_chain.h"
 #include "server/replay/verify_difference.h"
 
 namespace coopdyn {
@@ -140,10 +144,8 @@ VerifyReport Explain(RunReader& one, RunReader& other, const StepHash& at, const
   return report;
 }
 
-}  // namespace
-
-VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& services,
-                     const Progress& progress) {
+VerifyReport CompareSteps(RunReader& one, RunReader& other, const ReplayServices& services,
+                          const std::function<void(double share, std::uint64_t step)>& reached) {
   VerifyReport report;
   const RunExtent a = one.extent(), b = other.extent();
   const std::uint64_t first = std::max(a.first, b.first), last = std::min(a.last, b.last);
@@ -173,7 +175,7 @@ VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& ser
       report.steps += at.step > first ? 1 : 0;
       ++common;
     }
-    if (progress) progress(static_cast<double>(to - first + 1) / static_cast<double>(last - first + 1));
+    reached(static_cast<double>(to - first + 1) / static_cast<double>(last - first + 1), to);
   }
   if (common == 0) {
     report.error =
@@ -189,6 +191,35 @@ VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& ser
     report.warning += (report.warning.empty() ? "" : "\n") + std::string() +
                       "they are compared where both have steps, " + std::to_string(first) + " to " +
                       std::to_string(last) + ": " + SpanOf(one) + ", " + SpanOf(other);
+  }
+  return report;
+}
+
+}  // namespace
+
+VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& services,
+                     const Progress& progress) {
+  std::array<std::unique_ptr<ChainCheck>, 2> checks;
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    VerifyReport none;
+    checks[i] = ChainCheck::Begin(i == 0 ? one : other, none.error);
+    if (checks[i] == nullptr) return none;
+  }
+  VerifyReport report =
+      CompareSteps(one, other, services, [&checks, &progress](double share, std::uint64_t step) {
+        for (const auto& check : checks) check->GoTo(step);
+        if (progress) progress(share);
+      });
+  std::string damage;
+  for (const auto& check : checks) {
+    const std::string found = check->Finish();
+    damage += (damage.empty() || found.empty() ? "" : "\n") + found;
+  }
+  if (damage.empty()) return report;
+  if (report.error.empty() && !report.difference) {
+    report.error = damage + "\napart from that, " + StepsAre(report.steps) + " equal";
+  } else {
+    report.warning += (report.warning.empty() ? "" : "\n") + damage;
   }
   return report;
 }

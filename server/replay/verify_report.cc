@@ -15,8 +15,9 @@ std::string ToString(const VerifyReport& report) {
   } else if (report.difference) {
     const Difference& difference = *report.difference;
     const std::size_t width = std::max(difference.recorded_is.size(), difference.repeated_is.size());
-    text = fmt::format("differs from step {} on, t = {:g} s: {} {}\n", difference.step,
-                       ToSeconds(difference.time), difference.what, difference.field);
+    text = fmt::format("differs from step {} on, t = {:g} s: {}{} {}\n", difference.step,
+                       ToSeconds(difference.time), difference.what, difference.of_file ? ": its" : "",
+                       difference.field);
     text += fmt::format("  {:{}}  {}{}\n", difference.recorded_is, width, difference.recorded,
                         difference.exact ? "" : " (as rounded)");
     text += fmt::format("  {:{}}  {}\n", difference.repeated_is, width, difference.repeated);
@@ -30,7 +31,9 @@ std::string ToString(const VerifyReport& report) {
     text = fmt::format("equal, {} step{}", report.steps, report.steps == 1 ? "" : "s");
   }
   if (report.not_verified > 0) {
-    text += fmt::format("; {} lost step{} could not be verified", report.not_verified,
+    // Of a damaged file nobody knows whether they were lost or taken out.
+    const bool lost = report.error.empty() && !(report.difference && report.difference->of_file);
+    text += fmt::format("; {}{} step{} could not be verified", report.not_verified, lost ? " lost" : "",
                         report.not_verified == 1 ? "" : "s");
   }
   while (text.ends_with('\n')) text.pop_back();

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "server/record/pose_codec.h"
+#include "server/replay/run_columns.h"
 #include "server/replay/verify_difference.h"
 
 namespace coopdyn {
@@ -41,14 +44,10 @@ std::optional<Difference> RowCheck::Find(const RecordedStep& step, const Frame& 
   }
   if (auto found = FindWheels(step, repeated)) return found;
   if (!step.distances.empty()) {
-    blob_.clear();
-    EncodeDistances(repeated, blob_);
-    if (auto found = FindFloats(step.distances, repeated, "distances")) return found;
+    if (auto found = FindDistance(step.distances, repeated)) return found;
   }
   if (!step.targets.empty()) {
-    blob_.clear();
-    EncodeTargets(repeated, blob_);
-    if (auto found = FindFloats(step.targets, repeated, "targets")) return found;
+    if (auto found = FindTarget(step.targets, repeated)) return found;
   }
   return std::nullopt;
 }
@@ -72,8 +71,7 @@ std::optional<Difference> RowCheck::FindWheels(const RecordedStep& step, const F
   return difference;
 }
 
-std::optional<Difference> RowCheck::FindFloats(const std::vector<float>& recorded, const Frame& repeated,
-                                               const char* reading) {
+std::optional<std::size_t> RowCheck::FindReading(const std::vector<float>& recorded) {
   floats_.clear();
   DecodeFloats(blob_, floats_);
   const auto same = [](float a, float b) {
@@ -82,10 +80,51 @@ std::optional<Difference> RowCheck::FindFloats(const std::vector<float>& recorde
   const auto [ours, theirs] =
       std::mismatch(floats_.begin(), floats_.end(), recorded.begin(), recorded.end(), same);
   if (ours == floats_.end() && theirs == recorded.end()) return std::nullopt;
-  Difference difference =
-      DifferenceAt(repeated, reading, fmt::format("number {}", ours - floats_.begin() + 1));
-  difference.recorded = theirs == recorded.end() ? "missing" : fmt::format("{}", *theirs);
-  difference.repeated = ours == floats_.end() ? "none" : fmt::format("{}", *ours);
+  return static_cast<std::size_t>(ours - floats_.begin());
+}
+
+std::optional<Difference> RowCheck::FindDistance(const std::vector<float>& recorded, const Frame& repeated) {
+  blob_.clear();
+  EncodeDistances(repeated, blob_);
+  const std::optional<std::size_t> place = FindReading(recorded);
+  if (!place) return std::nullopt;
+  const std::vector<SceneRobot>& robots = repeated.scene->robots;
+  std::size_t robot = 0, sensor = *place;
+  for (; robot < robots.size(); ++robot) {
+    const std::size_t sensors = robots[robot].entry.model->distance_sensors.size();
+    if (sensor < sensors) break;
+    sensor -= sensors;
+  }
+  return ReadingDiffers(recorded, repeated, *place, robot, fmt::format("d{}_m", sensor + 1));
+}
+
+std::optional<Difference> RowCheck::FindTarget(const std::vector<float>& recorded, const Frame& repeated) {
+  blob_.clear();
+  EncodeTargets(repeated, blob_);
+  const std::optional<std::size_t> place = FindReading(recorded);
+  if (!place) return std::nullopt;
+  const std::vector<Target>& targets = repeated.scene->targets;
+  const std::size_t each = 2 * std::max<std::size_t>(targets.size(), 1);  // readings of a robot
+  std::string field = *place % 2 == 0 ? "_distance_m" : "_bearing_rad";
+  std::string error;
+  const RunColumns columns = ChooseColumns(std::span(&repeated.scene, 1), {}, error);
+  for (const TargetColumn& column : columns.targets) {
+    if (column.id == targets[*place % each / 2].id) field.insert(0, column.label);
+  }
+  return ReadingDiffers(recorded, repeated, *place, *place / each, std::move(field));
+}
+
+Difference RowCheck::ReadingDiffers(const std::vector<float>& recorded, const Frame& repeated,
+                                    std::size_t place, std::size_t robot, std::string field) const {
+  const std::vector<SceneRobot>& robots = repeated.scene->robots;
+  Difference difference = robot < robots.size()
+                              ? DifferenceAt(repeated, robots[robot].entry.name, std::move(field))
+                              : DifferenceAt(repeated, "the readings", "after those of the last robot");
+  const auto worded = [place](const std::vector<float>& readings) {
+    return place < readings.size() ? fmt::format("{}", readings[place]) : "none";
+  };
+  difference.recorded = worded(recorded);
+  difference.repeated = worded(floats_);
   return difference;
 }
 

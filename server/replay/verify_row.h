@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/record/recorded_step.h"
@@ -19,8 +20,13 @@ class RowCheck {
 
  private:
   std::optional<Difference> FindWheels(const RecordedStep& step, const Frame& repeated);
-  std::optional<Difference> FindFloats(const std::vector<float>& recorded, const Frame& repeated,
-                                       const char* reading);
+  /// The place in `recorded` of the first reading that is not as in blob_.
+  std::optional<std::size_t> FindReading(const std::vector<float>& recorded);
+  std::optional<Difference> FindDistance(const std::vector<float>& recorded, const Frame& repeated);
+  std::optional<Difference> FindTarget(const std::vector<float>& recorded, const Frame& repeated);
+  /// Reading `place` of `recorded`, called `field`, which is one of `robot`.
+  Difference ReadingDiffers(const std::vector<float>& recorded, const Frame& repeated, std::size_t place,
+                            std::size_t robot, std::string field) const;
 
   // Buffers that steps share.
   std::vector<std::byte> blob_;

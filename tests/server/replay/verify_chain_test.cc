@@ -64,7 +64,7 @@ TEST_F(VerifyChainTest, ARepeatedCommandThatWasTakenOutIsNamedByItsStep) {
   const VerifyReport report = Repeat();
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(ToString(report),
-            "differs from step 22 on, t = 0.22 s: the row of step 22 chain\n  recorded  " +
+            "differs from step 22 on, t = 0.22 s: the row of step 22: its chain\n  recorded  " +
                 report.difference->recorded + "\n  computed  " + report.difference->repeated +
                 "\n  it is not as it was written, or one before it was taken out, put in or "
                 "moved; nothing that was repeated differs\n21 steps before it are equal\n");
@@ -130,6 +130,16 @@ TEST_F(VerifyChainTest, StepsThatWereTakenOutAndDeclaredLostAreFound) {
   EXPECT_EQ(report.difference->what, "the row of step 40");
   EXPECT_EQ(report.not_verified, 9u);
   EXPECT_THAT(report.warning, HasSubstr("its table meta was changed after it was written"));
+}
+
+TEST_F(VerifyChainTest, AStepThatWasTakenOutIsToldByTheRowAfterItAndNotAsLost) {
+  Change("DELETE FROM step WHERE step = 31");
+  const VerifyReport report = Repeat();
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->what, "the row of step 32");
+  EXPECT_EQ(report.steps, 30u);
+  EXPECT_THAT(report.difference->note, HasSubstr("there is no row of step 31"));
+  EXPECT_THAT(ToString(report), HasSubstr("30 steps before it are equal; 9 steps could not be verified\n"));
 }
 
 TEST_F(VerifyChainTest, StepsThatWereReallyLostAreNoDamage) {
@@ -212,7 +222,7 @@ TEST_F(VerifyChainTest, NotesAreNamed) {
   };
   EXPECT_EQ(repeat(), "equal, 15 steps\n");
   Tamper(notes).Run("UPDATE event SET text = 'long before' WHERE text = 'before'");
-  EXPECT_THAT(repeat(), StartsWith("differs from step 5 on, t = 0.05 s: event 1 chain\n"));
+  EXPECT_THAT(repeat(), StartsWith("differs from step 5 on, t = 0.05 s: event 1: its chain\n"));
   Tamper(notes).Run("UPDATE event SET text = 'before' WHERE id = 1; DELETE FROM event WHERE id = 2");
   EXPECT_THAT(repeat(), HasSubstr("its table event ends with row 1, where meta tells of another end"));
 }

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+// Two recordings against each other; that one was changed is told though what moves is equal.
+#include <gmock/gmock.h>
+
+#include "tests/server/replay/verify_fixture.h"
+
+namespace coopdyn {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class CompareTest : public VerifyTest {
+ protected:
+  /// Two equal lessons with a note, the second of which `sql` was done to.
+  VerifyReport AgainstChanged(const std::string& sql) {
+    for (const char* name : {"a.run", "b.run"}) {
+      LiveRun run(File(name), kLesson);
+      Drive(run, 20);
+      run.Apply(edit::Note{"look"});
+      Drive(run, 40);
+    }
+    Tamper(File("b.run")).Run(sql);
+    return Against(File("a.run"), File("b.run"));
+  }
+};
+
+TEST_F(CompareTest, RunsWithTheSameInputsAreEqual) {
+  MakeLesson(File("a.run"));
+  MakeLesson(File("b.run"));
+  EXPECT_EQ(ToString(Against(File("a.run"), File("b.run"))), "equal, 120 steps\n");
+}
+
+TEST_F(CompareTest, ALongerRunIsSaid) {
+  MakeLesson(File("a.run"));
+  {
+    LiveRun run(File("b.run"), kLesson);
+    Drive(run, 80);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  EXPECT_EQ(report.steps, 80u);
+  EXPECT_THAT(report.warning, HasSubstr("a.run has steps 0 to 120"));
+}
+
+TEST_F(CompareTest, TwoRunsPartAtACommandWithBothExactValues) {
+  MakeLesson(File("a.run"));
+  {
+    LiveRun run(File("b.run"), kLesson);
+    Drive(run, 78);
+    run.Command("robot2", 1.5, 2.25);
+    run.Step(40);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 79u);
+  EXPECT_EQ(report.steps, 78u);
+  EXPECT_EQ(report.difference->what, "robot2");
+  EXPECT_EQ(report.difference->field, "setpoint_left_rad_s");
+  EXPECT_EQ(report.difference->recorded, "2");
+  EXPECT_EQ(report.difference->repeated, "1.5");
+  EXPECT_EQ(report.difference->recorded_is, File("a.run"));
+  EXPECT_TRUE(report.difference->exact);
+  EXPECT_THAT(report.difference->note,
+              HasSubstr("b.run: set-points that came in force with step 79: robot2"));
+}
+
+TEST_F(CompareTest, TwoRunsThatBeginDifferentlyPartAtTheFirstBody) {
+  MakeLesson(File("a.run"));
+  std::string moved = kLesson;
+  moved.replace(moved.find("position 0.8 0"), 14, "position 0.8 1");
+  {
+    LiveRun run(File("b.run"), moved);
+    run.Step(10);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 0u);
+  EXPECT_EQ(report.difference->what, "CRATE_1");
+  EXPECT_EQ(report.difference->field, "y_m");
+  EXPECT_EQ(report.difference->recorded, "0");
+  EXPECT_EQ(report.difference->repeated, "1");
+  EXPECT_THAT(report.warning, HasSubstr("their scenarios differ"));
+}
+
+TEST_F(CompareTest, RunsOfDifferentThingsAreSaidToBe) {
+  MakeLesson(File("a.run"));
+  {
+    LiveRun run(File("b.run"), "[ROBOT_1]\ntype coopbot\nname robot1\nposition 0 0\n");
+    run.Step(10);
+  }
+  EXPECT_THAT(Against(File("a.run"), File("b.run")).error, HasSubstr("are different runs from the start on"));
+}
+
+TEST_F(CompareTest, RunsWithoutCommonStepsAreSaid) {
+  {
+    LiveRun run(File("a.run"), kLesson);
+    run.Step(10);
+    const SavedStatePtr state = run.Apply(edit::Save{}).saved;
+    run.End();
+    LiveRun later(File("b.run"), state);
+    later.Step(30);
+    const SavedStatePtr last = later.Apply(edit::Save{}).saved;
+    later.End();
+    LiveRun last_run(File("c.run"), last);
+    last_run.Step(5);
+  }
+  EXPECT_THAT(Against(File("a.run"), File("c.run")).error, HasSubstr("no step in common"));
+}
+
+// --- one was changed after it was written
+
+struct Changed {
+  const char* name;
+  const char* sql;
+  const char* told;  // after the file's name
+};
+
+class ChangedCompareTest : public CompareTest, public ::testing::WithParamInterface<Changed> {};
+
+TEST_P(ChangedCompareTest, IsToldWithFileAndRow) {
+  const VerifyReport report = AgainstChanged(GetParam().sql);
+  EXPECT_THAT(report.error, StartsWith(File("b.run") + GetParam().told)) << ToString(report);
+  EXPECT_THAT(report.error, HasSubstr("apart from that, ")) << ToString(report);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ChangedCompareTest,
+    ::testing::Values(
+        Changed{"Commands",
+                "UPDATE step SET commands = (SELECT commands FROM step WHERE step = 8) WHERE step = 22",
+                " is damaged from step 22 on, t = 0.22 s: the row of step 22: its chain is "},
+        Changed{"Poses", "UPDATE step SET poses = NULL WHERE step = 30",
+                " is damaged from step 30 on, t = 0.3 s: the row of step 30: its chain is "},
+        Changed{"RobotName", "UPDATE robot SET name = 'robot9' WHERE place = 1",
+                " is damaged from step 0 on, t = 0 s: scene "},
+        Changed{"Note", "UPDATE event SET text = 'look away' WHERE text = 'look'",
+                " is damaged from step 20 on, t = 0.2 s: event 1: its chain is "},
+        Changed{"NoteOut", "DELETE FROM event", ": its table event ends with row 0"},
+        Changed{"StepOut", "DELETE FROM step WHERE step = 40",
+                " is damaged from step 41 on, t = 0.41 s: the row of step 41: its chain is "},
+        Changed{"Seal", "UPDATE meta SET value = '2001-01-01T00:00:00Z' WHERE key = 'started'",
+                ": its table meta was changed after it was written: it is damaged"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_F(CompareTest, ADifferenceIsToldBeforeTheDamage) {
+  const VerifyReport report = AgainstChanged(
+      "UPDATE step SET hash = hash + 1 WHERE step = 50; UPDATE step SET commands = NULL WHERE step = 28");
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 50u);
+  EXPECT_EQ(report.error, "");
+  EXPECT_THAT(report.warning, HasSubstr(File("b.run") + " is damaged from step 28 on"));
+}
+
+TEST_F(CompareTest, BothFilesAreLookedAt) {
+  AgainstChanged("UPDATE step SET chain = 1 WHERE step = 12");
+  Tamper(File("a.run")).Run("UPDATE step SET chain = 1 WHERE step = 33");
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  EXPECT_THAT(report.error, HasSubstr(File("a.run") + " is damaged from step 33 on"));
+  EXPECT_THAT(report.error, HasSubstr(File("b.run") + " is damaged from step 12 on"));
+  EXPECT_THAT(report.error, EndsWith("apart from that, 60 steps are equal"));
+}
+
+TEST_F(CompareTest, AFileWithoutChainsIsRefused) {
+  const VerifyReport report = AgainstChanged("ALTER TABLE step DROP COLUMN chain");
+  EXPECT_THAT(report.error, HasSubstr("b.run"));
+  EXPECT_THAT(report.error, HasSubstr("record it again"));
+}
+
+}  // namespace
+}  // namespace coopdyn
