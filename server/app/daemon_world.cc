@@ -8,20 +8,10 @@
 #include <utility>
 
 #include "server/app/daemon.h"
+#include "server/app/serve_options.h"
 #include "server/replay/state_at.h"
 
 namespace coopdyn {
-
-namespace {
-
-/// RUN@TIME, split at the last @.
-std::pair<std::string, std::string> SplitMoment(const std::string& from) {
-  const std::size_t at = from.rfind('@');
-  if (at == std::string::npos || at == 0 || at + 1 == from.size()) return {};
-  return {from.substr(0, at), from.substr(at + 1)};
-}
-
-}  // namespace
 
 int ThreadsOf(const ServeOptions& options) {
   const unsigned cores = std::thread::hardware_concurrency();
@@ -52,9 +42,6 @@ std::string Daemon::StartScenario() {
 
 std::string Daemon::StartFromRecording() {
   const auto [file, when] = SplitMoment(options_.from);
-  if (file.empty()) {
-    return "--from takes a recording and a time in seconds: --from lesson1.run@12.5, or lesson1.run@end";
-  }
   std::string error;
   const auto reader = RunReader::Open(file, error);
   if (reader == nullptr) return error;
@@ -90,10 +77,12 @@ std::string Daemon::StartPlayback() {
   Diagnostics diagnostics;
   if (reader->LoadScenario(models_.path(), diagnostics) == nullptr) return diagnostics.ToString();
   const RunExtent extent = reader->extent();
-  if (options_.play.start > extent.end && !reader->growing()) {
-    return fmt::format("--at {:g} lies beyond the end of {}: write a time from {:g} to {:g}",
-                       ToSeconds(options_.play.start), reader->file(), ToSeconds(extent.begin),
-                       ToSeconds(extent.end));
+  const Nanoseconds start = options_.play.start;  // 0: the begin
+  const bool before = start != 0 && start < extent.begin;
+  if (before || (start > extent.end && !reader->growing())) {
+    return fmt::format("--at {:g} lies {} of {}: write a time from {:g} to {:g}", ToSeconds(start),
+                       before ? "before the begin" : "beyond the end", reader->file(),
+                       ToSeconds(extent.begin), ToSeconds(extent.end));
   }
   PlayOptions play;
   play.speed = options_.play.speed;

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include "server/record/player.h"
 
@@ -53,6 +55,18 @@ std::string CheckPlaySpeed(const std::string& text) {
   const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
   const bool fits = number && value >= kMinPlaySpeed && value <= kMaxPlaySpeed && value != 0;
   return fits ? "" : "--speed of a playback lies between -4 (backwards) and 64 and is not 0, not " + text;
+}
+
+/// Makes the folder if there is none.
+void MakeRecordingsFolder(const std::string& folder) {
+  if (folder.empty()) throw CLI::ValidationError("--recordings takes a folder, e.g. --recordings runs");
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(folder, ignored)) return;
+  const std::string why = failed ? "cannot be made (" + failed.message() + ")" : "is no folder";
+  throw CLI::ValidationError("--recordings " + folder + " " + why +
+                             ": write a folder that you may write to, e.g. --recordings runs");
 }
 
 /// How the daemon is reached, and what it shows.
@@ -121,12 +135,20 @@ void AddRecording(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
                   "What to do when the recording fails, e.g. on a full disk: continue or stop")
       ->check(CLI::IsMember({"continue", "stop"}))
       ->envname("COOPDYN_ON_RECORD_FAILURE");
-  sub->add_option("--recordings", serve.record.folder, "Folder of recordings that are started later")
+  sub->add_option("--recordings", serve.record.folder,
+                  "Folder of recordings that are started later, and of those that clients may list and copy; "
+                  "made if there is none")
       ->envname("COOPDYN_RECORDINGS")
       ->capture_default_str();
 }
 
 }  // namespace
+
+std::pair<std::string, std::string> SplitMoment(const std::string& from) {
+  const std::size_t at = from.rfind('@');
+  if (at == std::string::npos || at == 0 || at + 1 == from.size()) return {};
+  return {from.substr(0, at), from.substr(at + 1)};
+}
 
 void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
   CLI::App* sub = app.add_subcommand("serve", "Run a scenario and serve its robots");
@@ -179,7 +201,7 @@ void AddPlay(CLI::App& app, ServeOptions& serve, RawServe& raw) {
   sub->add_option("run", raw.recording, "A recording, e.g. lesson1.run")->required();
   sub->add_option("--speed", raw.speed, "Times the wall clock, -4 to 64; below 0: backwards")
       ->check(CLI::Validator(CheckPlaySpeed, ""));
-  sub->add_option("--at", raw.start_s, "Begin at this simulated time, s")
+  sub->add_option("--at", raw.start_s, "Begin at this simulated time, s (default: its begin)")
       ->check(CLI::Validator(CheckFinite, ""));
   sub->add_flag("--loop", serve.play.loop, "Begin anew at the end");
   sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
@@ -210,6 +232,10 @@ void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
   if (given("--record") && serve.record.file.empty()) {
     throw CLI::ValidationError("--record takes the name of a file, e.g. --record lesson1.run");
   }
+  if (!serve.from.empty() && SplitMoment(serve.from).first.empty()) {
+    throw CLI::ValidationError(
+        "--from takes a recording and a time in seconds: --from lesson1.run@12.5, or lesson1.run@end");
+  }
   if (!serve.from.empty() && given("--seed")) {
     throw CLI::ValidationError("--from goes on with the seed of the recording: leave --seed out");
   }
@@ -227,6 +253,7 @@ void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
   if (given("--http-port")) serve.http_port = raw.http_port;
   if (given("--robot-threads")) serve.robot_threads = raw.robot_threads;
   if (given("--spin")) serve.spin_us = raw.spin_us;
+  if (given("--recordings")) MakeRecordingsFolder(serve.record.folder);  // last: nothing else is wrong
 }
 
 }  // namespace coopdyn

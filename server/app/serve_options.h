@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "server/app/options.h"
 
@@ -30,5 +31,8 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw);
 void AddPlay(CLI::App& app, ServeOptions& serve, RawServe& raw);
 /// Takes what was given to `sub`, one of the two commands. Throws CLI::ValidationError.
 void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve);
+
+/// RUN and TIME of RUN@TIME, split at the last @; two empty texts if either is missing.
+std::pair<std::string, std::string> SplitMoment(const std::string& from);
 
 }  // namespace coopdyn

@@ -28,6 +28,26 @@ class RefusalsTest(RecordingTestCase):
         self.assertEqual(code, 2, said)
         self.assertIn("--record lesson1.run", said)
 
+    def test_a_branch_without_a_time_is_wrong_use(self):
+        self.record()
+        code, said = self.serve("--from", self.file)
+        self.assertEqual(code, 2, said)
+        self.assertIn("lesson1.run@12.5", said)
+
+    def test_a_folder_that_cannot_be_made_is_wrong_use(self):
+        self.file.write_text("no folder")
+        for folder in (self.file, self.file / "runs"):
+            code, said = self.serve("empty", "--recordings", folder)
+            self.assertEqual(code, 2, said)
+            self.assertIn("--recordings runs", said)
+
+    def test_a_time_outside_the_recording_is_not_played(self):
+        self.record()
+        for time, where in (("-1", "before the begin"), ("99", "beyond the end")):
+            code, said = tool("play", self.file, "--at", time, "--port", "0", "--no-http", "--no-render")
+            self.assertEqual(code, 1, said)
+            self.assertIn(where, said)
+
     def test_the_run_that_is_gone_on_from_is_not_overwritten(self):
         self.record()
         code, said = self.serve("--from", f"{self.file}@end", "--record", self.file, "--force")
