@@ -14,7 +14,10 @@ PublishedModule::PublishedModule(std::string name, Endpoint& endpoint, IoThread&
 
 PublishedModule::~PublishedModule() {
   if (listed_) names_.RemoveOwn(name_);
-  io_.Call([this] { server_.reset(); });
+  io_.Call([this] {
+    server_->CloseAll("the daemon is stopping");
+    server_.reset();
+  });
 }
 
 std::string PublishedModule::Open(const std::vector<std::string>& addresses, int port) {
@@ -24,10 +27,6 @@ std::string PublishedModule::Open(const std::vector<std::string>& addresses, int
   }
   listed_ = names_.AddOwn(name_, server_->port(), server_->adopter());
   return listed_ ? "" : "the name " + name_ + " is taken";
-}
-
-void PublishedModule::CloseConnections(const std::string& reason) {
-  io_.Call([&] { server_->CloseAll(reason); });
 }
 
 }  // namespace coopdyn

@@ -12,12 +12,13 @@
 
 namespace coopdyn {
 
-/// Built, opened and destroyed on one thread; its connections live on `io`.
+/// Built, opened and destroyed on one thread; its connections live on `io`. It is there until the daemon
+/// stops.
 class PublishedModule {
  public:
   /// All outlive it.
   PublishedModule(std::string name, Endpoint& endpoint, IoThread& io, NetServices& net, NameTable& names);
-  /// Takes the name away and closes all connections.
+  /// Takes the name away and closes all connections with the notice that the daemon is stopping.
   ~PublishedModule();
   PublishedModule(const PublishedModule&) = delete;
   PublishedModule& operator=(const PublishedModule&) = delete;
@@ -27,8 +28,6 @@ class PublishedModule {
   std::string Open(const std::vector<std::string>& addresses, int port);
   /// 0: reached through OPEN only.
   int port() const { return server_->port(); }
-  /// Closes all connections with a notice.
-  void CloseConnections(const std::string& reason);
 
  private:
   const std::string name_;

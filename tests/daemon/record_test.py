@@ -196,5 +196,24 @@ class FullDiskTest(RecordingTestCase):
         self.assertGreater(equal_steps(self.file), 0)
 
 
+class FolderTest(RecordingTestCase):
+    def test_the_folder_of_recordings_is_made(self):
+        folder = self.folder / "of" / "lessons"
+        with Daemon(scenario(1), "--recordings", folder) as daemon:
+            recorder = daemon.text("/recorder")
+            recorder.must("start lesson1")
+            daemon.text("/robot1/motors").must("set_wheel_speeds 2 3")
+            recorder.must("stop")
+        self.assertTrue((folder / "lesson1.run").is_file())
+
+    def test_all_modules_say_at_the_end_that_the_daemon_is_stopping(self):
+        with Daemon(scenario(1)) as daemon:
+            names = ("/simulation", "/recorder", "/playback", "/swarm", "/robot1/motors")
+            modules = [daemon.text(name) for name in names]
+            self.assertEqual(daemon.end(), 0)
+            for name, module in zip(names, modules):
+                self.assertIn("the daemon is stopping", module.read_to_end().decode(), name)
+
+
 if __name__ == "__main__":
     unittest.main()
