@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "server/app/commands.h"
+#include "server/record/run_reader_open.h"
 
 namespace coopdyn {
 
@@ -61,6 +62,11 @@ std::string What(const RunHeader& header) {
   return what;
 }
 
+std::string LogText(const RunInfo& info) {
+  const std::string why = info.log_reason.empty() ? "" : " (" + info.log_reason + ")";
+  return info.log + " is not part of the file yet" + why + ": copy both";
+}
+
 void AddLine(std::string& text, const char* name, const std::string& value) {
   if (!value.empty()) text += fmt::format("  {:<10}{}\n", name, value);
 }
@@ -76,6 +82,8 @@ std::optional<RunInfo> ReadRunInfo(const std::string& file, bool count_commands,
   info.extent = reader->extent();
   info.mended = reader->mended();
   info.growing = reader->growing();
+  info.log = UnmergedLog(reader->file());
+  if (!info.log.empty()) info.log_reason = reader->log_reason();
   const std::optional<RunContents> contents = reader->Contents();
   if (contents) {
     info.contents = *contents;
@@ -95,6 +103,7 @@ std::string ToText(const RunInfo& info, bool all_events) {
                                  Count(extent.steps, "step"), Count(info.contents.robots.size(), "robot"));
   if (info.mended) text += "  mended: the recording had not been closed\n";
   if (info.growing) text += "  it is being recorded at this moment\n";
+  if (!info.log.empty()) AddLine(text, "log", LogText(info));
   AddLine(text, "time",
           fmt::format("{:.10g} to {:.10g} s, steps {} to {}", ToSeconds(extent.begin), ToSeconds(extent.end),
                       extent.first, extent.last));
@@ -145,6 +154,8 @@ std::string ToJson(const RunInfo& info) {
   object["file"] = info.file;
   object["mended"] = info.mended;
   object["growing"] = info.growing;
+  object["log"] = info.log.empty() ? json::value(nullptr) : json::value(info.log);
+  object["log_reason"] = info.log.empty() ? json::value(nullptr) : json::value(info.log_reason);
   object["duration_s"] = Duration(info);
   object["begin_s"] = ToSeconds(info.extent.begin);
   object["end_s"] = ToSeconds(info.extent.end);

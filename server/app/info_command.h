@@ -39,6 +39,8 @@ struct RunInfo {
   std::optional<std::uint64_t> commands;  // empty: not counted
   std::vector<Event> events;
   bool mended = false, growing = false;
+  std::string log;         // the file beside it without which it is not whole; empty: it is one file
+  std::string log_reason;  // why that is not part of it
 };
 /// Nothing with `error` if the recording cannot be read.
 std::optional<RunInfo> ReadRunInfo(const std::string& file, bool count_commands, std::string& error);

@@ -179,6 +179,14 @@ bool RunReader::growing() const {
   return impl_->run.growing;
 }
 
+bool RunReader::has_log() const {
+  return !UnmergedLog(impl_->file).empty();
+}
+
+const std::string& RunReader::log_reason() const {
+  return impl_->run.log_reason;
+}
+
 const std::string& RunReader::error() const {
   return impl_->error;
 }

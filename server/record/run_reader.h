@@ -50,11 +50,15 @@ class RunReader {
 
   const std::string& file() const;
   const RunHeader& header() const;
-  /// It was mended: the recording had not been closed.
+  /// It was mended: the recording had not been closed, or not to the end.
   bool mended() const;
   /// It is being written at this moment, or was when extent() looked last. When a recording is closed, or its
   /// writer is gone without closing it, ten looks that find nothing new tell.
   bool growing() const;
+  /// A log with bytes lies beside it (UnmergedLog() names it), so that the file alone is not the whole run.
+  bool has_log() const;
+  /// "another program reads it": why it was not made part of the file. Empty if it was, or there is none.
+  const std::string& log_reason() const;
   /// Nothing, and error() says why, if the file is damaged there. Needs no scenario.
   std::optional<RunContents> Contents();
   /// How many set-points came in force in all: looks at each step. Nothing if the file is damaged.

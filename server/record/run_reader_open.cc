@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "server/record/run_reader_journal.h"
 #include "server/record/run_seal.h"
 #include "server/record/run_tables.h"
 
@@ -17,6 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kNoStepsText =
+    ": nothing was recorded in it (its recorder ended before the first commit): delete it, or try again if "
+    "it "
+    "has only just begun";
 constexpr const char* kHowToRecord = "recordings are made with coopdyn serve --record FILE";
 
 bool IsPlainFile(const std::string& file, std::string& error) {
@@ -30,7 +35,7 @@ bool IsPlainFile(const std::string& file, std::string& error) {
     error = file + " is not a recording of coopdyn: it is no file" +
             (code ? " that can be read (" + code.message() + ")" : "");
   } else if (fs::file_size(file, code) == 0 && !code) {
-    error = file + " is empty: nothing was recorded in it; " + kHowToRecord;
+    error = file + " is empty" + kNoStepsText;
   }
   return error.empty();
 }
@@ -59,6 +64,16 @@ std::string WhyUnreadable(const Database& database) {
   return database.error() + ": make sure that you may read it, or copy it to a folder of yours";
 }
 
+/// Its tables come with the first commit, together with the first step.
+bool HasNoTables(Database& database) {
+  return database.Integer("SELECT count(*) FROM sqlite_schema") == 0;
+}
+
+/// A reader is refused as long as a journal of a program that is gone waits.
+bool NeedsRollBack(Database& database) {
+  return !database.Integer("PRAGMA schema_version") && database.error_code() == SQLITE_READONLY;
+}
+
 /// It is a recording, of a format that is known.
 bool CheckKind(Database& database, std::string& error) {
   const std::string& file = database.file();
@@ -72,6 +87,8 @@ bool CheckKind(Database& database, std::string& error) {
   } else if (*format > kRunFormat) {
     error = file + " was made by a newer coopdyn: format " + std::to_string(*format) + ", this one reads " +
             std::to_string(kRunFormat) + ": use that version of coopdyn";
+  } else if (HasNoTables(database)) {
+    error = file + kNoStepsText;
   } else if (*format < 1) {
     error = file + " is damaged: its format is " + std::to_string(*format) + ", not " +
             std::to_string(kRunFormat) + ": copy it again from where it was recorded";
@@ -82,6 +99,22 @@ bool CheckKind(Database& database, std::string& error) {
 /// Makes a log that waits part of the file, if nobody else has it open: then the whole run is one file.
 bool MakePlain(Database& database) {
   return database.Text("PRAGMA journal_mode = DELETE") == "delete";
+}
+
+/// After MakePlain() has failed.
+std::string WhyApart(const Database& database, bool growing) {
+  if (growing) return "it is being recorded, or another program reads it";
+  if (database.busy()) return "another program reads it";
+  switch (database.error_code()) {
+    case SQLITE_FULL:
+      return "the disk is full";
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+      return "the file or its folder cannot be written to";
+    default:
+      return database.error();
+  }
 }
 
 /// A plain file is whole pages.
@@ -116,7 +149,7 @@ std::string UnmergedLog(const std::string& file) {
   std::error_code code;
   // SQLite keeps them beside the file that a link stands for.
   const std::string real = fs::is_symlink(file, code) ? fs::canonical(file, code).string() : file;
-  for (const char* ending : {"-wal", "-journal"}) {
+  for (const char* ending : {"-journal", "-wal"}) {
     const std::string log = real + ending;
     const std::uintmax_t bytes = fs::file_size(log, code);
     if (!code && bytes > 0) return log;
@@ -152,6 +185,13 @@ OpenedRun OpenRun(const std::string& file, std::string& error) {
   if (!IsPlainFile(file, error)) return run;
   // Read-only at first: a stranger's database must not be touched.
   run.database = OpenDatabase(file, Database::Access::kReadOnly, error);
+  if (run.database == nullptr) return {};
+  if (NeedsRollBack(*run.database) && RollBack(file)) {
+    run.mended = true;
+    run.database.reset();
+    if (!IsPlainFile(file, error)) return {};
+    run.database = OpenDatabase(file, Database::Access::kReadOnly, error);
+  }
   if (run.database == nullptr || !CheckKind(*run.database, error)) return {};
   const bool closed = IsClosed(*run.database);
   const bool plain = run.database->Text("PRAGMA journal_mode") != "wal";
@@ -163,19 +203,25 @@ OpenedRun OpenRun(const std::string& file, std::string& error) {
 
   // A writer keeps the file in WAL mode and has it open; then it cannot be made plain.
   run.database.reset();
-  std::string ignored;
-  auto writable = OpenDatabase(file, Database::Access::kReadWrite, ignored);
+  std::string why;
+  auto writable = OpenDatabase(file, Database::Access::kReadWrite, why);
   if (writable != nullptr) {
     if (MakePlain(*writable)) {
-      run.mended = !closed && MarkClosed(*writable);
+      run.mended |= !closed && MarkClosed(*writable);
     } else {
       run.growing = writable->busy() && !closed;
+      why = WhyApart(*writable, run.growing);
     }
     writable.reset();
   }
   run.database = OpenDatabase(file, Database::Access::kReadOnly, error);
   if (run.database != nullptr && !CheckKind(*run.database, error)) run.database.reset();
   if (run.database != nullptr && run.growing) run.growing = !IsClosed(*run.database);
+  if (run.database != nullptr && HasNoTables(*run.database)) {
+    error = file + kNoStepsText;
+    run.database.reset();
+  }
+  run.log_reason = why;
   return run;
 }
 

@@ -17,9 +17,11 @@ struct OpenedRun {
   std::unique_ptr<Database> database;  // to read from; null: it cannot be read
   bool mended = false;                 // it had not been closed; it is now
   bool growing = false;                // another connection has it open, and it is not closed
+  std::string log_reason;              // why a log that lies beside it could not be made part of the file
 };
 
-/// Waits at most a second for locks of others. `database` is null with `error`, what is wrong and what to do.
+/// Waits at most a second for locks of others. `database` is null with `error`, what is wrong and what to do;
+/// `growing` may be true then, too: its recorder has made the file and not yet written to it.
 OpenedRun OpenRun(const std::string& file, std::string& error);
 
 /// The name of the `-wal` or `-journal` with bytes in it that SQLite has beside `file`: the file alone is not
