@@ -195,8 +195,7 @@ ChildEnd ChildLauncher::EndTemplate() {
   return EndOf(status, 0);
 }
 
-bool ChildLauncher::Ask(const LaunchRequest& request, const std::array<int, 3>* files,
-                        LaunchReply& reply) const {
+bool ChildLauncher::Send(const LaunchRequest& request, const std::array<int, 3>* files) const {
   LaunchRequest sent = request;
   iovec bytes{&sent, sizeof(sent)};
   msghdr message{};
@@ -216,7 +215,13 @@ bool ChildLauncher::Ask(const LaunchRequest& request, const std::array<int, 3>* 
   do {
     done = sendmsg(socket_, &message, MSG_NOSIGNAL);
   } while (done < 0 && errno == EINTR);
-  if (done != sizeof(sent)) return false;
+  return done == sizeof(sent);
+}
+
+bool ChildLauncher::Ask(const LaunchRequest& request, const std::array<int, 3>* files,
+                        LaunchReply& reply) const {
+  if (!Send(request, files)) return false;
+  ssize_t done = 0;
   do {
     done = recv(socket_, &reply, sizeof(reply), 0);
   } while (done < 0 && errno == EINTR);
@@ -243,6 +248,10 @@ ChildEnd ChildLauncher::AwaitEnd(pid_t pid) {
   const bool told =
       template_ >= 0 && Ask({LaunchRequest::Kind::kAwaitEnd, pid}, nullptr, reply) && reply.pid == pid;
   return told ? EndOf(reply.status, reply.cpu_s) : EndOf(SIGKILL, 0);  // as the template, probably
+}
+
+void ChildLauncher::Leave(pid_t pid) {
+  if (template_ >= 0) Send({LaunchRequest::Kind::kLeave, pid}, nullptr);
 }
 
 }  // namespace coopdyn

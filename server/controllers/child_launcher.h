@@ -27,9 +27,9 @@ struct ChildEnd {
 
 /// What the template is asked, and answers; over a SOCK_SEQPACKET socket.
 struct LaunchRequest {
-  enum class Kind : std::uint32_t { kStart, kAwaitEnd };
-  Kind kind = Kind::kStart;  // kStart: with the files socket, in, out
-  pid_t pid = 0;             // kAwaitEnd: of a copy
+  enum class Kind : std::uint32_t { kStart, kAwaitEnd, kLeave };
+  Kind kind = Kind::kStart;  // kStart: with the files socket, in, out; kLeave: has no answer
+  pid_t pid = 0;             // kAwaitEnd, kLeave: of a copy
 };
 struct LaunchReply {
   pid_t pid = 0;   // kStart: of the copy; -1: it could not be made
@@ -52,10 +52,14 @@ class ChildLauncher {
   pid_t Launch(const std::array<int, 3>& files);
   /// Waits for the end of a process that Launch() gave.
   ChildEnd AwaitEnd(pid_t pid);
+  /// Nobody will ask how a process that Launch() gave ended.
+  void Leave(pid_t pid);
 
  private:
   void StartTemplate();
   ChildEnd EndTemplate();
+  /// False: the template is gone.
+  bool Send(const LaunchRequest& request, const std::array<int, 3>* files) const;
   /// False: the template is gone.
   bool Ask(const LaunchRequest& request, const std::array<int, 3>* files, LaunchReply& reply) const;
 

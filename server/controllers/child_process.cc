@@ -67,6 +67,12 @@ void ChildProcess::Kill() {
   if (!end_) syscall(SYS_pidfd_send_signal, watched_, SIGKILL, nullptr, 0);
 }
 
+void ChildProcess::Leave() {
+  if (end_) return;
+  launcher_.Leave(pid_);
+  end_.emplace();
+}
+
 double ChildProcess::cpu_s() const {
   if (end_) return end_->cpu_s;
   clockid_t clock = 0;

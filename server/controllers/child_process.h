@@ -29,6 +29,8 @@ class ChildProcess {
   /// Waits for its end.
   ChildEnd Wait();
   void Kill();
+  /// It is about to end by itself, and nobody need wait for that.
+  void Leave();
   /// CPU time that it has used so far, s.
   double cpu_s() const;
 

@@ -2,6 +2,7 @@
 #include "server/controllers/controller_child.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -11,11 +12,13 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "server/controllers/child_launcher.h"
 #include "server/controllers/futex.h"
@@ -73,7 +76,7 @@ int Serve(const Files& files) {
   const SharedArea head(files.in, sizeof(InHeader), false);
   const InHeader& header = *head.At<InHeader>(0);
   SharedArea in, out;
-  Runner runner;
+  auto runner = std::make_unique<Runner>();
   std::unique_ptr<WorkerPool> pool;
   for (std::uint32_t seen = 0;;) {
     while (header.go.load(std::memory_order_acquire) == seen) FutexWait(header.go, seen, 0);
@@ -82,7 +85,13 @@ int Serve(const Files& files) {
     if (out.bytes() != header.out_bytes) out = SharedArea(files.out, header.out_bytes, true);
     if (!pool) pool = std::make_unique<WorkerPool>(static_cast<int>(header.workers));
     const bool last = header.operation == Operation::kEnd;
-    runner.Run(in.data(), out.data(), *pool);
+    runner->Run(in.data(), out.data(), *pool);
+    if (last) {
+      // Unloads the controllers. After the answer the next ones may begin, and this process is not waited
+      // for.
+      runner.reset();
+      std::fflush(nullptr);
+    }
     std::atomic<std::uint32_t>& reply = out.At<OutHeader>(0)->reply;
     reply.store(seen, std::memory_order_release);
     FutexWake(reply);
@@ -92,6 +101,10 @@ int Serve(const Files& files) {
 
 /// The main program of a copy.
 int RunCopy(const Files& files) {
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  std::signal(SIGCHLD, SIG_DFL);
   setpgid(0, 0);  // what a controller does to its process group is its own
   // A copy that a controller makes of this process would go on as if it were the process itself.
   pthread_atfork(nullptr, nullptr, [] { _exit(0); });
@@ -104,8 +117,35 @@ int RunCopy(const Files& files) {
   }
 }
 
+/// Copies that the daemon does not ask for any more.
+class LeftCopies {
+ public:
+  /// Lets the end of a copy interrupt AwaitRequest(), and nothing else.
+  LeftCopies() {
+    sigset_t ends;
+    sigemptyset(&ends);
+    sigaddset(&ends, SIGCHLD);
+    sigprocmask(SIG_BLOCK, &ends, &before_);
+    struct sigaction action {};
+    action.sa_handler = [](int) {};
+    sigaction(SIGCHLD, &action, nullptr);
+  }
+  void Add(pid_t pid) { pids_.push_back(pid); }
+  /// Until there is something to read; lets go of those that have ended.
+  void AwaitRequest(int socket) {
+    pollfd request{socket, POLLIN, 0};
+    do {
+      std::erase_if(pids_, [](pid_t pid) { return waitpid(pid, nullptr, WNOHANG) != 0; });
+    } while (ppoll(&request, 1, nullptr, &before_) < 0 && errno == EINTR);
+  }
+
+ private:
+  sigset_t before_{};
+  std::vector<pid_t> pids_;
+};
+
 /// The next request with its files, if it has any. False: the daemon is gone.
-bool Receive(int socket, LaunchRequest& request, Files& files) {
+bool Receive(int socket, LeftCopies& left, LaunchRequest& request, Files& files) {
   iovec bytes{&request, sizeof(request)};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(files))> room{};
   msghdr message{};
@@ -114,6 +154,7 @@ bool Receive(int socket, LaunchRequest& request, Files& files) {
   message.msg_control = room.data();
   message.msg_controllen = room.size();
   ssize_t got = 0;
+  left.AwaitRequest(socket);
   do {
     got = recvmsg(socket, &message, 0);
   } while (got < 0 && errno == EINTR);
@@ -150,8 +191,13 @@ int RunControllerChild(int fd) {
   }
   NoCoreFiles();
   prctl(PR_SET_NAME, "coopdyn-ctrl-0");
+  LeftCopies left;
   LaunchRequest request;
-  for (Files files; Receive(fd, request, files); files = {}) {
+  for (Files files; Receive(fd, left, request, files); files = {}) {
+    if (request.kind == LaunchRequest::Kind::kLeave) {
+      left.Add(request.pid);
+      continue;
+    }
     LaunchReply reply;
     if (request.kind == LaunchRequest::Kind::kAwaitEnd) {
       reply = AwaitEnd(request.pid);

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "tests/server/controllers/swarm.h"
 
@@ -35,7 +36,7 @@ TEST(LauncherTest, ResetsCopyOneTemplate) {
   driven.Start();
   EXPECT_NE(driven.host().child_pid(), first);
   EXPECT_EQ(ParentOf(driven.host().child_pid()), parent);
-  EXPECT_EQ(ParentOf(first), 0) << "it is gone";
+  while (ParentOf(first) != 0) std::this_thread::yield();  // a reset does not wait for its end, but it comes
 }
 
 TEST(LauncherTest, WithoutItsTemplateTheRunGoesOnAndAResetMakesANewOne) {
