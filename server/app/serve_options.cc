@@ -60,11 +60,11 @@ std::string CheckPlaySpeed(const std::string& text) {
 /// Makes the folder if there is none.
 void MakeRecordingsFolder(const std::string& folder) {
   if (folder.empty()) throw CLI::ValidationError("--recordings takes a folder, e.g. --recordings runs");
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  std::error_code ignored;
+  std::error_code failed, ignored;
+  const bool there = std::filesystem::exists(folder, ignored);
+  if (!there) std::filesystem::create_directories(folder, failed);
   if (std::filesystem::is_directory(folder, ignored)) return;
-  const std::string why = failed ? "cannot be made (" + failed.message() + ")" : "is no folder";
+  const std::string why = there ? "is no folder" : "cannot be made (" + failed.message() + ")";
   throw CLI::ValidationError("--recordings " + folder + " " + why +
                              ": write a folder that you may write to, e.g. --recordings runs");
 }
