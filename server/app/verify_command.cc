@@ -71,7 +71,8 @@ void AddVerify(CLI::App& app, std::function<int()>& chosen) {
   CLI::App* sub = app.add_subcommand("verify", "Repeat a recorded run and compare it, or two runs");
   sub->footer(
       "Prints 'equal, N steps', exit code 0; or the first step, body and value that differ, exit code 1.\n"
-      "With OTHER it compares two recordings: where they part, and by what.\n"
+      "With OTHER it compares two recordings: where they part, and by what; or, if they are\n"
+      "equal, whether one was changed after it was written, exit code 1.\n"
       "Examples: coopdyn verify lesson1.run\n"
       "          coopdyn verify monday.run tuesday.run");
   sub->add_option("run", given->run, "A recorded run, NAME.run")->required();

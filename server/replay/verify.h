@@ -40,7 +40,7 @@ using Progress = std::function<void(double)>;
 VerifyReport Verify(RunReader& reader, const ReplayServices& services, const Progress& progress);
 /// Compares the hashes of two runs over their common steps; where they part, repeats both from the last
 /// common keyframe to say which body and field differ first, and by what. A file that was changed after it
-/// was written is told of: as an error if the runs are equal else, as a warning if they differ.
+/// was written is told of: as an error if the runs are equal otherwise, as a warning if they differ.
 VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& services,
                      const Progress& progress);
 /// "equal, 1200 steps", or the difference, with the warning; lines.

@@ -24,7 +24,7 @@ Difference DifferenceOf(const ChainDamage& damage, RunReader& reader) {
   difference.of_file = true;
   difference.repeated_is = "computed";
   if (damage.field == "row") {
-    difference.note = "it was taken out after it was written";
+    difference.note = "it was taken out after it was written, or the row after it was put in";
     return difference;
   }
   difference.note =
@@ -68,7 +68,7 @@ std::string ChainCheck::Finish() {
     const bool missing = damage_->field == "row";
     return fmt::format("{} is damaged from step {} on, t = {:g} s: {}: {}", file, found.step,
                        ToSeconds(found.time), found.what,
-                       missing ? "it was taken out after it was written, " + found.repeated
+                       missing ? "it is missing, " + found.repeated
                                : fmt::format("its {} is {}, computed {}; it is not as it was written, or one "
                                              "before it was taken out, put in or moved",
                                              found.field, found.recorded, found.repeated));

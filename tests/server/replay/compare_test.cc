@@ -136,6 +136,10 @@ INSTANTIATE_TEST_SUITE_P(
                 " is damaged from step 0 on, t = 0 s: scene "},
         Changed{"Note", "UPDATE event SET text = 'look away' WHERE text = 'look'",
                 " is damaged from step 20 on, t = 0.2 s: event 1: its chain is "},
+        Changed{
+            "FakeNote", "INSERT INTO event SELECT 9, step, time_ns, level, text, chain FROM event",
+            " is damaged from step 20 on, t = 0.2 s: event 2: it is missing, event 9 was not written after "
+            "event 1"},
         Changed{"NoteOut", "DELETE FROM event", ": its table event ends with row 0"},
         Changed{"StepOut", "DELETE FROM step WHERE step = 40",
                 " is damaged from step 41 on, t = 0.41 s: the row of step 41: its chain is "},
