@@ -20,8 +20,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kNoStepsText =
     ": nothing was recorded in it (its recorder ended before the first commit): delete it, or try again if "
-    "it "
-    "has only just begun";
+    "it has only just begun";
+constexpr const char* kOfAnotherProgram =
+    " is not a recording of coopdyn: it is a database of another program; ";
 constexpr const char* kHowToRecord = "recordings are made with coopdyn serve --record FILE";
 
 bool IsPlainFile(const std::string& file, std::string& error) {
@@ -58,6 +59,7 @@ std::string WhyUnreadable(const Database& database) {
            "): copy it again from where it was recorded";
   }
   if (const std::string log = UnmergedLog(file); !log.empty()) {
+    if (log.ends_with("-journal") && !BeginsAsRecording(file)) return file + kOfAnotherProgram + kHowToRecord;
     return database.error() + ": the recording was not closed, and its folder cannot be written to: copy " +
            file + " and " + log + " together to a folder of yours and open it there";
   }
@@ -83,11 +85,11 @@ bool CheckKind(Database& database, std::string& error) {
   if (!format) {
     error = WhyUnreadable(database);
   } else if (*application != kRunApplicationId) {
-    error = file + " is not a recording of coopdyn: it is a database of another program; " + kHowToRecord;
+    error = file + kOfAnotherProgram + kHowToRecord;
   } else if (*format > kRunFormat) {
     error = file + " was made by a newer coopdyn: format " + std::to_string(*format) + ", this one reads " +
             std::to_string(kRunFormat) + ": use that version of coopdyn";
-  } else if (HasNoTables(database)) {
+  } else if (*format < 1 && HasNoTables(database)) {
     error = file + kNoStepsText;
   } else if (*format < 1) {
     error = file + " is damaged: its format is " + std::to_string(*format) + ", not " +

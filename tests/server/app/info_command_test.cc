@@ -12,6 +12,7 @@
 #include "server/app/commands.h"
 #include "server/model/readers.h"
 #include "server/record/run_writer.h"
+#include "server/record/sqlite_db.h"
 #include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {
@@ -144,6 +145,27 @@ TEST_F(InfoCommandTest, SaysThatItIsBeingRecorded) {
   const auto writer = Record();
   EXPECT_EQ(Run(), kExitOk) << errors_.str();
   ExpectLine("it is being recorded at this moment\n");
+}
+
+TEST_F(InfoCommandTest, NamesTheLogThatIsNotPartOfTheFile) {
+  std::string remark, error;
+  const auto writer = Record();
+  const auto other = Database::Open(file_, Database::Access::kReadOnly, error);
+  ASSERT_TRUE(other->Run("BEGIN; SELECT * FROM step"));
+  ASSERT_TRUE(writer->Close(remark));
+  EXPECT_EQ(Run(), kExitOk) << errors_.str();
+  ExpectLine("  log       " + file_ +
+             "-wal is not part of the file yet (another program reads it): copy both\n");
+  Run(Json());
+  ExpectLine("\"log\":\"" + file_ + "-wal\",\"log_reason\":\"another program reads it\"");
+}
+
+TEST_F(InfoCommandTest, OneFileHasNoLog) {
+  RecordAndClose();
+  Run();
+  EXPECT_EQ(out_.str().find("  log "), std::string::npos);
+  Run(Json());
+  ExpectLine("\"log\":null,\"log_reason\":null");
 }
 
 TEST_F(InfoCommandTest, JsonHasTheSameAsText) {
