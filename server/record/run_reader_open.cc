@@ -2,6 +2,7 @@
 #include "server/record/run_reader_open.h"
 
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <optional>
@@ -47,23 +48,50 @@ std::unique_ptr<Database> OpenDatabase(const std::string& file, Database::Access
   return database;
 }
 
+/// SQLite needs an index beside a log to read it.
+bool IsDiskFull(const std::string& log) {
+  constexpr std::uintmax_t kIndexBytes = 32768;
+  std::error_code code;
+  const fs::space_info space = fs::space(fs::absolute(log).parent_path(), code);
+  return !code && space.available < kIndexBytes;
+}
+
+bool MayWrite(const std::string& file, const std::string& log) {
+  return ::access(file.c_str(), W_OK) == 0 && ::access(fs::absolute(log).parent_path().c_str(), W_OK) == 0;
+}
+
+/// Why `log` is no part of the file after MakePlain() with `database`; null: it could not be opened.
+std::string WhyApart(const Database* database, const std::string& file, const std::string& log) {
+  if (database != nullptr && database->busy()) return "another program reads it";
+  if (!MayWrite(file, log)) return "the file or its folder cannot be written to";
+  if (IsDiskFull(log) || (database != nullptr && database->error_code() == SQLITE_FULL)) {
+    return "the disk is full";
+  }
+  return database == nullptr ? "it cannot be opened for writing" : database->error();
+}
+
 /// Why the first look into `database` failed.
 std::string WhyUnreadable(const Database& database) {
   const std::string& file = database.file();
+  const std::string text = database.error();  // first: it looks at errno, as all else does that follows
   if (database.busy()) return file + " is locked by another program: try again when that has finished";
   if (database.error_code() == SQLITE_NOTADB) {
     return file + " is not a recording of coopdyn: it is no SQLite database; " + kHowToRecord;
   }
+  const std::string log = UnmergedLog(file);
+  if (!log.empty() && IsDiskFull(log) && BeginsAsRecording(file)) {
+    return text + ": the recording was not closed, and the disk is full: make room there, or copy " + file +
+           " and " + log + " together to another disk and open it there";
+  }
   if (database.damaged()) {
-    return file + " is damaged or cut short (" + database.error() +
-           "): copy it again from where it was recorded";
+    return file + " is damaged or cut short (" + text + "): copy it again from where it was recorded";
   }
-  if (const std::string log = UnmergedLog(file); !log.empty()) {
+  if (!log.empty()) {
     if (log.ends_with("-journal") && !BeginsAsRecording(file)) return file + kOfAnotherProgram + kHowToRecord;
-    return database.error() + ": the recording was not closed, and its folder cannot be written to: copy " +
-           file + " and " + log + " together to a folder of yours and open it there";
+    return text + ": the recording was not closed, and its folder cannot be written to: copy " + file +
+           " and " + log + " together to a folder of yours and open it there";
   }
-  return database.error() + ": make sure that you may read it, or copy it to a folder of yours";
+  return text + ": make sure that you may read it, or copy it to a folder of yours";
 }
 
 /// Its tables come with the first commit, together with the first step.
@@ -101,22 +129,6 @@ bool CheckKind(Database& database, std::string& error) {
 /// Makes a log that waits part of the file, if nobody else has it open: then the whole run is one file.
 bool MakePlain(Database& database) {
   return database.Text("PRAGMA journal_mode = DELETE") == "delete";
-}
-
-/// After MakePlain() has failed.
-std::string WhyApart(const Database& database, bool growing) {
-  if (growing) return "it is being recorded, or another program reads it";
-  if (database.busy()) return "another program reads it";
-  switch (database.error_code()) {
-    case SQLITE_FULL:
-      return "the disk is full";
-    case SQLITE_READONLY:
-    case SQLITE_CANTOPEN:
-    case SQLITE_PERM:
-      return "the file or its folder cannot be written to";
-    default:
-      return database.error();
-  }
 }
 
 /// A plain file is whole pages.
@@ -205,17 +217,21 @@ OpenedRun OpenRun(const std::string& file, std::string& error) {
 
   // A writer keeps the file in WAL mode and has it open; then it cannot be made plain.
   run.database.reset();
-  std::string why;
-  auto writable = OpenDatabase(file, Database::Access::kReadWrite, why);
+  std::string ignored;
+  auto writable = OpenDatabase(file, Database::Access::kReadWrite, ignored);
   if (writable != nullptr) {
     if (MakePlain(*writable)) {
       run.mended |= !closed && MarkClosed(*writable);
     } else {
       run.growing = writable->busy() && !closed;
-      why = WhyApart(*writable, run.growing);
     }
-    writable.reset();
   }
+  if (run.growing) {
+    run.log_reason = "it is being recorded, or another program reads it";
+  } else if (const std::string log = UnmergedLog(file); !log.empty()) {
+    run.log_reason = WhyApart(writable.get(), file, log);
+  }
+  writable.reset();
   run.database = OpenDatabase(file, Database::Access::kReadOnly, error);
   if (run.database != nullptr && !CheckKind(*run.database, error)) run.database.reset();
   if (run.database != nullptr && run.growing) run.growing = !IsClosed(*run.database);
@@ -223,7 +239,6 @@ OpenedRun OpenRun(const std::string& file, std::string& error) {
     error = file + kNoStepsText;
     run.database.reset();
   }
-  run.log_reason = why;
   return run;
 }
 
