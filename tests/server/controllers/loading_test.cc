@@ -13,12 +13,12 @@ namespace {
 
 using testing::HasSubstr;
 
-struct Case {
+struct LoadingCase {
   const char* plugin;
   const char* why;  // part of the text
 };
 
-class LoadingTest : public testing::TestWithParam<Case> {};
+class LoadingTest : public testing::TestWithParam<LoadingCase> {};
 
 TEST_P(LoadingTest, ItsRobotsStopAndTheOthersDrive) {
   Swarm swarm;
@@ -39,16 +39,17 @@ TEST_P(LoadingTest, ItsRobotsStopAndTheOthersDrive) {
 
 INSTANTIATE_TEST_SUITE_P(
     Plugins, LoadingTest,
-    testing::Values(Case{"wrong_version", "built for version 77 of controller.h, this daemon has version 1"},
-                    Case{"no_entry", "does not export coopdyn_controller_entry()"},
-                    Case{"no_description", "describe() returned NULL"},
-                    Case{"huge_description", "state_size in describe() is 4000000000: at most 65536 bytes"},
-                    Case{"wild_description", "crashed (segmentation fault"},
-                    Case{"no_functions", "its function step is NULL"},
-                    Case{"crash_on_load", "while it was loaded"},
-                    Case{"hang_on_load", "did not return within 1 s while it was loaded"},
-                    Case{"throw_on_describe", "threw an exception (speechless)"},
-                    Case{"not_there", "cannot be loaded"}));
+    testing::Values(
+        LoadingCase{"wrong_version", "built for version 77 of controller.h, this daemon has version 1"},
+        LoadingCase{"no_entry", "does not export coopdyn_controller_entry()"},
+        LoadingCase{"no_description", "describe() returned NULL"},
+        LoadingCase{"huge_description", "state_size in describe() is 4000000000: at most 65536 bytes"},
+        LoadingCase{"wild_description", "crashed (segmentation fault"},
+        LoadingCase{"no_functions", "its function step is NULL"},
+        LoadingCase{"crash_on_load", "while it was loaded"},
+        LoadingCase{"hang_on_load", "did not return within 1 s while it was loaded"},
+        LoadingCase{"throw_on_describe", "threw an exception (speechless)"},
+        LoadingCase{"not_there", "cannot be loaded"}));
 
 /// Why the one robot stands that `controller` was to drive; empty if it does not.
 std::string WhyItStands(const std::string& controller, const ControllerOptions& options = TestOptions()) {
