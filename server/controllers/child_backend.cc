@@ -37,6 +37,7 @@ ChildBackend::~ChildBackend() {
   InHeader& header = areas_.header();
   header.operation = Operation::kEnd;
   header.item_count = 0;
+  if (child_core_ >= 0) SameCore::Free(process_->pid(), child_core_);
   header.go.store(++ticket_, std::memory_order_release);
   FutexWake(header.go);
   // When it answers, the controllers are destroyed and unloaded. What a process then takes to end is longer
