@@ -43,8 +43,15 @@ void RecordQueue::WaitForRoom(std::size_t bytes) {
 void RecordQueue::PushBegin(SavedStatePtr state) {
   const std::size_t bytes = BytesOf(*state->frame) + state->controllers.size();
   const MutexLock lock(mutex_);
-  if (state->mode != Mode::kRealtime) WaitForRoom(bytes);
+  if (state->mode != Mode::kRealtime) {
+    while (begins_ > 0 && !refuses()) {
+      work_.NotifyOne();
+      room_.Wait(mutex_);
+    }
+    WaitForRoom(bytes);
+  }
   if (refuses()) return;
+  ++begins_;
   keyframe_ = state->frame->step;
   needs_keyframe_ = false;
   Push({std::move(state), std::exchange(lost_since_, 0), bytes});
@@ -102,8 +109,10 @@ std::optional<QueuedItem> RecordQueue::Pop(bool may_sleep) {
   QueuedItem item = std::move(items_.front());
   items_.pop_front();
   bytes_ -= item.bytes;
+  const bool begins = std::holds_alternative<SavedStatePtr>(item.what);
+  if (begins) --begins_;
   // Whoever waits for room gets some for a while, not for one step.
-  if (bytes_ <= max_bytes_ / 2) room_.NotifyAll();
+  if (begins || bytes_ <= max_bytes_ / 2) room_.NotifyAll();
   return item;
 }
 
@@ -125,6 +134,7 @@ void RecordQueue::Fail() {
   failed_ = true;
   dropped.swap(items_);
   bytes_ = 0;
+  begins_ = 0;
   room_.NotifyAll();
 }
 

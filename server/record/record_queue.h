@@ -33,6 +33,8 @@ class RecordQueue {
   explicit RecordQueue(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
   // --- the holder of the baton
+  /// In the other modes than real time it waits until the file before has begun: to end and begin files takes
+  /// longer than short runs do, and all that waits is lost in a crash.
   void PushBegin(SavedStatePtr state) EXCLUDES(mutex_);
   /// Whether the next step is to be a keyframe, if there is one every `every` steps.
   bool WantsKeyframe(std::uint64_t step, std::uint64_t every) EXCLUDES(mutex_);
@@ -73,6 +75,7 @@ class RecordQueue {
   ConditionVariable work_, room_;
   std::deque<QueuedItem> items_ GUARDED_BY(mutex_);
   std::size_t bytes_ GUARDED_BY(mutex_) = 0;
+  int begins_ GUARDED_BY(mutex_) = 0;  // among items_
   bool closed_ GUARDED_BY(mutex_) = false, failed_ GUARDED_BY(mutex_) = false;
   bool sleeping_ GUARDED_BY(mutex_) = false;        // the recorder, until it is told
   bool needs_keyframe_ GUARDED_BY(mutex_) = false;  // something was left out
