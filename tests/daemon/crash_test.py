@@ -70,6 +70,17 @@ class KillTest(unittest.TestCase):
             lost = list(pool.map(self.kill_once, files, delays, range(KILLS)))
         print(f"{KILLS} kills: at most {max(lost):.3f} s of wall time lost, {sum(lost) / KILLS:.3f} s on average")
 
+    def test_of_many_short_runs_all_but_the_last_two_are_there(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with Daemon(scenario(1), "--record", str(Path(folder) / "a.run"), expect_exit=-9) as daemon:
+                motors, simulation = daemon.text("/robot1/motors"), daemon.text("/simulation")
+                for _ in range(20):
+                    simulation.must("reset")
+                    motors.must("ready 30")
+                daemon.process.kill()
+            whole = [file for file in Path(folder).glob("*.run") if tool("info", file)[0] == 0]
+            self.assertGreaterEqual([equal_steps(file) for file in whole].count(30), 18)
+
     def test_what_was_killed_goes_on_where_it_ended(self):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "lesson.run"
