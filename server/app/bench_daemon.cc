@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kWall_m = 0.1;
+constexpr double kThickness_m = 0.1;
 constexpr const char* kWithRays = "bench_robot";  // the type with --rays
 
 std::string Contents(const fs::path& file) {
@@ -58,16 +58,16 @@ std::string ModelWithRays(const std::string& robot, int rays, double range_m) {
 
 std::string ScenarioText(const BenchDaemonOptions& options) {
   const double inner = std::ceil(std::sqrt(options.robots));
-  const double outer = inner + 2 * kWall_m;
-  const double middle = (inner + kWall_m) / 2;
+  const double outer = inner + 2 * kThickness_m;
+  const double middle = (inner + kThickness_m) / 2;
   std::string text = fmt::format("[SIMULATION]\nmode lockstep\n[FLOOR]\nsize {} {} 0.1\n", outer, outer);
   const auto wall = [&](int number, double length, double width, double x, double y) {
     text += fmt::format("[WALL_{}]\ntype box\nsize {} {} 0.3\nposition {} {}\n", number, length, width, x, y);
   };
-  wall(1, outer, kWall_m, 0, middle);
-  wall(2, outer, kWall_m, 0, -middle);
-  wall(3, kWall_m, inner, middle, 0);
-  wall(4, kWall_m, inner, -middle, 0);
+  wall(1, outer, kThickness_m, 0, middle);
+  wall(2, outer, kThickness_m, 0, -middle);
+  wall(3, kThickness_m, inner, middle, 0);
+  wall(4, kThickness_m, inner, -middle, 0);
   text +=
       fmt::format("[SWARM_1]\ntype {}\nname bot\ncount {}\nfidelity {}\narea 0 0 {} {}\n",
                   options.rays ? kWithRays : options.robot, options.robots, options.fidelity, inner, inner);
