@@ -31,6 +31,8 @@ if(COOPDYN_SANITIZE)
   target_compile_options(coopdyn_options INTERFACE
     -fsanitize=${COOPDYN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(coopdyn_options INTERFACE -fsanitize=${COOPDYN_SANITIZE})
+  target_sources(coopdyn_options INTERFACE
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/cmake/sanitizer_options.cc>)
   if(COOPDYN_SANITIZE MATCHES "undefined")
     # To look at a vptr it needs a descriptor, and takes it for invalid when a test has used them up. The check
     # for null makes GCC 12 compile some uses of Eigen for minutes, and a null that is used crashes all the same.
