@@ -67,8 +67,9 @@ function(coopdyn_library name)
   endif()
 endfunction()
 
-# Adds one test program from all *_test.cc of this folder; each TEST is a CTest test.
-# COOPDYN_SOURCE_DIR is the root of the source tree, COOPDYN_BINARY the daemon (if the test depends on it).
+# Adds one test program from all *_test.cc of this folder; each TEST is a CTest test. With sanitizers, where a
+# program takes longer to start than most of its tests to run, the whole program is one.
+# COOPDYN_SOURCE_DIR is the root of the source tree.
 function(coopdyn_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "LINK;LABELS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
@@ -81,5 +82,10 @@ function(coopdyn_test name)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 60)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+  if(COOPDYN_SANITIZE)
+    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${name} PROPERTIES COST 1000 TIMEOUT 1200 LABELS "${ARG_LABELS}")
+  else()
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+  endif()
 endfunction()
