@@ -67,6 +67,22 @@ std::string LogText(const RunInfo& info) {
   return info.log + " is not part of the file yet" + why + ": copy both";
 }
 
+/// A line of an event: further lines of its text stand below the first, and nothing in it drives the
+/// terminal.
+void AddEvent(std::string& text, const Event& event) {
+  text += fmt::format("    {:>10.3f} s  {:<8}", event.time_s, event.level);
+  const std::string below(26, ' ');
+  for (const char c : event.text) {
+    if (c == '\n') {
+      text += '\n' + below;
+    } else {
+      const auto byte = static_cast<unsigned char>(c);
+      text += byte < 0x20 || byte == 0x7f ? '?' : c;
+    }
+  }
+  text += '\n';
+}
+
 void AddLine(std::string& text, const char* name, const std::string& value) {
   if (!value.empty()) text += fmt::format("  {:<10}{}\n", name, value);
 }
@@ -134,7 +150,7 @@ std::string ToText(const RunInfo& info, bool all_events) {
                       hidden ? "; --events lists them all" : ""));
   for (const Event& event : info.events) {
     if (!all_events && event.level != "note") continue;
-    text += fmt::format("    {:>10.3f} s  {:<8}{}\n", event.time_s, event.level, event.text);
+    AddEvent(text, event);
   }
   return text;
 }

@@ -278,13 +278,9 @@ Recorder::~Recorder() = default;
 
 std::string Recorder::Check() const {
   const std::string& file = impl_->options().file;
+  if (const std::string error = WhyNoRunFile(file, impl_->options().overwrite); !error.empty()) return error;
   struct stat found {};
-  if (::lstat(file.c_str(), &found) == 0) {
-    if (!impl_->options().overwrite) return file + " exists: choose another name, or --force";
-    if (!S_ISREG(found.st_mode)) return file + " is no file: choose another name";
-    if (::access(file.c_str(), W_OK) == 0) return {};
-    return "cannot write " + file + ": " + std::generic_category().message(errno);
-  }
+  if (::lstat(file.c_str(), &found) == 0) return {};
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) return "cannot make " + file + ": " + std::generic_category().message(errno);
   ::close(descriptor);

@@ -34,16 +34,7 @@ std::string SystemText(int code) {
 }
 
 /// Makes `file`, empty; an error text, empty if that went well.
-std::string MakeEmpty(const std::string& file, bool overwrite) {
-  struct stat found {};
-  if (::lstat(file.c_str(), &found) == 0) {
-    if (!overwrite) return file + " exists: choose another name, or --force";
-    if (!S_ISREG(found.st_mode)) return file + " is no file: choose another name";
-    std::string ignored;
-    if (OpenRun(file, ignored).growing) {
-      return file + " is being recorded by another program: choose another name";
-    }
-  }
+std::string MakeEmpty(const std::string& file) {
   RemoveRunFile(file);
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) return "cannot make " + file + ": " + SystemText(errno);
@@ -95,6 +86,19 @@ class RowInserter {
 
 }  // namespace
 
+std::string WhyNoRunFile(const std::string& file, bool overwrite) {
+  struct stat found {};
+  if (::lstat(file.c_str(), &found) != 0) return {};
+  if (!overwrite) return file + " exists: choose another name, or --force";
+  if (!S_ISREG(found.st_mode)) return file + " is no file: choose another name";
+  if (::access(file.c_str(), W_OK) != 0) return "cannot write " + file + ": " + SystemText(errno);
+  std::string ignored;
+  if (OpenRun(file, ignored).growing) {
+    return file + " is being recorded by another program: choose another name";
+  }
+  return {};
+}
+
 void RemoveRunFile(const std::string& file) {
   for (const char* end : {"", "-wal", "-shm", "-journal"}) ::unlink((file + end).c_str());
 }
@@ -125,7 +129,8 @@ RunWriter::~RunWriter() {
 
 std::unique_ptr<RunWriter> RunWriter::Create(const std::string& file, RunWriterOptions options,
                                              const SavedState& first, std::string& error) {
-  error = MakeEmpty(file, options.overwrite);
+  error = WhyNoRunFile(file, options.overwrite);
+  if (error.empty()) error = MakeEmpty(file);
   if (!error.empty()) return nullptr;
   std::unique_ptr<RunWriter> writer(new RunWriter(file, std::move(options)));
   if (writer->Open(first)) return writer;

@@ -101,6 +101,9 @@ class RunWriter {
   std::vector<std::byte> commands_blob_, messages_blob_, wheels_, distances_, targets_, poses_;
 };
 
+/// Why a recording may not take the place of `file`; empty if it may, or nothing is there.
+std::string WhyNoRunFile(const std::string& file, bool overwrite);
+
 /// Removes `file` and what SQLite keeps beside it.
 void RemoveRunFile(const std::string& file);
 

@@ -68,7 +68,7 @@ class RefusalsTest(RecordingTestCase):
             recorder = daemon.text("/recorder")
             until(lambda: self.file.exists() and recorder.must("get_recording").data[4] > 0)
             code, said = self.serve("empty", "--record", self.file, "--force")
-            self.assertEqual(code, 4, said)
+            self.assertEqual(code, 1, said)
             self.assertIn("is being recorded by another program", said)
             motors.must("set_wheel_speeds 3 2")
         self.assertEqual(len(rows(self.file, "SELECT step FROM step")), 3)

@@ -101,6 +101,14 @@ class InfoCommandTest : public testing::Test {
   std::ostringstream out_, errors_;
 };
 
+TEST_F(InfoCommandTest, LinesOfANoteStandBelowEachOtherAndDoNotDriveTheTerminal) {
+  const auto writer = Record();
+  writer->AddEvent({4, 0.04, "note", "first\nsecond\x1b[2J\r"});
+  EXPECT_TRUE(writer->Commit());
+  EXPECT_EQ(Run(), kExitOk) << errors_.str();
+  ExpectLine("0.040 s  note    first\n                          second?[2J?\n");
+}
+
 TEST_F(InfoCommandTest, SaysWhatTheRecordingHolds) {
   RecordAndClose();
   EXPECT_EQ(Run(), kExitOk) << errors_.str();

@@ -68,6 +68,7 @@ TEST_F(RecorderTest, AFileThatAnotherProgramRecordsIsNotOverwritten) {
   std::string said;
   options.on_failure = [&said](const std::string& text) { said = text; };
   Recorder recorder(options, clock_, NullLogger());
+  EXPECT_EQ(recorder.Check(), file_ + " is being recorded by another program: choose another name");
   recorder.Begin(maker_.Start());
   recorder.Close();
   EXPECT_NE(said.find("is being recorded by another program"), std::string::npos) << said;
