@@ -39,6 +39,8 @@ class Backend {
   /// Does the operation in the header to its end. Those of its items that are not casualties have their
   /// result in the `out` area. kCreate and kStep may bring casualties that are not among the items.
   virtual std::vector<Casualty> Run() = 0;
+  /// No step follows at once: lets go what is held for the next one.
+  virtual void Rest() {}
   /// The robot's controller is not needed any more.
   virtual void Drop(std::uint32_t robot) = 0;
   /// CPU time used outside this process, s.

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "server/controllers/futex.h"
-#include "server/controllers/same_core.h"
 
 namespace coopdyn {
 
@@ -37,7 +36,7 @@ ChildBackend::~ChildBackend() {
   InHeader& header = areas_.header();
   header.operation = Operation::kEnd;
   header.item_count = 0;
-  if (child_core_ >= 0) SameCore::Free(process_->pid(), child_core_);
+  same_core_->Free();
   header.go.store(++ticket_, std::memory_order_release);
   FutexWake(header.go);
   // When it answers, the controllers are destroyed and unloaded. What a process then takes to end is longer
@@ -79,6 +78,10 @@ std::vector<Casualty> ChildBackend::Run() {
   return std::exchange(casualties_, {});
 }
 
+void ChildBackend::Rest() {
+  if (same_core_) same_core_->Leave();
+}
+
 void ChildBackend::Drop(std::uint32_t robot) {
   robots_[robot].out = true;
 }
@@ -94,11 +97,10 @@ bool ChildBackend::Send(Operation operation, Place items, std::size_t count, int
   header.item_count = static_cast<std::uint32_t>(count);
   header.workers = static_cast<std::uint32_t>(workers);
   // A few robots' step takes less time than waking another core does.
-  std::optional<SameCore> same_core;
   if (operation == Operation::kStep && count <= kFew) {
-    same_core.emplace(process_->pid(), child_core_);
-  } else if (child_core_ >= 0) {
-    SameCore::Free(process_->pid(), child_core_);
+    same_core_->Take();
+  } else {
+    same_core_->Free();
   }
   header.go.store(++ticket_, std::memory_order_release);
   FutexWake(header.go);
@@ -161,6 +163,7 @@ void ChildBackend::Bury(std::uint64_t stuck_workers) {
   process_->Kill();
   const ChildEnd end = process_->Wait();
   dead_cpu_s_ += end.cpu_s;
+  same_core_.reset();
   process_.reset();
   const InHeader& header = areas_.header();
   const std::size_t limit = header.operation == Operation::kLoad ? files_.size() : robots_.size();
@@ -216,8 +219,8 @@ bool ChildBackend::Revive(const Order& order) {
   out.reply.store(0);
   for (WorkerProgress& worker : out.workers) worker.word.store(0);
   try {
-    child_core_ = -1;
     process_ = std::make_unique<ChildProcess>(*options_.launcher, areas_.in.fd(), areas_.out.fd());
+    same_core_.emplace(process_->pid());
   } catch (const std::exception& exception) {
     StopAll(order, std::string("could not run: its process cannot be started: ") + exception.what());
     return false;

@@ -17,6 +17,7 @@
 #include "server/base/log.h"
 #include "server/controllers/backend.h"
 #include "server/controllers/child_process.h"
+#include "server/controllers/same_core.h"
 
 namespace coopdyn {
 
@@ -39,6 +40,7 @@ class ChildBackend final : public Backend {
   ~ChildBackend() override;
 
   std::vector<Casualty> Run() override;
+  void Rest() override;
   void Drop(std::uint32_t robot) override;
   double child_cpu_s() const override;
   /// Of the child; -1: there is none now.
@@ -109,7 +111,7 @@ class ChildBackend final : public Backend {
   const Clock& clock_;
   const Logger logger_;
   std::unique_ptr<ChildProcess> process_;
-  int child_core_ = -1;  // on which SameCore has left it
+  std::optional<SameCore> same_core_;  // with process_
   std::uint32_t ticket_ = 0;
   double dead_cpu_s_ = 0;
   std::vector<FileState> files_;

@@ -267,6 +267,10 @@ std::vector<StoppedController> ControllerHost::TakeStopped() {
   return std::exchange(stopped_, {});
 }
 
+void ControllerHost::Rest() {
+  if (set_) set_->Rest();
+}
+
 double ControllerHost::child_cpu_s() const {
   return ended_cpu_s_ + (set_ ? set_->child_cpu_s() : 0) + (checked_ ? checked_->child_cpu_s() : 0);
 }

@@ -32,6 +32,7 @@ class ControllerHost final : public ControllerDriver {
   void Configure(const FramePtr& frame) override;
   void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
             std::vector<SentMessage>& messages) override;
+  void Rest() override;
   void Unload(int robot) override;
   std::vector<StoppedController> TakeStopped() override;
   PhaseTimes times() const override { return times_; }

@@ -69,6 +69,8 @@ class ControllerSet {
   std::span<const Casualty> Step(const Frame& frame, std::span<const std::uint32_t> items);
   /// The state after the last step, as saved by the robot's controller.
   std::span<const std::byte> StateOf(std::uint32_t robot) const;
+  /// No step follows at once.
+  void Rest() { backend_->Rest(); }
   /// The robot is not to be stepped again.
   void Drop(std::uint32_t robot) { backend_->Drop(robot); }
   double child_cpu_s() const { return backend_->child_cpu_s(); }

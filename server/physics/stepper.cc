@@ -74,6 +74,7 @@ void Stepper::Run(std::stop_token stop) {
     if (wake > clock_.Now()) boards_.bell.WaitUntil(seen, wake);
   }
   baton_.Take();
+  RestControllers();
   stopping_ = true;
   baton_.Pass();
   boards_.edits.Close();
@@ -87,6 +88,7 @@ Nanoseconds Stepper::WorkOnce() {
   Nanoseconds wake = StepIfDue(now);
   const bool sleeps = wake > now + kStatusEvery;
   PublishStatus(now, sleeps);
+  if (wake > now) RestControllers();
   if (sleeps && status_.real_time_factor > 0) wake = std::min(wake, now + kLookAgain);
   looks_again_at_ = wake;
   baton_.Pass();
@@ -103,6 +105,7 @@ void Stepper::StepHere() {
       boards_.commands.AllReady()) {
     const Nanoseconds now = clock_.Now();
     StepNow(now);
+    RestControllers();
     PublishStatus(now, false);
     wake_physics = (may_step() && boards_.commands.AllReady()) || !boards_.edits.empty() ||
                    (has_deadlines_ && boards_.commands.NextDeadline() < looks_again_at_);
@@ -178,6 +181,10 @@ void Stepper::NoteStoppedControllers(std::optional<std::uint64_t> step) {
     const std::string& name = scene.robots[static_cast<std::size_t>(robot)].entry.controller.name;
     boards_.commands.SetDriven(static_cast<std::size_t>(robot), name + " (stopped)", clock_.Now());
   }
+}
+
+void Stepper::RestControllers() {
+  if (helpers_.controllers != nullptr) helpers_.controllers->Rest();
 }
 
 std::vector<bool> Stepper::OffFloor(const Frame& frame) const {

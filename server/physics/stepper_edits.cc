@@ -68,7 +68,10 @@ struct Writer {
 }  // namespace
 
 void Stepper::ApplyEdits() {
-  for (Edit& edit : boards_.edits.TakeAll()) ApplyEdit(edit);
+  for (Edit& edit : boards_.edits.TakeAll()) {
+    RestControllers();  // it may start threads, which would stay where this one is held
+    ApplyEdit(edit);
+  }
 }
 
 void Stepper::ApplyEdit(Edit& edit) {

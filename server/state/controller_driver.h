@@ -38,6 +38,8 @@ class ControllerDriver {
   /// are by the scene's order.
   virtual void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
                     std::vector<SentMessage>& messages) = 0;
+  /// The caller takes no further step at once: what is held for that, such as its core, is let go.
+  virtual void Rest() {}
   /// All that decides what the controllers do from here on, as bytes.
   virtual std::vector<std::byte> Save() const = 0;
   /// Instead of Configure(): the controllers of the scene of `frame` as they were when Save() gave `saved`

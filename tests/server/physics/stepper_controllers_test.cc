@@ -32,6 +32,7 @@ class Driver final : public ControllerDriver {
     messages.push_back({0, frame->step + 1, message});
     if (frame->step == 1) stopped.push_back({"robot1", "it divided by zero"});
   }
+  void Rest() override { ++rests; }
   void Unload(int robot) override { unloaded.push_back(robot); }
   std::vector<std::byte> Save() const override { return {}; }
   bool Restore(const FramePtr& frame, std::span<const std::byte> /*saved*/) override {
@@ -45,7 +46,7 @@ class Driver final : public ControllerDriver {
   double child_cpu_s() const override { return 0; }
 
   bool stops_at_once = false;
-  int configured = 0;
+  int configured = 0, rests = 0;
   std::vector<std::uint64_t> seen;
   std::vector<int> unloaded;
   std::vector<StoppedController> stopped;
@@ -70,10 +71,24 @@ class StepperControllersTest : public StepperBoards {
   std::string Start(std::shared_ptr<const Scenario> scenario, ControllerDriver* driver) {
     RunOptions options;
     options.mode = Mode::kLockstep;
+    return Start(std::move(scenario), driver, options);
+  }
+  std::string Start(std::shared_ptr<const Scenario> scenario, ControllerDriver* driver,
+                    const RunOptions& options) {
     stepper_ = MakeStepper(clock_, options, {nullptr, driver});
     Diagnostics diagnostics;
     stepper_->Start(std::move(scenario), diagnostics);
     return diagnostics.ToString();
+  }
+  /// Five steps as fast as `options` let them be, by the loop of the physics thread.
+  void RunFive(RunOptions options) {
+    options.mode = Mode::kFree;
+    options.duration_s = 0.05;
+    Start(TwoRobots("good"), &driver_, options);
+    std::stop_source stop;
+    stepper_->set_on_ended([&stop] { stop.request_stop(); });
+    stepper_->Run(stop.get_token());
+    EXPECT_EQ(frames_.Latest()->step, 5u);
   }
   /// Makes robot2, the one participant, ready: which runs the step.
   void Step() {
@@ -150,6 +165,31 @@ TEST_F(StepperControllersTest, BroadcastsStayAsLongAsTheyMayBeHeard) {
   ASSERT_EQ(frame->messages.size(), 8u);  // of steps 7, 8, 9 and 10
   EXPECT_EQ(frame->messages.front().step, 7u);
   EXPECT_EQ(frame->messages.back().step, 10u);
+}
+
+TEST_F(StepperControllersTest, TheyRestWhenNoStepFollowsAtOnce) {
+  RunFive({});
+  EXPECT_EQ(driver_.rests, 1);
+}
+
+TEST_F(StepperControllersTest, TheyRestWhileTheNextStepIsAwaited) {
+  RunOptions options;
+  options.speed = 10;
+  RunFive(options);
+  EXPECT_GT(driver_.rests, 4);
+}
+
+TEST_F(StepperControllersTest, TheyRestBeforeAnythingIsEdited) {
+  int rests_before = -1;
+  edits_.Push({edit::StopAll{}, [&](const EditResult&) { rests_before = driver_.rests; }});
+  RunFive({});
+  EXPECT_EQ(rests_before, 1);
+}
+
+TEST_F(StepperControllersTest, TheyRestAfterAStepOnTheThreadOfWhoeverMadeItPossible) {
+  Start(TwoRobots("good"), &driver_);
+  for (int k = 0; k < 3; ++k) Step();
+  EXPECT_EQ(driver_.rests, 3);
 }
 
 TEST_F(StepperControllersTest, TimesAddThoseOfTheControllers) {

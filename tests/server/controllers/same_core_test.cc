@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "server/controllers/same_core.h"
+
+#include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <thread>
+
+namespace coopdyn {
+namespace {
+
+/// Where thread or process `id` may go.
+cpu_set_t CoresOf(pid_t id) {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  EXPECT_EQ(sched_getaffinity(id, sizeof(cores), &cores), 0);
+  return cores;
+}
+
+bool Same(const cpu_set_t& a, const cpu_set_t& b) {
+  return CPU_EQUAL(&a, &b);
+}
+
+class SameCoreTest : public ::testing::Test {
+ protected:
+  SameCoreTest() {
+    if (other_ != 0) return;
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    for (;;) ::pause();
+  }
+  ~SameCoreTest() override {
+    ::kill(other_, SIGKILL);
+    ::waitpid(other_, nullptr, 0);
+  }
+  bool BothAreHeld() const {
+    const cpu_set_t ours = CoresOf(0);
+    return CPU_COUNT(&ours) == 1 && Same(ours, CoresOf(other_));
+  }
+
+  const cpu_set_t all_ = CoresOf(0);
+  const pid_t other_ = ::fork();
+};
+
+TEST_F(SameCoreTest, ATurnHoldsBothOnOneCore) {
+  SameCore core(other_);
+  core.Take();
+  EXPECT_TRUE(BothAreHeld());
+}
+
+TEST_F(SameCoreTest, ManyTurnsHoldBothOnOneCore) {
+  SameCore core(other_);
+  for (int turn = 0; turn < 1000; ++turn) {
+    core.Take();
+    ASSERT_TRUE(BothAreHeld()) << turn;
+  }
+}
+
+TEST_F(SameCoreTest, AfterLeavingTheCallerMayGoWhereItCould) {
+  SameCore core(other_);
+  core.Take();
+  core.Take();
+  core.Leave();
+  EXPECT_TRUE(Same(CoresOf(0), all_));
+}
+
+TEST_F(SameCoreTest, ItsEndIsLeaving) {
+  {
+    SameCore core(other_);
+    core.Take();
+  }
+  EXPECT_TRUE(Same(CoresOf(0), all_));
+}
+
+TEST_F(SameCoreTest, FreeingLetsBothGo) {
+  SameCore core(other_);
+  core.Take();
+  core.Free();
+  EXPECT_TRUE(Same(CoresOf(0), all_));
+  EXPECT_TRUE(Same(CoresOf(other_), all_));
+  core.Take();
+  EXPECT_TRUE(BothAreHeld());
+}
+
+TEST_F(SameCoreTest, WhenAnotherThreadTakesATurnTheFirstIsLetGo) {
+  SameCore core(other_);
+  core.Take();
+  const pid_t first = ::gettid();
+  std::thread([&] {
+    sched_setaffinity(0, sizeof(all_), &all_);  // a thread begins where its maker is held
+    core.Take();
+    EXPECT_TRUE(BothAreHeld());
+    EXPECT_TRUE(Same(CoresOf(first), all_));
+    core.Leave();
+    EXPECT_TRUE(Same(CoresOf(0), all_));
+  }).join();
+}
+
+}  // namespace
+}  // namespace coopdyn
