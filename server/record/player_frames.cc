@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace coopdyn {
@@ -47,7 +48,10 @@ std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
   frame->recorded_hash = now->hash;
   frame->scene = scene;
   frame->bodies.assign(now->bodies.begin(), now->bodies.end());
-  frame->robots.assign(scene->robots.size(), RobotState());
+  RobotState unknown;  // until the rest of it is known: what was not recorded is no number
+  unknown.wheel_angle_rad.fill(std::numeric_limits<double>::quiet_NaN());
+  unknown.wheel_speed_rad_s.fill(std::numeric_limits<double>::quiet_NaN());
+  frame->robots.assign(scene->robots.size(), unknown);
   const std::span<const RobotState> driven = inputs_.robots();
   for (std::size_t i = 0; i < frame->robots.size(); ++i) {
     RobotState& robot = frame->robots[i];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/state/frame.h"
 
+#include <cmath>
+
 namespace coopdyn {
 
 namespace {
@@ -27,7 +29,7 @@ Pose LinkPose(const Frame& frame, int index, int link) {
       axle = &model.joints[static_cast<std::size_t>(driven)];
       angle_rad = frame.robots[static_cast<std::size_t>(index)].wheel_angle_rad[side];
     }
-    if (axle == nullptr || angle_rad == 0) return X_WR * link_model.X_RL;
+    if (axle == nullptr || !(std::abs(angle_rad) > 0)) return X_WR * link_model.X_RL;
     const Quaternion turn(Eigen::AngleAxisd(angle_rad, axle->axis_R.normalized()));
     return X_WR * Pose{axle->p_RJ - turn * axle->p_RJ, turn} * link_model.X_RL;
   }

@@ -32,6 +32,7 @@ struct BodyState {
 
 /// A robot's drive.
 struct RobotState {
+  // Of the wheels; nan in a playback of what was recorded without them.
   std::array<double, 2> wheel_angle_rad{};    // left, right; since the start, not wrapped
   std::array<double, 2> wheel_speed_rad_s{};  // as turned in the last step
   std::array<double, 2> setpoint_rad_s{};     // latched for the step that made this frame, after scaling

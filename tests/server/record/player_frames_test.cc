@@ -53,6 +53,18 @@ TEST_F(PlayerFramesTest, HasWhatWasRecorded) {
   EXPECT_EQ(frame->robots[0].wheel_speed_rad_s[1], 20);
 }
 
+TEST_F(PlayerFramesTest, WheelsThatWereNotRecordedAreNoNumbers) {
+  Write({.wheels = false});
+  for (const std::uint64_t step : {0, 9}) {
+    const auto frame = maker_->Make(step);
+    ASSERT_NE(frame, nullptr) << reader_->error();
+    for (const RobotState& robot : frame->robots) {
+      for (const double angle_rad : robot.wheel_angle_rad) EXPECT_TRUE(std::isnan(angle_rad));
+      for (const double speed_rad_s : robot.wheel_speed_rad_s) EXPECT_TRUE(std::isnan(speed_rad_s));
+    }
+  }
+}
+
 TEST_F(PlayerFramesTest, VelocitiesAreDifferencesOfPoses) {
   Write({});
   const auto frame = maker_->Make(9);

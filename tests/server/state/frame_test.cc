@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <thread>
 
 #include "server/state/frame_board.h"
@@ -108,6 +109,12 @@ TEST_F(OneBodyPoses, LinksStandWhereTheModelSaysAndWheelsTurnAboutTheirAxles) {
              X_WR * model.links[1].X_RL *
                  Pose{Vector3::Zero(), Quaternion(Eigen::AngleAxisd(0.4, Vector3::UnitZ()))});
   EXPECT_LT((LinkPose(frame, 0, 2).p - X_WR * Vector3(0, -0.1, 0.05)).norm(), 1e-12);
+}
+
+TEST_F(OneBodyPoses, AWheelOfUnknownAngleStandsAsInTheModel) {
+  const Pose X_WL = LinkPose(frame, 0, 1);
+  frame.robots[0].wheel_angle_rad.fill(std::numeric_limits<double>::quiet_NaN());
+  ExpectSame(LinkPose(frame, 0, 1), X_WL);
 }
 
 TEST_F(FramePoses, ObjectPoseIsOfTheCentreWhetherItMovesOrNot) {
