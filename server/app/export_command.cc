@@ -181,7 +181,8 @@ void AddExport(CLI::App& app, std::function<int()>& chosen) {
   sub->add_flag("--rays", given->pictures.image.show_rays, "Show the rays of the distance sensors");
   sub->add_option("--time", given->time_s, "One picture, of this simulated time, s");
   sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names");
-  sub->add_flag("--force", given->options.overwrite, "Overwrite what is there");
+  sub->add_flag("--force", given->options.overwrite,
+                "Overwrite what is there, unless it is a recording or a scenario");
   sub->callback([sub, given, &chosen] {
     Complete(*sub, *given);
     chosen = [given] { return Export(*given); };

@@ -6,20 +6,46 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <system_error>
+
+#include "server/record/run_reader_journal.h"
+#include "server/record/run_reader_open.h"
 
 namespace coopdyn {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// What work is lost with the file `path`, which no export has made; null: none.
+const char* Source(const std::string& path) {
+  constexpr std::array<std::array<const char*, 2>, 3> kKinds{
+      {{".scenario", "a scenario"}, {".world", "a world"}, {".sdf", "a model"}}};
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return nullptr;
+  // A log: its recorder has not written to the file itself yet.
+  if (BeginsAsRecording(path) || !UnmergedLog(path).empty()) return "a recording";
+  for (const auto& [ending, kind] : kKinds) {
+    if (fs::path(path).extension() == ending) return kind;
+  }
+  return nullptr;
+}
+
+}  // namespace
 
 std::string CheckFree(const std::string& path, bool overwrite) {
   struct stat status {};
   if (path.empty()) return "--out: write the name of a file";
   if (::lstat(path.c_str(), &status) != 0) return {};
   if (S_ISDIR(status.st_mode)) return path + " is a folder: write the name of a file with --out";
+  if (const char* source = Source(path); source != nullptr) {
+    return path + " is " + source + ", which export never overwrites: choose another --out";
+  }
   if (!overwrite) return path + " is there already: --force overwrites it, --out PATH writes elsewhere";
   return {};
 }

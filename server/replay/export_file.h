@@ -47,7 +47,8 @@ class ExportFile {
   std::string buffer_, error_;
 };
 
-/// An error if there is something at `path` already.
+/// An error if there is something at `path` already; with `overwrite` only if it is a folder, a recording, or
+/// a file that runs are made of.
 std::string CheckFree(const std::string& path, bool overwrite);
 /// A name beside `path` that nothing has: PATH.part, PATH.part2, ….
 std::string FreeNameBeside(const std::string& path);

@@ -40,7 +40,8 @@ std::string CheckFolder(const std::string& out, bool overwrite) {
   if (out.empty()) return "--out: write the name of a folder";
   if (!fs::exists(status)) return {};
   if (!fs::is_directory(status)) return out + " is a file: write the name of a folder with --out";
-  if (!overwrite) return out + " is there already: --force overwrites it, --out PATH writes elsewhere";
+  if (!overwrite && !fs::is_empty(out, code))
+    return out + " is there already: --force overwrites it, --out PATH writes elsewhere";
   for (const auto& entry : fs::directory_iterator(out, code)) {
     const std::string name = entry.path().filename().string();
     if (!IsNumberedPicture(name))

@@ -108,6 +108,10 @@ struct RunTable::Impl {
   std::string Choose(const ExportOptions& options);
   std::string Limit(const ExportOptions& options);
   const Places* PlacesOf(std::uint64_t scene);
+  /// Whether the set-points of `robot` that no client sent are in the file.
+  bool HasSetpoints(const SceneRobot& robot) const {
+    return reader.header().what.controllers || robot.entry.controller.empty();
+  }
   void TakeSetpoints(const SavedState& state);
   void TakeCommands(const RecordedStep& recorded, const Places& places, const CommandRow& moment,
                     const std::function<void(const CommandRow&)>& use);
@@ -218,6 +222,7 @@ void RunTable::Impl::TakeCommands(const RecordedStep& recorded, const Places& pl
     if (column < 0) continue;
     in_force[static_cast<std::size_t>(column)] = command.setpoint;
     if (!use || !InRange(recorded.time)) continue;
+    if (!command.by_client && !HasSetpoints(places.scene->robots[command.robot])) continue;
     CommandRow row = moment;
     row.robot = static_cast<std::size_t>(column);
     row.setpoint = command.setpoint;
@@ -240,8 +245,7 @@ void RunTable::Impl::MakeRobot(const RecordedStep& recorded, const Places& place
   values.X_WR = ToValues(X_WR);
   values.heading_rad = WrapAngle(Heading(X_WR.q));
   if (!recorded.robots.empty()) values.wheels_rad = recorded.robots[place].wheel_angle_rad;
-  const bool is_recorded = reader.header().what.controllers || robot.entry.controller.empty();
-  if (is_recorded) values.setpoints_rad_s = in_force[column];
+  if (HasSetpoints(robot)) values.setpoints_rad_s = in_force[column];
   if (recorded.distances.size() == places.distances) {
     const std::size_t count = robot.entry.model->distance_sensors.size();
     for (std::size_t i = 0; i < std::min(count, values.distances_m.size()); ++i)

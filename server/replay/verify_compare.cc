@@ -13,6 +13,7 @@
 #include "server/replay/verify.h"
 #include "server/replay/verify_chain.h"
 #include "server/replay/verify_difference.h"
+#include "server/replay/verify_inputs.h"
 
 namespace coopdyn {
 
@@ -25,11 +26,8 @@ struct StepHash {
   std::vector<CommandRecord> commands;
 };
 
-bool SameCommands(const StepHash& one, const StepHash& other) {
-  return std::equal(one.commands.begin(), one.commands.end(), other.commands.begin(), other.commands.end(),
-                    [](const CommandRecord& a, const CommandRecord& b) {
-                      return a.robot == b.robot && a.setpoint == b.setpoint;
-                    });
+void Warn(const std::string& line, VerifyReport& report) {
+  report.warning += (report.warning.empty() ? "" : "\n") + line;
 }
 
 /// The hashes of steps first…last. False if the file is damaged.
@@ -96,9 +94,9 @@ bool Load(RunReader& reader, const ReplayServices& services, std::string& error)
   return false;
 }
 
-/// The exact values of the first thing that differs at `at`.
-VerifyReport Explain(RunReader& one, RunReader& other, const StepHash& at, const StepHash& there,
-                     const ReplayServices& services, VerifyReport report) {
+/// The exact values of the first thing that differs at `at`; both runs are there from step `first` on.
+VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, const StepHash& at,
+                     const StepHash& there, const ReplayServices& services, VerifyReport report) {
   const std::string scenarios = "their scenarios differ: " + one.header().scenario_name + " in " +
                                 one.file() + ", " + other.header().scenario_name + " in " + other.file();
   const bool same_texts = SameTexts(one.header(), other.header());
@@ -127,16 +125,19 @@ VerifyReport Explain(RunReader& one, RunReader& other, const StepHash& at, const
     difference.time = ours->time;
     if (auto found = FindExact(*ours, *theirs)) difference = std::move(*found);
   }
-  if (!same_texts) report.warning += (report.warning.empty() ? "" : "\n") + scenarios;
+  if (auto length = FindStepLength(one, other, at.step)) difference = std::move(*length);
+  if (!same_texts) Warn(scenarios, report);
   const std::optional<RecordedStep> mine = one.Read(at.step, true), yours = other.Read(at.step, true);
   if (mine) difference.time = mine->time;
   difference.note = why;
+  const auto note = [&difference](const std::string& line) {
+    if (!line.empty()) difference.note += (difference.note.empty() ? "" : "\n  ") + line;
+  };
+  if (at.step > first) note(InputsThatDiffer(one, other, first, at.step - 1));
   for (const auto* row : {&mine, &yours}) {
     if (!*row || ours == nullptr) continue;
     const std::string commands = CommandsOf(**row, *ours->scene);
-    if (commands.empty()) continue;
-    difference.note +=
-        (difference.note.empty() ? "" : "\n  ") + (row == &mine ? one : other).file() + ": " + commands;
+    if (!commands.empty()) note((row == &mine ? one : other).file() + ": " + commands);
   }
   difference.recorded_is = one.file();
   difference.repeated_is = other.file();
@@ -145,6 +146,7 @@ VerifyReport Explain(RunReader& one, RunReader& other, const StepHash& at, const
 }
 
 VerifyReport CompareSteps(RunReader& one, RunReader& other, const ReplayServices& services,
+                          CommandCompare& commands,
                           const std::function<void(double share, std::uint64_t step)>& reached) {
   VerifyReport report;
   const RunExtent a = one.extent(), b = other.extent();
@@ -164,14 +166,8 @@ VerifyReport CompareSteps(RunReader& one, RunReader& other, const ReplayServices
       while (there != theirs.end() && there->step < at.step) ++there;
       if (there == theirs.end()) break;
       if (there->step != at.step) continue;
-      if (there->hash != at.hash) return Explain(one, other, at, *there, services, std::move(report));
-      if (at.step > first && report.warning.empty() && !SameCommands(at, *there)) {
-        report.warning = fmt::format(
-            "the hashes of step {0} are equal, but not the commands that are recorded with it: coopdyn "
-            "verify {1} "
-            "and coopdyn verify {2} tell which file is damaged",
-            at.step, one.file(), other.file());
-      }
+      if (there->hash != at.hash) return Explain(one, other, first, at, *there, services, std::move(report));
+      if (at.step > first) commands.Look(at.step, at.commands, there->commands);
       report.steps += at.step > first ? 1 : 0;
       ++common;
     }
@@ -183,14 +179,13 @@ VerifyReport CompareSteps(RunReader& one, RunReader& other, const ReplayServices
     return report;
   }
   if (!SameTexts(one.header(), other.header())) {
-    report.warning += (report.warning.empty() ? "" : "\n") +
-                      std::string("their scenarios differ, though nothing that moves does");
+    Warn("their scenarios differ, though nothing that moves does", report);
   }
   report.not_verified = last - first - std::min(last - first, report.steps);
   if (a.last != b.last || a.first != b.first) {
-    report.warning += (report.warning.empty() ? "" : "\n") + std::string() +
-                      "they are compared where both have steps, " + std::to_string(first) + " to " +
-                      std::to_string(last) + ": " + SpanOf(one) + ", " + SpanOf(other);
+    Warn(fmt::format("they are compared where both have steps, {} to {}: {}, {}", first, last, SpanOf(one),
+                     SpanOf(other)),
+         report);
   }
   return report;
 }
@@ -205,8 +200,9 @@ VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& ser
     checks[i] = ChainCheck::Begin(i == 0 ? one : other, none.error);
     if (checks[i] == nullptr) return none;
   }
+  CommandCompare commands(one, other);
   VerifyReport report =
-      CompareSteps(one, other, services, [&checks, &progress](double share, std::uint64_t step) {
+      CompareSteps(one, other, services, commands, [&checks, &progress](double share, std::uint64_t step) {
         for (const auto& check : checks) check->GoTo(step);
         if (progress) progress(share);
       });
@@ -215,11 +211,16 @@ VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& ser
     const std::string found = check->Finish();
     damage += (damage.empty() || found.empty() ? "" : "\n") + found;
   }
-  if (damage.empty()) return report;
-  if (report.error.empty() && !report.difference) {
+  const bool equal = report.error.empty() && !report.difference;
+  if (damage.empty()) {
+    // Only now is it known that what is recorded of commands is what came.
+    if (const std::string said = commands.ToString(); equal && !said.empty()) Warn(said, report);
+    return report;
+  }
+  if (equal) {
     report.error = damage + "\napart from that, " + StepsAre(report.steps) + " equal";
   } else {
-    report.warning += (report.warning.empty() ? "" : "\n") + damage;
+    Warn(damage, report);
   }
   return report;
 }

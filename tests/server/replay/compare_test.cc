@@ -108,6 +108,119 @@ TEST_F(CompareTest, RunsWithoutCommonStepsAreSaid) {
   EXPECT_THAT(Against(File("a.run"), File("c.run")).error, HasSubstr("no step in common"));
 }
 
+// --- equal, but not all that was recorded of them
+
+TEST_F(CompareTest, CommandsThatWereInForceAlreadyAreNoDamage) {
+  for (const bool again : {true, false}) {
+    LiveRun run(File(again ? "a.run" : "b.run"), kLesson);
+    for (int k = 0; k < 40; ++k) {
+      if (again || k == 0) run.Command("robot1", 3, 2);
+      run.Step();
+    }
+  }
+  const std::string said =
+      "equal, 40 steps\n"
+      "warning: the runs are equal, but not what was commanded: from step 2 on " +
+      File("a.run") + " was sent commands again that were in force already\n";
+  EXPECT_EQ(ToString(Against(File("a.run"), File("b.run"))), said);
+  EXPECT_EQ(ToString(Against(File("b.run"), File("a.run"))), said);
+}
+
+TEST_F(CompareTest, CommandsOfControllersThatOneFileHasAreNoDamage) {
+  const std::string scenario =
+      std::string(kLesson) + "[ROBOT_3]\ntype minibot\nname m\nposition 3 3\ncontroller diffuse\n";
+  for (const bool controllers : {true, false}) {
+    LiveRun run(File(controllers ? "a.run" : "b.run"), scenario, {.what = {.controllers = controllers}});
+    Drive(run, 40);
+    run.Step(20);
+  }
+  const std::string said =
+      "equal, 60 steps\nwarning: the commands of controllers are recorded in " + File("a.run") + " only\n";
+  EXPECT_EQ(ToString(Against(File("a.run"), File("b.run"))), said);
+  EXPECT_EQ(ToString(Against(File("b.run"), File("a.run"))), said);
+}
+
+TEST_F(CompareTest, BothAreSaidOnce) {
+  const std::string scenario =
+      "[ROBOT_1]\ntype minibot\nname m\nposition 3 3\ncontroller diffuse\n"
+      "[ROBOT_2]\ntype minibot\nname robot1\nposition 0 0\n";
+  for (const bool first : {true, false}) {
+    LiveRun run(File(first ? "a.run" : "b.run"), scenario, {.what = {.controllers = first}});
+    for (int k = 0; k < 10; ++k) {
+      if (!first || k == 0) run.Command("robot1", 3, 2);
+      run.Step();
+    }
+  }
+  EXPECT_EQ(Against(File("a.run"), File("b.run")).warning,
+            "the commands of controllers are recorded in " + File("a.run") +
+                " only\nthe runs are equal, but not what was commanded: from step 2 on " + File("b.run") +
+                " was sent commands again that were in force already");
+}
+
+// --- inputs that are no commands
+
+TEST_F(CompareTest, AnotherStepLengthIsNamedFirst) {
+  for (const bool longer : {false, true}) {
+    LiveRun run(File(longer ? "b.run" : "a.run"), kLesson);
+    Drive(run, 30);
+    if (longer) run.Apply(edit::SetStep{20'000'000});
+    Drive(run, 30);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.steps, 30u);
+  EXPECT_EQ(report.difference->step, 31u);
+  EXPECT_EQ(report.difference->what + " " + report.difference->field, "the step length_s");
+  EXPECT_EQ(report.difference->recorded, "0.01");
+  EXPECT_EQ(report.difference->repeated, "0.02");
+  EXPECT_THAT(report.difference->note,
+              HasSubstr("the first input that differs: " + File("a.run") + " none, " + File("b.run") +
+                        " set_step 20000 us after step 30"));
+}
+
+TEST_F(CompareTest, RunsOfOtherStepLengthPartAtTheFirstStep) {
+  for (const bool longer : {false, true}) {
+    LiveRun run(File(longer ? "b.run" : "a.run"), kLesson);
+    run.Apply(edit::SetStep{longer ? 20'000'000 : 5'000'000});
+    run.Step(5);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->step, 1u);
+  EXPECT_EQ(report.difference->recorded, "0.005");
+  EXPECT_THAT(report.difference->note, HasSubstr("set_step 5000 us after step 0, " + File("b.run") +
+                                                 " set_step 20000 us after step 0"));
+}
+
+TEST_F(CompareTest, AnInputThatSetsOtherValuesIsNamedBesides) {
+  for (const bool stopped : {true, false}) {
+    LiveRun run(File(stopped ? "a.run" : "b.run"), kLesson);
+    Drive(run, 30);
+    run.Apply(edit::SetSpeed{stopped ? 2. : 3.});  // decides when steps run, not what they give
+    if (stopped) run.Apply(edit::StopAll{});
+    run.Step(10);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->what, "robot1");
+  EXPECT_THAT(report.difference->note, HasSubstr("the first input that differs: " + File("a.run") +
+                                                 " stop_all after step 30, " + File("b.run") + " none"));
+}
+
+TEST_F(CompareTest, EqualInputsAreNotNamed) {
+  for (const double left_rad_s : {1, 2}) {
+    LiveRun run(File(left_rad_s == 1 ? "a.run" : "b.run"), kLesson);
+    run.Apply(edit::SetStep{5'000'000});
+    run.Step(10);
+    run.Command("robot1", left_rad_s, 1);
+    run.Step(10);
+  }
+  const VerifyReport report = Against(File("a.run"), File("b.run"));
+  ASSERT_TRUE(report.difference) << ToString(report);
+  EXPECT_EQ(report.difference->field, "setpoint_left_rad_s");
+  EXPECT_THAT(report.difference->note, ::testing::Not(HasSubstr("input")));
+}
+
 // --- one was changed after it was written
 
 struct Changed {
@@ -122,6 +235,7 @@ TEST_P(ChangedCompareTest, IsToldWithFileAndRow) {
   const VerifyReport report = AgainstChanged(GetParam().sql);
   EXPECT_THAT(report.error, StartsWith(File("b.run") + GetParam().told)) << ToString(report);
   EXPECT_THAT(report.error, HasSubstr("apart from that, ")) << ToString(report);
+  EXPECT_EQ(report.warning, "") << "what was commanded is not known";
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -13,6 +13,7 @@
 #include "server/record/sqlite_db.h"
 #include "server/replay/export_csv.h"
 #include "server/replay/mat_value.h"
+#include "tests/server/replay/replay_fixture.h"
 
 namespace coopdyn {
 namespace {
@@ -147,6 +148,28 @@ TEST_F(ExportMatTest, WhatWasNotRecordedIsEmpty) {
   EXPECT_EQ(Size(run.Field("events")), (std::array<std::size_t, 2>{1, 0}));
 }
 
+TEST_F(ExportMatTest, OfAControllerThatWasNotRecordedThereAreOnlyCommandsOfClients) {
+  std::string scenario = "[ROBOT]\ntype minibot\nname robot1\nposition 2 2\n";
+  for (const char* name : {"m1", "m2"}) {
+    scenario += std::string("[ROBOT_") + name + "]\ntype minibot\nname " + name + "\nposition 0 " +
+                (name + 1) + "\ncontroller diffuse\n";
+  }
+  {
+    LiveRun run(File("run.run"), scenario, {.what = {}});
+    run.Step(10);
+    run.Apply(edit::UnloadController{"m2"});
+    run.Command("m2", 4, 5);
+    run.Step(10);
+  }
+  const MatRun run = Exported();
+  const auto commands = [&run](std::size_t robot) { return run.Field("robots", robot, "commands"); };
+  EXPECT_EQ(Size(commands(0)), (std::array<std::size_t, 2>{1, 4})) << "before the first step";
+  EXPECT_EQ(Size(commands(1)), (std::array<std::size_t, 2>{0, 4}));
+  ASSERT_EQ(Size(commands(2)), (std::array<std::size_t, 2>{1, 4}));
+  EXPECT_EQ(Number(commands(2), 0, 0), 11);
+  EXPECT_EQ(Number(commands(2), 0, 3), 5);
+}
+
 TEST_F(ExportMatTest, EventsAreAStructArray) {
   Record({.steps = 3, .events = {{1, 0.01, "note", "Anfang"}, {2, 0.02, "warning", ""}}});
   const MatRun run = Exported();
@@ -162,6 +185,33 @@ TEST_F(ExportMatTest, NothingIsOverwrittenUnasked) {
   EXPECT_EQ(Text(File("run.mat")), "mine");
   EXPECT_EQ(Export({.overwrite = true}), "");
   EXPECT_THAT(Files(), ElementsAre("run.mat", "run.run"));
+}
+
+TEST_F(ExportMatTest, ARecordingIsNeverOverwritten) {
+  Record({.steps = 2});
+  std::filesystem::copy(File("run.run"), File("other"));
+  const std::string before = Text(File("other"));
+  for (const bool force : {true, false}) {
+    EXPECT_EQ(ExportMat(*Open(), {.overwrite = force}, File("other"), nullptr),
+              File("other") + " is a recording, which export never overwrites: choose another --out");
+  }
+  EXPECT_EQ(Text(File("other")), before);
+  Put("begun.run", "");  // by a recorder that has not yet finished the first step
+  Put("begun.run-journal", "pages");
+  EXPECT_THAT(ExportMat(*Open(), {.overwrite = true}, File("begun.run"), nullptr),
+              HasSubstr("begun.run is a recording"));
+  EXPECT_THAT(Files(), ElementsAre("begun.run", "begun.run-journal", "other", "run.run"));
+}
+
+TEST_F(ExportMatTest, AScenarioIsNeverOverwritten) {
+  Record({.steps = 2});
+  for (const char* name : {"mix.scenario", "hall.world", "robot.sdf"}) {
+    Put(name, "mine");
+    const std::string error = ExportMat(*Open(), {.overwrite = true}, File(name), nullptr);
+    EXPECT_THAT(error, HasSubstr(std::string(name) + " is a "));
+    EXPECT_THAT(error, HasSubstr(", which export never overwrites: choose another --out"));
+    EXPECT_EQ(Text(File(name)), "mine");
+  }
 }
 
 TEST_F(ExportMatTest, AFullDiskLeavesNothing) {

@@ -93,6 +93,13 @@ TEST_F(ExportPicturesTest, AFolderIsOverwrittenOnlyWhenAskedAndOnlyIfItHoldsPict
   EXPECT_EQ(Text(File("run-png/thesis.tex")), "mine");
 }
 
+TEST_F(ExportPicturesTest, AnEmptyFolderIsFilledUnasked) {
+  Record({.steps = 2});
+  std::filesystem::create_directory(File("run-png"));
+  ASSERT_EQ(Export(), "");
+  EXPECT_THAT(Pictures(), ElementsAre("000001.png"));
+}
+
 TEST_F(ExportPicturesTest, StoppedTheyLeaveNothing) {
   Record();
   EXPECT_EQ(Export({}, [](double share) { return share < 0.5; }), kExportStopped);
