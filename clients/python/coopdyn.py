@@ -973,7 +973,9 @@ class _Link:
         self.kept: Optional[Tuple[int, Tuple[float, ...]]] = None  # for the next step
         self.sent: Optional[Tuple[int, Tuple[float, ...]]] = None  # its reply has not come yet
         self.lost: Optional[Error] = None  # why it is not ours any more
-        self.unclaimed = False  # nobody can have it: a recording was played when it was opened
+        self.commanded = False  # by this program, ever
+        self.unclaimed = False  # only looked at: when it was last asked for a recording was played, or
+        self.another = False  # another had it; then not asked for again before it is commanded
         self.attached: List[str] = []
         self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
         self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
@@ -1255,7 +1257,7 @@ class _Session:
     def drive(self, robot: str) -> _Link:
         """The link to `robot`, opened and (unless watching) claimed."""
         self.require_open()
-        in_team = any(robot in team.names for team in self.teams if team.lost is None)
+        in_team = self.has_team_with(robot)
         for link in self.links:
             if link.robot == robot and link.lost is None and link.in_team == in_team:
                 return link
@@ -1287,7 +1289,7 @@ class _Session:
                 try:
                     self.claim(link)
                 except Error as e:
-                    if e.code != 5:  # 5: a recording is played; reading goes on
+                    if e.code != 5 and not link.another:  # 5: a recording is played; reading goes on
                         raise
             if link.attached:
                 link.motors.request(_ATTACH, text=" ".join(link.attached))
@@ -1303,11 +1305,38 @@ class _Session:
         try:
             link.motors.request(_CLAIM)
         except Error as e:
-            if e.code == 6:
-                raise Error(6, f"{link.robot} {_owned_text(e.text)}") from None
-            raise
-        link.unclaimed = False
+            if e.code != 6:
+                raise
+            if self.has_team_with(link.robot):
+                raise Error(5, f"{link.robot} is driven by its team") from None
+            raise Error(6, f"{link.robot} {_owned_text(e.text)}") from None
+        link.unclaimed = link.another = False
         self.note(link.motors.request(_GET_TIME))  # a branch may have brought another mode
+
+    def takes_part(self, link: _Link) -> bool:
+        """The robot steps with this sim. One that was only looked at is taken now if nobody has it."""
+        if link.motors is None:
+            return False
+        self.settle(link)
+        if link.unclaimed and not link.another:
+            try:
+                self.claim(link)
+            except Error as e:
+                if e.code not in (5, 6):
+                    raise
+                link.another = not e.text.startswith(_PLAYING)
+        return not link.unclaimed
+
+    def let_go(self, robot: str) -> bool:
+        """Gives up a robot of ours that was only looked at, so that a team can have it."""
+        for link in self.links:
+            if link.robot == robot and link.motors is not None and not (link.commanded or link.unclaimed or link.lost):
+                self.settle(link)
+                link.motors.request(_RELEASE)
+                link.forget_commands()
+                link.unclaimed = link.another = True
+                return True
+        return False
 
     def settle(self, link: _Link) -> None:
         """Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue."""
@@ -1377,6 +1406,7 @@ class _Session:
             self.settle(link)
         if link.unclaimed:
             self.claim(link)  # a branch may go on live from there
+        link.commanded = True
         if self.mode == _LOCKSTEP:
             link.kept = (command, data)
             return
@@ -1402,6 +1432,9 @@ class _Session:
         return json.loads(self.control(_GET_STATUS, (1, 1)).text).get("playback") is not None
 
     # --- teams ---
+    def has_team_with(self, robot: str) -> bool:
+        return any(robot in team.names for team in self.teams if team.lost is None)
+
     def team(self, text: str) -> _TeamLink:
         """The team of these names, opened and claimed."""
         self.require_open()
@@ -1424,6 +1457,8 @@ class _Session:
         except Error as e:
             if e.code == 6:
                 robot = e.text.split(" ", 1)[0]
+                if self.let_go(robot):
+                    return self.team(text)
                 for other in self.teams:
                     if other.lost is None and robot in other.names:
                         raise Error(6, f"robot {robot} belongs to your {other.label}: drive it there, or release that "
@@ -1494,25 +1529,22 @@ class _Session:
     def step(self, n: int, timeout: Optional[float], team: Optional[_TeamLink] = None, frame: bytes = b"") -> None:
         """Sends what was kept (or `ready`) for every robot and every team of this sim, then takes in the replies."""
         self.require_open()
-        driven = [link for link in self.links if link.motors is not None]
-        waiting: Dict[_Connection, Optional[_Driven]]
-        if self.watch or not (driven or self.teams):
+        waiting: Dict[_Connection, Optional[_Driven]] = {}
+        for other in list(self.teams):
+            try:
+                self.settle_team(other)
+            except Error:
+                if other is team or other.lost is None:
+                    raise
+            if other.lost is not None and other is not team:  # the others go on without it
+                self.teams.remove(other)
+        driven = [] if self.watch else [link for link in self.links if self.takes_part(link)]
+        if not (driven or self.teams):
             if not self.simulation.alive():
                 self.simulation.open(self.address.timeout)
-            waiting = {self.simulation: None}
+            waiting[self.simulation] = None
             self.simulation.send(encode(_READY, (n,)))
         else:
-            for link in driven:
-                self.settle(link)
-            for other in list(self.teams):
-                try:
-                    self.settle_team(other)
-                except Error:
-                    if other is team or other.lost is None:
-                        raise
-                if other.lost is not None and other is not team:  # the others go on without it
-                    self.teams.remove(other)
-            waiting = {}
             try:
                 for link in driven:
                     assert link.motors is not None
@@ -1671,6 +1703,7 @@ class _Session:
         """After a reset or load of ours: what was kept belongs to the old world."""
         for link in self.links:
             link.forget_commands()
+            link.another = False
         for team in self.teams:
             team.stale = True
 
@@ -1694,7 +1727,7 @@ class _Session:
             self.close_team(team, True)
         stopping = []
         for link in self.links:
-            if link.motors is not None and link.motors.sock is not None and not self.watch and link.lost is None:
+            if link.motors is not None and link.motors.sock is not None and not (self.watch or link.unclaimed or link.lost):
                 try:
                     link.motors.send(encode(_STOP))
                     link.motors.try_read()  # what is unread would make closing a reset, which loses the stop
@@ -2250,12 +2283,13 @@ class Simulation:
     def record(self, name: str = "") -> str:
         """Records the run from here on, in the daemon's folder; returns the name of the file. Without a name under
         run-DATE-TIME. Nothing is overwritten: error 5."""
-        return self._session.tell(_RECORDER, _START_RECORDING, text=_word(name, "the name of a recording", True)).text
+        return self._session.tell(_RECORDER, _START_RECORDING, text=_run_name(name) if name != "" else "").text
 
     def stop_recording(self) -> Recorded:
         """Ends the recording; returns its name and url when the file is closed."""
-        words = self._session.tell(_RECORDER, _STOP_RECORDING, timeout=_LOAD_TIMEOUT_S).text.split()
-        return Recorded(words[0] if words else "", _here(self._session.address, words[1]) if len(words) > 1 else "")
+        text = self._session.tell(_RECORDER, _STOP_RECORDING, timeout=_LOAD_TIMEOUT_S).text
+        name, http, url = text.partition(" http://")  # the name may have blanks
+        return Recorded(name, _here(self._session.address, http + url) if url else "")
 
     def note(self, text: str) -> None:
         """Marks this time in the recording; `Run.events` has it."""
@@ -2279,7 +2313,7 @@ class Simulation:
     def fetch_run(self, name: str, file: Union[str, "os.PathLike[str]"] = "") -> str:
         """Copies a recording from the daemon to `file` (default: of the same name, here) and returns the file's name. A
         file called .mat gets the run as MATLAB reads it. What was there is replaced when all has come."""
-        name = _word(name, "the name of a recording")
+        name = _run_name(name)
         name = name[:-4] if name.endswith(".run") else name
         file = os.fspath(file) or f"{name}.run"
         kind = ".mat" if file.lower().endswith(".mat") else ".run"
@@ -2419,11 +2453,18 @@ def _here(address: _Address, url: str) -> str:
     return f"http://{host}:{there.rsplit(':', 1)[-1]}{slash}{path}"
 
 
-def _word(text: Any, what: str, may_be_empty: bool = False) -> str:
+def _word(text: Any, what: str) -> str:
     """One word that the daemon takes as a name."""
-    if not isinstance(text, str) or len(text.split()) > 1 or not (text.strip() or may_be_empty):
+    if not isinstance(text, str) or len(text.split()) != 1:
         raise Error(3, f"{what} is one word, not {text!r}")
     return text.strip()
+
+
+def _run_name(text: Any) -> str:
+    """The name of a recording: that of a file, so it may have blanks."""
+    if not isinstance(text, str) or not text.strip():
+        raise Error(3, f"the name of a recording is a text, not {text!r}")
+    return text
 
 
 def _download(url: str, file: str, what: str = "recording", timeout: float = _EXPORT_TIMEOUT_S) -> None:
@@ -2716,12 +2757,15 @@ class Run:
 
     def commands(self, name: str) -> Rows:
         """The set-points of a robot: step, time [s], left, right [rad/s] of each that came in force, with the step in
-        which it did; the first is what was in force when recording began."""
+        which it did; the first is what was in force when recording began. Error 5 if a loaded controller drove it and
+        those were not recorded; if a client took it from the controller, its commands are there."""
         places = {p.scene: p.robot for p in self._places(name)}
         if min(places.values()) < 0:
             raise Error(10, f"{name} is no robot; there are: {_list_of(self._names)}")
         out = array.array("d")
         with self._reading():
+            controller = self._unrecorded_controller(name)
+            unknown = bool(controller)
             for step, time_ns, scene, blob in self._db.execute(
                 "SELECT step, time_ns, scene, commands FROM step WHERE step <= ? AND commands IS NOT NULL ORDER BY step",
                 (self._last,),
@@ -2734,8 +2778,13 @@ class Run:
                 at = blob.find(key[:3])
                 while at >= 0:
                     if at % _COMMAND_BYTES == 0 and blob[at + 3] & 0x7F == key[3]:
-                        out.extend((step, time_ns * 1e-9, *struct.unpack_from("<dd", blob, at + 4)))
+                        unknown = unknown and blob[at + 3] < 0x80  # until a client sends one
+                        if not unknown:
+                            out.extend((step, time_ns * 1e-9, *struct.unpack_from("<dd", blob, at + 4)))
                     at = blob.find(key[:3], at + 1)
+        if unknown:
+            raise Error(5, f"the commands of {name}, driven by controller {controller}, were not recorded in {self.file}; "
+                           f"record with --record-what {self._info.get('what', '')},controllers")
         return Rows(out, 4, 0, (len(out) // 4, 4))
 
     @property
@@ -2783,6 +2832,28 @@ class Run:
                     "SELECT name FROM body WHERE robot IS NULL GROUP BY name ORDER BY min(scene), place")]
             raise Error(10, f"there is no {name!r} in {self.file}; {_nearest(str(name), known)}there are: {_list_of(known)}")
         return found
+
+    def _unrecorded_controller(self, name: str) -> str:
+        """The loaded controller of a robot, if what such ones sent was not recorded; else empty."""
+        if "controllers" in str(self._info.get("what", "")).split(","):
+            return ""
+        for number, kind, scene in self._db.execute(
+            "SELECT robot.id, type, description FROM robot JOIN scene ON scene.id = robot.scene WHERE name = ?", (name,)
+        ):
+            head = struct.pack("<II", number, number)
+            for text in (name.encode(), kind.encode()):
+                head += struct.pack("<I", len(text)) + text
+            at = scene.find(head)
+            if at < 0:
+                continue
+            at += len(head) + 81  # pose, colour, sync
+            for _ in range(*struct.unpack_from("<I", scene, at)):  # modules waited for
+                at += 4 + struct.unpack_from("<I", scene, at + 4)[0]
+            at += 16  # their number, deadline, three words
+            (size,) = struct.unpack_from("<I", scene, at)
+            if size:
+                return scene[at + 4 : at + 4 + size].decode()
+        return ""
 
     def _slices(self, column: str, slices: Dict[int, Tuple[int, int]]) -> Iterator[Tuple[Any, ...]]:
         """Of each moment: step, scene, length and first byte of a column, and the bytes of it that `slices` (first, count)

@@ -17,7 +17,8 @@ import struct
 import sys
 import threading
 
-from fake_swarm import NAMES as SWARM, Swarm, encode
+from fake_runs import NAMES as RUNS, Runs
+from fake_swarm import NAMES as SWARM, Robot, Swarm, encode
 
 MODES = ("realtime", "lockstep", "free")
 NAMES = {
@@ -28,25 +29,13 @@ NAMES = {
     "target": {"get_targets": 30, "get_target": 31, "get_robots": 32},
     "pose": {"get_pose": 40, "get_pose_3d": 41},
     "swarm": SWARM,
+    "recorder": RUNS,
     "simulation": {"get_status": 100, "run": 101, "pause": 102, "step": 103, "reset": 104, "set_mode": 105,
                    "set_step": 106, "set_speed": 107, "load_scenario": 108, "quit": 109, "stop_all": 190,
                    "set_participants": 191, "reload": 192, "release_robot": 193},
 }
 FIRST = {"motors": 12, "distance": 20, "target": 30, "pose": 40}
 TARGETS = ((1, "red", 2.0, 0.0), (2, "green", 0.0, 3.0))
-
-
-class Robot:
-    def __init__(self, number):
-        self.name = f"robot{number}"
-        self.owner = None
-        self.command = None  # (v, w, connection): for the next step; v None = ready
-        self.steps_left = 0
-        self.place(number)
-
-    def place(self, number):
-        self.x, self.y, self.heading, self.v, self.w = 0.0, 1.0 * (number - 1), 0.0, 0.0, 0.0
-        self.command = None
 
 
 class Connection:
@@ -78,7 +67,7 @@ class FakeDaemon:
     """`refuse`: the robot whose commands get error 4 while it is set. `silent`: accepts and says nothing.
     `says`: answers every line with this. `break_replies`: a reply ends in its middle, the connection with it, so many
     times. `delay_s`: how late replies to actuator commands come in real time. `hold`: requests for a pose get no reply
-    until it is false. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
+    until it is false. `page`: there is one. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
 
     def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0, targets=TARGETS):
         self.targets = targets
@@ -86,7 +75,7 @@ class FakeDaemon:
         self.mode, self.protocol, self.silent, self.says = mode, protocol, silent, says
         self.dribble, self.refuse, self.delay_s, self.break_replies, self.hold = dribble, refuse, delay_s, 0, False
         self.dt, self.step, self.resets, self.state, self.stopping = 0.01, 0, 0, "running", False
-        self.swarm = Swarm(self)
+        self.swarm, self.runs, self.page = Swarm(self), Runs(self), True
         self.received = []  # (module, command, params, data) of every request
         self.lock = threading.Condition()
         self.connections = []
@@ -200,6 +189,8 @@ class FakeDaemon:
         if self.says:
             c.write(self.says.encode() + b"\r\n")
             return
+        if line.startswith("GET "):
+            return c.write(self.runs.page(line, file))
         name = ""
         while name not in self.modules():
             if line.startswith("NAME_SERVER list"):
@@ -239,7 +230,7 @@ class FakeDaemon:
                 c.write(reply)
 
     def modules(self):
-        return [f"/{r.name}/{m}" for r in self.robots for m in FIRST] + ["/simulation", "/swarm"]
+        return [f"/{r.name}/{m}" for r in self.robots for m in FIRST] + ["/simulation", "/swarm", "/recorder"]
 
     # --- commands ---
     def _answer(self, c, name, command, text, params, data):
@@ -272,6 +263,8 @@ class FakeDaemon:
             return self._drive(c, robot, command, params, data)
         if kind == "swarm":
             return self.swarm.answer(c, command, text, params, data)
+        if kind == "recorder":
+            return self.runs.answer(command, text)
         if command == 2:
             return self._step_reply(c, robot, 2) if self._wait_steps(params[0] if params else 1) else encode(5, "reset", 2)
         if kind == "simulation":
@@ -306,7 +299,7 @@ class FakeDaemon:
                          "seconds": 2.0} for r in self.robots if r.command is None] if self.mode == 1 else []
             status = {"version": "fake", "protocol": self.protocol, "mode": MODES[self.mode],
                       "state": "waiting" if awaiting and self.state == "running" else self.state, "step": self.step,
-                      "time_s": self.step * self.dt, "step_s": self.dt, "hash": f"{self.step:016x}", "http": None,
+                      "time_s": self.step * self.dt, "step_s": self.dt, "hash": f"{self.step:016x}", "http": self.runs.url,
                       "robots": [{"name": r.name, "type": "fake", "owner": r.owner.client if r.owner else None}
                                  for r in self.robots], "awaiting": awaiting}
             return encode(0, json.dumps(status), 100, (), self.clock())

@@ -13,6 +13,19 @@ def encode(error, text, command, params=(), data=()):
                        error, command, len(raw), len(params), len(data), raw, *params, *data)
 
 
+class Robot:
+    def __init__(self, number):
+        self.name = f"robot{number}"
+        self.owner = None
+        self.command = None  # (v, w, connection): for the next step; v None = ready
+        self.steps_left = 0
+        self.place(number)
+
+    def place(self, number):
+        self.x, self.y, self.heading, self.v, self.w = 0.0, 1.0 * (number - 1), 0.0, 0.0, 0.0
+        self.command = None
+
+
 class Swarm:
     """What FakeDaemon answers there; called with its lock held."""
 

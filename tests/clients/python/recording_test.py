@@ -279,7 +279,7 @@ class Requests(DaemonTestCase):
         self.assert_error(5, lambda: sim.note("nothing is recorded"))
         self.assert_error(5, sim.playback, "coopdyn play")
         self.assert_error(5, lambda: sim.seek(1), "coopdyn play")
-        self.assert_error(3, lambda: sim.record("two words"), "one word")
+        self.assert_error(4, lambda: sim.record("no/name"), "lesson1")
         self.assertGreater(len(sim.record("a")), 0)
         self.assert_error(5, lambda: sim.record("b"))
         while not any(f.steps for f in sim.recordings()):  # the file is written by a thread of its own

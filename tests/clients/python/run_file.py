@@ -93,6 +93,16 @@ def add_step(db, step, poses, scene=1, hash=0, commands=None, wheels=None, dista
                (step, step * dt_ns, hash, scene, commands, wheels, distances, targets, poses))
 
 
+def describe_robot(db, scene, place, name, controller, waits_for=("motors", "pose")):
+    """What the scene's description says of one robot, after bytes of others."""
+    def text(words):
+        return struct.pack("<I", len(words)) + words.encode()
+
+    raw = b"others" + struct.pack("<II", place + 1, place + 1) + text(name) + text("single") + struct.pack("<10dB", *range(10), 1)
+    raw += struct.pack("<I", len(waits_for)) + b"".join(map(text, waits_for)) + struct.pack("<Bd3B", 1, 0.5, 2, 255, 1)
+    db.execute("UPDATE scene SET description = ? WHERE id = ?", (raw + text(controller) + b"and so on", scene))
+
+
 def write_sample(path):
     """Two robots of which one goes and gets another scene's body, sensors and targets, over four steps."""
     db = create(path)

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: MIT
+"""The scripted daemon's /recorder and page: there is a recording under any name, and what it holds is its own path."""
+import urllib.parse
+
+from fake_swarm import encode
+
+NAMES = {"start": 121, "stop": 122}
+
+
+class Runs:
+    def __init__(self, daemon):
+        self.daemon, self.name = daemon, ""
+
+    @property
+    def url(self):
+        return f"http://127.0.0.1:{self.daemon.port}/" if self.daemon.page else "off"
+
+    def answer(self, command, text):
+        if command == NAMES["start"]:
+            self.name = text + ".run"
+        has_url = command == NAMES["stop"] and self.daemon.page
+        said = f"{self.name} {self.url}runs/{urllib.parse.quote(self.name)}" if has_url else self.name
+        return encode(0, said, command, (), self.daemon.clock())
+
+    @staticmethod
+    def page(line, file):
+        """The answer to `GET path HTTP/1.1`, of which the first line has been read."""
+        while file.readline().strip():
+            pass
+        body = urllib.parse.unquote(line.split()[1]).encode()
+        return b"HTTP/1.1 200 OK\r\nContent-Length: %d\r\nConnection: close\r\n\r\n" % len(body) + body
