@@ -1686,6 +1686,9 @@ class _Session:
             status = self.fresh_status()
         except Error as e:
             return f"no answer from the daemon ({e.text})"
+        playback = status.get("playback")
+        if playback and playback["step"] == playback["end_step"] and not (playback["playing"] or playback["growing"]):
+            return "the recording has ended; sim.run() plays it again"
         if status.get("state") == "paused":
             return "the simulation is paused; sim.run() or the page goes on"
         if status.get("state") == "ended":

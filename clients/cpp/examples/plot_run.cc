@@ -13,5 +13,5 @@ int main(int argc, char** argv) try {
   std::puts("'/></svg>");
 } catch (const coopdyn::client::Error& e) {
   std::fprintf(stderr, "%s\n", e.what());
-  return 1;
+  return argc == 3 ? 1 : 2;
 }

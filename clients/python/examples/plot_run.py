@@ -7,12 +7,17 @@ import sys
 
 import coopdyn
 
+if not 2 <= len(sys.argv) <= 3:
+    print("write: python3 plot_run.py NAME.run [PATH.png]", file=sys.stderr)
+    sys.exit(2)
 try:
     import matplotlib.pyplot as plt
 except ImportError:
     sys.exit("to draw, install matplotlib: pip install matplotlib, or Debian's python3-matplotlib")
-
-run = coopdyn.read_run(sys.argv[1])
+try:
+    run = coopdyn.read_run(sys.argv[1])
+except coopdyn.Error as e:
+    sys.exit(e.text)
 for name in run.names:
     pose = run.pose(name)                       # a row for each moment: x, y [m], heading [rad]
     plt.plot(pose[:, 0], pose[:, 1], label=name)

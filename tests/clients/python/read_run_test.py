@@ -6,10 +6,12 @@ import os
 import pathlib
 import sqlite3
 import struct
+import subprocess
+import sys
 import tempfile
 import unittest
 
-import harness  # noqa: F401  (finds coopdyn.py)
+import harness
 import coopdyn
 import run_file as rf
 
@@ -250,6 +252,30 @@ class Gaps(ReadRunTestCase):
         for k in (0, 1, 128, 255, 256, 257, 299):
             self.assertEqual(list(run.commands(f"m_{k}")), [(0, 0, 0, k), (1, 0.01, k, 0)])
         self.assertEqual(run.reading("m_7", "distances").shape, (2, 0))
+
+
+class Example(ReadRunTestCase):
+    def plot(self, *arguments):
+        """Exit code and what was said, with a matplotlib that draws nothing."""
+        plots = os.path.join(os.path.dirname(self.path), "matplotlib")
+        os.mkdir(plots)
+        for name in ("__init__", "pyplot"):
+            with open(os.path.join(plots, name + ".py"), "w", encoding="utf-8") as file:
+                file.write("plot = axis = xlabel = ylabel = legend = savefig = show = lambda *_, **__: None\n")
+        path = os.pathsep.join((str(harness.ROOT / "clients" / "python"), os.path.dirname(self.path)))
+        run = subprocess.run([sys.executable, str(harness.ROOT / "clients/python/examples/plot_run.py"), *arguments], text=True,
+                             capture_output=True, timeout=60, env=dict(os.environ, PYTHONPATH=path))
+        return run.returncode, run.stderr
+
+    def test_plot_run_draws(self):
+        self.write_two()
+        self.assertEqual(self.plot(self.path, "a.png"), (0, ""))
+
+    def test_plot_run_without_a_file_says_what_to_write(self):
+        self.assertEqual(self.plot(), (2, "write: python3 plot_run.py NAME.run [PATH.png]\n"))
+
+    def test_plot_run_of_a_file_that_is_not_there_says_so(self):
+        self.assertEqual(self.plot("no.run"), (1, "there is no file 'no.run'; a recording is called NAME.run\n"))
 
 
 class GrowingAndCrashed(ReadRunTestCase):
