@@ -50,6 +50,15 @@ std::optional<std::int32_t> WholeNumber(const std::string& word, std::int32_t lo
   return value;
 }
 
+/// How fast time may go in a run or a playback.
+std::string SpeedOf(const json::object& status) {
+  const json::value* speed = status.if_contains("speed");
+  if (speed == nullptr || !speed->is_number()) return "no limit";
+  std::ostringstream out;
+  out << speed->to_number<double>() << " times real time";
+  return out.str();
+}
+
 int PrintStatus(const std::string& text) {
   boost::system::error_code error;
   const json::value parsed = json::parse(text, error);
@@ -66,6 +75,13 @@ int PrintStatus(const std::string& text) {
   std::printf("%s  %s  %s  t = %.3f s  step %.0f  real-time factor %.2f\n", word(status, "scenario").c_str(),
               word(status, "mode").c_str(), word(status, "state").c_str(), number("time_s"), number("step"),
               number("rtf"));
+  const json::value* playback = status.if_contains("playback");
+  const bool plays = playback != nullptr && playback->is_object();
+  std::printf("speed: %s\n", SpeedOf(plays ? playback->as_object() : status).c_str());
+  if (plays) std::printf("playing %s\n", word(playback->as_object(), "file").c_str());
+  if (const std::string recording = word(status, "recording"); recording != "-") {
+    std::printf("recording to %s\n", recording.c_str());
+  }
   if (const json::value* awaiting = status.if_contains("awaiting");
       awaiting != nullptr && awaiting->is_array()) {
     for (const json::value& one : awaiting->as_array()) {

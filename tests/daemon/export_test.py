@@ -173,6 +173,21 @@ class ExportTest(RecordingTestCase):
         self.assertFalse([name for name in table[0] if name.startswith(("robot1.", "BOX_1."))])
         self.assertTrue(all(math.isfinite(float(row["robot2.x_m"])) for row in table))
 
+    def test_force_overwrites_no_recording_and_no_scenario(self):
+        shutil.copy(self.folder / "run.run", self.folder / "other.run")
+        (self.folder / "mix.scenario").write_text("mine")
+        for name, kind in (("other.run", "a recording"), ("mix.scenario", "a scenario")):
+            before = (self.folder / name).read_bytes()
+            code, said = self.export("--to", "mat", "--out", name, "--force")
+            self.assertEqual((code, said), (1, f"coopdyn: export: {name} is {kind}, which export never overwrites: "
+                                               "choose another --out\n"))
+            self.assertEqual((self.folder / name).read_bytes(), before)
+
+    def test_an_empty_folder_takes_pictures_unasked(self):
+        (self.folder / "film").mkdir()
+        self.must("--to", "png", "--out", "film", "--size", "64x48")
+        self.assertIn("000001.png", os.listdir(self.folder / "film"))
+
     def test_the_name_of_the_output_tells_the_format(self):
         self.must("--out", "path.mat", "--robots", "robot1")
         self.assertEqual(self.files(), ["path.mat", "run.run"])

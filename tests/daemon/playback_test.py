@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 from harness import BOX, Daemon, scenario, until
-from recording import Play, equal_steps
+from recording import Play, equal_steps, tool
 
 STEPS = 100
 STEP_S = 0.01
@@ -121,6 +121,26 @@ class ReadingTest(PlaybackTest):
             playback = daemon.text("/playback")
             for line in ("get_playback", "seek 1", "play", "pause", "step 1", "set_speed 2", "set_loop 1", "branch"):
                 self.assertEqual(playback.ask(line).error, 5, line)
+
+
+class StatusTest(PlaybackTest):
+    def lines(self, daemon):
+        """What `coopdyn status` says of speed and recordings."""
+        code, said = tool("status", "--server", "%s:%d" % daemon.names)
+        self.assertEqual(code, 0, said)
+        return [line for line in said.splitlines() if line.startswith(("speed", "playing", "recording"))]
+
+    def test_a_playback_is_named_with_its_speed(self):
+        with Play(self.file, "--paused", "--speed", "-2.5", "--at", "0.5") as daemon:
+            self.assertEqual(self.lines(daemon), ["speed: -2.5 times real time", "playing lesson.run"])
+
+    def test_a_recording_is_named_while_it_is_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with Daemon(scenario(1), "--record", Path(folder) / "new.run") as daemon:
+                self.assertEqual(self.lines(daemon), ["speed: no limit", "recording to new.run"])
+                daemon.text("/recorder").must("stop")
+                daemon.text("/simulation").must("set_speed 3")
+                self.assertEqual(self.lines(daemon), ["speed: 3 times real time"])
 
 
 class TimeTest(PlaybackTest):
