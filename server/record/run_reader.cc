@@ -2,6 +2,8 @@
 // Opening, and finding the way in a file. What a step holds is read in run_reader_steps.cc.
 #include "server/record/run_reader.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <limits>
@@ -24,7 +26,17 @@ std::int64_t Key(std::uint64_t number) {
 
 }  // namespace
 
+bool RunReader::Impl::FailAsReplaced() {
+  struct stat there {};
+  if (::stat(file.c_str(), &there) != 0) return false;
+  if (inode == 0) inode = there.st_ino;
+  if (there.st_ino == inode) return false;
+  error = file + " was replaced by another file while it was read: open it again";
+  return true;
+}
+
 bool RunReader::Impl::FailReading(const std::string& what) {
+  if (FailAsReplaced()) return false;
   const bool busy = run.database != nullptr && database().busy();
   const std::string why = run.database != nullptr ? database().error() : file;
   error = why + ", at " + what +
@@ -35,6 +47,7 @@ bool RunReader::Impl::FailReading(const std::string& what) {
 }
 
 bool RunReader::Impl::FailSense(const std::string& what) {
+  if (FailAsReplaced()) return false;
   error =
       file + ": " + what +
       " cannot be: the file is damaged there, copy it again from where it was recorded; other times of it "
@@ -43,6 +56,7 @@ bool RunReader::Impl::FailSense(const std::string& what) {
 }
 
 bool RunReader::Impl::Open() {
+  if (FailAsReplaced()) return false;
   const bool was_mended = run.mended;
   sql.reset();
   run = {};
@@ -131,8 +145,10 @@ std::optional<std::uint64_t> RunReader::Impl::One(Statement& statement, std::uin
   statement.Reset();
   statement.Bind(1, Key(key));
   const Result result = statement.Step();
-  if (result == Result::kError) FailReading(std::string(what) + " " + std::to_string(key));
-  if (result != Result::kRow) return std::nullopt;
+  if (result != Result::kRow) {
+    result == Result::kError ? FailReading(std::string(what) + " " + std::to_string(key)) : FailAsReplaced();
+    return std::nullopt;
+  }
   const std::int64_t found = statement.integer(0);
   statement.Reset();
   if (found < 0) {

@@ -2,6 +2,8 @@
 // What a RunReader holds; for run_reader*.cc alone. One thread.
 #pragma once
 
+#include <sys/types.h>
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +29,7 @@ struct RunReader::Impl {
   };
 
   std::string file;
+  ino_t inode = 0;  // of the file when it was opened first
   OpenedRun run;
   std::optional<Statements> sql;
   RunHeader header;
@@ -45,6 +48,8 @@ struct RunReader::Impl {
   bool Prepare();
   /// Looks up the extent and whether it grows still. False with error.
   bool Refresh();
+  /// True, and error says so, if another file has the name by now: SQLite would mix the two up.
+  bool FailAsReplaced();
   /// False, and error says that SQLite could not read `what`, e.g. "step 17".
   bool FailReading(const std::string& what);
   /// False, and error says that `what`, e.g. "the poses of step 17", do not add up.

@@ -97,8 +97,10 @@ std::optional<RecordedStep> RunReader::Read(std::uint64_t step, bool inputs_only
   row.Reset();
   row.Bind(1, static_cast<std::int64_t>(step));
   const Impl::Result result = row.Step();
-  if (result == Impl::Result::kError) impl.FailReading("step " + std::to_string(step));
-  if (result != Impl::Result::kRow) return std::nullopt;
+  if (result != Impl::Result::kRow) {
+    result == Impl::Result::kError ? impl.FailReading("step " + std::to_string(step)) : impl.FailAsReplaced();
+    return std::nullopt;
+  }
   std::optional<RecordedStep> read(std::in_place);
   if (!impl.Decode(row, inputs_only, *read)) read.reset();
   row.Reset();

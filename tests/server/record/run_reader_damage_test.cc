@@ -279,5 +279,14 @@ TEST_F(RunReaderDamageTest, RandomPagesAreReadWithoutACrash) {
   }
 }
 
+TEST_F(RunReaderDamageTest, AFileThatWasReplacedWhileItWasReadIsNoDamage) {
+  sample_.Write(file_);
+  ASSERT_EQ(Refusal(), "");
+  RemoveRunFile(file_);
+  const auto other = sample_.Write(file_, {.steps = 2, .close = false});
+  EXPECT_FALSE(reader_->Read(9));
+  EXPECT_EQ(reader_->error(), file_ + " was replaced by another file while it was read: open it again");
+}
+
 }  // namespace
 }  // namespace coopdyn
