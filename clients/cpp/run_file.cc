@@ -3,45 +3,22 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <limits>
-#include <numbers>
 #include <set>
 
+#include "clients/cpp/run_codec.h"
 #include "clients/cpp/run_database.h"
 #include "clients/cpp/words.h"
 
 namespace coopdyn::client {
 namespace {
 
-using Bytes = std::span<const unsigned char>;
-
 constexpr std::size_t kPoseBytes = 18, kCommandBytes = 20, kWheelBytes = 18;
 constexpr double kWheelUnit_rad = 1e-5;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> kReadings = {"distances", "targets", "wheels"};
-
-std::uint64_t Little(Bytes bytes) {
-  std::uint64_t value = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
-  return value;
-}
-
-std::int64_t Signed(std::uint64_t bits, int width) {
-  const std::uint64_t sign = std::uint64_t{1} << (width - 1);
-  return static_cast<std::int64_t>(((bits & (2 * sign - 1)) ^ sign) - sign);
-}
-
-double Single(Bytes bytes) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(Little(bytes.first(4))));
-}
-
-double Double(Bytes bytes) {
-  return std::bit_cast<double>(Little(bytes.first(8)));
-}
 
 double Seconds(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-9;
@@ -60,57 +37,6 @@ struct Place {
 struct Slice {
   std::int64_t scene = 0, first = 0, count = 0;
 };
-
-using Pose7 = std::array<double, 7>;  // x y z, quaternion w x y z
-
-/// The pose of a body out of its 18 bytes (server/record/pose_codec.h).
-Pose7 BodyPose(Bytes raw, int exponent) {
-  static const double kTurnScale = std::numbers::sqrt2 * ((1 << 19) - 1);
-  const double unit = std::ldexp(1.0, exponent);
-  const std::uint64_t low = Little(raw.first(8)), middle = Little(raw.subspan(8, 8));
-  const std::uint64_t high = Little(raw.subspan(16, 2));
-  Pose7 pose{};
-  pose[0] = static_cast<double>(Signed(low, 27)) * unit / 1e6;
-  pose[1] = static_cast<double>(Signed(low >> 27, 27)) * unit / 1e6;
-  pose[2] = static_cast<double>(Signed(low >> 54 | middle << 10, 27)) * unit / 1e6;
-  const std::array<std::uint64_t, 3> parts{middle >> 17, middle >> 37, middle >> 57 | high << 7};
-  const std::size_t left_out = high >> 13 & 3;
-  double square = 0;
-  for (std::size_t i = 0, part = 0; i < 4; ++i) {
-    if (i == left_out) continue;
-    pose[3 + i] = static_cast<double>(Signed(parts[part++], 20)) / kTurnScale;
-    square += pose[3 + i] * pose[3 + i];
-  }
-  const double largest = std::sqrt(std::max(0.0, 1 - square));
-  pose[3 + left_out] = largest;
-  const double norm = std::sqrt(square + largest * largest);
-  for (std::size_t i = 3; i < 7; ++i) pose[i] /= norm;
-  return pose;
-}
-
-std::array<double, 3> Cross(const double* a, const double* b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-/// The pose of the robot's frame R, from that of its body B.
-Pose7 RobotPose(Pose7 pose, const Place& place) {
-  const auto& u = place.p_BR;
-  if (u[0] != 0 || u[1] != 0 || u[2] != 0) {
-    std::array<double, 3> t = Cross(&pose[4], u.data());
-    for (double& c : t) c += c;
-    const std::array<double, 3> s = Cross(&pose[4], t.data());
-    for (std::size_t i = 0; i < 3; ++i) pose[i] += u[i] + pose[3] * t[i] + s[i];
-  }
-  const auto& r = place.q_BR;
-  if (r[1] != 0 || r[2] != 0 || r[3] != 0) {
-    const double w = pose[3], x = pose[4], y = pose[5], z = pose[6];
-    pose[3] = w * r[0] - x * r[1] - y * r[2] - z * r[3];
-    pose[4] = w * r[1] + x * r[0] + y * r[3] - z * r[2];
-    pose[5] = w * r[2] - x * r[3] + y * r[0] + z * r[1];
-    pose[6] = w * r[3] + x * r[2] - y * r[1] + z * r[0];
-  }
-  return pose;
-}
 
 }  // namespace
 
@@ -187,6 +113,25 @@ struct Run::Impl {
     std::vector<Place> places = Places(name);
     if (places.front().robot < 0) throw Error(10, name + " is no robot; there are: " + ListOf(names));
     return places;
+  }
+
+  bool Has(const std::string& what) const {
+    const auto recorded = info.find("what");
+    return recorded != info.end() &&
+           ("," + recorded->second + ",").find("," + what + ",") != std::string::npos;
+  }
+
+  /// The loaded controller of a robot, if what such ones sent was not recorded; else empty.
+  std::string UnrecordedController(const std::string& name) const {
+    std::string controller;
+    if (Has("controllers")) return controller;
+    database.ForEach(
+        "SELECT robot.id, type, description FROM robot JOIN scene ON scene.id = robot.scene WHERE name = ?1",
+        [&](const RunRow& row) {
+          if (controller.empty()) controller = ControllerIn(row.bytes(2), row.count(0), name, row.text(1));
+        },
+        &name);
+    return controller;
   }
 
   [[noreturn]] void Damaged(const std::string& what, std::int64_t step) const {
@@ -268,7 +213,7 @@ RunRows Run::pose_3d(const std::string& name) const {
       impl_->Damaged("poses", row.integer(0));
     const std::int64_t scene = row.integer(1);
     const auto place = std::find_if(places.begin(), places.end(), [&](auto& p) { return p.scene == scene; });
-    const Pose7 pose = RobotPose(BodyPose(raw, exponent[0]), *place);
+    const Pose7 pose = RobotPose(BodyPose(raw, exponent[0]), place->p_BR, place->q_BR);
     values.insert(values.end(), pose.begin(), pose.end());
   });
   const std::size_t k = values.size() / 7;
@@ -291,9 +236,7 @@ RunRows Run::reading(const std::string& name, const std::string& what) const {
   if (std::find(kReadings.begin(), kReadings.end(), what) == kReadings.end())
     throw Error(4, "there is no reading '" + what + "'; there are: " + Join(kReadings, ", "));
   const std::vector<Place> places = impl_->RobotPlaces(name);
-  const auto recorded = impl_->info.find("what");
-  if (recorded == impl_->info.end() ||
-      ("," + recorded->second + ",").find("," + what + ",") == std::string::npos)
+  if (!impl_->Has(what))
     throw Error(5, what + " were not recorded in " + file() + "; record with --record-what all");
   std::vector<Slice> slices;
   std::map<std::int64_t, std::vector<std::size_t>> columns;  // of numbers, by scene
@@ -345,6 +288,8 @@ RunRows Run::reading(const std::string& name, const std::string& what) const {
 RunRows Run::commands(const std::string& name) const {
   std::map<std::int64_t, std::int64_t> robots;  // by scene
   for (const Place& p : impl_->RobotPlaces(name)) robots[p.scene] = p.robot;
+  const std::string controller = impl_->UnrecordedController(name);
+  bool unknown = !controller.empty();
   std::vector<double> values;
   impl_->database.ForEach(
       "SELECT step, time_ns, scene, commands FROM step WHERE step <= " + std::to_string(impl_->last) +
@@ -355,12 +300,18 @@ RunRows Run::commands(const std::string& name) const {
         const auto robot = robots.find(row.integer(2));
         if (robot == robots.end()) return;
         for (std::size_t at = 0; at < raw.size(); at += kCommandBytes) {
-          if ((Little(raw.subspan(at, 4)) & 0x7FFFFFFF) != static_cast<std::uint64_t>(robot->second))
-            continue;
+          const std::uint64_t word = Little(raw.subspan(at, 4));
+          if ((word & 0x7FFFFFFF) != static_cast<std::uint64_t>(robot->second)) continue;
+          unknown = unknown && word < 0x80000000;  // until a client sends one
+          if (unknown) continue;
           values.insert(values.end(), {static_cast<double>(row.integer(0)), Seconds(row.integer(1)),
                                        Double(raw.subspan(at + 4)), Double(raw.subspan(at + 12))});
         }
       });
+  if (unknown)
+    throw Error(5, "the commands of " + name + ", driven by controller " + controller +
+                       ", were not recorded in " + file() + "; record with --record-what " +
+                       impl_->info["what"] + ",controllers");
   const std::size_t m = values.size() / 4;
   return {std::move(values), 4, m};
 }

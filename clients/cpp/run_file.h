@@ -80,7 +80,8 @@ class Run {
   /// bearing [rad] of each, nan = not seen; "wheels": angle [rad] left and right, not wrapped.
   RunRows reading(const std::string& name, const std::string& what) const;
   /// The set-points of a robot: step, time [s], left, right [rad/s] of each that came in force, with the step
-  /// in which it did; the first is what was in force when recording began.
+  /// in which it did; the first is what was in force when recording began. Error 5 if a loaded controller
+  /// drove it and those were not recorded; if a client took it from the controller, its commands are there.
   RunRows commands(const std::string& name) const;
   /// What happened, in order, notes included.
   std::vector<Event> events() const;

@@ -86,9 +86,7 @@ Message Session::Call(const std::string& module, std::int32_t command, std::vect
 
 std::shared_ptr<Link> Session::Drive(const std::string& robot) {
   RequireOpen();
-  const bool in_team = std::any_of(teams_.begin(), teams_.end(), [&](const auto& team) {
-    return !team->lost && std::find(team->names.begin(), team->names.end(), robot) != team->names.end();
-  });
+  const bool in_team = HasTeamWith(robot);
   std::erase_if(links_, [&](const auto& link) {
     return link->robot == robot && (link->lost || link->in_team != in_team);
   });
@@ -132,7 +130,8 @@ void Session::OpenMotors(Link& link) {
       try {
         Claim(link);
       } catch (const Error& e) {
-        if (e.code() != kNotPossible) throw;  // not possible: a recording is played; reading goes on
+        if (e.code() != kNotPossible && !link.another)
+          throw;  // not possible: a recording is played; reading goes on
       }
     }
     if (!link.attached.empty()) motors.Request(command::kAttach, {}, {}, Join(link.attached, " "));
@@ -149,11 +148,12 @@ void Session::Claim(Link& link) {
     link.motors->Request(command::kClaim);
   } catch (const Error& e) {
     if (e.code() != kOwned) throw;
+    if (HasTeamWith(link.robot)) throw Error(kNotPossible, link.robot + " is driven by its team");
     throw Error(kOwned, link.robot + " cannot be driven: " + e.what() +
                             ". Stop the other program, or free the robot on the page; to look on only: "
                             "connect with watch = true");
   }
-  link.unclaimed = false;
+  link.unclaimed = link.another = false;
   Note(link.motors->Request(command::kGetTime));  // a branch may have brought another mode
 }
 
@@ -174,6 +174,38 @@ void Session::Settle(Link& link) {
     Lose(link, e);
   }
   link.sent.reset();
+}
+
+bool Session::TakesPart(Link& link) {
+  if (!link.motors) return false;
+  Settle(link);
+  if (link.unclaimed && !link.another) {
+    try {
+      Claim(link);
+    } catch (const Error& e) {
+      if (e.code() != kNotPossible && e.code() != kOwned) throw;
+      link.another = !e.text().starts_with(kPlaying);
+    }
+  }
+  return !link.unclaimed;
+}
+
+bool Session::LetGo(const std::string& robot) {
+  for (const auto& link : links_) {
+    if (link->robot != robot || !link->motors || link->commanded || link->unclaimed || link->lost) continue;
+    Settle(*link);
+    link->motors->Request(command::kRelease);
+    link->ForgetCommands();
+    link->unclaimed = link->another = true;
+    return true;
+  }
+  return false;
+}
+
+bool Session::HasTeamWith(const std::string& robot) const {
+  return std::any_of(teams_.begin(), teams_.end(), [&](const auto& team) {
+    return !team->lost && std::find(team->names.begin(), team->names.end(), robot) != team->names.end();
+  });
 }
 
 bool Session::AwaitCommand(Link& link) {
@@ -218,6 +250,7 @@ void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data
   if (link.lost) throw Error(*link.lost);
   if (mode_ != kLockstep || link.unclaimed) Settle(link);
   if (link.unclaimed) Claim(link);  // a branch may go on live from there
+  link.commanded = true;
   if (mode_ == kLockstep) {
     link.kept = Command{command, std::move(data)};
     return;
@@ -236,19 +269,18 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
   RequireOpen();
   std::vector<Waiting> waiting;
   if (!watch_) {
-    for (const auto& link : links_) {
-      if (!link->motors) continue;
-      Settle(*link);
-      waiting.push_back({link->motors.get(), link.get()});
-    }
     for (const auto& team : teams_) {
       try {
-        waiting.push_back({&SettleTeam(*team), nullptr, team.get()});
+        SettleTeam(*team);
       } catch (const Error&) {
         if (team.get() == team_command.team || !team->lost) throw;  // else the others go on without it
       }
     }
     std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
+    for (const auto& link : links_) {
+      if (TakesPart(*link)) waiting.push_back({link->motors.get(), link.get()});
+    }
+    for (const auto& team : teams_) waiting.push_back({team->connection.get(), nullptr, team.get()});
   }
   if (waiting.empty()) {
     if (!simulation_.Alive()) simulation_.Open();
@@ -280,7 +312,10 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
 }
 
 void Session::StartedAnew() {
-  for (const auto& link : links_) link->ForgetCommands();
+  for (const auto& link : links_) {
+    link->ForgetCommands();
+    link->another = false;
+  }
   for (const auto& team : teams_) team->stale = true;
 }
 
@@ -318,21 +353,23 @@ void Session::Close() {
   if (closed_) return;
   while (!teams_.empty()) CloseTeam(*std::shared_ptr<TeamLink>(teams_.back()), true);
   closed_ = true;
+  const auto is_ours = [&](const Link& link) {
+    return link.motors && link.motors->is_open() && !watch_ && !link.unclaimed && !link.lost;
+  };
   for (const auto& link : links_) {
-    if (link->motors && link->motors->is_open() && !watch_ && !link->lost) {
-      try {
-        link->motors->Send(command::kStop, {}, {});
-        link->motors->FinishSending();
-      } catch (const Error&) {
-        // It is gone already.
-      }
+    if (!is_ours(*link)) continue;
+    try {
+      link->motors->Send(command::kStop, {}, {});
+      link->motors->FinishSending();
+    } catch (const Error&) {
+      // It is gone already.
     }
   }
   // Lets the daemon read the last `stop`, so that what this program does next, a reset say, comes after it.
   // In lockstep the step it asks for may be far off.
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
   for (const auto& link : links_) {
-    if (link->motors && link->motors->is_open() && !watch_ && !link->lost) link->motors->AwaitEnd(deadline);
+    if (is_ours(*link)) link->motors->AwaitEnd(deadline);
     link->ForgetCommands();
     link->Close();
   }

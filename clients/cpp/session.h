@@ -36,7 +36,9 @@ struct Link {
   std::optional<Command> kept;                                 // for the next step
   std::optional<Command> sent;                                 // its reply has not come yet
   std::optional<Error> lost;                                   // why it is not ours any more
-  bool unclaimed = false;  // nobody can have it: a recording was played when it was opened
+  bool commanded = false;                                      // by this program, ever
+  bool unclaimed = false;  // only looked at: when it was last asked for a recording was played, or
+  bool another = false;    // another had it; then not asked for again before it is commanded
   bool in_team = false;    // a team of ours drives it: for reading only
   std::vector<std::string> attached;
   std::optional<Message> carried;  // the readings that came with the reply to the last step
@@ -140,6 +142,11 @@ class Session {
   void OpenMotors(Link& link);
   void Claim(Link& link);
   void Settle(Link& link);
+  /// Whether the robot steps with this session. One that was only looked at is taken now if nobody has it.
+  bool TakesPart(Link& link);
+  /// Gives up a robot of ours that was only looked at, so that a team can have it.
+  bool LetGo(const std::string& robot);
+  bool HasTeamWith(const std::string& robot) const;
   bool AwaitCommand(Link& link);
   [[noreturn]] void Lose(Link& link, const Closed& closed);
   /// The daemon closed the connection of `label`: the error, kept in `lost` if it must not be opened again.

@@ -94,6 +94,7 @@ std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
     OpenTeam(*team);
   } catch (const Error& e) {
     if (e.code() != kOwned) throw;
+    if (LetGo(FirstWord(e.text()))) return DriveTeam(text);
     NotOurs(*team, e);
   }
   if (team->names.empty()) throw Error(kNoSuchName, "there is no robot that nobody drives");

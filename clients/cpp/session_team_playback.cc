@@ -13,7 +13,6 @@ namespace coopdyn::client {
 namespace {
 
 constexpr std::int32_t kMostGaps = 100000;
-constexpr const char* kPlaying = "playing a recording";  // how an error begins
 
 /// The NAME of a robot NAME_1, NAME_2 … of a swarm; else empty.
 std::string SwarmOf(const std::string& robot) {

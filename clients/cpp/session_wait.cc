@@ -198,6 +198,10 @@ std::string Session::Whom(bool held_up) const {
     return std::string("no answer from the daemon (") + e.what() + ")";
   }
   const std::string& state = status["state"].text();
+  const Json& playback = status["playback"];
+  if (!playback.is_null() && playback["step"].number() == playback["end_step"].number() &&
+      !playback["playing"].boolean() && !playback["growing"].boolean())
+    return "the recording has ended; sim.run() plays it again";
   if (state == "paused") return "the simulation is paused; sim.run() or the page goes on";
   if (state == "ended") return "the run has ended; sim.reset() starts again";
   const std::vector<Json>& awaiting = status["awaiting"].items();

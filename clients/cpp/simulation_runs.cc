@@ -26,6 +26,12 @@ std::string Word(const std::string& text, const char* what) {
   return words[0];
 }
 
+/// That of a file, so it may have blanks.
+const std::string& RunName(const std::string& text) {
+  if (Words(text).empty()) throw Error(3, "the name of a recording is a text, not '" + text + "'");
+  return text;
+}
+
 /// `count` values before the final two. Throws Error 7 if there are fewer.
 void Require(const Message& reply, std::size_t params, std::size_t data) {
   if (reply.params.size() < params || reply.data.size() < data + 2)
@@ -72,16 +78,15 @@ std::vector<SavedState> Simulation::saved_states() {
 }
 
 std::string Simulation::record(const std::string& name) {
-  return session_
-      ->Tell(kRecorder, command::kStartRecording, {}, {},
-             name.empty() ? name : Word(name, "the name of a recording"))
+  return session_->Tell(kRecorder, command::kStartRecording, {}, {}, name.empty() ? name : RunName(name))
       .text;
 }
 
 Recorded Simulation::stop_recording() {
   const Message reply = session_->Tell(kRecorder, command::kStopRecording, {}, {}, "", kLoadTimeout_s);
-  const std::vector<std::string> words = Words(reply.text);
-  return {words.empty() ? "" : words[0], words.size() < 2 ? "" : UrlHere(session_->address(), words[1])};
+  const std::size_t url =
+      std::min(reply.text.find(" http://"), reply.text.size());  // the name may have blanks
+  return {reply.text.substr(0, url), UrlHere(session_->address(), reply.text.substr(url))};
 }
 
 void Simulation::note(const std::string& text) {
@@ -112,7 +117,7 @@ std::vector<RunFile> Simulation::recordings() {
 }
 
 std::string Simulation::fetch_run(const std::string& name, const std::string& file) {
-  std::string stem = Word(name, "the name of a recording");
+  std::string stem = RunName(name);
   if (stem.ends_with(".run")) stem.resize(stem.size() - 4);
   const std::string to = file.empty() ? stem + ".run" : file;
   try {

@@ -81,7 +81,7 @@ std::vector<std::string> Record(const Folder& folder) {
   EXPECT_EQ(ErrorOf([&] { sim.fetch_run("lesson1", folder / "none/x.run"); }).code(), 5);
   EXPECT_FALSE(fs::exists(folder / "x.run"));
   EXPECT_EQ(ErrorOf([&] { sim.record("lesson1"); }).code(), 5);  // nothing is overwritten
-  EXPECT_EQ(ErrorOf([&] { sim.record("two words"); }).code(), 3);
+  EXPECT_EQ(ErrorOf([&] { sim.record("no/name"); }).code(), 4);
   EXPECT_EQ(ErrorOf([&] { sim.playback(); }).code(), 5);
   return hashes;
 }

@@ -9,7 +9,7 @@ r = sim.robot('robot1');
 assert(isempty(sim.recording()));
 expect_error('coopdyn:not_possible', @() sim.stop_recording());
 expect_error('coopdyn:not_possible', @() sim.playback(), 'coopdyn play');
-expect_error('coopdyn:wrong_data', @() sim.record('two words'), 'one word');
+expect_error('coopdyn:out_of_range', @() sim.record('no/name'));
 assert(strcmp(sim.record('lesson1'), 'lesson1.run'));
 now = sim.recording();
 assert(strcmp(now.name, 'lesson1.run') && now.begin_time == 0);

@@ -3,7 +3,8 @@
 
 The first line after the licence says what it needs: `% needs: nothing`, `% needs: fake --robots 2 --mode lockstep` (the
 scripted daemon), `% needs: daemon classroom --mode lockstep` (the real one) or `% needs: recording classroom --duration 1`
-(one that plays a run recorded so). COOPDYN_SERVER tells the script where it is. A script passes if it prints `passed` at the end, and each text of a line `% prints once: TEXT` just once.
+(one that plays a run recorded so; the scenario is one of the shipped ones or of tests/clients/python). COOPDYN_SERVER tells the
+script where it is. A script passes if it prints `passed` at the end, and each text of a line `% prints once: TEXT` just once.
 """
 import os
 import pathlib
@@ -39,7 +40,8 @@ def main():
     if needs[0] == "recording":
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "a.run")
-            scenario = str(harness.ROOT / "scenarios" / f"{needs[1]}.scenario")
+            folders = (HERE.parent / "python", harness.ROOT / "scenarios")
+            scenario = next(str(f / f"{needs[1]}.scenario") for f in folders if (f / f"{needs[1]}.scenario").exists())
             subprocess.run([os.environ["COOPDYN_BINARY"], "serve", scenario, "--mode", "free", "--no-net", "--record", file,
                             *needs[2:]], check=True, stdout=subprocess.DEVNULL, timeout=60)
             with harness.Daemon(file) as daemon:

@@ -6,17 +6,14 @@ import subprocess
 import tempfile
 import unittest
 
-import harness
+import harness  # noqa: F401  (finds coopdyn.py)
 import coopdyn
 from cases import DaemonTestCase
-
-AUTO = "[ROBOT_1]\ntype minibot\nname auto\nposition -2 0\nfidelity rolling\ncontroller diffuse\n"
 
 
 def record(folder, *options):
     """A run of mini_1 to mini_4, which nobody drives, and auto, which a loaded controller does."""
-    scenario, file = os.path.join(folder, "a.scenario"), os.path.join(folder, "m.run")
-    pathlib.Path(scenario).write_text(harness.swarm_of(4, "area 0 0 1 1\n" + AUTO), encoding="utf-8")
+    scenario, file = pathlib.Path(__file__).with_name("looked_at.scenario"), os.path.join(folder, "m.run")
     subprocess.run([os.environ["COOPDYN_BINARY"], "serve", scenario, "--mode", "free", "--no-net", "--duration", "0.8",
                     "--record", file, *options], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
     return file

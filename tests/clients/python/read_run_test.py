@@ -215,30 +215,21 @@ class Gaps(ReadRunTestCase):
         self.assertEqual(error.code, 5)
         self.assertIn("--record-what", error.text)
 
-    def write_controlled(self, what, *sent):
-        """A robot with a loaded controller; what was sent: (by a client, left)."""
-        db = rf.create(self.path, what=what)
-        rf.add_scene(db, 1, 0, ["a.b", "m.b"], [(name, k, (0, 0, 0), rf.IDENTITY, 0) for k, name in enumerate("am")])
-        rf.describe_robot(db, 1, 1, "m", "diffuse")
-        for k, (by_client, left) in enumerate(sent):
-            rf.add_step(db, k, rf.poses_blob([((0, 0, 0), rf.IDENTITY)] * 2), commands=rf.commands_blob((1, by_client, left, 0)))
-        rf.close(db)
-        return coopdyn.read_run(self.path)
-
     def test_what_a_controller_sent_and_was_not_recorded_is_not_as_if_it_had_stood_still(self):
-        run = self.write_controlled("poses", (0, 0))
+        rf.write_controlled(self.path, "poses", (0, 0))
+        run = coopdyn.read_run(self.path)
         error = self.error_of(lambda: run.commands("m"))
         self.assertEqual((error.code, error.text), (5, f"the commands of m, driven by controller diffuse, were not recorded in "
                                                        f"{self.path}; record with --record-what poses,controllers"))
         self.assertEqual(list(run.commands("a")), [])
 
     def test_of_a_robot_taken_from_its_controller_a_clients_commands_are_there(self):
-        run = self.write_controlled("poses", (0, 0), (1, 2), (0, 3))
-        self.assertEqual(list(run.commands("m")), [(1, 0.01, 2, 0), (2, 0.02, 3, 0)])
+        rf.write_taken(self.path)
+        self.assertEqual(list(coopdyn.read_run(self.path).commands("m")), [(1, 0.01, 2, 0), (2, 0.02, 3, 0)])
 
     def test_what_a_controller_sent_and_was_recorded_is_all_there(self):
-        run = self.write_controlled("poses,controllers", (0, 0), (0, 2))
-        self.assertEqual(list(run.commands("m")), [(0, 0, 0, 0), (1, 0.01, 2, 0)])
+        rf.write_controlled(self.path, "poses,controllers", (0, 0), (0, 2))
+        self.assertEqual(list(coopdyn.read_run(self.path).commands("m")), [(0, 0, 0, 0), (1, 0.01, 2, 0)])
 
     def test_a_robot_of_a_swarm_is_found_among_the_commands_of_all(self):
         n = 300

@@ -103,6 +103,21 @@ def describe_robot(db, scene, place, name, controller, waits_for=("motors", "pos
     db.execute("UPDATE scene SET description = ? WHERE id = ?", (raw + text(controller) + b"and so on", scene))
 
 
+def write_controlled(path, what, *sent):
+    """Robots a, and m with a loaded controller; what m got, step by step: (from a client, left)."""
+    db = create(path, what=what)
+    add_scene(db, 1, 0, ["a.b", "m.b"], [(name, k, (0, 0, 0), IDENTITY, 0) for k, name in enumerate("am")])
+    describe_robot(db, 1, 1, "m", "diffuse")
+    for k, (by_client, left) in enumerate(sent):
+        add_step(db, k, poses_blob([((0, 0, 0), IDENTITY)] * 2), commands=commands_blob((1, by_client, left, 0)))
+    close(db)
+
+
+def write_taken(path):
+    """Without the controller's commands; a client takes m from it."""
+    write_controlled(path, "poses", (0, 0), (1, 2), (0, 3))
+
+
 def write_sample(path):
     """Two robots of which one goes and gets another scene's body, sensors and targets, over four steps."""
     db = create(path)

@@ -11,7 +11,9 @@ classdef Link < handle
     readers = struct() % connections to other modules, by module
     pushers = struct() % connections that readings are pushed on, by module
     drives = false     % open, ours and not lost
-    unclaimed = false  % nobody can have it: a recording was played when it was opened
+    commanded = false  % by this program, ever
+    unclaimed = false  % only looked at: when it was last asked for a recording was played, or
+    another = false    % another had it; then not asked for again before it is commanded
     kept = []          % struct of command and data, for the next step
     sent = []          % likewise: its reply has not come yet
     lost = ''          % why it is not ours any more
@@ -28,18 +30,54 @@ classdef Link < handle
       link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], drives);
     end
 
-    function claim(link)
+    function claim(link, session)
       link.unclaimed = true;
       try
         link.motors.request(7, [], []);
       catch cause
         if strcmp(cause.identifier, 'coopdyn:owned')
+          if session.has_team_with(link.robot)
+            coopdyn.internal.fail(5, [link.robot ' is driven by its team']);
+          end
           coopdyn.internal.fail(6, [link.robot ' cannot be driven: ' cause.message '. Stop the other program, or ' ...
             'free the robot on the page; to look on only: coopdyn.connect(''watch'', true)']);
         end
         rethrow(cause);
       end
       link.unclaimed = false;
+      link.another = false;
+      link.drives = true;
+      session.note(link.motors.request(3, [], []));  % a branch may have brought another mode
+    end
+
+    function yes = takes_part(link, session)
+    % The robot steps with this sim. One that was only looked at is taken now if nobody has it.
+      yes = false;
+      if isempty(link.motors)
+        return
+      end
+      link.settle(session);
+      if link.unclaimed && ~link.another
+        try
+          link.claim(session);
+        catch cause
+          if ~any(strcmp(cause.identifier, {'coopdyn:owned', 'coopdyn:not_possible'}))
+            rethrow(cause);
+          end
+          link.another = ~coopdyn.internal.is_playing(cause);
+        end
+      end
+      yes = ~link.unclaimed;
+    end
+
+    function let_go(link, session)
+    % Gives up a robot of ours that was only looked at, so that a team can have it.
+      link.settle(session);
+      link.motors.request(8, [], []);
+      link.forget_commands();
+      link.unclaimed = true;
+      link.another = true;
+      link.drives = false;
     end
 
     function open(link, session)
@@ -52,9 +90,9 @@ classdef Link < handle
       try
         if ~session.watch
           try
-            link.claim();
+            link.claim(session);
           catch cause
-            if ~strcmp(cause.identifier, 'coopdyn:not_possible')  % a recording is played; reading goes on
+            if ~strcmp(cause.identifier, 'coopdyn:not_possible') && ~link.another  % a recording is played; reading goes on
               rethrow(cause);
             end
           end
@@ -62,9 +100,11 @@ classdef Link < handle
         if ~isempty(link.attached)
           c.request(9, [], [], strjoin(link.attached, ' '));
         end
-        session.note(c.request(3, [], []));
-        link.drives = ~session.watch && ~link.unclaimed;
+        if ~link.drives
+          session.note(c.request(3, [], []));
+        end
       catch cause
+        link.drives = false;
         c.close();
         rethrow(cause);
       end
@@ -142,10 +182,9 @@ classdef Link < handle
         link.settle(session);
       end
       if link.unclaimed
-        link.claim();  % a branch may go on live from there, in another mode
-        session.note(link.motors.request(3, [], []));
-        link.drives = true;
+        link.claim(session);  % a branch may go on live from there
       end
+      link.commanded = true;
       if session.mode == 1
         link.kept = {number, data};
         return

@@ -34,7 +34,7 @@ classdef RunCalls < handle
       if nargin < 2 || isempty(name)
         name = '';
       else
-        name = coopdyn.internal.word(name, 'the name of a recording');
+        name = coopdyn.internal.run_name(name);
       end
       reply = coopdyn.internal.tell(sim.session, '/recorder', 121, [], [], name);
       name = reply.text;
@@ -44,8 +44,9 @@ classdef RunCalls < handle
     %STOP_RECORDING Ends the recording; its name, and where the daemon's page has it ('': there is no page), when its
     %   file is closed.
       reply = coopdyn.internal.tell(sim.session, '/recorder', 122, [], [], '', 60);
-      [name, url] = strtok(strtrim(reply.text), ' ');
-      url = coopdyn.internal.url_here(sim.session.address, strtrim(url));
+      at = [strfind(reply.text, ' http://') numel(reply.text) + 1];  % the name may have blanks
+      name = reply.text(1:at(1) - 1);
+      url = coopdyn.internal.url_here(sim.session.address, strtrim(reply.text(at(1):end)));
     end
 
     function note(sim, text)
@@ -83,7 +84,7 @@ classdef RunCalls < handle
     %FETCH_RUN Copies a recording from the daemon: file = sim.fetch_run('lesson1') makes lesson1.mat here, which
     %   coopdyn.read_run and load read. With a file called .run the recording itself. What was there is replaced when
     %   all has come.
-      name = regexprep(coopdyn.internal.word(name, 'the name of a recording'), '\.(run|mat)$', '');
+      name = regexprep(coopdyn.internal.run_name(name), '\.(run|mat)$', '');
       if nargin < 3 || isempty(file)
         file = [name '.mat'];
       end
@@ -93,7 +94,7 @@ classdef RunCalls < handle
         kind = '.run';
       end
       try
-        coopdyn.internal.download(sim.session, ['/runs/' name kind], file, 'recording', 600);
+        coopdyn.internal.download(sim.session, ['/runs/' coopdyn.internal.url_quoted([name kind])], file, 'recording', 600);
       catch cause  % Octave does not tell what the page answered
         files = sim.recordings();
         at = find(strcmp({files.name}, [name '.run']), 1);

@@ -122,7 +122,7 @@ classdef Session < handle
         % One robot: the same as below with less to do, if its connection is in order.
         link = links{1};
         c = link.motors;
-        if ~isempty(c) && ~c.busy && ~isempty(c.socket)
+        if ~isempty(c) && ~c.busy && ~isempty(c.socket) && ~link.unclaimed
           s.step_one(link, c, n, limit);
           return
         end
@@ -131,16 +131,6 @@ classdef Session < handle
       connections = {};
       links = {};
       if ~s.watch
-        for k = 1:numel(s.links)
-          link = s.links{k};
-          if ~isempty(link.motors)
-            if ~isempty(link.lost) || ~isempty(link.sent) || link.motors.busy || isempty(link.motors.socket)
-              link.settle(s);
-            end
-            links{end + 1} = link; %#ok<AGROW>
-            connections{end + 1} = link.motors; %#ok<AGROW>
-          end
-        end
         for k = 1:numel(s.teams)
           team = s.teams{k};
           try
@@ -149,12 +139,19 @@ classdef Session < handle
             if isempty(team.lost) || nargin > 3 && team.number == commanded.number
               rethrow(cause);
             end
-            continue  % the others go on without it
-          end
-          links{end + 1} = team; %#ok<AGROW>
-          connections{end + 1} = team.connection; %#ok<AGROW>
+          end  % else the others go on without it
         end
         s.drop_lost_teams();
+        for k = 1:numel(s.links)
+          link = s.links{k};
+          c = link.motors;
+          if link.drives && isempty(link.sent) && ~c.busy && ~isempty(c.socket) || link.takes_part(s)
+            links{end + 1} = link; %#ok<AGROW>
+            connections{end + 1} = c; %#ok<AGROW>
+          end
+        end
+        links = [links s.teams];
+        connections = [connections cellfun(@(t) t.connection, s.teams, 'UniformOutput', false)];
       end
       if isempty(links)
         if ~s.simulation.alive()
@@ -273,10 +270,26 @@ classdef Session < handle
       for k = 1:numel(s.links)
         link = s.links{k};
         link.forget_commands();
+        link.another = false;
       end
       for k = 1:numel(s.teams)
         team = s.teams{k};
         team.stale = true;
+      end
+    end
+
+    function yes = has_team_with(s, robot)
+      yes = any(cellfun(@(t) isempty(t.lost) && any(strcmp(t.names, robot)), s.teams));
+    end
+
+    function link = looked_at(s, robot)
+    % The link of a robot of ours that was only looked at; [] if there is none.
+      link = [];
+      for k = 1:numel(s.links)
+        l = s.links{k};
+        if strcmp(l.robot, robot) && ~isempty(l.motors) && ~l.commanded && ~l.unclaimed && isempty(l.lost)
+          link = l;
+        end
       end
     end
 
@@ -295,7 +308,7 @@ classdef Session < handle
       stopping = {};
       for k = 1:numel(s.links)
         link = s.links{k};
-        if ~isempty(link.motors) && ~s.watch && isempty(link.lost) && link.motors.alive()
+        if ~isempty(link.motors) && ~s.watch && ~link.unclaimed && isempty(link.lost) && link.motors.alive()
           try
             link.motors.send(14, coopdyn.internal.encode(14, [], []));
             stopping{end + 1} = link.motors;

@@ -2,10 +2,7 @@
 function link = take_robot(session, robot)
 %TAKE_ROBOT The link to a robot, opened and (unless watching) claimed.
   session.require_open();
-  in_team = false;
-  for k = 1:numel(session.teams)
-    in_team = in_team || any(strcmp(session.teams{k}.names, robot));
-  end
+  in_team = session.has_team_with(robot);
   keep = true(1, numel(session.links));
   for k = 1:numel(session.links)
     link = session.links{k};

@@ -30,6 +30,12 @@ function team = take_team(session, text)
   catch cause
     if strcmp(cause.identifier, 'coopdyn:owned')
       robot = coopdyn.internal.first_word(cause.message);
+      link = session.looked_at(robot);
+      if ~isempty(link)
+        link.let_go(session);
+        team = coopdyn.internal.take_team(session, text);
+        return
+      end
       for k = 1:numel(session.teams)
         other = session.teams{k};
         if isempty(other.lost) && any(strcmp(other.names, robot))

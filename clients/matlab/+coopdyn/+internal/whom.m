@@ -8,6 +8,13 @@ function text = whom(address, held_up)
     text = ['no answer from the daemon (' cause.message ')'];
     return
   end
+  if isfield(status, 'playback') && ~isempty(status.playback)
+    p = status.playback;
+    if p.step == p.end_step && ~p.playing && ~p.growing
+      text = 'the recording has ended; sim.run() plays it again';
+      return
+    end
+  end
   if strcmp(status.state, 'paused')
     text = 'the simulation is paused; sim.run() or the page goes on';
     return
