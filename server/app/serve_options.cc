@@ -130,7 +130,7 @@ void AddRecording(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
       ->check(CLI::Validator(CheckPositive, ""))
       ->envname("COOPDYN_RECORD_EVERY");
   sub->add_flag("--force", serve.record.force,
-                "Overwrite the recording; record though the disk is too small");
+                "Replace the recording that --record names; record though the disk is too small");
   sub->add_option("--on-record-failure", raw.on_record_failure,
                   "What to do when the recording fails, e.g. on a full disk: continue or stop")
       ->check(CLI::IsMember({"continue", "stop"}))

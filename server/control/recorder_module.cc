@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "protocol/module_tables.h"
+#include "server/naming/run_names.h"
 
 namespace coopdyn {
 
@@ -56,8 +57,9 @@ std::optional<Message> RecorderModule::Change(Peer& peer, const Message& request
       break;
     case command::kStopRecording:
       desk_.Stop([later = Later(peer), page = page_()](const RecordingDesk::Result& result) {
-        const bool copied = result.error == Error::kOk && result.in_folder && !page.empty();
-        later(ToEditResult(result, copied ? result.text + " " + page + "runs/" + result.text : result.text));
+        const bool copied = result.error == Error::kOk && result.in_folder;
+        const std::string url = copied ? RunUrl(page, result.text) : "";
+        later(ToEditResult(result, url.empty() ? result.text : result.text + " " + url));
       });
       break;
     case command::kNote:

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "server/control/run_names.h"
+#include "server/naming/run_names.h"
 
 namespace coopdyn {
 
@@ -126,8 +126,10 @@ std::string RecordingDesk::StartFile(const std::string& file, bool force) {
     return file + " is a folder: write the name of a file, e.g. --record " +
            (fs::path(file) / "lesson1.run").string();
   }
-  if (std::string error = BeginStart(); !error.empty()) return error;
   const fs::path path = fs::path(file).has_extension() ? file : WithRunExtension(file);
+  if (std::string objection = RunNameObjection(path.filename().string()); !objection.empty())
+    return objection;
+  if (std::string error = BeginStart(); !error.empty()) return error;
   const std::shared_ptr<Recorder> recorder = MakeRecorder(path, force);
   std::string error = CheckFile(*recorder, path, force);
   if (!error.empty()) {

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "server/control/run_names.h"
+#include "server/naming/run_names.h"
 #include "server/record/run_reader.h"
 #include "server/record/run_reader_open.h"
 #include "server/replay/export_mat.h"
@@ -38,13 +38,13 @@ std::string RunsJson(const std::vector<RunFile>& runs, const std::string& page) 
   json::array list;
   for (const RunFile& run : runs) {
     const bool whole = run.steps && !run.recording && !run.has_log;
-    const bool copied = !page.empty() && whole && RunNameObjection(run.name).empty();
+    const std::string url = whole ? RunUrl(page, run.name) : "";
     list.push_back({{"name", run.name},
                     {"bytes", run.bytes},
                     {"seconds", run.seconds ? json::value(*run.seconds) : json::value(nullptr)},
                     {"steps", run.steps ? json::value(*run.steps) : json::value(nullptr)},
                     {"recording", run.recording},
-                    {"url", copied ? json::value(page + "runs/" + run.name) : json::value(nullptr)}});
+                    {"url", url.empty() ? json::value(nullptr) : json::value(url)}});
   }
   return json::serialize(list);
 }
@@ -69,7 +69,9 @@ std::vector<RunFile> RunFolder::ListNow() {
   std::error_code failed;
   for (fs::directory_iterator it(folder_, failed), end; !failed && it != end; it.increment(failed)) {
     std::error_code ignored;
-    if (it->path().extension() == kRunExtension && it->is_regular_file(ignored)) entries.push_back(*it);
+    const std::string name = it->path().filename().string();
+    const bool named_well = name.ends_with(kRunExtension) && IsRunName(name);
+    if (named_well && it->is_regular_file(ignored)) entries.push_back(*it);
   }
   std::sort(entries.begin(), entries.end(), [](const fs::directory_entry& a, const fs::directory_entry& b) {
     std::error_code ignored;
@@ -126,7 +128,7 @@ bool RunFolder::IsPresent(const fs::path& file) const {
 }
 
 RunToCopy RunFolder::Find(const std::string& name, bool exported) const {
-  if (!name.ends_with(kRunExtension) || !RunNameObjection(name).empty()) {
+  if (!name.ends_with(kRunExtension) || !IsRunName(name)) {
     return {Error::kNoSuchName, "there is no recording of that name: /runs lists them", {}};
   }
   const fs::path file = folder_ / name;

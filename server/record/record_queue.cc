@@ -40,10 +40,11 @@ void RecordQueue::WaitForRoom(std::size_t bytes) {
   }
 }
 
-void RecordQueue::PushBegin(SavedStatePtr state) {
-  const std::size_t bytes = BytesOf(*state->frame) + state->controllers.size();
+void RecordQueue::PushBegin(QueuedBegin begin) {
+  const SavedState& state = *begin.state;
+  const std::size_t bytes = BytesOf(*state.frame) + state.controllers.size();
   const MutexLock lock(mutex_);
-  if (state->mode != Mode::kRealtime) {
+  if (state.mode != Mode::kRealtime) {
     while (begins_ > 0 && !refuses()) {
       work_.NotifyOne();
       room_.Wait(mutex_);
@@ -52,9 +53,9 @@ void RecordQueue::PushBegin(SavedStatePtr state) {
   }
   if (refuses()) return;
   ++begins_;
-  keyframe_ = state->frame->step;
+  keyframe_ = state.frame->step;
   needs_keyframe_ = false;
-  Push({std::move(state), std::exchange(lost_since_, 0), bytes});
+  Push({std::move(begin), std::exchange(lost_since_, 0), bytes});
 }
 
 bool RecordQueue::WantsKeyframe(std::uint64_t step, std::uint64_t every) {
@@ -109,7 +110,7 @@ std::optional<QueuedItem> RecordQueue::Pop(bool may_sleep) {
   QueuedItem item = std::move(items_.front());
   items_.pop_front();
   bytes_ -= item.bytes;
-  const bool begins = std::holds_alternative<SavedStatePtr>(item.what);
+  const bool begins = std::holds_alternative<QueuedBegin>(item.what);
   if (begins) --begins_;
   // Whoever waits for room gets some for a while, not for one step.
   if (begins || bytes_ <= max_bytes_ / 2) room_.NotifyAll();

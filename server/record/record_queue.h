@@ -22,9 +22,15 @@ struct QueuedStep {
   std::vector<std::byte> controllers;
 };
 
+struct QueuedBegin {
+  SavedStatePtr state;
+  int number = 1;              // of the file
+  bool drops_present = false;  // the file before, as nothing stands in it
+};
+
 struct QueuedItem {
-  std::variant<SavedStatePtr, QueuedStep, RunInput, Event> what;  // a state begins a file
-  std::uint64_t lost_before = 0;                                  // steps that were left out just before it
+  std::variant<QueuedBegin, QueuedStep, RunInput, Event> what;
+  std::uint64_t lost_before = 0;  // steps that were left out just before it
   std::size_t bytes = 0;
 };
 
@@ -35,7 +41,7 @@ class RecordQueue {
   // --- the holder of the baton
   /// In the other modes than real time it waits until the file before has begun: to end and begin files takes
   /// longer than short runs do, and all that waits is lost in a crash.
-  void PushBegin(SavedStatePtr state) EXCLUDES(mutex_);
+  void PushBegin(QueuedBegin begin) EXCLUDES(mutex_);
   /// Whether the next step is to be a keyframe, if there is one every `every` steps.
   bool WantsKeyframe(std::uint64_t step, std::uint64_t every) EXCLUDES(mutex_);
   /// In real time a step that finds no room is left out; in the other modes it waits for some.

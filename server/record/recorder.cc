@@ -22,8 +22,9 @@ namespace {
 /// Steps of one commit at most: free mode makes thousands in the time of commit_every.
 constexpr std::uint64_t kStepsAtOnce = 256;
 
-/// lesson1-2.run for lesson1.run and 2.
+/// lesson1-2.run for lesson1.run and 2; that itself for 1.
 std::string NumberedName(const std::string& file, int number) {
+  if (number == 1) return file;
   const std::string end = file.ends_with(".run") ? ".run" : "";
   return file.substr(0, file.size() - end.size()) + "-" + std::to_string(number) + end;
 }
@@ -65,10 +66,44 @@ class Recorder::Impl {
     const MutexLock lock(mutex_);
     RecorderStatus status = status_;
     status.lost = lost;
+    if (coming_.files == 0 || !status.failure.empty()) return status;
+    status.file = coming_.file;
+    status.steps = status.bytes = 0;
+    status.begin = status.end = coming_.begin;
     return status;
   }
 
+  // --- the holder of the baton
+  void Begin(const SavedStatePtr& state) EXCLUDES(mutex_) {
+    const bool drops_present = number_ > 0 && !has_content_;
+    // A name that is taken is left alone, but for the one that the user has given.
+    if (!drops_present) {
+      do ++number_;
+      while (number_ > 1 && Exists(NumberedName(options_.file, number_)));
+    }
+    has_content_ = false;
+    {
+      const MutexLock lock(mutex_);
+      coming_ = {coming_.files + 1, NumberedName(options_.file, number_), state->frame->time};
+    }
+    queue_.PushBegin({state, number_, drops_present});
+  }
+  void Step(QueuedStep step) {
+    has_content_ = true;
+    queue_.PushStep(std::move(step));
+  }
+  void Note(Event event) {
+    has_content_ = has_content_ || event.level == "note";
+    queue_.PushEvent(std::move(event));
+  }
+
  private:
+  /// Files that were begun and are not yet made, and the last of them.
+  struct Coming {
+    int files = 0;
+    std::string file;
+    Nanoseconds begin = 0;
+  };
   struct Moment {
     std::uint64_t step = 0;
     double time_s = 0;  // simulated
@@ -89,10 +124,10 @@ class Recorder::Impl {
   }
 
   void Write(QueuedItem& item) {
-    if (const auto* state = std::get_if<SavedStatePtr>(&item.what)) {
+    if (const auto* begin = std::get_if<QueuedBegin>(&item.what)) {
       if (writer_ != nullptr) NoteLost(item.lost_before, last_);
-      BeginAnew();
-      if (!failed_) OpenFile(**state);
+      EndFile(*begin);
+      if (!failed_) OpenFile(*begin);
     } else if (writer_ == nullptr) {
       return;
     } else if (auto* step = std::get_if<QueuedStep>(&item.what)) {
@@ -100,7 +135,6 @@ class Recorder::Impl {
     } else if (const auto* input = std::get_if<RunInput>(&item.what)) {
       Check(writer_->AddInput(*input));
     } else if (const auto* event = std::get_if<Event>(&item.what)) {
-      noted_ = noted_ || event->level == "note";
       Check(writer_->AddEvent(*event));
     }
   }
@@ -125,25 +159,40 @@ class Recorder::Impl {
 
   /// After a reset, load or restore: ends the present file, which says where the run goes on. One without
   /// steps is dropped, and its name used again.
-  void BeginAnew() {
+  void EndFile(const QueuedBegin& begin) {
     if (writer_ == nullptr || failed_) return CloseFile();
-    if (writer_->steps() == 0 && !noted_) {
-      const std::string file = writer_->file();
-      CloseFile();
-      if (failed_) return;
-      RemoveRunFile(file);
-      reused_ = file;
-      return;
+    const std::string file = writer_->file();
+    if (!begin.drops_present) {
+      const std::string next = NumberedName(options_.file, begin.number);
+      Check(writer_->AddEvent({last_.step, last_.time_s, "info", "the run begins anew in " + next}));
     }
-    reused_ = NextName();
-    Check(writer_->AddEvent({last_.step, last_.time_s, "info", "the run begins anew in " + reused_}));
     CloseFile();
+    if (begin.drops_present && !failed_) RemoveRunFile(file);
   }
 
-  void OpenFile(const SavedState& state) {
-    const std::string file = reused_.empty() ? NextName() : std::exchange(reused_, {});
+  void OpenFile(const QueuedBegin& begin) {
+    const SavedState& state = *begin.state;
+    std::string error;
+    writer_ = MakeFile(state, begin.number, error);
+    if (writer_ == nullptr) return Fail(error);
+    // So that it can be read from now on, whatever happens.
+    if (!Check(writer_->Commit())) return;
+    has_made_ = true;
+    committed_steps_ = 0;
+    logger_->info("recording to {}", writer_->file());
+    last_ = committed_ = {state.frame->step, state.frame->time_s()};
+    is_dirty_ = false;
+    const MutexLock lock(mutex_);
+    --coming_.files;
+    status_.file = writer_->file();
+    status_.steps = 0;
+    status_.begin = status_.end = writer_->begin();
+    status_.bytes = writer_->bytes();
+  }
+
+  std::unique_ptr<RunWriter> MakeFile(const SavedState& state, int number, std::string& error) {
     RunWriterOptions options;
-    options.overwrite = options_.overwrite;
+    options.overwrite = options_.overwrite && !has_made_;
     const RecordWhat what = options_.what.value_or(DefaultRecordWhat(state.frame->robots.size()));
     options.header = HeaderOf(*state.frame, state.mode, what, options_.pose_every);
     options.header.version = options_.version;
@@ -151,27 +200,12 @@ class Recorder::Impl {
     options.header.started = options_.started;
     options.header.build = build_;
     options.header.cpu = CpuName();
-    std::string error;
-    writer_ = RunWriter::Create(file, std::move(options), state, error);
-    if (writer_ == nullptr) return Fail(error);
-    // So that it can be read from now on, whatever happens.
-    if (!Check(writer_->Commit())) return;
-    committed_steps_ = 0;
-    logger_->info("recording to {}", file);
-    last_ = committed_ = {state.frame->step, state.frame->time_s()};
-    is_dirty_ = noted_ = false;
-    const MutexLock lock(mutex_);
-    status_.file = file;
-    status_.steps = 0;
-    status_.begin = status_.end = writer_->begin();
-    status_.bytes = writer_->bytes();
-  }
-
-  std::string NextName() {
-    ++number_;
-    if (number_ == 1) return options_.file;
-    while (!options_.overwrite && Exists(NumberedName(options_.file, number_))) ++number_;
-    return NumberedName(options_.file, number_);
+    while (true) {
+      const std::string file = NumberedName(options_.file, number++);
+      std::unique_ptr<RunWriter> writer = RunWriter::Create(file, options, state, error);
+      // Somebody may have taken the name of a later file meanwhile.
+      if (writer != nullptr || !has_made_ || !Exists(file)) return writer;
+    }
   }
 
   void CloseFile() {
@@ -252,15 +286,18 @@ class Recorder::Impl {
   RecordQueue queue_;
   mutable Mutex mutex_;
   RecorderStatus status_ GUARDED_BY(mutex_);
+  Coming coming_ GUARDED_BY(mutex_);
+
+  // The holder of the baton only.
+  int number_ = 0;            // of the present file
+  bool has_content_ = false;  // steps or notes, in the present file
 
   // The recorder's thread only.
   std::unique_ptr<RunWriter> writer_;
   const std::string build_ = BuildId();  // before the run, as it reads the whole program
-  int number_ = 0;                       // of the present file
   std::uint64_t committed_steps_ = 0;
-  bool noted_ = false;   // somebody's note stands in it
-  std::string reused_;   // name of the next file; empty: NextName()
-  bool failed_ = false;  // nothing is written any more
+  bool has_made_ = false;  // the first file
+  bool failed_ = false;    // nothing is written any more
   bool is_dirty_ = false;
   Nanoseconds dirty_since_ = 0;  // wall clock
   Moment last_, committed_;
@@ -297,7 +334,7 @@ RecorderStatus Recorder::status() const {
 }
 
 void Recorder::Begin(const SavedStatePtr& state) {
-  impl_->queue().PushBegin(state);
+  impl_->Begin(state);
 }
 
 bool Recorder::WantsKeyframe(std::uint64_t step) {
@@ -305,7 +342,7 @@ bool Recorder::WantsKeyframe(std::uint64_t step) {
 }
 
 void Recorder::Step(const FramePtr& frame, Mode mode, bool keyframe, std::vector<std::byte> controllers) {
-  impl_->queue().PushStep({frame, mode, keyframe, std::move(controllers)});
+  impl_->Step({frame, mode, keyframe, std::move(controllers)});
 }
 
 void Recorder::Input(RunInput input) {
@@ -313,7 +350,7 @@ void Recorder::Input(RunInput input) {
 }
 
 void Recorder::Note(Event event) {
-  impl_->queue().PushEvent(std::move(event));
+  impl_->Note(std::move(event));
 }
 
 }  // namespace coopdyn

@@ -23,7 +23,7 @@ struct RecorderOptions {
   std::string file;                // "lesson1.run"; after a reset or load it goes on in lesson1-2.run
   std::optional<RecordWhat> what;  // empty: DefaultRecordWhat()
   Nanoseconds pose_every = 0;      // poses and readings only so often; 0: each step
-  bool overwrite = false;
+  bool overwrite = false;          // `file` itself, if it is a recording
   std::string version, command, started;
   std::size_t max_queue_bytes = std::size_t{64} << 20;
   std::uint64_t keyframe_steps = 500;
@@ -33,7 +33,7 @@ struct RecorderOptions {
 };
 
 struct RecorderStatus {
-  std::string file;                // the present one
+  std::string file;                // the present one, at once after Begin()
   std::uint64_t steps = 0;         // written to it
   std::uint64_t lost = 0;          // left out in real time
   std::uint64_t bytes = 0;         // of the file

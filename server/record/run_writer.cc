@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "server/record/pose_codec.h"
+#include "server/record/run_reader_journal.h"
 #include "server/record/run_reader_open.h"
 #include "server/record/run_tables.h"
 #include "server/record/state_codec.h"
@@ -33,12 +34,18 @@ std::string SystemText(int code) {
   return std::generic_category().message(code);
 }
 
+/// Removes what SQLite keeps beside `file`.
+void RemoveBeside(const std::string& file) {
+  for (const char* end : {"-wal", "-shm", "-journal"}) ::unlink((file + end).c_str());
+}
+
 /// Makes `file`, empty; an error text, empty if that went well.
-std::string MakeEmpty(const std::string& file) {
-  RemoveRunFile(file);
+std::string MakeEmpty(const std::string& file, bool overwrite) {
+  if (overwrite) ::unlink(file.c_str());
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) return "cannot make " + file + ": " + SystemText(errno);
   ::close(descriptor);
+  RemoveBeside(file);
   return {};
 }
 
@@ -89,8 +96,11 @@ class RowInserter {
 std::string WhyNoRunFile(const std::string& file, bool overwrite) {
   struct stat found {};
   if (::lstat(file.c_str(), &found) != 0) return {};
-  if (!overwrite) return file + " exists: choose another name, or --force";
   if (!S_ISREG(found.st_mode)) return file + " is no file: choose another name";
+  if (found.st_size > 0 && !BeginsAsRecording(file)) {
+    return file + " is not a recording of coopdyn: choose another name";
+  }
+  if (!overwrite) return file + " exists: choose another name, or --force";
   if (::access(file.c_str(), W_OK) != 0) return "cannot write " + file + ": " + SystemText(errno);
   std::string ignored;
   if (OpenRun(file, ignored).growing) {
@@ -100,7 +110,8 @@ std::string WhyNoRunFile(const std::string& file, bool overwrite) {
 }
 
 void RemoveRunFile(const std::string& file) {
-  for (const char* end : {"", "-wal", "-shm", "-journal"}) ::unlink((file + end).c_str());
+  ::unlink(file.c_str());
+  RemoveBeside(file);
 }
 
 RunHeader HeaderOf(const Frame& frame, Mode mode, const RecordWhat& what, Nanoseconds pose_every) {
@@ -130,7 +141,7 @@ RunWriter::~RunWriter() {
 std::unique_ptr<RunWriter> RunWriter::Create(const std::string& file, RunWriterOptions options,
                                              const SavedState& first, std::string& error) {
   error = WhyNoRunFile(file, options.overwrite);
-  if (error.empty()) error = MakeEmpty(file);
+  if (error.empty()) error = MakeEmpty(file, options.overwrite);
   if (!error.empty()) return nullptr;
   std::unique_ptr<RunWriter> writer(new RunWriter(file, std::move(options)));
   if (writer->Open(first)) return writer;

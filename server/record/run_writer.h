@@ -18,7 +18,7 @@ namespace coopdyn {
 
 struct RunWriterOptions {
   RunHeader header;
-  bool overwrite = false;
+  bool overwrite = false;      // a recording, or an empty file
   std::size_t page_size = 0;   // of SQLite; 0: what suits the rows
   std::int64_t max_pages = 0;  // beyond that the disk counts as full; 0: no such limit. For tests
 };
@@ -101,7 +101,8 @@ class RunWriter {
   std::vector<std::byte> commands_blob_, messages_blob_, wheels_, distances_, targets_, poses_;
 };
 
-/// Why a recording may not take the place of `file`; empty if it may, or nothing is there.
+/// Why a recording may not take the place of `file`, even with `overwrite` if that is no recording; empty if
+/// it may, or nothing is there.
 std::string WhyNoRunFile(const std::string& file, bool overwrite);
 
 /// Removes `file` and what SQLite keeps beside it.

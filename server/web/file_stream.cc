@@ -8,12 +8,23 @@
 #include <boost/asio/write.hpp>
 #include <cerrno>
 
+#include "server/naming/run_names.h"
 #include "server/web/http_routes.h"
 
 namespace coopdyn {
 
 namespace asio = boost::asio;
 using boost::system::error_code;
+
+namespace {
+
+/// As RFC 6266 has it.
+std::string FileNameParameter(const std::string& name) {
+  const std::string coded = PercentEncode(name);
+  return coded == name ? "=\"" + name + "\"" : "*=UTF-8''" + coded;
+}
+
+}  // namespace
 
 FileStream::FileStream(boost::beast::tcp_stream stream, UniqueFd file, std::uint64_t bytes)
     : stream_(std::move(stream)), file_(std::move(file)), left_(bytes) {}
@@ -24,7 +35,7 @@ void FileStream::Start(const std::string& name, bool head_only) {
   const bool is_run = name.ends_with(".run");
   header_ +=
       std::string("Content-Type: ") + (is_run ? "application/vnd.sqlite3" : "application/octet-stream");
-  header_ += "\r\nContent-Disposition: attachment; filename=\"" + name + "\"";
+  header_ += "\r\nContent-Disposition: attachment; filename" + FileNameParameter(name);
   header_ += "\r\nContent-Length: " + std::to_string(left_) + "\r\n\r\n";
   if (head_only) left_ = 0;
   stream_.expires_after(kPieceTime);

@@ -2,8 +2,10 @@
 #include "server/web/http_routes.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "protocol/ascii.h"
+#include "server/naming/run_names.h"
 #include "server/web/access.h"
 #include "server/web/image_query.h"
 
@@ -48,12 +50,12 @@ bool IsJson(std::string_view content_type) {
 
 constexpr std::string_view kRunFolder = "/runs/";
 
-/// No other folders, no hidden files, nothing that would need quotes.
-bool IsRunName(std::string_view name) {
-  const bool ends_well = name.ends_with(".run") || name.ends_with(".mat");
-  return ends_well && name.front() != '.' &&
-         name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") ==
-             std::string_view::npos;
+/// The name of the file that `path` asks for; empty if it leads to no recording.
+std::string RunNameIn(std::string_view path) {
+  if (!path.starts_with(kRunFolder)) return {};
+  const std::string name = PercentDecode(path.substr(kRunFolder.size())).value_or("");
+  const bool ends_well = name.ends_with(kRunExtension) || name.ends_with(".mat");
+  return ends_well && IsRunName(name) ? name : "";
 }
 
 HttpRoute FindGet(std::string_view path, std::string_view query) {
@@ -63,9 +65,9 @@ HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/api/scenarios") return Accept(HttpRouteKind::kScenarios);
   if (path == "/api/modules") return Accept(HttpRouteKind::kModules);
   if (path == "/runs") return Accept(HttpRouteKind::kRuns);
-  if (path.starts_with(kRunFolder) && IsRunName(path.substr(kRunFolder.size()))) {
+  if (std::string name = RunNameIn(path); !name.empty()) {
     HttpRoute route = Accept(HttpRouteKind::kRun);
-    route.run = path.substr(kRunFolder.size());
+    route.run = std::move(name);
     return route;
   }
   if (const Asset* asset = FindAsset(path)) {

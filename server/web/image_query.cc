@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "server/web/image_query.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 
-#include "protocol/ascii.h"
 #include "protocol/text_numbers.h"
+#include "server/naming/run_names.h"
 
 namespace coopdyn {
 namespace {
-
-int HexDigit(char c) {
-  if (IsDigit(c)) return c - '0';
-  const char lower = ToLower(c);
-  return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
-}
 
 std::string ReadPixels(std::string_view key, std::string_view text, int& pixels) {
   std::int32_t value = 0;
@@ -63,22 +59,6 @@ std::string ReadParameter(std::string_view key, std::string_view text, ImageRequ
 
 }  // namespace
 
-std::optional<std::string> PercentDecode(std::string_view text) {
-  std::string decoded;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '%') {
-      decoded += text[i] == '+' ? ' ' : text[i];
-      continue;
-    }
-    const int high = i + 2 < text.size() ? HexDigit(text[i + 1]) : -1;
-    const int low = i + 2 < text.size() ? HexDigit(text[i + 2]) : -1;
-    if (high < 0 || low < 0) return std::nullopt;
-    decoded += static_cast<char>(high * 16 + low);
-    i += 2;
-  }
-  return decoded;
-}
-
 std::string ReadImageQuery(std::string_view query, ImageRequest& request) {
   while (!query.empty()) {
     const auto end = query.find('&');
@@ -86,7 +66,8 @@ std::string ReadImageQuery(std::string_view query, ImageRequest& request) {
     query.remove_prefix(end == std::string_view::npos ? query.size() : end + 1);
     if (pair.empty()) continue;
     const auto equals = pair.find('=');
-    const std::string_view coded = equals == std::string_view::npos ? "" : pair.substr(equals + 1);
+    std::string coded(equals == std::string_view::npos ? "" : pair.substr(equals + 1));
+    std::replace(coded.begin(), coded.end(), '+', ' ');
     const std::optional<std::string> value = PercentDecode(coded);
     if (!value) return "badly escaped: " + Quoted(pair);
     if (std::string error = ReadParameter(pair.substr(0, equals), *value, request); !error.empty())

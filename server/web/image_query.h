@@ -2,7 +2,6 @@
 // Which picture a URL asks for. Pure; any thread.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,8 +12,5 @@ namespace coopdyn {
 /// Reads the query of `/snapshot.png?w=640&h=480&eye=x,y,z&look=x,y,z&rays=1` into `request`: an error text,
 /// empty if it is good.
 std::string ReadImageQuery(std::string_view query, ImageRequest& request);
-
-/// `%41+` as `A `; nothing if it is badly formed.
-std::optional<std::string> PercentDecode(std::string_view text);
 
 }  // namespace coopdyn

@@ -84,11 +84,13 @@ class VerifyTest(RecordingTestCase):
 
 class FileTest(RecordingTestCase):
     def test_what_is_there_is_not_overwritten_without_force(self):
-        self.file.write_bytes(b"precious")
+        with Daemon(scenario(1), "--record", self.file) as daemon:
+            drive(daemon.text("/robot1/motors"), 7)
+        before = self.file.read_bytes()
         code, said = tool("serve", "empty", "--port", "0", "--no-http", "--record", self.file)
         self.assertEqual(code, 1, said)
         self.assertIn("--force", said)
-        self.assertEqual(self.file.read_bytes(), b"precious")
+        self.assertEqual(self.file.read_bytes(), before)
         with Daemon(scenario(1), "--record", self.file, "--force") as daemon:
             drive(daemon.text("/robot1/motors"), 5)
         self.assertEqual(equal_steps(self.file), 5)

@@ -102,12 +102,32 @@ TEST_F(RecorderModuleTest, NothingIsOverwrittenAndNothingElseIsReached) {
   const Message there = Ask("start lesson1");
   EXPECT_EQ(there.error, kNotPossible);
   EXPECT_THAT(there.text, HasSubstr("there already"));
-  for (const char* name : {"../lesson2", "/tmp/lesson2", ".hidden", "a b", "größe"}) {
+  for (const char* name : {"../lesson2", "/tmp/lesson2", ".hidden", "-x", "a\\nb"}) {
     EXPECT_EQ(Ask(std::string("start \"") + name + "\"").error, static_cast<std::int32_t>(Error::kOutOfRange))
         << name;
   }
-  EXPECT_EQ(Ask("start " + std::string(65, 'a')).error, static_cast<std::int32_t>(Error::kOutOfRange));
-  EXPECT_THAT(Ask("start .hidden").text, HasSubstr("does not begin with a '.'"));
+  EXPECT_EQ(Ask("start " + std::string(201, 'a')).error, static_cast<std::int32_t>(Error::kOutOfRange));
+  EXPECT_THAT(Ask("start .hidden").text, HasSubstr("begins with neither '.' nor '-'"));
+  EXPECT_TRUE(applied_.empty());
+}
+
+TEST_F(RecorderModuleTest, NamesMayHaveBlanksAndLettersOfAnyLanguageButAddressesHaveNone) {
+  EXPECT_EQ(Ask("start \"my lesson ü\"").text, "my lesson ü.run");
+  Step();
+  EXPECT_EQ(Ask("stop").text, "my lesson ü.run http://here:10001/runs/my%20lesson%20%C3%BC.run");
+  EXPECT_EQ(Open("my lesson ü.run").file, folder_ / "my lesson ü.run");
+}
+
+TEST_F(RecorderModuleTest, AFileThatIsNotListedHasNoAddress) {
+  EXPECT_EQ(desk_->StartFile((folder_ / "night.db").string(), false), "");
+  ApplyEdits();
+  EXPECT_EQ(Ask("stop").text, "night.db");
+}
+
+TEST_F(RecorderModuleTest, TheCommandLinesFileHasANameThatCanBeServed) {
+  for (const char* name : {".hidden", "-x.run", "a\nb.run"}) {
+    EXPECT_THAT(desk_->StartFile((folder_ / name).string(), true), HasSubstr("for example lesson1")) << name;
+  }
   EXPECT_TRUE(applied_.empty());
 }
 
@@ -179,10 +199,12 @@ TEST_F(RecorderModuleTest, OnlyClosedRecordingsOfTheFolderAreHandedOut) {
   Ask("stop");
   EXPECT_EQ(Open("lesson1.run").file, folder_ / "lesson1.run");
   std::ofstream(folder_ / "secret.txt") << "x";
+  std::filesystem::copy_file(folder_ / "lesson1.run", folder_ / ".hidden.run");
   for (const char* name :
-       {"lesson2.run", "secret.txt", "../lesson1.run", "", ".run", ".mat", "/etc/passwd"}) {
+       {"lesson2.run", "secret.txt", "../lesson1.run", "", ".run", ".mat", "/etc/passwd", ".hidden.run"}) {
     EXPECT_EQ(Open(name).error, Error::kNoSuchName) << name;
   }
+  EXPECT_EQ(List().size(), 1u);
 }
 
 TEST_F(RecorderModuleTest, AFileWithoutItsLogIsNotHandedOut) {

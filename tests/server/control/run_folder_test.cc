@@ -25,8 +25,8 @@ TEST(RunsJson, ARecordingThatCanBeCopiedHasALink) {
   EXPECT_EQ(UrlOf(Readable("lesson1.run")), "http://127.0.0.1:8080/runs/lesson1.run");
 }
 
-TEST(RunsJson, ANameThatThePageWouldRefuseHasNoLink) {
-  EXPECT_TRUE(UrlOf(Readable("my lesson.run")).is_null());
+TEST(RunsJson, InALinkANameIsPercentEncoded) {
+  EXPECT_EQ(UrlOf(Readable("my lesson ü.run")), "http://127.0.0.1:8080/runs/my%20lesson%20%C3%BC.run");
 }
 
 TEST(RunsJson, WhatIsBeingRecordedHasNoLink) {

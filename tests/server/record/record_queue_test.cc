@@ -23,7 +23,7 @@ class RecordQueueTest : public ::testing::Test {
   std::jthread Begin(int files) {
     return std::jthread([this, files] {
       for (int i = 0; i < files; ++i) {
-        queue_.PushBegin(StartIn(Mode::kFree));
+        queue_.PushBegin({StartIn(Mode::kFree)});
         ++begun_;
       }
     });
@@ -44,7 +44,7 @@ TEST_F(RecordQueueTest, AFileThatHasNotBegunIsWaitedForBeforeTheNext) {
 }
 
 TEST_F(RecordQueueTest, InRealTimeNobodyWaits) {
-  for (int i = 0; i < 3; ++i) queue_.PushBegin(StartIn(Mode::kRealtime));
+  for (int i = 0; i < 3; ++i) queue_.PushBegin({StartIn(Mode::kRealtime)});
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(queue_.Pop(false));
 }
 

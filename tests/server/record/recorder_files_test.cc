@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which files a recorder makes, and which it leaves alone.
+#include <fstream>
+
 #include "recorder_fixture.h"
 
 namespace coopdyn {
@@ -19,16 +21,52 @@ TEST_F(RecorderTest, EachLaterBeginGoesOnInANumberedFile) {
   EXPECT_EQ(Ask(folder_.File("lesson1-2.run"), "SELECT value FROM meta WHERE key = 'closed'"), 1);
 }
 
-TEST_F(RecorderTest, NumbersThatAreTakenAreLeftAlone) {
+TEST_F(RecorderTest, NumbersThatAreTakenAreLeftAloneEvenIfTheFirstFileIsReplaced) {
   const std::string taken = folder_.File("lesson1-2.run");
   { const auto old = MakeWriter(taken, *maker_.Start(100)); }
-  Recorder recorder(Options(), clock_, NullLogger());
+  { const auto old = MakeWriter(file_, *maker_.Start(100)); }
+  std::filesystem::create_directory(folder_.File("lesson1-3.run"));
+  RecorderOptions options = Options();
+  options.overwrite = true;
+  Recorder recorder(options, clock_, NullLogger());
   recorder.Begin(maker_.Start());
   Step(recorder, 1, Mode::kLockstep);
   recorder.Begin(maker_.Start());
   recorder.Close();
-  EXPECT_EQ(recorder.status().file, folder_.File("lesson1-3.run"));
+  EXPECT_EQ(recorder.status().failure, "");
+  EXPECT_EQ(recorder.status().file, folder_.File("lesson1-4.run"));
+  EXPECT_EQ(Ask(file_, "SELECT max(step) FROM step"), 1);
   EXPECT_EQ(Ask(taken, "SELECT step FROM step"), 100);
+}
+
+TEST_F(RecorderTest, ANameThatIsTakenInTheLastMomentIsLeftAlone) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  BeginAndHold(recorder, Mode::kRealtime);
+  recorder.Begin(maker_.Start());
+  EXPECT_EQ(recorder.status().file, folder_.File("lesson1-2.run"));
+  std::ofstream(folder_.File("lesson1-2.run")) << "mine";
+  clock_.OpenGate();
+  recorder.Close();
+  EXPECT_EQ(recorder.status().file, folder_.File("lesson1-3.run"));
+  EXPECT_EQ(std::filesystem::file_size(folder_.File("lesson1-2.run")), 4U);
+}
+
+TEST_F(RecorderTest, TheStatusIsOfTheNewFileAtOnceWhileTheOldOneIsWritten) {
+  Recorder recorder(Options(), clock_, NullLogger());
+  BeginAndHold(recorder, Mode::kRealtime);
+  for (std::uint64_t run = 2; run <= 4; ++run) {
+    recorder.Begin(maker_.Start(10 * run, Mode::kRealtime));
+    const RecorderStatus status = recorder.status();
+    EXPECT_EQ(status.file, folder_.File("lesson1-" + std::to_string(run) + ".run"));
+    EXPECT_EQ(status.steps, 0U);
+    EXPECT_EQ(status.begin, static_cast<Nanoseconds>(run) * 100'000'000);
+    Step(recorder, 10 * run + 1, Mode::kRealtime);
+  }
+  clock_.OpenGate();
+  recorder.Close();
+  EXPECT_EQ(recorder.status().file, folder_.File("lesson1-4.run"));
+  EXPECT_EQ(recorder.status().steps, 1U);
+  EXPECT_EQ(Ask(folder_.File("lesson1-3.run"), "SELECT max(step) FROM step"), 31);
 }
 
 TEST_F(RecorderTest, APartSaysWhereTheRunGoesOn) {

@@ -81,7 +81,7 @@ class RecorderTest : public testing::Test {
   void BeginAndHold(Recorder& recorder, Mode mode) {
     clock_.CloseGate();
     recorder.Begin(maker_.Start());
-    while (recorder.status().file.empty()) std::this_thread::yield();
+    while (recorder.status().bytes == 0) std::this_thread::yield();
     Step(recorder, 1, mode);
     clock_.AwaitWaiter();
   }

@@ -35,17 +35,37 @@ TEST_F(RunWriterTest, AFileThatIsOpenElsewhereStaysWholeAndItIsSaid) {
   EXPECT_EQ(Ask(file_, "SELECT value FROM meta WHERE key = 'closed'"), 1);
 }
 
-TEST_F(RunWriterTest, AnExistingFileIsRefused) {
-  std::ofstream(file_) << "precious";
-  RunWriterOptions options;
+TEST_F(RunWriterTest, AnExistingRecordingIsRefused) {
+  { const auto old = MakeWriter(file_, *maker_.Start(100)); }
   std::string error;
-  EXPECT_EQ(RunWriter::Create(file_, options, *maker_.Start(), error), nullptr);
+  EXPECT_EQ(RunWriter::Create(file_, {}, *maker_.Start(), error), nullptr);
   EXPECT_EQ(error, file_ + " exists: choose another name, or --force");
-  EXPECT_EQ(std::filesystem::file_size(file_), 8U);
+  EXPECT_EQ(Ask(file_, "SELECT step FROM step"), 100);
+}
+
+TEST_F(RunWriterTest, WhatIsNoRecordingIsNeverOverwritten) {
+  std::ofstream(file_) << "precious";
+  for (const bool overwrite : {false, true}) {
+    RunWriterOptions options;
+    options.overwrite = overwrite;
+    std::string error;
+    EXPECT_EQ(RunWriter::Create(file_, options, *maker_.Start(), error), nullptr);
+    EXPECT_EQ(error, file_ + " is not a recording of coopdyn: choose another name");
+    EXPECT_EQ(std::filesystem::file_size(file_), 8U);
+  }
+}
+
+TEST_F(RunWriterTest, EmptyAndDamagedRecordingsAreOverwritten) {
+  std::ofstream(file_).close();
+  EXPECT_EQ(WhyNoRunFile(file_, true), "");
+  std::filesystem::remove(file_);
+  { const auto old = MakeWriter(file_, *maker_.Start()); }
+  std::filesystem::resize_file(file_, 100);
+  EXPECT_EQ(WhyNoRunFile(file_, true), "");
 }
 
 TEST_F(RunWriterTest, AnOverwrittenFileLeavesNothingBehind) {
-  std::ofstream(file_) << "old";
+  std::ofstream(file_).close();
   std::ofstream(file_ + "-wal") << "old";
   std::ofstream(file_ + "-shm") << "old";
   RunWriterOptions options;

@@ -79,6 +79,15 @@ TEST(WebRuns, AreCopiedWhole) {
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
+TEST(WebRuns, NamesOfAnyLettersAreDecoded) {
+  FakeRuns runs;
+  const WebWorld world(runs.Options({200, {}, runs.Write("a.run", "12345"), false}));
+  const HttpReply reply = Fetch(world.port, "GET", "/runs/my%20lesson+%C3%BC%22.run");
+  EXPECT_EQ(reply.status, 200);
+  EXPECT_EQ(runs.asked(), std::vector<std::string>{"my lesson+ü\".run"});
+  EXPECT_THAT(reply.header, HasSubstr("attachment; filename*=UTF-8''my%20lesson%2B%C3%BC%22.run\r\n"));
+}
+
 TEST(WebRuns, HeadTellsTheLengthOnly) {
   FakeRuns runs;
   const WebWorld world(runs.Options({200, {}, runs.Write("a.run", "12345"), false}));
@@ -111,8 +120,11 @@ TEST(WebRuns, WhatCannotBeCopiedSaysWhy) {
 TEST(WebRuns, OtherPathsNeverReachWhoeverKeepsThem) {
   FakeRuns runs;
   const WebWorld world(runs.Options({}));
-  for (const char* target : {"/runs/", "/runs/../lesson1.run", "/runs/%2e%2e/lesson1.run", "/runs/a/b.run",
-                             "/runs/.run", "/runs/.hidden.run", "/runs/a%00.run", "/runs/passwd"}) {
+  for (const char* target :
+       {"/runs/", "/runs/../lesson1.run", "/runs/%2e%2e/lesson1.run", "/runs/%2e%2e%2flesson1.run",
+        "/runs/..%2Flesson1.mat", "/runs/%2ftmp%2flesson1.run", "/runs/a/b.run", "/runs/.run",
+        "/runs/.hidden.run", "/runs/%2ehidden.run", "/runs/-x.run", "/runs/a%00.run", "/runs/a.run%00",
+        "/runs/a%0d%0aX-Y:%20z.run", "/runs/%ff.run", "/runs/%zz.run", "/runs/a.run%2", "/runs/passwd"}) {
     EXPECT_EQ(Fetch(world.port, "GET", target).status, 404) << target;
   }
   EXPECT_TRUE(runs.asked().empty());
