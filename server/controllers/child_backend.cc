@@ -19,6 +19,8 @@ constexpr Nanoseconds kLongestSlice = 20 * kMillisecond;  // between two looks a
 constexpr Nanoseconds kEndTime = 200 * kMillisecond;      // for the instances to be destroyed
 constexpr Nanoseconds kLastWait = 100 * kMillisecond;     // for a step when the daemon ends
 constexpr int kMaxUnexplained = 5;
+constexpr int kMaxLosses = 8;    // of the process with nobody to blame,
+constexpr int kCalmSteps = 100;  // with fewer steps in between
 
 /// What it may take the process to start on a busy machine.
 constexpr Nanoseconds kStartTime = 30 * kNanosecondsPerSecond;
@@ -59,7 +61,10 @@ std::vector<Casualty> ChildBackend::Run() {
   const Place items = header.items;
   const std::size_t count = header.item_count;
   loss_.reset();
-  if (process_ && operation == Operation::kStep && Send(operation, items, count, options_.threads)) return {};
+  if (process_ && operation == Operation::kStep && Send(operation, items, count, options_.threads)) {
+    if (losses_ > 0 && ++calm_steps_ >= kCalmSteps) losses_ = 0;
+    return {};
+  }
 
   Order order{operation, {}};
   const std::uint32_t* listed = areas_.in.At<std::uint32_t>(items);
@@ -195,6 +200,11 @@ void ChildBackend::Finish(const Order& order) {
       return StopAll(order,
                      "could not run: its process " + (loss_ ? loss_->why : std::string("does not start")));
     }
+    if (losses_ > kMaxLosses) {
+      return StopAll(order, fmt::format("could not go on: its process {} {} times and no controller was to "
+                                        "blame; has one of them threads of its own?",
+                                        loss_ ? loss_->why : "ended", std::exchange(losses_, 0)));
+    }
     if (!process_ && !Revive(order)) continue;
     if (!alone_.empty()) {
       const std::uint32_t item = alone_.front();
@@ -258,6 +268,10 @@ bool ChildBackend::Revive(const Order& order) {
 
 void ChildBackend::Judge(const Order& order, Operation operation, bool alone) {
   const Loss loss = *loss_;
+  if (!loss.by_others) {
+    ++losses_;
+    calm_steps_ = 0;
+  }
   if (loss.suspects.empty()) {
     ++unexplained_;
     logger_->warn("the controllers' process {}: a new one goes on from where it was", loss.why);
@@ -273,6 +287,7 @@ void ChildBackend::Judge(const Order& order, Operation operation, bool alone) {
     alone_.insert(alone_.end(), loss.suspects.begin(), loss.suspects.end());
     return;
   }
+  losses_ = 0;
   for (const std::uint32_t item : loss.suspects) {
     if (operation == Operation::kLoad) {
       StopFile(order, item, loss.why + " while it was loaded");

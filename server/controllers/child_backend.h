@@ -119,6 +119,7 @@ class ChildBackend final : public Backend {
   std::vector<Casualty> casualties_;  // of this Run()
   std::deque<std::uint32_t> alone_;   // to be tried by themselves, in this Run()
   int unexplained_ = 0;               // losses without anybody to blame, in this Run()
+  int losses_ = 0, calm_steps_ = 0;   // lost since somebody was to blame; steps since the last of them
   std::optional<Loss> loss_;
   std::array<WorkerWatch, kMaxWorkers> watch_{};
   Nanoseconds watched_at_ = 0;

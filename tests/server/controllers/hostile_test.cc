@@ -168,6 +168,41 @@ TEST(HostileTest, KilledFromOutsideBetweenStepsNothingIsLost) {
   EXPECT_TRUE(driven.run().stopped.empty());
 }
 
+/// A crash that no controller's step, create or reset makes: of a thread that one has started.
+void Crash(Driven& driven) {
+  ASSERT_GT(driven.host().child_pid(), 0);
+  kill(driven.host().child_pid(), SIGSEGV);
+}
+
+TEST(HostileTest, CrashesOverAndOverWithNobodyToBlameStopAllInTheEnd) {
+  Driven driven(SwarmWith(kNone), TestOptions(false, 2));
+  driven.Start();
+  for (int k = 0; k < 8; ++k) {
+    driven.Steps(1);
+    Crash(driven);
+  }
+  driven.Steps(1);
+  EXPECT_TRUE(driven.run().stopped.empty());
+  Crash(driven);
+  driven.Steps(1);
+  ASSERT_EQ(driven.run().stopped.size(), 40u);
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("could not go on: its process crashed (segmentation"));
+  EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("9 times and no controller was to blame"));
+  driven.Steps(3);
+  EXPECT_EQ(driven.run().setpoints.back(), std::vector<Setpoint>(40));
+}
+
+TEST(HostileTest, CrashesFarApartWithNobodyToBlameAreGotOver) {
+  Driven driven(SwarmWith(kNone), TestOptions(false));
+  driven.Start();
+  for (int k = 0; k < 10; ++k) {
+    driven.Steps(101);
+    Crash(driven);
+  }
+  driven.Steps(1);
+  EXPECT_TRUE(driven.run().stopped.empty());
+}
+
 TEST(HostileTest, KilledFromOutsideInAStepNothingIsLost) {
   const std::string marker = testing::TempDir() + "hostile_marker_" + std::to_string(getpid());
   setenv("HOSTILE_MARKER", marker.c_str(), 1);
