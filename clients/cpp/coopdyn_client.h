@@ -172,11 +172,14 @@ class Simulation {
   explicit Simulation(std::shared_ptr<Session> session);
 
   /// Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it.
+  /// While a recording is played it is looked at, and taken after a branch with the first step or command if
+  /// nobody has it.
   Robot robot(const std::string& name);
   Robot robot(int number);
   std::vector<std::string> robots();
   /// Takes robots to be driven together, through one connection: names of swarms or robots, or all that
-  /// nobody drives. Error 6 if another client owns one of them; then none is taken.
+  /// nobody drives. Error 6 if another client owns one of them, or this sim has driven one singly; then
+  /// none is taken.
   Team team(const std::string& name);
   Team team(const std::vector<std::string>& names);
   Team team();

@@ -2146,7 +2146,8 @@ class Simulation:
 
     # --- robots ---
     def robot(self, which: Union[str, int]) -> Robot:
-        """Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it."""
+        """Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it. While a
+        recording is played it is looked at, and taken after a branch with the first step or command if nobody has it."""
         if isinstance(which, str):
             name = which.strip().lstrip("/")
         else:
@@ -2164,7 +2165,8 @@ class Simulation:
 
     def team(self, names: Union[str, Sequence[str], None] = None) -> Team:
         """Takes robots to be driven together, through one connection: the name of a swarm or robot, a list of such, or
-        all that nobody drives. Error 6 if another client owns one of them; then none is taken. While a recording is
+        all that nobody drives. Error 6 if another client owns one of them, or this sim has driven one singly; then none
+        is taken. While a recording is
         played the team reads (all robots, without names), and what drives it is error 5."""
         if names is not None and not isinstance(names, str):
             if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):

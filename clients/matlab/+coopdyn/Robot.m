@@ -29,7 +29,7 @@ classdef Robot < handle
         command = [coopdyn.internal.number(v, 'v [m/s]') coopdyn.internal.number(w, 'w [rad/s]')];
       end
       link = r.link;
-      if link.drives && link.commanded && r.session.mode == 1
+      if link.drives && r.session.mode == 1
         link.kept = {11, command};  % lockstep: what Link.command does
       else
         link.command(r.session, 11, command);

@@ -89,7 +89,8 @@ classdef Run
 
     function c = commands(run, name)
     %COMMANDS The set-points of a robot, m x 4: step, time [s], left, right [rad/s] of each that came in force, with the
-    %   step in which it did; the first is what was in force when recording began.
+    %   step in which it did; the first is what was in force when recording began. None if a loaded controller drove it
+    %   and its commands were not recorded.
       robot = run.robot(name);
       c = robot.commands;
     end

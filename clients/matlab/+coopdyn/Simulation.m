@@ -35,7 +35,8 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     % --- robots
     function r = robot(sim, which)
-    %ROBOT Takes a robot, by name or number (from 1), to be driven by this sim. Error if another client owns it.
+    %ROBOT Takes a robot, by name or number (from 1), to be driven by this sim. Error if another client owns it. While a
+    %   recording is played it is looked at, and taken after a branch with the first step or command if nobody has it.
       if isnumeric(which)
         number = coopdyn.internal.count(which, 'the number of a robot');
         names = sim.robots();
@@ -59,7 +60,8 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function t = team(sim, names)
     %TEAM Takes robots to be driven together, through one connection: the name of a swarm or robot, a cell array of such,
-    %   or without names all that nobody drives. Error if another client owns one of them; then none is taken.
+    %   or without names all that nobody drives. Error if another client owns one of them, or this sim has driven one
+    %   singly; then none is taken.
       text = '';
       if nargin > 1
         if iscell(names)

@@ -10,7 +10,7 @@ classdef Link < handle
     motors = []        % the connection that commands go through; [] = it has no motors
     readers = struct() % connections to other modules, by module
     pushers = struct() % connections that readings are pushed on, by module
-    drives = false     % open, ours and not lost
+    drives = false     % open, ours, not lost, and commanded before
     commanded = false  % by this program, ever
     unclaimed = false  % only looked at: when it was last asked for a recording was played, or
     another = false    % another had it; then not asked for again before it is commanded
@@ -46,7 +46,7 @@ classdef Link < handle
       end
       link.unclaimed = false;
       link.another = false;
-      link.drives = true;
+      link.drives = link.commanded;
       session.note(link.motors.request(3, [], []));  % a branch may have brought another mode
     end
 
@@ -100,7 +100,7 @@ classdef Link < handle
         if ~isempty(link.attached)
           c.request(9, [], [], strjoin(link.attached, ' '));
         end
-        if ~link.drives
+        if session.watch || link.unclaimed
           session.note(c.request(3, [], []));
         end
       catch cause
@@ -185,6 +185,7 @@ classdef Link < handle
         link.claim(session);  % a branch may go on live from there
       end
       link.commanded = true;
+      link.drives = true;
       if session.mode == 1
         link.kept = {number, data};
         return

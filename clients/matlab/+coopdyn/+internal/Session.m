@@ -150,8 +150,10 @@ classdef Session < handle
             connections{end + 1} = c; %#ok<AGROW>
           end
         end
-        links = [links s.teams];
-        connections = [connections cellfun(@(t) t.connection, s.teams, 'UniformOutput', false)];
+        for k = 1:numel(s.teams)
+          links{end + 1} = s.teams{k}; %#ok<AGROW>
+          connections{end + 1} = s.teams{k}.connection; %#ok<AGROW>
+        end
       end
       if isempty(links)
         if ~s.simulation.alive()
