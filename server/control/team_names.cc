@@ -14,13 +14,10 @@ namespace {
 using Index = std::unordered_map<std::string_view, int>;
 
 const SwarmEntry* FindSwarm(const Scenario& scenario, const std::string& word) {
-  const auto by = [&](auto name) -> const SwarmEntry* {
-    const auto found = std::find_if(scenario.swarms.begin(), scenario.swarms.end(),
-                                    [&](const SwarmEntry& swarm) { return swarm.*name == word; });
-    return found == scenario.swarms.end() ? nullptr : &*found;
-  };
-  const SwarmEntry* swarm = by(&SwarmEntry::name);
-  return swarm != nullptr ? swarm : by(&SwarmEntry::section);
+  const auto found =
+      std::find_if(scenario.swarms.begin(), scenario.swarms.end(),
+                   [&](const SwarmEntry& swarm) { return swarm.name == word || swarm.section == word; });
+  return found == scenario.swarms.end() ? nullptr : &*found;
 }
 
 std::string NoSuch(const Scene& scene, const std::string& word) {
@@ -56,10 +53,6 @@ NamedRobots FindNamedRobots(const Scene& scene, std::string_view text) {
     if (word.size() > 1 && word.front() == '/') word.erase(0, 1);
     const SwarmEntry* swarm = scene.scenario == nullptr ? nullptr : FindSwarm(*scene.scenario, word);
     if (index.contains(word)) {
-      if (swarm != nullptr && swarm->name == word) {
-        named.error = word + " is both a robot and a swarm: write the names of the robots, " + word + "_1 …";
-        return named;
-      }
       add(word);
     } else if (swarm != nullptr) {
       for (std::size_t i = 1; i <= swarm->count; ++i) add(swarm->name + "_" + std::to_string(i));

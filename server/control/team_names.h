@@ -12,11 +12,11 @@ namespace coopdyn {
 
 struct NamedRobots {
   std::vector<int> robots;  // indices into the scene, increasing, each once
-  std::string error;        // for error 10: a word that is neither, or both; empty: none
+  std::string error;        // for error 10: a word that is neither; empty: none
 };
 
-/// Words of `text`: a robot's name, or the NAME of a [SWARM_n], or `swarm1` for [SWARM_1] if nothing else is
-/// called so. A leading / is dropped.
+/// Words of `text`: a robot's name, or the NAME of a [SWARM_n], or `swarm1` for [SWARM_1]; in a scenario no
+/// two are called the same. A leading / is dropped.
 NamedRobots FindNamedRobots(const Scene& scene, std::string_view text);
 
 }  // namespace coopdyn

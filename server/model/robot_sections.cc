@@ -188,6 +188,9 @@ void RobotSections::Add(RobotEntry entry, const SourceLine& where) {
   } else if (const auto [first, is_new] = names_.emplace(ToLower(entry.name), where); !is_new) {
     diagnostics_.Error(where, "there are two robots '" + entry.name + "' (the first in line " +
                                   std::to_string(first->second.line) + "): give one another name");
+  } else if (const auto swarm = swarm_names_.find(first->first); swarm != swarm_names_.end()) {
+    diagnostics_.Error(where, "a swarm is called '" + entry.name + "' too (in line " +
+                                  std::to_string(swarm->second.line) + "): give one another name");
   }
   const Vector3& p = entry.X_WR.p;
   if (std::abs(p.x()) > scenario_.floor.length_m / 2 || std::abs(p.y()) > scenario_.floor.width_m / 2) {
@@ -196,6 +199,19 @@ void RobotSections::Add(RobotEntry entry, const SourceLine& where) {
                                     FormatNumber(scenario_.floor.width_m) + " m about the origin");
   }
   scenario_.robots.push_back(std::move(entry));
+}
+
+bool RobotSections::TakeSwarmName(const std::string& name, const SourceLine& where,
+                                  const std::string& remedy) {
+  const std::string lower = ToLower(name);
+  const auto robot = names_.find(lower);
+  const auto [swarm, is_new] = swarm_names_.emplace(lower, where);
+  const bool is_robots = robot != names_.end();
+  if (is_new && !is_robots) return true;
+  const int line = is_robots ? robot->second.line : swarm->second.line;
+  diagnostics_.Error(where, (is_robots ? "a robot" : "another swarm") + (" is called '" + name) +
+                                "' too (in line " + std::to_string(line) + "): " + remedy);
+  return false;
 }
 
 void RobotSections::ReadSwarm(SectionReader& reader) {
@@ -241,11 +257,13 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
     return;
   }
   const std::string name = entry.name;
-  scenario_.swarms.push_back(
-      {name, DefaultName(reader.section().word), 0, static_cast<std::size_t>(*count), reader.where()});
-  if (const auto robot = names_.find(ToLower(name)); robot != names_.end()) {
-    reader.ErrorAt("name", "a robot is called '" + name + "' too (in line " +
-                               std::to_string(robot->second.line) + "): give the swarm another name");
+  const std::string section = DefaultName(reader.section().word);
+  scenario_.swarms.push_back({name, section, 0, static_cast<std::size_t>(*count), reader.where()});
+  if (!TakeSwarmName(name, reader.LineOf("name"), "give the swarm another name")) return;
+  if (section != ToLower(name) &&
+      !TakeSwarmName(section, reader.where(),
+                     "this section is always called so, give the other another name")) {
+    return;
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
     entry.name = name + "_" + std::to_string(i + 1);

@@ -45,14 +45,18 @@ class RobotSections {
   void ReadLosses(SectionReader& reader, RobotEntry& entry);
   /// `where`: of its name, for messages.
   void Add(RobotEntry entry, const SourceLine& where);
+  /// What a swarm is called, by its name or its section; false, and reported, if a robot or another swarm is
+  /// called so. Swarms are read after all robots but their own.
+  bool TakeSwarmName(const std::string& name, const SourceLine& where, const std::string& remedy);
   bool IsGoodName(const std::string& name, std::string& why) const;
 
   Scenario& scenario_;
   RobotLibrary& library_;
   const std::optional<std::filesystem::path> beside_;
   Diagnostics& diagnostics_;
-  std::unordered_map<std::string, SourceLine> names_;   // lower case
-  std::unordered_map<std::string, bool> broken_types_;  // said what is wrong with them
+  std::unordered_map<std::string, SourceLine> names_;        // of robots, lower case
+  std::unordered_map<std::string, SourceLine> swarm_names_;  // likewise, with what their sections are called
+  std::unordered_map<std::string, bool> broken_types_;       // said what is wrong with them
 };
 
 }  // namespace coopdyn

@@ -53,16 +53,6 @@ TEST_F(SwarmModuleTest, AnUnknownNameIsError10WithWhatMayHaveBeenMeant) {
   EXPECT_LT(client_->received.back().text.size(), 1000u);
 }
 
-TEST_F(SwarmModuleTest, ANameThatIsBothARobotAndASwarmIsRefused) {
-  auto scenario = std::make_shared<Scenario>(*AntScenario(3));
-  scenario->robots[3].name = "ant";
-  Load(scenario);
-  const Message refusal = Ask("claim ant");
-  EXPECT_EQ(refusal.error, 10);
-  EXPECT_THAT(refusal.text, HasSubstr("both a robot and a swarm"));
-  EXPECT_EQ(Ask("claim ant_1").error, 0);
-}
-
 TEST_F(SwarmModuleTest, ReleaseGivesUpSomeOrAllAndKeepsTheirSetpoints) {
   Ask("claim");
   Ask("step_all wheels 1 1 2 2 3 3 4 4");

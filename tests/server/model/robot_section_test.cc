@@ -157,6 +157,27 @@ TEST(SwarmTest, NameIsNoRobotsName) {
               HasSubstr(":7: error: a robot is called 'ant' too (in line 4): give the swarm another name"));
 }
 
+TEST(SwarmTest, IsAlsoCalledByItsSectionSoNobodyElseMayBe) {
+  const std::string section = "[SWARM_1]\ntype coopbot\ncount 2\nname bee\n";
+  EXPECT_THAT(Read(kPlaced + "name Swarm1\n" + section).messages,
+              HasSubstr(":5: error: a robot is called 'swarm1' too (in line 4): this section"));
+  EXPECT_THAT(Read(section + "[SWARM_2]\ntype coopbot\ncount 2\nname swarm1\n").messages,
+              HasSubstr(":8: error: another swarm is called 'swarm1' too (in line 1): give the swarm"));
+}
+
+TEST(SwarmTest, TwoOfOneNameAreOneError) {
+  EXPECT_EQ(
+      Read(kSwarm + "[SWARM_2]\ntype coopbot\nname Ant\ncount 40\n").messages,
+      "test.scenario:7: error: another swarm is called 'Ant' too (in line 3): give the swarm another name\n");
+}
+
+TEST(SwarmTest, NameIsNoneOfAnotherSwarmsRobots) {
+  EXPECT_THAT(
+      Read("[SWARM_1]\ntype coopbot\ncount 2\nname bee_2\n[SWARM_2]\ntype coopbot\ncount 2\nname bee\n")
+          .messages,
+      HasSubstr(":8: error: a swarm is called 'bee_2' too (in line 4): give one another name"));
+}
+
 TEST(SwarmTest, OrderIsThatOfTheFile) {
   const auto scenario = Good(kSwarm + kPlaced);
   EXPECT_EQ(scenario->robots.at(0).name, "ant_1");
