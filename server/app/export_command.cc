@@ -136,7 +136,8 @@ int Export(Given given) {
   }
   {
     const SteadyClock clock;
-    ProgressBar bar(clock);
+    const LogBackend log("warning");
+    ProgressBar bar(clock, log.logger());
     error = Write(*reader, given, [&](double share) {
       bar.Show(share);
       return !shutdown.Wait(0);

@@ -6,9 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
+#include <utility>
 
 #include "server/app/progress_text.h"
+#include "server/base/log_bar.h"
 
 namespace coopdyn {
 
@@ -18,11 +19,15 @@ constexpr Nanoseconds kFirst = 1'000'000'000, kPeriod = 200'000'000;
 
 }  // namespace
 
-ProgressBar::ProgressBar(const Clock& clock)
-    : clock_(clock), terminal_(::isatty(STDERR_FILENO) == 1), start_(clock.Now()), next_(start_ + kFirst) {}
+ProgressBar::ProgressBar(const Clock& clock, Logger logger)
+    : clock_(clock),
+      logger_(std::move(logger)),
+      terminal_(::isatty(STDERR_FILENO) == 1),
+      start_(clock.Now()),
+      next_(start_ + kFirst) {}
 
 ProgressBar::~ProgressBar() {
-  if (drawn_) std::cerr << "\r\033[K" << std::flush;
+  ShowBelowLog(logger_, "");
 }
 
 void ProgressBar::Show(double share) {
@@ -30,8 +35,7 @@ void ProgressBar::Show(double share) {
   const Nanoseconds now = clock_.Now();
   if (now < next_) return;
   next_ = now + kPeriod;
-  drawn_ = true;
-  std::cerr << '\r' << ProgressText(share, ToSeconds(now - start_)) << "\033[K" << std::flush;
+  ShowBelowLog(logger_, ProgressText(share, ToSeconds(now - start_)));
 }
 
 std::string ProgressText(double share, double elapsed_s) {

@@ -5,13 +5,14 @@
 #include <string>
 
 #include "server/base/clock.h"
+#include "server/base/log.h"
 
 namespace coopdyn {
 
 class ProgressBar {
  public:
-  /// `clock` outlives it.
-  explicit ProgressBar(const Clock& clock);
+  /// Below the lines of `logger`, that of a LogBackend. `clock` outlives it.
+  ProgressBar(const Clock& clock, Logger logger);
   /// Wipes the bar.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
@@ -22,10 +23,10 @@ class ProgressBar {
 
  private:
   const Clock& clock_;
+  const Logger logger_;
   const bool terminal_;
   const Nanoseconds start_;
   Nanoseconds next_;
-  bool drawn_ = false;
 };
 
 /// "[####....]  42 %  12 s left"; `elapsed_s` is what the share took.

@@ -9,6 +9,7 @@
 #include "server/app/commands.h"
 #include "server/app/daemon.h"
 #include "server/app/run_report.h"
+#include "server/base/log_bar.h"
 
 namespace coopdyn {
 
@@ -17,28 +18,29 @@ namespace {
 constexpr Nanoseconds kTick = kNanosecondsPerSecond;
 constexpr Nanoseconds kBarTick = kNanosecondsPerSecond / 5;
 constexpr Nanoseconds kProgressEvery = 60 * kNanosecondsPerSecond;
-constexpr const char* kClearToEnd = "\x1b[K";  // of the terminal's line
 
 /// Waits for the end of the daemon, telling now and then how the run goes on.
-void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock) {
+void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock, const Logger& logger) {
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   const bool bar = terminal && daemon.duration_s() > 0;
+  const auto progress = [&daemon] {
+    return ProgressWithBar(*daemon.frame(), daemon.status(), daemon.duration_s());
+  };
   Nanoseconds told = clock.Now();
   while (!shutdown.Wait(bar ? kBarTick : kTick)) {
     daemon.UpdateSpin();
     daemon.LogWaiting();
     const Nanoseconds now = clock.Now();
     if (bar) {
-      std::cerr << '\r' << ProgressWithBar(*daemon.frame(), daemon.status(), daemon.duration_s())
-                << kClearToEnd << std::flush;
+      ShowBelowLog(logger, progress());
     } else if (!terminal && now - told >= kProgressEvery) {
       told = now;
       std::cerr << ProgressLine(*daemon.frame(), daemon.status(), daemon.duration_s()) << std::endl;
     }
   }
   if (bar) {
-    std::cerr << '\r' << ProgressWithBar(*daemon.frame(), daemon.status(), daemon.duration_s()) << kClearToEnd
-              << '\n';
+    ShowBelowLog(logger, "");
+    std::cerr << progress() + '\n';
   }
 }
 
@@ -59,7 +61,7 @@ int Serve(const ServeOptions& options) {
   std::cout << daemon.ReadyLine() << std::endl;
   if (daemon.duration_s() > 0) std::cerr << "runs to t = " << daemon.duration_s() << " s" << std::endl;
 
-  WaitForEnd(daemon, shutdown, clock);
+  WaitForEnd(daemon, shutdown, clock, log.logger());
 
   daemon.Stop();
   const RunStatus status = daemon.status();

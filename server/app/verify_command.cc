@@ -52,7 +52,7 @@ int RunVerify(const Given& given) {
 
   VerifyReport report;
   {
-    ProgressBar bar(clock);
+    ProgressBar bar(clock, log.logger());
     const Progress progress = [&bar](double share) { bar.Show(share); };
     report = other == nullptr ? Verify(*run, services, progress) : Compare(*run, *other, services, progress);
   }

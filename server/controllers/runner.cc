@@ -12,13 +12,17 @@
 #include <xmmintrin.h>
 #endif
 
+#include "server/base/printable.h"
+
 namespace coopdyn {
 
 namespace {
 
 constexpr std::size_t kStepGrain = 16;  // robots that a worker takes at a time
 
-void CopyText(char* to, std::size_t size, const std::string& text) {
+/// What a controller says is shown on terminals.
+void CopyText(char* to, std::size_t size, const std::string& said) {
+  const std::string text = Printable(said);
   const std::size_t length = std::min(size - 1, text.size());
   std::memcpy(to, text.data(), length);
   to[length] = '\0';

@@ -67,7 +67,7 @@ TEST_P(HostileStepTest, StopsThatRobotOnly) {
 
 INSTANTIATE_TEST_SUITE_P(
     Deeds, HostileStepTest,
-    testing::Values(Case{kThrowError, "threw an exception in step() (no way out)"},
+    testing::Values(Case{kThrowError, "threw an exception in step() (no way??[31mout)"},
                     Case{kThrowInt, "threw an exception in step()"},
                     Case{kDivideByZero, "integer division by zero"}, Case{kNotANumber, "forward_m_s = nan"},
                     Case{kInfinity, "turn_rad_s = inf"},

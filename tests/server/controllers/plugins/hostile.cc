@@ -55,7 +55,7 @@ struct Hostile {
 void Misbehave(int deed, const coopdyn_readings& readings, coopdyn_command& command) {
   switch (deed) {
     case kThrowError:
-      throw std::runtime_error("no way out");
+      throw std::runtime_error("no way\n\033[31mout");
     case kThrowInt:
       throw 42;
     case kDivideByZero:
