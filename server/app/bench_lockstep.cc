@@ -17,6 +17,7 @@
 #include "server/app/bench_clients.h"
 #include "server/app/bench_daemon.h"
 #include "server/app/commands.h"
+#include "server/app/number_checks.h"
 
 namespace coopdyn {
 
@@ -189,7 +190,7 @@ void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen) {
                   "Read the distances of so many single rays all round each round; 0: none, a team its poses")
       ->check(CLI::Range(0, 360));
   sub->add_option("--range", daemon.range_m, "Range of the rays, m")
-      ->check(CLI::Range(0.001, 1000.0))
+      ->check(NumberIn(0.001, 1000))
       ->capture_default_str();
   sub->add_option("--fidelity", daemon.fidelity, "full, rolling or planar")
       ->check(CLI::IsMember({"full", "rolling", "planar"}))

@@ -21,6 +21,7 @@
 #include "server/app/bench_arena.h"
 #include "server/app/bench_run.h"
 #include "server/app/commands.h"
+#include "server/app/number_checks.h"
 #include "server/app/options.h"
 #include "server/controllers/controller_host.h"
 #include "server/physics/simulation.h"
@@ -266,7 +267,7 @@ void AddBenchRecording(CLI::App& bench, std::function<int()>& chosen) {
   sub->add_option("--robot", options->arena.robot, "Their type: a folder of robots/")->capture_default_str();
   sub->add_option("--controller", options->arena.controller, "What drives them")->capture_default_str();
   sub->add_option("--seconds", options->seconds, "Simulated time that is recorded")
-      ->check(CLI::Range(0.01, 1e6))
+      ->check(NumberIn(0.01, 1e6))
       ->capture_default_str();
   sub->add_option("--what", options->what, "What is recorded, as --record-what")->capture_default_str();
   sub->add_option("--file", options->file, "Record here and keep it (default: a temporary file)");

@@ -14,6 +14,7 @@
 
 #include "server/app/bench_run.h"
 #include "server/app/commands.h"
+#include "server/app/number_checks.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -247,7 +248,7 @@ void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen) {
                   "So many single rays, evenly spread, instead of the robot's sensors; 0: none")
       ->check(CLI::Range(0, 3600));
   sub->add_option("--range", given->range_m, "Range of the rays in m, instead of the robot's")
-      ->check(CLI::Range(kLeast, 1e5));
+      ->check(NumberIn(kLeast, 1e5));
   sub->add_option("--fidelity", given->fidelity, "full, rolling or planar")
       ->check(CLI::IsMember({"full", "rolling", "planar"}))
       ->capture_default_str();
@@ -263,13 +264,13 @@ void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   sub->add_option("--seconds", given->options.seconds, "Simulated seconds of each repeat")
-      ->check(CLI::Range(0.01, kMost))
+      ->check(NumberIn(0.01, kMost))
       ->capture_default_str();
   sub->add_option("--repeats", given->options.repeats, "Runs of which the median is told")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   sub->add_option("--density", arena.density_m2, "Robots per square metre")
-      ->check(CLI::Range(kLeast, 1000.0))
+      ->check(NumberIn(kLeast, 1000))
       ->capture_default_str();
   sub->add_option("--seed", arena.seed, "Of places, controllers and noise")
       ->check(CLI::Validator(CheckWhole, ""))

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/serve_options.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
 
+#include "server/app/number_checks.h"
+#include "server/model/section_reader.h"
 #include "server/record/player.h"
 
 namespace coopdyn {
@@ -20,21 +25,6 @@ std::string CheckStep(const std::string& text) {
   if (!(step_s >= 0.0005 && step_s <= 0.1) || std::abs(step_us - std::round(step_us)) > 1e-6) {
     return "--step must be from 0.0005 to 0.1 s in whole microseconds, e.g. --step 0.01, not " + text;
   }
-  return {};
-}
-
-std::string CheckPositive(const std::string& text) {
-  double value = 0;
-  if (!CLI::detail::lexical_cast(text, value) || !(value > 0) || !std::isfinite(value)) {
-    return "must be a number above 0, not " + text;
-  }
-  return {};
-}
-
-std::string CheckFinite(const std::string& text) {
-  double value = 0;
-  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
-    return "must be a finite number, not " + text;
   return {};
 }
 
@@ -69,6 +59,21 @@ void MakeRecordingsFolder(const std::string& folder) {
                              ": write a folder that you may write to, e.g. --recordings runs");
 }
 
+/// Asks the system, so that a file that is there stays as it is, and none is made before the run's end.
+void CheckSummaryFile(const std::string& file) {
+  if (file.empty()) return;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    throw CLI::ValidationError("--summary " + file + " is a folder: write a file, e.g. --summary run.json");
+  }
+  const bool there = std::filesystem::exists(file, ignored);
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  const std::string written = there ? file : folder.empty() ? "." : folder.string() + "/";
+  if (::access(written.c_str(), W_OK) == 0) return;
+  throw CLI::ValidationError("--summary " + file + " cannot be written (" +
+                             std::generic_category().message(errno) + ")");
+}
+
 /// How the daemon is reached, and what it shows.
 void AddNetwork(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
   sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
@@ -96,7 +101,7 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
   sub->add_flag("--no-render", serve.no_render, "No pictures")->envname("COOPDYN_NO_RENDER");
   sub->add_flag("--no-http", serve.no_http, "No page")->envname("COOPDYN_NO_HTTP");
   sub->add_option("--render-fps", serve.render_fps, "Pictures per second of the live view")
-      ->check(CLI::Range(0.1, 60.0))
+      ->check(NumberIn(0.1, 60))
       ->envname("COOPDYN_RENDER_FPS")
       ->capture_default_str();
   sub->add_option("--renderer", serve.renderer, "auto, osmesa or egl")
@@ -127,7 +132,7 @@ void AddRecording(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
       ->envname("COOPDYN_RECORD_WHAT");
   sub->add_option("--record-every", raw.record_every_s,
                   "Poses and readings only so often, s (commands and hashes are recorded with each step)")
-      ->check(CLI::Validator(CheckPositive, ""))
+      ->check(NumberAbove0(kMaxDuration_s))
       ->envname("COOPDYN_RECORD_EVERY");
   sub->add_flag("--force", serve.record.force,
                 "Replace the recording that --record names; record though the disk is too small");
@@ -162,13 +167,13 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
       ->check(CLI::Validator(CheckStep, ""))
       ->envname("COOPDYN_STEP");
   sub->add_option("--speed", raw.speed, "Times the wall clock; 0 or less: no limit")
-      ->check(CLI::Validator(CheckFinite, ""))
+      ->check(NumberIn(-kMaxSpeed, kMaxSpeed))
       ->envname("COOPDYN_SPEED");
   sub->add_option("--seed", raw.seed, "Of noise and solver")
       ->check(CLI::Validator(CheckSeed, ""))
       ->envname("COOPDYN_SEED");
   sub->add_option("--duration", raw.duration_s, "End the run at this simulated time, s")
-      ->check(CLI::Validator(CheckPositive, ""))
+      ->check(NumberAbove0(kMaxDuration_s))
       ->envname("COOPDYN_DURATION");
   sub->add_flag("--paused", serve.run.paused, "Start paused")->envname("COOPDYN_PAUSED");
   sub->add_flag("--no-net", serve.no_net, "No sockets at all")->envname("COOPDYN_NO_NET");
@@ -202,7 +207,7 @@ void AddPlay(CLI::App& app, ServeOptions& serve, RawServe& raw) {
   sub->add_option("--speed", raw.speed, "Times the wall clock, -4 to 64; below 0: backwards")
       ->check(CLI::Validator(CheckPlaySpeed, ""));
   sub->add_option("--at", raw.start_s, "Begin at this simulated time, s (default: its begin)")
-      ->check(CLI::Validator(CheckFinite, ""));
+      ->check(NumberIn(-kMaxDuration_s, kMaxDuration_s));
   sub->add_flag("--loop", serve.play.loop, "Begin anew at the end");
   sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
   AddNetwork(sub, serve, raw);
@@ -254,6 +259,7 @@ void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
   if (given("--robot-threads")) serve.robot_threads = raw.robot_threads;
   if (given("--spin")) serve.spin_us = raw.spin_us;
   if (given("--recordings")) MakeRecordingsFolder(serve.record.folder);  // last: nothing else is wrong
+  CheckSummaryFile(serve.summary_file);                                  // which may lie in that folder
 }
 
 }  // namespace coopdyn

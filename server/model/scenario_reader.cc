@@ -98,8 +98,7 @@ class ScenarioReader {
     if (const auto seed = reader.WholeNumber("seed", 0, std::numeric_limits<std::uint64_t>::max())) {
       options.seed = *seed;
     }
-    options.speed = reader.Number("speed", Quantity::kPlain, -1e6, 1e6);
-    constexpr double kMaxDuration_s = 1e9;
+    options.speed = reader.Number("speed", Quantity::kPlain, -kMaxSpeed, kMaxSpeed);
     options.duration_s = reader.Number("duration", Quantity::kTime, 0, kMaxDuration_s);
     if (options.duration_s && *options.duration_s <= 0)
       reader.ErrorAt("duration", "'duration' must be above 0 s");

@@ -23,6 +23,8 @@ inline constexpr double kMaxFileLength_m = 1e5;
 inline constexpr double kMinFileSize_m = 1e-4;
 inline constexpr double kMinFileMass_kg = 1e-6;
 inline constexpr double kMaxFileMass_kg = 1e9;
+inline constexpr double kMaxSpeed = 1e6;       // times the wall clock
+inline constexpr double kMaxDuration_s = 1e9;  // in nanoseconds it fits into 64 bits
 
 /// Reads one section. `section` and `diagnostics` outlive it. One thread.
 class SectionReader {

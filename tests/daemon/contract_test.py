@@ -241,6 +241,21 @@ class CommandLineTest(unittest.TestCase):
             self.assertEqual((done.returncode, done.stdout), (2, b""), words)
             self.assertEqual(done.stderr.count(b"\n"), 1, done.stderr)
 
+    def test_numbers_that_are_none_or_too_large_are_wrong_use(self):
+        serve = ("serve", "empty", "--port", "0")
+        for words in ((*serve, "--duration", "9.3e9"), (*serve, "--duration", "inf"), (*serve, "--record-every", "1e30"),
+                      (*serve, "--render-fps", "nan"), (*serve, "--speed", "nan"), ("play", "x.run", "--at", "1e30"),
+                      ("bench", "swarm", "--range", "nan"), ("bench", "swarm", "--density", "nan"),
+                      ("bench", "swarm", "--seconds", "nan"), ("bench", "lockstep", "--range", "inf"),
+                      ("bench", "recording", "--seconds", "nan")):
+            done = subprocess.run([BINARY, *words], capture_output=True, timeout=100)
+            self.assertEqual((done.returncode, done.stdout), (2, b""), words)
+            self.assertRegex(done.stderr, rb"\A.*%s: must be .*, not %s.*\n\Z" % (words[-2].encode(), words[-1].encode()))
+
+    def test_a_duration_has_the_bound_of_a_scenario(self):
+        done = subprocess.run([BINARY, "serve", "empty", "--duration", "1e11"], capture_output=True, timeout=100)
+        self.assertIn(b"must be at most 1000000000, not 1e11", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

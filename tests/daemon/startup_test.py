@@ -1,6 +1,7 @@
 """How the daemon starts, says what is wrong, and ends."""
 import json
 import os
+import pty
 import re
 import signal
 import socket
@@ -255,6 +256,24 @@ class EndTest(unittest.TestCase):
             self.assertEqual((told["steps"], told["time_s"], told["robots"]), (200, 2, 20))
             self.assertRegex(told["hash"], "^[0-9a-f]{16}$")
 
+    def test_a_summary_that_cannot_be_written_is_refused_at_the_start(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "file"
+            file.write_text("kept")
+            for summary in (f"{folder}/none/s.json", f"{file}/s.json", folder):
+                done = run("serve", "empty", "--mode", "free", "--no-net", "--duration", "0.1", "--summary", summary)
+                self.assertEqual((done.returncode, done.stdout), (2, b""), summary)
+                self.assertRegex(done.stderr.decode(), rf"\Acoopdyn: --summary {re.escape(summary)} .*\n\Z")
+
+    def test_the_file_of_the_summary_stays_as_it_is_until_the_end(self):
+        with tempfile.TemporaryDirectory() as folder:
+            old = Path(folder) / "old.json"
+            old.write_text("kept")
+            for summary in (old, Path(folder) / "new.json"):
+                done = run("serve", "no_such_scenario", "--no-net", "--summary", str(summary))
+                self.assertEqual(done.returncode, 1)
+            self.assertEqual((old.read_text(), os.listdir(folder)), ("kept", ["old.json"]))
+
     def test_a_request_that_waits_when_the_duration_ends_is_answered(self):
         with Daemon(scenario(1), "--duration", "0.05") as daemon:
             motors = daemon.text("/robot1/motors")
@@ -270,6 +289,20 @@ class EndTest(unittest.TestCase):
     def test_the_log_says_whom_the_world_waits_for(self):
         with Daemon(scenario(1)) as daemon:
             until(lambda: "waiting for robot1 (no client)" in daemon.stderr())
+
+    def test_a_log_line_stands_above_the_bar_of_a_terminal(self):
+        terminal, side = pty.openpty()
+        said = bytearray()
+
+        def is_logged():
+            said.extend(os.read(terminal, 4096))  # there is a new bar soon
+            return re.search(rb"waiting for robot1[^\n]*\n.*\[", said)
+
+        with Daemon(scenario(1), "--duration", "5", before_exec=lambda: os.dup2(side, 2)):
+            until(is_logged)
+        os.close(side)
+        os.close(terminal)
+        self.assertRegex(said, rb"\x1b\[\?7h\r\x1b\[K[\d:.]+ info: waiting for robot1[^\n]*\n\x1b\[\?7l\[")
 
     def test_two_runs_of_one_scenario_and_seed_give_the_same_hash(self):
         hashes = set()
