@@ -269,18 +269,21 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
   RequireOpen();
   std::vector<Waiting> waiting;
   if (!watch_) {
+    std::vector<TeamLink*> settled;
     for (const auto& team : teams_) {
       try {
         SettleTeam(*team);
+        settled.push_back(team.get());
       } catch (const Error&) {
-        if (team.get() == team_command.team || !team->lost) throw;  // else the others go on without it
+        // The others go on without one that is lost, or whose robots are another's after a load.
+        if (team.get() == team_command.team || (!team->lost && !team->names.empty())) throw;
       }
     }
     std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
     for (const auto& link : links_) {
       if (TakesPart(*link)) waiting.push_back({link->motors.get(), link.get()});
     }
-    for (const auto& team : teams_) waiting.push_back({team->connection.get(), nullptr, team.get()});
+    for (TeamLink* team : settled) waiting.push_back({team->connection.get(), nullptr, team});
   }
   if (waiting.empty()) {
     if (!simulation_.Alive()) simulation_.Open();

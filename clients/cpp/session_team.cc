@@ -73,13 +73,21 @@ void Session::NotOurs(const TeamLink& team, const Error& owned) const {
 std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
   RequireOpen();
   if (watch_) throw Error(kNotPossible, "this sim only watches; connect without watch to drive a team");
-  std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
+  const auto is_lost = [](const auto& team) { return team->lost.has_value(); };
+  std::erase_if(teams_, is_lost);
   auto team = std::make_shared<TeamLink>();
   for (const auto& other : teams_) {
-    if (other->text == text) return other;
+    if (other->text != text) continue;
+    try {
+      SettleTeam(*other);  // who is in it by now
+      return other;
+    } catch (const Error&) {
+      if (!other->lost) throw;
+    }
   }
+  std::erase_if(teams_, is_lost);
   for (const auto& other : teams_) {  // what one of ours lets go of for a moment is not free
-    if (other->connection->is_open() && !other->connection->busy()) continue;
+    if (other->names.empty() || (other->connection->is_open() && !other->connection->busy())) continue;
     try {
       SettleTeam(*other);
     } catch (const Error&) {
@@ -97,7 +105,6 @@ std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
     if (LetGo(FirstWord(e.text()))) return DriveTeam(text);
     NotOurs(*team, e);
   }
-  if (team->names.empty()) throw Error(kNoSuchName, "there is no robot that nobody drives");
   teams_.push_back(team);
   return team;
 }
@@ -108,6 +115,7 @@ void Session::OpenTeam(TeamLink& team) {
   try {
     if (team.names.empty()) connection.Request(command::kRelease);  // an older team may have been of others
     TakeTeam(team);
+    if (team.names.empty()) throw Error(kNoSuchName, "there is no robot that nobody drives");
     Select(team, team.selected, team.neighbours);
     Note(connection.Request(command::kGetTime));
   } catch (...) {

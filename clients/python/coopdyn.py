@@ -1029,6 +1029,8 @@ class _TeamLink:
             if not self.names:
                 self.connection.request(_RELEASE)  # an older team may have been of others
             self.take(session)
+            if not self.names:
+                raise Error(10, "there is no robot that nobody drives")
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:
@@ -1443,9 +1445,16 @@ class _Session:
         self.teams = [team for team in self.teams if team.lost is None]
         for team in self.teams:
             if team.text == text:
-                return team
+                try:
+                    self.settle_team(team)  # who is in it by now
+                    return team
+                except Error:
+                    if team.lost is None:
+                        raise
+                    self.teams.remove(team)
+                    break
         for team in list(self.teams):  # what one of ours lets go of for a moment is not free
-            if team.connection.sock is None or team.connection.busy:
+            if team.names and (team.connection.sock is None or team.connection.busy):
                 try:
                     self.settle_team(team)
                 except Error:
@@ -1466,9 +1475,6 @@ class _Session:
                 label = team.label if len(text.split()) == 1 else f"the team with {robot}"
                 raise Error(6, f"{label} {_owned_text(e.text)}") from None
             raise
-        if not team.names:
-            team.connection.close()
-            raise Error(10, "there is no robot that nobody drives")
         self.teams.append(team)
         return team
 
@@ -1530,16 +1536,17 @@ class _Session:
         """Sends what was kept (or `ready`) for every robot and every team of this sim, then takes in the replies."""
         self.require_open()
         waiting: Dict[_Connection, Optional[_Driven]] = {}
-        for other in list(self.teams):
+        teams = []
+        for other in self.teams:
             try:
                 self.settle_team(other)
+                teams.append(other)
             except Error:
-                if other is team or other.lost is None:
-                    raise
-            if other.lost is not None and other is not team:  # the others go on without it
-                self.teams.remove(other)
+                if other is team or other.lost is None and other.names:
+                    raise  # the others go on without one that is lost, or whose robots are another's after a load
+        self.teams = [other for other in self.teams if other.lost is None]
         driven = [] if self.watch else [link for link in self.links if self.takes_part(link)]
-        if not (driven or self.teams):
+        if not (driven or teams):
             if not self.simulation.alive():
                 self.simulation.open(self.address.timeout)
             waiting[self.simulation] = None
@@ -1552,7 +1559,7 @@ class _Session:
                     link.kept = link.carried = None
                     waiting[link.motors] = link
                     link.motors.send(encode(command, (n,), data))
-                for other in self.teams:
+                for other in teams:
                     waiting[other.connection] = other
                     other.connection.send(frame if other is team else encode(_READY, (n,)))
             except BaseException as e:
@@ -2165,8 +2172,8 @@ class Simulation:
 
     def team(self, names: Union[str, Sequence[str], None] = None) -> Team:
         """Takes robots to be driven together, through one connection: the name of a swarm or robot, a list of such, or
-        all that nobody drives. Error 6 if another client owns one of them, or this sim has driven one singly; then none
-        is taken. While a recording is
+        all that nobody drives. They stand in `names` in the order of the scenario, whatever the list's. Error 6 if
+        another client owns one of them, or this sim has driven one singly; then none is taken. While a recording is
         played the team reads (all robots, without names), and what drives it is error 5."""
         if names is not None and not isinstance(names, str):
             if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):

@@ -60,12 +60,16 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function t = team(sim, names)
     %TEAM Takes robots to be driven together, through one connection: the name of a swarm or robot, a cell array of such,
-    %   or without names all that nobody drives. Error if another client owns one of them, or this sim has driven one
-    %   singly; then none is taken.
+    %   or without names all that nobody drives; they stand in the order of the scenario, whatever the list's. Error if
+    %   another client owns one of them, or this sim has driven one singly; then none is taken.
       text = '';
       if nargin > 1
         if iscell(names)
           names = strjoin(cellfun(@char, reshape(names, 1, []), 'UniformOutput', false), ' ');
+        end
+        if isnumeric(names) && ~isempty(names)
+          coopdyn.internal.fail(3, ['the robots of a team are named, not numbered: write e.g. sim.team(''swarm1''), ' ...
+            'sim.team({''robot1'', ''robot2''}), or sim.team() for all that nobody drives']);
         end
         words = strsplit(strtrim(char(names)), ' ');
         words = regexprep(words(~cellfun(@isempty, words)), '^/+', '');

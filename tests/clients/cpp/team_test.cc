@@ -162,6 +162,20 @@ TEST(TeamOfTheDaemon, OneThatLostAllItsRobotsTakesNoneFromItsSuccessor) {
   EXPECT_EQ(sim.team("swarm1").step({}, 60).pose.size(), 100u);
 }
 
+TEST(TeamOfTheDaemon, AfterALoadItIsAtOnceWhomItMeansNow) {
+  const auto daemon = ServerProcess::Real("swarm100", {"--no-http", "--no-render"});
+  auto sim = connect(daemon.server());
+  auto old = sim.team("mini");
+  old.step({}, 60);
+  sim.load_scenario("swarm100");
+  auto team = sim.team("swarm1");  // the old one lets it have its robots
+  EXPECT_EQ(team.n(), 100u);
+  sim.load_scenario("swarm100");
+  auto again = sim.team("swarm1");
+  EXPECT_EQ(again.names().size(), 100u);
+  EXPECT_EQ(again.step(std::vector<double>(2 * again.n(), 0.1), 60).pose.size(), 100u);
+}
+
 TEST(TeamOfTheDaemon, OneRowForAllGoesOnWithTheRestWhenARobotIsTakenAway) {
   const auto daemon = ServerProcess::Real("swarm100", {"--no-http", "--no-render", "--mode", "realtime"});
   auto sim = connect(daemon.server(), {.name = "A"});

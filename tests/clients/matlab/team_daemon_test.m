@@ -37,6 +37,16 @@ for k = 1:20
 end
 assert(heard(1).id == team.ids(i) && isequal(heard(1).values, [1 -2.5]) && heard(1).distance > 0);
 assert(isempty(sender.get_messages()));
+sim.load_scenario('swarm100');
+again = sim.team('swarm1');
+assert(again.n == 100 && numel(again.names) == 100);
+s = again.step(0.1 * ones(again.n, 2), 'timeout', 60);
+assert(isequal(size(s.pose), [100 3]));
+sim.load_scenario('swarm100');
+all = sim.team();  % the old team lets it have its robots
+assert(all.n == 100);
+all.step([0.1 0], 'timeout', 60);
+all.close();
 sim.load_scenario('classroom');
 expect_error('coopdyn:no_such_name', @() team.step(), 'swarm1');
 sim.close();

@@ -167,6 +167,27 @@ class Lockstep(TeamTestCase):
             team.step((0.1, 0), timeout=60)
         self.assertEqual(caught.exception.code, 10)
 
+    def test_after_a_load_a_team_is_at_once_whom_it_means_now(self):
+        sim = self.connect(self.start(swarm_of(4)))
+        for n in (4, 2, 3):
+            sim.load_scenario(swarm_of(n))
+            for names in (None, "mini"):
+                team = sim.team(names)
+                self.assertEqual((team.n, len(team.names), len(team.ids)), (n, n, n))
+                self.assertEqual(team.step([(0.1, 0)] * team.n, timeout=60).pose.shape, (n, 3))
+                team.close()
+
+    def test_after_a_load_a_team_that_is_not_used_any_more_takes_nobody(self):
+        sim = self.connect(self.start(swarm_of(4)))
+        old = sim.team()
+        old.step((0.1, 0), timeout=60)
+        sim.load_scenario(swarm_of(2))
+        team = sim.team("swarm1")
+        self.assertEqual(team.step((0.1, 0), timeout=60).pose.shape, (2, 3))
+        with self.assertRaises(coopdyn.Error) as caught:
+            old.step((0.1, 0), timeout=60)
+        self.assertIn("belongs to your team swarm1" if caught.exception.code == 6 else "nobody drives", caught.exception.text)
+
     def test_robots_of_a_large_swarm_are_all_listed(self):
         sim = self.connect(self.start(swarm_of(600, floor=40)))
         names = sim.robots()

@@ -131,15 +131,17 @@ classdef Session < handle
       connections = {};
       links = {};
       if ~s.watch
+        settled = {};
         for k = 1:numel(s.teams)
           team = s.teams{k};
           try
             team.settle(s);
+            settled{end + 1} = team; %#ok<AGROW>
           catch cause
-            if isempty(team.lost) || nargin > 3 && team.number == commanded.number
+            if (isempty(team.lost) && ~isempty(team.names)) || nargin > 3 && team.number == commanded.number
               rethrow(cause);
             end
-          end  % else the others go on without it
+          end  % else the others go on without one that is lost, or whose robots are another's after a load
         end
         s.drop_lost_teams();
         for k = 1:numel(s.links)
@@ -150,9 +152,9 @@ classdef Session < handle
             connections{end + 1} = c; %#ok<AGROW>
           end
         end
-        for k = 1:numel(s.teams)
-          links{end + 1} = s.teams{k}; %#ok<AGROW>
-          connections{end + 1} = s.teams{k}.connection; %#ok<AGROW>
+        for k = 1:numel(settled)
+          links{end + 1} = settled{k}; %#ok<AGROW>
+          connections{end + 1} = settled{k}.connection; %#ok<AGROW>
         end
       end
       if isempty(links)

@@ -49,6 +49,9 @@ classdef TeamLink < handle
           c.request(8, [], []);  % an older team may have been of others
         end
         t.take(session);
+        if isempty(t.names)
+          coopdyn.internal.fail(10, 'there is no robot that nobody drives');
+        end
         t.choose(t.selected, t.neighbours);
         session.note(c.request(3, [], []));
       catch cause

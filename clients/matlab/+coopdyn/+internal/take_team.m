@@ -10,13 +10,21 @@ function team = take_team(session, text)
   for k = 1:numel(session.teams)
     team = session.teams{k};
     if strcmp(team.text, text)
-      return
+      try
+        team.settle(session);  % who is in it by now
+        return
+      catch cause
+        if isempty(team.lost)
+          rethrow(cause);
+        end
+      end
     end
     numbers(end + 1) = team.number; %#ok<AGROW>
   end
+  session.drop_lost_teams();
   for k = 1:numel(session.teams)  % what one of ours lets go of for a moment is not free
     other = session.teams{k};
-    if isempty(other.connection.socket) || other.connection.busy
+    if ~isempty(other.names) && (isempty(other.connection.socket) || other.connection.busy)
       try
         other.settle(session);
       catch
@@ -51,10 +59,6 @@ function team = take_team(session, text)
         'the robot on the page']);
     end
     rethrow(cause);
-  end
-  if isempty(team.names)
-    team.connection.close();
-    coopdyn.internal.fail(10, 'there is no robot that nobody drives');
   end
   session.teams{end + 1} = team;
 end
