@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "server/app/commands.h"
+#include "server/base/printable.h"
 #include "server/record/run_reader_open.h"
 
 namespace coopdyn {
@@ -72,14 +73,7 @@ std::string LogText(const RunInfo& info) {
 void AddEvent(std::string& text, const Event& event) {
   text += fmt::format("    {:>10.3f} s  {:<8}", event.time_s, event.level);
   const std::string below(26, ' ');
-  for (const char c : event.text) {
-    if (c == '\n') {
-      text += '\n' + below;
-    } else {
-      const auto byte = static_cast<unsigned char>(c);
-      text += byte < 0x20 || byte == 0x7f ? '?' : c;
-    }
-  }
+  for (const char c : event.text) text += c == '\n' ? "\n" + below : Printable({&c, 1});
   text += '\n';
 }
 

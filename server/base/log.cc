@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "server/base/log_bar.h"
-#include "server/base/printable.h"
+#include "server/base/log.h"
 
 #include <spdlog/async.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/null_sink.h>
 #include <cstdio>
 #include <mutex>
+
+#include "server/base/log_bar.h"
+#include "server/base/printable.h"
 
 namespace coopdyn {
 

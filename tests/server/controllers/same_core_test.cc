@@ -58,6 +58,15 @@ TEST_F(SameCoreTest, ManyTurnsHoldBothOnOneCore) {
   }
 }
 
+TEST_F(SameCoreTest, TheCoreIsTakenAnewOnceInAWhileAndNotWithEachTurn) {
+  SameCore core(other_);
+  core.Take();
+  sched_setaffinity(0, sizeof(all_), &all_);
+  int turns = 1;
+  for (; turns < 100 && !BothAreHeld(); ++turns) core.Take();
+  EXPECT_EQ(turns, CPU_COUNT(&all_) == 1 ? 1 : 33);
+}
+
 TEST_F(SameCoreTest, AfterLeavingTheCallerMayGoWhereItCould) {
   SameCore core(other_);
   core.Take();
