@@ -67,6 +67,15 @@ function(coopdyn_library name)
   endif()
 endfunction()
 
+# Adds to the library a source that is made by a command. It is a library of its own, as a command waits until all
+# libraries are built that its library links, and the library's other sources would wait with it.
+function(coopdyn_generated_source library source)
+  cmake_path(GET source STEM name)
+  add_library(coopdyn_${name} STATIC ${source})
+  target_link_libraries(coopdyn_${name} PRIVATE coopdyn_options)
+  target_link_libraries(${library} PRIVATE coopdyn_${name})
+endfunction()
+
 # Adds one test program from all *_test.cc of this folder; each TEST is a CTest test. With sanitizers, where a
 # program takes longer to start than most of its tests to run, the whole program is one.
 # COOPDYN_SOURCE_DIR is the root of the source tree.

@@ -12,10 +12,12 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/app/bench_clients.h"
 #include "server/app/bench_daemon.h"
+#include "server/app/bench_run.h"
 #include "server/app/commands.h"
 #include "server/app/number_checks.h"
 
@@ -28,7 +30,7 @@ constexpr double kStep_s = 0.01;
 constexpr int kRobotRounds = 50'000, kFewestRounds = 30, kMostRounds = 5'000;
 constexpr int kLeastWarmUp = 5;
 
-struct Options {
+struct LockstepBench {
   BenchDaemonOptions daemon;
   BenchClientOptions client;
   std::string clients = "per-robot", language = "cpp";
@@ -40,23 +42,21 @@ struct Options {
 };
 
 /// Of one repeat; times per robot and round in µs.
-struct Figures {
+struct LockstepFigures {
   double rounds_per_s = 0, us = 0, server_cpu_us = 0, client_cpu_us = 0;
 };
 
-double Median(const std::vector<Figures>& all, double Figures::*value) {
+double MedianOf(const std::vector<LockstepFigures>& all, double LockstepFigures::*value) {
   std::vector<double> values;
-  for (const Figures& figures : all) values.push_back(figures.*value);
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+  for (const LockstepFigures& figures : all) values.push_back(figures.*value);
+  return Median(std::move(values));
 }
 
 double Rounded(double value) {
   return std::round(value * 1000) / 1000;
 }
 
-std::string Describe(const Options& options) {
+std::string Describe(const LockstepBench& options) {
   const std::string rays = options.daemon.rays
                                ? fmt::format("{} rays of {} m", *options.daemon.rays, options.daemon.range_m)
                            : options.client.batch ? "poses"
@@ -70,7 +70,7 @@ std::string Describe(const Options& options) {
       options.daemon.record.empty() ? "" : ", recorded: " + options.daemon.record);
 }
 
-std::string Table(const Options& options, const Figures& median, const std::string& hash) {
+std::string Table(const LockstepBench& options, const LockstepFigures& median, const std::string& hash) {
   std::string table = Describe(options) + "\n" +
                       fmt::format("{} rounds, median of {}\n", options.client.rounds, options.repeats);
   const auto row = [&table](const char* name, const std::string& value) {
@@ -86,7 +86,7 @@ std::string Table(const Options& options, const Figures& median, const std::stri
   return table;
 }
 
-std::string Json(const Options& options, const Figures& median, const std::string& hash) {
+std::string Json(const LockstepBench& options, const LockstepFigures& median, const std::string& hash) {
   return boost::json::serialize(boost::json::object{
              {"robots", options.daemon.robots},
              {"robot", options.daemon.robot},
@@ -110,10 +110,10 @@ std::string Json(const Options& options, const Figures& median, const std::strin
          "\n";
 }
 
-int Run(const Options& options) {
+int Run(const LockstepBench& options) {
   const double robot_rounds = static_cast<double>(options.client.rounds) * options.daemon.robots;
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
-  std::vector<Figures> all;
+  std::vector<LockstepFigures> all;
   std::string hash;
   for (int repeat = 1; repeat <= options.repeats; ++repeat) {
     if (terminal) std::cerr << fmt::format("\rrepeat {} of {} ", repeat, options.repeats) << std::flush;
@@ -131,15 +131,15 @@ int Run(const Options& options) {
                    .server_cpu_us = took.server_cpu_s * 1e6 / robot_rounds,
                    .client_cpu_us = took.client_cpu_s * 1e6 / robot_rounds});
   }
-  const Figures median{.rounds_per_s = Median(all, &Figures::rounds_per_s),
-                       .us = Median(all, &Figures::us),
-                       .server_cpu_us = Median(all, &Figures::server_cpu_us),
-                       .client_cpu_us = Median(all, &Figures::client_cpu_us)};
+  const LockstepFigures median{.rounds_per_s = MedianOf(all, &LockstepFigures::rounds_per_s),
+                               .us = MedianOf(all, &LockstepFigures::us),
+                               .server_cpu_us = MedianOf(all, &LockstepFigures::server_cpu_us),
+                               .client_cpu_us = MedianOf(all, &LockstepFigures::client_cpu_us)};
   std::cout << (options.json ? Json(options, median, hash) : Table(options, median, hash)) << std::flush;
   return kExitOk;
 }
 
-int Measure(Options options, bool rays_given, bool threads_given) {
+int Measure(LockstepBench options, bool rays_given, bool threads_given) {
   options.client.batch = options.clients == "batch";
   options.client.python = options.language == "python";
   if (options.protocol_only && (!options.client.batch || rays_given)) {
@@ -168,7 +168,7 @@ int Measure(Options options, bool rays_given, bool threads_given) {
 
 void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen) {
   // The parser writes into it while the command lives.
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<LockstepBench>();
   BenchDaemonOptions& daemon = options->daemon;
   CLI::App* sub = bench.add_subcommand("lockstep", "Lockstep rounds per second over sockets");
   sub->footer(

@@ -35,7 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct RecordingBench {
   ArenaOptions arena;
   double seconds = 60;  // simulated
   std::string what = "poses";
@@ -44,7 +44,7 @@ struct Options {
   bool json = false;
 };
 
-struct Figures {
+struct RecordingFigures {
   std::uint64_t steps = 0, bytes = 0;
   std::size_t bodies = 0;
   double live_s = 0, live_cpu_s = 0;                              // without recording
@@ -54,14 +54,9 @@ struct Figures {
   double reset_ms = 0, reset_growth_kb = 0;
 };
 
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0 : values[values.size() / 2];
-}
-
 /// Seeks at random moments of the run, on a player's own thread; what each takes until its frame is shown.
-std::string MeasureSeeks(const Options& options, const std::string& file, const SearchPath& path,
-                         Figures& figures) {
+std::string MeasureSeeks(const RecordingBench& options, const std::string& file, const SearchPath& path,
+                         RecordingFigures& figures) {
   std::string error;
   auto reader = RunReader::Open(file, error);
   Diagnostics diagnostics;
@@ -97,7 +92,7 @@ std::string MeasureSeeks(const Options& options, const std::string& file, const 
   return error;
 }
 
-std::string MeasureVerify(const std::string& file, const SearchPath& path, Figures& figures) {
+std::string MeasureVerify(const std::string& file, const SearchPath& path, RecordingFigures& figures) {
   std::string error;
   const auto reader = RunReader::Open(file, error);
   Diagnostics diagnostics;
@@ -113,7 +108,7 @@ std::string MeasureVerify(const std::string& file, const SearchPath& path, Figur
   return equal ? "" : "the run does not verify: " + ToString(report);
 }
 
-std::string MeasureResets(const Options& options, RobotLibrary& library, Figures& figures) {
+std::string MeasureResets(const RecordingBench& options, RobotLibrary& library, RecordingFigures& figures) {
   ArenaOptions arena;
   arena.robots = options.reset_robots;
   arena.fidelity = Fidelity::kFull;
@@ -140,8 +135,8 @@ std::string MeasureResets(const Options& options, RobotLibrary& library, Figures
   return {};
 }
 
-std::string MeasureRecording(const Options& options, const std::string& file, RobotLibrary& library,
-                             Figures& figures) {
+std::string MeasureRecording(const RecordingBench& options, const std::string& file, RobotLibrary& library,
+                             RecordingFigures& figures) {
   Diagnostics diagnostics;
   const auto scenario = MakeArena(options.arena, library, diagnostics);
   if (scenario == nullptr) return diagnostics.ToString();
@@ -178,11 +173,11 @@ std::string MeasureRecording(const Options& options, const std::string& file, Ro
   return {};
 }
 
-double BytesPerBodyStep(const Figures& f) {
+double BytesPerBodyStep(const RecordingFigures& f) {
   return static_cast<double>(f.bytes) / (static_cast<double>(f.steps) * static_cast<double>(f.bodies));
 }
 
-std::string Table(const Options& options, const Figures& f) {
+std::string Table(const RecordingBench& options, const RecordingFigures& f) {
   const double body_steps = static_cast<double>(f.steps) * static_cast<double>(f.bodies);
   std::string table =
       fmt::format("{} {}, {}, {} s, recorded: {}\n", options.arena.robots, options.arena.robot,
@@ -203,7 +198,7 @@ std::string Table(const Options& options, const Figures& f) {
   return table;
 }
 
-std::string Json(const Options& options, const Figures& f) {
+std::string Json(const RecordingBench& options, const RecordingFigures& f) {
   return boost::json::serialize(boost::json::object{{"robots", options.arena.robots},
                                                     {"seconds", options.seconds},
                                                     {"what", options.what},
@@ -222,7 +217,7 @@ std::string Json(const Options& options, const Figures& f) {
          "\n";
 }
 
-int Measure(const Options& options) {
+int Measure(const RecordingBench& options) {
   SearchPath path;
   for (const std::string& folder : DataFolders({})) path.folders.emplace_back(folder);
   RobotLibrary library(path);
@@ -230,7 +225,7 @@ int Measure(const Options& options) {
   const std::string file =
       temporary ? (fs::temp_directory_path() / fmt::format("coopdyn-bench-{}.run", ::getpid())).string()
                 : options.file;
-  Figures figures;
+  RecordingFigures figures;
   const auto tell = [terminal = ::isatty(STDERR_FILENO) == 1](const char* what) {
     if (terminal) std::cerr << "\r\033[K" << what << std::flush;
   };
@@ -256,7 +251,7 @@ int Measure(const Options& options) {
 }  // namespace
 
 void AddBenchRecording(CLI::App& bench, std::function<int()>& chosen) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RecordingBench>();
   options->arena.robots = 100;
   options->arena.controller = "diffuse";
   CLI::App* sub = bench.add_subcommand("recording", "What recording, seeking, verifying and resetting take");

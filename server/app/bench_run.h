@@ -36,6 +36,9 @@ struct BenchRun {
   std::vector<std::string> problems;
 };
 
+/// Of an even number of values the mean of the middle two; 0 of none.
+double Median(std::vector<double> values);
+
 /// Memory of this process that is in RAM.
 double Resident_kb();
 

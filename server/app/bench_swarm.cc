@@ -21,12 +21,6 @@ namespace coopdyn {
 
 namespace {
 
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
 BenchFigures FiguresOf(const BenchRun& run, int robots) {
   const double robot_steps = static_cast<double>(run.steps) * robots;
   constexpr double kTick_s = 1e-6;  // a run so short that it took no time by the kernel's clock

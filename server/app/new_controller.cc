@@ -43,7 +43,7 @@ std::string Filled(std::string text, const std::string& name) {
   return text;
 }
 
-int Fail(int code, const std::string& text) {
+int Refuse(int code, const std::string& text) {
   std::cerr << "coopdyn: new-controller: " << text << '\n';
   return code;
 }
@@ -53,23 +53,25 @@ int Fail(int code, const std::string& text) {
 int NewController(const std::string& name, const fs::path& folder) {
   if (!IsControllerName(name)) {
     const std::string near = NearestName(name);
-    return Fail(kExitWrongUse,
-                "'" + name + "' cannot be the name: use a to z, 0 to 9 and _, a letter first, for example " +
-                    (near.empty() ? "my_robot" : near));
+    return Refuse(kExitWrongUse,
+                  "'" + name +
+                      "' cannot be the name: use a to z, 0 to 9 and _, a letter first, for example " +
+                      (near.empty() ? "my_robot" : near));
   }
   std::error_code error;
   const fs::path target = (folder / name).lexically_normal();
   if (fs::symlink_status(target, error).type() != fs::file_type::not_found) {
-    return Fail(kExitErrors, target.string() + " is there already: choose another name, or another --folder");
+    return Refuse(kExitErrors,
+                  target.string() + " is there already: choose another name, or another --folder");
   }
   fs::create_directories(target, error);
-  if (error) return Fail(kExitErrors, target.string() + " cannot be made: " + error.message());
+  if (error) return Refuse(kExitErrors, target.string() + " cannot be made: " + error.message());
   for (const SkeletonFile& file : SkeletonFiles()) {
     const fs::path path = target / Filled(file.name, name);
     std::ofstream stream(path, std::ios::binary);
     stream << Filled(file.text, name);
     stream.close();
-    if (!stream) return Fail(kExitErrors, path.string() + " cannot be written");
+    if (!stream) return Refuse(kExitErrors, path.string() + " cannot be written");
   }
   std::cout << "wrote " << target.string() << "; go on with\n"
             << "  cd " << target.string() << "\n"

@@ -15,7 +15,7 @@ namespace coopdyn {
 
 namespace {
 
-struct Given {
+struct GivenRuns {
   std::string run, other;
   int threads = 1;
   std::vector<std::string> scenario_folders;
@@ -35,7 +35,7 @@ std::unique_ptr<RunReader> Open(const std::string& file) {
   return reader;
 }
 
-int RunVerify(const Given& given) {
+int RunVerify(const GivenRuns& given) {
   const auto run = Open(given.run);
   if (run == nullptr) return kExitErrors;
   const auto other = given.other.empty() ? nullptr : Open(given.other);
@@ -67,7 +67,7 @@ int RunVerify(const Given& given) {
 }  // namespace
 
 void AddVerify(CLI::App& app, std::function<int()>& chosen) {
-  const auto given = std::make_shared<Given>();
+  const auto given = std::make_shared<GivenRuns>();
   CLI::App* sub = app.add_subcommand("verify", "Repeat a recorded run and compare it, or two runs");
   sub->footer(
       "Prints 'equal, N steps', exit code 0; or the first step, body and value that differ, exit code 1.\n"

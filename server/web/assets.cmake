@@ -31,4 +31,4 @@ add_custom_command(
   COMMAND ${CMAKE_COMMAND} -DOUTPUT=${assets_source} "-DASSETS=${assets}" -P ${CMAKE_CURRENT_SOURCE_DIR}/embed.cmake
   DEPENDS ${page_files} ${python_client} ${matlab_zip} ${CMAKE_CURRENT_SOURCE_DIR}/embed.cmake
   VERBATIM)
-target_sources(coopdyn_web PRIVATE ${assets_source})
+coopdyn_generated_source(coopdyn_web ${assets_source})
