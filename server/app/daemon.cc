@@ -195,7 +195,7 @@ std::string Daemon::OpenModule(const char* name, Endpoint& module, std::unique_p
 }
 
 std::string Daemon::OpenGlobalModules() {
-  const auto post = [this](std::function<void()> work) { control_.Post(std::move(work)); };
+  const IoThread::Poster post = control_.poster();
   simulation_ = std::make_unique<SimulationModule>(
       SimulationServices{board_, frames_, edits_, run_, names_, roster_, models_, control_guard_, clock_,
                          *this, kVersion, options_.run.seed},

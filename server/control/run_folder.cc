@@ -53,8 +53,8 @@ RunFolder::RunFolder(fs::path folder, SearchPath path, std::function<std::string
     : folder_(std::move(folder)),
       path_(std::move(path)),
       present_(std::move(present)),
-      looks_("runs", logger),
-      exporter_("export", logger) {}
+      exporter_("export", logger),
+      looks_("runs", logger) {}
 
 RunFolder::~RunFolder() {
   stopping_ = true;

@@ -79,9 +79,10 @@ class RunFolder {
   const std::function<std::string()> present_;
   std::map<std::string, Known> known_;  // looks_
   std::atomic<bool> stopping_{false};
-  int exports_ = 0;  // exports_thread_
-  IoThread looks_;   // last: what they run uses the rest
+  int exports_ = 0;  // exporter_
+  // Last: what they run uses the rest. The one that looks ends first: it posts to the other.
   IoThread exporter_;
+  IoThread looks_;
 };
 
 }  // namespace coopdyn

@@ -35,7 +35,8 @@ class StepListener {
 class StepInbox {
  public:
   static constexpr std::size_t kMaxFrames = 64;
-  /// Runs a function on the owner's thread, later; called from any thread.
+  /// Runs a function on the owner's thread, later; called from any thread, also when that has ended: a step
+  /// that is under way may still bring something to a robot that a load drops. Then it does nothing.
   using Post = std::function<void(std::function<void()>)>;
 
   /// Any thread. `board` and `frames` outlive it.

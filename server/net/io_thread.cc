@@ -5,15 +5,20 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <exception>
 #include <future>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 
+#include "server/base/mutex.h"
 #include "server/net/socket_poller.h"
+#include "server/net/unique_fd.h"
 
 namespace coopdyn {
 namespace {
@@ -26,15 +31,57 @@ constexpr std::size_t kThreadNameBytes = 15;  // the kernel's limit
 
 }  // namespace
 
-/// An eventfd: written by whoever posts, read by the loop.
-struct IoThread::Wakeup {
-  explicit Wakeup(boost::asio::io_context& context)
-      : event(context, ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+/// What waits for the thread, and the bell that wakes it. Whoever may post holds it, so that posting and
+/// ringing are safe whatever becomes of the thread meanwhile. (io_context::post() wakes with its lock held,
+/// at the cost of two more switches.)
+class IoThread::Posted {
+ public:
+  Posted() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+    if (!event_) throw std::system_error(errno, std::generic_category(), "eventfd");
+  }
 
+  void Add(std::function<void()> work) {
+    bool ring = false;
+    {
+      const MutexLock lock(mutex_);
+      if (closed_) return;
+      ring = !std::exchange(looks_, true);
+      work_.push_back(std::move(work));
+    }
+    if (ring) Ring();
+  }
   void Ring() {
     const std::uint64_t one = 1;
-    [[maybe_unused]] const ssize_t written = ::write(event.native_handle(), &one, sizeof one);
+    [[maybe_unused]] const ssize_t written = ::write(event_.get(), &one, sizeof one);
   }
+  /// Swaps the empty `work` for what has come; false: nothing, and the next to come rings.
+  bool TakeInto(std::vector<std::function<void()>>& work) {
+    const MutexLock lock(mutex_);
+    work.swap(work_);
+    return looks_ = !work.empty();
+  }
+  /// Drops what waits and what comes.
+  void Close() {
+    std::vector<std::function<void()>> dropped;  // freed outside the lock
+    const MutexLock lock(mutex_);
+    closed_ = true;
+    dropped.swap(work_);
+  }
+  /// Readable after a ring.
+  int event() const { return event_.get(); }
+
+ private:
+  const UniqueFd event_;
+  Mutex mutex_;
+  std::vector<std::function<void()>> work_ GUARDED_BY(mutex_);
+  bool looks_ GUARDED_BY(mutex_) = false;  // the loop will look at work_ without another ring
+  bool closed_ GUARDED_BY(mutex_) = false;
+};
+
+/// The loop's side of the bell.
+struct IoThread::Wakeup {
+  Wakeup(boost::asio::io_context& context, int fd) : event(context, fd) {}
+  ~Wakeup() { event.release(); }  // others may still ring it
 
   boost::asio::posix::stream_descriptor event;
   std::uint64_t rings = 0;
@@ -45,7 +92,8 @@ IoThread::IoThread(std::string name, Logger logger, std::chrono::microseconds sp
       logger_(std::move(logger)),
       context_(std::make_unique<boost::asio::io_context>(1)),
       poller_(SocketPoller::Of(*context_)),
-      wakeup_(std::make_unique<Wakeup>(*context_)),
+      posted_(std::make_shared<Posted>()),
+      wakeup_(std::make_unique<Wakeup>(*context_, posted_->event())),
       spin_ns_(std::chrono::nanoseconds(spin).count()),
       thread_([this] { Run(); }) {}
 
@@ -54,13 +102,11 @@ IoThread::~IoThread() {
 }
 
 void IoThread::Post(std::function<void()> work) {
-  bool ring = false;
-  {
-    const MutexLock lock(mutex_);
-    ring = !std::exchange(looks_, true);
-    posted_.push_back(std::move(work));
-  }
-  if (ring) wakeup_->Ring();
+  posted_->Add(std::move(work));
+}
+
+IoThread::Poster IoThread::poster() const {
+  return [posted = posted_](std::function<void()> work) { posted->Add(std::move(work)); };
 }
 
 void IoThread::RunPosted() {
@@ -71,15 +117,10 @@ void IoThread::RunPosted() {
   std::vector<std::function<void()>> work;
   for (int i = 0; i < kLooksAtPosted; ++i) {
     work.clear();
-    {
-      const MutexLock lock(mutex_);
-      work.swap(posted_);
-      looks_ = !work.empty();
-      if (!looks_) return;
-    }
+    if (!posted_->TakeInto(work)) return;
     for (std::function<void()>& one : work) RunOne(one);
   }
-  wakeup_->Ring();  // there may be more; sockets and timers have their turn first
+  posted_->Ring();  // there may be more; sockets and timers have their turn first
 }
 
 void IoThread::RunOne(const std::function<void()>& work) {
@@ -131,7 +172,9 @@ void IoThread::SetSpin(std::chrono::microseconds spin) {
 void IoThread::Stop() {
   stop_ = true;
   Post([] {});
-  if (!is_current() && thread_.joinable()) thread_.join();
+  if (is_current()) return;
+  if (thread_.joinable()) thread_.join();
+  posted_->Close();
 }
 
 void IoThread::RunSome(steady_clock::time_point& active_at) {

@@ -10,10 +10,8 @@
 #include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "server/base/log.h"
-#include "server/base/mutex.h"
 
 namespace boost::asio {
 class io_context;
@@ -41,6 +39,9 @@ class IoThread {
   bool is_current() const { return std::this_thread::get_id() == thread_id_.load(std::memory_order_relaxed); }
   /// Runs `work` on the thread, later; never after Stop().
   void Post(std::function<void()> work);
+  /// Post() for those who may outlive the thread: then it does nothing.
+  using Poster = std::function<void(std::function<void()>)>;
+  Poster poster() const;
   /// Runs `work` at once if called on the thread, else like Post().
   void Dispatch(std::function<void()> work);
   /// Runs `work` on the thread and waits for its end; on the caller's if the thread has stopped. What `work`
@@ -51,6 +52,7 @@ class IoThread {
   void Stop();
 
  private:
+  class Posted;
   struct Wakeup;
 
   void Run();
@@ -63,12 +65,9 @@ class IoThread {
   std::string name_;
   Logger logger_;
   std::unique_ptr<boost::asio::io_context> context_;
-  SocketPoller& poller_;  // of context_
-  std::unique_ptr<Wakeup>
-      wakeup_;  // io_context::post() wakes with its lock held, at the cost of two more switches
-  Mutex mutex_;
-  std::vector<std::function<void()>> posted_ GUARDED_BY(mutex_);
-  bool looks_ GUARDED_BY(mutex_) = false;  // will look at posted_ without another ring
+  SocketPoller& poller_;                  // of context_
+  const std::shared_ptr<Posted> posted_;  // shared with posters
+  std::unique_ptr<Wakeup> wakeup_;
   std::atomic<std::int64_t> spin_ns_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};          // the loop runs nothing any more

@@ -15,7 +15,7 @@ namespace coopdyn {
 
 class RobotCore {
  public:
-  /// `post`: runs a function on the robot's thread.
+  /// `post`: runs a function on the robot's thread, as StepInbox says.
   RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post);
 
   const std::string& name() const { return name_; }

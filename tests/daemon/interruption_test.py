@@ -54,6 +54,22 @@ class InterruptionTest(unittest.TestCase):
             self.assertEqual(other.receive().command, -1)
             self.assertEqual(daemon.module_port("/robot1/motors"), port)
 
+    def test_loads_without_the_subscribed_robot_while_steps_run(self):
+        with Daemon(scenario(1, mode="free")) as daemon:
+            simulation = daemon.text("/simulation")
+            robot, other = "robot1", "another"
+            for _ in range(30):
+                watcher = daemon.text(f"/{robot}/pose")
+                watcher.send("subscribe")
+                while watcher.receive().command != -40:
+                    pass
+                text = scenario(1, mode="free").replace("robot1", other).replace("\n", "\\n")
+                simulation.must(f'load_scenario "{text}"')
+                while (last := watcher.receive()).command != -1:
+                    pass
+                self.assertIn(f"{robot} is not in the new scenario", last.text)
+                robot, other = other, robot
+
     def test_a_load_that_fails_changes_nothing(self):
         with Daemon(scenario(1)) as daemon:
             simulation, motors = daemon.text("/simulation"), daemon.text("/robot1/motors")

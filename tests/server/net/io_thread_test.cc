@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <memory>
 #include <stdexcept>
 
 namespace coopdyn {
@@ -53,6 +54,18 @@ TEST_P(IoThreadTest, CallRunsOnTheCallersThreadAfterStop) {
   std::thread::id ran_on;
   thread_.Call([&] { ran_on = std::this_thread::get_id(); });
   EXPECT_EQ(ran_on, std::this_thread::get_id());
+}
+
+TEST_P(IoThreadTest, APosterThatOutlivesTheThreadDropsWhatItIsGiven) {
+  auto short_lived = std::make_unique<IoThread>("io-gone", NullLogger(), microseconds(GetParam()));
+  const IoThread::Poster poster = short_lived->poster();
+  std::promise<void> ran;
+  poster([&ran] { ran.set_value(); });
+  ran.get_future().wait();
+  short_lived.reset();
+  const auto held = std::make_shared<int>(1);
+  poster([held] { FAIL(); });
+  EXPECT_EQ(held.use_count(), 1);
 }
 
 TEST_P(IoThreadTest, SpinCanBeChangedWhileItRuns) {

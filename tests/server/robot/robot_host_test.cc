@@ -4,13 +4,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <functional>
+#include <future>
 #include <memory>
+#include <random>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "server/net/listener.h"
 #include "test_client.h"
@@ -20,6 +27,57 @@ namespace coopdyn {
 namespace {
 
 using testing::HasSubstr;
+
+/// Holds this thread, and those that it starts, on one core.
+class OneCore {
+ public:
+  OneCore() {
+    sched_getaffinity(0, sizeof before_, &before_);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(sched_getcpu(), &one);
+    sched_setaffinity(0, sizeof one, &one);
+  }
+  ~OneCore() { sched_setaffinity(0, sizeof before_, &before_); }
+  OneCore(const OneCore&) = delete;
+  OneCore& operator=(const OneCore&) = delete;
+
+ private:
+  cpu_set_t before_{};
+};
+
+/// Steps a world without a pause, on a thread of its own.
+class Stepping {
+ public:
+  explicit Stepping(SmallWorld& world)
+      : thread_([this, &world](const std::stop_token& stop) {
+          while (!stop.stop_requested()) {
+            if (auto work = Take()) work();
+            world.Step();
+          }
+        }) {}
+
+  /// Runs `work` between two steps and waits for its end.
+  void Between(const std::function<void()>& work) {
+    std::packaged_task<void()> task(work);
+    std::future<void> done = task.get_future();
+    {
+      const MutexLock lock(mutex_);
+      work_ = [&task] { task(); };
+    }
+    done.get();
+  }
+
+ private:
+  std::function<void()> Take() {
+    const MutexLock lock(mutex_);
+    return std::exchange(work_, nullptr);
+  }
+
+  Mutex mutex_;
+  std::function<void()> work_ GUARDED_BY(mutex_);
+  std::jthread thread_;
+};
 
 class RobotHostTest : public testing::Test {
  protected:
@@ -114,6 +172,35 @@ TEST_F(RobotHostTest, KeptRobotKeepsPortConnectionAndOwnerOverALoad) {
   client.Send("release\n");
   EXPECT_THAT(client.Line(), HasSubstr("0 \"\" 8"));
   EXPECT_EQ(host->thread_count(), 1u);
+}
+
+// For the sanitizers: a step may be about to wake the thread that a load ends. On one core a load that comes
+// at any moment holds the step up wherever it is, also there.
+TEST_F(RobotHostTest, ALoadWithoutASubscribedRobotEndsItsThreadWhileStepsRun) {
+  constexpr int kLoads = 300;
+  const OneCore one_core;
+  auto both = std::make_shared<Scenario>(*SmallScenario(2));
+  for (RobotEntry& robot : both->robots) robot.sockets = false;
+  auto one = std::make_shared<Scenario>(*both);
+  one->robots.pop_back();
+  Load(both);
+  const auto host = Start(Options());
+  ASSERT_EQ(host->thread_count(), 2u);
+  Stepping stepping(world_);
+  std::minstd_rand random;
+  for (int i = 0; i < kLoads; ++i) {
+    auto [near, far] = SocketPair();
+    names_.Find("/robot2/pose")->adopt(far.Release(), "subscribe\n", {"watcher", true});
+    TestClient watcher(std::move(near));
+    watcher.Line();
+    EXPECT_THAT(watcher.Line(), HasSubstr(" -"));
+    stepping.Between([&] { Load(one); });
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 200));
+    ASSERT_EQ(host->Apply(scene(), false), "");
+    watcher.Close();
+    stepping.Between([&] { Load(both); });
+    ASSERT_EQ(host->Apply(scene(), false), "");
+  }
 }
 
 TEST_F(RobotHostTest, RobotOfAnotherTypeIsANewOne) {
