@@ -140,7 +140,6 @@ struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
         if (IsOutOfResources(errno)) return RetryLater(port, errno);
         continue;  // a connection that ended before it was accepted
       }
-      told_exhausted = false;
       SetClientSocketOptions(fd.get());
       PeerInfo peer = DescribePeer(fd.get());
       on_accept(std::move(fd), std::move(peer));
@@ -149,10 +148,7 @@ struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
   }
 
   void RetryLater(const std::shared_ptr<Port>& port, int error) {
-    if (!std::exchange(told_exhausted, true)) {
-      services.logger()->error("cannot accept connections for now: {} (raise `ulimit -n`)",
-                               std::strerror(error));
-    }
+    services.LogExhausted(error);
     port->retry.expires_after(kRetryAfter);
     port->retry.async_wait([self = shared_from_this(), port](const boost::system::error_code& aborted) {
       if (!aborted && self->on_accept) self->Accept(port);
@@ -163,7 +159,6 @@ struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
   NetServices& services;
   AcceptFunction on_accept;  // empty: closed
   std::vector<std::shared_ptr<Port>> ports;
-  bool told_exhausted = false;
 };
 
 Listener::Listener(asio::io_context& context, NetServices& services, AcceptFunction on_accept)

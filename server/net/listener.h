@@ -22,7 +22,8 @@ namespace coopdyn {
 /// "0.0.0.0", "::" and "any" every address of the machine, anything else itself.
 std::vector<std::string> ListenAddresses(const std::string& host);
 
-/// Running out of descriptors is logged once and survived: accepting goes on when some are free.
+/// Running out of descriptors is logged (NetServices::LogExhausted()) and survived: accepting goes on when
+/// some are free.
 class Listener {
  public:
   /// Called on the io thread for each connection; options of client sockets are set.

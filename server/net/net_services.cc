@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "server/net/net_services.h"
 
+#include <cstring>
+
 namespace coopdyn {
+
+void NetServices::LogExhausted(int error) {
+  const Nanoseconds now = clock_.Now();
+  const Nanoseconds before = exhausted_.exchange(now);
+  if (before != std::numeric_limits<Nanoseconds>::min() && now - before < kOver) return;
+  logger_->error("cannot accept connections for now: {} (raise `ulimit -n`)", std::strerror(error));
+}
 
 void NetServices::LogPeer(spdlog::level::level_enum level, const std::string& peer, const std::string& text) {
   if (!logger_->should_log(level)) return;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -18,8 +19,13 @@ class NetServices {
   NetServices(Logger logger, const Clock& clock) : logger_(std::move(logger)), clock_(clock) {}
 
   const Logger& logger() const { return logger_; }
+  const Clock& clock() const { return clock_; }
   /// An id that no other connection of this daemon has or had.
   ClientId NextClient() { return ++last_client_; }
+  /// Says in the log that no connection can be accepted for want of something (an errno): once, until that
+  /// has been over for kOver.
+  void LogExhausted(int error);
+  static constexpr Nanoseconds kOver = 60 * kNanosecondsPerSecond;
   /// One log line about `peer`, unless it has caused too many within this second.
   void LogPeer(spdlog::level::level_enum level, const std::string& peer, const std::string& text);
 
@@ -28,6 +34,7 @@ class NetServices {
   const Clock& clock_;
   PeerLogLimiter limiter_;
   std::atomic<ClientId> last_client_{0};
+  std::atomic<Nanoseconds> exhausted_{std::numeric_limits<Nanoseconds>::min()};  // last; min: never
 };
 
 }  // namespace coopdyn

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
+#include <spdlog/sinks/ostream_sink.h>
 #include <sys/resource.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <memory>
+#include <sstream>
 
 #include "server/net/listener.h"
 #include "server/net/port_holder.h"
@@ -113,6 +119,26 @@ TEST_F(ModuleServerTest, RunningOutOfDescriptorsIsSurvived) {
     client.Send("echo 3\n");
     EXPECT_THAT(client.Line(), HasSubstr("500 0 3 3.0"));
   }
+}
+
+TEST(NetServicesTest, ExhaustionIsLoggedOnceUntilItHasBeenOverForAMinute) {
+  ManualClock clock;
+  std::ostringstream log;
+  const auto sink = std::make_shared<spdlog::sinks::ostream_sink_st>(log);
+  NetServices services(std::make_shared<spdlog::logger>("test", sink), clock);
+  const auto lines = [&log] {
+    const std::string text = log.str();
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  for (int i = 0; i < 200; ++i) {  // it comes and goes for longer than a minute
+    services.LogExhausted(EMFILE);
+    clock.Advance(kNanosecondsPerSecond);
+  }
+  EXPECT_EQ(lines(), 1);
+  clock.Advance(59 * kNanosecondsPerSecond);
+  services.LogExhausted(EMFILE);
+  EXPECT_EQ(lines(), 2);
+  EXPECT_THAT(log.str(), HasSubstr("raise `ulimit -n`"));
 }
 
 TEST_F(ModuleServerTest, AnAdopterThatOutlivesTheServerClosesTheConnection) {
