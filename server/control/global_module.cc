@@ -43,7 +43,7 @@ std::optional<Message> GlobalModule::Answer(Peer& peer, const Message& request) 
       break;
   }
   const CommandSpec* spec = table_.Find(request.command);
-  if (spec != nullptr && IsReading(*spec)) return ReadLater(peer, request);
+  if (spec != nullptr && ModuleCore::OnlyReads(*spec)) return ReadLater(peer, request);
   return core().MayChange(peer.client) ? Change(peer, request) : ModuleCore::NotAllowed(request);
 }
 

@@ -43,9 +43,7 @@ class GlobalModule : public PeerModule<ModulePeer> {
   /// Any thread. `post` runs a function on the control thread.
   GlobalModule(GlobalServices services, CommandTable table, StepInbox::Post post);
 
-  /// Commands that need no right: those that get_ something.
-  virtual bool IsReading(const CommandSpec& spec) const { return spec.name.starts_with("get_"); }
-  /// Answers a reading; nothing if the reply comes later.
+  /// Answers a command that only reads, and so needs no right; nothing if the reply comes later.
   virtual std::optional<Message> ReadLater(Peer& peer, const Message& request);
   /// Acts on one of the module's own commands that change something, from a client who may: answers at once,
   /// or nothing if the reply comes later.

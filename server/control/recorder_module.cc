@@ -33,10 +33,6 @@ Message RecorderModule::Read(const Message& request, const Frame& /*frame*/) {
   return reply;
 }
 
-bool RecorderModule::IsReading(const CommandSpec& spec) const {
-  return spec.id == command::kListRuns || GlobalModule::IsReading(spec);
-}
-
 std::optional<Message> RecorderModule::ReadLater(Peer& peer, const Message& request) {
   if (request.command != command::kListRuns) return GlobalModule::ReadLater(peer, request);
   runs_.List([later = Later(peer), page = page_()](const std::vector<RunFile>& files) {

@@ -21,7 +21,6 @@ class RecorderModule final : public GlobalModule {
  private:
   Message Read(const Message& request, const Frame& frame) override;
   command::Id first_reading() const override { return command::kGetRecording; }
-  bool IsReading(const CommandSpec& spec) const override;
   std::optional<Message> ReadLater(Peer& peer, const Message& request) override;
   std::optional<Message> Change(Peer& peer, const Message& request) override;
 

@@ -64,6 +64,7 @@ class SwarmModule final : public PeerModule<TeamPeer> {
   // ReadingSource
   Message Read(const Message& request, const Frame& frame) override;
   command::Id first_reading() const override { return command::kGetTeam; }
+  bool reads_alike() const override { return false; }
 
   std::optional<Message> Answer(Peer& peer, const Message& request) override;
   Message Stepped(Peer& peer, const StepResult& result) override;

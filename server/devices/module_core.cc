@@ -13,6 +13,8 @@ namespace coopdyn {
 namespace {
 
 constexpr std::size_t kMaxClientName = 200;
+/// Larger frames are not kept for those who do not read: a reading is little beside a step of so many bodies.
+constexpr std::size_t kMaxKeptBodies = 256;
 
 std::string Join(std::span<const std::string> words) {
   std::string text;
@@ -63,6 +65,11 @@ Message ModuleCore::NotAllowed(const Message& request) {
       request.command, Error::kNotAllowed,
       "not allowed from another machine without the token: send hello NAME TOKEN first; the token is "
       "what the daemon printed at its start, or its --token");
+}
+
+bool ModuleCore::OnlyReads(const CommandSpec& spec) {
+  return spec.name.starts_with("get_") || spec.id == command::kPing || spec.id == command::kDescribe ||
+         spec.id == command::kReadAll || spec.id == command::kListRuns;
 }
 
 std::optional<Message> ModuleCore::AnswerCommon(ModuleClient& client, const Message& request,
@@ -169,7 +176,8 @@ Message ModuleCore::StepReply(const ModuleClient& client, command::Id command, s
   return reply;
 }
 
-void ModuleCore::PushDue(ModuleClient& client, const Frame& frame, int dropped) {
+void ModuleCore::PushDue(ModuleClient& client, const FramePtr& frame, int dropped) {
+  if (!source_.reads_alike()) ForgetReadings();
   for (ModuleClient::Subscription& subscription : client.subscriptions) {
     for (int i = 0; i < dropped; ++i) {
       if (--subscription.left > 0) continue;
@@ -178,17 +186,25 @@ void ModuleCore::PushDue(ModuleClient& client, const Frame& frame, int dropped) 
     }
     if (--subscription.left > 0) continue;
     subscription.left = subscription.every;
-    Message request;
-    request.command = subscription.reading;
-    Message pushed = source_.Read(request, frame);
-    if (pushed.error != 0) continue;  // the robot is not in this frame
-    pushed.command = -subscription.reading;
-    if (subscription.missed > 0) {
-      pushed.text = fmt::format("dropped {}", std::exchange(subscription.missed, 0));
-    }
-    Stamp(pushed, frame);
-    client.push(pushed);
+    client.push(ReadingOf(subscription.reading, frame), std::exchange(subscription.missed, 0));
   }
+}
+
+UnaskedPtr ModuleCore::ReadingOf(command::Id reading, const FramePtr& frame) {
+  for (const auto& [of, message] : readings_) {
+    if (of == reading) return message;
+  }
+  auto message = std::make_shared<UnaskedMessage>([this, reading, frame]() -> std::optional<Message> {
+    Message request;
+    request.command = reading;
+    Message pushed = source_.Read(request, *frame);
+    if (pushed.error != 0) return std::nullopt;  // the robot is not in this frame
+    pushed.command = -reading;
+    Stamp(pushed, *frame);
+    return pushed;
+  });
+  if (frame->bodies.size() > kMaxKeptBodies || !source_.reads_alike()) message->message();
+  return readings_.emplace_back(reading, std::move(message)).second;
 }
 
 Message WaitEnded(command::Id command, StepEnd end, const std::string& new_owner) {

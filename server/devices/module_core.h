@@ -10,12 +10,14 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "protocol/command_ids.h"
 #include "protocol/command_table.h"
 #include "protocol/message.h"
 #include "server/devices/token_guard.h"
+#include "server/net/endpoint.h"
 #include "server/state/command_board.h"
 #include "server/state/frame.h"
 
@@ -33,6 +35,8 @@ class ReadingSource {
   /// appended if the robot is not in the frame.
   virtual std::span<const std::string> attachable() const = 0;
   virtual void AppendReading(std::size_t attachable, const Frame& frame, std::vector<double>& data) = 0;
+  /// Read() gives all clients the same.
+  virtual bool reads_alike() const { return true; }
 };
 
 /// What a module keeps about one connection.
@@ -49,7 +53,7 @@ struct ModuleClient {
   bool has_token = false;  // said the right one
   std::vector<Subscription> subscriptions;
   std::vector<std::size_t> attached;  // indices into ReadingSource::attachable()
-  std::function<void(const Message&)> push;
+  std::function<void(const UnaskedPtr&, std::int64_t dropped)> push;
 };
 
 class ModuleCore {
@@ -66,6 +70,8 @@ class ModuleCore {
     return !guard_.required() || client.trusted || client.has_token;
   }
   static Message NotAllowed(const Message& request);
+  /// A command that changes nothing and waits for nothing.
+  static bool OnlyReads(const CommandSpec& spec);
 
   /// Answers ping, describe, get_time, subscribe, unsubscribe and attach, stamped by `frame`; nothing if the
   /// request is another one. @pre Refuse() had nothing to say.
@@ -77,8 +83,10 @@ class ModuleCore {
   /// The reply to an actuator command, `ready` or `get_time`: mode, lengths, readings, time and step.
   Message StepReply(const ModuleClient& client, command::Id command, std::string text, const Frame& frame,
                     Mode mode);
-  /// Sends what is due after the step of `frame`; `dropped` frames before it never came.
-  void PushDue(ModuleClient& client, const Frame& frame, int dropped);
+  /// Sends what is due after the step of `frame`; `dropped` frames before it never came. ForgetReadings()
+  /// follows when all clients have got theirs.
+  void PushDue(ModuleClient& client, const FramePtr& frame, int dropped);
+  void ForgetReadings() { readings_.clear(); }
   /// Appends time_s and step.
   static void Stamp(Message& reply, const Frame& frame);
 
@@ -86,11 +94,14 @@ class ModuleCore {
   Message Subscribe(ModuleClient& client, const Message& request) const;
   Message Unsubscribe(ModuleClient& client, const Message& request) const;
   Message Attach(ModuleClient& client, const Message& request) const;
+  /// The reading to be pushed: one for all who want it, made when the first of them can take it.
+  UnaskedPtr ReadingOf(command::Id reading, const FramePtr& frame);
 
   const CommandTable& table_;
   ReadingSource& source_;
   const TokenGuard& guard_;
   const std::string_view version_;
+  std::vector<std::pair<command::Id, UnaskedPtr>> readings_;  // of the present frame
 };
 
 /// The error reply to a request whose wait for a step ended without it. `new_owner`: for kReplaced.

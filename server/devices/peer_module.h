@@ -57,7 +57,9 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     peer.client.client.peer = connection.peer();
     peer.client.client.input_ended = connection.input_ended();
     peer.client.trusted = connection.trusted();
-    peer.client.push = [&connection](const Message& message) { connection.Push(message); };
+    peer.client.push = [&connection](const UnaskedPtr& message, std::int64_t dropped) {
+      connection.Push(message, dropped);
+    };
     services_.roster.Add({connection.id(), path_, connection.peer(), {}});
   }
 
@@ -67,6 +69,10 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     if (peer == nullptr) return;
     if (std::optional<Message> refusal = Refuse(request)) {
       reply(std::move(*refusal));
+      return;
+    }
+    if (connection.output_ended() && ModuleCore::OnlyReads(*table_.Find(request.command))) {
+      reply(ReplyTo(request.command));
       return;
     }
     peer->client.client.input_ended = connection.input_ended();
@@ -183,6 +189,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
   void OnStepEnd(ClientId client, const StepResult& result) final {
     Peer* const peer = FindWaiting(client);
     if (peer == nullptr) return;
+    if (peer->connection->output_ended()) return Finish(*peer, ReplyTo(peer->command));
     if (result.end == StepEnd::kRan) return Finish(*peer, Stepped(*peer, result));
     Finish(*peer, WaitEnded(peer->command, result.end,
                             result.end == StepEnd::kReplaced ? NewOwner() : std::string()));
@@ -191,8 +198,9 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     for (auto& [id, peer] : peers_) {
       if (peer.client.subscriptions.empty()) continue;
       BeforePush(peer, *frame);
-      core_.PushDue(peer.client, *frame, dropped);
+      core_.PushDue(peer.client, frame, dropped);
     }
+    core_.ForgetReadings();
   }
 
   /// Null: the connection is gone.

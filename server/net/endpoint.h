@@ -3,14 +3,49 @@
 // runs the endpoint's io_context.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "protocol/codec.h"
 #include "protocol/command_table.h"
 #include "protocol/message.h"
 #include "server/base/ids.h"
 
 namespace coopdyn {
+
+/// An unasked message, for any number of connections: made when the first of them can take it, and encoded
+/// once for all.
+class UnaskedMessage {
+ public:
+  /// Gives nothing if there is nothing to say after all. What it uses lives as long as the endpoint.
+  using Make = std::function<std::optional<Message>()>;
+
+  explicit UnaskedMessage(Message message) : message_(std::move(message)) {}
+  explicit UnaskedMessage(Make make) : make_(std::move(make)) {}
+
+  /// Null: there is nothing to say.
+  const Message* message() {
+    if (make_) message_ = std::exchange(make_, nullptr)();
+    return message_ ? &*message_ : nullptr;
+  }
+  /// `encoding`: kBinary or kText. @pre message() is not null
+  const std::string& bytes(Encoding encoding) {
+    const bool binary = encoding == Encoding::kBinary;
+    std::string& bytes = binary ? binary_ : text_;
+    if (bytes.empty()) (binary ? EncodeBinary : EncodeText)(*message_, bytes);
+    return bytes;
+  }
+
+ private:
+  Make make_;  // null: made
+  std::optional<Message> message_;
+  std::string binary_, text_;  // empty: nobody has wanted it yet
+};
+using UnaskedPtr = std::shared_ptr<UnaskedMessage>;
 
 /// A client's live connection as an endpoint sees it.
 class Connection {
@@ -22,8 +57,12 @@ class Connection {
   virtual bool trusted() const = 0;
   /// The client has shut down its sending side (or died: they look alike).
   virtual bool input_ended() const = 0;
-  /// Sends an unasked message. At most 64 wait; then the oldest is dropped and the next one says `dropped N`.
-  virtual void Push(const Message& message) = 0;
+  /// The client is gone or takes nothing more: whoever answers it need not compute anything.
+  virtual bool output_ended() const = 0;
+  /// Sends an unasked message. At most 64 wait; then the oldest is dropped and the next one says `dropped N`;
+  /// `dropped`: how many more there would have been before this one. It may be made later, never after
+  /// OnClosed().
+  virtual void Push(const UnaskedPtr& message, std::int64_t dropped) = 0;
   /// Sends a closing notice (command −1, `reason`), then closes once it is written.
   virtual void Close(const std::string& reason) = 0;
 };

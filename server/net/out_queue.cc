@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "server/net/out_queue.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace coopdyn {
 namespace {
 
 constexpr std::size_t kKeepCapacity = std::size_t{256} << 10;  // beyond it memory is given back
+constexpr std::size_t kSharedBytes = std::size_t{64} << 10;    // of pushes that keep their bytes for all
 
 std::size_t BinaryBytes(const Message& message) {
   return 20 + message.text.size() + 4 * message.params.size() + 8 * message.data.size();
@@ -17,60 +17,73 @@ std::size_t BinaryBytes(const Message& message) {
 
 void OutQueue::AddReply(Message reply) {
   Item item;
-  item.message = std::move(reply);
+  item.reply = std::move(reply);
   Add(std::move(item));
-}
-
-void OutQueue::AddPush(const Message& push) {
-  Item item;
-  item.kind = Item::Kind::kPush;
-  item.message = push;
-  Add(std::move(item));
-  if (pushes_ > kMaxPushes) DropOldestPush();
 }
 
 void OutQueue::AddRaw(std::string bytes) {
   Item item;
-  item.kind = Item::Kind::kRaw;
   item.raw = std::move(bytes);
   Add(std::move(item));
 }
 
 void OutQueue::Add(Item item) {
-  if (encoding_ == Encoding::kUndecided && item.kind != Item::Kind::kRaw) return;
-  if (!blocked_ && items_.empty() && unsent().size() < kEncodeAhead) return Encode(item);
-  if (item.kind == Item::Kind::kPush) ++pushes_;
+  if (encoding_ == Encoding::kUndecided && item.reply) return;
+  if (MayEncode()) return Encode(std::move(item));
+  item.after = pushes_gone_ + pushes_.size();
   items_.push_back(std::move(item));
 }
 
-void OutQueue::DropOldestPush() {
-  const auto is_push = [](const Item& item) { return item.kind == Item::Kind::kPush; };
-  const auto oldest = std::find_if(items_.begin(), items_.end(), is_push);
-  const auto next = std::find_if(oldest + 1, items_.end(), is_push);
-  next->dropped += oldest->dropped + 1;
-  items_.erase(oldest);
-  --pushes_;
+void OutQueue::AddPush(const UnaskedPtr& push, std::int64_t dropped) {
+  if (encoding_ == Encoding::kUndecided) return;
+  if (MayEncode()) return EncodePush({push, dropped});
+  pushes_.push_back({push, dropped});
+  if (pushes_.size() > kMaxPushes) lost_ += TakePush().dropped + 1;
 }
 
-void OutQueue::Encode(Item& item) {
-  if (item.kind == Item::Kind::kRaw) {
+OutQueue::Push OutQueue::TakePush() {
+  Push push = std::move(pushes_.front());
+  pushes_.pop_front();
+  ++pushes_gone_;
+  return push;
+}
+
+void OutQueue::Encode(Item item) {
+  if (item.reply) {
+    EncodeWhole(std::move(*item.reply));
+  } else {
     bytes_ += item.raw;
+  }
+}
+
+void OutQueue::EncodePush(const Push& push) {
+  lost_ += push.dropped;
+  const Message* message = push.message->message();
+  if (message == nullptr) return;
+  if (lost_ == 0 && BinaryBytes(*message) <= kSharedBytes) {
+    bytes_ += push.message->bytes(encoding_);
+    if (verbose_ && encoding_ == Encoding::kText) EncodeVerbose(*message, table_, bytes_);
     return;
   }
-  if (item.dropped > 0) {
-    const std::string note = "dropped " + std::to_string(item.dropped);
-    item.message.text = item.message.text.empty() ? note : note + " " + item.message.text;
+  Message own = *message;
+  if (lost_ > 0) {
+    const std::string note = "dropped " + std::to_string(std::exchange(lost_, 0));
+    own.text = own.text.empty() ? note : note + " " + own.text;
   }
+  EncodeWhole(std::move(own));
+}
+
+void OutQueue::EncodeWhole(Message message) {
   const std::size_t before = bytes_.size();
-  if (BinaryBytes(item.message) <= kMaxReplyBytes) EncodeMessage(item.message);
+  if (BinaryBytes(message) <= kMaxReplyBytes) EncodeMessage(message);
   if (bytes_.size() == before || bytes_.size() - before > kMaxReplyBytes) {
     bytes_.resize(before);
     const std::size_t limit_mib = kMaxReplyBytes >> 20;
-    item.message = ErrorReply(item.message.command, Error::kTooLarge,
-                              "the reply is larger than " + std::to_string(limit_mib) + " MiB: ask for less");
-    EncodeMessage(item.message);
+    message = ErrorReply(message.command, Error::kTooLarge,
+                         "the reply is larger than " + std::to_string(limit_mib) + " MiB: ask for less");
+    EncodeMessage(message);
   }
-  if (verbose_ && encoding_ == Encoding::kText) EncodeVerbose(item.message, table_, bytes_);
+  if (verbose_ && encoding_ == Encoding::kText) EncodeVerbose(message, table_, bytes_);
 }
 
 void OutQueue::EncodeMessage(const Message& message) {
@@ -82,10 +95,13 @@ void OutQueue::EncodeMessage(const Message& message) {
 }
 
 bool OutQueue::Fill() {
-  while (!items_.empty() && unsent().size() < kEncodeAhead) {
-    if (items_.front().kind == Item::Kind::kPush) --pushes_;
-    Encode(items_.front());
-    items_.pop_front();
+  while (waits() && unsent().size() < kEncodeAhead) {
+    if (!items_.empty() && items_.front().after <= pushes_gone_) {
+      Encode(std::move(items_.front()));
+      items_.pop_front();
+    } else {
+      EncodePush(TakePush());
+    }
   }
   return sent_ < bytes_.size();
 }
@@ -108,7 +124,7 @@ void OutQueue::Clear() {
   bytes_.clear();
   sent_ = 0;
   items_.clear();
-  pushes_ = 0;
+  pushes_.clear();
 }
 
 }  // namespace coopdyn

@@ -6,12 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "protocol/codec.h"
 #include "protocol/command_table.h"
 #include "protocol/message.h"
+#include "server/net/endpoint.h"
 
 namespace coopdyn {
 
@@ -34,8 +36,8 @@ class OutQueue {
 
   void AddReply(Message reply);
   /// Beyond kMaxPushes the oldest that has not begun is dropped; the next one's text then starts with
-  /// `dropped N`.
-  void AddPush(const Message& push);
+  /// `dropped N`. `dropped`: so many were lost before this one. One that waits is made when its turn comes.
+  void AddPush(const UnaskedPtr& push, std::int64_t dropped = 0);
   /// Bytes as they are, e.g. `#` lines.
   void AddRaw(std::string bytes);
 
@@ -43,31 +45,42 @@ class OutQueue {
   bool Fill();
   std::string_view unsent() const { return std::string_view(bytes_).substr(sent_); }
   void Sent(std::size_t count);
-  bool empty() const { return sent_ == bytes_.size() && items_.empty(); }
+  bool empty() const { return sent_ == bytes_.size() && !waits(); }
   void Clear();
 
  private:
+  struct Push {
+    UnaskedPtr message;
+    std::int64_t dropped = 0;
+  };
+  /// A reply, or bytes as they are.
   struct Item {
-    enum class Kind { kReply, kPush, kRaw };
-    Kind kind = Kind::kReply;
-    Message message = {};
+    std::uint64_t after = 0;  // so many pushes
+    std::optional<Message> reply = {};
     std::string raw = {};
-    std::int64_t dropped = 0;  // pushes dropped just before this one
   };
 
+  bool waits() const { return !items_.empty() || !pushes_.empty(); }
+  /// Nothing is before what comes now, and the peer takes it.
+  bool MayEncode() const { return !blocked_ && !waits() && unsent().size() < kEncodeAhead; }
   void Add(Item item);
-  void Encode(Item& item);
+  void Encode(Item item);
+  void EncodePush(const Push& push);
+  void EncodeWhole(Message message);
   void EncodeMessage(const Message& message);
-  void DropOldestPush();
+  Push TakePush();
 
   const CommandTable& table_;
   Encoding encoding_ = Encoding::kUndecided;
   bool verbose_ = false;
   bool blocked_ = false;
-  std::string bytes_;       // encoded
-  std::size_t sent_ = 0;    // of bytes_
-  std::deque<Item> items_;  // not yet encoded; they follow bytes_
-  std::size_t pushes_ = 0;  // among items_
+  std::string bytes_;     // encoded
+  std::size_t sent_ = 0;  // of bytes_
+  // Not yet encoded; they follow bytes_.
+  std::deque<Item> items_;
+  std::deque<Push> pushes_;
+  std::uint64_t pushes_gone_ = 0;  // encoded or dropped
+  std::int64_t lost_ = 0;          // dropped pushes that the next one tells of
 };
 
 }  // namespace coopdyn

@@ -18,7 +18,9 @@ namespace asio = boost::asio;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr int kRequestsAtOnce = 256;  // then other connections have their turn
+// A turn, then other connections have theirs: so many requests, but none begins after so long.
+constexpr int kRequestsAtOnce = 256;
+constexpr Nanoseconds kTurn = 500'000;
 constexpr milliseconds kWatchPeriod{20};
 
 constexpr const char* kMagicText =
@@ -122,16 +124,18 @@ void Session::WatchPeer() {
 
 // Replies given at once are collected and written together when nothing more can be done.
 void Session::Process() {
-  if (processing_) return;
+  if (processing_ || process_posted_) return;
   processing_ = true;
+  const Nanoseconds end = services_.clock().Now() + kTurn;
   int handled = 0;
-  while (MayHandle() && handled < kRequestsAtOnce && HandleNext()) {
-    ++handled;
+  bool over = false;
+  while (MayHandle() && !over && HandleNext()) {
     if (out_.unsent().size() >= OutQueue::kEncodeAhead) Flush();
+    over = ++handled == kRequestsAtOnce || (in_.size() > 0 && services_.clock().Now() >= end);
   }
   processing_ = false;
   Flush();
-  if (handled == kRequestsAtOnce && MayHandle()) return PostProcess();
+  if (over && MayHandle()) return PostProcess();
   if (waiting_ && verbose_) WatchWait();
   FinishIfDone();
 }
@@ -203,7 +207,7 @@ bool Session::HandleDecoded(Decoded decoded) {
       return true;
     case DecodeStatus::kHelp:
       malformed_ = 0;
-      out_.AddRaw(HelpText(endpoint_->table()));
+      if (!write_dead_) out_.AddRaw(HelpText(endpoint_->table()));
       return true;
     case DecodeStatus::kVerbose:
       malformed_ = 0;
@@ -242,7 +246,7 @@ void Session::HandRequest(Message request) {
 void Session::OnReply(std::uint64_t serial, Message reply) {
   if (!waiting_ || serial != serial_ || closing_ || closed_) return;
   waiting_ = false;
-  out_.AddReply(std::move(reply));
+  if (!write_dead_) out_.AddReply(std::move(reply));
   if (processing_) return;  // Process() goes on
   Flush();
   // The next request, if it is there already, in its own turn: whoever replies may be walking a list.
@@ -252,10 +256,10 @@ void Session::OnReply(std::uint64_t serial, Message reply) {
 // --- writing
 // ------------------------------------------------------------------------------------------------------
 
-void Session::Push(const Message& message) {
+void Session::Push(const UnaskedPtr& message, std::int64_t dropped) {
   if (closing_ || closed_ || write_dead_) return;
-  out_.AddPush(message);
-  if (!processing_) Flush();
+  out_.AddPush(message, dropped);
+  if (!processing_ && !blocked_) Flush();
 }
 
 void Session::Flush() {

@@ -53,7 +53,8 @@ class Session final : public Connection, private SocketHandler, public std::enab
   const std::string& peer() const override { return peer_.text; }
   bool trusted() const override { return peer_.trusted; }
   bool input_ended() const override { return input_ended_; }
-  void Push(const Message& message) override;
+  bool output_ended() const override { return write_dead_; }
+  void Push(const UnaskedPtr& message, std::int64_t dropped) override;
   void Close(const std::string& reason) override;
 
  private:

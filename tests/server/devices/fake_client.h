@@ -47,6 +47,8 @@ class FakeClient final : public Connection {
     input_ended_ = true;
     endpoint_.OnInputEnded(*this);
   }
+  /// It takes no more answers.
+  void EndOutput() { output_ended_ = true; }
   void CloseNow() {
     open_ = false;
     endpoint_.OnClosed(*this);
@@ -64,11 +66,19 @@ class FakeClient final : public Connection {
   const std::string& peer() const override { return peer_; }
   bool trusted() const override { return trusted_; }
   bool input_ended() const override { return input_ended_; }
-  void Push(const Message& message) override { received.push_back(message); }
+  bool output_ended() const override { return output_ended_; }
+  void Push(const UnaskedPtr& message, std::int64_t dropped) override {
+    if (!reads) return unread.push_back(message);
+    if (message->message() == nullptr) return;
+    received.push_back(*message->message());
+    if (dropped > 0) received.back().text = "dropped " + std::to_string(dropped);
+  }
   void Close(const std::string& reason) override { closed_because = reason; }
 
   std::vector<Message> received;  // replies and pushes in order
   std::string closed_because;     // the closing notice
+  bool reads = true;              // else what is pushed waits in `unread`
+  std::vector<UnaskedPtr> unread;
 
  private:
   Endpoint& endpoint_;
@@ -76,6 +86,7 @@ class FakeClient final : public Connection {
   const std::string peer_;
   const bool trusted_;
   bool input_ended_ = false;
+  bool output_ended_ = false;
   bool open_ = true;
   int waiting_ = 0;
 };

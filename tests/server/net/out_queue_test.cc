@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 #include <netinet/tcp.h>
 
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "server/net/in_buffer.h"
 #include "server/net/peer.h"
 #include "server/net/waiting_note.h"
@@ -11,12 +15,12 @@
 namespace coopdyn {
 namespace {
 
-Message PushOf(int i, std::string text = "") {
+UnaskedPtr PushOf(int i, std::string text = "") {
   Message push;
   push.command = -20;
   push.params = {i};
   push.text = std::move(text);
-  return push;
+  return std::make_shared<UnaskedMessage>(std::move(push));
 }
 
 class OutQueueTest : public ::testing::Test {
@@ -62,6 +66,44 @@ TEST_F(OutQueueTest, APushThatHasBegunIsNotDropped) {
   queue_.set_blocked(true);
   for (int i = 2; i <= 70; ++i) queue_.AddPush(PushOf(i));
   EXPECT_EQ(Drain().substr(0, 40), "\" -20 1 1 0\n0 \"dropped 5\" -20 1 7 0\n0 \"\"");
+}
+
+TEST_F(OutQueueTest, WhatWaitsIsMadeWhenItsTurnComesAndWhatIsDroppedNever) {
+  std::vector<int> made;
+  queue_.set_blocked(true);
+  for (int i = 1; i <= 1000; ++i) {
+    queue_.AddPush(std::make_shared<UnaskedMessage>([&made, i]() -> std::optional<Message> {
+      made.push_back(i);
+      return ErrorReply(-20, Error::kOk, "");
+    }));
+  }
+  EXPECT_TRUE(made.empty());
+  EXPECT_EQ(Drain().substr(0, 21), "0 \"dropped 936\" -20 0");
+  ASSERT_EQ(made.size(), 64U);
+  EXPECT_EQ(made.front(), 937);
+  EXPECT_EQ(made.back(), 1000);
+}
+
+TEST_F(OutQueueTest, APushForSeveralIsMadeOnceAndOnlyWhoLostSomethingIsToldSo) {
+  int made = 0;
+  const auto push = std::make_shared<UnaskedMessage>([&made]() -> std::optional<Message> {
+    ++made;
+    return ErrorReply(-20, Error::kOk, "red");
+  });
+  OutQueue binary(table_);
+  binary.set_encoding(Encoding::kBinary);
+  binary.AddPush(push);
+  queue_.AddPush(push);
+  queue_.AddPush(push, 3);
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ(Drain(), "0 \"red\" -20 0 0\n0 \"dropped 3 red\" -20 0 0\n");
+  EXPECT_EQ(DecodeBinary(binary.unsent()).message.text, "red");
+}
+
+TEST_F(OutQueueTest, APushThatComesToNothingLeavesItsDroppedOnesToTheNext) {
+  queue_.AddPush(std::make_shared<UnaskedMessage>([]() { return std::optional<Message>(); }), 2);
+  queue_.AddPush(PushOf(1), 1);
+  EXPECT_EQ(Drain(), "0 \"dropped 3\" -20 1 1 0\n");
 }
 
 TEST(InBuffer, KeepsBytesInOrderWhileItGrowsAndIsUsedUp) {

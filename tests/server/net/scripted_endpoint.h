@@ -36,7 +36,8 @@ class ScriptedEndpoint : public Endpoint {
     answer.command = request.command;
     answer.data = {request.data.empty() ? 0.0 : request.data[0], 0.25, 7};
     Note("request " + std::to_string(request.command) +
-         (request.data.empty() ? "" : " " + std::to_string(static_cast<int>(request.data[0]))));
+         (request.data.empty() ? "" : " " + std::to_string(static_cast<int>(request.data[0]))) +
+         (connection.output_ended() ? " of the deaf" : ""));
     switch (request.command) {
       case kHold:
         held_.push_back({std::move(reply), std::move(answer)});
@@ -50,7 +51,7 @@ class ScriptedEndpoint : public Endpoint {
         reply(answer);
         break;
       case kPushes:
-        for (int i = 1; i <= static_cast<int>(request.data.at(0)); ++i) connection.Push(PushOf(i));
+        for (int i = 1; i <= static_cast<int>(request.data.at(0)); ++i) connection.Push(PushOf(i), 0);
         break;
       case kDrop:  // another connection is taken over
         for (auto& [id, other] : connections_) {
@@ -75,11 +76,11 @@ class ScriptedEndpoint : public Endpoint {
 
   std::string WaitingFor() override { return "robot2 (no client), 1.2 s"; }
 
-  static Message PushOf(int i) {
+  static UnaskedPtr PushOf(int i) {
     Message push;
     push.command = -kEcho;
     push.data = {static_cast<double>(i), 0.25, 7};
-    return push;
+    return std::make_shared<UnaskedMessage>(std::move(push));
   }
 
   // --- io thread ---

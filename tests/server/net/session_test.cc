@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <memory>
+#include <vector>
+
 #include "protocol/command_ids.h"
 #include "server_fixture.h"
 
@@ -133,6 +137,52 @@ TEST_F(SessionTest, ExecutesCompleteRequestsOfADeadPeer) {
   EXPECT_TRUE(Sees("closed"));
 }
 
+TEST_F(SessionTest, RequestsOfAPeerThatIsGoneSaySo) {
+  TestClient client = ConnectPair();
+  client.Send("hold 1\necho 2\necho 3\n");
+  ASSERT_TRUE(Sees("request 501 1"));
+  client.Close();
+  ASSERT_TRUE(Sees("input ended"));
+  Release();
+  EXPECT_TRUE(Sees("request 500 3 of the deaf"));
+  EXPECT_EQ(endpoint_.Count("request 501 1 of the deaf"), 0);
+}
+
+/// Each request takes 1 ms of a clock of the test's own.
+class SlowEndpoint : public ScriptedEndpoint {
+ public:
+  explicit SlowEndpoint(ManualClock& clock) : clock_(clock) {}
+  void OnRequest(Connection& connection, Message request, ReplyFunction reply) override {
+    clock_.Advance(1'000'000);
+    ScriptedEndpoint::OnRequest(connection, std::move(request), std::move(reply));
+  }
+
+ private:
+  ManualClock& clock_;
+};
+
+TEST(SessionTurn, EndsWithTheFirstRequestThatTakesLongThoughThousandsAreQueued) {
+  ManualClock clock;
+  NetServices services(NullLogger(), clock);
+  SlowEndpoint endpoint(clock);
+  IoThread thread("test-io", NullLogger());
+  auto server = std::make_unique<ModuleServer>(thread.context(), endpoint, services, "/test");
+  auto [greedy, greedy_end] = SocketPair();
+  auto [modest, modest_end] = SocketPair();
+  std::string many;
+  for (int i = 0; i < 200; ++i) many += "echo 1\n";
+  thread.Call([&, greedy_fd = greedy_end.Release(), modest_fd = modest_end.Release()] {
+    server->Adopt(greedy_fd, many, {"greedy", true});
+    server->Adopt(modest_fd, "echo 2\n", {"modest", true});
+  });
+  EXPECT_THAT(TestClient(std::move(modest)).Line(), HasSubstr("500 0 3 2.0"));
+  ASSERT_TRUE(Eventually([&] { return endpoint.Count("request 500 1") == 200; }));
+  const std::vector<std::string> events = endpoint.events();
+  const auto modest_turn = std::find(events.begin(), events.end(), "request 500 2");
+  EXPECT_EQ(std::count(events.begin(), modest_turn, "request 500 1"), 1);
+  thread.Call([&] { server.reset(); });
+}
+
 TEST_F(SessionTest, AReaderThatNeverReadsGetsNoMoreRequestsExecutedAndHoldsNobodyElseUp) {
   TestClient deaf = ConnectPair();
   const std::string request = Frame(ScriptedEndpoint::kBig, {10'000});
@@ -163,7 +213,7 @@ TEST_F(SessionTest, DropsTheOldestPushesOfAReaderThatDoesNotReadAndSaysHowMany) 
   client.Frame();
   thread_.Call([&] {
     Connection* connection = endpoint_.connections().begin()->second;
-    for (int i = 1; i <= kPushes; ++i) connection->Push(ScriptedEndpoint::PushOf(i));
+    for (int i = 1; i <= kPushes; ++i) connection->Push(ScriptedEndpoint::PushOf(i), 0);
   });
   int expected = 1;
   int noted = 0;

@@ -103,6 +103,56 @@ TEST_F(RobotModuleTest, FramesLostToASlowThreadAreTold) {
   EXPECT_EQ(pushes[1].text, "");
 }
 
+TEST_F(RobotModuleTest, AReadingThatSeveralWantIsOneAndIsMadeWhenSomebodyTakesIt) {
+  auto one = Connect(kDistance), two = Connect(kDistance);
+  for (const auto& client : {one.get(), two.get()}) {
+    client->Ask("subscribe");
+    client->reads = false;
+  }
+  world_.Step();
+  thread_.Run();
+  ASSERT_EQ(one->unread.size(), 1u);
+  EXPECT_EQ(one->unread, two->unread);
+  const FramePtr frame = world_.frames.Latest();
+  EXPECT_EQ(frame->cache, nullptr) << "nothing has been measured";
+  EXPECT_EQ(StepOf(*one->unread[0]->message()), 1);
+  EXPECT_NE(frame->cache, nullptr);
+}
+
+class LargeWorldTest : public RobotModuleTest {
+ protected:
+  LargeWorldTest() : RobotModuleTest(300) {}
+};
+
+TEST_F(LargeWorldTest, ALargeFrameIsNotKeptForWhoDoesNotRead) {
+  auto client = Connect(kPose);
+  client->Ask("subscribe");
+  client->reads = false;
+  world_.Step();
+  thread_.Run();
+  const std::weak_ptr<const Frame> frame = world_.frames.Latest();
+  world_.Step();
+  thread_.Run();
+  EXPECT_TRUE(frame.expired());
+  ASSERT_EQ(client->unread.size(), 2u);
+  EXPECT_EQ(StepOf(*client->unread[0]->message()), 1);
+}
+
+TEST_F(RobotModuleTest, AClientThatIsGoneIsNotAnsweredButItsCommandsCount) {
+  world_.StepInline();
+  auto client = Connect(kMotors), other = Connect(kMotors, 1);
+  client->Ask("attach distance");
+  client->EndOutput();
+  EXPECT_TRUE(client->Ask("get_wheels").data.empty());
+  client->Send("set_velocity 0.2 0");
+  other->Send("ready");
+  thread_.Run();
+  EXPECT_FALSE(client->is_waiting());
+  EXPECT_TRUE(client->received.back().data.empty());
+  EXPECT_EQ(world_.frames.Latest()->cache, nullptr) << "nothing has been measured";
+  EXPECT_EQ(world_.frames.Latest()->robots[0].setpoint_rad_s[0], 2.0);
+}
+
 TEST_F(RobotModuleTest, PushesOfAStepPrecedeEveryReplyThatReportsIt) {
   std::mt19937 random(5);
   world_.StepInline();

@@ -1,0 +1,143 @@
+"""What clients that do not read cost the others, one line each: subscribers in lockstep, queues of requests.
+
+COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/burden.py [subscribers queues]
+Daemon and client are held on one core each time, so that what one does the other pays for. Medians and ratios count.
+"""
+import fcntl
+import os
+import socket
+import statistics
+import struct
+import sys
+import termios
+import threading
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+sys.path[:0] = [str(ROOT / "tests" / "daemon"), str(ROOT / "tests" / "bench")]
+from harness import Daemon, frame, scenario  # noqa: E402
+from measure import cpu_s  # noqa: E402
+
+SUBSCRIBERS = 50
+STEPS = 20_000
+REPEATS = 5
+PEERS = 10
+REQUESTS = 100_000
+SUBSCRIBE, SET_VELOCITY = 4, 11
+
+
+def on_one_core():
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+
+
+def rate(client, steps=STEPS):
+    """Lockstep steps per second of one client over a bare socket."""
+    request = frame(SET_VELOCITY, (), (0.1, 0.2))
+    sock = client.socket
+    begin = time.monotonic()
+    for _ in range(steps):
+        sock.send(request)
+        size = struct.unpack("<I", sock.recv(4, socket.MSG_WAITALL))[0]
+        sock.recv(size, socket.MSG_WAITALL)
+    return steps / (time.monotonic() - begin)
+
+
+def unread_bytes(daemon):
+    """Bytes that wait in the kernel for the deaf: while they grow, their pushes are still being sent."""
+    total = 0
+    for line in Path("/proc/net/tcp").read_text().splitlines()[1:]:
+        sent, received = line.split()[4].split(":")
+        total += int(sent, 16) + int(received, 16)
+    return total
+
+
+def subscribers():
+    """Steps per second with nobody else, while the deaf's sockets fill, and once they are full."""
+    on_one_core()
+    for module in ("/robot1/pose", "/robot1/distance", "/simulation"):
+        with Daemon(scenario(1)) as daemon:
+            client = daemon.binary("/robot1/motors")
+            rate(client)
+            alone = statistics.median(rate(client) for _ in range(REPEATS))
+            for _ in range(SUBSCRIBERS):
+                deaf = daemon.binary(module)
+                deaf.send(SUBSCRIBE)  # nothing is read from now on
+            begin, filling, before, now = time.monotonic(), 0, -1, unread_bytes(daemon)
+            while now != before:
+                rate(client, 1000)
+                filling += 1000
+                before, now = now, unread_bytes(daemon)
+            seconds = time.monotonic() - begin
+            full = statistics.median(rate(client) for _ in range(REPEATS))
+        print(f"{SUBSCRIBERS} subscribers of {module} that never read: {alone:.0f} steps/s without, {full:.0f} with "
+              f"({100 * (1 - full / alone):+.1f} % lost); {filling / seconds:.0f} while their sockets filled, "
+              f"{filling} steps", flush=True)
+
+
+def cpu_and_worst_answer(daemon, busy):
+    """CPU seconds of the daemon, seconds, and the longest that a client waited for an answer, in ms, while busy()."""
+    begin, used, worst = time.monotonic(), cpu_s(daemon.process.pid), 0.0
+    bystander = daemon.text("/simulation")
+    while True:
+        asked = time.monotonic()
+        bystander.must("get_time")
+        worst = max(worst, time.monotonic() - asked)
+        if not busy():
+            return cpu_s(daemon.process.pid) - used, time.monotonic() - begin, 1000 * worst
+        time.sleep(0.002)
+
+
+def queue(sock, lines):
+    """Sends until nothing more is taken."""
+    sock.settimeout(0.3)
+    left = memoryview(lines)
+    try:
+        while left:
+            left = left[sock.send(left):]
+    except TimeoutError:
+        pass
+    before = -1
+    while (now := struct.unpack("i", fcntl.ioctl(sock, termios.TIOCOUTQ, b"\0" * 4))[0]) != before:
+        before = now
+        time.sleep(0.1)
+
+
+def read_answers(sock, count):
+    sock.settimeout(None)
+    while count > 0:
+        count -= sock.recv(1 << 20).count(b"\n")
+
+
+def queues():
+    """Ten peers queue get_status: those that are gone then, and those that read all the answers."""
+    on_one_core()
+    with Daemon(scenario(1)) as daemon:
+        port = daemon.module_port("/simulation")
+        files = daemon.open_files()
+        used = cpu_s(daemon.process.pid)
+        peers = [socket.create_connection(("127.0.0.1", port)) for _ in range(PEERS)]
+        for peer in peers:
+            queue(peer, b"get_status\n" * REQUESTS)
+        queued = cpu_s(daemon.process.pid) - used
+        for peer in peers:
+            peer.close()
+        used, seconds, worst = cpu_and_worst_answer(daemon, lambda: daemon.open_files() > files + 1)
+        print(f"{PEERS} peers queue {REQUESTS} get_status each and are gone: {queued:.1f} CPU-s before their end and "
+              f"{used:.1f} in {seconds:.1f} s after it; another's get_time took at most {worst:.0f} ms", flush=True)
+        peers = [socket.create_connection(("127.0.0.1", port)) for _ in range(PEERS)]
+        readers = [threading.Thread(target=read_answers, args=(peer, REQUESTS // 10)) for peer in peers]
+        for peer, reader in zip(peers, readers):
+            queue(peer, b"get_status\n" * (REQUESTS // 10))
+            reader.start()
+        used, seconds, worst = cpu_and_worst_answer(daemon, lambda: any(reader.is_alive() for reader in readers))
+        print(f"{PEERS} peers queue {REQUESTS // 10} get_status each and read: {used:.1f} CPU-s in {seconds:.1f} s; "
+              f"another's get_time took at most {worst:.0f} ms", flush=True)
+        for peer in peers:
+            peer.close()
+
+
+if __name__ == "__main__":
+    parts = {"subscribers": subscribers, "queues": queues}
+    for name in sys.argv[1:] or parts:
+        parts[name]()
