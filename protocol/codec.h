@@ -27,6 +27,7 @@ enum class DecodeStatus {
   kNothing,   // `consumed` bytes are done with, nothing to answer (comment, empty line)
   kHelp,      // text only: print help as # lines (`help`, or the first empty line)
   kVerbose,   // text only: turn on verbose replies
+  kLeave,     // text only: close the connection (`exit`, and `quit` and `bye` where they are no commands)
 };
 
 struct Decoded {

@@ -65,6 +65,10 @@ void ReadFull(LineScanner& line, Decoded& decoded) {
       Unreadable(why + "; write error \"text\" command M params N data, as in 0 \"\" 11 0 2 0.2 0.5");
 }
 
+bool IsFarewell(std::string_view word) {
+  return word == "exit" || word == "quit" || word == "bye";
+}
+
 Decoded DecodeLine(std::string_view raw, const CommandTable& table, bool first_line) {
   Decoded decoded{DecodeStatus::kNothing, 0, {}};
   const std::string tidy = TidyLine(raw);
@@ -94,6 +98,17 @@ Decoded DecodeLine(std::string_view raw, const CommandTable& table, bool first_l
     return decoded;
   }
   const std::string_view word = line.Token();
+  if (word == "OPEN") {
+    decoded.message = ErrorReply(
+        command::kUnreadable, Error::kNotPossible,
+        "this connection is a " + table.module() + " module's already: OPEN another one on a new connection");
+    return decoded;
+  }
+  if (IsFarewell(word) && line.AtEnd() &&
+      table.Find(word) == nullptr) {  // /simulation has a `quit` of its own
+    decoded.status = DecodeStatus::kLeave;
+    return decoded;
+  }
   if (word == "help" || word == "verbose") {
     if (word == "verbose" && !line.AtEnd()) {
       decoded.message = Unreadable("verbose takes nothing: write verbose");

@@ -120,6 +120,7 @@ std::string HelpText(const CommandTable& table) {
       "#   help                                    Prints this.\n"
       "#   verbose                                 After each reply, prints a # line naming its values and "
       "units.\n"
+      "#   exit                                    Closes this connection.\n"
       "# Replies: error \"text\" command M params N data; the last two data are time_s and step. Error 0 is "
       "ok.\n";
   return help;

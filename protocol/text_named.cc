@@ -160,6 +160,9 @@ class NamedReader {
       number = *word;
     } else if (value != nullptr && !value->enums.empty() && LooksLikeWord(token)) {
       return RefuseWord(*value, token, Error::kWrongData);
+    } else if (ReadDouble(token, number) == NumberRead::kOutOfRange) {
+      return Refuse(Error::kOutOfRange, spec_.name + " takes numbers that a double can hold, " +
+                                            Quoted(token) + " is too large: " + ExampleLine(spec_));
     } else if (std::string why = ReadData(token, number); !why.empty()) {
       return Fail(why + ", as in " + ExampleLine(spec_));
     }
@@ -228,7 +231,7 @@ std::string ReadData(std::string_view token, double& value) {
     case NumberRead::kOk:
       return "";
     case NumberRead::kOutOfRange:
-      return Quoted(token) + " is too large for a double: write inf";
+      return Quoted(token) + " is too large for a double, which ends at 1.8e308";
     case NumberRead::kHasPoint:
     case NumberRead::kNotNumber:
       return NotANumber(token);

@@ -21,7 +21,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> kReadings = {"distances", "targets", "wheels"};
 
 double Seconds(std::int64_t ns) {
-  return static_cast<double>(ns) * 1e-9;
+  return static_cast<double>(ns) / 1e9;
 }
 
 /// Where a thing stands in the rows of one scene of a recording.

@@ -134,6 +134,7 @@ def bad(error, command, says):
 
 NOTHING = ("nothing", 0, 0, "", [], [], "")
 HELP = ("help", 0, 0, "", [], [], "")
+LEAVE = ("leave", 0, 0, "", [], [], "")
 
 TEXT_LINES = [  # name, module, first line of its connection, bytes without LF (or with CR), outcome
     ("full form", "motors", False, '0 "" 11 0 2 0.2 0.5', ok(11, [], [0.2, 0.5])),
@@ -230,6 +231,13 @@ TEXT_LINES = [  # name, module, first line of its connection, bytes without LF (
     ("only negotiation on the first line", "motors", True, b"\xff\xfb\x18\r", HELP),
     ("help", "motors", False, "help", HELP),
     ("verbose", "motors", False, "verbose", ("verbose", 0, 0, "", [], [], "")),
+    ("exit", "motors", False, "exit", LEAVE),
+    ("quit", "motors", False, " quit \r", LEAVE),
+    ("bye", "swarm", True, "bye", LEAVE),
+    ("exit of the simulation", "simulation", False, "exit", LEAVE),
+    ("quit of the simulation", "simulation", False, "quit", ok(109)),
+    ("exit with a value", "motors", False, "exit 1", bad(1, -2, "unknown command 'exit'")),
+    ("OPEN a second time", "motors", False, "OPEN /robot1/pose", bad(5, -2, "motors module's already")),
     ("empty line", "motors", False, "", NOTHING),
     ("blank line", "motors", False, " \t ", NOTHING),
     ("comment", "motors", False, "# set_velocity 0.2 0.5", NOTHING),
@@ -248,7 +256,9 @@ TEXT_LINES = [  # name, module, first line of its connection, bytes without LF (
     ("lone sign", "motors", False, "set_velocity - 0.5", bad(7, -2, "not a number")),
     ("lone point", "motors", False, "set_velocity . 0.5", bad(7, -2, "not a number")),
     ("exponent without digits", "motors", False, "set_velocity 1e 0.5", bad(7, -2, "not a number")),
-    ("beyond the largest double", "motors", False, "set_velocity 1e999 0.5", bad(7, -2, "too large")),
+    ("beyond the largest double", "motors", False, "set_velocity 1e400 0", bad(4, 11, "'1e400' is too large: set_velocity 0.2 0.5")),
+    ("below the least double", "motors", False, "set_velocity 0 -1e400", bad(4, 11, "'-1e400' is too large")),
+    ("beyond the largest double, full form", "motors", False, '0 "" 11 0 2 1e400 0', bad(7, -2, "too large for a double")),
     ("too few values", "motors", False, "set_velocity 0.2", bad(3, 11, "linear (m/s) and angular (rad/s): set_velocity 0.2 0.5")),
     ("too many values", "motors", False, "set_velocity 0.2 0.5 1", bad(3, 11, "linear (m/s) and angular (rad/s): set_velocity 0.2 0.5")),
     ("too many params", "motors", False, "set_velocity (1 2) 0.2 0.5", bad(2, 11, "steps")),

@@ -11,9 +11,10 @@ namespace coopdyn {
 using Nanoseconds = std::int64_t;
 inline constexpr Nanoseconds kNanosecondsPerSecond = 1'000'000'000;
 
-/// `ns` as seconds: the one conversion used for every time_s.
+/// `ns` as seconds: the one conversion used for every time_s. A division is rounded once, so that 6.68 s is
+/// the double nearest to 6.68 and prints so.
 inline double ToSeconds(Nanoseconds ns) {
-  return static_cast<double>(ns) * 1e-9;
+  return static_cast<double>(ns) / 1e9;
 }
 
 class Clock {

@@ -74,6 +74,7 @@ class Answerer {
     if (verb == "announce") return {"[ok]\r\n"};
     if (verb == "bot") return Bot();
     if (verb == "help") return Help();
+    if (verb == "exit" || verb == "quit" || verb == "bye") return Leave();
     if (prefixed) return End();
     return Refused("\"" + verb.substr(0, 64) + "\" is no request; help lists them");
   }
@@ -98,6 +99,11 @@ class Answerer {
 
  private:
   static NameReply End(std::string text = {}) { return {std::move(text) + std::string(kEnd)}; }
+  static NameReply Leave() {
+    NameReply reply = End();
+    reply.close = true;
+    return reply;
+  }
   static NameReply Refused(const std::string& why) { return End("*** refused: " + why + "\r\n"); }
 
   const std::string& IpOf(const NameEntry& entry) const {
@@ -204,7 +210,8 @@ class Answerer {
         "+ get $name $property\r\n"
         "+ check $name $property $value\r\n"
         "+ OPEN $name\r\n"
-        "  (turns this connection into one of that module's: then write help again)\r\n");
+        "  (turns this connection into one of that module's: then write help again)\r\n"
+        "+ exit\r\n");
   }
 
   const Words words_;

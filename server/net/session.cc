@@ -215,6 +215,9 @@ bool Session::HandleDecoded(Decoded decoded) {
       out_.set_verbose(true);
       out_.AddRaw("# verbose: a line like this follows each reply\n");
       return true;
+    case DecodeStatus::kLeave:
+      Close("goodbye");
+      return true;
     case DecodeStatus::kBad:
       if (decoded.message.error == static_cast<std::int32_t>(Error::kMalformed)) ++malformed_;
       out_.AddReply(std::move(decoded.message));

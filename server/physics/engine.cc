@@ -56,7 +56,8 @@ void Engine::Step(Nanoseconds step, int substeps, std::span<const std::array<dou
 }
 
 void Engine::Substep(Nanoseconds dt) {
-  const double dt_s = ToSeconds(dt);
+  const double dt_s =
+      static_cast<double>(dt) * 1e-9;  // not ToSeconds(): recorded runs repeat to the last bit
   PlanAll(dt_s);
   Sort();
   if (!active_.empty()) {

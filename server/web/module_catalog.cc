@@ -40,6 +40,8 @@ ResolvedCall ReadLine(const std::string& line, const CommandTable& table) {
       answer.verbose = true;
       return answer;
     }
+    case DecodeStatus::kLeave:
+      return Answer({}, "# close this window to leave");
     case DecodeStatus::kNothing:
     case DecodeStatus::kNeedMore:
       break;

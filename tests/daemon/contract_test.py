@@ -160,7 +160,7 @@ class TimeTest(unittest.TestCase):
             for step in (0.01, 0.0005, 0.1):
                 simulation.must(f"set_step {step}")
                 reply = motors.must("ready")
-            self.assertEqual(reply.time_s, 110500000 * 1e-9)
+            self.assertEqual(reply.time_s, 110500000 / 1e9)
             self.assertEqual(reply.step, 3)
 
 

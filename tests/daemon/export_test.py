@@ -162,7 +162,7 @@ class ExportTest(RecordingTestCase):
         self.assertEqual(self.files(), ["run-events.csv", "run.csv", "run.run"])
         with open(self.folder / "run-events.csv", newline="") as file:
             notes = [(row["step"], float(row["time_s"]), row["text"]) for row in csv.DictReader(file) if row["level"] == "note"]
-        self.assertEqual(notes, [("30", 300_000_000 * 1e-9, 'half way, "there"')])
+        self.assertEqual(notes, [("30", 300_000_000 / 1e9, 'half way, "there"')])
         code, said = self.export("--to", "csv")
         self.assertEqual(code, 1)
         self.assertIn("run.csv is there already: --force overwrites it", said)

@@ -71,7 +71,7 @@ class StepTest(unittest.TestCase):
                 reply = motors.must("set_velocity 0.2 0")
                 self.assertEqual(reply.params, [1])
                 self.assertEqual(reply.step, k)
-                self.assertEqual(reply.time_s, (k * 10_000_000) * 1e-9)
+                self.assertEqual(reply.time_s, (k * 10_000_000) / 1e9)
 
     def test_nothing_moves_until_every_participant_is_ready(self):
         with Daemon(scenario(2)) as daemon:

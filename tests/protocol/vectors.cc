@@ -83,9 +83,9 @@ std::vector<BadBinaryVector> BadBinaryVectors() {
 
 std::vector<TextLineVector> TextLineVectors() {
   static const std::map<std::string, DecodeStatus> kOutcomes = {
-      {"message", DecodeStatus::kMessage}, {"bad", DecodeStatus::kBad},
-      {"fatal", DecodeStatus::kFatal},     {"nothing", DecodeStatus::kNothing},
-      {"help", DecodeStatus::kHelp},       {"verbose", DecodeStatus::kVerbose}};
+      {"message", DecodeStatus::kMessage}, {"bad", DecodeStatus::kBad},   {"fatal", DecodeStatus::kFatal},
+      {"nothing", DecodeStatus::kNothing}, {"help", DecodeStatus::kHelp}, {"verbose", DecodeStatus::kVerbose},
+      {"leave", DecodeStatus::kLeave}};
   std::vector<TextLineVector> vectors;
   for (const json::value& value : ReadVectors("text_lines.json")) {
     const json::object& row = value.as_object();
