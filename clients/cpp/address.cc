@@ -86,13 +86,16 @@ Address::Address(const std::string& server, const std::string& name, const std::
   if (const std::size_t close = given.find(']'); given[0] == '[' && close != std::string::npos) {
     host_ = given.substr(1, close - 1);
     if (close + 1 < given.size()) port_ = given[close + 1] == ':' ? PortOf(given.substr(close + 2)) : 0;
+  } else if (given.find_first_not_of("0123456789") == std::string::npos) {  // a port of this machine
+    host_ = "127.0.0.1";
+    port_ = PortOf(given);
   } else if (std::count(given.begin(), given.end(), ':') == 1) {
     host_ = given.substr(0, given.find(':'));
     port_ = PortOf(given.substr(given.find(':') + 1));
   }
   if (host_.empty() || port_ == 0)
-    throw Error(4,
-                "cannot read the server '" + given + "'; write HOST or HOST:PORT, e.g. \"labserver:10100\"");
+    throw Error(4, "cannot read the server '" + given +
+                       "'; write HOST, HOST:PORT, or a port of this machine, e.g. \"labserver:10100\"");
   if (std::any_of(name_.begin(), name_.end(), [](unsigned char c) { return c <= ' '; }))
     throw Error(3, "a client name has no spaces, not '" + name_ + "'; write e.g. \"ana\"");
 }

@@ -6,6 +6,7 @@ namespace coopdyn::client {
 
 /// Error codes that this library acts on.
 inline constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10, kTimedOut = 11;
+inline constexpr const char* kLoad = "load";                    // what an error says that ends a wait
 inline constexpr const char* kPlaying = "playing a recording";  // how an error begins
 
 inline constexpr double kRequestTimeout_s = 10;  // for what is answered at once

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "clients/cpp/codes.h"
 #include "clients/cpp/error.h"
 #include "protocol/codec.h"
 #include "protocol/command_ids.h"
@@ -25,9 +26,12 @@ std::string Error::name() const {
   return code_ >= 1 && code_ <= 12 ? kNames[code_] : kNames[0];
 }
 
-Message Checked(Message reply) {
+Message Checked(Message reply, const std::string& who) {
+  if (reply.error == kNotPossible && (reply.text == "reset" || reply.text == kLoad))
+    throw WorldReset(reply.text);
   if (reply.error != 0)
-    throw Error(reply.error, reply.text.empty() ? std::string(ErrorMeaning(reply.error)) : reply.text);
+    throw Error(reply.error,
+                who + (reply.text.empty() ? std::string(ErrorMeaning(reply.error)) : reply.text));
   return reply;
 }
 

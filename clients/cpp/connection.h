@@ -73,7 +73,8 @@ class Connection {
   Message request_;  // kept for its capacity
 };
 
-/// Throws an error reply.
-Message Checked(Message reply);
+/// Throws an error reply, with `who` before its text. A WorldReset with one word if a reset or load has ended
+/// the wait: Session::NewWorld() makes it a text.
+Message Checked(Message reply, const std::string& who = "");
 
 }  // namespace coopdyn::client

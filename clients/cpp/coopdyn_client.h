@@ -11,8 +11,9 @@
 // In lockstep set_velocity does not wait: it is kept (the last wins) until sim.step(), which sends the
 // commands of all robots of this sim and waits for the step. In real time it is sent at once, and sim.step()
 // waits for the next step. Units: m, rad, s, m/s, rad/s; headings and bearings 0 ahead, left positive, in
-// (-pi, pi]. Everything throws Error. A simulation and its robots belong to one thread. Dropping them closes
-// their connections; close() also stops robots.
+// (-pi, pi]. Everything throws Error. If somebody else resets the world or loads a scenario, the next
+// reading, command or step throws WorldReset, once. A simulation and its robots belong to one thread.
+// Dropping them closes their connections; close() also stops robots.
 #pragma once
 
 #include <cstdint>
@@ -120,8 +121,10 @@ class Robot {
 
   /// Forward speed [m/s] and turn rate [rad/s], left is positive. Beyond the limits both are scaled.
   void set_velocity(double v, double w);
+  void set_velocity(const std::vector<double>& v_w);  // both in a row of two, as the next
   /// Speeds of the left and right wheel [rad/s].
   void set_wheel_speeds(double l, double r);
+  void set_wheel_speeds(const std::vector<double>& l_r);
   void stop();
 
   Pose get_pose();
@@ -282,7 +285,7 @@ struct Options {
   bool watch = false;      // never drives a robot, only looks on
 };
 
-/// Connects to "HOST" or "HOST:PORT"; empty: COOPDYN_SERVER, else this machine.
+/// Connects to "HOST", "HOST:PORT" or "PORT" of this machine; empty: COOPDYN_SERVER, else this machine.
 Simulation connect(const std::string& server = "", const Options& options = {});
 /// Walks from the name of the server to a round trip; prints ok, or cause and cure, per line. True if all is
 /// ok.

@@ -17,10 +17,19 @@ class Error : public std::runtime_error {
   int code() const { return code_; }
   std::string text() const { return what(); }
   /// The word of the code, e.g. "owned".
-  std::string name() const;
+  virtual std::string name() const;
 
  private:
   int code_;
+};
+
+/// Somebody else has reset the world or loaded a scenario. Thrown once, by the reading, command or step that
+/// notices it. What was kept for the next step is forgotten; the simulation and those of its robots and teams
+/// that are in the new world can be used again.
+class WorldReset : public Error {
+ public:
+  explicit WorldReset(const std::string& text) : Error(5, text) {}
+  std::string name() const override { return "reset"; }
 };
 
 /// The daemon closed the connection; `notice` says why, if it said so.
@@ -31,6 +40,8 @@ class Closed : public Error {
               "the daemon closed the connection" + (notice.empty() ? std::string() : ": " + notice)),
         notice_(notice) {}
   const std::string& notice() const { return notice_; }
+  /// A load has dropped the robot of the connection.
+  bool by_load() const { return notice_.ends_with("is not in the new scenario"); }
 
  private:
   std::string notice_;

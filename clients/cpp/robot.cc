@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "clients/cpp/arguments.h"
+#include "clients/cpp/codes.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/raw_call.h"
 #include "clients/cpp/session.h"
@@ -59,6 +60,18 @@ const std::string& Robot::name() const {
 
 void Robot::set_velocity(double v, double w) {
   session_->Actuate(*link_, command::kSetVelocity, {Finite(v, "v [m/s]"), Finite(w, "w [rad/s]")});
+}
+
+void Robot::set_velocity(const std::vector<double>& v_w) {
+  if (v_w.size() != 2)
+    throw Error(3, "set_velocity takes v [m/s] and w [rad/s]: write r.set_velocity(0.2, 0.5)");
+  set_velocity(v_w[0], v_w[1]);
+}
+
+void Robot::set_wheel_speeds(const std::vector<double>& l_r) {
+  if (l_r.size() != 2)
+    throw Error(3, "set_wheel_speeds takes l [rad/s] and r [rad/s]: write r.set_wheel_speeds(2, 3)");
+  set_wheel_speeds(l_r[0], l_r[1]);
 }
 
 void Robot::set_wheel_speeds(double l, double r) {
@@ -219,7 +232,12 @@ Update Robot::next(const std::string& module, double timeout) {
     std::vector<int> fds;
     for (auto& [name, connection] : link_->pushers) {
       if (!module.empty() && name != module) continue;
-      if (connection->pushes.empty()) connection->TryRead();
+      try {
+        if (connection->pushes.empty()) connection->TryRead();
+      } catch (const Closed& e) {
+        if (e.by_load()) throw session_->NewWorld(kLoad);
+        throw;
+      }
       if (connection->pushes.empty()) {
         fds.push_back(connection->fd());
         continue;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iostream>
 #include <set>
 #include <utility>
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int kLockstep = 1;
 constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
+constexpr int kUnstepped = 200;         // commands to one robot without a step: then the program is told so
 
 bool CarriesMode(std::int32_t id) {
   return id == command::kReady || id == command::kGetTime || id == command::kSetWheelSpeeds ||
@@ -52,6 +54,18 @@ const Message& Session::Note(const Message& reply) {
   return reply;
 }
 
+void Session::CountUnstepped(Link& link) {
+  if (++link.unstepped == 1) link.unstepped_since = steps_;
+  if (link.unstepped < kUnstepped || told_to_step_) return;
+  link.unstepped = 0;
+  const bool lockstep = mode_ == kLockstep;
+  if (!lockstep && 2 * (steps_ - link.unstepped_since) >= kUnstepped) return;
+  told_to_step_ = true;
+  std::cerr << "coopdyn: " << kUnstepped << " commands to " << link.robot << " without a step, "
+            << (lockstep ? "nothing moves" : "your loop runs faster than time")
+            << ": write sim.step() at the end of your loop" << std::endl;
+}
+
 void Session::RequireOpen() const {
   if (closed_) throw Error(Error::kNoConnection, "this sim is closed; connect() again");
 }
@@ -77,7 +91,9 @@ Message Session::Call(const std::string& module, std::int32_t command, std::vect
   std::vector<Waiting> waiting = {{connection, link}};
   try {
     connection->Send(command, std::move(params), data, std::move(text));
-    return Collect(waiting, timeout_s);
+    Message reply = Collect(waiting, timeout_s);
+    if (module == "/simulation" || module == "/playback") reached_ = 0;  // it may have been a reset
+    return reply;
   } catch (...) {
     GiveUp(waiting, std::current_exception());
     throw;
@@ -169,11 +185,12 @@ void Session::Settle(Link& link) {
     return;
   }
   try {
-    Note(Checked(motors.Receive(kRequestTimeout_s, 0)));
+    const Message reply = motors.Receive(kRequestTimeout_s, 0);
+    link.sent.reset();
+    Note(Checked(reply));
   } catch (const Closed& e) {
     Lose(link, e);
   }
-  link.sent.reset();
 }
 
 bool Session::TakesPart(Link& link) {
@@ -219,7 +236,7 @@ bool Session::AwaitCommand(Link& link) {
     }
     if (reply) {
       link.sent.reset();
-      Note(Checked(std::move(*reply)));
+      Fresh(Checked(std::move(*reply)), link.sent_at);
       return true;
     }
     if (Until(deadline) <= 0) return false;
@@ -229,17 +246,18 @@ bool Session::AwaitCommand(Link& link) {
 
 void Session::Lose(Link& link, const Closed& closed) {
   link.ForgetCommands();
-  throw Lost(closed, link.robot, "sim.robot(\"" + link.robot + "\")", link.lost);
+  Lose(closed, link.robot, "sim.robot(\"" + link.robot + "\")", link.lost);
 }
 
-Error Session::Lost(const Closed& closed, const std::string& label, const std::string& take_again,
-                    std::optional<Error>& lost) {
+void Session::Lose(const Closed& closed, const std::string& label, const std::string& take_again,
+                   std::optional<Error>& lost) {
   if (closed.notice().empty())
-    return {Error::kNoConnection, "the connection to " + label + " broke; is the daemon still running?"};
+    throw Error(Error::kNoConnection, "the connection to " + label + " broke; is the daemon still running?");
+  if (closed.by_load()) throw NewWorld(kLoad);
   // Opening it again would take the robot back from whoever got it.
   lost.emplace(kOwned, label + " is not driven by this sim any more: " + closed.notice() + "; " + take_again +
                            " takes it again");
-  return *lost;
+  throw Error(*lost);
 }
 
 void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data) {
@@ -252,10 +270,13 @@ void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data
   if (link.unclaimed) Claim(link);  // a branch may go on live from there
   link.commanded = true;
   if (mode_ == kLockstep) {
+    if (link.kept) CountUnstepped(link);
     link.kept = Command{command, std::move(data)};
     return;
   }
   link.kept.reset();
+  CountUnstepped(link);
+  link.sent_at = reached_;
   try {
     link.motors->Send(command, {}, data);
   } catch (const Closed& e) {
@@ -268,6 +289,7 @@ void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data
 void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
   RequireOpen();
   std::vector<Waiting> waiting;
+  for (const auto& link : links_) link->unstepped = 0;
   if (!watch_) {
     std::vector<TeamLink*> settled;
     for (const auto& team : teams_) {
@@ -289,6 +311,7 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
     if (!simulation_.Alive()) simulation_.Open();
     waiting.push_back({&simulation_, nullptr});
   }
+  const std::int64_t since = reached_ + 1;
   try {
     for (Waiting& w : waiting) {
       if (w.team != nullptr) {
@@ -312,44 +335,7 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
     GiveUp(waiting, std::current_exception());
     throw;
   }
-}
-
-void Session::StartedAnew() {
-  for (const auto& link : links_) {
-    link->ForgetCommands();
-    link->another = false;
-  }
-  for (const auto& team : teams_) team->stale = true;
-}
-
-void Session::Jumped() {
-  StartedAnew();
-  Control(command::kGetTime);  // tells the mode
-  const std::vector<std::string> names = RobotNames();
-  const std::set<std::string> here(names.begin(), names.end());
-  const auto is_here = [&](const std::string& name) { return here.contains(name); };
-  const bool all =
-      std::all_of(links_.begin(), links_.end(), [&](const auto& link) { return is_here(link->robot); }) &&
-      std::all_of(teams_.begin(), teams_.end(), [&](const auto& team) {
-        return std::all_of(team->names.begin(), team->names.end(), is_here);
-      });
-  if (!all) Loaded();
-}
-
-void Session::Loaded() {
-  StartedAnew();
-  for (const auto& team : teams_) {  // opened again with the robots there are now
-    team->connection->Close();
-    team->names.clear();
-  }
-  const std::vector<std::string> names = RobotNames();
-  std::erase_if(links_, [&](const auto& link) {
-    if (std::find(names.begin(), names.end(), link->robot) != names.end()) return false;
-    link->lost.emplace(
-        kNoSuchName, "the scenario that was loaded has no " + link->robot + "; there are: " + ListOf(names));
-    link->Close();
-    return true;
-  });
+  GoOn(earliest_, since);
 }
 
 void Session::Close() {

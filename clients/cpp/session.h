@@ -35,6 +35,9 @@ struct Link {
   std::map<std::string, std::unique_ptr<Connection>> pushers;  // subscriptions, by module
   std::optional<Command> kept;                                 // for the next step
   std::optional<Command> sent;                                 // its reply has not come yet
+  std::int64_t sent_at = 0;                                    // the newest step when it was sent
+  int unstepped = 0;                                           // commands since the last step
+  std::int64_t unstepped_since = 0;                            // the step of the first of them
   std::optional<Error> lost;                                   // why it is not ours any more
   bool commanded = false;                                      // by this program, ever
   bool unclaimed = false;  // only looked at: when it was last asked for a recording was played, or
@@ -74,6 +77,10 @@ class Session {
   Message Tell(const std::string& module, std::int32_t command, std::vector<std::int32_t> params = {},
                std::vector<double> data = {}, std::string text = "", double timeout_s = 10);
   Json Status();
+  /// The scenario of a new world; a load brings another.
+  void set_scenario(std::string name) { scenario_ = std::move(name); }
+  /// After a raw message that may have been a reset.
+  void ForgetSteps() { reached_ = 0; }
   /// The names of all robots, in the order of the scenario.
   std::vector<std::string> RobotNames();
   /// A reading of the newest frame. A connection that broke since it was last used is opened again.
@@ -118,9 +125,14 @@ class Session {
   void Attach(Link& link);
   /// The attached readings of the newest frame.
   Message Sense(Link& link);
-  /// After a reset, or (with the names of the robots there are now) a load of ours.
+  /// After a reset or load.
   void StartedAnew();
-  void Loaded();
+  void ForgetCommands();
+  /// After a load: returns the robots of ours that are not there any more.
+  std::vector<std::string> Loaded();
+  /// Somebody has reset the world, or (if `word` is kLoad, or the scenario is another one) loaded a scenario:
+  /// forgets what belongs to the old world, and says so.
+  WorldReset NewWorld(const std::string& word = "");
   /// After a restore or branch of ours: the world goes on from another state, maybe of another scenario.
   void Jumped();
   /// One line that says what the world waits for; with `held_up` empty if its steps go on.
@@ -137,6 +149,15 @@ class Session {
   };
 
   const Message& Note(const Message& reply);
+  /// Note() of a reply to a request that was sent when the world had reached step `since`.
+  const Message& Fresh(const Message& reply, std::int64_t since);
+  /// A request that was sent when the world had reached step `since` was answered with `step`: throws
+  /// WorldReset if that is earlier. In a recording that is played time may go back.
+  void GoOn(std::int64_t step, std::int64_t since);
+  /// After an error of a team: throws WorldReset if a scenario was loaded.
+  void ThrowIfLoaded(const Error& error);
+  /// Says once that the program never calls step(); not if it lets time go by in another way, as by sleeping.
+  void CountUnstepped(Link& link);
   Message Ask(Connection& connection, std::int32_t command, std::vector<std::int32_t> params,
               std::string text, std::vector<double> data = {});
   void OpenMotors(Link& link);
@@ -149,13 +170,14 @@ class Session {
   bool HasTeamWith(const std::string& robot) const;
   bool AwaitCommand(Link& link);
   [[noreturn]] void Lose(Link& link, const Closed& closed);
-  /// The daemon closed the connection of `label`: the error, kept in `lost` if it must not be opened again.
-  static Error Lost(const Closed& closed, const std::string& label, const std::string& take_again,
-                    std::optional<Error>& lost);
+  /// The daemon closed the connection of `label`: throws the error, kept in `lost` if it must not be opened
+  /// again.
+  [[noreturn]] void Lose(const Closed& closed, const std::string& label, const std::string& take_again,
+                         std::optional<Error>& lost);
   void OpenTeam(TeamLink& team);
   Message Claim(const TeamLink& team);
   /// Takes over who is in the team. One that has lost all its robots is none any more: throws.
-  static void NameTeam(TeamLink& team, Message reply);
+  void NameTeam(TeamLink& team, Message reply);
   /// Makes the robots ours; while a recording is played only finds out which they are.
   void TakeTeam(TeamLink& team);
   /// Who is meant, in a recording that is played: `claim` has found the names good, but tells no ids.
@@ -179,6 +201,11 @@ class Session {
   int mode_ = 0;
   double time_ = 0;
   std::int64_t steps_ = 0;
+  /// The newest step of this world that a reading, command or step has told; 0 again after a reset.
+  std::int64_t reached_ = 0;
+  std::int64_t earliest_ = 0;  // of the replies to the present step
+  std::string scenario_;       // its name, as it was when this world began
+  bool told_to_step_ = false;
   bool closed_ = false;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a session reads: requests that are answered at once.
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -53,19 +54,29 @@ std::vector<std::string> Session::RobotNames() {
 Message Session::Read(Link& link, const std::string& module, std::int32_t command,
                       std::vector<std::int32_t> params, std::string text, std::vector<double> data) {
   RequireOpen();
+  if (link.lost && link.lost->code() == kNoSuchName) throw Error(*link.lost);
   if (module == "motors" && link.motors && !link.lost) {
     Settle(link);
-    return Note(
-        link.motors->Request(command, std::move(params), {}, std::move(text), kRequestTimeout_s, spin_s()));
+    const std::int64_t since = reached_;
+    try {
+      return Fresh(
+          link.motors->Request(command, std::move(params), {}, std::move(text), kRequestTimeout_s, spin_s()),
+          since);
+    } catch (const Closed& e) {
+      Lose(link, e);
+    }
   }
   std::unique_ptr<Connection>& reader = link.readers[module];
   // What a robot sends is its driver's to say: that connection has the driver's name.
   const bool sends = module == "neighbours" && !watch_;
   if (!reader) reader = std::make_unique<Connection>(address_, "/" + link.robot + "/" + module, sends);
   try {
-    return Ask(*reader, command, std::move(params), std::move(text), std::move(data));
+    return Fresh(Ask(*reader, command, std::move(params), std::move(text), std::move(data)), reached_);
   } catch (const Error& e) {
-    if (e.code() != kNoSuchName || module != "neighbours" || reader->is_open()) throw;
+    if (e.code() != kNoSuchName || reader->is_open()) throw;
+    const std::vector<std::string> names = RobotNames();
+    if (std::find(names.begin(), names.end(), link.robot) == names.end()) throw NewWorld(kLoad);
+    if (module != "neighbours") throw;
     throw Error(kNotPossible, link.robot + " has no module neighbours, its type has none: a robot of type " +
                                   "minibot has one, or add it to the robot's model.sdf (docs/formats.md)");
   }
@@ -117,13 +128,15 @@ Connection& Session::AttachedConnection(Link& link, const std::vector<std::strin
 
 Message Session::Sense(Link& link) {
   RequireOpen();
+  if (link.lost && link.lost->code() == kNoSuchName) throw Error(*link.lost);
   if (link.attached.empty()) Attach(link);
   if (link.carried) return std::move(*std::exchange(link.carried, std::nullopt));
   Connection& connection = AttachedConnection(link, link.attached);
+  const std::int64_t since = reached_;
   try {
-    return Note(connection.Request(command::kGetTime, {}, {}, "", kRequestTimeout_s, spin_s()));
+    return Fresh(connection.Request(command::kGetTime, {}, {}, "", kRequestTimeout_s, spin_s()), since);
   } catch (const Closed& e) {
-    if (!link.motors) throw;
+    if (!link.motors && !e.by_load()) throw;
     Lose(link, e);
   }
 }

@@ -30,10 +30,11 @@ void Session::NameTeam(TeamLink& team, Message reply) {
                  [&](const std::string& name) { return !left.contains(name); });
   }
   if (before.empty() || !team.names.empty()) return;
+  team.connection->Close();
   const std::string what = team.one_word() ? team.label() : "the team of " + TeamLink::Count(before.size());
   team.lost.emplace(kNotPossible, what + " has lost all its robots, to other programs or another scenario: " +
                                       team.TakeAgain() + " takes whom it means now");
-  team.connection->Close();
+  ThrowIfLoaded(*team.lost);
   throw Error(*team.lost);
 }
 
@@ -146,12 +147,16 @@ void Session::Select(TeamLink& team, const std::string& words, int neighbours) {
 
 Message Session::AskTeam(TeamLink& team, std::int32_t command, std::vector<std::int32_t> params) {
   Connection& connection = SettleTeam(team);
+  const std::int64_t since = reached_;
   try {
     Message reply = connection.Request(command, std::move(params), {}, "", kRequestTimeout_s, spin_s());
-    Note(reply);
+    Fresh(reply, since);
     return reply;
   } catch (const Closed& e) {
-    throw Lost(e, team.label(), team.TakeAgain(), team.lost);
+    Lose(e, team.label(), team.TakeAgain(), team.lost);
+  } catch (const Error& e) {
+    ThrowIfLoaded(e);
+    throw;
   }
 }
 

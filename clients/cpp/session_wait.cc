@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <iomanip>
 #include <iostream>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <utility>
 
+#include "clients/cpp/codes.h"
 #include "clients/cpp/session.h"
 #include "protocol/command_ids.h"
 
@@ -35,9 +37,10 @@ void Session::TakeIn(Waiting& w, Message reply, Message& last) {
   w.done = true;
   if (reply.error != 0) {
     if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
-    throw Error(reply.error, Label(w) + reply.text);
+    Checked(std::move(reply), Label(w));
   }
   Note(reply);
+  earliest_ = std::min(earliest_, steps_);
   if (w.team != nullptr) {
     w.team->reply = std::move(reply);
     return;
@@ -69,6 +72,7 @@ bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int
 /// Takes in the reply of every connection in `waiting` and returns the last. The first error is thrown.
 Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   const Deadline start = Clock::now();
+  earliest_ = std::numeric_limits<std::int64_t>::max();
   const Deadline spin_until = After(spin_s(), start), deadline = After(timeout_s, start);
   Deadline notice_at = After(kNoticeAfter_s, start), catch_up_at = Deadline::max();
   Message last;
@@ -161,7 +165,7 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
       std::rethrow_exception(cause);
     } catch (const Closed& closed) {
       try {
-        if (w.team != nullptr) throw Lost(closed, w.team->label(), w.team->TakeAgain(), w.team->lost);
+        if (w.team != nullptr) Lose(closed, w.team->label(), w.team->TakeAgain(), w.team->lost);
         Lose(*w.link, closed);
       } catch (const Error&) {
         lost = std::current_exception();
@@ -178,6 +182,17 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
     } catch (const Error&) {
       // Tried again at the next use, which says what is wrong.
     }
+  }
+  try {
+    std::rethrow_exception(lost ? lost : cause);
+  } catch (const WorldReset& e) {
+    if (e.text() == "reset" || e.text() == kLoad) throw NewWorld(e.text());
+    throw;
+  } catch (const Error& e) {
+    if (std::any_of(teams_.begin(), teams_.end(), [](const auto& team) { return team->stale; }))
+      ThrowIfLoaded(e);
+  } catch (...) {
+    // Something else.
   }
   for (const auto& team : teams_) {
     if (!team->stale || team->lost) continue;

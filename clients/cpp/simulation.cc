@@ -110,7 +110,7 @@ void Simulation::pause() {
 
 void Simulation::stop_all() {
   session_->Control(command::kStopAll);
-  session_->StartedAnew();
+  session_->ForgetCommands();
 }
 
 void Simulation::reset() {
@@ -240,6 +240,7 @@ Simulation connect(const std::string& server, const Options& options) {
     throw Error(5, "the daemon at " + session->address().text() + " (version " + status["version"].text() +
                        ") speaks protocol " + std::to_string(spoken) + ", this client speaks " +
                        std::to_string(kProtocolVersion) + ": build it from the daemon's sources");
+  session->set_scenario(status["scenario"].text());
   session->Control(command::kGetTime);
   return Simulation(std::move(session));
 }

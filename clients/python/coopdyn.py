@@ -19,17 +19,20 @@ kept (the last wins) until `sim.step()`, which sends the commands of all robots 
 In real time it is sent at once, and `sim.step()` waits for the next step.
 
 Everything goes through one port of the daemon (10000 unless told). Units are m, rad, s, m/s, rad/s; headings and
-bearings are 0 ahead, left positive, in (-pi, pi]. What goes wrong raises `coopdyn.Error` with `.code` and `.text`.
+bearings are 0 ahead, left positive, in (-pi, pi]. What goes wrong raises `coopdyn.Error` with `.code` and `.text`. If
+somebody else resets the world or loads a scenario, the next reading, command or step raises `coopdyn.WorldReset`, once.
 Use a `sim` and its robots from one thread. On a command line: `python3 coopdyn.py doctor|hello [SERVER]`.
 """
 from __future__ import annotations
 
 import array
 import contextlib
+import functools
 import getpass
 import itertools
 import json
 import math
+import operator
 import os
 import select
 import socket
@@ -37,7 +40,7 @@ import struct
 import sys
 import time as _clock
 import urllib.parse
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
 
 __version__ = "0.1.0"
 PROTOCOL = 1
@@ -73,6 +76,9 @@ _HELD_UP_S = 0.5  # lockstep awaits its robots before every step; a shorter wait
 _NAMED_ROBOTS = 4
 _LISTED_NAMES = 20
 _PLAYING = "playing a recording"  # how an error begins
+_ANEW = ("reset", "load")  # what an error says that ends a wait
+_NOT_IN_SCENARIO = "is not in the new scenario"  # how a notice ends
+_UNSTEPPED = 200  # commands to one robot without a step: then the program is told so, once
 _MOST_GAPS = 100000
 _FEW = 8  # of more replies the first are not looked for one by one as they come in: it is waited for the one that is
 _AT_ONCE = 256  # this further on alone, at most so long that errors and closed connections are seen, too
@@ -118,6 +124,37 @@ class Error(Exception):
 
     def __str__(self) -> str:
         return f"{self.text} [{self.name}]"
+
+
+class WorldReset(Error):
+    """Somebody else has reset the world or loaded a scenario. Raised once, by the reading, command or step that notices it.
+    What was kept for the next step is forgotten; the sim and those of its robots and teams that are in the new world can be
+    used again."""
+
+    @property
+    def name(self) -> str:
+        return "reset"
+
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+
+def _usage(example: str) -> Callable[[_F], _F]:
+    """A call whose arguments do not fit says what to write."""
+
+    def decorate(function: _F) -> _F:
+        @functools.wraps(function)
+        def call(*args: Any, **kwargs: Any) -> Any:
+            try:
+                return function(*args, **kwargs)
+            except TypeError as e:
+                if e.__traceback__ is None or e.__traceback__.tb_next is not None:
+                    raise  # of something inside
+                raise Error(2, f"{e}; write {example}") from None
+
+        return call  # type: ignore[return-value]
+
+    return decorate
 
 
 class Message(NamedTuple):
@@ -445,16 +482,19 @@ def _nearest(name: str, known: Sequence[str]) -> str:
     return f"did you mean {lower[found[0]]}? " if found else ""
 
 
-def _parse_server(server: Optional[str]) -> Tuple[str, int]:
-    given = server or os.environ.get("COOPDYN_SERVER") or "127.0.0.1"
+def _parse_server(server: Union[str, int, None]) -> Tuple[str, int]:
+    given = str(server or os.environ.get("COOPDYN_SERVER") or "127.0.0.1")
     host, port = given.strip(), str(DEFAULT_PORT)
-    if host.startswith("[") and "]" in host:  # [::1]:10000
+    if host.isdigit() or isinstance(server, (int, float)):
+        host, port = "127.0.0.1", host
+    elif host.startswith("[") and "]" in host:  # [::1]:10000
         host, rest = host[1:].split("]", 1)
         port = rest[1:] if rest.startswith(":") else port
     elif host.count(":") == 1:
         host, port = host.split(":")
     if not host or not port.isdigit() or not 0 < int(port) < 65536:
-        raise Error(4, f"cannot read the server {given!r}; write HOST or HOST:PORT, e.g. \"labserver:10100\"")
+        raise Error(4, f"cannot read the server {given!r}; write HOST, HOST:PORT, or a port of this machine, e.g. "
+                       '"labserver:10100"')
     return host, int(port)
 
 
@@ -512,10 +552,12 @@ def _dial_local(host: str, port: int) -> Optional[socket.socket]:
 class _Address:
     """Where the daemon is and who we are: what every connection needs."""
 
-    def __init__(self, server: Optional[str], name: Optional[str], token: Optional[str], timeout: float) -> None:
+    def __init__(
+        self, server: Union[str, int, None], name: Optional[str], token: Optional[str], timeout: float
+    ) -> None:
         self.host, self.port = _parse_server(server)
         self.name = name or _default_name()
-        if not self.name.strip() or len(self.name.split()) != 1:
+        if not isinstance(self.name, str) or len(self.name.split()) != 1:
             raise Error(3, f"a client name has no spaces, not {self.name!r}; write e.g. \"ana\"")
         self.token = token or ""
         self.timeout = timeout
@@ -569,7 +611,8 @@ class _Address:
         """The lines that the name server answers, without the last."""
         deadline = _clock.monotonic() + self.timeout
         with self.dial(deadline) as sock:
-            sock.sendall(f"NAME_SERVER {command}\n".encode())
+            with contextlib.suppress(OSError):  # what it said before it closed
+                sock.sendall(f"NAME_SERVER {command}\n".encode())
             received = b""
             while b"*** end of message" not in received:
                 more = self._receive(sock, deadline)
@@ -668,15 +711,14 @@ class _Connection:
         assert self.sock is not None
         self.busy = True
         try:
-            sent = self.sock.send(frame)
+            try:
+                sent = self.sock.send(frame)
+            except BlockingIOError:
+                sent = 0
             if sent < len(frame):
                 self.sock.settimeout(_REQUEST_TIMEOUT_S)
                 self.sock.sendall(frame[sent:])
                 self.sock.setblocking(False)
-        except BlockingIOError:
-            self.sock.settimeout(_REQUEST_TIMEOUT_S)
-            self.sock.sendall(frame)
-            self.sock.setblocking(False)
         except OSError:
             self._raise_lost()
 
@@ -709,6 +751,8 @@ class _Connection:
 
     def _raise_lost(self) -> None:
         """After a failed write: what the daemon said before it closed, if anything."""
+        assert self.sock is not None
+        self.sock.setblocking(False)
         try:
             while self.try_read() is not None:
                 pass
@@ -848,9 +892,12 @@ class _Closed(Error):
         super().__init__(-1, f"the daemon closed the connection: {notice}" if notice else "the daemon closed the connection")
 
 
-def _checked(reply: Message) -> Message:
+def _checked(reply: Message, who: str = "") -> Message:
+    """Raises an error reply; WorldReset with one word if a reset or load has ended the wait: world_reset() makes it a text."""
+    if reply.error == 5 and reply.text in _ANEW:
+        raise WorldReset(reply.error, reply.text)
     if reply.error:
-        raise Error(reply.error, reply.text or _ERROR_NAMES.get(reply.error, "error"))
+        raise Error(reply.error, who + (reply.text or _ERROR_NAMES.get(reply.error, "error")))
     return reply
 
 
@@ -867,12 +914,42 @@ def _number(value: Any, what: str) -> float:
     return number
 
 
+def _pair(v: Any, w: Any, call: str, units: Tuple[str, str]) -> Tuple[float, float]:
+    """Two numbers, given as two or as one row."""
+    if w is None:
+        try:
+            row = list(v)
+            v, w = row[0] if len(row) == 1 else row
+        except (TypeError, ValueError):
+            raise Error(3, f"{call} takes {' and '.join(units)}: write r.{call}(0.2, 0.5) or r.{call}([0.2, 0.5])") from None
+    return _number(v, units[0]), _number(w, units[1])
+
+
+def _whole(value: Any, what: str) -> int:
+    """A whole number of 32 bits."""
+    try:
+        if isinstance(value, bool) or isinstance(value, float) and not value.is_integer():
+            raise TypeError
+        number = int(value) if isinstance(value, float) else operator.index(value)
+    except TypeError:
+        raise Error(2, f"{what} must be a whole number, not {value!r}") from None
+    if not -(2**31) <= number < 2**31:
+        raise Error(4, f"{what} must be a whole number of 32 bits, not {number}")
+    return number
+
+
 def _count(value: Any, what: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) and not (isinstance(value, float) and value.is_integer()):
-        raise Error(2, f"{what} must be a whole number, not {value!r}")
-    if not 1 <= value < 2**31:
-        raise Error(4, f"{what} must be at least 1, not {value}")
-    return int(value)
+    number = _whole(value, what)
+    if number < 1:
+        raise Error(4, f"{what} must be at least 1, not {number}")
+    return number
+
+
+def _path(file: Any, what: str) -> str:
+    try:
+        return os.fspath(file)
+    except TypeError:
+        raise Error(3, f"{what} is a text, not {file!r}") from None
 
 
 def _speeds(values: Any, names: Sequence[str], what: str, columns: str) -> bytes:
@@ -972,6 +1049,9 @@ class _Link:
         self.pushers: Dict[str, _Connection] = {}
         self.kept: Optional[Tuple[int, Tuple[float, ...]]] = None  # for the next step
         self.sent: Optional[Tuple[int, Tuple[float, ...]]] = None  # its reply has not come yet
+        self.sent_at = 0  # the newest step when it was sent
+        self.unstepped = 0  # commands since the last step
+        self.unstepped_since = 0  # the step of the first of them
         self.lost: Optional[Error] = None  # why it is not ours any more
         self.commanded = False  # by this program, ever
         self.unclaimed = False  # only looked at: when it was last asked for a recording was played, or
@@ -1179,6 +1259,9 @@ class _Session:
         self.mode = 0
         self.time = 0.0
         self.steps = 0
+        self.reached = 0  # the newest step of this world that a reading, command or step has told; 0 again after a reset
+        self.scenario: Any = None  # its name, as it was when this world began
+        self.told_to_step = False
         self.closed = False
 
     def spin_s(self) -> float:
@@ -1191,6 +1274,48 @@ class _Session:
         if reply.params and reply.command in _CARRY_MODE:
             self.mode = reply.params[0]
         return reply
+
+    def fresh(self, reply: Message, since: int) -> Message:
+        """note() of a reply to a request that was sent when the world had reached step `since`."""
+        self.note(reply)
+        self.go_on(self.steps, since)
+        return reply
+
+    def go_on(self, step: int, since: int) -> None:
+        """A request that was sent when the world had reached step `since` was answered with `step`: WorldReset if that is
+        earlier. In a recording that is played time may go back."""
+        if step >= since:
+            self.reached = max(self.reached, step)
+        elif self.watch or self.plays():
+            self.reached = step
+        else:
+            raise self.world_reset()
+
+    def world_reset(self, word: str = "") -> "WorldReset":
+        """Somebody has reset the world or (`word` "load", or the scenario is another one) loaded a scenario: forgets what
+        belongs to the old world, and says so."""
+        before, self.scenario = self.scenario, self.status().get("scenario")
+        if word != "load" and self.scenario == before:
+            self.started_anew()
+            return WorldReset(5, "the world was reset: run your program again, or catch this to start over")
+        gone = self.loaded()
+        which = f"scenario {self.scenario} was loaded" if self.scenario else "a scenario was loaded"
+        if gone:
+            there = _list_of(self.robot_names())
+            return WorldReset(5, f"{which}, which has no {_list_of(gone)}; there are: {there}. Run your program again with these")
+        return WorldReset(5, f"{which}: run your program again, or catch this to start over")
+
+    def behind(self, e: Error) -> Error:
+        """What a team is told after an error: WorldReset if a scenario was loaded."""
+        if isinstance(e, WorldReset):
+            return e
+        status = self.status()
+        same = status.get("scenario") == self.scenario and status["step"] >= self.reached
+        return e if same or status.get("playback") is not None else self.world_reset("load")
+
+    def status(self) -> Dict[str, Any]:
+        """Of the whole, with one robot."""
+        return json.loads(self.control(_GET_STATUS, (1, 1)).text)
 
     def require_open(self) -> None:
         if self.closed:
@@ -1230,16 +1355,25 @@ class _Session:
     ) -> Message:
         """A reading of the newest frame. A connection that broke since it was last used is opened again."""
         self.require_open()
-        if module == "motors" and link.motors is not None:
-            if link.lost is None:
-                self.settle(link)
-                return self.note(link.motors.request(command, params, (), text, spin_s=self.spin_s()))
+        if link.lost is not None and link.lost.code == 10:
+            raise link.lost
+        if module == "motors" and link.motors is not None and link.lost is None:
+            self.settle(link)
+            since = self.reached
+            try:
+                return self.fresh(link.motors.request(command, params, (), text, spin_s=self.spin_s()), since)
+            except _Closed as e:
+                raise self.lose(link, e) from None
         sends = module == "neighbours" and not self.watch  # what a robot sends is its driver's to say
         connection = link.readers.setdefault(module, _Connection(self.address, f"/{link.robot}/{module}", drives=sends))
         try:
-            return self.ask(connection, command, params, data, text)
+            return self.fresh(self.ask(connection, command, params, data, text), self.reached)
         except Error as e:
-            if e.code != 10 or module != "neighbours" or connection.sock is not None:
+            if e.code != 10 or connection.sock is not None:
+                raise
+            if link.robot not in self.robot_names():
+                raise self.world_reset("load") from None
+            if module != "neighbours":
                 raise
             raise Error(5, f"{link.robot} has no module neighbours, its type has none: a robot of type minibot has one, "
                            "or add it to the robot's model.sdf (docs/formats.md)") from None
@@ -1371,7 +1505,7 @@ class _Session:
                 raise self.lose(link, e) from None
             if reply is not None:
                 link.sent = None
-                self.note(_checked(reply))
+                self.fresh(_checked(reply), link.sent_at)
                 return True
             left = deadline - _clock.monotonic()
             if left <= 0:
@@ -1391,6 +1525,8 @@ class _Session:
         link.forget_commands()
         if not closed.notice:
             return Error(-1, f"the connection to {link.label} broke; is the daemon still running?")
+        if closed.notice.endswith(_NOT_IN_SCENARIO):
+            return self.world_reset("load")
         link.lost = Error(6, f"{link.label} is not driven by this sim any more: {closed.notice}; "
                              f"{link.take_again()} takes it again")
         return link.lost
@@ -1410,15 +1546,37 @@ class _Session:
             self.claim(link)  # a branch may go on live from there
         link.commanded = True
         if self.mode == _LOCKSTEP:
+            if link.kept is not None:
+                self.count_unstepped(link)
             link.kept = (command, data)
             return
         link.kept = None
+        self.count_unstepped(link)
+        link.sent_at = self.reached
         try:
             link.motors.send(encode(command, (), data))
         except _Closed as e:
             raise self.lose(link, e) from None
         link.sent = (command, data)
         self.await_command(link)
+
+    def count_unstepped(self, link: _Link) -> None:
+        """Says once that the program never calls `sim.step()`; not if it lets time go by in another way, as by sleeping."""
+        link.unstepped += 1
+        if link.unstepped == 1:
+            link.unstepped_since = self.steps
+        if link.unstepped < _UNSTEPPED or self.told_to_step:
+            return
+        link.unstepped = 0
+        if self.mode == _LOCKSTEP:
+            why = "nothing moves"
+        elif 2 * (self.steps - link.unstepped_since) < _UNSTEPPED:
+            why = "your loop runs faster than time"
+        else:
+            return
+        self.told_to_step = True
+        print(f"coopdyn: {_UNSTEPPED} commands to {link.robot} without a step, {why}: write sim.step() at the end of your "
+              "loop", file=sys.stderr, flush=True)
 
     def robot_names(self) -> List[str]:
         """Of all robots, in the order of the scenario."""
@@ -1431,7 +1589,7 @@ class _Session:
 
     def plays(self) -> bool:
         """A recording is played."""
-        return json.loads(self.control(_GET_STATUS, (1, 1)).text).get("playback") is not None
+        return self.status().get("playback") is not None
 
     # --- teams ---
     def has_team_with(self, robot: str) -> bool:
@@ -1488,8 +1646,14 @@ class _Session:
         elif team.stale and team.playing:
             team.take(self)
         elif team.stale:
-            team.named(team.connection.request(_GET_TEAM))
+            self.name_team(team, team.connection.request(_GET_TEAM))
         return team.connection
+
+    def name_team(self, team: _TeamLink, reply: Message) -> None:
+        try:
+            team.named(reply)
+        except Error as e:
+            raise self.behind(e) from None
 
     def own_team(self, team: _TeamLink) -> None:
         """Error 5 while a recording is played; a branch may have gone on live from there."""
@@ -1517,11 +1681,13 @@ class _Session:
 
     def ask_team(self, team: _TeamLink, command: int, params: Sequence[int] = ()) -> Message:
         """A request that is answered at once."""
-        connection = self.settle_team(team)
+        connection, since = self.settle_team(team), self.reached
         try:
-            return self.note(connection.request(command, params, spin_s=self.spin_s()))
+            return self.fresh(connection.request(command, params, spin_s=self.spin_s()), since)
         except _Closed as e:
             raise self.lose(team, e) from None
+        except Error as e:
+            raise self.behind(e) from None
 
     def step_team(self, team: _TeamLink, frame: bytes, timeout: Optional[float]) -> Message:
         """One step of the world, in which the team does what the frame says."""
@@ -1537,6 +1703,8 @@ class _Session:
         self.require_open()
         waiting: Dict[_Connection, Optional[_Driven]] = {}
         teams = []
+        for link in self.links:
+            link.unstepped = 0
         for other in self.teams:
             try:
                 self.settle_team(other)
@@ -1564,18 +1732,22 @@ class _Session:
                     other.connection.send(frame if other is team else encode(_READY, (n,)))
             except BaseException as e:
                 raise self.give_up(waiting, e) from None
+        since = self.reached + 1
         try:
-            self.collect(waiting, timeout)
+            earliest = self.collect(waiting, timeout)
         except BaseException as e:
             raise self.give_up(waiting, e) from None
+        self.go_on(earliest, since)
 
-    def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> None:
-        """Takes in the reply of every connection in `waiting`, which is empty then. The first error is raised."""
+    def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> int:
+        """Takes in the reply of every connection in `waiting`, which is empty then; returns the earliest step that they tell.
+        The first error is raised."""
         start = now = _clock.monotonic()
         spin_until = start + self.spin_s()
         deadline = start + timeout if timeout is not None else math.inf
         notice_at = start + _NOTICE_AFTER_S
         stepped: List[_Driven] = []
+        earliest = sys.maxsize
         catch_up_at = math.inf
 
         def glance(count: int) -> bool:
@@ -1600,14 +1772,15 @@ class _Session:
                 if reply.error:
                     if isinstance(link, _TeamLink):
                         link.stale = True  # a robot may have been taken from it
-                    raise Error(reply.error, f"{link.label}: {reply.text}" if link else reply.text)
+                    _checked(reply, f"{link.label}: " if link else "")
                 self.note(reply)
+                earliest = min(earliest, self.steps)
                 if isinstance(link, _TeamLink):
                     link.reply = reply
                 elif link is not None and link.attached and reply.params[0] == _LOCKSTEP:
                     link.carried = reply
             if not waiting:
-                return
+                return earliest
             now = _clock.monotonic()
             progress, looked_at_all, every = len(waiting) < before, every, True
             if now < spin_until or not (progress or looked_at_all):
@@ -1678,6 +1851,10 @@ class _Session:
                         link.reopen(self)
                     except Error:
                         pass  # tried again at the next use, which says what is wrong
+            if isinstance(cause, WorldReset):
+                return self.world_reset(cause.text) if cause.text in _ANEW else cause
+            if isinstance(cause, Error) and any(team.stale for team in self.teams):
+                cause = self.behind(cause)
             for team in self.teams:
                 if team.stale and team.lost is None:
                     try:
@@ -1710,12 +1887,42 @@ class _Session:
         return f"waiting for {first}" + (f" and {more} more" if more > 0 else "")
 
     def started_anew(self) -> None:
-        """After a reset or load of ours: what was kept belongs to the old world."""
+        """After a reset or load: what was kept belongs to the old world."""
+        self.reached = 0
+        self.forget_commands()
+
+    def forget_commands(self) -> None:
         for link in self.links:
             link.forget_commands()
             link.another = False
         for team in self.teams:
             team.stale = True
+
+    def loaded(self) -> List[str]:
+        """After a load: teams are opened again with the robots that there are now. Returns the robots of ours that are not
+        there any more."""
+        self.started_anew()
+        for team in self.teams:
+            team.connection.close()
+            team.names = []
+            team.lost = team.lost if team.lost is not None and team.lost.code != 5 else None  # 5: it had no robots left
+        self.scenario = self.status().get("scenario")
+        names = self.robot_names()
+        gone = [link for link in self.links if link.robot not in names]
+        for link in gone:
+            link.lost = Error(10, f"the scenario that was loaded has no {link.robot}; there are: {_list_of(names)}")
+            for connection in link.connections():
+                connection.close()
+        self.links = [link for link in self.links if link.lost is None]
+        return [link.robot for link in gone]
+
+    def jumped(self) -> None:
+        """After a restore or branch of ours: the world goes on from another state, which may be of another scenario."""
+        self.started_anew()
+        self.control(_GET_TIME)  # tells the mode
+        here = set(self.robot_names())
+        if any(link.robot not in here for link in self.links) or any(set(team.names) - here for team in self.teams):
+            self.loaded()
 
     def close_team(self, team: _TeamLink, stop: bool) -> None:
         """Gives the robots of a team up, after stopping them if wished."""
@@ -1791,18 +1998,22 @@ class Robot:
         return self._link.robot
 
     # --- commands ---
-    def set_velocity(self, v: float, w: float) -> None:
-        """Forward speed v [m/s] and turn rate w [rad/s], left is positive. Beyond the limits both are scaled."""
-        self._session.command(self._current(), _SET_VELOCITY, (_number(v, "v [m/s]"), _number(w, "w [rad/s]")))
+    @_usage("r.set_velocity(0.2, 0.5) or r.set_velocity([0.2, 0.5])")
+    def set_velocity(self, v: Union[float, Sequence[float]], w: Optional[float] = None) -> None:
+        """Forward speed v [m/s] and turn rate w [rad/s], left is positive, as two numbers or one row of two. Beyond the limits
+        both are scaled."""
+        self._session.command(self._current(), _SET_VELOCITY, _pair(v, w, "set_velocity", ("v [m/s]", "w [rad/s]")))
 
-    def set_wheel_speeds(self, l: float, r: float) -> None:
-        """Speeds of the left and right wheel [rad/s]."""
-        self._session.command(self._current(), _SET_WHEEL_SPEEDS, (_number(l, "l [rad/s]"), _number(r, "r [rad/s]")))
+    @_usage("r.set_wheel_speeds(2, 3) or r.set_wheel_speeds([2, 3])")
+    def set_wheel_speeds(self, l: Union[float, Sequence[float]], r: Optional[float] = None) -> None:
+        """Speeds of the left and right wheel [rad/s], as two numbers or one row of two."""
+        self._session.command(self._current(), _SET_WHEEL_SPEEDS, _pair(l, r, "set_wheel_speeds", ("l [rad/s]", "r [rad/s]")))
 
     def stop(self) -> None:
         """Stops both wheels; like the other commands, in lockstep with the next `sim.step()`."""
         self._session.command(self._current(), _STOP, ())
 
+    @_usage("r.send_message([1, 0.5])")
     def send_message(self, values: Sequence[float]) -> None:
         """Broadcasts one to eight numbers with the next step, to the robots within range; the last message before the
         step counts. For robots with a module `neighbours`."""
@@ -1846,10 +2057,13 @@ class Robot:
         """Id, colour, distance [m] and bearing [rad] of every target."""
         return self._get("target", _GET_TARGETS)
 
+    @_usage('r.get_target("red") or r.get_target(1)')
     def get_target(self, x: Union[str, int]) -> Bearing:
         """Distance [m] and bearing [rad] of the nearest target of a colour, or of the target with an id."""
         if isinstance(x, str):
             return self._get("target", _GET_TARGET, (), x)
+        if isinstance(x, (list, tuple, dict)) or x is None:
+            raise Error(3, f'a target is a colour or an id, not {x!r}; write r.get_target("red") or r.get_target(1)')
         return self._get("target", _GET_TARGET, (_count(x, "the id of a target"),))
 
     def get_robots(self) -> List[OtherRobot]:
@@ -1869,6 +2083,8 @@ class Robot:
         its reply, without any. `sense("red").target` is the nearest target of that colour (or with that id)."""
         session, link = self._session, self._current()
         session.require_open()
+        if link.lost is not None and link.lost.code == 10:
+            raise link.lost
         if not link.attached:
             self._attach(link)
         reply, link.carried = link.carried, None
@@ -1894,10 +2110,12 @@ class Robot:
         )
 
     # --- pushed readings ---
+    @_usage('r.subscribe("distance")')
     def subscribe(self, module: str, n: int = 1) -> None:
         """Has the first reading of "distance", "target", "pose" or "motors" sent every n steps; `next` takes them.
         n = 0 ends it. What is not taken in time is dropped, the oldest first (64 are kept)."""
         self._session.require_open()
+        module = _word(module, 'a module, as "distance",')
         old = self._link.pushers.pop(module, None)
         if old is not None:
             old.close()
@@ -1916,7 +2134,7 @@ class Robot:
         if not chosen or any(m not in pushers for m in chosen):
             raise Error(5, f'nothing is subscribed to; write r.subscribe("{module or "distance"}") first')
         start = _clock.monotonic()
-        deadline = start + timeout if timeout is not None else math.inf
+        deadline = start + _number(timeout, "timeout [s]") if timeout is not None else math.inf
         notice_at = start + _NOTICE_AFTER_S
         while True:
             for m in chosen:
@@ -1924,8 +2142,10 @@ class Robot:
                 if not connection.pushes:
                     try:
                         connection.try_read()
-                    except _Closed:
+                    except _Closed as e:
                         del pushers[m]
+                        if e.notice.endswith(_NOT_IN_SCENARIO):
+                            raise self._session.lose(self._link, e) from None
                         raise
                 if connection.pushes:
                     pushed = connection.pushes.pop(0)
@@ -1943,6 +2163,7 @@ class Robot:
             sockets = [s for s in (pushers[m].sock for m in chosen) if s is not None]
             _wait_readable(sockets, min(deadline, notice_at, now + 3600) - now)
 
+    @_usage('r.call("motors", "set_velocity", data=[0.2, 0])')
     def call(
         self, module: str, command: Union[str, int], params: Sequence[int] = (), data: Sequence[float] = (),
         text: str = "", timeout: Optional[float] = None,
@@ -1980,11 +2201,11 @@ class Robot:
 
     def _ask_attached(self, link: _Link) -> Message:
         session = self._session
-        connection = self._attached_connection(link, link.attached)
+        connection, since = self._attached_connection(link, link.attached), session.reached
         try:
-            return session.note(connection.request(_GET_TIME, spin_s=session.spin_s()))
+            return session.fresh(connection.request(_GET_TIME, spin_s=session.spin_s()), since)
         except _Closed as e:
-            if connection is link.motors:
+            if connection is link.motors or e.notice.endswith(_NOT_IN_SCENARIO):
                 raise session.lose(link, e) from None
             raise
 
@@ -2042,6 +2263,7 @@ class Team:
         this sim step too, with what they were told. Error 11 after `timeout` seconds."""
         return self._step(V, "V", "forward, turn", "", timeout)
 
+    @_usage("team.step_wheels([3, 3])")
     def step_wheels(self, W: Any, timeout: Optional[float] = None) -> TeamReading:
         """The same with the speeds of the left and right wheel [rad/s]."""
         return self._step(W, "W", "left, right", "wheels", timeout)
@@ -2127,7 +2349,7 @@ class Team:
         link = self._link
         n, m = reply.params[-2:]
         if n != len(link.names):
-            link.named(self._session.ask_team(link, _GET_TEAM))
+            self._session.name_team(link, self._session.ask_team(link, _GET_TEAM))
         if m != sum(link.columns):
             self._session.settle_team(link)
             link.ask_for(*link.selected)
@@ -2152,11 +2374,14 @@ class Simulation:
         return f"<coopdyn simulation at {self._session.address}>"
 
     # --- robots ---
+    @_usage('sim.robot("robot1") or sim.robot(1)')
     def robot(self, which: Union[str, int]) -> Robot:
         """Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it. While a
         recording is played it is looked at, and taken after a branch with the first step or command if nobody has it."""
         if isinstance(which, str):
             name = which.strip().lstrip("/")
+        elif isinstance(which, (list, tuple, dict)) or which is None:
+            raise Error(3, f'a robot is named or numbered, not {which!r}; write sim.robot("robot1") or sim.robot(1)')
         else:
             number, names = _count(which, "the number of a robot"), self.robots()
             if number > len(names):
@@ -2170,6 +2395,7 @@ class Simulation:
         """The names of all robots, in the order of the scenario."""
         return self._session.robot_names()
 
+    @_usage('sim.team("swarm1"), sim.team(["robot1", "robot2"]) or sim.team()')
     def team(self, names: Union[str, Sequence[str], None] = None) -> Team:
         """Takes robots to be driven together, through one connection: the name of a swarm or robot, a list of such, or
         all that nobody drives. They stand in `names` in the order of the scenario, whatever the list's. Error 6 if
@@ -2230,28 +2456,30 @@ class Simulation:
     def stop_all(self) -> None:
         """Stops every robot, also those of others."""
         self._session.control(_STOP_ALL)
-        self._session.started_anew()
+        self._session.forget_commands()
 
     def reset(self, seed: Optional[int] = None) -> None:
         """Starts again at step 0, with a new seed if one is given."""
-        if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not -(2**31) <= seed < 2**31):
-            raise Error(2, f"a seed is a whole number of 32 bits, not {seed!r}")
-        self._session.control(_RESET, () if seed is None else (seed,), timeout=_LOAD_TIMEOUT_S)
+        params = () if seed is None else (_whole(seed, "a seed"),)
+        self._session.control(_RESET, params, timeout=_LOAD_TIMEOUT_S)
         self._session.started_anew()
 
     def reload(self) -> None:
         """Loads the same scenario file again from disk."""
         self._session.control(_RELOAD, timeout=_LOAD_TIMEOUT_S)
-        self._loaded()
+        self._session.loaded()
 
+    @_usage('sim.load_scenario("corridor")')
     def load_scenario(self, x: str) -> None:
         """Loads a scenario: a name on the daemon's search path, a file here, or the text of one."""
+        x = _path(x, "a scenario")
         if "\n" not in x and os.path.isfile(x):
             with open(x, encoding="utf-8-sig", errors="surrogateescape") as file:
                 x = file.read().encode("utf-8", "surrogateescape").decode("utf-8", "replace")
         self._session.control(_LOAD_SCENARIO, text=x, timeout=_LOAD_TIMEOUT_S)
-        self._loaded()
+        self._session.loaded()
 
+    @_usage('sim.set_mode("lockstep")')
     def set_mode(self, mode: Union[str, int]) -> None:
         """"realtime", "lockstep" or "free"."""
         if mode not in MODES and mode not in range(len(MODES)):
@@ -2260,31 +2488,40 @@ class Simulation:
         self._session.control(_SET_MODE, (number,))
         self._session.mode = number
 
+    @_usage("sim.set_step(0.01)")
     def set_step(self, s: float) -> None:
         """Length of a step, 0.0005 to 0.1 s."""
         self._session.control(_SET_STEP, (), (_number(s, "the step [s]"),))
 
+    @_usage("sim.set_speed(2)")
     def set_speed(self, x: float) -> None:
         """How fast time goes against the wall clock; 0 or less: no limit."""
         self._session.control(_SET_SPEED, (), (_number(x, "the speed factor"),))
 
+    @_usage('sim.set_participants(["robot1", "robot2"])')
     def set_participants(self, names: Sequence[str] = ()) -> None:
         """The robots that lockstep waits for; empty: as the scenario says."""
-        self._session.control(_SET_PARTICIPANTS, text=names if isinstance(names, str) else " ".join(names))
+        words = [names] if isinstance(names, str) else names
+        if not isinstance(words, (list, tuple)) or not all(isinstance(word, str) for word in words):
+            raise Error(3, f'robots are named, not {names!r}; write sim.set_participants(["robot1", "robot2"])')
+        self._session.control(_SET_PARTICIPANTS, text=" ".join(words))
 
+    @_usage('sim.release_robot("robot1")')
     def release_robot(self, name: str) -> None:
         """Takes a robot from whoever drives it: closes that program's connection, or unloads its controller."""
         self._session.control(_RELEASE_ROBOT, text=_word(name, "the name of a robot"))
 
     # --- states to go on from ---
+    @_usage('sim.save_state("before_turn")')
     def save_state(self, name: str) -> None:
         """Keeps all that decides how the run goes on, under a name; replaces what is kept under that name."""
         self._session.control(_SAVE_STATE, text=_word(name, "the name of a state"))
 
+    @_usage('sim.restore_state("before_turn")')
     def restore_state(self, name: str) -> None:
         """Goes on from a saved state, bit for bit; "start" is where the run began."""
         self._session.control(_RESTORE_STATE, text=_word(name, "the name of a state"), timeout=_LOAD_TIMEOUT_S)
-        self._jumped()
+        self._session.jumped()
 
     def saved_states(self) -> List[SavedState]:
         """The states that can be restored, and their simulated times [s]."""
@@ -2303,6 +2540,7 @@ class Simulation:
         name, http, url = text.partition(" http://")  # the name may have blanks
         return Recorded(name, _here(self._session.address, http + url) if url else "")
 
+    @_usage('sim.note("half-time")')
     def note(self, text: str) -> None:
         """Marks this time in the recording; `Run.events` has it."""
         self._session.tell(_RECORDER, _NOTE, text=str(text))
@@ -2322,12 +2560,13 @@ class Simulation:
         return [RunFile(f["name"], int(f["bytes"]), f["seconds"], None if f["steps"] is None else int(f["steps"]),
                         bool(f["recording"]), _here(address, f["url"]) if f["url"] else "") for f in files]
 
+    @_usage('sim.fetch_run("lesson1")')
     def fetch_run(self, name: str, file: Union[str, "os.PathLike[str]"] = "") -> str:
         """Copies a recording from the daemon to `file` (default: of the same name, here) and returns the file's name. A
         file called .mat gets the run as MATLAB reads it. What was there is replaced when all has come."""
         name = _run_name(name)
         name = name[:-4] if name.endswith(".run") else name
-        file = os.fspath(file) or f"{name}.run"
+        file = _path(file, "the name of a file") or f"{name}.run"
         kind = ".mat" if file.lower().endswith(".mat") else ".run"
         url = f"{_page(self._session.address, self.status())}/runs/{urllib.parse.quote(name + kind)}"
         try:
@@ -2346,6 +2585,7 @@ class Simulation:
         playing, loop, growing = map(bool, reply.params[:3])
         return Playback(begin, end, time, speed, playing, loop, growing, reply.text)
 
+    @_usage("sim.seek(12.5)")
     def seek(self, time: float) -> None:
         """Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside."""
         self._session.tell(_PLAYBACK, _SEEK, (), (_number(time, "the time [s]"),))
@@ -2354,16 +2594,16 @@ class Simulation:
         """Lets the recording go on, at this speed if one is given; -4 to 64 times, below 0 backwards."""
         self._session.tell(_PLAYBACK, _PLAY, (), () if speed is None else (_number(speed, "the speed"),))
 
+    @_usage("sim.set_play_speed(2)")
     def set_play_speed(self, s: float) -> None:
         """How fast the recording goes, -4 to 64 times, below 0 backwards."""
         self._session.tell(_PLAYBACK, _SET_PLAY_SPEED, (), (_number(s, "the speed"),))
 
     def skip(self, n: int = 1) -> None:
         """Goes n recorded steps on, or back if n is below 0, and stands there."""
-        if isinstance(n, bool) or not isinstance(n, int) or not -(2**31) < n < 2**31:
-            raise Error(2, f"n is a whole number of steps, not {n!r}")
-        self._session.tell(_PLAYBACK, _SKIP, (n,))
+        self._session.tell(_PLAYBACK, _SKIP, (_whole(n, "n"),))
 
+    @_usage("sim.set_loop(True)")
     def set_loop(self, on: bool) -> None:
         """Whether the recording begins again at its end."""
         if on not in (0, 1) or isinstance(on, float):  # True and False are such numbers
@@ -2375,7 +2615,7 @@ class Simulation:
         bit as it did if the inputs are the same."""
         data = () if time is None else (_number(time, "the time [s]"),)
         self._session.tell(_PLAYBACK, _BRANCH, (), data, timeout=_EXPORT_TIMEOUT_S)
-        self._jumped()
+        self._session.jumped()
 
     # --- looking ---
     def status(self) -> Dict[str, Any]:
@@ -2390,20 +2630,23 @@ class Simulation:
         """The robots that the world waits for, and why."""
         return [Awaited(a["robot"], a["why"], float(a["seconds"] or 0)) for a in self.status()["awaiting"] or []]
 
+    @_usage('sim.snapshot("a.png")')
     def snapshot(
         self, file: str, w: int = 640, h: int = 480, eye: Optional[Sequence[float]] = None,
         look: Optional[Sequence[float]] = None,
     ) -> str:
         """Writes a PNG picture of w by h pixels to `file`; `eye` and `look` are points x, y, z [m] in the world."""
+        file = _path(file, "the name of a file")
         url = f"{_page(self._session.address, self.status())}/snapshot.png?w={_count(w, 'w')}&h={_count(h, 'h')}"
         for word, point in (("eye", eye), ("look", look)):
             if point is not None:
-                if len(point) != 3:
+                if not hasattr(point, "__len__") or len(point) != 3:
                     raise Error(3, f"{word} is a point: write ({word}_x, {word}_y, {word}_z)")
                 url += f"&{word}=" + ",".join(repr(_number(c, word)) for c in point)
         _download(url, file, "picture", 30)
         return file
 
+    @_usage('sim.describe("/robot1/motors")')
     def describe(self, name: str) -> Dict[str, Any]:
         """The commands of a module, e.g. "/robot1/motors", with their values and units."""
         return _describe(self._session, name)
@@ -2413,6 +2656,7 @@ class Simulation:
         self._session.require_open()
         return self._session.address.modules()
 
+    @_usage('sim.call("/robot1/motors", "set_velocity", data=[0.2, 0.5])')
     def call(
         self, name: str, command: Union[str, int], params: Sequence[int] = (), data: Sequence[float] = (),
         text: str = "", timeout: Optional[float] = None,
@@ -2425,29 +2669,6 @@ class Simulation:
         """Writes `stop` to the robots of this sim and frees them. Does not wait."""
         if not self._session.closed:
             self._session.close()
-
-    def _jumped(self) -> None:
-        """The world goes on from another state, which may be of another scenario."""
-        session = self._session
-        session.started_anew()
-        session.control(_GET_TIME)  # tells the mode
-        here = set(self.robots())
-        if any(link.robot not in here for link in session.links) or any(set(team.names) - here for team in session.teams):
-            self._loaded()
-
-    def _loaded(self) -> None:
-        session = self._session
-        session.started_anew()
-        for team in session.teams:  # opened again with the robots that there are now
-            team.connection.close()
-            team.names = []
-        names = set(self.robots())
-        for link in session.links:
-            if link.robot not in names:
-                link.lost = Error(10, f"the scenario that was loaded has no {link.robot}; there are: {_list_of(sorted(names))}")
-                for connection in link.connections():
-                    connection.close()
-        session.links = [link for link in session.links if link.lost is None]
 
 
 def _page(address: _Address, status: Dict[str, Any]) -> str:
@@ -2526,9 +2747,13 @@ def _download(url: str, file: str, what: str = "recording", timeout: float = _EX
             os.remove(part)
 
 
+def _module_name(name: Any) -> str:
+    return "/" + _word(name, 'a module, as "/robot1/motors",').strip("/")
+
+
 def _describe(session: _Session, name: str) -> Dict[str, Any]:
     session.require_open()
-    connection = _Connection(session.address, "/" + name.strip("/"))
+    connection = _Connection(session.address, _module_name(name))
     try:
         return json.loads(session.ask(connection, _DESCRIBE, (), (), "").text)
     finally:
@@ -2540,7 +2765,7 @@ def _call(
     timeout: Optional[float],
 ) -> Reply:
     session.require_open()
-    name = "/" + name.strip("/")
+    name = _module_name(name)
     if isinstance(command, str):
         if name not in session.commands:
             described = _describe(session, name)
@@ -2548,13 +2773,13 @@ def _call(
         if command not in session.commands[name]:
             raise Error(1, f"{name} has no command {command!r}; it has: {_list_of(session.commands[name])}")
         command = session.commands[name][command]
-    for p in params:
-        if isinstance(p, bool) or not isinstance(p, int) or not -(2**31) <= p < 2**31:
-            raise Error(2, f"params are whole numbers of 32 bits, not {p!r}")
+    if not hasattr(params, "__iter__") or not isinstance(text, str):
+        raise Error(2, f"params are a list of whole numbers and text is a text, not {params!r} and {text!r}")
+    command, params = _whole(command, "a command"), [_whole(p, "a param") for p in params]
     try:
         numbers = [float(d) for d in data]
     except (TypeError, ValueError):
-        raise Error(3, f"data are numbers, not {data!r}") from None
+        raise Error(3, f"data are a list of numbers, not {data!r}") from None
     link = next((l for l in session.links if l.motors is not None and l.motors.module == name), None)
     if link is not None and link.motors is not None:
         session.settle(link)
@@ -2569,19 +2794,23 @@ def _call(
         other.carried = None
     waiting: Dict[_Connection, Optional[_Driven]] = {connection: link}
     try:
-        connection.send(encode(command, list(params), numbers, text))
+        connection.send(encode(command, params, numbers, text))
         reply = _await_one(session, connection, timeout)
     except BaseException as e:
         if isinstance(e, Error) and connection.sock is not None and not connection.busy:
+            if isinstance(e, WorldReset):
+                raise session.world_reset(e.text) from None
             raise  # an error reply: the connection is in order
         raise session.give_up(waiting, e) from None
+    if name in ("/simulation", _PLAYBACK):
+        session.reached = 0  # it may have been a reset
     return Reply(reply.text, reply.command, reply.params, reply.data[:-2], reply.data[-2], int(reply.data[-1]))
 
 
 def _await_one(session: _Session, connection: _Connection, timeout: Optional[float]) -> Message:
     """The reply to a raw message, which may have to wait for a step; says once whom for."""
     start = _clock.monotonic()
-    deadline = start + timeout if timeout is not None else math.inf
+    deadline = start + _number(timeout, "timeout [s]") if timeout is not None else math.inf
     notice_at = start + _NOTICE_AFTER_S
     while True:
         reply = connection.try_read()
@@ -2597,11 +2826,13 @@ def _await_one(session: _Session, connection: _Connection, timeout: Optional[flo
         _wait_readable((connection.sock,), min(deadline, notice_at, now + 3600) - now)
 
 
+@_usage('coopdyn.connect(), coopdyn.connect("labserver") or coopdyn.connect("labserver:10100", watch=True)')
 def connect(
-    server: Optional[str] = None, name: Optional[str] = None, token: Optional[str] = None, timeout: float = 3,
+    server: Union[str, int, None] = None, name: Optional[str] = None, token: Optional[str] = None, timeout: float = 3,
     watch: bool = False,
 ) -> Simulation:
-    """Connects to a daemon: "labserver" or "labserver:10100"; without, COOPDYN_SERVER or this machine.
+    """Connects to a daemon: "labserver", "labserver:10100", or 10100, a port of this machine; without, COOPDYN_SERVER or this
+    machine.
 
     `name`: who drives (default user@host:pid, no spaces); a new connection of the same name takes a robot over.
     `token`: what the daemon printed, needed from other machines to change the world. `timeout`: seconds until
@@ -2618,6 +2849,7 @@ def connect(
                 f"{status.get('protocol')}, this coopdyn.py ({__version__}) speaks {PROTOCOL}: take the coopdyn.py "
                 "that the daemon's page offers",
             )
+        session.scenario = status.get("scenario")
         session.control(_GET_TIME)
     except ValueError:
         session.close()
@@ -2668,7 +2900,7 @@ class Run:
     """
 
     def __init__(self, file: Union[str, "os.PathLike[str]"]) -> None:
-        self._file = os.fspath(file)
+        self._file = _path(file, "the name of a recording")
         self._db = _open_run(self._file)
         with self._reading():
             self._last = self._db.execute("SELECT max(step) FROM step WHERE poses IS NOT NULL").fetchone()[0]
@@ -2714,7 +2946,7 @@ class Run:
     def time(self) -> "array.array[float]":
         """Simulated times [s], k of them."""
         with self._reading():
-            return array.array("d", [t * 1e-9 for t in self._rows("time_ns")])
+            return array.array("d", [t / 1e9 for t in self._rows("time_ns")])
 
     @property
     def steps(self) -> "array.array[int]":
@@ -2728,6 +2960,7 @@ class Run:
         with self._reading():
             return [f"{h & 0xFFFFFFFFFFFFFFFF:016x}" for h in self._rows("hash")]
 
+    @_usage('run.pose("robot1")')
     def pose(self, name: str) -> Rows:
         """x, y [m] and heading [rad] of a robot, a row for each moment; also of an object that moves."""
         flat = self._poses(name)
@@ -2738,11 +2971,13 @@ class Run:
                                       for w, x, y, z in zip(flat[3::7], flat[4::7], flat[5::7], flat[6::7])])
         return Rows(out, 3, 0, (k, 3))
 
+    @_usage('run.pose_3d("robot1")')
     def pose_3d(self, name: str) -> Rows:
         """x, y, z [m] and quaternion w, x, y, z in the world, a row for each moment."""
         flat = self._poses(name)
         return Rows(flat, 7, 0, (len(flat) // 7, 7))
 
+    @_usage('run.reading("robot1", "distances")')
     def reading(self, name: str, what: str) -> Rows:
         """What a robot read, a row for each moment: "distances" [m], right to left, inf = nothing there; "targets":
         distance [m] and bearing [rad] of each, nan = not seen; "wheels": angle [rad] left and right, not wrapped."""
@@ -2767,6 +3002,7 @@ class Run:
         slices = {p.scene: (8 * len(columns[p.scene]) * p.robot, 8 * len(columns[p.scene])) for p in places}
         return self._readings(what, 2 * len(ids), slices, columns)
 
+    @_usage('run.commands("robot1")')
     def commands(self, name: str) -> Rows:
         """The set-points of a robot: step, time [s], left, right [rad/s] of each that came in force, with the step in
         which it did; the first is what was in force when recording began. Error 5 if a loaded controller drove it and
@@ -2792,7 +3028,7 @@ class Run:
                     if at % _COMMAND_BYTES == 0 and blob[at + 3] & 0x7F == key[3]:
                         unknown = unknown and blob[at + 3] < 0x80  # until a client sends one
                         if not unknown:
-                            out.extend((step, time_ns * 1e-9, *struct.unpack_from("<dd", blob, at + 4)))
+                            out.extend((step, time_ns / 1e9, *struct.unpack_from("<dd", blob, at + 4)))
                     at = blob.find(key[:3], at + 1)
         if unknown:
             raise Error(5, f"the commands of {name}, driven by controller {controller}, were not recorded in {self.file}; "
@@ -2803,7 +3039,7 @@ class Run:
     def events(self) -> List[Event]:
         """What happened, in order, notes included."""
         with self._reading():
-            return [Event(int(step), time_ns * 1e-9, str(level), str(text)) for step, time_ns, level, text in
+            return [Event(int(step), time_ns / 1e9, str(level), str(text)) for step, time_ns, level, text in
                     self._db.execute("SELECT step, time_ns, level, text FROM event WHERE step <= ? ORDER BY id", (self._last,))]
 
     # --- inside ---
@@ -3002,6 +3238,7 @@ def _open_run(file: str) -> "sqlite3.Connection":
     raise AssertionError("the second way returns or raises")
 
 
+@_usage('coopdyn.read_run("lesson1.run")')
 def read_run(file: Union[str, "os.PathLike[str]"]) -> Run:
     """Opens a recorded run, NAME.run; also one that is being recorded, or that a crash has left."""
     return Run(file)
@@ -3010,7 +3247,7 @@ def read_run(file: Union[str, "os.PathLike[str]"]) -> Run:
 # --- the command line -------------------------------------------------------------------------------------------------
 
 
-def doctor(server: Optional[str] = None, token: Optional[str] = None) -> bool:
+def doctor(server: Union[str, int, None] = None, token: Optional[str] = None) -> bool:
     """Walks from the name of the server to a round trip; prints `ok`, or cause and cure, per line. True if all is ok."""
 
     def say(ok: bool, text: str) -> bool:

@@ -55,17 +55,19 @@ class Reader:
             assert said[0] == "ok", said
             assert len(said) == session.count("\n") and all(line.startswith("0 ") for line in said[1:]), (session, said)
 
+    def program(self, kind, body):
+        if kind == "python":
+            return [sys.executable, "-c", body]
+        return ["octave", "--no-gui", "--norc", "--quiet", "--eval", f"addpath('{ROOT}/clients/matlab');\n" + body]
+
     def block(self, kind, body):
         words = kind.split()
         if words == ["sh", "serve"]:
             self.serve(body.strip())
         elif words == ["sh"]:
             self.run(["bash", "-euc", body])
-        elif words == ["python"]:
-            self.run([sys.executable, "-c", body])
-        elif words == ["matlab"]:
-            setup = f"addpath('{ROOT}/clients/matlab');\n"
-            self.run(["octave", "--no-gui", "--norc", "--quiet", "--eval", setup + body])
+        elif words in (["python"], ["matlab"]):
+            self.run(self.program(kind, body))
         elif words == ["text"]:
             self.type_text(body)
         elif words[:1] == ["scenario"]:
@@ -115,6 +117,23 @@ class GuideTest(unittest.TestCase):
 
     def test_old_coopdynsim_files(self):
         self.read_chapter("Old CoopDynSim files")
+
+    def test_the_loop_that_catches_a_reset_goes_on_after_one(self):
+        recipes = [(kind, body) for kind, body in chapters()["The student"] if "except coopdyn.WorldReset" in body
+                   or "coopdyn:reset" in body]
+        self.assertEqual([kind for kind, _ in recipes], ["python", "matlab"])
+        with tempfile.TemporaryDirectory() as folder:
+            reader = Reader(Path(folder))
+            self.addCleanup(reader.close)
+            for kind, body in recipes:
+                reader.serve("coopdyn serve classroom --mode lockstep")
+                with subprocess.Popen(reader.program(kind, body), cwd=folder, env=reader.env, stdout=subprocess.PIPE,
+                                      stderr=subprocess.STDOUT, text=True) as program:
+                    while float(reader.run(["coopdyn", "call", "/simulation", "get_time"]).split()[-1]) < 20:
+                        self.assertIsNone(program.poll())
+                    reader.run(["coopdyn", "reset"])
+                    said = program.communicate(timeout=200)[0]
+                self.assertEqual((program.returncode, said.count("the world was reset")), (0, 1), said)
 
     def test_no_chapter_is_left_out(self):
         tested = {name[5:].replace("_", " ") for name in dir(self) if name.startswith("test_")}

@@ -21,7 +21,16 @@ classdef Robot < handle
 
     % --- commands
     function set_velocity(r, v, w)
-    %SET_VELOCITY Forward speed v [m/s] and turn rate w [rad/s], left is positive. Beyond the limits both are scaled.
+    %SET_VELOCITY Forward speed v [m/s] and turn rate w [rad/s], left is positive: r.set_velocity(0.2, 0.5), or as one
+    %   row, r.set_velocity([0.2 0.5]). Beyond the limits both are scaled.
+      if nargin < 3
+        if nargin < 2 || numel(v) ~= 2
+          coopdyn.internal.fail(3, ['set_velocity takes v [m/s] and w [rad/s]: write r.set_velocity(0.2, 0.5) or ' ...
+                                    'r.set_velocity([0.2 0.5])']);
+        end
+        w = v(2);
+        v = v(1);
+      end
       if isa(v, 'double') && isa(w, 'double') && numel(v) == 1 && numel(w) == 1 && isreal(v) && isreal(w) ...
           && isfinite(v) && isfinite(w)
         command = [v w];
@@ -29,7 +38,7 @@ classdef Robot < handle
         command = [coopdyn.internal.number(v, 'v [m/s]') coopdyn.internal.number(w, 'w [rad/s]')];
       end
       link = r.link;
-      if link.drives && r.session.mode == 1
+      if link.drives && r.session.mode == 1 && isempty(link.kept)
         link.kept = {11, command};  % lockstep: what Link.command does
       else
         link.command(r.session, 11, command);
@@ -37,7 +46,15 @@ classdef Robot < handle
     end
 
     function set_wheel_speeds(r, left, right)
-    %SET_WHEEL_SPEEDS Speeds of the left and right wheel [rad/s].
+    %SET_WHEEL_SPEEDS Speeds of the left and right wheel [rad/s]: r.set_wheel_speeds(2, 3) or r.set_wheel_speeds([2 3]).
+      if nargin < 3
+        if nargin < 2 || numel(left) ~= 2
+          coopdyn.internal.fail(3, ['set_wheel_speeds takes left and right [rad/s]: write r.set_wheel_speeds(2, 3) or ' ...
+                                    'r.set_wheel_speeds([2 3])']);
+        end
+        right = left(2);
+        left = left(1);
+      end
       left = coopdyn.internal.number(left, 'left [rad/s]');
       right = coopdyn.internal.number(right, 'right [rad/s]');
       r.link.command(r.session, 10, [left right]);
@@ -46,6 +63,7 @@ classdef Robot < handle
     function send_message(r, values)
     %SEND_MESSAGE Broadcasts one to eight numbers with the next step, to the robots within range; the last message before
     %   the step counts. For robots with a module neighbours.
+      coopdyn.internal.need(nargin, 2, 'r.send_message([1 0.5])');
       if ~isnumeric(values) || isempty(values) || numel(values) > 8
         coopdyn.internal.fail(3, 'a message is a row of 1 to 8 numbers');
       end
@@ -91,6 +109,7 @@ classdef Robot < handle
 
     function t = get_target(r, x)
     %GET_TARGET distance [m] and bearing [rad] of the nearest target of a colour, or of the target with an id.
+      coopdyn.internal.need(nargin, 2, 'r.get_target(''red'') or r.get_target(1)');
       if isnumeric(x)
         t = r.get('target', 31, coopdyn.internal.count(x, 'the id of a target'), '');
       else
@@ -130,6 +149,7 @@ classdef Robot < handle
     %   s = r.sense('red'): s.target is the nearest target of that colour (or with that id); error if there is none.
     %   In lockstep, right after sim.step(), the readings that came with its reply, without any round trip.
       link = r.link;
+      link.require_here();
       attached = link.attached;
       if isempty(attached)
         r.attach();
@@ -195,10 +215,11 @@ classdef Robot < handle
     function subscribe(r, module, n)
     %SUBSCRIBE Has the first reading of 'distance', 'target', 'pose' or 'motors' sent every n steps (default 1); next
     %   takes them. n = 0 ends it. What is not taken in time is dropped, the oldest first (64 are kept).
+      coopdyn.internal.need(nargin, 2, 'r.subscribe(''distance'')');
       if nargin < 3
         n = 1;
       end
-      module = char(module);
+      module = coopdyn.internal.word(module, 'a module, as ''distance'',');
       session = r.session;
       session.require_open();
       if isfield(r.link.pushers, module)
@@ -235,7 +256,15 @@ classdef Robot < handle
         for k = 1:numel(chosen)
           c = r.link.pushers.(chosen{k});
           if isempty(c.pushes)
-            c.poll(numel(chosen) == 1);
+            try
+              c.poll(numel(chosen) == 1);
+            catch cause
+              r.link.pushers = rmfield(r.link.pushers, chosen{k});
+              if ~any(strcmp(coopdyn.internal.robot_names(r.session), r.name))
+                r.session.new_world('load');
+              end
+              rethrow(cause);
+            end
           end
           if ~isempty(c.pushes)
             pushed = c.pushes{1};
@@ -266,6 +295,7 @@ classdef Robot < handle
 
     function reply = call(r, module, command, params, data, text, varargin)
     %CALL The raw message to one of this robot's modules, e.g. r.call('motors', 'set_velocity', [], [0.2 0]).
+      coopdyn.internal.need(nargin, 3, 'r.call(''motors'', ''set_velocity'', [], [0.2 0])');
       if nargin < 6, text = ''; end
       if nargin < 5, data = []; end
       if nargin < 4, params = []; end
@@ -314,6 +344,7 @@ classdef Robot < handle
       link = r.link;
       r.session.require_open();
       c = r.attached_connection(link.attached);
+      since = r.session.reached;
       try
         reply = c.request(3, [], []);
       catch cause
@@ -323,6 +354,7 @@ classdef Robot < handle
         coopdyn.internal.lose(r.session, link, cause);
       end
       r.session.note(reply);
+      r.session.go_on(reply.data(end), since);
     end
   end
 end

@@ -40,6 +40,7 @@ classdef Run
 
     function p = pose(run, name)
     %POSE x, y [m] and heading [rad] of a robot, k x 3; also of an object that moves.
+      coopdyn.internal.need(nargin, 2, 'run.pose(''robot1'')');
       i = find_name(run.robots, name);
       if i > 0
         p = run.robots(i).pose;
@@ -55,6 +56,7 @@ classdef Run
 
     function p = pose_3d(run, name)
     %POSE_3D x, y, z [m] and quaternion w, x, y, z in the world, k x 7.
+      coopdyn.internal.need(nargin, 2, 'run.pose_3d(''robot1'')');
       i = find_name(run.robots, name);
       if i > 0
         p = run.robots(i).pose_3d;
@@ -75,6 +77,7 @@ classdef Run
     function r = reading(run, name, what)
     %READING What a robot read, a row for each moment: 'distances' [m], right to left, inf = nothing there; 'targets':
     %   distance [m] and bearing [rad] of each, nan = not seen; 'wheels': angle [rad] left and right, not wrapped.
+      coopdyn.internal.need(nargin, 3, 'run.reading(''robot1'', ''distances'')');
       known = {'distances', 'targets', 'wheels'};
       what = char(what);
       if ~any(strcmp(known, what))
@@ -91,6 +94,7 @@ classdef Run
     %COMMANDS The set-points of a robot, m x 4: step, time [s], left, right [rad/s] of each that came in force, with the
     %   step in which it did; the first is what was in force when recording began. None if a loaded controller drove it
     %   and its commands were not recorded.
+      coopdyn.internal.need(nargin, 2, 'run.commands(''robot1'')');
       robot = run.robot(name);
       c = robot.commands;
     end

@@ -29,6 +29,9 @@ classdef Simulation < coopdyn.internal.RunCalls
         coopdyn.internal.fail(5, sprintf(['the daemon at %s (version %s) speaks protocol %d, this +coopdyn speaks 1: ' ...
           'take the matlab.zip that the daemon''s page offers'], address.text, char(status.version), protocol));
       end
+      if isfield(status, 'scenario')
+        session.scenario = char(status.scenario);
+      end
       session.control(3);
       sim.session = session;
     end
@@ -37,6 +40,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     function r = robot(sim, which)
     %ROBOT Takes a robot, by name or number (from 1), to be driven by this sim. Error if another client owns it. While a
     %   recording is played it is looked at, and taken after a branch with the first step or command if nobody has it.
+      coopdyn.internal.need(nargin, 2, 'sim.robot(''robot1'') or sim.robot(1)');
       if isnumeric(which)
         number = coopdyn.internal.count(which, 'the number of a robot');
         names = sim.robots();
@@ -138,7 +142,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     function stop_all(sim)
     %STOP_ALL Stops every robot, also those of others.
       sim.session.control(190);
-      sim.session.started_anew();
+      sim.session.forget_commands();
     end
 
     function reset(sim, seed)
@@ -160,6 +164,7 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function load_scenario(sim, x)
     %LOAD_SCENARIO Loads a scenario: a name on the daemon's search path, a file here, or the text of one.
+      coopdyn.internal.need(nargin, 2, 'sim.load_scenario(''corridor'')');
       x = char(x);
       if ~any(x == char(10)) && exist(x, 'file') == 2
         x = fileread(x);
@@ -170,6 +175,7 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function set_mode(sim, mode)
     %SET_MODE 'realtime', 'lockstep' or 'free'.
+      coopdyn.internal.need(nargin, 2, 'sim.set_mode(''lockstep'')');
       words = {'realtime', 'lockstep', 'free'};
       if isnumeric(mode)
         number = find((0:2) == mode, 1);
@@ -185,11 +191,13 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function set_step(sim, s)
     %SET_STEP Length of a step, 0.0005 to 0.1 s.
+      coopdyn.internal.need(nargin, 2, 'sim.set_step(0.01)');
       sim.session.control(106, [], coopdyn.internal.number(s, 'the step [s]'));
     end
 
     function set_speed(sim, x)
     %SET_SPEED How fast time goes against the wall clock; 0 or less: no limit.
+      coopdyn.internal.need(nargin, 2, 'sim.set_speed(2)');
       sim.session.control(107, [], coopdyn.internal.number(x, 'the speed factor'));
     end
 
@@ -206,6 +214,7 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function release_robot(sim, name)
     %RELEASE_ROBOT Takes a robot from whoever drives it: closes that program's connection, or unloads its controller.
+      coopdyn.internal.need(nargin, 2, 'sim.release_robot(''robot1'')');
       sim.session.control(193, [], [], coopdyn.internal.word(name, 'the name of a robot'));
     end
 
@@ -234,6 +243,7 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function file = snapshot(sim, file, varargin)
     %SNAPSHOT Writes a PNG picture: sim.snapshot('a.png', 'w', 640, 'h', 480, 'eye', [x y z], 'look', [x y z]).
+      coopdyn.internal.need(nargin, 2, 'sim.snapshot(''a.png'')');
       options = coopdyn.internal.options(varargin, struct('w', 640, 'h', 480, 'eye', [], 'look', []));
       path = sprintf('/snapshot.png?w=%d&h=%d', coopdyn.internal.count(options.w, 'w'), ...
                      coopdyn.internal.count(options.h, 'h'));
@@ -252,6 +262,7 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function d = describe(sim, name)
     %DESCRIBE The commands of a module, e.g. '/robot1/motors', with their values and units.
+      coopdyn.internal.need(nargin, 2, 'sim.describe(''/robot1/motors'')');
       d = coopdyn.internal.describe(sim.session, name);
     end
 
@@ -264,6 +275,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     function reply = call(sim, name, command, params, data, text, varargin)
     %CALL The raw message: sim.call('/robot1/motors', 'set_velocity', params, data, text, 'timeout', s) with text,
     %   command, params, data, time, step in the reply. In lockstep an actuator command is answered after the step.
+      coopdyn.internal.need(nargin, 3, 'sim.call(''/robot1/motors'', ''set_velocity'', [], [0.2 0.5])');
       if nargin < 6, text = ''; end
       if nargin < 5, data = []; end
       if nargin < 4, params = []; end

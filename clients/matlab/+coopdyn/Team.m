@@ -59,6 +59,7 @@ classdef Team < handle
 
     function s = step_wheels(t, W, varargin)
     %STEP_WHEELS The same with the speeds of the left and right wheel [rad/s].
+      coopdyn.internal.need(nargin, 2, 'team.step_wheels([3 3])');
       if isempty(W)
         t.speeds(W, 'W', 'left right');
       end

@@ -3,11 +3,13 @@ function sim = connect(varargin)
 %CONNECT Connects to a coopdyn daemon.
 %   sim = coopdyn.connect()                     this machine, or the server in COOPDYN_SERVER
 %   sim = coopdyn.connect('labserver')          another machine, port 10000; 'labserver:10100' another port
+%   sim = coopdyn.connect(10100)                another port of this machine
 %   sim = coopdyn.connect('labserver', 'name', 'ana', 'token', 'T', 'timeout', 3, 'watch', false)
 %   name: who drives (default user@host:pid, no spaces); a new connection of the same name takes a robot over.
 %   token: what the daemon printed, needed from other machines to change the world.
 %   timeout: seconds until connecting gives up.   watch: never drives a robot, only looks on.
 %   Errors have identifiers coopdyn:owned, coopdyn:no_such_name, coopdyn:timed_out, coopdyn:connection ...
+%   If somebody else resets the world or loads a scenario, the next reading, command or step raises coopdyn:reset, once.
 %   See also coopdyn.Simulation, coopdyn.Robot, coopdyn.doctor.
   server = '';
   if mod(numel(varargin), 2) == 1

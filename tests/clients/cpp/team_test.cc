@@ -150,7 +150,7 @@ TEST(TeamOfTheDaemon, OneThatLostAllItsRobotsTakesNoneFromItsSuccessor) {
   first.step({}, 60);
   others.load_scenario("classroom");
   others.load_scenario("swarm100");
-  EXPECT_TRUE(Says(ErrorOf([&] { first.step({}, 60); }), "5 team mini has lost all its robots"));
+  EXPECT_TRUE(Says(ErrorOf([&] { first.step({}, 60); }), "5 scenario swarm100 was loaded"));
   auto second = sim.team("swarm1");
   second.step({}, 60);
   EXPECT_TRUE(

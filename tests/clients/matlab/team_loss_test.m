@@ -7,7 +7,7 @@ first = sim.team('mini');
 first.step('timeout', 60);
 others.load_scenario('classroom');
 others.load_scenario('swarm100');
-expect_error('coopdyn:not_possible', @() first.step('timeout', 60), 'team mini has lost all its robots');
+expect_error('coopdyn:reset', @() first.step('timeout', 60), 'scenario swarm100 was loaded');
 team = sim.team('swarm1');
 team.step('timeout', 60);
 expect_error('coopdyn:owned', @() sim.team('mini_1'), 'robot mini_1 belongs to your team swarm1: drive it there');

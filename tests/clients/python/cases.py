@@ -10,6 +10,7 @@ import coopdyn
 from fake_daemon import FakeDaemon
 
 LIMIT_S = 30
+RESET = "the world was reset: run your program again, or catch this to start over"
 
 
 class ClientTestCase(unittest.TestCase):

@@ -65,7 +65,7 @@ class Columns(ReadRunTestCase):
         self.run_ = coopdyn.read_run(pathlib.Path(self.path))
 
     def test_times_steps_and_hashes_are_exact(self):
-        self.assertEqual(list(self.run_.time), [0.1, 110000000 * 1e-9, 120000000 * 1e-9])
+        self.assertEqual(list(self.run_.time), [0.1, 110000000 / 1e9, 120000000 / 1e9])
         self.assertEqual(list(self.run_.steps), [10, 11, 12])
         self.assertEqual(self.run_.hash, ["f" * 16, "4000000000000001", "4000000000000002"])
 
@@ -74,7 +74,7 @@ class Columns(ReadRunTestCase):
         self.assertEqual(self.run_.scenario, "[FLOOR]\nsize 4 4 0.1\n# Jürgen\n")
         self.assertEqual(self.run_.info["seed"], 2**64 - 1)
         self.assertEqual((self.run_.info["mode"], self.run_.info["step_ns"]), ("lockstep", 10_000_000))
-        self.assertEqual(self.run_.events, [(10, 0.1, "note", "here we go"), (11, 110000000 * 1e-9, "warning", "ouch")])
+        self.assertEqual(self.run_.events, [(10, 0.1, "note", "here we go"), (11, 110000000 / 1e9, "warning", "ouch")])
 
     def test_a_robot_stands_where_its_frame_is_not_its_body(self):
         pose = self.run_.pose("robot1")
@@ -110,7 +110,7 @@ class Columns(ReadRunTestCase):
 
     def test_commands_are_those_that_came_in_force(self):
         self.assertEqual(list(self.run_.commands("robot1")), [(10, 0.1, 0, 0)])
-        self.assertEqual(list(self.run_.commands("robot2")), [(10, 0.1, 0.5, -0.5), (12, 120000000 * 1e-9, 7.25, 2**-30)])
+        self.assertEqual(list(self.run_.commands("robot2")), [(10, 0.1, 0.5, -0.5), (12, 120000000 / 1e9, 7.25, 2**-30)])
 
     def test_a_column_of_rows_is_an_array(self):
         pose = self.run_.pose("BOX_1")
@@ -206,7 +206,7 @@ class Gaps(ReadRunTestCase):
         self.assertEqual(run.pose("b")[:, 1], array.array("d", [0, 1, 2, 3]))
         self.assertEqual(str(list(run.reading("b", "distances"))[1:3]), "[(3.0, nan, nan), (7.0, 8.0, 9.0)]")
         self.assertEqual(str(list(run.reading("b", "targets"))[1:3]), "[(3.0, 4.0, nan, nan), (7.0, 8.0, 5.0, 6.0)]")
-        self.assertEqual(list(run.commands("b")), [(0, 0, 2, 0), (1, 0.01, 2, 1), (2, 0.02, 3, 2), (3, 30000000 * 1e-9, 3, 3)])
+        self.assertEqual(list(run.commands("b")), [(0, 0, 2, 0), (1, 0.01, 2, 1), (2, 0.02, 3, 2), (3, 30000000 / 1e9, 3, 3)])
         self.assertEqual(list(run.commands("a")), [(0, 0, 1, 0), (1, 0.01, 1, 1)])
 
     def test_what_was_not_recorded_says_how_to_record_it(self):

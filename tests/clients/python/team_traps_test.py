@@ -10,7 +10,7 @@ import unittest
 
 import harness  # noqa: F401  (finds coopdyn.py)
 import coopdyn
-from cases import FakeTestCase
+from cases import RESET, FakeTestCase
 
 
 class Speeds(FakeTestCase):
@@ -316,7 +316,7 @@ class WithSingleRobots(FakeTestCase):
         daemon = self.start(mode=1, robots=2)
         sim, other = self.connect(daemon), self.connect(daemon, name="other")
         team = sim.team("robot1")
-        self.assertEqual(self.reset_in(lambda: team.step((0.1, 0)), daemon, other), [(5, "team robot1: reset")])
+        self.assertEqual(self.reset_in(lambda: team.step((0.1, 0)), daemon, other), [(5, RESET)])
         sim.team("robot2")
         self.assertEqual(team.step((0.1, 0), timeout=30).step, 1)
 

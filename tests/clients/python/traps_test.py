@@ -12,7 +12,7 @@ import unittest
 
 import harness
 import coopdyn
-from cases import FakeTestCase
+from cases import RESET, FakeTestCase
 
 
 class RunningTwice(FakeTestCase):
@@ -319,7 +319,7 @@ class Stepping(FakeTestCase):
         sim = self.connect(daemon)
         sim.robot(1)
         other = self.connect(daemon, name="other")
-        self.assertEqual(self.reset_in(sim.step, daemon, other), [(5, "robot1: reset")])
+        self.assertEqual(self.reset_in(sim.step, daemon, other), [(5, RESET)])
         sim.robot(2)
         sim.step(timeout=30)
         self.assertEqual(sim.steps, 1)

@@ -16,6 +16,9 @@ classdef Link < handle
     another = false    % another had it; then not asked for again before it is commanded
     kept = []          % struct of command and data, for the next step
     sent = []          % likewise: its reply has not come yet
+    sent_at = 0        % the newest step when it was sent
+    unstepped = 0      % commands since the last step
+    unstepped_since = 0  % the step of the first of them
     lost = ''          % why it is not ours any more
     lost_code = 6
     attached = {}
@@ -152,6 +155,7 @@ classdef Link < handle
           link.sent = [];
           coopdyn.internal.check_reply(reply, '');
           session.note(reply);
+          session.go_on(reply.data(end), link.sent_at);
           return
         end
         if isempty(started)
@@ -187,10 +191,15 @@ classdef Link < handle
       link.commanded = true;
       link.drives = true;
       if session.mode == 1
+        if ~isempty(link.kept)
+          link.count_unstepped(session);
+        end
         link.kept = {number, data};
         return
       end
       link.kept = [];
+      link.count_unstepped(session);
+      link.sent_at = session.reached;
       try
         link.motors.send(number, coopdyn.internal.encode(number, [], data));
       catch cause
@@ -198,6 +207,35 @@ classdef Link < handle
       end
       link.sent = {number, data};
       link.await_command(session);
+    end
+
+    function count_unstepped(link, session)
+    % Says once that the program never calls sim.step(); not if it lets time go by in another way, as by pause.
+      link.unstepped = link.unstepped + 1;
+      if link.unstepped == 1
+        link.unstepped_since = session.newest(2);
+      end
+      if link.unstepped < 200 || session.told_to_step
+        return
+      end
+      link.unstepped = 0;
+      why = 'nothing moves';
+      if session.mode ~= 1
+        if 2 * (session.newest(2) - link.unstepped_since) >= 200
+          return
+        end
+        why = 'your loop runs faster than time';
+      end
+      session.told_to_step = true;
+      fprintf(2, 'coopdyn: 200 commands to %s without a step, %s: write sim.step() at the end of your loop\n', ...
+              link.robot, why);
+    end
+
+    function require_here(link)
+    % An error if a load has dropped the robot.
+      if link.lost_code == 10 && ~isempty(link.lost)
+        coopdyn.internal.fail(10, link.lost);
+      end
     end
 
     function text = take_again(link)

@@ -8,11 +8,13 @@ classdef RunCalls < handle
     % --- states to go on from
     function save_state(sim, name)
     %SAVE_STATE Keeps all that decides how the run goes on, under a name; replaces what is kept under that name.
+      coopdyn.internal.need(nargin, 2, 'sim.save_state(''before_turn'')');
       sim.session.control(194, [], [], coopdyn.internal.word(name, 'the name of a state'));
     end
 
     function restore_state(sim, name)
     %RESTORE_STATE Goes on from a saved state, bit for bit; 'start' is where the run began.
+      coopdyn.internal.need(nargin, 2, 'sim.restore_state(''before_turn'')');
       sim.session.control(195, [], [], coopdyn.internal.word(name, 'the name of a state'), 60);
       coopdyn.internal.jumped(sim.session);
     end
@@ -51,6 +53,7 @@ classdef RunCalls < handle
 
     function note(sim, text)
     %NOTE Marks this time in the recording; run.events has it.
+      coopdyn.internal.need(nargin, 2, 'sim.note(''half-time'')');
       coopdyn.internal.tell(sim.session, '/recorder', 123, [], [], char(text));
     end
 
@@ -84,6 +87,7 @@ classdef RunCalls < handle
     %FETCH_RUN Copies a recording from the daemon: file = sim.fetch_run('lesson1') makes lesson1.mat here, which
     %   coopdyn.read_run and load read. With a file called .run the recording itself. What was there is replaced when
     %   all has come.
+      coopdyn.internal.need(nargin, 2, 'sim.fetch_run(''lesson1'')');
       name = regexprep(coopdyn.internal.run_name(name), '\.(run|mat)$', '');
       if nargin < 3 || isempty(file)
         file = [name '.mat'];
@@ -120,6 +124,7 @@ classdef RunCalls < handle
 
     function seek(sim, time)
     %SEEK Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside.
+      coopdyn.internal.need(nargin, 2, 'sim.seek(12.5)');
       coopdyn.internal.tell(sim.session, '/playback', 131, [], coopdyn.internal.number(time, 'the time [s]'));
     end
 
@@ -134,6 +139,7 @@ classdef RunCalls < handle
 
     function set_play_speed(sim, s)
     %SET_PLAY_SPEED How fast the recording goes, -4 to 64 times, below 0 backwards.
+      coopdyn.internal.need(nargin, 2, 'sim.set_play_speed(2)');
       coopdyn.internal.tell(sim.session, '/playback', 134, [], coopdyn.internal.number(s, 'the speed'));
     end
 
@@ -150,6 +156,7 @@ classdef RunCalls < handle
 
     function set_loop(sim, on)
     %SET_LOOP Whether the recording begins again at its end.
+      coopdyn.internal.need(nargin, 2, 'sim.set_loop(true)');
       if ~(islogical(on) || isnumeric(on)) || numel(on) ~= 1 || ~any(double(on) == [0 1])
         coopdyn.internal.fail(3, 'on is true or false');
       end

@@ -11,6 +11,9 @@ classdef Session < handle
     described = {}   % names and numbers of commands, by module: {module, names, ids; ...}
     mode = 0
     newest = [0 0]   % time [s] and step of the newest reply
+    reached = 0      % the newest step of this world that a reading, command or step has told; 0 again after a reset
+    scenario = ''    % its name, as it was when this world began
+    told_to_step = false
     closed = false
   end
   methods
@@ -32,6 +35,67 @@ classdef Session < handle
             s.mode = reply.params(1);
         end
       end
+    end
+
+    function go_on(s, step, since)
+    % A request that was sent when the world had reached step `since` was answered with `step`: coopdyn:reset if that is
+    % earlier. In a recording that is played time may go back.
+      if step < since && ~s.watch
+        status = s.brief_status();
+        if ~isfield(status, 'playback') || isempty(status.playback)
+          s.new_world('');
+        end
+      end
+      if step < since || step > s.reached
+        s.reached = step;
+      end
+    end
+
+    function new_world(s, word)
+    % Raises coopdyn:reset: somebody has reset the world or (word is 'load', or the scenario is another one) loaded a
+    % scenario. Forgets what belongs to the old world.
+      before = s.scenario;
+      s.note_scenario();
+      cure = ': run your program again, or catch this to start over';
+      if ~strcmp(word, 'load') && strcmp(s.scenario, before)
+        s.started_anew();
+        error('coopdyn:reset', '%s', ['the world was reset' cure]);
+      end
+      gone = coopdyn.internal.loaded(s);
+      which = 'a scenario was loaded';
+      if ~isempty(s.scenario)
+        which = ['scenario ' s.scenario ' was loaded'];
+      end
+      if ~isempty(gone)
+        cure = [', which has no ' coopdyn.internal.list_of(gone) '; there are: ' ...
+                coopdyn.internal.list_of(coopdyn.internal.robot_names(s)) '. Run your program again with these'];
+      end
+      error('coopdyn:reset', '%s', [which cure]);
+    end
+
+    function raise_if_loaded(s, cause)
+    % After an error of a team: coopdyn:reset if a scenario was loaded.
+      if ~strcmp(cause.identifier, 'coopdyn:reset')
+        status = s.brief_status();
+        another = isfield(status, 'scenario') && ~strcmp(char(status.scenario), s.scenario);
+        plays = isfield(status, 'playback') && ~isempty(status.playback);
+        if (another || status.step < s.reached) && ~plays
+          s.new_world('load');
+        end
+      end
+    end
+
+    function note_scenario(s)
+      status = s.brief_status();
+      if isfield(status, 'scenario')
+        s.scenario = char(status.scenario);
+      end
+    end
+
+    function status = brief_status(s)
+    % Of the whole, with one robot.
+      reply = s.control(100, [1 1]);
+      status = jsondecode(reply.text);
     end
 
     function require_open(s)
@@ -60,21 +124,38 @@ classdef Session < handle
     % A reading of the newest frame.
       if nargin < 7, data = []; end
       s.require_open();
+      link.require_here();
+      since = s.reached;
       if strcmp(module, 'motors') && ~isempty(link.motors) && isempty(link.lost)
         link.settle(s);
-        reply = link.motors.request(command, params, [], text);
+        try
+          reply = link.motors.request(command, params, [], text);
+        catch cause
+          coopdyn.internal.lose(s, link, cause);
+        end
         s.note(reply);
+        s.go_on(reply.data(end), since);
         return
       end
       c = s.reader(link, module, module);
       try
         reply = s.ask(c, command, params, text, data);
       catch cause
+        if isempty(c.socket) && strcmp(cause.identifier, 'coopdyn:no_such_name') && ...
+            ~any(strcmp(coopdyn.internal.robot_names(s), link.robot))
+          s.new_world('load');
+        end
         if isempty(c.socket) && strcmp(module, 'neighbours') && strcmp(cause.identifier, 'coopdyn:no_such_name')
           coopdyn.internal.fail(5, [link.robot ' has no module neighbours, its type has none: a robot of type minibot ' ...
             'has one, or add it to the robot''s model.sdf (docs/formats.md)']);
         end
         rethrow(cause);
+      end
+      step = reply.data(end);
+      if step < since
+        s.go_on(step, since);
+      else
+        s.reached = step;
       end
     end
 
@@ -130,6 +211,10 @@ classdef Session < handle
       s.require_open();
       connections = {};
       links = {};
+      for k = 1:numel(s.links)
+        link = s.links{k};
+        link.unstepped = 0;
+      end
       if ~s.watch
         settled = {};
         for k = 1:numel(s.teams)
@@ -164,6 +249,7 @@ classdef Session < handle
         links = {[]};
         connections = {s.simulation};
       end
+      since = s.reached + 1;
       try
         for k = 1:numel(links)
           link = links{k};
@@ -188,10 +274,11 @@ classdef Session < handle
           end
           c.send(number, coopdyn.internal.encode(number, n, data));
         end
-        coopdyn.internal.collect(s, connections, links, limit);
+        earliest = coopdyn.internal.collect(s, connections, links, limit);
       catch cause
         coopdyn.internal.recover(s, connections, links, cause);
       end
+      s.go_on(earliest, since);
     end
 
     function step_one(s, link, c, n, limit)
@@ -209,20 +296,28 @@ classdef Session < handle
         end
         link.kept = [];
       end
+      if link.unstepped > 0
+        link.unstepped = 0;
+      end
+      since = s.reached + 1;
+      earliest = [];
       try
         reply = c.exchange(number, bytes);
         if isempty(reply)
           link.carried = [];
-          coopdyn.internal.collect(s, {c}, {link}, limit);
-          return
-        end
-        if reply.error ~= 0
+          earliest = coopdyn.internal.collect(s, {c}, {link}, limit);
+        elseif reply.error ~= 0
           coopdyn.internal.check_reply(reply, [link.robot ': ']);
         end
       catch cause
         coopdyn.internal.recover(s, {c}, {link}, cause);
       end
-      s.newest = reply.data(end - 1:end);
+      if ~isempty(earliest)
+        s.go_on(earliest, since);
+        return
+      end
+      newest = reply.data(end - 1:end);
+      s.newest = newest;
       mode = reply.params(1);
       if mode ~= s.mode
         s.mode = mode;
@@ -232,24 +327,33 @@ classdef Session < handle
       else
         link.carried = [];
       end
+      if newest(2) < since
+        s.go_on(newest(2), since);
+      else
+        s.reached = newest(2);
+      end
     end
 
     function step_one_team(s, team, c, bytes, limit)
+      since = s.reached + 1;
+      earliest = [];
       try
         reply = c.exchange(110, bytes);
         if isempty(reply)
-          coopdyn.internal.collect(s, {c}, {team}, limit);
-          return
-        end
-        if reply.error ~= 0
+          earliest = coopdyn.internal.collect(s, {c}, {team}, limit);
+        elseif reply.error ~= 0
           team.stale = true;  % a robot may have been taken from it
           coopdyn.internal.check_reply(reply, [team.label ': ']);
         end
       catch cause
         coopdyn.internal.recover(s, {c}, {team}, cause);
       end
-      s.note(reply);
-      team.reply = reply;
+      if isempty(earliest)
+        s.note(reply);
+        team.reply = reply;
+        earliest = reply.data(end);
+      end
+      s.go_on(earliest, since);
     end
 
     function reply = step_team(s, team, bytes, limit)
@@ -270,7 +374,12 @@ classdef Session < handle
     end
 
     function started_anew(s)
-    % After a reset or load of ours: what was kept belongs to the old world.
+    % After a reset or load: what was kept belongs to the old world.
+      s.reached = 0;
+      s.forget_commands();
+    end
+
+    function forget_commands(s)
       for k = 1:numel(s.links)
         link = s.links{k};
         link.forget_commands();

@@ -72,7 +72,7 @@ classdef TeamLink < handle
       elseif t.stale && ~isempty(t.playing)
         t.take(session);
       elseif t.stale
-        t.named(c.request(113, [], []));
+        t.named(c.request(113, [], []), session);
       end
     end
 
@@ -96,7 +96,7 @@ classdef TeamLink < handle
       end
       if isempty(text)
         t.playing = '';
-        t.named(reply);
+        t.named(reply, session);
         return
       end
       [t.names, t.ids] = coopdyn.internal.find_team(session, t.connection, t.text);
@@ -141,12 +141,17 @@ classdef TeamLink < handle
     % A request that is answered at once.
       if nargin < 4, params = []; end
       t.settle(session);
+      since = session.reached;
       try
         reply = t.connection.request(command, params, []);
       catch cause
+        if ~strcmp(cause.identifier, 'coopdyn:connection')
+          session.raise_if_loaded(cause);
+        end
         coopdyn.internal.lose(session, t, cause);
       end
       session.note(reply);
+      session.go_on(reply.data(end), since);
     end
 
     function choose(t, words, neighbours)
@@ -193,7 +198,7 @@ classdef TeamLink < handle
       reply = c.request(7, [], [], t.text);
     end
 
-    function named(t, reply)
+    function named(t, reply, session)
     % Takes over who is in the team. One that has lost all its robots is none any more.
       before = t.names;
       t.stale = false;
@@ -214,13 +219,14 @@ classdef TeamLink < handle
           ' takes whom it means now'];
         t.lost_code = 5;
         t.connection.close();
+        session.raise_if_loaded(struct('identifier', ''));
         coopdyn.internal.fail(5, t.lost);
       end
     end
 
     function refresh(t, session)
     % What of a row changes if robots or targets have come or gone.
-      t.named(t.ask(session, 113));
+      t.named(t.ask(session, 113), session);
       t.choose(t.selected, t.neighbours);
     end
 

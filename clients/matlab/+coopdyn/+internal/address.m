@@ -1,6 +1,9 @@
 % SPDX-License-Identifier: MIT
 function a = address(server, name, token, timeout)
 %ADDRESS Where the daemon is and who we are: host, port, text, name, hello, reader_hello, timeout.
+  if isnumeric(server) && isscalar(server)
+    server = sprintf('%d', server);
+  end
   given = strtrim(char(server));
   if isempty(given)
     given = getenv('COOPDYN_SERVER');
@@ -10,7 +13,10 @@ function a = address(server, name, token, timeout)
   end
   host = given;
   port = 10000;
-  if given(1) == '['  % [::1]:10000
+  if all(given >= '0' & given <= '9')  % a port of this machine
+    host = '127.0.0.1';
+    port = str2double(given);
+  elseif given(1) == '['  % [::1]:10000
     close = find(given == ']', 1);
     host = given(2:close - 1);
     rest = given(close + 1:end);
@@ -23,7 +29,8 @@ function a = address(server, name, token, timeout)
     port = str2double(given(colon + 1:end));
   end
   if isempty(regexp(host, '^[A-Za-z0-9.:_-]+$', 'once')) || ~(port > 0 && port < 65536 && port == round(port))
-    coopdyn.internal.fail(4, ['cannot read the server ''' given '''; write HOST or HOST:PORT, e.g. ''labserver:10100''']);
+    coopdyn.internal.fail(4, ['cannot read the server ''' given '''; write HOST, HOST:PORT, or a port of this machine, ' ...
+                              'e.g. ''labserver:10100''']);
   end
   name = char(name);
   if isempty(name)

@@ -1,6 +1,7 @@
 % SPDX-License-Identifier: MIT
-function collect(s, connections, links, limit)
-%COLLECT Takes in the reply of every connection; the first error is raised.
+function earliest = collect(s, connections, links, limit)
+%COLLECT Takes in the reply of every connection; the earliest step that they tell. The first error is raised.
+  earliest = Inf;
   waiting = 1:numel(connections);
   stepped = [];
   stepped_s = Inf;
@@ -30,6 +31,7 @@ function collect(s, connections, links, limit)
         coopdyn.internal.check_reply(reply, who);
       end
       s.note(reply);
+      earliest = min(earliest, reply.data(end));
       stepped(end + 1) = k; %#ok<AGROW>
       stepped_s = 0;
       if ~isempty(started)

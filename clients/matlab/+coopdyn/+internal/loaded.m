@@ -1,14 +1,19 @@
 % SPDX-License-Identifier: MIT
-function loaded(session)
-%LOADED After a load of ours: teams begin anew, and robots that are not there any more are lost.
+function gone = loaded(session)
+%LOADED After a load: teams begin anew, and robots that are not there any more are lost. The names of these.
   session.started_anew();
+  session.note_scenario();
   for k = 1:numel(session.teams)
     team = session.teams{k};  % opened again with the robots that there are now
     team.connection.close();
     team.names = {};
+    if team.lost_code == 5  % it had no robots left
+      team.lost = '';
+    end
   end
   names = coopdyn.internal.robot_names(session);
   keep = true(1, numel(session.links));
+  gone = {};
   for k = 1:numel(session.links)
     link = session.links{k};
     if ~any(strcmp(names, link.robot))
@@ -16,6 +21,7 @@ function loaded(session)
       link.lost_code = 10;
       link.close();
       keep(k) = false;
+      gone{end + 1} = link.robot; %#ok<AGROW>
     end
   end
   session.links = session.links(keep);

@@ -18,6 +18,9 @@ function lose(session, link, cause)
   if isempty(why)
     coopdyn.internal.fail(-1, ['the connection to ' link.label ' broke; is the daemon still running?']);
   end
+  if ~isempty(regexp(why, 'is not in the new scenario$|^it is not there any more$', 'once'))
+    session.new_world('load');
+  end
   link.lost = [link.label ' is not driven by this sim any more: ' why '; ' link.take_again() ' takes it again'];
   link.lost_code = 6;
   coopdyn.internal.fail(6, link.lost);

@@ -37,8 +37,14 @@ function reply = raw_call(session, name, command, params, data, text, limit)
   catch cause
     coopdyn.internal.recover(session, {c}, {owner}, cause);
   end
+  if message.error == 5 && any(strcmp(message.text, {'reset', 'load'}))
+    session.new_world(message.text);
+  end
   coopdyn.internal.check_reply(message, '');
   session.note(message);
+  if any(strcmp(name, {'/simulation', '/playback'}))
+    session.reached = 0;  % it may have been a reset
+  end
   reply = struct('text', message.text, 'command', message.command, 'params', message.params, ...
                  'data', message.data(1:end - 2), 'time', message.data(end - 1), 'step', message.data(end));
 end

@@ -34,6 +34,12 @@ function recover(session, connections, links, cause)
       end
     end
   end
+  if any(strcmp(raised.message, {'reset', 'load'})) && strcmp(raised.identifier, 'coopdyn:reset')
+    session.new_world(raised.message);
+  end
+  if any(cellfun(@(t) t.stale, session.teams))
+    session.raise_if_loaded(raised);
+  end
   for k = 1:numel(session.teams)
     team = session.teams{k};
     if team.stale && isempty(team.lost)
