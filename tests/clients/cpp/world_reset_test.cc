@@ -30,7 +30,7 @@ std::string ResetOf(const std::function<void()>& call) {
   return "no error";
 }
 
-void Drive(Simulation& sim, Robot& robot, int steps) {
+void DriveSteps(Simulation& sim, Robot& robot, int steps) {
   for (int k = 0; k < steps; ++k) {
     robot.set_velocity(0.1, 0);
     sim.step(1, 30);
@@ -41,10 +41,10 @@ TEST(WorldReset, BetweenTwoStepsIsToldOnceByTheNextStep) {
   const auto daemon = ServerProcess::Fake({"--mode", "lockstep"});
   auto sim = connect(daemon.server()), other = connect(daemon.server(), {.name = "other"});
   auto robot = sim.robot(1);
-  Drive(sim, robot, 3);
+  DriveSteps(sim, robot, 3);
   other.reset();
-  EXPECT_EQ(ResetOf([&] { Drive(sim, robot, 1); }), kReset);
-  Drive(sim, robot, 3);
+  EXPECT_EQ(ResetOf([&] { DriveSteps(sim, robot, 1); }), kReset);
+  DriveSteps(sim, robot, 3);
   EXPECT_EQ(robot.get_pose().forward, 0.1);
 }
 
@@ -55,7 +55,7 @@ TEST(WorldReset, IsToldByEveryReading) {
   robot.sense();
   for (const std::function<void()>& reading : std::vector<std::function<void()>>{
            [&] { robot.get_pose(); }, [&] { robot.get_wheels(); }, [&] { robot.sense(), robot.sense(); }}) {
-    Drive(sim, robot, 3);
+    DriveSteps(sim, robot, 3);
     other.reset();
     robot.set_velocity(0.5, 0);
     EXPECT_EQ(ResetOf(reading), kReset);
@@ -68,13 +68,13 @@ TEST(WorldReset, IsToldByACommandInRealTime) {
   const auto daemon = ServerProcess::Real("classroom", {"--mode", "realtime"});
   auto sim = connect(daemon.server()), other = connect(daemon.server(), {.name = "other"});
   auto robot = sim.robot(1);
-  Drive(sim, robot, 5);
+  DriveSteps(sim, robot, 5);
   other.pause();
   other.reset();
   EXPECT_EQ(ResetOf([&] { robot.set_velocity(0.1, 0); }), kReset);
   robot.set_velocity(0.1, 0);
   other.run();
-  Drive(sim, robot, 2);
+  DriveSteps(sim, robot, 2);
 }
 
 TEST(WorldReset, IsToldToATeam) {
@@ -97,7 +97,7 @@ TEST(WorldReset, OfOurOwnIsNoErrorNorIsOneForWhoOnlyWatches) {
   for (const std::function<void()>& anew :
        std::vector<std::function<void()>>{[&] { sim.reset(); }, [&] { sim.reset(7); }, [&] { sim.reload(); },
                                           [&] { sim.call("/simulation", "reset"); }}) {
-    Drive(sim, robot, 3);
+    DriveSteps(sim, robot, 3);
     EXPECT_GT(seen.get_pose().x, 0);
     anew();
     EXPECT_EQ(robot.get_pose().x, 0);
@@ -144,7 +144,7 @@ TEST(WorldReset, ALoadWithoutTheRobotSaysWhichIsMissing) {
     EXPECT_EQ(error.code(), 10) << error.text();
     EXPECT_TRUE(Says(error, "the scenario that was loaded has no robot2; there are: robot1")) << error.text();
   }
-  Drive(sim, first, 2);
+  DriveSteps(sim, first, 2);
 }
 
 TEST(Unstepped, ALoopThatNeverStepsIsToldSoOnce) {
