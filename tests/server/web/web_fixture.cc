@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 
 #include "protocol/command_ids.h"
 #include "protocol/module_tables.h"
@@ -38,7 +39,8 @@ void FakeMotors::OnRequest(Connection& connection, Message request, ReplyFunctio
     case command::kSubscribe: {
       reply(answer);
       answer.command = -command::kGetWheels;
-      return connection.Push(answer);
+      connection.Push(UnaskedPtr(new UnaskedMessage(std::move(answer))), 0);
+      return;
     }
     case command::kStop:
       waiting_replies_.push_back([reply, answer](const Message&) { reply(answer); });
