@@ -151,7 +151,7 @@ std::string MakeRequest(const RemoteOptions& options, Message& request) {
     if (std::filesystem::is_regular_file(first, ignored)) {
       std::ifstream file(first, std::ios::binary);
       request.text.assign(std::istreambuf_iterator<char>(file), {});
-      if (request.text.find('\n') == std::string::npos) request.text += '\n';
+      request.text += "\n# file: " + std::filesystem::path(first).filename().string() + "\n";
     }
   } else if (verb == "stop-all") {
     request.command = command::kStopAll;

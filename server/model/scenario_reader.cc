@@ -21,6 +21,21 @@ bool IsBareName(const std::string& name) {
   return name.find_first_of("/\\:") == std::string::npos && !name.starts_with('.');
 }
 
+/// The name of a scenario that came as a text: of the file that its last line tells, "# file:
+/// lesson.scenario", as the page and `coopdyn load` do; else "(text)".
+std::string NameInText(std::string_view text) {
+  constexpr std::string_view kMark = "# file: ";
+  constexpr std::size_t kMaxBytes = 100;
+  const std::vector<std::string_view> lines = SplitLines(text);
+  if (lines.empty() || !lines.back().starts_with(kMark)) return "(text)";
+  std::string_view file = lines.back().substr(kMark.size());
+  file = Trim(file.substr(file.find_last_of("/\\") + 1));
+  std::string name = std::filesystem::path(file).stem().string();
+  const bool shows =
+      std::all_of(name.begin(), name.end(), [](unsigned char c) { return c >= ' ' && c != 127; });
+  return name.empty() || name.size() > kMaxBytes || !shows ? "(text)" : name;
+}
+
 /// Where a scenario's own files lie; nothing if it came by socket.
 std::optional<std::filesystem::path> FolderOf(const std::string& file, bool by_socket) {
   if (by_socket) return std::nullopt;
@@ -39,13 +54,14 @@ class ScenarioReader {
         diagnostics_(diagnostics),
         robots_(*scenario_, library, FolderOf(file, by_socket), diagnostics) {
     scenario_->file = by_socket ? "" : file;
-    scenario_->name = file.empty() ? "(text)" : std::filesystem::path(file).stem().string();
+    if (!by_socket) scenario_->name = std::filesystem::path(file).stem().string();
   }
 
   std::shared_ptr<const Scenario> Read(const std::string& text) {
     std::optional<std::string> decoded = DecodeText(text, {label_, 0}, diagnostics_);
     if (!decoded) return nullptr;
     scenario_->text = std::move(*decoded);
+    if (by_socket_) scenario_->name = NameInText(scenario_->text);
     sections_ = ReadSections(scenario_->text, label_, diagnostics_);
     FindDegrees();
     // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/web/file_stream.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -38,6 +39,7 @@ void FileStream::Start(const std::string& name, bool head_only) {
   header_ += "\r\nContent-Disposition: attachment; filename" + FileNameParameter(name);
   header_ += "\r\nContent-Length: " + std::to_string(left_) + "\r\n\r\n";
   if (head_only) left_ = 0;
+  posix_fadvise(file_.get(), 0, kPieceBytes, POSIX_FADV_WILLNEED);
   stream_.expires_after(kPieceTime);
   asio::async_write(stream_, asio::buffer(header_),
                     [self = shared_from_this()](error_code failed, std::size_t) {
@@ -55,6 +57,9 @@ void FileStream::SendPiece() {
   } while (count < 0 && errno == EINTR);
   if (count <= 0) return Close();  // it is shorter than it was: the client sees that the length is not right
   left_ -= static_cast<std::uint64_t>(count);
+  // The kernel fetches the next piece while this one is sent, so that the UI thread need not wait for the
+  // disk.
+  posix_fadvise(file_.get(), ::lseek(file_.get(), 0, SEEK_CUR), kPieceBytes, POSIX_FADV_WILLNEED);
   stream_.expires_after(kPieceTime);
   asio::async_write(stream_, asio::buffer(piece_.data(), static_cast<std::size_t>(count)),
                     [self = shared_from_this()](error_code failed, std::size_t) {

@@ -31,6 +31,7 @@ namespace {
 
 constexpr std::size_t kMaxDrainBytes = std::size_t{1} << 20;
 constexpr std::chrono::seconds kDrainTime{2};
+constexpr std::chrono::seconds kRetryAfter{15};  // by then connections without a request have ended
 
 HttpRequestHead HeadOf(const http::request<http::string_body>& request) {
   HttpRequestHead head;
@@ -85,6 +86,7 @@ void HttpSession::Start() {
 
 void HttpSession::Refuse() {
   HttpAnswer answer = ErrorAnswer(503, "too many connections: close some pages and try again");
+  answer.headers.emplace_back("Retry-After", std::to_string(kRetryAfter.count()));
   answer.close = true;
   parser_.emplace();
   Answer(std::move(answer));
@@ -98,7 +100,7 @@ void HttpSession::ReadHeader() {
   parser_.emplace();
   parser_->header_limit(kMaxHeaderBytes);
   parser_->body_limit(kMaxBodyBytes);
-  stream_.expires_after(kHeaderTime);
+  stream_.expires_after(context_.options.header_time);
   http::async_read_header(stream_, buffer_, *parser_,
                           [self = shared_from_this()](error_code failed, std::size_t) {
                             if (IsUnreadable(failed)) return self->Answer(UnreadableAnswer(failed));
@@ -168,7 +170,7 @@ void HttpSession::OnRequest() {
 
 void HttpSession::BecomeSocket() {
   const auto socket = std::make_shared<PageSocket>(std::move(stream_), context_, peer_);
-  context_.Register(socket);
+  context_.connections.Add(socket, peer_);
   socket->Start(parser_->release());
 }
 
@@ -177,7 +179,7 @@ void HttpSession::BecomeStream(const ImageRequest& image) {
     return Answer(ErrorAnswer(503, "the daemon runs without pictures (--no-render)"));
   }
   const auto stream = std::make_shared<PictureStream>(stream_.release_socket(), context_, image);
-  context_.Register(stream);
+  context_.connections.Add(stream, peer_);
   stream->Start(parser_->get().method() == http::verb::head);
 }
 
@@ -264,7 +266,7 @@ void HttpSession::OpenRun(std::uint64_t ticket, const std::string& name, const W
   const bool head_only = parser_->get().method() == http::verb::head;
   const auto stream = std::make_shared<FileStream>(std::move(stream_), std::move(file),
                                                    static_cast<std::uint64_t>(about.st_size));
-  context_.Register(stream);
+  context_.connections.Add(stream, peer_);
   stream->Start(name, head_only);
 }
 

@@ -30,7 +30,6 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
  public:
   static constexpr std::uint32_t kMaxHeaderBytes = 16 << 10;
   static constexpr std::uint64_t kMaxBodyBytes = 16 << 20;
-  static constexpr std::chrono::seconds kHeaderTime{15};  // for a whole header; also between two requests
   static constexpr std::chrono::seconds kBodyTime{60};
   static constexpr std::chrono::seconds kAnswerTime{60};   // for a module or picture, then again for writing
   static constexpr std::chrono::seconds kExportTime{600};  // for a recording in another form

@@ -94,7 +94,7 @@ PageBridge::Link* PageBridge::FindOrOpen(const Key& key, Message& refusal) {
   if (found != links_.end() && found->second.link->is_open()) return &found->second;
   if (found != links_.end()) links_.erase(found);
   std::erase_if(links_, [](const auto& entry) { return !entry.second.link->is_open(); });
-  if (links_.size() >= kMaxLinks) {
+  if (links_.size() >= (peer_.trusted ? kMaxLinks : kMaxStrangersLinks)) {
     refusal = ErrorReply(0, Error::kNotPossible, "this page has too many connections open");
     return nullptr;
   }

@@ -23,7 +23,8 @@ class ModuleLink;
 class PageBridge {
  public:
   static constexpr std::size_t kMaxLinks = 512;
-  static constexpr std::size_t kMaxWaiting = 1024;  // requests not yet answered
+  static constexpr std::size_t kMaxStrangersLinks = 32;  // without the right to change things
+  static constexpr std::size_t kMaxWaiting = 1024;       // requests not yet answered
   /// Called for every reply and push, never from within Handle().
   using SendFunction = std::function<void(const PageReply& reply)>;
 

@@ -5,27 +5,16 @@
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
-#include <cstddef>
-#include <functional>
-#include <memory>
-#include <vector>
-
 #include "server/naming/name_table.h"
 #include "server/net/net_services.h"
 #include "server/web/module_catalog.h"
 #include "server/web/pictures.h"
 #include "server/web/run_files.h"
 #include "server/web/status_feed.h"
+#include "server/web/web_connections.h"
 #include "server/web/web_server.h"
 
 namespace coopdyn {
-
-/// A connection that can be told to end.
-class WebConnection {
- public:
-  virtual ~WebConnection() = default;
-  virtual void Close() = 0;
-};
 
 struct WebContext {
   WebContext(boost::asio::io_context& io_context, WebOptions web_options, const NameTable& name_table,
@@ -36,7 +25,8 @@ struct WebContext {
         services(net_services),
         pictures(io_context, frames, images),
         runs(io_context, options.runs),
-        status(io_context, name_table) {}
+        status(io_context, name_table),
+        connections(options.limits) {}
 
   boost::asio::io_context& io;
   const WebOptions options;
@@ -46,18 +36,7 @@ struct WebContext {
   Pictures pictures;
   RunFiles runs;
   StatusFeed status;
-  std::vector<std::weak_ptr<WebConnection>> connections;
-
-  /// Keeps `connection` among those that end with the server.
-  void Register(const std::shared_ptr<WebConnection>& connection) {
-    std::erase_if(connections, [](const auto& weak) { return weak.expired(); });
-    connections.push_back(connection);
-  }
-  std::size_t connection_count() const {
-    std::size_t count = 0;
-    for (const auto& weak : connections) count += weak.expired() ? 0 : 1;
-    return count;
-  }
+  WebConnections connections;
 };
 
 }  // namespace coopdyn

@@ -12,17 +12,12 @@
 
 namespace coopdyn {
 
-namespace {
-
-constexpr std::size_t kMaxConnections = 256;
-
-}  // namespace
-
 class WebServer::Impl {
  public:
   Impl(WebOptions options, const NameTable& names, const FrameBoard& frames, ImageBoard* images,
        NetServices& services)
-      : thread_("web", services.logger()),
+      : services_(services),
+        thread_("web", services.logger()),
         context_(thread_.context(), std::move(options), names, frames, images, services),
         listener_(thread_.context(), services,
                   [this](UniqueFd fd, PeerInfo peer) { Accept(std::move(fd), std::move(peer)); }) {}
@@ -34,32 +29,31 @@ class WebServer::Impl {
     thread_.Call([this] {
       context_.pictures.Stop();
       context_.runs.Stop();
-      for (const auto& weak : context_.connections) {
-        if (const auto connection = weak.lock()) connection->Close();
-      }
+      context_.connections.CloseAll();
     });
     thread_.Stop();
   }
 
  private:
   void Accept(UniqueFd fd, PeerInfo peer) {
+    using Verdict = WebConnections::Verdict;
     namespace ip = boost::asio::ip;
+    const Verdict verdict = context_.connections.Admit(peer);
+    if (verdict == Verdict::kDrop) return;
     ip::tcp::socket socket(thread_.context());
     boost::system::error_code failed;
     socket.assign(PeerAddress(fd.get()).ip.find(':') == std::string::npos ? ip::tcp::v4() : ip::tcp::v6(),
                   fd.get(), failed);
     if (failed) return;
     fd.Release();
-    const bool full = context_.connection_count() >= kMaxConnections;
-    const auto session = std::make_shared<HttpSession>(std::move(socket), context_, std::move(peer));
-    context_.Register(session);
-    if (full) {
-      session->Refuse();
-    } else {
-      session->Start();
-    }
+    const auto session = std::make_shared<HttpSession>(std::move(socket), context_, peer);
+    context_.connections.Add(session, peer);
+    if (verdict == Verdict::kServe) return session->Start();
+    services_.LogPeer(spdlog::level::warn, peer.text, "has too many connections to the page: refused");
+    session->Refuse();
   }
 
+  NetServices& services_;
   IoThread thread_;  // first: connections that are left end with its io_context
   WebContext context_;
   Listener listener_;

@@ -4,12 +4,14 @@
 // so that the rules of ownership, lockstep and rights are the modules' own. Nothing blocks this thread.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "server/net/net_services.h"
+#include "server/web/web_connections.h"
 
 namespace coopdyn {
 
@@ -45,6 +47,10 @@ struct WebOptions {
   int name_port = 0;
   /// Names of the scenarios that can be loaded by name, sorted. Called on the UI thread.
   std::function<std::vector<std::string>()> scenarios;
+  /// Connections beyond them get 503.
+  WebLimits limits = {};
+  /// For a whole header of a request, however slowly its bytes come; also between two requests.
+  std::chrono::milliseconds header_time{15'000};
   /// Recordings that can be copied; without functions: none.
   WebRuns runs = {};
 };

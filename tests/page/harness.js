@@ -64,6 +64,18 @@ export async function openPage(browser, url) {
   return page;
 }
 
+/** Waits until the page was told its status `count` times more, five times a second. */
+export async function moreStatuses(page, count) {
+  const later = page.statuses + count;
+  await eventually(async () => {
+    await page.evaluate(() => 0);  // so that what comes is heard
+    return page.statuses >= later;
+  });
+}
+
+/** Shows the console, which is folded at first. */
+export const openConsole = (page) => page.evaluate(() => { document.getElementById('console-box').open = true; });
+
 /** The message with which `command` of a module is answered, by HTTP. */
 export async function call(url, request) {
   const response = await fetch(new URL('api/call', url), {

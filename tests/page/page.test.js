@@ -2,7 +2,7 @@
 // The page as a person uses it, in a real browser against a real daemon.
 import assert from 'node:assert/strict';
 import {after, afterEach, before, beforeEach, describe, test} from 'node:test';
-import {call, eventually, launchBrowser, nextPicture, openModule, openPage, picture, startDaemon} from './harness.js';
+import {call, eventually, launchBrowser, moreStatuses, nextPicture, openConsole, openModule, openPage, picture, startDaemon} from './harness.js';
 
 let browser;
 let daemon;
@@ -17,6 +17,7 @@ const hasText = (selector, pattern) => page.waitForFunction(
   [selector, pattern.source]);
 
 async function sendLine(module, line) {
+  await openConsole(page);
   await page.selectOption('#console-module', module);
   await page.fill('#console-line', line);
   await page.press('#console-line', 'Enter');
@@ -72,6 +73,7 @@ describe('the page', () => {
 
   test('Tab completes a command and the hint explains it', async () => {
     await page.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
+    await openConsole(page);
     await page.selectOption('#console-module', '/robot1/motors');
     await page.focus('#console-line');
     await hasText('#console-hint', /set_velocity/);
@@ -163,6 +165,9 @@ describe('the page', () => {
     await page.waitForSelector('.card[data-robot="ana"]');
     await page.waitForSelector('.card[data-robot="bo"]');
     await page.waitForSelector('.card[data-robot="robot1"]', {state: 'detached'});
+    await hasText('#scenario-name', /^mine$/);
+    await hasText('#message', /^loaded mine\.scenario$/);
+    assert.equal((await status()).scenario, 'mine');
   });
 
   test('lockstep says whom it waits for', async () => {
@@ -223,8 +228,11 @@ describe('the page', () => {
       !document.querySelector('.card[data-robot="robot3"] .owner').textContent.startsWith('nobody'));
     await page.click('#only-connected');
     await hasText('#waiting', /^waiting for robot3 \(/);
+    await page.waitForSelector('#go-on', {state: 'hidden'});
     await page.click('#all-participants');
     await hasText('#waiting', /robot1/);
+    await page.click('#go-on');
+    await hasText('#waiting', /^waiting for robot3 \(/);
     client.destroy();
   });
 
@@ -243,6 +251,118 @@ describe('the page', () => {
     await page.fill('#set-step', '');
     await page.press('#set-step', 'Enter');
     await page.waitForFunction(() => document.getElementById('set-step').value === '20');
+  });
+
+  test('a wrong number for the speed is refused, in red, and changes nothing', async () => {
+    await page.fill('#set-speed', '2');
+    await page.press('#set-speed', 'Enter');
+    await eventually(async () => (await status()).speed === 2);
+    for (const wrong of ['-1', '1e', '0', '--']) {
+      await page.fill('#set-speed', '');
+      await page.focus('#set-speed');
+      await page.keyboard.type(wrong);
+      await page.press('#set-speed', 'Enter');
+      await hasText('#message.error', /^speed: write a number above 0/);
+      assert.equal(await page.getAttribute('#set-speed', 'aria-invalid'), 'true', wrong);
+      assert.equal((await status()).speed, 2, wrong);
+    }
+    await page.fill('#set-speed', '');
+    await page.press('#set-speed', 'Tab');
+    await page.waitForFunction(() => document.getElementById('set-speed').value === '2');
+    assert.equal(await page.getAttribute('#set-speed', 'aria-invalid'), null);
+    await page.click('#no-limit');
+    await eventually(async () => (await status()).speed === null);
+  });
+
+  test('without a status for two seconds the page says "no answer"', async () => {
+    await hasText('#state', /^running$/);
+    daemon.process.kill('SIGSTOP');
+    try {
+      await hasText('#state', /^no answer$/);
+    } finally {
+      daemon.process.kill('SIGCONT');
+    }
+    await hasText('#state', /^running$/);
+  });
+
+  test('nothing in the strip and the toolbar moves while the run changes', async () => {
+    const places = () => page.evaluate(() =>
+      Object.fromEntries([...document.querySelectorAll('.strip-row > span:not(:empty), .toolbar > *, #view')]
+        .filter((element) => !['recording', 'playback', 'scenario-name'].includes(element.id))
+        .map((element) => [element.id, ['x', 'y', 'width', 'height'].map((key) => element.getBoundingClientRect()[key]).join(' ')])));
+    await hasText('#rtf', /^× \d/);
+    const first = await places();
+    const changes = [['#pause', () => hasText('#state', /^paused$/)], ['#run', () => hasText('#state', /^running$/)]];
+    for (const [button, done] of changes) {
+      await page.click(button);
+      await done();
+      assert.deepEqual(await places(), first, button);
+    }
+    for (const [mode, state] of [['lockstep', /^waiting$/], ['free', /^running$/], ['realtime', /^running$/]]) {
+      await page.selectOption('#set-mode', mode);
+      await hasText('#mode', new RegExp(`^${mode}$`));
+      await hasText('#state', state);
+      assert.deepEqual(await places(), first, mode);
+    }
+  });
+
+  test('the picture takes at least half of the window', async () => {
+    for (const [width, height] of [[1024, 768], [1280, 720], [1920, 1080]]) {
+      await page.setViewportSize({width, height});
+      const box = await page.locator('#view').boundingBox();
+      assert.ok(box.width * box.height >= 0.5 * width * height, `${box.width} x ${box.height} of ${width} x ${height}`);
+    }
+  });
+
+  test('a card that was closed stays closed, whatever closed it', async () => {
+    await page.waitForSelector('.card[open] .readings dd');
+    await page.evaluate(() => { document.querySelector('.card').open = false; });
+    const opened = async (statuses) => {
+      const later = page.statuses + statuses;
+      let seen = 0;
+      await eventually(async () => {
+        seen = Math.max(seen, await page.locator('.card[open]').count());
+        return page.statuses >= later;
+      });
+      return seen;
+    };
+    assert.equal(await opened(5), 0);
+    await call(daemon.url, {module: '/simulation', command: 'load_scenario', text: 'formation'});
+    await page.waitForSelector('.card[data-robot="robot5"]');
+    await call(daemon.url, {module: '/simulation', command: 'load_scenario', text: 'classroom'});
+    await page.waitForSelector('.card[data-robot="robot5"]', {state: 'detached'});
+    assert.equal(await opened(5), 0);
+  });
+
+  test('a card that is closed before its readings have come keeps no connection', async () => {
+    await page.waitForSelector('.card[open] .readings dd');
+    const card = page.locator('.card[data-robot="robot1"]');
+    await card.locator('summary strong').click();
+    const connections = async () => (await status()).clients.filter(({module}) => module.startsWith('/robot1/')).length;
+    await eventually(async () => (await connections()) === 0);
+    await page.evaluate(() => {
+      const send = WebSocket.prototype.send;
+      WebSocket.prototype.send = function sendAndClose(data) {
+        send.call(this, data);
+        if (String(data).includes('get_targets')) document.querySelector('.card').open = false;
+      };
+    });
+    await card.locator('summary strong').click();
+    await page.waitForFunction(() => !document.querySelector('.card').open);
+    await moreStatuses(page, 5);
+    assert.equal(await connections(), 0);
+  });
+
+  test('more robots than a status lists are not asked for again and again', async () => {
+    const swarm = '[FLOOR]\nsize 40 40 0.1\n[SWARM_1]\ntype minibot\ncount 300\nname bot\n';
+    let fetched = 0;
+    page.on('request', (request) => { fetched += request.url().endsWith('/api/modules') ? 1 : 0; });
+    assert.equal((await call(daemon.url, {module: '/simulation', command: 'load_scenario', text: swarm})).error, 0);
+    await hasText('#robot-count', /^300, the first 256 of them here$/);
+    await page.waitForFunction(() => [...document.querySelectorAll('#console-module option')].some(({value}) => value === '/bot_300/motors'));
+    const earlier = fetched;
+    await moreStatuses(page, 25);  // five seconds
+    assert.equal(fetched, earlier);
   });
 
   test('a seed or a number of steps that cannot be is not sent', async () => {
@@ -271,6 +391,7 @@ describe('the page', () => {
   test('a page that is closed frees its robots', async () => {
     const other = await openPage(browser, daemon.url);
     await other.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
+    await openConsole(other);
     await other.selectOption('#console-module', '/robot1/motors');
     await other.fill('#console-line', 'claim');
     await other.press('#console-line', 'Enter');
@@ -295,6 +416,7 @@ describe('the page', () => {
   });
 
   test('everything can be reached by keyboard', async () => {
+    await openConsole(page);
     await page.focus('#run');
     const reached = new Set();
     for (let i = 0; i < 60; ++i) {
@@ -331,6 +453,27 @@ test('a daemon that has gone is noticed, and found again', async () => {
   daemon = await startDaemon('classroom', '--http-port', port);
   await page.waitForSelector('#lost', {state: 'hidden'});
   await hasText('#state', /^running$/);
+  await page.close();
+  await daemon.stop();
+});
+
+test('a robot that moves without anybody who drives it says so', async () => {
+  daemon = await startDaemon('classroom');
+  page = await browser.newPage();
+  let moving = true;
+  await page.routeWebSocket(/\/ws$/, (socket) => {
+    const server = socket.connectToServer();
+    server.onMessage((message) => {
+      const status = typeof message === 'string' ? JSON.parse(message) : {};
+      if (status.type !== 'status') return socket.send(message);
+      status.status.robots[0].still_moving = moving;
+      socket.send(JSON.stringify(status));
+    });
+  });
+  await page.goto(daemon.url);
+  await hasText('.card .owner', /^nobody drives it, still moving$/);
+  moving = false;
+  await hasText('.card .owner', /^nobody drives it$/);
   await page.close();
   await daemon.stop();
 });

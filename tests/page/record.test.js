@@ -56,10 +56,19 @@ test('a run is recorded by a button, copied, and played', async () => {
     assert.equal(await page.isDisabled('#record'), true);
     await page.click('#pause');
     await hasText(page, '#state', /^paused$/);
-    await page.click('#stop-all');
-    await hasText(page, '#message', /playing a recording/);
+    for (const id of ['stop-all', 'set-mode', 'set-step', 'no-limit', 'seed', 'reload', 'load', 'scenarios', 'upload',
+      'only-connected', 'all-participants', 'record']) {
+      assert.equal(await page.isDisabled(`#${id}`), true, id);
+      assert.match(await page.getAttribute(`#${id}`, 'title'), /recording/, id);
+    }
     await page.click('#run');
     await hasText(page, '#state', /^playing$/);
+    await page.fill('#set-speed', '-2');
+    await page.press('#set-speed', 'Enter');
+    await hasText(page, '#playback', /× −2/);
+    await page.fill('#set-speed', '100');
+    await page.press('#set-speed', 'Enter');
+    await hasText(page, '#message.error', /^speed: write a number from -4 to 64/);
     assert.deepEqual(page.mistakes, []);
     await page.close();
   } finally {
@@ -110,6 +119,36 @@ test('recordings are listed, and copied by their links', async () => {
   }
 });
 
+test('in a playback the steps go back too', async () => {
+  const name = 'steps.run';
+  const live = await startDaemon('classroom', '--record', join(folder, name));
+  try {
+    await eventually(async () => (await (await fetch(new URL('api/status', live.url))).json()).step > 50);
+  } finally {
+    await live.stop();
+  }
+  const player = await startPlayer(join(folder, name), '--paused');
+  const step = async () => (await (await fetch(new URL('api/status', player.url))).json()).step;
+  try {
+    const page = await openPage(browser, player.url);
+    await hasText(page, '#state', /^paused$/);
+    const stepBy = async (count, button = '#step') => {
+      await page.fill('#step-count', String(count));
+      await page.click(button);
+    };
+    await stepBy(30);
+    await eventually(async () => (await step()) === 30);
+    await stepBy(-20);
+    await eventually(async () => (await step()) === 10);
+    await stepBy(4, '#step-back');
+    await eventually(async () => (await step()) === 6);
+    assert.deepEqual(page.mistakes, []);
+    await page.close();
+  } finally {
+    await player.stop();
+  }
+});
+
 test('a branch by somebody else ends what was said of the recording', async () => {
   const name = 'branched.run';
   const live = await startDaemon('classroom', '--record', join(folder, name));
@@ -121,12 +160,12 @@ test('a branch by somebody else ends what was said of the recording', async () =
   const player = await startPlayer(join(folder, name), '--loop');
   try {
     const page = await openPage(browser, player.url);
-    await page.click('#stop-all');
-    await hasText(page, '#message.error', /playing a recording/);
+    await hasText(page, '#state', /^playing$/);
     assert.equal((await call(player.url, {module: '/playback', command: 'branch'})).error, 0);
     await hasText(page, '#message:not(.error)', /^branched\.run is not played any more: the run is live$/);
     await hasText(page, '#state', /^running$/);
     await hasText(page, '#playback', /^$/);
+    assert.equal(await page.isDisabled('#stop-all'), false);
     assert.deepEqual(page.mistakes, []);
     await page.close();
   } finally {

@@ -3,9 +3,10 @@
 import assert from 'node:assert/strict';
 import {once} from 'node:events';
 import {createServer} from 'node:http';
+import {connect} from 'node:net';
 import {networkInterfaces} from 'node:os';
 import {after, before, test} from 'node:test';
-import {launchBrowser, openModule, openPage, startDaemon} from './harness.js';
+import {launchBrowser, openConsole, openModule, openPage, startDaemon} from './harness.js';
 
 const MARKUP = '<img/src=x/onerror=globalThis.hit=1>';
 
@@ -33,6 +34,7 @@ test('names with markup are shown as text', async () => {
   await page.setInputFiles('#upload', {name: 'x.scenario', mimeType: 'text/plain', buffer: Buffer.from(scenario)});
   await page.waitForFunction((text) => document.getElementById('diagnostics').textContent.includes(text), MARKUP);
 
+  await openConsole(page);
   await page.selectOption('#console-module', '/robot1/motors');
   await page.fill('#console-line', MARKUP);
   await page.press('#console-line', 'Enter');
@@ -91,6 +93,29 @@ test('the page runs no script but its own files', async () => {
   });
   assert.equal(ran, undefined);
   await page.close();
+});
+
+test('who opens too many connections is refused, and nobody else is', async () => {
+  const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
+  assert.ok(outer, 'this test needs a network address besides loopback');
+  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'a-long-enough-token');
+  const port = Number(new URL(open.url).port);
+  const sockets = [];
+  const come = async (host) => {
+    const socket = connect(port, host);
+    sockets.push(socket);
+    await once(socket, 'connect');
+    socket.write(`GET /api/scenarios HTTP/1.1\r\nHost: ${host}\r\n\r\n`);
+    const [answer] = await once(socket, 'data');
+    return String(answer);
+  };
+  for (let i = 0; i < 64; ++i) assert.match(await come(outer.address), /^HTTP\/1\.1 200 /);
+  assert.match(await come(outer.address), /^HTTP\/1\.1 503 [^]*\r\nRetry-After: \d+\r\n/);
+  const page = await openPage(browser, `http://127.0.0.1:${port}/`);
+  assert.deepEqual(page.mistakes, []);
+  await page.close();
+  for (const socket of sockets) socket.destroy();
+  await open.stop();
 });
 
 test('from another machine the token unlocks the page, and a wrong one is told', async () => {

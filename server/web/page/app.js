@@ -20,35 +20,41 @@ const robots = new Robots(connection);
 const lines = new Console(connection);
 new View(connection);
 
-let asking = false;
+const RETRY_MS = 2000;
+let asked = 0;
 async function refreshModules() {
-  if (asking) return;
-  asking = true;
+  const turn = ++asked;
   try {
     const answer = await (await fetch('api/modules')).json();
-    robots.setModules(answer.modules, answer.name_port);
+    if (turn !== asked) return;  // a later question is under way
+    robots.setNamePort(answer.name_port);
     lines.setModules(answer.modules);
     showVersion(answer.version);
     await controls.refreshScenarios();
-  } catch { /* the daemon is gone: the banner says so */ }
-  asking = false;
+  } catch {  // the banner says if the daemon is gone
+    if (turn === asked) setTimeout(() => { known = ''; }, RETRY_MS);
+  }
 }
 
-let scenario;
-let lastRefresh = 0;
+/** What the list of modules depends on. The daemon adds all modules of a scene between two statuses, so it is enough to
+ *  look at the robots that a status lists, the first 256. */
+const moduleKey = ({scenario, robot_count: count, robots: listed}) =>
+  JSON.stringify([scenario, count, listed.map((robot) => robot.modules.map(({name, port}) => [name, port]))]);
+
+let known = '';
 connection.addEventListener('status', ({detail: status}) => {
   strip.update(status);
   controls.update(status);
+  if (!status) return;  // the rest stays as it was last
   record.update(status);
   runs.update(status);
-  const unknown = robots.update(status);
-  const now = performance.now();
-  if (status && (status.scenario !== scenario || (unknown && now - lastRefresh > 2000))) {
-    scenario = status.scenario;
-    lastRefresh = now;
-    refreshModules();
-  }
+  robots.update(status);
+  const key = moduleKey(status);
+  if (key === known) return;
+  known = key;
+  refreshModules();
 });
+connection.addEventListener('silence', () => strip.update(null));
 let unlocking = false;
 connection.addEventListener('hello', ({detail}) => {
   // A token that was kept is on its way when the daemon greets: nothing is asked before it is answered.
@@ -70,7 +76,7 @@ connection.addEventListener('hello', ({detail}) => {
 });
 connection.addEventListener('open', () => {
   byId('lost').hidden = true;
-  scenario = undefined;
+  known = '';
 });
 connection.addEventListener('lost', () => {
   byId('lost').hidden = false;

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The WebSocket to the daemon: calls with replies, pushes, status and pictures. Connects again by itself.
 
+const SILENCE_MS = 2000;  // the status comes five times a second
+
 export class Connection extends EventTarget {
   #socket = null;
   #next = 1;
   #waiting = new Map();
   #retry = 250;
   #heard = 0;
+  #silence = 0;
   #token;
 
   /** Events: open, lost, hello (detail: {trusted, pictures, version} and wrong_token: true if the token that was sent is
-   *  not the daemon's), status (detail: object or null),
+   *  not the daemon's), status (detail: object or null), silence (no status for two seconds),
    *  picture (detail: {about, jpeg}), push (detail: message). */
   constructor(token) {
     super();
@@ -58,6 +61,7 @@ export class Connection extends EventTarget {
       this.#retry = 250;
       this.#heard = performance.now();
       if (this.#token) this.send({type: 'hello', token: this.#token});
+      this.#awaitStatus();
       this.dispatchEvent(new Event('open'));
     };
     socket.onmessage = ({data}) => {
@@ -66,6 +70,7 @@ export class Connection extends EventTarget {
       else this.#onPicture(data);
     };
     socket.onclose = () => {
+      clearTimeout(this.#silence);
       for (const resolve of this.#waiting.values()) {
         resolve({error: -1, text: 'the connection to the daemon was lost', params: [], data: []});
       }
@@ -78,6 +83,7 @@ export class Connection extends EventTarget {
 
   #onText(message) {
     if (message.type) {
+      if (message.type === 'status') this.#awaitStatus();
       const detail = message.type === 'status' ? message.status : message;
       this.dispatchEvent(new CustomEvent(message.type, {detail}));
     } else if (message.push) {
@@ -87,6 +93,11 @@ export class Connection extends EventTarget {
       this.#waiting.delete(message.id);
       resolve?.(message);
     }
+  }
+
+  #awaitStatus() {
+    clearTimeout(this.#silence);
+    this.#silence = setTimeout(() => this.dispatchEvent(new Event('silence')), SILENCE_MS);
   }
 
   #onPicture(buffer) {

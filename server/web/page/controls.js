@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Run, pause, step, reset, …; mode, step size, speed; scenarios to choose and to upload.
-import {byId, make, say, setText} from './dom.js';
+import {byId, make, say, setOff, setText} from './dom.js';
 
 const MODULE = '/simulation';
 const MAX_INT32 = 2 ** 31 - 1;
 const MIN_STEP_MS = 0.5;
 const MAX_STEP_MS = 100;
+const MIN_PLAY_SPEED = -4;
+const MAX_PLAY_SPEED = 64;
 
 export class Controls {
   #connection;
   #status = null;
   #scenario = '';  // that the list was last set to
+  #noScenarios = true;
   #uploaded = null;  // lines of the file that was sent last
 
   constructor(connection) {
@@ -18,15 +21,17 @@ export class Controls {
     const on = (id, event, handler) => byId(id).addEventListener(event, handler);
     on('run', 'click', () => this.#order('run'));
     on('pause', 'click', () => this.#order('pause'));
-    on('step', 'click', () => this.#step());
+    on('step', 'click', () => this.#step(this.#stepCount()));
+    on('step-back', 'click', () => this.#step(-Math.abs(this.#stepCount())));
     on('step-count', 'change', () => this.#stepCount());
     on('reset', 'click', () => this.#reset());
     on('reload', 'click', () => this.#load({command: 'reload'}));
     on('stop-all', 'click', () => this.#order('stop_all'));
     on('set-mode', 'change', () => this.#order('set_mode', {line: `set_mode ${byId('set-mode').value}`}));
     on('set-step', 'change', () => this.#setStep());
-    on('set-speed', 'change', () => this.#setSpeed(byId('set-speed').value));
-    on('no-limit', 'click', () => this.#setSpeed(''));
+    on('set-speed', 'change', () => this.#setSpeed());
+    on('no-limit', 'click', () => this.#order('speed', {command: 'set_speed', data: [0]}));
+    for (const id of ['seed', 'set-step', 'set-speed']) on(id, 'input', () => byId(id).removeAttribute('aria-invalid'));
     on('load', 'click', () => this.#load({command: 'load_scenario', text: byId('scenarios').value}));
     on('upload', 'change', () => this.#upload());
   }
@@ -34,18 +39,41 @@ export class Controls {
   update(status) {
     this.#status = status;
     const paused = status?.state === 'paused';
-    byId('step').disabled = !paused;
+    const playback = status?.playback;
+    setOff('step', paused || playback ? '' : 'Only while paused',
+      playback ? 'So many recorded steps on, or back if below 0' : 'So many steps');
     byId('run').classList.toggle('primary', paused);
     byId('pause').classList.toggle('primary', !paused);
     if (!status) return;
+    this.#offerWhatAPlaybackTakes(playback);
     const set = (id, value) => {
       const input = byId(id);
-      if (document.activeElement !== input && input.value !== value) input.value = value;
+      const busy = document.activeElement === input || input.hasAttribute('aria-invalid');
+      if (!busy && input.value !== value) input.value = value;
     };
     this.#followScenario();
     set('set-mode', status.mode);
     set('set-step', String(+(1000 * status.step_s).toPrecision(6)));
-    set('set-speed', status.speed > 0 ? String(+status.speed.toPrecision(6)) : '');
+    const speed = playback ? playback.speed : status.speed;
+    set('set-speed', playback || speed > 0 ? String(+speed.toPrecision(6)) : '');
+  }
+
+  #offerWhatAPlaybackTakes(playback) {
+    const off = (does) => (playback ? `A recording is being played: ${does}` : '');
+    setOff('seed', off('it has the seed that it was made with'));
+    setOff('set-mode', off('it has the mode that it was made in'));
+    setOff('set-step', off('it has the steps that it was made with'));
+    setOff('no-limit', off('it has a speed from −4 to 64'));
+    setOff('reload', off('its scenario cannot be changed'), 'Load the same scenario file again from disk');
+    for (const id of ['scenarios', 'upload']) setOff(id, off('its scenario cannot be changed'));
+    setOff('load', this.#noScenarios ? 'There are no scenarios on the search path' : off('its scenario cannot be changed'));
+    setOff('stop-all', off('nobody drives its robots'));
+    const count = byId('step-count');
+    count.min = playback ? '-1000000' : '1';
+    byId('step-back').hidden = !playback;
+    const speed = byId('set-speed');
+    speed.min = playback ? '-4' : '0';
+    speed.title = playback ? 'Below 0 the recording goes backwards' : '';
   }
 
   async refreshScenarios() {
@@ -56,7 +84,7 @@ export class Controls {
     if (names.includes(chosen)) select.value = chosen;
     if (!chosen) this.#scenario = '';
     this.#followScenario();
-    byId('load').disabled = names.length === 0;
+    this.#noScenarios = names.length === 0;
   }
 
   /** The list shows the scenario that runs when that has changed, also by somebody else; else what was chosen. */
@@ -76,56 +104,76 @@ export class Controls {
     return reply;
   }
 
-  /** At least 1, and the field says so. */
+  /** A wrong number is not sent: it stays, in red, until it is changed. */
+  #refuse(id, text) {
+    byId(id).setAttribute('aria-invalid', 'true');
+    say(text, true);
+  }
+
+  /** At least 1, in a playback below 0 too, and the field says so. */
   #stepCount() {
     const field = byId('step-count');
-    const count = Math.max(1, Math.floor(Number(field.value) || 1));
+    const wanted = Math.trunc(Number(field.value)) || 1;
+    const count = this.#status?.playback ? wanted : Math.max(1, wanted);
     if (field.value !== String(count)) field.value = String(count);
     return count;
   }
 
-  #step() {
-    const count = this.#stepCount();
+  #step(count) {
+    if (this.#status?.playback) return this.#order('step', {module: '/playback', command: 'step', params: [count]});
     // Answered when the steps have run, which may need somebody's commands: on a connection of its own.
-    this.#order('step', {command: 'step', params: [count], channel: 'step'});
+    return this.#order('step', {command: 'step', params: [count], channel: 'step'});
   }
 
   #reset() {
     const field = byId('seed');
     const seed = Number(field.value);
     if (field.validity.badInput || !Number.isInteger(seed) || seed < 0 || seed > MAX_INT32) {
-      return say(`seed must be a whole number up to ${MAX_INT32}`, true);
+      return this.#refuse('seed', `seed must be a whole number up to ${MAX_INT32}`);
     }
-    this.#order('reset', {command: 'reset', params: field.value.trim() === '' ? [] : [seed]});
+    this.#order('reset', {command: 'reset', params: field.value.trim() === '' || field.disabled ? [] : [seed]});
   }
 
   async #setStep() {
     const field = byId('set-step');
     const value = Number(field.value);
-    if (field.value.trim() === '') {
-      if (field.validity.badInput) say('step size: write a number of ms, e.g. 10', true);
-    } else if (value < MIN_STEP_MS || value > MAX_STEP_MS) {
-      say(`step size: a step lasts ${MIN_STEP_MS} to ${MAX_STEP_MS} ms, not ${value} ms`, true);
-    } else if (Math.abs(1000 * value - Math.round(1000 * value)) > 1e-6) {
-      say(`step size: a step lasts whole microseconds: write ${Math.round(1000 * value) / 1000} ms`, true);
-    } else {
+    if (field.validity.badInput) return this.#refuse('set-step', 'step size: write a number of ms, e.g. 10');
+    if (field.value.trim() !== '') {
+      if (value < MIN_STEP_MS || value > MAX_STEP_MS) {
+        return this.#refuse('set-step', `step size: a step lasts ${MIN_STEP_MS} to ${MAX_STEP_MS} ms, not ${value} ms`);
+      }
+      const whole = Math.round(1000 * value) / 1000;
+      if (Math.abs(value - whole) > 1e-9) {
+        return this.#refuse('set-step', `step size: a step lasts whole microseconds: write ${whole} ms`);
+      }
       await this.#order('step size', {command: 'set_step', data: [Number((value / 1000).toPrecision(9))]});
     }
     field.blur();  // shows what holds
   }
 
-  async #setSpeed(text) {
-    await this.#order('speed', {command: 'set_speed', data: [text.trim() === '' ? 0 : Number(text)]});
-    byId('set-speed').blur();
+  async #setSpeed() {
+    const field = byId('set-speed');
+    const value = Number(field.value);
+    const playback = Boolean(this.#status?.playback);
+    const [low, high] = playback ? [MIN_PLAY_SPEED, MAX_PLAY_SPEED] : [0, Infinity];
+    if (field.validity.badInput || (field.value !== '' && (value === 0 || value < low || value > high))) {
+      return this.#refuse('set-speed', playback ? `speed: write a number from ${low} to ${high} other than 0, or press Pause`
+        : 'speed: write a number above 0, e.g. 2, or press "no limit"');
+    }
+    if (field.value !== '') {
+      await this.#order('speed', {module: playback ? '/playback' : MODULE, command: 'set_speed', data: [value]});
+    }
+    field.blur();  // shows what holds
   }
 
-  async #load(request, lines = null) {
+  /** `name`: of what is loaded. `lines`: of the file that is sent. */
+  async #load(request, name = request.text ?? '', lines = null) {
     this.#uploaded = lines;
     this.#showDiagnostics('');
     say('loading …');
     const reply = await this.#connection.call({module: MODULE, ...request});
     if (reply.error === 0) {
-      say(`loaded${lines === null && request.text ? ` ${request.text}` : ''}`);
+      say(`loaded ${name}`.trim());
       this.#showDiagnostics(reply.text);
     } else if (/:\d+: (error|warning): /.test(reply.text)) {
       say('the file has errors; nothing was changed', true);
@@ -147,8 +195,9 @@ export class Controls {
     } catch {
       text = new TextDecoder('windows-1252').decode(bytes);
     }
-    if (!text.includes('\n')) text += '\n';  // else it would be taken for a name
-    await this.#load({command: 'load_scenario', text}, text.split(/\r?\n/));
+    const lines = text.split(/\r?\n/);
+    // The last line of a text that is sent may tell the file's name.
+    await this.#load({command: 'load_scenario', text: `${text}\n# file: ${file.name.replace(/\s/g, ' ')}\n`}, file.name, lines);
   }
 
   /** One entry for each `file:line: error: text`, with the line of the file that was sent. */

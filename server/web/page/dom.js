@@ -20,6 +20,13 @@ export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** Switches a button or field off, with the reason as its title; on, with `title`, if there is none. */
+export function setOff(id, reason, title = '') {
+  const element = byId(id);
+  element.disabled = reason !== '';
+  if (element.title !== (reason || title)) element.title = reason || title;
+}
+
 /** A number with `digits` decimals; ∞ and – for what is not finite. Takes the bridge's "inf" and "nan" too. */
 export function showNumber(value, digits) {
   if (value === 'inf') return '∞';

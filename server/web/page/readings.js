@@ -70,12 +70,14 @@ export class Readings {
       this.#connection.call({module: this.#home, channel: 'readings', ...request});
     if (!this.#attached) {
       const reply = await call({command: 'attach', text: this.#modules.join(' ')});
+      if (this.#stopped) return;  // another call would open the connection again
       if (reply.error !== 0) return this.#show([['', reply.text]]);
       this.#attached = true;
       if (this.#modules.includes('target')) {
         const targets = await this.#connection.call(
           {module: `/${this.#robot}/target`, channel: 'readings', command: 'get_targets'});
         this.#connection.send({type: 'close', module: `/${this.#robot}/target`, channel: 'readings'});
+        if (this.#stopped) return;
         this.#colours = targets.error === 0 ? targets.text.split(/[ ,]+/).filter(Boolean) : [];
       }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The button that begins and ends a recording, and the mark in the strip while one is made.
-import {byId, say, setText} from './dom.js';
+import {byId, say, setOff, setText} from './dom.js';
 
 const MODULE = '/recorder';
 
@@ -14,10 +14,11 @@ export class Record {
   }
 
   update(status) {
-    this.#recording = Boolean(status?.recording);
+    this.#recording = Boolean(status.recording);
     setText(byId('recording'), this.#recording ? `● rec ${status.recording}` : '');
+    byId('recording').title = status.recording ?? '';
     setText(byId('record'), this.#recording ? 'Stop recording' : 'Record');
-    byId('record').disabled = Boolean(status?.playback);
+    setOff('record', status.playback ? 'A recording is being played, there is no run to record' : '', 'Record the run to a file of the daemon');
   }
 
   async #toggle() {

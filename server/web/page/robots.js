@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The list of robots: who drives them, their modules and addresses, live readings of those that are open.
 import {connectionLines} from './lines.js';
-import {byId, make, say, setText} from './dom.js';
+import {byId, make, say, setOff, setText} from './dom.js';
 import {Readings} from './readings.js';
 
 const MAX_OPEN = 6;  // robots whose readings are shown at once
+const ROBOTS_AT_ONCE = 256;
 
 /** The last word of "/robot1/motors". */
 const lastWord = (name) => name.slice(name.lastIndexOf('/') + 1);
@@ -17,9 +18,12 @@ class Card {
   #release;
   #body = make('div', {class: 'card-body'});
   #modules = [];
+  #lines = '';  // what the body was last made of
+  #type = '';
+  #namePort = 0;
   element;
 
-  constructor(connection, name, color, onToggle) {
+  constructor(connection, name, onToggle) {
     this.#connection = connection;
     this.#name = name;
     this.#release = make('button', {type: 'button', title: 'Close the connection of whoever drives it'}, 'Free');
@@ -34,36 +38,39 @@ class Card {
   }
 
   get isOpen() { return this.element.open; }
-  get owner() { return this.#owner.dataset.owner ?? ''; }
 
-  update(robot, modules, namePort) {
+  update(robot, namePort) {
     const owner = robot.owner ?? '';
-    this.#owner.dataset.owner = owner;
+    const astray = !owner && robot.still_moving === true;
     const excuse = robot.participates === false ? ' (not waited for)' : '';
-    setText(this.#owner, (owner || 'nobody drives it') + excuse);
-    this.#owner.classList.toggle('quiet', !owner);
+    setText(this.#owner, (owner || (astray ? 'nobody drives it, still moving' : 'nobody drives it')) + excuse);
+    this.#owner.classList.toggle('quiet', !owner && !astray);
+    this.#owner.classList.toggle('warning', astray);
     this.#release.disabled = !owner;
-    const key = JSON.stringify([modules, namePort]);
-    if (this.element.dataset.key === key) return;
-    this.element.dataset.key = key;
-    this.#modules = modules;
-    this.#fill(robot.type ?? '', namePort);
+    this.#type = robot.type ?? '';
+    this.#modules = robot.modules ?? [];
+    this.#namePort = namePort;
+    if (this.isOpen) this.fill();
   }
 
-  #fill(type, namePort) {
-    const address = (module) => (module.port > 0 ? `${module.address ?? location.hostname}:${module.port}` : 'by OPEN');
+  /** Makes the body, and its readings, if they are not there or have changed. */
+  fill() {
+    const lines = JSON.stringify([this.#modules, this.#namePort]);
+    if (this.#lines === lines) return this.#startReadings();
+    this.#lines = lines;
+    const address = (module) => (module.port > 0 ? `${location.hostname}:${module.port}` : 'by OPEN');
     const rows = this.#modules.map((module) =>
       make('tr', {}, make('td', {}, module.name), make('td', {class: 'number'}, address(module))));
     this.#body.replaceChildren(
-      make('p', {class: 'quiet'}, type),
+      make('p', {class: 'quiet'}, this.#type),
       make('div', {class: 'readings-place'}),
       make('table', {class: 'modules'}, make('tbody', {}, ...rows)),
-      connectionLines(this.#name, this.#modules, namePort));
+      connectionLines(this.#name, this.#modules, this.#namePort));
     this.stopReadings();
-    if (this.isOpen) this.startReadings();
+    this.#startReadings();
   }
 
-  startReadings() {
+  #startReadings() {
     if (this.#readings || this.#modules.length === 0) return;
     this.#readings = new Readings(this.#connection, this.#name, this.#modules.map((module) => lastWord(module.name)));
     this.#body.querySelector('.readings-place')?.replaceChildren(this.#readings.element);
@@ -83,66 +90,80 @@ class Card {
 export class Robots {
   #connection;
   #cards = new Map();
-  #modules = new Map();  // by robot
   #namePort = 0;
+  #open = new Map();  // by robot: whether its card was left open, also when it is gone
+  #byItself = '';  // the robot whose card opened without anybody's doing
   #touched = false;  // somebody has opened or closed a card
 
   constructor(connection) {
     this.#connection = connection;
-    byId('only-connected').addEventListener('click', () => this.#waitOnlyForConnected());
+    for (const id of ['only-connected', 'go-on']) byId(id).addEventListener('click', () => this.#waitOnlyForConnected());
     byId('all-participants').addEventListener('click', () => this.#setParticipants(''));
   }
 
-  setModules(modules, namePort) {
-    this.#namePort = namePort;
-    this.#modules.clear();
-    for (const module of modules) {
-      const [, robot, rest] = module.name.split('/');
-      if (!rest || module.external) continue;
-      if (!this.#modules.has(robot)) this.#modules.set(robot, []);
-      this.#modules.get(robot).push(module);
-    }
-  }
+  setNamePort(port) { this.#namePort = port; }
 
-  /** True if the daemon has robots that setModules() did not know. */
   update(status) {
-    const robots = status?.robots ?? [];
-    setText(byId('robot-count'), status ? String(status.robot_count ?? robots.length) : '');
-    const names = robots.map((robot) => robot.name);
+    const {robots, robot_count: count} = status;
+    setText(byId('robot-count'), robots.length < count ? `${count}, the first ${robots.length} of them here` : `${count}`);
+    const names = new Set(robots.map((robot) => robot.name));
     for (const [name, card] of this.#cards) {
-      if (names.includes(name)) continue;
+      if (names.has(name)) continue;
       card.stopReadings();
       card.element.remove();
       this.#cards.delete(name);
     }
     for (const robot of robots) {
-      if (!this.#cards.has(robot.name)) this.#add(robot);
-      this.#cards.get(robot.name).update(robot, this.#modules.get(robot.name) ?? [], this.#namePort);
+      if (!this.#cards.has(robot.name)) this.#add(robot.name);
+      this.#cards.get(robot.name).update(robot, this.#namePort);
     }
-    const first = this.#cards.get(names[0]);
-    if (first && !this.#touched && !first.isOpen) first.element.open = true;
-    byId('only-connected').disabled = robots.length === 0;
-    return names.some((name) => !this.#modules.has(name)) || [...this.#modules.keys()].some((name) => !names.includes(name));
+    const off = status.playback ? 'A recording has nobody to wait for' : '';
+    setOff('only-connected', off, 'Only robots that somebody drives now take part');
+    setOff('all-participants', off, 'As the scenario says');
   }
 
-  #add(robot) {
-    const card = new Card(this.#connection, robot.name, robot.color, (toggled) => this.#toggled(toggled));
-    card.element.querySelector('summary').addEventListener('click', () => { this.#touched = true; });
-    this.#cards.set(robot.name, card);
+  /** The first card opens by itself until somebody has opened or closed one; then cards are as they were left. */
+  #add(name) {
+    const card = new Card(this.#connection, name, (toggled) => this.#toggled(name, toggled));
+    if (!this.#touched && this.#cards.size === 0) this.#byItself = name;
+    card.element.open = this.#touched ? this.#open.get(name) ?? false : name === this.#byItself;
+    this.#cards.set(name, card);
     byId('robots').append(card.element);
   }
 
-  #toggled(card) {
+  #toggled(name, card) {
+    if (this.#cards.get(name) !== card) return;  // it has gone meanwhile
+    if (!card.isOpen || name !== this.#byItself) this.#touched = true;
+    this.#open.set(name, card.isOpen);
     if (!card.isOpen) return card.stopReadings();
     const others = [...this.#cards.values()].filter((other) => other.isOpen && other !== card);
     if (others.length >= MAX_OPEN) others[0].element.open = false;
-    card.startReadings();
+    card.fill();
   }
 
-  #waitOnlyForConnected() {
-    const connected = [...this.#cards].filter(([, card]) => card.owner).map(([name]) => name);
-    if (connected.length === 0) return say('nobody drives a robot: connect one first', true);
+  async #waitOnlyForConnected() {
+    const connected = await this.#connectedRobots();
+    if (!connected) return;
+    if (connected.length === 0) {
+      return say('no robot has a client yet: connect one first, or choose another mode under Time', true);
+    }
     this.#setParticipants(connected.join(' '));
+  }
+
+  /** The names of all robots that somebody drives; a status tells 256 robots at a time. Null after an error. */
+  async #connectedRobots() {
+    const connected = [];
+    for (let first = 1, count = 1; first <= count; first += ROBOTS_AT_ONCE) {
+      const reply = await this.#connection.call({module: '/simulation', command: 'get_status', params: [first, ROBOTS_AT_ONCE]});
+      if (reply.error !== 0) {
+        say(reply.text, true);
+        return null;
+      }
+      const status = JSON.parse(reply.text);
+      count = status.robot_count;
+      connected.push(...status.robots.filter((robot) => robot.owner).map((robot) => robot.name));
+    }
+    return connected;
   }
 
   async #setParticipants(text) {

@@ -28,7 +28,6 @@ export class Runs {
 
   /** A recording that has begun or ended changes the list. */
   update(status) {
-    if (!status) return;
     const changed = status.recording !== this.#recording;
     if (changed) this.#tries = 10;
     const awaited = status.recording && !this.#names.includes(status.recording) && this.#tries-- > 0;

@@ -28,6 +28,9 @@ export function waitingText(status) {
   return `waiting for ${names}${others}${same ? ` (${first[0].why})` : ''}, ${showNumber(seconds, 1)} s`;
 }
 
+/** Whether somebody is awaited who has no client: then the others can go on without. */
+const lacksClient = (status) => (status.awaiting ?? []).some(({why}) => why === 'no client');
+
 /** "of lesson1.run, 0.00 to 60.00 s, × −2"; empty in a live run. */
 export function playbackText(playback) {
   if (!playback) return '';
@@ -40,22 +43,36 @@ export class Strip {
   #lastEvents = '';
   #played = null;  // the file
 
+  /** Without a status the last one stays, pale, under "no answer". */
   update(status) {
     const state = status ? stateText(status) : 'no answer';
     setText(byId('state'), state);
     byId('state').dataset.state = state;
-    setText(byId('mode'), status?.mode ?? '');
-    setText(byId('time'), status ? `${showNumber(status.time_s, 2)} s` : '');
-    setText(byId('rtf'), status ? `× ${showNumber(status.rtf, 2)}` : '');
+    byId('strip').classList.toggle('stale', !status);
+    if (!status) return this.#showWaiting('', false);
+    setText(byId('mode'), status.mode);
+    setText(byId('time'), `${showNumber(status.time_s, 2)} s`);
+    setText(byId('rtf'), `× ${showNumber(status.rtf, status.rtf < 100 ? 2 : 0)}`);
     byId('rtf').title = 'real-time factor: simulated seconds per second';
-    setText(byId('scenario-name'), status?.scenario ?? '');
-    setText(byId('playback'), playbackText(status?.playback));
-    if (status) this.#followPlayback(status.playback?.file ?? null);
-    const frozen = status?.frozen ?? [];
-    const warning = frozen.length > 0 ? `frozen: ${frozen.join(', ')}` : '';
-    const lines = status ? [waitingText(status), warning].filter(Boolean).join(' · ') : '';
-    setText(byId('waiting'), lines);
-    this.#showEvents(status?.events ?? []);
+    this.#showName('scenario-name', status.scenario ?? '');
+    this.#showName('playback', playbackText(status.playback));
+    this.#followPlayback(status.playback?.file ?? null);
+    const frozen = status.frozen ?? [];
+    const waiting = waitingText(status);
+    const lines = [waiting, frozen.length > 0 ? `frozen: ${frozen.join(', ')}` : ''];
+    this.#showWaiting(lines.filter(Boolean).join(' · '), waiting !== '' && lacksClient(status));
+    this.#showEvents(status.events ?? []);
+  }
+
+  /** A text that is cut where the line ends; whole when pointed at. */
+  #showName(id, text) {
+    setText(byId(id), text);
+    byId(id).title = text;
+  }
+
+  #showWaiting(text, curable) {
+    setText(byId('waiting'), text);
+    byId('go-on').hidden = !curable;
   }
 
   /** The end of a playback, also by somebody else, replaces what was said of it, such as "playing a recording". */

@@ -243,6 +243,21 @@ TEST(BySocketTest, TextHasNoFile) {
   EXPECT_EQ(scenario->text, kRobot);
 }
 
+TEST(BySocketTest, TheLastLineOfATextTellsItsName) {
+  const auto name = [](const std::string& last_line) {
+    Diagnostics diagnostics;
+    const auto scenario = ReadScenario(kRobot + last_line, "(text)", ShippedRobots(), true, diagnostics);
+    return scenario == nullptr ? diagnostics.ToString() : scenario->name;
+  };
+  EXPECT_EQ(name("\n# file: lesson 1.scenario\n"), "lesson 1");
+  EXPECT_EQ(name("\r\n# file: C:\\lessons\\fünf.world"), "fünf");
+  EXPECT_EQ(name("\n# file: ../../etc/passwd\n"), "passwd");
+  EXPECT_EQ(name("\n# file: a\x1b[31m.scenario\n"), "(text)");
+  EXPECT_EQ(name("\n# file: " + std::string(300, 'a') + "\n"), "(text)");
+  EXPECT_EQ(name("\n# file: \n"), "(text)");
+  EXPECT_EQ(name("\n# file: lesson.scenario\n# more\n"), "(text)");
+}
+
 TEST(BySocketTest, ScenariosAreNamedByBareName) {
   Diagnostics diagnostics;
   EXPECT_EQ(LoadScenario("../scenarios/classroom", ShippedRobots(), diagnostics, true), nullptr);

@@ -201,7 +201,21 @@ TEST(WebServer, TooManyConnectionsAreRefusedPolitely) {
   std::vector<std::unique_ptr<RawClient>> idle;
   for (int i = 0; i < 256; ++i) idle.push_back(std::make_unique<RawClient>(world.port));
   RawClient late(world.port);
-  EXPECT_THAT(late.ReadUntil("\r\n\r\n"), StartsWith("HTTP/1.1 503"));
+  EXPECT_THAT(late.ReadUntil("\r\n\r\n"),
+              AllOf(StartsWith("HTTP/1.1 503"), HasSubstr("Retry-After: 15\r\n")));
+}
+
+TEST(WebServer, AHeaderThatComesByteByByteIsNotWaitedForLonger) {
+  WebOptions options = WebWorld::DefaultOptions();
+  options.header_time = std::chrono::milliseconds(200);
+  WebWorld world(std::move(options));
+  RawClient slow(world.port);
+  slow.Send("GET / HTTP/1.1\r\nX-Slow: ");
+  constexpr int kMostBytes = 5000;  // the whole header would be too long with 16 KiB
+  int sent = 0;
+  for (; sent < kMostBytes && !slow.HasEnded(std::chrono::milliseconds(10)); ++sent) slow.Send("x");
+  EXPECT_LT(sent, kMostBytes);
+  EXPECT_EQ(slow.ReadAll(), "");
 }
 
 TEST(WebServer, StopsWhileRequestsWait) {

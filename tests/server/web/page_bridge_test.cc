@@ -56,6 +56,20 @@ TEST_F(StrangerTest, MayRead) {
   EXPECT_EQ(Call("/simulation", "get_status").error, 0);
 }
 
+TEST_F(StrangerTest, HasFewConnectionsToModules) {
+  PageCall call;
+  call.module = "/robot1/motors";
+  call.command_name = "get_wheels";
+  for (std::size_t i = 0; i < PageBridge::kMaxStrangersLinks; ++i) {
+    call.channel = std::to_string(i);
+    EXPECT_EQ(Send(call).error, 0);
+  }
+  call.channel = "one more";
+  EXPECT_EQ(Send(call).text, "this page has too many connections open");
+  SetTrusted();
+  EXPECT_EQ(Send(call).error, 0);
+}
+
 TEST_F(StrangerTest, MayChangeNothing) {
   for (const auto& [module, command] : std::vector<std::pair<std::string, std::string>>{
            {"/robot1/motors", "set_velocity"}, {"/robot1/motors", "claim"}, {"/simulation", "quit"}}) {

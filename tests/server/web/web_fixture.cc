@@ -3,6 +3,7 @@
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -156,6 +157,11 @@ void RawClient::Send(std::string_view bytes) {
 
 void RawClient::EndInput() {
   ::shutdown(fd_, SHUT_WR);
+}
+
+bool RawClient::HasEnded(std::chrono::milliseconds patience) {
+  pollfd wait{fd_, POLLRDHUP, 0};
+  return ::poll(&wait, 1, static_cast<int>(patience.count())) > 0;
 }
 
 std::string RawClient::ReadAll() {

@@ -2,6 +2,7 @@
 // A web server with two modules and a painter behind it, and plain clients to talk to it.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -95,6 +96,8 @@ class RawClient {
   RawClient& operator=(const RawClient&) = delete;
   void Send(std::string_view bytes);
   void EndInput();
+  /// Whether the peer has closed; waits that long for it.
+  bool HasEnded(std::chrono::milliseconds patience);
   /// Until the peer closes.
   std::string ReadAll();
   /// Until `end` has come; what was read, with it.
