@@ -30,6 +30,10 @@ std::string Objection(const ValueSpec& spec, double value) {
   if (value < spec.min) {
     return "takes as " + spec.name + " at least " + Written(spec.min) + ", not " + Written(value);
   }
+  if (value > spec.max) {
+    return "takes as " + spec.name + " at most " + std::to_string(std::llround(spec.max)) + ", not " +
+           Written(value);
+  }
   if (spec.enums.empty()) return "";
   const bool listed = std::any_of(spec.enums.begin(), spec.enums.end(),
                                   [value](const auto& word) { return word.second == value; });
@@ -96,7 +100,7 @@ CheckResult CheckValues(const CommandSpec& spec, std::span<const ValueSpec> valu
   for (const Number number : numbers) {
     const ValueSpec& value = values[at];
     const auto plain = static_cast<double>(number);
-    if (!std::isfinite(plain) || plain < value.min || !value.enums.empty()) {
+    if (!std::isfinite(plain) || plain < value.min || plain > value.max || !value.enums.empty()) {
       std::string objection = Objection(value, plain);
       if (!objection.empty()) return Refuse(spec, Error::kOutOfRange, std::move(objection));
     }

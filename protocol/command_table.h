@@ -23,6 +23,7 @@ struct ValueSpec {
       {};                                                 // words that stand for the only numbers allowed
   double min = -std::numeric_limits<double>::infinity();  // the smallest number allowed
   bool any_number = false;                                // inf and nan are allowed in data
+  double max = std::numeric_limits<double>::infinity();   // the largest number allowed
 };
 
 /// How a command uses the text field of a request.
@@ -73,9 +74,12 @@ class CommandTable {
 
 /// The number of the protocol, in `describe` and `get_status`.
 inline constexpr std::int32_t kProtocolVersion = 1;
+/// The most steps that one request may stand or wait for.
+inline constexpr std::int32_t kMaxSteps = 10'000'000;
 
 /// Checks text, params and data of a request against its spec: Ok and empty, or the error and what to write
-/// instead. Counts and text: errors 2 and 3; numbers below `min`, not in `enums` or not finite: error 4.
+/// instead. Counts and text: errors 2 and 3; numbers below `min` or above `max`, not in `enums` or not
+/// finite: error 4.
 struct CheckResult {
   std::int32_t error = 0;
   std::string text;

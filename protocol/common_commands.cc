@@ -18,7 +18,7 @@ std::vector<std::pair<std::string, std::int32_t>> ModeWords() {
 }
 
 ValueSpec StepsParam() {
-  return {.name = "steps", .unit = "", .optional = true, .min = 1};
+  return {.name = "steps", .unit = "", .optional = true, .min = 1, .max = kMaxSteps};
 }
 
 std::vector<ValueSpec> StepReplyParams() {

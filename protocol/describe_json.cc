@@ -45,6 +45,8 @@ void AppendValue(const ValueSpec& value, std::string& out) {
   AppendBool("repeated", value.repeated, out);
   AppendKey("min", out);
   AppendJsonNumber(value.min, out);
+  AppendKey("max", out);
+  AppendJsonNumber(value.max, out);
   AppendKey("enums", out);
   out += '[';
   for (const auto& [word, number] : value.enums) {

@@ -43,7 +43,7 @@ CommandTable SimulationTable() {
           {.id = command::kStep,
            .name = "step",
            .help = "Allows so many more steps while paused, and is answered after the last of them.",
-           .params = {{.name = "steps", .unit = "", .min = 1}},
+           .params = {{.name = "steps", .unit = "", .min = 1, .max = kMaxSteps}},
            .example = "step 10"},
           {.id = command::kReset,
            .name = "reset",

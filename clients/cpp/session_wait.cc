@@ -235,6 +235,11 @@ std::string Session::Whom(bool held_up) const {
   const std::size_t all =
       std::max(awaiting.size(), static_cast<std::size_t>(std::max(0.0, status["awaiting_count"].number())));
   if (all > named) out << " and " << all - named << " more";
+  for (const Json& a : awaiting) {
+    if (a["cure"].is_null()) continue;
+    out << ": " << a["cure"].text();  // how to go on without one of them
+    break;
+  }
   return out.str();
 }
 

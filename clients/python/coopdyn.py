@@ -1884,7 +1884,8 @@ class _Session:
             return f"waiting for the next step, {status.get('state')}"
         first = ", ".join(f"{a['robot']} ({a['why']}), {a['seconds'] or 0:.1f} s" for a in awaiting[:_NAMED_ROBOTS])
         more = int(status.get("awaiting_count") or len(awaiting)) - _NAMED_ROBOTS
-        return f"waiting for {first}" + (f" and {more} more" if more > 0 else "")
+        cure = next((a["cure"] for a in awaiting if a.get("cure")), None)  # how to go on without one of them
+        return f"waiting for {first}" + (f" and {more} more" if more > 0 else "") + (f": {cure}" if cure else "")
 
     def started_anew(self) -> None:
         """After a reset or load: what was kept belongs to the old world."""

@@ -292,8 +292,9 @@ void Daemon::LogWaiting() {
   } else if (waiting_logged_ == 0 || now - waiting_logged_ >= kAgainAfter) {
     waiting_logged_ = now;
     const std::string others = total > 1 ? fmt::format(" and {} more", total - 1) : "";
-    logger_->info("waiting for {} ({}){}, {:.1f} s", awaited[0].robot, awaited[0].why, others,
-                  awaited[0].seconds);
+    const std::string& cure = awaited[0].cure;
+    logger_->info("waiting for {} ({}){}, {:.1f} s{}{}", awaited[0].robot, awaited[0].why, others,
+                  awaited[0].seconds, cure.empty() ? "" : ": ", cure);
   }
 }
 

@@ -84,11 +84,14 @@ int PrintStatus(const std::string& text) {
   }
   if (const json::value* awaiting = status.if_contains("awaiting");
       awaiting != nullptr && awaiting->is_array()) {
+    std::string cure = "-";
     for (const json::value& one : awaiting->as_array()) {
       const json::object& awaited = one.as_object();
       std::printf("waiting for %s (%s), %.1f s\n", word(awaited, "robot").c_str(),
                   word(awaited, "why").c_str(), awaited.at("seconds").to_number<double>());
+      if (cure == "-") cure = word(awaited, "cure");
     }
+    if (cure != "-") std::printf("  %s\n", cure.c_str());
   }
   if (const json::value* robots = status.if_contains("robots"); robots != nullptr && robots->is_array()) {
     constexpr std::size_t kListed = 40;
@@ -100,8 +103,11 @@ int PrintStatus(const std::string& text) {
       }
       const json::object& robot = one.as_object();
       const std::string owner = word(robot, "owner");
+      const json::value* moving = robot.if_contains("still_moving");
+      const bool moves = moving != nullptr && moving->is_bool() && moving->as_bool();
+      const std::string free = moves ? "nobody drives it, still moving" : "free";
       std::printf("%-16s %-10s %s\n", word(robot, "name").c_str(), word(robot, "type").c_str(),
-                  owner == "-" || owner.empty() ? "free" : ("driven by " + owner).c_str());
+                  owner == "-" || owner.empty() ? free.c_str() : ("driven by " + owner).c_str());
     }
   }
   return kExitOk;
@@ -187,6 +193,8 @@ int CallModule(RemoteConnection& connection, const RemoteOptions& options) {
     return Fail(kExitErrors, error);
   if (!reply.starts_with("0 ")) return Fail(kExitErrors, reply);
   std::cout << reply << '\n';
+  // A robot stops when the program that said hello ends; what a single command sets is to stay.
+  if (!options.token.empty()) connection.CallLine("release", reply);
   return kExitOk;
 }
 

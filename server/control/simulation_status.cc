@@ -26,6 +26,7 @@ StatusInput::Robot DescribeRobot(const SceneRobot& robot, const CommandBoard::Ow
     if (owner->id != 0 || owner->driven) line.owner = owner->name;
     line.participates = owner->participates;
     line.dropped = owner->dropped;
+    line.still_moving = owner->still_moving;
   }
   return line;
 }

@@ -33,7 +33,8 @@ json::array Robots(const std::vector<StatusInput::Robot>& robots) {
                     {"modules", std::move(modules)},
                     {"owner", Text(robot.owner)},
                     {"participates", robot.participates},
-                    {"dropped", robot.dropped}});
+                    {"dropped", robot.dropped},
+                    {"still_moving", robot.still_moving}});
   }
   return list;
 }
@@ -52,7 +53,10 @@ json::array Clients(const std::vector<StatusInput::Connection>& clients) {
 json::array Awaiting(const std::vector<Awaited>& awaiting) {
   json::array list;
   for (const Awaited& awaited : awaiting) {
-    list.push_back({{"robot", awaited.robot}, {"why", awaited.why}, {"seconds", Number(awaited.seconds)}});
+    list.push_back({{"robot", awaited.robot},
+                    {"why", awaited.why},
+                    {"seconds", Number(awaited.seconds)},
+                    {"cure", Text(awaited.cure)}});
   }
   return list;
 }

@@ -27,6 +27,7 @@ struct StatusInput {
     std::string owner;  // client name, else peer; empty: nobody
     bool participates = false;
     bool dropped = false;
+    bool still_moving = false;  // nobody drives it, and its set-points are not zero
   };
   struct Connection {
     ConnectionRoster::Entry entry;

@@ -207,8 +207,8 @@ UnaskedPtr ModuleCore::ReadingOf(command::Id reading, const FramePtr& frame) {
   return readings_.emplace_back(reading, std::move(message)).second;
 }
 
-Message WaitEnded(command::Id command, StepEnd end, const std::string& new_owner) {
-  switch (end) {
+Message WaitEnded(command::Id command, const StepResult& result, const std::string& new_owner) {
+  switch (result.end) {
     case StepEnd::kReset:
       return ErrorReply(command, Error::kNotPossible, "reset");
     case StepEnd::kLoad:
@@ -217,6 +217,10 @@ Message WaitEnded(command::Id command, StepEnd end, const std::string& new_owner
       return ErrorReply(
           command, Error::kOwned,
           "replaced by the first command of the new owner" + (new_owner.empty() ? "" : ", " + new_owner));
+    case StepEnd::kPaused:
+      return ErrorReply(command, Error::kNotPossible,
+                        fmt::format("paused after {} of {} steps: step {} runs the rest", result.ran,
+                                    result.asked, result.asked - result.ran));
     case StepEnd::kStopping:
     case StepEnd::kRan:
       break;
@@ -227,7 +231,8 @@ Message WaitEnded(command::Id command, StepEnd end, const std::string& new_owner
 std::string DescribeWaiting(std::span<const Awaited> awaiting) {
   if (awaiting.empty()) return {};
   const Awaited& first = awaiting.front();
-  return fmt::format("waiting for {} ({}), {:.1f} s", first.robot, first.why, first.seconds);
+  return fmt::format("waiting for {} ({}), {:.1f} s{}{}", first.robot, first.why, first.seconds,
+                     first.cure.empty() ? "" : ": ", first.cure);
 }
 
 }  // namespace coopdyn

@@ -105,9 +105,9 @@ class ModuleCore {
 };
 
 /// The error reply to a request whose wait for a step ended without it. `new_owner`: for kReplaced.
-/// @pre end is not kRan
-Message WaitEnded(command::Id command, StepEnd end, const std::string& new_owner);
-/// `waiting for robot2 (no client), 1.2 s`; empty if nobody is awaited.
+/// @pre result.end is not kRan
+Message WaitEnded(command::Id command, const StepResult& result, const std::string& new_owner);
+/// `waiting for robot2 (no client), 1.2 s: start its program, or …`; empty if nobody is awaited.
 std::string DescribeWaiting(std::span<const Awaited> awaiting);
 /// The words of `text`, separated by blanks.
 std::vector<std::string> Words(std::string_view text);

@@ -191,8 +191,8 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     if (peer == nullptr) return;
     if (peer->connection->output_ended()) return Finish(*peer, ReplyTo(peer->command));
     if (result.end == StepEnd::kRan) return Finish(*peer, Stepped(*peer, result));
-    Finish(*peer, WaitEnded(peer->command, result.end,
-                            result.end == StepEnd::kReplaced ? NewOwner() : std::string()));
+    Finish(*peer,
+           WaitEnded(peer->command, result, result.end == StepEnd::kReplaced ? NewOwner() : std::string()));
   }
   void OnFrame(const FramePtr& frame, int dropped) final {
     for (auto& [id, peer] : peers_) {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/robot_model.h"
 
-#include <algorithm>
-
 namespace coopdyn {
 
-bool RobotModel::has_actuators() const {
-  return std::any_of(modules.begin(), modules.end(),
-                     [](const ModuleModel& module) { return module.type == "motors"; });
+std::vector<std::string> RobotModel::actuator_modules() const {
+  std::vector<std::string> names;
+  for (const ModuleModel& module : modules) {
+    if (module.type == "motors") names.push_back(module.name);
+  }
+  return names;
 }
 
 }  // namespace coopdyn

@@ -101,7 +101,9 @@ struct RobotModel {
   double footprint_radius_m = 0;     // of the smallest vertical cylinder about R's z axis that holds it
   double height_m = 0;
 
-  bool has_actuators() const;
+  bool has_actuators() const { return !actuator_modules().empty(); }
+  /// The names of the modules that drive the robot.
+  std::vector<std::string> actuator_modules() const;
 };
 
 }  // namespace coopdyn

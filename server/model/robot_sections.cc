@@ -111,6 +111,32 @@ void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
   }
 }
 
+void RobotSections::ReadWaitsFor(SectionReader& reader, RobotEntry& entry) {
+  const std::optional<std::string> list = reader.Text("waits_for");
+  if (!list || entry.model == nullptr) return;
+  const std::vector<std::string> known = entry.model->actuator_modules();
+  if (known.empty()) {
+    reader.ErrorAt("waits_for", "a " + entry.model->type + " has no actuator module, so nothing waits for " +
+                                    "it: leave the line out");
+    return;
+  }
+  std::string spaced = *list;
+  std::replace(spaced.begin(), spaced.end(), ',', ' ');
+  for (const std::string& word : SplitWords(spaced)) {
+    const std::string name = ToLower(word);
+    std::vector<std::string>& named = entry.waits_for;
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      reader.ErrorAt("waits_for", "'" + word + "' is no actuator module of " + entry.model->type +
+                                      ": it has " + JoinNames(known) + "; write 'waits_for " + known.front() +
+                                      "', or 'sync no' if lockstep is not to wait for this robot");
+    } else if (std::find(named.begin(), named.end(), name) != named.end()) {
+      reader.ErrorAt("waits_for", "'" + word + "' is named twice: name each module once");
+    } else {
+      named.push_back(name);
+    }
+  }
+}
+
 void RobotSections::CheckDriver(SectionReader& reader, const RobotEntry& entry) {
   if (entry.controller.empty()) return;
   const auto contradicts = [&reader](const std::string& key) {
@@ -147,23 +173,7 @@ void RobotSections::ReadRobot(SectionReader& reader) {
   ReadShared(reader, entry);
   ReadLosses(reader, entry);
   if (const auto sync = reader.YesNo("sync")) entry.sync = *sync;
-  if (const auto list = reader.Text("waits_for")) {
-    std::string spaced = *list;
-    std::replace(spaced.begin(), spaced.end(), ',', ' ');
-    std::vector<std::string> known;
-    if (entry.model != nullptr) {
-      for (const ModuleModel& module : entry.model->modules) {
-        if (module.type == "motors") known.push_back(module.name);
-      }
-    }
-    for (const std::string& name : SplitWords(spaced)) {
-      entry.waits_for.push_back(ToLower(name));
-      if (entry.model != nullptr && std::find(known.begin(), known.end(), ToLower(name)) == known.end()) {
-        reader.ErrorAt("waits_for", "'" + name + "' is no actuator module of " + entry.model->type +
-                                        ": it has " + (known.empty() ? "none" : JoinNames(known)));
-      }
-    }
-  }
+  ReadWaitsFor(reader, entry);
   CheckDriver(reader, entry);
   reader.Finish();
   if (!team) {

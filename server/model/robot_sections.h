@@ -43,6 +43,7 @@ class RobotSections {
   /// Reports what a robot with a controller cannot have.
   void CheckDriver(SectionReader& reader, const RobotEntry& entry);
   void ReadLosses(SectionReader& reader, RobotEntry& entry);
+  void ReadWaitsFor(SectionReader& reader, RobotEntry& entry);
   /// `where`: of its name, for messages.
   void Add(RobotEntry entry, const SourceLine& where);
   /// What a swarm is called, by its name or its section; false, and reported, if a robot or another swarm is

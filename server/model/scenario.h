@@ -22,6 +22,7 @@ std::optional<Mode> ParseMode(const std::string& word);
 
 /// What happens when a robot is late (on_deadline) or loses its client (on_disconnect).
 enum class LossPolicy { kWait, kHold, kStop, kDrop };
+const char* ToString(LossPolicy policy);  // wait, hold, stop, drop
 /// How a robot's drive is simulated; sensors, modules and commands are the same.
 enum class Fidelity { kFull, kRolling, kPlanar };
 const char* ToString(Fidelity fidelity);  // full, rolling, planar
@@ -64,14 +65,18 @@ struct RobotEntry {
   std::vector<std::string> waits_for;  // names of actuator modules; empty: all of them
   std::optional<double> deadline_s;    // wall clock
   LossPolicy on_deadline = LossPolicy::kHold;
-  std::optional<LossPolicy> on_disconnect;  // default: wait in lockstep; in realtime set-points stay
+  /// Empty, the default: lockstep waits; in realtime and free the robot stops if the client had said `hello`,
+  /// else its set-points stay.
+  std::optional<LossPolicy> on_disconnect;
   Fidelity fidelity = Fidelity::kFull;
   ControllerChoice controller;  // empty: clients drive it
   bool sockets = true;
   SourceLine where;
 
+  /// The actuator modules that must have a command for each step of lockstep.
+  std::vector<std::string> awaited_modules() const;
   /// Takes part in lockstep unless told otherwise.
-  bool participates() const { return sync && controller.empty() && model->has_actuators(); }
+  bool participates() const { return sync && controller.empty() && !awaited_modules().empty(); }
 };
 
 /// The robots of one [SWARM_n]: `count` of them from robots[first], called NAME_1 to NAME_count.

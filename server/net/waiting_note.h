@@ -20,10 +20,10 @@ class WaitingNote {
   std::chrono::milliseconds Pause(std::uint64_t serial) const { return serial == serial_ ? kEach : kFirst; }
 
   /// The `#` line to send about request `serial`, which waits for `whom` ("robot2 (no client), 1.2 s"); empty
-  /// if that has been said. The seconds at the end do not make it another text.
+  /// if that has been said. The seconds and what follows them do not make it another text.
   std::string Line(std::uint64_t serial, const std::string& whom, TimePoint now) {
     const bool first = std::exchange(serial_, serial) != serial;
-    std::string stable = whom.ends_with(" s") ? whom.substr(0, whom.rfind(", ")) : whom;
+    std::string stable = whom.substr(0, whom.rfind("), "));
     if (whom.empty() || (!first && stable == told_ && now - told_at_ < kRepeat)) return {};
     told_ = std::move(stable);
     told_at_ = now;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 namespace coopdyn {
@@ -120,7 +121,7 @@ Nanoseconds Stepper::StepIfDue(Nanoseconds now) {
     for (const FiredDeadline& fired : boards_.commands.FireDeadlines(now)) {
       const bool hold = fired.policy == LossPolicy::kHold, stop = fired.policy == LossPolicy::kStop;
       const char* what = hold ? "its set-points are held" : stop ? "it is stopped" : "it is dropped";
-      WriteInput(frame().step, "deadline", fired.robot + (hold ? " hold" : stop ? " stop" : " drop"));
+      WriteInput(frame().step, "deadline", fired.robot + " " + ToString(fired.policy));
       AddEvent("warning", fired.robot + " missed its deadline: " + what + " until its next command");
     }
     if (!boards_.commands.AllReady()) return boards_.commands.NextDeadline();
@@ -144,6 +145,7 @@ void Stepper::StepNow(Nanoseconds now) {
   inputs.setpoints = boards_.commands.Latch(before + 1);
   inputs.messages = boards_.commands.LatchedMessages();
   inputs.commanded = boards_.commands.LatchedCommands();
+  if (!boards_.commands.LatchedLosses().empty()) NoteLostClients();
   const FramePtr frame = simulation_->Step(step_length_, inputs);
   if (allowed_steps_ > 0) --allowed_steps_;
   boards_.frames.Publish(frame);
@@ -180,6 +182,26 @@ void Stepper::NoteStoppedControllers(std::optional<std::uint64_t> step) {
     if (robot < 0) continue;
     const std::string& name = scene.robots[static_cast<std::size_t>(robot)].entry.controller.name;
     boards_.commands.SetDriven(static_cast<std::size_t>(robot), name + " (stopped)", clock_.Now());
+  }
+}
+
+void Stepper::NoteLostClients() {
+  constexpr std::size_t kNamed = 4;
+  std::map<std::pair<std::string, LossPolicy>, std::vector<std::string>> by_client;
+  for (const LostClient& lost : boards_.commands.LatchedLosses()) {
+    const std::string& robot = simulation_->scene().robots[lost.robot].entry.name;
+    WriteInput(frame().step, "disconnect", robot + " " + ToString(lost.policy));
+    by_client[{lost.client, lost.policy}].push_back(robot);
+  }
+  for (const auto& [key, robots] : by_client) {
+    const auto& [client, policy] = key;
+    const char* what = policy == LossPolicy::kHold   ? "set-points held"
+                       : policy == LossPolicy::kStop ? "stopped"
+                                                     : "dropped";
+    std::string names;
+    for (std::size_t i = 0; i < robots.size() && i < kNamed; ++i) names += (i > 0 ? ", " : "") + robots[i];
+    if (robots.size() > kNamed) names += " and " + std::to_string(robots.size() - kNamed) + " more";
+    AddEvent("info", "lost client " + client + ": " + names + " " + what);
   }
 }
 

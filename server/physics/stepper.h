@@ -110,6 +110,8 @@ class Stepper {
   /// Takes note of controllers that have stopped: in the step after frame `step`, which is an input of the
   /// run; or, without, from the start.
   void NoteStoppedControllers(std::optional<std::uint64_t> step) REQUIRES(baton_);
+  /// Takes note of the clients that were lost before the step latched last.
+  void NoteLostClients() REQUIRES(baton_);
   /// No step follows at once on this thread.
   void RestControllers() REQUIRES(baton_);
   std::unique_ptr<Simulation> BuildSimulation(std::shared_ptr<const Scene> scene, std::uint64_t seed,

@@ -100,6 +100,8 @@ EditResult Stepper::Apply(const edit::Run&) {
 
 EditResult Stepper::Apply(const edit::Pause&) {
   paused_ = true;
+  allowed_steps_ = 0;
+  boards_.commands.EndSteps();
   return {};
 }
 
@@ -108,7 +110,7 @@ EditResult Stepper::Apply(const edit::Step& step) {
   if (!paused_) return Refusal(Error::kNotPossible, "step works only while paused: send pause first");
   if (allowed_steps_ == 0) RestartPace(clock_.Now());
   allowed_steps_ += step.steps;
-  boards_.commands.WaitSteps(static_cast<int>(allowed_steps_), step.done);
+  boards_.commands.WaitAllowedSteps(allowed_steps_, step.steps, step.done);
   return {};
 }
 

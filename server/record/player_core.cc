@@ -242,12 +242,13 @@ double PlayerCore::pace_speed() const {
 void PlayerCore::EndSteps(StepEnd end) {
   const std::vector<PendingStep> ended = std::exchange(steps_, {});
   for (const PendingStep& pending : ended) {
-    if (pending.done) pending.done({end, shown_, Mode::kRealtime});
+    const std::int64_t ran = pending.asked - std::min(pending.asked, pending.left);
+    if (pending.done) pending.done({end, shown_, Mode::kRealtime, ran, pending.asked});
   }
 }
 
-int PlayerCore::steps_left() const {
-  int most = 0;
+std::int64_t PlayerCore::steps_left() const {
+  std::int64_t most = 0;
   for (const PendingStep& pending : steps_) most = std::max(most, pending.left);
   return most;
 }

@@ -37,7 +37,8 @@ class PlayerCore {
 
  private:
   struct PendingStep {
-    int left = 0;  // frames
+    std::int64_t left = 0;  // frames, those that others wait for included
+    std::int64_t asked = 1;
     StepDone done;
   };
   struct Place {
@@ -84,7 +85,7 @@ class PlayerCore {
   void Look(bool always);
   void RestartPace(Nanoseconds time);
   void EndSteps(StepEnd end);
-  int steps_left() const;
+  std::int64_t steps_left() const;
   double pace_speed() const;
   void AddEvent(const char* level, std::string text);
   void PublishStatus();

@@ -19,19 +19,14 @@ EditResult Refusal(Error error, std::string text) {
 }  // namespace
 
 std::optional<Edit> PlayerCore::ApplyEdits() {
-  std::vector<Edit> edits = boards_.edits.TakeAll();
-  for (std::size_t i = 0; i < edits.size(); ++i) {
-    Edit& edit = edits[i];
-    if (std::holds_alternative<edit::Restore>(edit.action)) {
-      // What came after it is for the live run.
-      for (std::size_t rest = i + 1; rest < edits.size(); ++rest) boards_.edits.Push(std::move(edits[rest]));
-      return std::move(edit);
-    }
-    EditResult result = std::visit([this](const auto& action) { return Apply(action); }, edit.action);
+  while (std::optional<Edit> edit = boards_.edits.TakeNext()) {
+    // What came after it is for the live run, and stays in the queue.
+    if (std::holds_alternative<edit::Restore>(edit->action)) return edit;
+    EditResult result = std::visit([this](const auto& action) { return Apply(action); }, edit->action);
     result.frame = shown_;
     PublishStatus();
-    const bool waits = std::holds_alternative<edit::Step>(edit.action) && result.error == Error::kOk;
-    if (edit.done && !waits) edit.done(result);
+    const bool waits = std::holds_alternative<edit::Step>(edit->action) && result.error == Error::kOk;
+    if (edit->done && !waits) edit->done(result);
   }
   return std::nullopt;
 }
@@ -63,6 +58,7 @@ EditResult PlayerCore::Apply(const edit::Run&) {
 
 EditResult PlayerCore::Apply(const edit::Pause&) {
   Stand();
+  EndSteps(StepEnd::kPaused);
   RestartPace(shown_->time);
   return {};
 }
@@ -71,7 +67,8 @@ EditResult PlayerCore::Apply(const edit::Step& step) {
   if (playing_) return Refusal(Error::kNotPossible, "step works only while paused: send pause first");
   if (steps_.empty()) RestartPace(shown_->time);
   // As in a live run: after those that others wait for.
-  steps_.push_back({steps_left() + std::max(step.steps, 1), step.done});
+  const std::int64_t asked = std::max(step.steps, 1);
+  steps_.push_back({steps_left() + asked, asked, step.done});
   return {};
 }
 

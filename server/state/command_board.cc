@@ -67,18 +67,20 @@ std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& 
 
 void CommandBoard::TakeOwnership(std::size_t index, const Client& client) {
   Drive& drive = drives_[index];
+  Slot& slot = slots_[index];
   if (client.input_ended) {
-    slots_[index].former = client.id;
+    slot.former = client.id;
+    slot.former_name = client.name;
+    slot.former_peer = client.peer;
     return;
   }
   if (drive.owner != client.id) {
-    Slot& slot = slots_[index];
     drive.owner = client.id;
     slot.owner_name = client.name;
     slot.owner_peer = client.peer;
     slot.owner_is_team = client.is_team;
     slot.former = 0;
-    drive.has_policy = false;
+    drive.loses_client = drive.abandoned = false;
     if (client.is_team) NoteTeams();
   }
 }
@@ -120,8 +122,7 @@ void CommandBoard::ReplacePending(std::size_t index, const Client& client, Compl
 
 void CommandBoard::SetPending(std::size_t index, const Client& client, const Setpoint* setpoint, int steps) {
   Drive& drive = drives_[index];
-  drive.excused = false;
-  drive.dropped = false;
+  drive.excused = drive.dropped = drive.abandoned = false;
   if (setpoint != nullptr) {
     drive.commanded = *setpoint;
     drive.has_setpoint = true;
@@ -154,17 +155,46 @@ void CommandBoard::ApplyPolicy(std::size_t index, LossPolicy policy) {
   }
 }
 
-void CommandBoard::LoseClient(std::size_t index) {
-  Disown(index);
+void CommandBoard::EndInput(std::size_t index) {
   Slot& slot = slots_[index];
-  slot.former = 0;
-  const LossPolicy policy = slot.on_disconnect.value_or(LossPolicy::kWait);
+  slot.former = drives_[index].owner;
+  slot.former_name = slot.owner_name;
+  slot.former_peer = slot.owner_peer;
+  Disown(index);
+}
+
+void CommandBoard::LoseClient(std::size_t index) {
+  if (drives_[index].owner != 0) EndInput(index);
+  slots_[index].former = 0;
   if (drives_[index].pending) {
-    slot.after_pending = policy;
-    drives_[index].has_policy = true;
+    drives_[index].loses_client = true;
   } else {
-    ApplyPolicy(index, policy);
+    ApplyLoss(index);
   }
+}
+
+void CommandBoard::ApplyLoss(std::size_t index) {
+  const Slot& slot = slots_[index];
+  if (slot.on_disconnect) {
+    ApplyPolicy(index, *slot.on_disconnect);
+    if (*slot.on_disconnect != LossPolicy::kWait) NoteLoss(index, *slot.on_disconnect);
+  } else if (!slot.former_name.empty()) {
+    drives_[index].abandoned = true;
+    if (mode_ != Mode::kLockstep) StopAbandoned(index);
+  }
+}
+
+void CommandBoard::StopAbandoned(std::size_t index) {
+  Drive& drive = drives_[index];
+  drive.abandoned = false;
+  if (drive.in_force == Setpoint{}) return;
+  drive.in_force = {};
+  NoteLoss(index, LossPolicy::kStop);
+}
+
+void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy) {
+  const Slot& slot = slots_[index];
+  losses_.push_back({index, slot.former_name.empty() ? slot.former_peer : slot.former_name, policy});
 }
 
 // --- one robot
@@ -267,8 +297,7 @@ void CommandBoard::InputEnded(SlotId id, ClientId client) {
   const MutexLock lock(mutex_);
   const std::size_t index = Find(id);
   if (index == kNoSlot || drives_[index].owner != client) return;
-  Disown(index);
-  slots_[index].former = client;
+  EndInput(index);
 }
 
 void CommandBoard::Closed(SlotId id, ClientId client) {
@@ -298,9 +327,13 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
     return Refusal(Error::kOwned, slot.robot + " is owned by " + Who(index) + ", which sends for it: " +
                                       "release_robot " + slot.robot + " of /simulation unloads it");
   }
-  if (drives_[index].owner != 0 && slot.owner_name != client.name) {
+  const bool same_name = !slot.owner_name.empty() && slot.owner_name == client.name;
+  if (drives_[index].owner != 0 && !same_name) {
     return Refusal(Error::kOwned, slot.robot + " is driven by " + Who(index) +
-                                      ": only a client of the same name (hello) may send for it");
+                                      (slot.owner_name.empty()
+                                           ? ", which has no name: say hello NAME there and here, then it "
+                                             "may send here, too"
+                                           : ": only a client of the same name (hello) may send for it"));
   }
   if (slot.message == kNoMessage) {
     slot.message = static_cast<std::uint32_t>(messages_.size());
@@ -317,15 +350,19 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
 bool CommandBoard::WaitInPlayback(int steps, StepDone& done) {
   const MutexLock lock(mutex_);
   if (!playing_ || stopping_) return false;
-  waiters_.push_back({0, 0, steps, false, std::move(done)});
+  waiters_.push_back({0, 0, steps, false, std::move(done), 0});
   return true;
 }
 
-void CommandBoard::WaitSteps(int steps, StepDone done) {
+void CommandBoard::WaitSteps(std::int64_t steps, StepDone done) {
+  WaitAllowedSteps(steps, 0, std::move(done));
+}
+
+void CommandBoard::WaitAllowedSteps(std::int64_t steps, std::int64_t asked, StepDone done) {
   {
     const MutexLock lock(mutex_);
     if (!stopping_) {
-      waiters_.push_back({0, 0, steps, false, std::move(done)});
+      waiters_.push_back({0, 0, steps, false, std::move(done), asked});
       return;
     }
   }
@@ -349,8 +386,10 @@ std::vector<CommandBoard::Owner> CommandBoard::Owners() const {
   owners.reserve(slots_.size());
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const Drive& drive = drives_[i];
+    const bool is_free = drive.owner == 0 && !drive.driven && !playing_;
     owners.push_back({slots_[i].robot, drive.owner, Who(i), drive.participates && !drive.dropped,
-                      drive.dropped, slots_[i].owner_is_team, drive.driven});
+                      drive.dropped, slots_[i].owner_is_team, drive.driven,
+                      is_free && drive.in_force != Setpoint{}});
   }
   return owners;
 }
@@ -361,12 +400,29 @@ std::vector<Awaited> CommandBoard::Awaiting(Nanoseconds now, std::size_t max, st
   const bool waits = mode_ == Mode::kLockstep;
   if (total != nullptr) *total = waits ? awaited_ : 0;
   if (!waits || awaited_ == 0) return awaiting;
+  std::string cure;
   for (std::size_t i = 0; i < slots_.size() && awaiting.size() < max; ++i) {
     if (!IsAwaited(drives_[i])) continue;
-    awaiting.push_back({slots_[i].robot, drives_[i].owner == 0 ? "no client" : "no command from " + Who(i),
-                        ToSeconds(now - waiting_since_)});
+    const bool no_client = drives_[i].owner == 0;
+    if (no_client && cure.empty()) cure = CureForNoClient();
+    awaiting.push_back({slots_[i].robot, no_client ? "no client" : "no command from " + Who(i),
+                        ToSeconds(now - waiting_since_), no_client ? cure : ""});
   }
   return awaiting;
+}
+
+std::string CommandBoard::CureForNoClient() const {
+  constexpr std::size_t kNamed = 4;
+  std::string names;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < drives_.size() && count <= kNamed; ++i) {
+    if (drives_[i].owner == 0) continue;
+    if (++count <= kNamed) names += " " + slots_[i].robot;
+  }
+  if (count == 0) return "start its program, or set_mode realtime";
+  const std::string others = count <= kNamed ? names : " and the names of the robots that have one";
+  return "start its program, or let the others go on with set_participants" + others +
+         ", or the page's button 'connected'";
 }
 
 }  // namespace coopdyn

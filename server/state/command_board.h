@@ -46,6 +46,7 @@ enum class StepEnd {
   kReset,     // error 5 `reset`
   kLoad,      // error 5 `load`
   kReplaced,  // another client became owner first: error 6
+  kPaused,    // `pause` ended a `step n`: error 5
   kStopping,  // the daemon ends: error 5
 };
 
@@ -53,6 +54,7 @@ struct StepResult {
   StepEnd end = StepEnd::kRan;
   FramePtr frame;  // of the step that ended the wait, or the newest
   Mode mode = Mode::kRealtime;
+  std::int64_t ran = 0, asked = 0;  // kPaused: steps of the `step n` that have run, and n
 };
 /// Called on the stepping thread, or on the thread whose call ended the wait; posts to its own thread and
 /// returns.
@@ -72,6 +74,7 @@ struct Awaited {
   std::string robot;
   std::string why;  // "no client", "no command from ana"
   double seconds = 0;
+  std::string cure = {};  // what to do about it; empty: nothing but wait
 };
 
 /// What one connection wants of many robots in one step: all of it is accepted, or nothing happens.
@@ -85,6 +88,13 @@ struct TeamStep {
 struct FiredDeadline {
   std::string robot;
   LossPolicy policy = LossPolicy::kHold;
+};
+
+/// A robot whose client has gone, and what that changed: an input of the run.
+struct LostClient {
+  std::size_t robot = 0;  // index into the scene
+  std::string client;     // its name, else peer
+  LossPolicy policy = LossPolicy::kStop;
 };
 
 class CommandBoard {
@@ -111,8 +121,8 @@ class CommandBoard {
   void InputEnded(SlotId slot, ClientId client);
   /// The last of the connection, its backlog included: `on_disconnect` acts.
   void Closed(SlotId slot, ClientId client);
-  /// The robot broadcasts `message` in the next step, instead of what it was to broadcast so far. Refused if
-  /// a loaded controller drives it, or a client of another name does.
+  /// The robot broadcasts `message` in the next step, instead of what it was to broadcast so far. While a
+  /// client drives it only connections that bear its name may; a driver without name has nobody else.
   Verdict Send(SlotId slot, const Client& client, const RobotMessage& message);
 
   // Many robots with one lock: the connections of /swarm. `client.is_team`.
@@ -138,8 +148,10 @@ class CommandBoard {
   /// Grows with each Configure(): slots may be others. Without lock.
   std::uint64_t layout_revision() const { return layout_revision_.load(std::memory_order_acquire); }
 
-  /// Waits for `steps` steps without making anybody ready (`ready` elsewhere, `step n`).
-  void WaitSteps(int steps, StepDone done);
+  /// Waits for `steps` steps without making anybody ready (`ready` elsewhere).
+  void WaitSteps(std::int64_t steps, StepDone done);
+  /// As WaitSteps() for a `step n`, n being `asked`: EndSteps() ends it.
+  void WaitAllowedSteps(std::int64_t steps, std::int64_t asked, StepDone done);
   /// Registers a function called after every step before any StepDone of it (subscriptions). Returns its key.
   using StepObserver = std::function<void(const FramePtr&)>;
   std::uint64_t AddObserver(StepObserver observer);
@@ -153,8 +165,9 @@ class CommandBoard {
     std::string name;  // client name, else peer; or `controller diffuse`, with id 0
     bool participates = false;
     bool dropped = false;
-    bool is_team = false;  // owned through /swarm
-    bool driven = false;   // by a loaded controller
+    bool is_team = false;       // owned through /swarm
+    bool driven = false;        // by a loaded controller
+    bool still_moving = false;  // nobody drives it, and its set-points in force are not zero
   };
   /// All slots in the scene's order.
   std::vector<Owner> Owners() const;
@@ -177,6 +190,8 @@ class CommandBoard {
   /// While a recording is played nobody drives: commands, claims and broadcasts get error 5, `ready` is
   /// answered after the next frame shown.
   void SetPlaying(bool playing);
+  /// Ends the waits of `step n` with kPaused.
+  void EndSteps();
   /// Zeroes set-points and replaces commands that have not run.
   /// Also drops broadcasts that wait.
   void StopAll();
@@ -192,6 +207,8 @@ class CommandBoard {
   std::span<const std::uint8_t> LatchedCommands() const { return latched_commands_; }
   /// The broadcasts of the step latched last, by increasing robot; valid until the next Latch().
   std::span<const SentMessage> LatchedMessages() const { return latched_messages_; }
+  /// Clients that were lost before the step latched last, if that changed anything; valid as those.
+  std::span<const LostClient> LatchedLosses() const { return latched_losses_; }
   /// After the step: answers whom it ends the wait of. Observers first. Calls the callbacks.
   void FinishStep(const FramePtr& frame, Nanoseconds now);
   /// Waiting starts anew (after a pause): deadlines count from `now`.
@@ -216,7 +233,8 @@ class CommandBoard {
     bool has_setpoint = false;  // it brings `commanded`; else what is in force is kept
     bool latched = false;       // it was there when the step that runs now began
     bool has_done = false;      // somebody waits for its end: Slot::done
-    bool has_policy = false;    // Slot::after_pending
+    bool loses_client = false;  // on_disconnect acts once what is pending has run
+    bool abandoned = false;     // its client, which had said hello, has gone, and its entry has no policy
     bool participates = false;  // by scenario or set_participants
     bool excused =
         false;  // late or without client, by policy hold or stop: not waited for until its next command
@@ -230,10 +248,10 @@ class CommandBoard {
     std::string robot, type;
     std::string owner_name, owner_peer;
     bool owner_is_team = false;
-    std::string controller;                        // while driven
-    ClientId former = 0;                           // its input has ended, its requests may still run
-    StepDone done;                                 // of what is pending; null: answered already
-    LossPolicy after_pending = LossPolicy::kWait;  // on_disconnect, once what is pending has run
+    std::string controller;                // while driven
+    ClientId former = 0;                   // its input has ended, its requests may still run
+    std::string former_name, former_peer;  // of `former`, or of whoever was lost last
+    StepDone done;                         // of what is pending; null: answered already
     std::optional<double> deadline_s;
     LossPolicy on_deadline = LossPolicy::kHold;
     std::optional<LossPolicy> on_disconnect;
@@ -244,9 +262,10 @@ class CommandBoard {
   struct Waiter {
     std::uint64_t batch = 0;  // 0: of nobody's robots
     std::size_t members = 0;  // robots of the batch that nobody has taken yet
-    int steps_left = 0;
+    std::int64_t steps_left = 0;
     bool latched = false;
     StepDone done;
+    std::int64_t asked = 0;  // of `step n`: n; 0: of something else
   };
   struct Observer {
     std::uint64_t key = 0;
@@ -283,7 +302,16 @@ class CommandBoard {
   Verdict Place(SlotId id, const Client& client, const Setpoint* setpoint, std::optional<int> steps,
                 StepDone done) EXCLUDES(mutex_);
   void ApplyPolicy(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
+  /// The owner sends no more: the robot is free, what it sent still runs.
+  void EndInput(std::size_t index) REQUIRES(mutex_);
   void LoseClient(std::size_t index) REQUIRES(mutex_);
+  /// What on_disconnect, or its default, makes of a robot whose client is lost.
+  void ApplyLoss(std::size_t index) REQUIRES(mutex_);
+  /// Stops a robot without its program.
+  void StopAbandoned(std::size_t index) REQUIRES(mutex_);
+  void NoteLoss(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
+  /// What to do about a robot without client.
+  std::string CureForNoClient() const REQUIRES(mutex_);
   static bool IsAwaited(const Drive& drive) {
     return drive.participates && !drive.dropped && !drive.excused && !drive.pending;
   }
@@ -305,6 +333,8 @@ class CommandBoard {
   std::vector<Setpoint> latched_;                         // stepping thread only
   std::vector<std::uint8_t> latched_commands_;            // stepping thread only
   std::vector<SentMessage> latched_messages_;             // stepping thread only
+  std::vector<LostClient> latched_losses_;                // stepping thread only
+  std::vector<LostClient> losses_ GUARDED_BY(mutex_);     // since the last Latch()
   std::vector<SentMessage> messages_ GUARDED_BY(mutex_);  // for the next step, in order of arrival
   std::vector<Waiter> waiters_ GUARDED_BY(mutex_);
   std::vector<Observer> observers_ GUARDED_BY(mutex_);

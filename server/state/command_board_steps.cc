@@ -62,7 +62,7 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
       slot.on_disconnect = entry.on_disconnect;
       slot.participates_by_scene = entry.participates();
       drive.has_actuators = entry.model->has_actuators();
-      slot.may_participate = entry.sync && drive.has_actuators;
+      slot.may_participate = entry.sync && !entry.awaited_modules().empty();
       drive.driven = !entry.controller.empty();
       drive.participates = slot.participates_by_scene;
       has_deadlines_ |= slot.deadline_s.has_value();
@@ -76,6 +76,8 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
           slot.owner_peer = same.owner_peer;
           slot.owner_is_team = same.owner_is_team;
           slot.former = same.former;
+          slot.former_name = same.former_name;
+          slot.former_peer = same.former_peer;
           if (end == StepEnd::kReset) drive.participates = old_drives[before->second].participates;
         }
       } else {
@@ -90,6 +92,8 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
     latched_.assign(slots_.size(), Setpoint{});
     latched_commands_.assign(slots_.size(), 0);
     latched_messages_.clear();
+    losses_.clear();
+    latched_losses_.clear();
     waiting_since_ = now;
     CountAwaited();
     NoteTeams();
@@ -102,6 +106,11 @@ void CommandBoard::SetMode(Mode mode, Nanoseconds now) {
   const MutexLock lock(mutex_);
   mode_ = mode;
   waiting_since_ = now;
+  if (mode == Mode::kLockstep) return;
+  // Lockstep waited for their programs; now they would drive on without.
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    if (drives_[i].abandoned) StopAbandoned(i);
+  }
 }
 
 Mode CommandBoard::mode() const {
@@ -147,7 +156,7 @@ void CommandBoard::SetDriven(std::size_t robot, const std::string& name, Nanosec
     Drive& drive = drives_[robot];
     Slot& slot = slots_[robot];
     drive.in_force = {};
-    drive.excused = drive.dropped = drive.has_policy = false;
+    drive.excused = drive.dropped = drive.loses_client = drive.abandoned = false;
     drive.driven = !name.empty();
     drive.participates = !drive.driven && slot.may_participate;
     slot.participates_by_scene = drive.participates;
@@ -177,6 +186,21 @@ std::vector<Setpoint> CommandBoard::InForce() const {
 void CommandBoard::SetPlaying(bool playing) {
   const MutexLock lock(mutex_);
   playing_ = playing;
+}
+
+void CommandBoard::EndSteps() {
+  std::vector<std::pair<StepDone, StepResult>> ended;
+  {
+    const MutexLock lock(mutex_);
+    std::erase_if(waiters_, [&](Waiter& waiter) REQUIRES(mutex_) {
+      if (waiter.asked == 0) return false;
+      const std::int64_t ran = waiter.asked - std::min(waiter.asked, waiter.steps_left);
+      ended.emplace_back(std::move(waiter.done),
+                         StepResult{StepEnd::kPaused, last_frame_, mode_, ran, waiter.asked});
+      return true;
+    });
+  }
+  for (const auto& [done, result] : ended) done(result);
 }
 
 void CommandBoard::StopAll() {
@@ -216,6 +240,8 @@ std::span<Setpoint> CommandBoard::Latch(std::uint64_t step) {
               [](const SentMessage& a, const SentMessage& b) { return a.robot < b.robot; });
     for (SentMessage& sent : latched_messages_) sent.step = step;
   }
+  latched_losses_.clear();
+  latched_losses_.swap(losses_);
   return latched_;
 }
 
@@ -236,7 +262,7 @@ void CommandBoard::FinishStep(const FramePtr& frame, Nanoseconds now) {
       if (drive.pending && drive.latched && --drive.steps_left <= 0) {
         if (drive.has_done) completions.calls.emplace_back(std::move(slots_[i].done), StepEnd::kRan);
         ClearPending(i);
-        if (std::exchange(drive.has_policy, false)) ApplyPolicy(i, slots_[i].after_pending);
+        if (std::exchange(drive.loses_client, false)) ApplyLoss(i);
       }
       if (IsAwaited(drive)) ++awaited_;
     }

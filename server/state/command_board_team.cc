@@ -24,7 +24,7 @@ Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int st
     }
     completions = MakeCompletions();
     const std::uint64_t batch = next_batch_++;
-    Waiter waiter{batch, 0, steps, false, std::move(done)};
+    Waiter waiter{batch, 0, steps, false, std::move(done), 0};
     const auto place = [&](std::size_t index, const Setpoint* setpoint) REQUIRES(mutex_) {
       const bool was_awaited = IsAwaited(drives_[index]);
       TakeOwnership(index, client);
@@ -137,9 +137,7 @@ std::vector<ClientId> CommandBoard::HelloAll(const Client& client) {
 void CommandBoard::InputEndedAll(ClientId client) {
   const MutexLock lock(mutex_);
   for (std::size_t i = 0; i < drives_.size(); ++i) {
-    if (drives_[i].owner != client) continue;
-    Disown(i);
-    slots_[i].former = client;
+    if (drives_[i].owner == client) EndInput(i);
   }
 }
 

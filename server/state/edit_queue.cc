@@ -33,6 +33,14 @@ std::vector<Edit> EditQueue::TakeAll() {
   return std::exchange(edits_, {});
 }
 
+std::optional<Edit> EditQueue::TakeNext() {
+  const MutexLock lock(mutex_);
+  if (edits_.empty()) return std::nullopt;
+  std::optional<Edit> next = std::move(edits_.front());
+  edits_.erase(edits_.begin());
+  return next;
+}
+
 bool EditQueue::empty() const {
   const MutexLock lock(mutex_);
   return edits_.empty();

@@ -110,6 +110,8 @@ class EditQueue {
   void Push(Edit edit) EXCLUDES(mutex_);
   /// All that wait, in order. Stepping thread.
   std::vector<Edit> TakeAll() EXCLUDES(mutex_);
+  /// The first that waits, if any; the others stay in their order. Stepping thread.
+  std::optional<Edit> TakeNext() EXCLUDES(mutex_);
   bool empty() const EXCLUDES(mutex_);
   /// Refuses what waits and what comes.
   void Close() EXCLUDES(mutex_);

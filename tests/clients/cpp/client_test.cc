@@ -89,6 +89,35 @@ TEST(Interrupted, AfterATimeoutTheNextReplyIsTheRightOne) {
   EXPECT_EQ(other.get_pose().forward, 0.4);
 }
 
+TEST(Killed, AProgramThatIsKilledStopsItsRobotInRealTime) {
+  const auto daemon = ServerProcess::Real("classroom", {"--mode", "realtime"});
+  const pid_t program = fork();
+  if (program == 0) {
+    auto sim = connect(daemon.server());
+    auto robot = sim.robot(1);
+    while (true) {
+      robot.set_velocity(0.2, 0);
+      sim.step();
+    }
+  }
+  Options options;
+  options.watch = true;
+  auto sim = connect(daemon.server(), options);
+  auto robot = sim.robot(1);
+  constexpr int kMostSteps = 3000;
+  const auto comes = [&](auto condition) {
+    for (int k = 0; k < kMostSteps; ++k) {
+      if (condition(std::abs(robot.get_wheels().left_speed))) return true;
+      sim.step();
+    }
+    return false;
+  };
+  EXPECT_TRUE(comes([](double speed) { return speed > 1; }));
+  kill(program, SIGKILL);
+  waitpid(program, nullptr, 0);
+  EXPECT_TRUE(comes([](double speed) { return speed < 1e-3; }));
+}
+
 TEST(Interrupted, OneRefusedRobotOfFiveNeverHangsTheLoop) {
   const auto daemon = ServerProcess::Fake({"--mode", "lockstep", "--robots", "5"});
   auto sim = connect(daemon.server());

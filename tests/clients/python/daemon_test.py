@@ -5,6 +5,7 @@ import io
 import math
 import os
 import pathlib
+import signal
 import socket
 import subprocess
 import sys
@@ -338,6 +339,47 @@ class Everything(DaemonTestCase):
                 sim.step(timeout=60)
                 steps.append(sim.steps)
             self.assertEqual(steps, sorted(set(steps)), mode)
+
+
+class EndOfAProgram(ProgramTestCase):
+    """A program that ends without close() stops its robot in real time."""
+    PROGRAM = """
+import coopdyn
+sim = coopdyn.connect()
+r = sim.robot(1)
+while True:
+    r.set_velocity(0.2, 0)
+    sim.step()
+"""
+
+    def end_by(self, signum):
+        daemon = self.start("classroom", "--mode", "realtime")
+        watcher = self.connect(daemon, watch=True)
+        r = watcher.robot(1)
+
+        def comes(condition):
+            for _ in range(6000):
+                if condition(abs(r.get_wheels().left_speed)):
+                    return True
+                watcher.step()
+            return False
+
+        environment = dict(os.environ, COOPDYN_SERVER=daemon.server, PYTHONPATH=str(CLIENT))
+        with subprocess.Popen([sys.executable, "-c", self.PROGRAM], env=environment, stderr=subprocess.DEVNULL) as program:
+            try:
+                self.assertTrue(comes(lambda speed: speed > 1))
+                program.send_signal(signum)
+                program.wait(60)
+            finally:
+                program.kill()
+        self.assertTrue(comes(lambda speed: speed < 1e-3))
+        self.assertFalse(watcher.status()["robots"][0]["still_moving"])
+
+    def test_a_killed_program_stops_its_robot(self):
+        self.end_by(signal.SIGKILL)
+
+    def test_an_interrupted_program_stops_its_robot(self):
+        self.end_by(signal.SIGINT)
 
 
 if __name__ == "__main__":

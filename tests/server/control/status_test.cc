@@ -45,6 +45,8 @@ TEST_F(SimulationModuleTest, StatusTellsEverything) {
   EXPECT_EQ(awaited.at("robot"), "robot2");
   EXPECT_EQ(awaited.at("why"), "no client");
   EXPECT_DOUBLE_EQ(awaited.at("seconds").to_number<double>(), 1.5);
+  EXPECT_THAT(std::string(awaited.at("cure").as_string()), testing::HasSubstr("set_participants robot1"));
+  EXPECT_TRUE(status.at("awaiting").as_array().at(0).at("cure").is_null());
   const json::array& clients = status.at("clients").as_array();
   ASSERT_EQ(clients.size(), 2u);
   EXPECT_EQ(clients[0].at("module"), "/simulation");
@@ -52,6 +54,20 @@ TEST_F(SimulationModuleTest, StatusTellsEverything) {
   EXPECT_EQ(clients[1].at("owner"), true);
   EXPECT_EQ(status.at("frozen").as_array().at(0), "BOX_1");
   EXPECT_EQ(status.at("events").as_array().at(0).at("text"), "robot1 has left the floor");
+}
+
+TEST_F(SimulationModuleTest, StatusTellsWhichRobotsMoveThoughNobodyDrivesThem) {
+  world_.Load(SmallScenario(2), Mode::kRealtime);
+  const SlotId robot = world_.board.FindSlot("robot1");
+  world_.board.Command(robot, {42, "", "peer:42", false}, {1, 1}, {}, nullptr);
+  world_.Step();
+  const auto moving = [this](std::size_t index) {
+    return Status().at("robots").as_array().at(index).at("still_moving").as_bool();
+  };
+  EXPECT_FALSE(moving(0)) << "somebody drives it";
+  world_.board.Closed(robot, 42);
+  EXPECT_TRUE(moving(0));
+  EXPECT_FALSE(moving(1));
 }
 
 TEST_F(SimulationModuleTest, ObjectsOfAListHaveTheSameKeys) {

@@ -91,6 +91,17 @@ TEST(RobotTest, BesideTheFloorDrawsAWarning) {
 TEST(RobotTest, WaitsForNamesActuatorModules) {
   EXPECT_THAT(With("waits_for motors, distance"),
               HasSubstr("'distance' is no actuator module of coopbot: it has motors"));
+  EXPECT_THAT(With("waits_for none"), HasSubstr("write 'waits_for motors', or 'sync no'"));
+  EXPECT_THAT(With("waits_for motors motors"), HasSubstr("'motors' is named twice"));
+}
+
+TEST(RobotTest, LockstepAwaitsWhatWaitsForLists) {
+  EXPECT_THAT(Good(kPlaced)->robots.at(0).awaited_modules(), ::testing::ElementsAre("motors"));
+  RobotEntry robot = Good(kPlaced + "waits_for motors\n")->robots.at(0);
+  EXPECT_THAT(robot.awaited_modules(), ::testing::ElementsAre("motors"));
+  robot.waits_for = {"arm"};
+  EXPECT_THAT(robot.awaited_modules(), ::testing::IsEmpty());
+  EXPECT_FALSE(robot.participates());
 }
 
 TEST(RobotTest, DeadlineIsAboveZero) {

@@ -147,6 +147,28 @@ TEST_F(StepperTest, PausedNothingRunsButTheAllowedSteps) {
   EXPECT_EQ(control_.status().state, RunState::kPaused);
 }
 
+TEST_F(StepperTest, PauseEndsStepNWhichTellsHowManyHaveRun) {
+  RunOptions options;
+  options.paused = true;
+  Begin(kTwoRobots, Mode::kLockstep, options);
+  StartThread();
+  StepDone done;
+  auto ended = Expect(done);
+  edits_.Push({edit::Step{1'000'000, done}, nullptr});
+  for (int k = 0; k < 3; ++k) {
+    board_.Command(board_.FindSlot("robot1"), ana_, {1, 1}, {}, [](const StepResult&) {});
+    Command("robot2", bob_, {1, 1});
+  }
+  Do(edit::Pause{});
+  const StepResult result = ended.get();
+  EXPECT_EQ(result.end, StepEnd::kPaused);
+  EXPECT_EQ(result.ran, 3);
+  EXPECT_EQ(result.asked, 1'000'000);
+  board_.Command(board_.FindSlot("robot1"), ana_, {1, 1}, {}, [](const StepResult&) {});
+  board_.Command(board_.FindSlot("robot2"), bob_, {1, 1}, {}, [](const StepResult&) {});
+  EXPECT_EQ(Do(edit::StopAll{}).frame->step, 3u) << "nothing more runs";
+}
+
 TEST_F(StepperTest, StepIsRefusedUnlessPaused) {
   Begin(kTwoRobots, Mode::kLockstep);
   StartThread();

@@ -213,6 +213,36 @@ TEST_F(PlayerEditsTest, RestoreEndsThePlayback) {
   EXPECT_EQ(verdict.error, Error::kOk) << "robots can be driven again";
 }
 
+TEST_F(PlayerEditsTest, WhatComesAfterARestoreStaysInOrderForTheLiveRun) {
+  RecordPaused();
+  // The first of them is applied here, and while it is another one arrives.
+  edits_.Push({edit::SetLoop{true}, [this](const EditResult&) {
+                 edits_.Push({edit::Note{"late"}, nullptr});
+               }});
+  edits_.Push({edit::Restore{std::make_shared<SavedState>(sample_.StateAt(4))}, nullptr});
+  edits_.Push({edit::Note{"early"}, nullptr});
+  RunUntil(now_);
+  ASSERT_TRUE(ended_by_);
+  std::vector<std::string> notes;
+  for (const Edit& edit : edits_.TakeAll()) notes.push_back(std::get<edit::Note>(edit.action).text);
+  EXPECT_EQ(notes, (std::vector<std::string>{"early", "late"}));
+}
+
+TEST_F(PlayerEditsTest, PauseEndsStepNAndTellsHowManyWereShown) {
+  RecordPaused();
+  const auto first = PushStep(10), second = PushStep(5);
+  RunUntil(now_ + 35 * kMs);
+  Do(edit::Pause{});
+  ASSERT_TRUE(*first && *second);
+  EXPECT_EQ((*first)->end, StepEnd::kPaused);
+  EXPECT_EQ((*first)->ran, 3);
+  EXPECT_EQ((*first)->asked, 10);
+  EXPECT_EQ((*second)->ran, 0);
+  const std::uint64_t shown = step();
+  RunUntil(now_ + 500 * kMs);
+  EXPECT_EQ(step(), shown);
+}
+
 TEST_F(PlayerEditsTest, NobodyDrives) {
   RecordPaused();
   const Client ana{1, "ana", "a"};

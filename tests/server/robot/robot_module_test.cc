@@ -283,6 +283,22 @@ TEST_F(RobotModuleTest, ResetLoadAndStopEndAWaitWithTheirReason) {
   EXPECT_EQ(end_of(StepEnd::kStopping), "the daemon is stopping");
 }
 
+TEST_F(RobotModuleTest, NobodyStandsOrWaitsForMoreStepsThanTheMost) {
+  auto motors = Connect(kMotors), pose = Connect(kPose);
+  const auto refused = [](FakeClient& client, command::Id command, std::vector<double> data) {
+    client.SendMessage(Message{0, "", command, {kMaxSteps + 1}, std::move(data)});
+    const Message& reply = client.received.back();
+    EXPECT_EQ(reply.error, 4) << command;
+    EXPECT_THAT(reply.text, HasSubstr("at most 10000000")) << command;
+  };
+  refused(*motors, command::kReady, {});
+  refused(*motors, command::kSetVelocity, {0.1, 0});
+  refused(*motors, command::kStop, {});
+  refused(*pose, command::kReady, {});
+  motors->Send("ready 10000000");
+  EXPECT_TRUE(motors->is_waiting());
+}
+
 TEST_F(RobotModuleTest, KeptRobotDrivesOnAfterALoadThatMovesItsPlace) {
   auto two = Connect(kMotors, 1);
   auto pose = Connect(kPose, 1);
@@ -328,7 +344,10 @@ TEST_F(RobotModuleTest, WaitingForNamesTheFirstAwaitedRobot) {
   auto client = Connect(kMotors, 0);
   client->Send("set_velocity 0.1 0");
   clock_.Advance(1'200'000'000);
-  EXPECT_EQ(Module(kMotors).WaitingFor(), "waiting for robot2 (no client), 1.2 s");
+  EXPECT_THAT(
+      Module(kMotors).WaitingFor(),
+      testing::StartsWith("waiting for robot2 (no client), 1.2 s: start its program, or let the others "
+                          "go on with set_participants robot1,"));
   SetMode(Mode::kRealtime);
   EXPECT_EQ(Module(kMotors).WaitingFor(), "");
 }

@@ -197,6 +197,23 @@ TEST_F(TeamTest, OnDisconnectActsForEachRobotOnceTheBatchHasRun) {
   EXPECT_TRUE(board_.Owners()[1].dropped);
 }
 
+TEST_F(TeamTest, InRealtimeALostTeamThatSaidHelloStopsAndOneWithoutNameDrivesOn) {
+  const Client nameless{7, "", "127.0.0.1:7", false, true};
+  for (const Client& team : {team_, nameless}) {
+    UseRobots({"robot1", "robot2", "robot3"});
+    board_.SetMode(Mode::kRealtime, now_);
+    const std::vector<SlotId> two = slots({"robot1", "robot3"});
+    const std::vector<Setpoint> setpoints{{1, 1}, {3, 3}};
+    board_.StepAll({two, setpoints, {}}, team, 1, Note("team"));
+    RunStep();
+    board_.InputEndedAll(team.id);
+    board_.ClosedAll(team.id);
+    const bool stops = !team.name.empty();
+    EXPECT_EQ(RunStep()[2], (stops ? Setpoint{0, 0} : Setpoint{3, 3}));
+    EXPECT_EQ(board_.LatchedLosses().size(), stops ? 2u : 0u);
+  }
+}
+
 TEST_F(TeamTest, ResetAndLoadEndTheWaitOfABatchAndKeepItsRobots) {
   StepAll({"robot1", "robot2", "robot3"}, {{1, 1}, {2, 2}, {3, 3}});
   UseRobots({"robot1", "robot2", "robot3"}, StepEnd::kReset);
@@ -283,6 +300,17 @@ TEST_F(DrivenTest, AControllerThatComesEndsWhatAClientWanted) {
   EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
 }
 
+TEST_F(DrivenTest, ALostClientChangesNothingOfARobotThatAControllerDrivesNow) {
+  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  RunStep();
+  board_.Closed(slot("robot1"), ana_.id);
+  board_.SetDriven(0, "diffuse", now_);
+  board_.SetMode(Mode::kRealtime, now_);
+  RunStep();
+  EXPECT_THAT(board_.LatchedLosses(), IsEmpty());
+  EXPECT_FALSE(board_.Owners()[0].still_moving);
+}
+
 TEST_F(DrivenTest, ResetBringsTheScenariosControllersBack) {
   board_.SetDriven(1, "", now_);
   board_.Claim(slot("robot2"), ana_);
@@ -349,9 +377,16 @@ TEST_F(TeamTest, OnlyTheNameThatDrivesARobotSendsForIt) {
   EXPECT_THAT(verdict.text, HasSubstr("robot1 is driven by ana"));
   EXPECT_EQ(board_.Send(slot("robot1"), {9, "ana", "127.0.0.1:9"}, Values({1})).error, Error::kOk);
   EXPECT_EQ(board_.Send(slot("robot1"), {9, "", "127.0.0.1:9"}, Values({1})).error, Error::kOwned);
-  board_.Release(slot("robot1"), ana_);
+}
+
+TEST_F(TeamTest, TwoClientsWithoutANameDoNotShareARobotsBroadcast) {
+  const Client nameless{9, "", "127.0.0.1:9"};
   board_.Claim(slot("robot1"), {10, "", "127.0.0.1:10"});
-  EXPECT_EQ(board_.Send(slot("robot1"), {9, "", "127.0.0.1:9"}, Values({1})).error, Error::kOk);
+  const Verdict verdict = board_.Send(slot("robot1"), nameless, Values({1}));
+  EXPECT_EQ(verdict.error, Error::kOwned);
+  EXPECT_THAT(verdict.text, HasSubstr("say hello NAME"));
+  board_.Closed(slot("robot1"), 10);
+  EXPECT_EQ(board_.Send(slot("robot1"), nameless, Values({1})).error, Error::kOk);
 }
 
 TEST_F(DrivenTest, NobodySendsForARobotThatAControllerDrives) {

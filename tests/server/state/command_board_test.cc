@@ -346,6 +346,159 @@ TEST_F(DisconnectTest, StopActsAfterTheCommandThatIsStillPending) {
   EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
 }
 
+/// Robot 1 drives at (2, 2) in a mode, and its client, with or without a name, is lost.
+class DefaultLossTest : public CommandBoardTest {
+ protected:
+  void Drive(Mode mode, const Client& client) {
+    UseRobots({"robot1"});
+    board_.SetMode(mode, now_);
+    board_.Command(slot("robot1"), client, {2, 2}, {}, Note("client"));
+    RunStep();
+  }
+  void Lose(Mode mode, const Client& client) {
+    Drive(mode, client);
+    board_.InputEnded(slot("robot1"), client.id);
+    board_.Closed(slot("robot1"), client.id);
+  }
+  const Client nameless_{5, "", "127.0.0.1:5"};
+};
+
+TEST_F(DefaultLossTest, InRealtimeAndFreeARobotStopsWithTheProgramThatSaidHello) {
+  for (const Mode mode : {Mode::kRealtime, Mode::kFree}) {
+    Lose(mode, ana_);
+    EXPECT_EQ(RunStep()[0], (Setpoint{0, 0})) << ToString(mode);
+  }
+}
+
+TEST_F(DefaultLossTest, OneThatEndsWithoutAnEndOfItsInputStopsItToo) {
+  Drive(Mode::kRealtime, ana_);
+  board_.Closed(slot("robot1"), ana_.id);
+  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+}
+
+TEST_F(DefaultLossTest, WithoutHelloTheSetpointsStay) {
+  Lose(Mode::kRealtime, nameless_);
+  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+}
+
+TEST_F(DefaultLossTest, AClientThatReleasedItsRobotLeavesTheSetpoints) {
+  Drive(Mode::kRealtime, ana_);
+  board_.Release(slot("robot1"), ana_);
+  board_.Closed(slot("robot1"), ana_.id);
+  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+}
+
+TEST_F(DefaultLossTest, AnExplicitWaitLeavesTheSetpointsInRealtime) {
+  RobotEntry waits = MakeRobot("robot1");
+  waits.on_disconnect = LossPolicy::kWait;
+  UseEntries({waits});
+  board_.SetMode(Mode::kRealtime, now_);
+  board_.Command(slot("robot1"), ana_, {2, 2}, {}, Note("ana"));
+  RunStep();
+  board_.Closed(slot("robot1"), ana_.id);
+  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+}
+
+TEST_F(DefaultLossTest, ItStopsWhenWhatTheClientSentHasRun) {
+  Drive(Mode::kRealtime, ana_);
+  board_.Command(slot("robot1"), ana_, {3, 3}, 2, Note("ana"));
+  board_.Closed(slot("robot1"), ana_.id);
+  EXPECT_EQ(RunStep()[0], (Setpoint{3, 3}));
+  EXPECT_EQ(RunStep()[0], (Setpoint{3, 3}));
+  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+}
+
+TEST_F(DefaultLossTest, LockstepWaitsForARobotThatStoppedInRealtime) {
+  Lose(Mode::kRealtime, ana_);
+  board_.SetMode(Mode::kLockstep, now_);
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(DefaultLossTest, LostInLockstepItStopsWhenTheModeIsSwitched) {
+  Lose(Mode::kLockstep, ana_);
+  board_.SetMode(Mode::kRealtime, now_);
+  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+}
+
+TEST_F(DefaultLossTest, LostInLockstepItKeepsWhatSomebodyElseCommandsMeanwhile) {
+  Lose(Mode::kLockstep, ana_);
+  board_.Command(slot("robot1"), nameless_, {1, 1}, {}, Note("nameless"));
+  RunStep();
+  board_.SetMode(Mode::kRealtime, now_);
+  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));
+}
+
+TEST_F(DefaultLossTest, ANewOwnerOfTheSameNameKeepsTheRobotMoving) {
+  Drive(Mode::kRealtime, ana_);
+  board_.Hello(slot("robot1"), {7, "ana", "127.0.0.1:7"});
+  board_.Closed(slot("robot1"), ana_.id);
+  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+}
+
+TEST_F(DefaultLossTest, TheStopIsAnInputOfTheNextStep) {
+  Lose(Mode::kRealtime, ana_);
+  RunStep();
+  ASSERT_EQ(board_.LatchedLosses().size(), 1u);
+  EXPECT_EQ(board_.LatchedLosses()[0].robot, 0u);
+  EXPECT_EQ(board_.LatchedLosses()[0].client, "ana");
+  EXPECT_EQ(board_.LatchedLosses()[0].policy, LossPolicy::kStop);
+  RunStep();
+  EXPECT_TRUE(board_.LatchedLosses().empty());
+}
+
+TEST_F(DefaultLossTest, AClientThatStoppedItsRobotItselfChangesNothing) {
+  Drive(Mode::kRealtime, ana_);
+  board_.Command(slot("robot1"), ana_, {0, 0}, {}, Note("ana"));
+  board_.Closed(slot("robot1"), ana_.id);
+  RunStep();
+  RunStep();
+  EXPECT_TRUE(board_.LatchedLosses().empty());
+}
+
+TEST_F(DefaultLossTest, StillMovingIsARobotThatNobodyDrivesAndWhoseSetpointsAreNotZero) {
+  Drive(Mode::kRealtime, nameless_);
+  EXPECT_FALSE(board_.Owners()[0].still_moving);
+  board_.Closed(slot("robot1"), nameless_.id);
+  EXPECT_TRUE(board_.Owners()[0].still_moving);
+  board_.SetPlaying(true);
+  EXPECT_FALSE(board_.Owners()[0].still_moving);
+  board_.SetPlaying(false);
+  board_.StopAll();
+  EXPECT_FALSE(board_.Owners()[0].still_moving);
+}
+
+TEST_F(CommandBoardTest, LockstepAwaitsTheModulesThatTheEntryListsAlone) {
+  RobotEntry listed = MakeRobot("robot1"), other = MakeRobot("robot2");
+  listed.waits_for = {"motors"};
+  other.waits_for = {"arm"};  // none of its actuators
+  UseEntries({listed, other});
+  std::size_t total = 0;
+  EXPECT_EQ(board_.Awaiting(now_, 9, &total).at(0).robot, "robot1");
+  EXPECT_EQ(total, 1u);
+}
+
+TEST_F(CommandBoardTest, WhatToDoAboutARobotWithoutClientNamesTheOthers) {
+  EXPECT_EQ(board_.Awaiting(now_, 9, nullptr)[0].cure, "start its program, or set_mode realtime");
+  board_.Claim(slot("robot1"), ana_);
+  const std::vector<Awaited> awaited = board_.Awaiting(now_, 9, nullptr);
+  EXPECT_EQ(awaited[0].cure, "") << "its program is there";
+  EXPECT_NE(awaited[1].cure.find("set_participants robot1, or the page's button"), std::string::npos);
+}
+
+TEST_F(CommandBoardTest, EndStepsEndsStepNAloneAndTellsHowManyHaveRun) {
+  board_.WaitSteps(9, Note("spectator"));
+  board_.WaitAllowedSteps(5, 5, Note("step 5"));
+  board_.WaitAllowedSteps(12, 7, Note("step 7"));  // after those five
+  for (int k = 0; k < 3; ++k) RunStep();
+  board_.EndSteps();
+  ASSERT_EQ(answers_["step 5"].size(), 1u);
+  EXPECT_EQ(answers_["step 5"][0].end, StepEnd::kPaused);
+  EXPECT_EQ(answers_["step 5"][0].ran, 3);
+  EXPECT_EQ(answers_["step 5"][0].asked, 5);
+  EXPECT_EQ(answers_["step 7"][0].ran, 0);
+  EXPECT_TRUE(answers_["spectator"].empty());
+}
+
 TEST_F(CommandBoardTest, StoppingEndsAllWaitsAndLaterOnesAtOnce) {
   board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
   board_.Stop(MakeFrame(0));

@@ -44,4 +44,11 @@ function text = whom(address, held_up)
   if more > 0
     text = sprintf('%s and %d more', text, more);
   end
+  if isfield(awaiting, 'cure')
+    cures = {awaiting.cure};
+    cures = cures(~cellfun('isempty', cures));
+    if ~isempty(cures)  % how to go on without one of them
+      text = [text ': ' cures{1}];
+    end
+  end
 end
