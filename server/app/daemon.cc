@@ -117,6 +117,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       runs_(
           options_.record.folder, models_.path(), [this] { return recordings_.status().file.file; }, logger_),
       branches_(BranchStateMaker(replay_services()), edits_, run_, logger_),
+      loader_("load", logger_),
       control_("control", logger_) {
   stepper_.set_on_ended([this] { shutdown_.Request(); });
 }
@@ -198,7 +199,8 @@ std::string Daemon::OpenGlobalModules() {
   const IoThread::Poster post = control_.poster();
   simulation_ = std::make_unique<SimulationModule>(
       SimulationServices{board_, frames_, edits_, run_, names_, roster_, models_, control_guard_, clock_,
-                         *this, kVersion, options_.run.seed},
+                         *this, kVersion, options_.run.seed,
+                         [this](std::function<void()> load) { loader_.Post(std::move(load)); }},
       post);
   swarm_ = std::make_unique<SwarmModule>(
       SwarmServices{board_, frames_, roster_, robot_guard_, clock_, ThreadsOf(options_), kVersion}, post);

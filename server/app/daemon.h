@@ -119,6 +119,7 @@ class Daemon final : private ControlActions {
   RecordingDesk recordings_;
   RunFolder runs_;
   BranchDesk branches_;
+  IoThread loader_;                 // reads scenarios that are loaded
   std::unique_ptr<Player> player_;  // of a recording, until it is branched from; else null
   std::unique_ptr<RenderThread> render_;
   IoThread control_;

@@ -73,7 +73,10 @@ std::string LogText(const RunInfo& info) {
 void AddEvent(std::string& text, const Event& event) {
   text += fmt::format("    {:>10.3f} s  {:<8}", event.time_s, event.level);
   const std::string below(26, ' ');
-  for (const char c : event.text) text += c == '\n' ? "\n" + below : Printable({&c, 1});
+  for (const char c : PrintableLines(event.text)) {
+    text += c;
+    if (c == '\n') text += below;
+  }
   text += '\n';
 }
 

@@ -1,35 +1,92 @@
 // SPDX-License-Identifier: MIT
 #include "server/base/diagnostics.h"
 
-#include <utility>
+#include <algorithm>
+#include <tuple>
+
+#include "server/base/printable.h"
 
 namespace coopdyn {
 
+namespace {
+
+std::string PlaceText(const SourceLine& where) {
+  std::string out = Printable(where.file);
+  if (where.line > 0) out += ':' + std::to_string(where.line);
+  return out;
+}
+
+std::string Counted(std::size_t count, const char* what) {
+  return std::to_string(count) + " more " + what + (count == 1 ? "" : "s");
+}
+
+}  // namespace
+
 void Diagnostics::Error(SourceLine where, std::string text) {
-  all_.push_back({Diagnostic::Level::kError, std::move(where), std::move(text)});
   ++errors_;
+  Add({Diagnostic::Level::kError, std::move(where), std::move(text)});
 }
 
 void Diagnostics::Warning(SourceLine where, std::string text) {
-  all_.push_back({Diagnostic::Level::kWarning, std::move(where), std::move(text)});
+  ++warnings_;
+  Add({Diagnostic::Level::kWarning, std::move(where), std::move(text)});
 }
 
 void Diagnostics::Append(const Diagnostics& other) {
-  all_.insert(all_.end(), other.all_.begin(), other.all_.end());
   errors_ += other.errors_;
+  warnings_ += other.warnings_;
+  for (const Diagnostic& diagnostic : other.all_) Add(diagnostic);
+  if (other.stopped_) stopped_ = other.stopped_;
+}
+
+bool Diagnostics::StopAt(const SourceLine& where) {
+  if (errors_ <= kHopeless) return false;
+  stopped_ = where;
+  return true;
+}
+
+void Diagnostics::Add(Diagnostic diagnostic) {
+  auto place = all_.end();
+  if (by_line_of_) {
+    const auto before = [this](const Diagnostic& a, const Diagnostic& b) {
+      const bool a_is_other = a.where.file != *by_line_of_, b_is_other = b.where.file != *by_line_of_;
+      return std::tuple(a_is_other, a_is_other ? 0 : a.where.line) <
+             std::tuple(b_is_other, b_is_other ? 0 : b.where.line);
+    };
+    place = std::upper_bound(all_.begin(), all_.end(), diagnostic, before);
+  }
+  const bool is_full = all_.size() >= kMaxKept;
+  if (is_full && place == all_.end() && diagnostic.level == Diagnostic::Level::kWarning) return;
+  diagnostic.text = Printable(diagnostic.text);
+  all_.insert(place, std::move(diagnostic));
+  if (!is_full) return;
+  const auto warning = std::find_if(all_.rbegin(), all_.rend(), [](const Diagnostic& kept) {
+    return kept.level == Diagnostic::Level::kWarning;
+  });
+  all_.erase(warning == all_.rend() ? std::prev(all_.end()) : std::prev(warning.base()));
 }
 
 std::string Diagnostics::ToString() const {
   std::string out;
-  for (const Diagnostic& diagnostic : all_) out += coopdyn::ToString(diagnostic) + '\n';
+  std::size_t errors = 0;
+  for (const Diagnostic& diagnostic : all_) {
+    out += coopdyn::ToString(diagnostic) + '\n';
+    if (diagnostic.level == Diagnostic::Level::kError) ++errors;
+  }
+  const std::size_t more_errors = static_cast<std::size_t>(errors_) - errors;
+  const std::size_t more_warnings = static_cast<std::size_t>(warnings_) - (all_.size() - errors);
+  if (more_errors + more_warnings > 0) {
+    out += "and " + (more_errors > 0 ? Counted(more_errors, "error") : std::string());
+    if (more_warnings > 0) out += (more_errors > 0 ? ", " : "") + Counted(more_warnings, "warning");
+    out += '\n';
+  }
+  if (stopped_) out += PlaceText(*stopped_) + ": the rest was not read\n";
   return out;
 }
 
 std::string ToString(const Diagnostic& diagnostic) {
-  std::string out = diagnostic.where.file;
-  if (diagnostic.where.line > 0) out += ':' + std::to_string(diagnostic.where.line);
-  out += diagnostic.level == Diagnostic::Level::kError ? ": error: " : ": warning: ";
-  return out + diagnostic.text;
+  return PlaceText(diagnostic.where) +
+         (diagnostic.level == Diagnostic::Level::kError ? ": error: " : ": warning: ") + diagnostic.text;
 }
 
 }  // namespace coopdyn

@@ -2,7 +2,10 @@
 // What a reader has to say about a file: all of it at once, each with file and line.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace coopdyn {
@@ -17,25 +20,44 @@ struct Diagnostic {
   enum class Level { kError, kWarning };
   Level level = Level::kError;
   SourceLine where;
-  std::string text;  // what is wrong and what to write instead
+  std::string text;  // what is wrong and what to write instead; one line, printable
 };
 
-/// Collects diagnostics in the order found. One thread.
+/// Collects diagnostics: all are counted, the first ones are kept. One thread.
 class Diagnostics {
  public:
+  static constexpr std::size_t kMaxKept = 100;
+  /// A file with more errors is not worth reading on.
+  static constexpr int kHopeless = 1000;
+
+  /// Keeps the first ones found.
+  Diagnostics() = default;
+  /// Keeps the first ones of `file` by line; those of other files follow.
+  explicit Diagnostics(std::string file) : by_line_of_(std::move(file)) {}
+
   void Error(SourceLine where, std::string text);
   void Warning(SourceLine where, std::string text);
   void Append(const Diagnostics& other);
+  /// True once there are too many errors to read on: the reader stops at `where`, and ToString() says so.
+  bool StopAt(const SourceLine& where);
+  /// A reader stops at `where` for the reason that it has reported.
+  void Stop(SourceLine where) { stopped_ = std::move(where); }
 
   bool has_errors() const { return errors_ > 0; }
   int errors() const { return errors_; }
+  int warnings() const { return warnings_; }
+  /// The first ones, at most kMaxKept; errors rather than warnings.
   const std::vector<Diagnostic>& all() const { return all_; }
-  /// `file:line: error: text`, one a line, each ended by '\n'.
+  /// `file:line: error: text`, one a line, each ended by '\n'; then how many more there are.
   std::string ToString() const;
 
  private:
+  void Add(Diagnostic diagnostic);
+
+  std::optional<std::string> by_line_of_;
   std::vector<Diagnostic> all_;
-  int errors_ = 0;
+  int errors_ = 0, warnings_ = 0;
+  std::optional<SourceLine> stopped_;  // where a reader stopped
 };
 
 /// `file:line: error: text` without '\n'.

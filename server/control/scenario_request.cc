@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "server/control/scenario_request.h"
 
+#include <exception>
 #include <utility>
+
+#include "server/base/printable.h"
 
 namespace coopdyn {
 
@@ -30,28 +33,35 @@ std::string KnownNames(const RobotLibrary& robots) {
   return list.empty() ? "there are none on the search path" : "there are " + list;
 }
 
-}  // namespace
+/// What `read` gives; what it throws is an error.
+template <typename Function>
+ScenarioRead Guarded(Function read) {
+  try {
+    return read();
+  } catch (const std::exception& exception) {  // e.g. no more memory
+    return NoScenario(Error::kInternal, std::string("the scenario cannot be read: ") + exception.what());
+  }
+}
 
-ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots,
-                                   std::optional<std::uint64_t> seed) {
+ScenarioRead ReadRequested(const std::string& text, RobotLibrary& robots, std::optional<std::uint64_t> seed) {
   Diagnostics diagnostics;
   if (text.find_first_of("\n[") != std::string::npos) {
     return Finish(ReadScenario(text, "(text)", robots, true, diagnostics, seed), diagnostics);
   }
-  if (text.find_first_of("/\\") != std::string::npos || text.starts_with('.')) {
+  if (!IsBareName(text)) {
     return NoScenario(Error::kNoSuchName,
                       "load_scenario takes a name on the daemon's search path, without folders, or the "
                       "text of the file; " +
                           KnownNames(robots));
   }
   if (!robots.path().FindScenario(text)) {
-    return NoScenario(Error::kNoSuchName, "there is no scenario " + text + ": " + KnownNames(robots));
+    return NoScenario(Error::kNoSuchName,
+                      "there is no scenario " + Printable(text) + ": " + KnownNames(robots));
   }
   return Finish(LoadScenario(text, robots, diagnostics, false, seed), diagnostics);
 }
 
-ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
-                               std::optional<std::uint64_t> seed) {
+ScenarioRead ReadAgain(const Scenario& current, RobotLibrary& robots, std::optional<std::uint64_t> seed) {
   if (current.file.empty()) {
     return NoScenario(Error::kNotPossible,
                       "this scenario came as a text, there is no file to read again: upload it again, or "
@@ -59,6 +69,18 @@ ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
   }
   Diagnostics diagnostics;
   return Finish(LoadScenario(current.file, robots, diagnostics, false, seed), diagnostics);
+}
+
+}  // namespace
+
+ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots,
+                                   std::optional<std::uint64_t> seed) {
+  return Guarded([&] { return ReadRequested(text, robots, seed); });
+}
+
+ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
+                               std::optional<std::uint64_t> seed) {
+  return Guarded([&] { return ReadAgain(current, robots, seed); });
 }
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads the scenario that a client names or sends. Reads files; the control thread.
+// Reads the scenario that a client names or sends. Reads files, which can take seconds; any thread.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,7 @@ struct ScenarioRead {
   std::string text;  // the diagnostics, one a line; warnings if it could be read
 };
 
+/// Never throws: what goes wrong is an error.
 /// `text`: a bare name on the search path, or the text of a file if it has a line end or a '['. `seed`: of
 /// `--seed`, if it was given.
 ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots,

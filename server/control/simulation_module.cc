@@ -95,13 +95,30 @@ std::optional<Message> SimulationModule::Reset(Peer& peer, const Message& reques
 }
 
 std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request) {
-  ScenarioRead read =
-      request.command == command::kReload
-          ? ReadScenarioAgain(*services_.frames.Latest()->scene->scenario, services_.robots, services_.seed)
-          : ReadRequestedScenario(request.text, services_.robots, services_.seed);
-  if (read.scenario == nullptr) return ErrorReply(request.command, read.error, std::move(read.text));
-  peer.text = std::move(read.text);
-  return PushNewScene(peer, edit::Load{std::move(read.scenario)});
+  auto done = Later(peer, [this](const EditResult& result) {
+    if (result.error == Error::kOk) services_.actions.ApplyScene(*result.frame->scene);
+    loads_.pop_front();
+    BeginLoad();
+  });
+  // The thread may outlive this module, but not the services.
+  loads_.push_back([&robots = services_.robots, &frames = services_.frames, &edits = services_.edits,
+                    seed = services_.seed, again = request.command == command::kReload, text = request.text,
+                    done = std::move(done)] {
+    ScenarioRead read = again ? ReadScenarioAgain(*frames.Latest()->scene->scenario, robots, seed)
+                              : ReadRequestedScenario(text, robots, seed);
+    if (read.scenario == nullptr) return done(EditResult{read.error, std::move(read.text), nullptr});
+    edits.Push(
+        {edit::Load{std::move(read.scenario)}, [done, warnings = std::move(read.text)](EditResult result) {
+           if (result.error == Error::kOk) result.text = warnings;
+           done(result);
+         }});
+  });
+  if (loads_.size() == 1) BeginLoad();
+  return std::nullopt;
+}
+
+void SimulationModule::BeginLoad() {
+  if (!loads_.empty()) services_.run_loader(loads_.front());
 }
 
 std::string SimulationModule::GoOnText() const {

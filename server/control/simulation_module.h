@@ -2,6 +2,8 @@
 // /simulation: how the run stands and goes on. Free of sockets. The control thread only.
 #pragma once
 
+#include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -41,7 +43,11 @@ class SimulationModule final : public GlobalModule {
   /// Push() for an edit after which the robots may be others.
   std::optional<Message> PushNewScene(Peer& peer, EditAction action);
 
+  /// Hands the first of loads_ to the thread that reads scenarios.
+  void BeginLoad();
+
   const SimulationServices services_;
+  std::deque<std::function<void()>> loads_;  // one after the other: the first is under way
   SavedStates saved_;
 };
 

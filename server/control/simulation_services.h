@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -47,6 +48,8 @@ struct SimulationServices {
   ControlActions& actions;
   std::string version;
   std::optional<std::uint64_t> seed = std::nullopt;  // `--seed`: of every scenario that is loaded
+  /// Runs a function on the thread that reads scenarios, which can take seconds.
+  std::function<void(std::function<void()>)> run_loader = {};
 };
 
 }  // namespace coopdyn

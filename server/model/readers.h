@@ -25,8 +25,8 @@ namespace coopdyn {
 struct SearchPath {
   std::vector<std::filesystem::path> folders;
 
-  /// The first existing file for a scenario/world given by path or bare name (extension optional); nothing if
-  /// none.
+  /// The first existing file for a scenario/world given by path or bare name; nothing if none. It ends in
+  /// .scenario or .world, which the name may leave out; only a path with a folder may end in something else.
   std::optional<std::filesystem::path> FindScenario(const std::string& name) const;
   std::optional<std::filesystem::path> FindWorld(const std::string& name,
                                                  const std::filesystem::path& beside) const;
@@ -40,6 +40,9 @@ struct SearchPath {
   /// Names of all scenarios on the path, sorted, without extension.
   std::vector<std::string> ScenarioNames() const;
 };
+
+/// True for a name without folders, drives and a leading dot, as texts from a socket may name files.
+bool IsBareName(const std::string& name);
 
 /// Parses each robot model once per process. Any thread.
 class RobotLibrary {

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "server/base/printable.h"
 #include "server/model/colors.h"
 #include "server/model/readers.h"
 #include "server/model/robot_sections.h"
@@ -17,23 +18,18 @@ namespace coopdyn {
 
 namespace {
 
-bool IsBareName(const std::string& name) {
-  return name.find_first_of("/\\:") == std::string::npos && !name.starts_with('.');
-}
-
 /// The name of a scenario that came as a text: of the file that its last line tells, "# file:
 /// lesson.scenario", as the page and `coopdyn load` do; else "(text)".
 std::string NameInText(std::string_view text) {
-  constexpr std::string_view kMark = "# file: ";
+  constexpr std::string_view kMark = "# file: ", kEnds = "\r\n";
   constexpr std::size_t kMaxBytes = 100;
-  const std::vector<std::string_view> lines = SplitLines(text);
-  if (lines.empty() || !lines.back().starts_with(kMark)) return "(text)";
-  std::string_view file = lines.back().substr(kMark.size());
+  text = text.substr(0, text.find_last_not_of(kEnds) + 1);
+  std::string_view file = text.substr(text.find_last_of(kEnds) + 1);
+  if (!file.starts_with(kMark)) return "(text)";
+  file.remove_prefix(kMark.size());
   file = Trim(file.substr(file.find_last_of("/\\") + 1));
   std::string name = std::filesystem::path(file).stem().string();
-  const bool shows =
-      std::all_of(name.begin(), name.end(), [](unsigned char c) { return c >= ' ' && c != 127; });
-  return name.empty() || name.size() > kMaxBytes || !shows ? "(text)" : name;
+  return name.empty() || name.size() > kMaxBytes || name != Printable(name) ? "(text)" : name;
 }
 
 /// Where a scenario's own files lie; nothing if it came by socket.
@@ -70,10 +66,14 @@ class ScenarioReader {
     ReadFirst("world", [this](SectionReader& reader) { ReadWorldFile(reader); });
     ReadFirst("floor", [this](SectionReader& reader) { ReadOwnFloor(reader); });
     ReadFirst("target", [this](SectionReader& reader) { ReadTargets(reader); });
-    for (const Section& section : sections_) ReadPlain(section);
+    for (const Section& section : sections_) {
+      if (diagnostics_.StopAt({label_, section.line})) return nullptr;
+      ReadPlain(section);
+    }
     AddScattered(scattered_, robots_.TakenPlaces(), *scenario_, diagnostics_);
     for (const Section& section : sections_) {
       if (!IsNumbered(section.word, "swarm")) continue;
+      if (diagnostics_.StopAt({label_, section.line})) return nullptr;
       SectionReader reader(section, label_, degrees_, diagnostics_);
       robots_.ReadSwarm(reader);
     }
@@ -202,6 +202,7 @@ class ScenarioReader {
 
   void ReadTargets(SectionReader& reader) {
     for (const Entry& entry : reader.section().entries) {
+      if (diagnostics_.StopAt({label_, entry.line})) return;
       Target target;
       target.where = {label_, entry.line};
       target.color_name = ColorWord(entry);
@@ -293,32 +294,14 @@ std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const s
   return diagnostics.has_errors() ? nullptr : scenario;
 }
 
-/// `found` by line, what belongs to other files after it.
-Diagnostics InFileOrder(const Diagnostics& found, const std::string& file) {
-  std::vector<Diagnostic> all = found.all();
-  const auto others = std::stable_partition(all.begin(), all.end(),
-                                            [&](const Diagnostic& d) { return d.where.file == file; });
-  std::stable_sort(all.begin(), others,
-                   [](const Diagnostic& a, const Diagnostic& b) { return a.where.line < b.where.line; });
-  Diagnostics sorted;
-  for (Diagnostic& diagnostic : all) {
-    if (diagnostic.level == Diagnostic::Level::kError) {
-      sorted.Error(std::move(diagnostic.where), std::move(diagnostic.text));
-    } else {
-      sorted.Warning(std::move(diagnostic.where), std::move(diagnostic.text));
-    }
-  }
-  return sorted;
-}
-
 }  // namespace
 
 std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
                                              RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics,
                                              std::optional<std::uint64_t> seed) {
-  Diagnostics found;
+  Diagnostics found(file.empty() ? "(text)" : file);
   std::shared_ptr<const Scenario> scenario = ScenarioReader(file, robots, by_socket, seed, found).Read(text);
-  diagnostics.Append(InFileOrder(found, file.empty() ? "(text)" : file));
+  diagnostics.Append(found);
   return scenario;
 }
 

@@ -64,6 +64,7 @@ class Checker {
     CheckValue(element, description);
     for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
+      if (diagnostics_.StopAt({file_, child->GetLineNum()})) return;
       if (!IsForeign(child->Name())) CheckChild(element, description, *child, depth);
     }
   }
@@ -99,6 +100,7 @@ class Checker {
   }
 
   void CheckAttributes(const XMLElement& element, const sdf::ElementPtr& description) {
+    if (diagnostics_.StopAt({file_, element.GetLineNum()})) return;
     for (const XMLAttribute* attribute = element.FirstAttribute(); attribute != nullptr;
          attribute = attribute->Next()) {
       const std::string name = attribute->Name();
@@ -166,7 +168,53 @@ class Checker {
   Diagnostics& diagnostics_;
 };
 
+/// Counts what has a limit, down to the first that is beyond it.
+class Counter {
+ public:
+  Counter(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+
+  bool Count(const XMLElement& element) {
+    const std::string_view name = element.Name();
+    if (!IsBelow(++elements_, kMaxModelElements, "elements", element)) return false;
+    if (name == "link" && !IsBelow(++links_, kMaxModelParts, "links", element)) return false;
+    if (name == "joint" && !IsBelow(++joints_, kMaxModelParts, "joints", element)) return false;
+    if (name == "frame" && !IsBelow(++frames_, kMaxModelParts, "frames", element)) return false;
+    int attributes = 0;
+    for (const XMLAttribute* one = element.FirstAttribute(); one != nullptr; one = one->Next()) {
+      if (!IsBelow(++attributes, kMaxElementAttributes, "attributes of one element", element)) return false;
+    }
+    for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement()) {
+      if (!Count(*child)) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool IsBelow(int count, int most, const char* what, const XMLElement& element) {
+    if (count <= most) return true;
+    diagnostics_.Error({file_, element.GetLineNum()}, "a robot's model has at most " + std::to_string(most) +
+                                                          " " + what + ": make it simpler");
+    return false;
+  }
+
+  const std::string& file_;
+  Diagnostics& diagnostics_;
+  int elements_ = 0, links_ = 0, joints_ = 0, frames_ = 0;
+};
+
 }  // namespace
+
+bool IsModelSize(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
+  if (text.size() <= kMaxModelBytes) return true;
+  diagnostics.Error({file, 0}, "a robot's model has at most " + std::to_string(kMaxModelBytes >> 20) +
+                                   " MiB: make it simpler");
+  return false;
+}
+
+bool IsModelCount(const XMLElement& root, const std::string& file, Diagnostics& diagnostics) {
+  return Counter(file, diagnostics).Count(root);
+}
 
 void CheckSdf(const XMLElement& root, const sdf::ElementPtr& description, const std::string& file,
               Diagnostics& diagnostics) {

@@ -64,6 +64,7 @@ class RobotReader {
 
   /// The XML's root; null with an error if it is no SDF.
   const tinyxml2::XMLElement* Parse() {
+    if (!IsModelSize(robot_->text, file_, diagnostics_)) return nullptr;
     if (document_.Parse(robot_->text.c_str(), robot_->text.size()) != tinyxml2::XML_SUCCESS) {
       Error(document_.ErrorLineNum(), std::string("not well-formed XML (") + document_.ErrorName() + ")");
       return nullptr;
@@ -73,6 +74,7 @@ class RobotReader {
       Error(root == nullptr ? 0 : root->GetLineNum(), "a robot model starts with <sdf version=\"1.9\">");
       return nullptr;
     }
+    if (!IsModelCount(*root, file_, diagnostics_)) return nullptr;
     const char* version = root->Attribute("version");
     const std::string_view text = version == nullptr ? "" : version;
     if (text != "1.7" && text != "1.8" && text != "1.9") {

@@ -40,12 +40,13 @@ std::string WithSlashes(std::string name, bool& absolute) {
   return drive ? name.substr(2) : name;
 }
 
+/// `name` with each of `extensions`, or as it is if it has one of them.
 std::vector<std::string> WithExtensions(const std::string& name,
                                         std::initializer_list<std::string_view> extensions) {
-  std::vector<std::string> names = {name};
   for (const std::string_view extension : extensions) {
-    if (ToLower(name).ends_with(extension)) return names;
+    if (ToLower(name).ends_with(extension)) return {name};
   }
+  std::vector<std::string> names;
   for (const std::string_view extension : extensions) names.push_back(name + std::string(extension));
   return names;
 }
@@ -71,10 +72,18 @@ std::vector<fs::path> ControllerFolders(const SearchPath& path, const fs::path& 
 
 }  // namespace
 
+bool IsBareName(const std::string& name) {
+  return !name.empty() && name.find_first_of("/\\:") == std::string::npos && !name.starts_with('.');
+}
+
 std::optional<fs::path> SearchPath::FindScenario(const std::string& name) const {
   bool absolute = false;
   const std::string file = WithSlashes(name, absolute);
   if (file.empty()) return std::nullopt;
+  // Who writes a path may call the file as he likes.
+  if (file.find('/') != std::string::npos) {
+    if (auto found = ExistingFile(file)) return found;
+  }
   for (const std::string& candidate : WithExtensions(file, {".scenario", ".world"})) {
     if (const auto found = ExistingFile(candidate)) return found;
     if (absolute) continue;

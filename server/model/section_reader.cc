@@ -32,6 +32,7 @@ SectionReader::SectionReader(const Section& section, std::string file, bool degr
   if (section.word == "target") return;  // its keys are colours and may repeat
   std::unordered_map<std::string_view, int> lines;
   for (const Entry& entry : section.entries) {
+    if (diagnostics_.StopAt({file_, entry.line})) return;
     const auto [first, is_new] = lines.emplace(Canonical(entry.key), entry.line);
     if (!is_new) {
       diagnostics_.Error({file_, entry.line}, "'" + entry.key + "' stands twice in " + title() +
@@ -237,6 +238,7 @@ void SectionReader::Require(const std::string& key, const std::string& example) 
 
 void SectionReader::Finish() {
   for (const Entry& entry : section_.entries) {
+    if (diagnostics_.StopAt({file_, entry.line})) return;
     if (std::find(known_.begin(), known_.end(), Canonical(entry.key)) == known_.end()) {
       Report(entry, "unknown word '" + entry.key + "' in " + title() + DidYouMean(entry.key, known_));
     }

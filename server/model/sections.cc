@@ -38,10 +38,11 @@ class SectionsReader {
       : file_(file), diagnostics_(diagnostics) {}
 
   std::vector<Section> Read(const std::string& text) {
-    for (const std::string_view raw : SplitLines(text)) {
+    for (std::string_view rest = text; !rest.empty();) {
       ++line_;
-      const std::string_view line = Trim(WithoutComment(raw));
+      const std::string_view line = Trim(WithoutComment(TakeLine(rest)));
       if (line.empty()) continue;
+      if (diagnostics_.StopAt({file_, line_}) || IsTooLong()) break;
       if (line.front() == '[') {
         ReadHeader(line);
       } else {
@@ -53,6 +54,15 @@ class SectionsReader {
 
  private:
   void Error(std::string text) { diagnostics_.Error({file_, line_}, std::move(text)); }
+
+  bool IsTooLong() {
+    if (++count_ <= kMaxFileLines && sections_.size() <= kMaxFileSections) return false;
+    Error("a file has at most " + std::to_string(kMaxFileSections) + " sections and " +
+          std::to_string(kMaxFileLines) + " lines that are not empty");
+    diagnostics_.Stop({file_, line_});
+    sections_.clear();
+    return true;
+  }
 
   void ReadHeader(std::string_view line) {
     const auto end = line.find(']');
@@ -98,7 +108,8 @@ class SectionsReader {
   std::vector<Section> sections_;
   std::unordered_map<std::string, int> lines_;  // of the sections by word
   int line_ = 0;
-  bool outside_ = false;  // said that something stands before the first section
+  std::size_t count_ = 0;  // of lines that say something
+  bool outside_ = false;   // said that something stands before the first section
 };
 
 }  // namespace

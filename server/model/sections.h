@@ -3,6 +3,7 @@
 // Pure; any thread.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,13 @@ struct Section {
   std::vector<Entry> entries;
 };
 
+/// What nobody writes by hand, and few programs do.
+inline constexpr std::size_t kMaxFileSections = 100'000;
+inline constexpr std::size_t kMaxFileLines = 1'000'000;
+
 /// Splits `text` (decoded) into sections in file order. Errors: lines that are neither, keys before the first
-/// section, sections that stand there twice (both are returned), names that are none.
+/// section, sections that stand there twice (both are returned), names that are none. It stops reading when
+/// there are too many errors, sections or lines.
 std::vector<Section> ReadSections(const std::string& text, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

@@ -1,36 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/text_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
 
+#include "server/base/printable.h"
+
 namespace coopdyn {
 
 namespace {
 
-/// Length of the well-formed UTF-8 character at the start of `text`; 0 if there is none.
-std::size_t CharacterLength(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  }
-  // Overlong forms, surrogates and beyond U+10FFFF.
-  if ((first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
-      (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F)) {
-    return 0;
-  }
-  return length;
-}
-
 bool IsUtf8(std::string_view text) {
   while (!text.empty()) {
-    const std::size_t length = CharacterLength(text);
+    const std::size_t length = Utf8CharacterLength(text);
     if (length == 0) return false;
     text.remove_prefix(length);
   }
@@ -47,8 +32,9 @@ std::optional<std::string> DecodeText(std::string_view bytes, const SourceLine& 
   }
   if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
   if (const auto nul = bytes.find('\0'); nul != std::string_view::npos) {
-    const auto before = SplitLines(bytes.substr(0, nul + 1)).size();
-    diagnostics.Error({where.file, where.line > 0 ? where.line : static_cast<int>(before)},
+    int line = 0;
+    for (std::string_view before = bytes.substr(0, nul + 1); !before.empty(); TakeLine(before)) ++line;
+    diagnostics.Error({where.file, where.line > 0 ? where.line : line},
                       "there is a NUL byte: this is no text file, or it is UTF-16 (save it as UTF-8)");
     return std::nullopt;
   }
@@ -93,18 +79,12 @@ std::optional<std::string> ReadTextFile(const std::string& file, const SourceLin
   return DecodeText(bytes, {file, 0}, diagnostics);
 }
 
-std::vector<std::string_view> SplitLines(std::string_view text) {
-  std::vector<std::string_view> lines;
-  while (!text.empty()) {
-    const std::size_t end = text.find_first_of("\r\n");
-    if (end == std::string_view::npos) {
-      lines.push_back(text);
-      break;
-    }
-    lines.push_back(text.substr(0, end));
-    text.remove_prefix(end + (text.substr(end).starts_with("\r\n") ? 2 : 1));
-  }
-  return lines;
+std::string_view TakeLine(std::string_view& text) {
+  const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end);
+  text.remove_prefix(text.starts_with("\r\n") ? 2 : text.empty() ? 0 : 1);
+  return line;
 }
 
 }  // namespace coopdyn

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "server/base/diagnostics.h"
 
@@ -24,7 +23,7 @@ std::optional<std::string> DecodeText(std::string_view bytes, const SourceLine& 
 std::optional<std::string> ReadTextFile(const std::string& file, const SourceLine& where,
                                         Diagnostics& diagnostics);
 
-/// The lines of `text`, ended by \n, \r\n or \r. They point into `text`.
-std::vector<std::string_view> SplitLines(std::string_view text);
+/// Takes the first line off `text`; lines end in \n, \r\n or \r.
+std::string_view TakeLine(std::string_view& text);
 
 }  // namespace coopdyn

@@ -20,6 +20,7 @@ WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnosti
   const bool degrees = floor != sections.end() && SaysDegrees(*floor, file, diagnostics);
   const std::vector<std::string> own = {"FLOOR"};
   for (const Section& section : sections) {
+    if (diagnostics.StopAt({file, section.line})) break;
     SectionReader reader(section, file, degrees, diagnostics);
     if (section.word == "floor") {
       if (!world.floor) world.floor = ReadFloor(reader);

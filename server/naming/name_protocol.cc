@@ -59,7 +59,7 @@ bool IsHttp(std::string_view line) {
 class Answerer {
  public:
   Answerer(Words words, const NameContext& context, NameTable& table)
-      : words_(std::move(words)), context_(context), table_(table) {}
+      : words_(std::move(words)), context_(context), asker_{context.peer_ip, context.now}, table_(table) {}
 
   NameReply Answer(bool prefixed) {
     const std::string& verb = words_[0];
@@ -71,7 +71,7 @@ class Answerer {
     if (verb == "get") return Get();
     if (verb == "check") return Check();
     if (verb == "route") return Route();
-    if (verb == "announce") return {"[ok]\r\n"};
+    if (verb == "announce") return Announce();
     if (verb == "bot") return Bot();
     if (verb == "help") return Help();
     if (verb == "exit" || verb == "quit" || verb == "bye") return Leave();
@@ -123,7 +123,13 @@ class Answerer {
 
   NameReply Query() const {
     const std::optional<NameEntry> entry = table_.Find(WordAt(words_, 1));
+    if (entry) table_.Touch(entry->name, asker_.now);
     return End(entry ? Registration(*entry) : "");
+  }
+
+  NameReply Announce() const {
+    table_.Touch(WordAt(words_, 1), asker_.now);
+    return {"[ok]\r\n"};
   }
 
   NameReply List() const {
@@ -138,18 +144,18 @@ class Answerer {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
     if (!digits.empty() && (error != std::errc() || end != digits.data() + digits.size())) port = -1;
     NameTable::Change change =
-        table_.Register(WordAt(words_, 1), WordAt(words_, 2), WordAt(words_, 3), port, context_.peer_ip);
+        table_.Register(WordAt(words_, 1), WordAt(words_, 2), WordAt(words_, 3), port, asker_);
     return change.refused.empty() ? End(Registration(change.entry)) : Refused(change.refused);
   }
 
   NameReply Unregister() {
-    const NameTable::Change change = table_.Unregister(WordAt(words_, 1));
+    const NameTable::Change change = table_.Unregister(WordAt(words_, 1), asker_);
     return change.refused.empty() ? End() : Refused(change.refused);
   }
 
   NameReply Set() {
     const std::string key = WordAt(words_, 2);
-    const NameTable::Change change = table_.SetProperty(WordAt(words_, 1), key, Join(words_, 3));
+    const NameTable::Change change = table_.SetProperty(WordAt(words_, 1), key, Join(words_, 3), asker_);
     if (!change.refused.empty()) return Refused(change.refused);
     return change.entry.name.empty() ? End() : Property(change.entry, key);
   }
@@ -216,6 +222,7 @@ class Answerer {
 
   const Words words_;
   const NameContext& context_;
+  const NameAsker asker_;
   NameTable& table_;
 };
 
@@ -229,6 +236,7 @@ NameReply AnswerNameLine(std::string_view line, const NameContext& context, Name
   }
   Words words = Split(line);
   if (words.empty()) return {};
+  table.Forget(context.now);
   const bool prefixed = words[0] == kPrefix;
   if (prefixed) words.erase(words.begin());
   if (words.empty()) return {std::string(kEnd)};

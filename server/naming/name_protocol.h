@@ -23,6 +23,7 @@ struct NameContext {
   std::string asked_at;   // the address that the request reached
   std::string peer_ip;    // of the asker
   std::string advertise;  // the address of our own names in every answer; empty = asked_at
+  Nanoseconds now = 0;    // by the daemon's clock
 };
 
 struct NameReply {

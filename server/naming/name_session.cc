@@ -65,6 +65,7 @@ void NameSession::AnswerLines() {
          (end = in_.find('\n', begin)) != std::string::npos) {
     const std::string_view line = std::string_view(in_).substr(begin, end - begin);
     begin = end + 1;
+    context_.now = services_.clock().Now();
     Take(line.size() > kMaxLineBytes ? TooLong() : AnswerNameLine(line, context_, table_));
   }
   in_.erase(0, begin);

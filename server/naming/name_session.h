@@ -48,7 +48,7 @@ class NameSession : public std::enable_shared_from_this<NameSession> {
   NameTable& table_;
   NetServices& services_;
   const PeerInfo peer_;
-  const NameContext context_;
+  NameContext context_;
   std::function<void()> on_end_;
   boost::asio::steady_timer linger_timer_;
   std::string in_;

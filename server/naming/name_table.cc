@@ -40,6 +40,32 @@ std::string WithSlash(std::string_view name) {
   return name.starts_with('/') ? std::string(name) : "/" + std::string(name);
 }
 
+bool IsThisMachine(const std::string& ip) {
+  return ip.empty() || ip == "::1" || ip.starts_with("127.");
+}
+
+/// As entries keep it: this machine has many addresses.
+std::string RegistrarOf(const NameAsker& asker) {
+  return IsThisMachine(asker.ip) ? std::string() : asker.ip;
+}
+
+/// Why the asker may not change `entry`; empty: it may.
+std::string RightProblem(const NameEntry& entry, const NameAsker& asker) {
+  if (!entry.external) return entry.name + " is a name of the daemon";
+  const std::string registrar = RegistrarOf(asker);
+  if (registrar.empty() || registrar == entry.registrar) return {};
+  return entry.name + " is of " + (entry.registrar.empty() ? "the daemon's own machine" : entry.registrar) +
+         ": only programs there, or on the daemon's machine, may change it";
+}
+
+/// What an entry takes, roughly.
+std::size_t Bytes(const NameEntry& entry) {
+  constexpr std::size_t kAlways = 128;
+  std::size_t bytes = kAlways + entry.name.size() + entry.ip.size() + entry.type.size();
+  for (const auto& [key, value] : entry.properties) bytes += kAlways + key.size() + value.size();
+  return bytes;
+}
+
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -107,11 +133,14 @@ std::vector<NameEntry> NameTable::List(std::string_view prefix) const {
 }
 
 std::string NameTable::Nearest(std::string_view name) const {
-  const std::string wanted = WithSlash(name).substr(0, kMaxNameBytes);
+  constexpr std::size_t kLongest = 100;  // of what somebody typed
+  if (name.size() > kLongest) return {};
+  const std::string wanted = WithSlash(name);
   MutexLock lock(mutex_);
   std::string nearest;
   std::size_t best = 2 + wanted.size() / 4;  // beyond it nobody meant that
   for (const auto& [candidate, entry] : entries_) {
+    if (candidate.size() >= wanted.size() + best || wanted.size() >= candidate.size() + best) continue;
     const std::size_t distance = EditDistance(wanted, candidate);
     if (distance < best) {
       best = distance;
@@ -125,12 +154,14 @@ std::string NameTable::Nearest(std::string_view name) const {
 }
 
 NameTable::Change NameTable::Register(const std::string& name, const std::string& type, const std::string& ip,
-                                      int port, const std::string& peer_ip) {
+                                      int port, const NameAsker& asker) {
   MutexLock lock(mutex_);
   NameEntry entry;
   entry.external = true;
   entry.name = name;
-  entry.ip = ip.empty() ? peer_ip : ip;
+  entry.ip = ip.empty() ? asker.ip : ip;
+  entry.registrar = RegistrarOf(asker);
+  entry.used = asker.now;
   if (!type.empty()) entry.type = type;
   if (name.empty()) {
     do {
@@ -146,14 +177,19 @@ NameTable::Change NameTable::Register(const std::string& name, const std::string
   if (port < 0 || port > 65535) return {"a port is a number from 1 to 65535, or ... for a free one"};
   const auto it = entries_.find(entry.name);
   if (it != entries_.end()) {
-    const NameEntry& old = it->second;
+    NameEntry& old = it->second;
     if (!old.external) return {entry.name + " is a name of the daemon"};
     const bool same_place = old.ip == entry.ip && (port == 0 || port == old.port);
-    if (same_place) return {{}, old};
+    if (same_place) {
+      if (RightProblem(old, asker).empty()) old.used = asker.now;
+      return {{}, old};
+    }
     return {entry.name + " is registered already, at " + old.ip + " port " + std::to_string(old.port) +
             "; unregister it first"};
   }
-  if (externals_ >= kMaxExternal) return {"too many names"};
+  if (std::string problem = RoomProblemLocked(entry.registrar, 1, Bytes(entry)); !problem.empty()) {
+    return {problem};
+  }
   entry.port = port != 0 ? port : FreePortLocked();
   if (entry.port == 0) return {"no free port"};
   entries_.emplace(entry.name, entry);
@@ -161,11 +197,11 @@ NameTable::Change NameTable::Register(const std::string& name, const std::string
   return {{}, entry};
 }
 
-NameTable::Change NameTable::Unregister(std::string_view name) {
+NameTable::Change NameTable::Unregister(std::string_view name, const NameAsker& asker) {
   MutexLock lock(mutex_);
   const auto it = entries_.find(name);
   if (it == entries_.end()) return {};
-  if (!it->second.external) return {it->first + " is a name of the daemon"};
+  if (std::string problem = RightProblem(it->second, asker); !problem.empty()) return {problem};
   Change change{{}, it->second};
   entries_.erase(it);
   --externals_;
@@ -173,17 +209,70 @@ NameTable::Change NameTable::Unregister(std::string_view name) {
 }
 
 NameTable::Change NameTable::SetProperty(std::string_view name, const std::string& key,
-                                         const std::string& value) {
+                                         const std::string& value, const NameAsker& asker) {
   MutexLock lock(mutex_);
   const auto it = entries_.find(name);
   if (it == entries_.end()) return {};
   NameEntry& entry = it->second;
-  if (!entry.external) return {entry.name + " is a name of the daemon"};
+  if (std::string problem = RightProblem(entry, asker); !problem.empty()) return {problem};
+  if (key.size() > kMaxKeyBytes || value.size() > kMaxValueBytes) {
+    return {"a property's name has at most " + std::to_string(kMaxKeyBytes) + " bytes, its value " +
+            std::to_string(kMaxValueBytes)};
+  }
   if (!entry.properties.contains(key) && entry.properties.size() >= kMaxProperties) {
     return {"too many properties of " + entry.name};
   }
-  entry.properties[key] = value;
+  NameEntry changed = entry;
+  changed.properties[key] = value;
+  changed.used = asker.now;
+  const std::size_t before = Bytes(entry), after = Bytes(changed);
+  if (after > before) {
+    if (std::string problem = RoomProblemLocked(entry.registrar, 0, after - before); !problem.empty()) {
+      return {problem};
+    }
+  }
+  entry = std::move(changed);
   return {{}, entry};
+}
+
+void NameTable::Touch(std::string_view name, Nanoseconds now) {
+  MutexLock lock(mutex_);
+  const auto it = entries_.find(name);
+  if (it != entries_.end()) it->second.used = now;
+}
+
+void NameTable::Forget(Nanoseconds now) {
+  MutexLock lock(mutex_);
+  if (now < next_forgotten_) return;
+  next_forgotten_ = now + kForgottenAfter;
+  for (auto it = entries_.begin(); it != entries_.end();) {
+    const NameEntry& entry = it->second;
+    if (entry.external && now - entry.used >= kForgottenAfter) {
+      it = entries_.erase(it);
+      --externals_;
+      continue;
+    }
+    if (entry.external) next_forgotten_ = std::min(next_forgotten_, entry.used + kForgottenAfter);
+    ++it;
+  }
+}
+
+std::string NameTable::RoomProblemLocked(const std::string& registrar, std::size_t names,
+                                         std::size_t bytes) const {
+  std::size_t its_names = names, its_bytes = bytes, all_bytes = bytes;
+  for (const auto& [name, entry] : entries_) {
+    if (!entry.external) continue;
+    const std::size_t size = Bytes(entry);
+    all_bytes += size;
+    if (entry.registrar != registrar) continue;
+    ++its_names;
+    its_bytes += size;
+  }
+  if (!registrar.empty() && (its_names > kMaxOfAddress || its_bytes > kMaxBytesOfAddress)) {
+    return "too many names or properties of this address: unregister some";
+  }
+  if (externals_ + names > kMaxExternal || all_bytes > kMaxExternalBytes) return "too many names";
+  return {};
 }
 
 const NameEntry* NameTable::FindLocked(std::string_view name) const {

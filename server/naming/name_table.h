@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/base/clock.h"
 #include "server/base/mutex.h"
 #include "server/net/peer.h"
 
@@ -24,13 +25,28 @@ struct NameEntry {
   bool external = false;                               // registered by another program
   AdoptFunction adopt = {};                            // hands it a connection; empty if external
   std::map<std::string, std::string> properties = {};  // `set` key values, of external names
+  std::string registrar = {};  // the address that registered it; empty: this machine, or our own
+  Nanoseconds used = 0;        // when it was last registered, changed or asked for
 };
 
-/// The daemon's own names can be neither registered, changed nor unregistered by others.
+/// Who asks for a change, and when.
+struct NameAsker {
+  std::string ip;
+  Nanoseconds now = 0;
+};
+
+/// The daemon's own names can be neither registered, changed nor unregistered by others. What another machine
+/// has registered only that one may change, and this machine. A name of which nobody has heard for a day is
+/// forgotten: its program has probably ended without a word.
 class NameTable {
  public:
   static constexpr std::size_t kMaxExternal = 4096;
+  static constexpr std::size_t kMaxExternalBytes = 4u << 20;
+  static constexpr std::size_t kMaxOfAddress = 1024;  // of another machine
+  static constexpr std::size_t kMaxBytesOfAddress = 1u << 20;
   static constexpr std::size_t kMaxProperties = 32;  // per name
+  static constexpr std::size_t kMaxKeyBytes = 64, kMaxValueBytes = 1024;
+  static constexpr Nanoseconds kForgottenAfter = 24 * 3600 * kNanosecondsPerSecond;
 
   NameTable();
 
@@ -62,22 +78,32 @@ class NameTable {
     std::string refused;  // why not; empty = done
     NameEntry entry = {};
   };
-  /// Registers an external name; an empty `name` gets "/tmp/port/N", an empty `ip` `peer_ip`, port 0 a free
-  /// one. Refused if the name lives (the same name, ip and port again is fine), is reserved or badly formed.
+  /// Registers an external name; an empty `name` gets "/tmp/port/N", an empty `ip` the asker's, port 0 a free
+  /// one. Refused if the name lives (the same name, ip and port again is fine), is reserved or badly formed,
+  /// or if there are too many.
   Change Register(const std::string& name, const std::string& type, const std::string& ip, int port,
-                  const std::string& peer_ip);
+                  const NameAsker& asker);
   /// Unregisters an external name; an unknown one is no error.
-  Change Unregister(std::string_view name);
+  Change Unregister(std::string_view name, const NameAsker& asker);
   /// Sets a property of an external name; an unknown name gives an empty entry.
-  Change SetProperty(std::string_view name, const std::string& key, const std::string& value);
+  Change SetProperty(std::string_view name, const std::string& key, const std::string& value,
+                     const NameAsker& asker);
+  /// Somebody has asked for `name`: it is not forgotten.
+  void Touch(std::string_view name, Nanoseconds now);
+  /// Drops the external names that are forgotten at `now`. Cheap if there are none.
+  void Forget(Nanoseconds now);
 
  private:
   const NameEntry* FindLocked(std::string_view name) const REQUIRES(mutex_);
   int FreePortLocked() const REQUIRES(mutex_);
+  /// Why there may be no `bytes` more in `names` more names of `registrar`; empty: there may.
+  std::string RoomProblemLocked(const std::string& registrar, std::size_t names, std::size_t bytes) const
+      REQUIRES(mutex_);
 
   mutable Mutex mutex_;
   std::map<std::string, NameEntry, std::less<>> entries_ GUARDED_BY(mutex_);
   std::size_t externals_ GUARDED_BY(mutex_) = 0;
+  Nanoseconds next_forgotten_ GUARDED_BY(mutex_) = 0;  // not before that is one forgotten
   int first_port_ GUARDED_BY(mutex_);
   int last_port_ GUARDED_BY(mutex_);
   int next_temporary_ GUARDED_BY(mutex_) = 1;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace coopdyn {
 namespace {
 
@@ -21,6 +23,64 @@ TEST(Diagnostics, WarningsAreNoErrors) {
   more.Error({"a", 2}, "wrong");
   diagnostics.Append(more);
   EXPECT_EQ(diagnostics.errors(), 1);
+}
+
+TEST(Diagnostics, KeepTheFirstHundredAndCountTheRest) {
+  Diagnostics diagnostics;
+  for (int line = 1; line <= 500; ++line) diagnostics.Error({"a", line}, "wrong");
+  diagnostics.Warning({"a", 501}, "odd");
+  EXPECT_EQ(diagnostics.all().size(), Diagnostics::kMaxKept);
+  EXPECT_EQ(diagnostics.errors(), 500);
+  EXPECT_EQ(diagnostics.warnings(), 1);
+  const std::string text = diagnostics.ToString();
+  EXPECT_NE(text.find("a:100: error: wrong\nand 400 more errors, 1 more warning\n"), std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("a:101"), std::string::npos);
+}
+
+TEST(Diagnostics, KeepTheFirstLinesOfTheirFileWhateverWasFoundFirst) {
+  Diagnostics diagnostics("a");
+  diagnostics.Error({"b", 1}, "elsewhere");
+  for (int line = 300; line >= 1; --line) diagnostics.Error({"a", line}, "wrong");
+  EXPECT_EQ(diagnostics.all().front().where.line, 1);
+  EXPECT_EQ(diagnostics.all().back().where.line, 100);
+  EXPECT_EQ(diagnostics.errors(), 301);
+}
+
+TEST(Diagnostics, AnErrorIsKeptRatherThanAWarning) {
+  Diagnostics diagnostics;
+  for (int line = 1; line <= 300; ++line) diagnostics.Warning({"a", line}, "odd");
+  diagnostics.Error({"a", 301}, "wrong");
+  diagnostics.Warning({"a", 302}, "odd");
+  EXPECT_EQ(diagnostics.all().size(), Diagnostics::kMaxKept);
+  EXPECT_EQ(diagnostics.all().back().text, "wrong");
+  EXPECT_NE(diagnostics.ToString().find("and 202 more warnings\n"), std::string::npos);
+}
+
+TEST(Diagnostics, AppendedOnesAreCountedToo) {
+  Diagnostics first, second;
+  for (int line = 1; line <= 150; ++line) first.Error({"a", line}, "wrong");
+  for (int line = 1; line <= 150; ++line) second.Error({"b", line}, "wrong");
+  first.Append(second);
+  EXPECT_EQ(first.errors(), 300);
+  EXPECT_EQ(first.all().size(), Diagnostics::kMaxKept);
+}
+
+TEST(Diagnostics, SayWhereAReaderGaveUp) {
+  Diagnostics diagnostics;
+  int line = 1;
+  while (!diagnostics.StopAt({"a", line})) diagnostics.Error({"a", line++}, "wrong");
+  EXPECT_LT(line, 2000);
+  EXPECT_TRUE(diagnostics.ToString().ends_with("a:" + std::to_string(line) + ": the rest was not read\n"));
+}
+
+TEST(Diagnostics, ShowNothingThatDrivesATerminal) {
+  Diagnostics diagnostics;
+  diagnostics.Error({"a\x1b[2J\n", 1}, "unknown word '\x1b[31m" + std::string(5000, 'x') + "'");
+  const std::string text = diagnostics.ToString();
+  EXPECT_EQ(text.find('\x1b'), std::string::npos);
+  EXPECT_LT(text.size(), 1200u);
+  EXPECT_EQ(text.find('\n'), text.size() - 1);
 }
 
 }  // namespace

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/control/simulation_module.h"
@@ -49,6 +51,10 @@ class SimulationModuleTest : public testing::Test {
 
   void Write(const std::string& name, const std::string& text) { folder_.Write(name, text); }
 
+  /// What the thread that reads scenarios does.
+  void RunLoads() {
+    for (const auto& load : std::exchange(loads_, {})) load();
+  }
   /// What the stepping thread does: answers every edit, keeping what it was.
   void ApplyEdits() {
     for (Edit& each : edits_.TakeAll()) {
@@ -78,6 +84,7 @@ class SimulationModuleTest : public testing::Test {
   /// Sends a line, lets its edit be applied, returns the reply.
   Message Ask(const std::string& line) {
     client_->Send(line);
+    RunLoads();
     ApplyEdits();
     EXPECT_FALSE(client_->is_waiting()) << line;
     return client_->received.back();
@@ -101,8 +108,20 @@ class SimulationModuleTest : public testing::Test {
   RunControl run_;
   FakeActions actions_;
   SmallWorld world_{2};
-  SimulationServices services_{world_.board, world_.frames, edits_, run_,     names_, roster_,
-                               robots_,      guard_,        clock_, actions_, "1.2.3"};
+  SimulationServices services_{world_.board,
+                               world_.frames,
+                               edits_,
+                               run_,
+                               names_,
+                               roster_,
+                               robots_,
+                               guard_,
+                               clock_,
+                               actions_,
+                               "1.2.3",
+                               std::nullopt,
+                               [this](std::function<void()> load) { loads_.push_back(std::move(load)); }};
+  std::vector<std::function<void()>> loads_;  // given to the thread that reads scenarios
   FakeThread thread_;
   EditResult next_result_;
   std::vector<EditAction> applied_;

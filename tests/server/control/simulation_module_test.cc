@@ -106,6 +106,7 @@ TEST_F(SimulationModuleTest, ScenarioIsLoadedFromItsText) {
   request.command = command::kLoadScenario;
   request.text = "[FLOOR]\nsize 6 6 0.1\n";
   client_->SendMessage(request);
+  RunLoads();
   ApplyEdits();
   EXPECT_EQ(client_->received.back().error, 0) << client_->received.back().text;
   EXPECT_EQ(LastEdit<edit::Load>().scenario->floor.length_m, 6);
@@ -134,6 +135,63 @@ TEST_F(SimulationModuleTest, ReloadReadsTheFileAgain) {
   Write("hall.scenario", "[FLOOR]\nsize 5 5 0.1\n");
   EXPECT_EQ(Ask("reload").error, 0);
   EXPECT_EQ(LastEdit<edit::Load>().scenario->floor.length_m, 5);
+}
+
+TEST_F(SimulationModuleTest, OthersAreAnsweredWhileAScenarioIsRead) {
+  client_->Send("load_scenario hall");
+  FakeClient other(*module_, 2);
+  EXPECT_EQ(other.Ask("get_status").error, 0);
+  EXPECT_TRUE(client_->is_waiting());
+  RunLoads();
+  ApplyEdits();
+  EXPECT_FALSE(client_->is_waiting());
+  EXPECT_THAT(actions_.applied, ElementsAre("hall"));
+}
+
+TEST_F(SimulationModuleTest, ASecondLoadIsReadWhenTheFirstIsInForce) {
+  Write("yard.scenario", "[FLOOR]\nsize 9 9 0.1\n");
+  FakeClient other(*module_, 2);
+  client_->Send("load_scenario yard");
+  other.Send("reload");  // of the yard, by then
+  RunLoads();
+  EXPECT_TRUE(loads_.empty()) << "the first is read, but not in force";
+  ApplyEdits();
+  EXPECT_FALSE(client_->is_waiting());
+  EXPECT_EQ(loads_.size(), 1u);
+  RunLoads();
+  ApplyEdits();
+  EXPECT_EQ(other.received.back().error, 0) << other.received.back().text;
+  EXPECT_THAT(actions_.applied, ElementsAre("yard", "yard"));
+}
+
+TEST_F(SimulationModuleTest, ALoadWhoseClientHasGoneHoldsNobodyUp) {
+  {
+    FakeClient gone(*module_, 2);
+    gone.Send("load_scenario broken");
+  }
+  client_->Send("load_scenario hall");
+  while (!loads_.empty()) {
+    RunLoads();
+    ApplyEdits();
+  }
+  EXPECT_EQ(client_->received.back().error, 0) << client_->received.back().text;
+}
+
+TEST_F(SimulationModuleTest, FilesThatAreNoScenariosAreNotRead) {
+  Write(".env", "TOKEN=secret\n");
+  Write("notes", "secret\n");
+  for (const char* name : {"C:.env", "c:notes", "notes", ".env", "notes\x1b[2J"}) {
+    Message request;
+    request.command = command::kLoadScenario;
+    request.text = name;
+    client_->SendMessage(request);
+    RunLoads();
+    ApplyEdits();
+    const Message& reply = client_->received.back();
+    EXPECT_EQ(reply.error, 10) << name;
+    EXPECT_EQ(reply.text.find("secret"), std::string::npos) << reply.text;
+    EXPECT_EQ(reply.text.find('\x1b'), std::string::npos) << reply.text;
+  }
 }
 
 TEST_F(SimulationModuleTest, ParticipantsAreNamesOfRobots) {

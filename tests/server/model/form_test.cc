@@ -123,10 +123,16 @@ TEST(FormTest, TenThousandSectionsAreRead) {
   EXPECT_EQ(ReadWorldText(text).world.objects.size(), 10'000u);
 }
 
-TEST(SplitLinesTest, AnyLineEnd) {
-  EXPECT_THAT(SplitLines("a\nb\r\nc\rd"), ::testing::ElementsAre("a", "b", "c", "d"));
-  EXPECT_THAT(SplitLines("a\n\n"), ::testing::ElementsAre("a", ""));
-  EXPECT_TRUE(SplitLines("").empty());
+std::vector<std::string_view> LinesOf(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) lines.push_back(TakeLine(text));
+  return lines;
+}
+
+TEST(TakeLineTest, AnyLineEnd) {
+  EXPECT_THAT(LinesOf("a\nb\r\nc\rd"), ::testing::ElementsAre("a", "b", "c", "d"));
+  EXPECT_THAT(LinesOf("a\n\n"), ::testing::ElementsAre("a", ""));
+  EXPECT_TRUE(LinesOf("").empty());
 }
 
 }  // namespace
