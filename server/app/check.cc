@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // coopdyn check: says everything that is wrong in worlds, scenarios and robot models, physics included.
-#include <cstdio>
 #include <filesystem>
-#include <iostream>
 
 #include "server/app/commands.h"
+#include "server/app/print.h"
 #include "server/controllers/controller_host.h"
 #include "server/model/readers.h"
 #include "server/model/summary.h"
@@ -44,17 +43,15 @@ FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& d
   if (IsRobotModel(file)) {
     const auto model = ReadRobotModel(file, diagnostics);
     if (model != nullptr) {
-      std::printf("%s: robot %s, %zu links, %zu joints, %zu distance sensors, %zu modules\n", file.c_str(),
-                  model->type.c_str(), model->links.size(), model->joints.size(),
-                  model->distance_sensors.size(), model->modules.size());
+      Print("{}: robot {}, {} links, {} joints, {} distance sensors, {} modules\n", file, model->type,
+            model->links.size(), model->joints.size(), model->distance_sensors.size(), model->modules.size());
     }
     return nullptr;
   }
   const auto scenario = LoadScenario(file, robots, diagnostics);
   if (scenario == nullptr) return nullptr;
   FramePtr frame = FirstFrame(scenario, diagnostics);
-  if (frame != nullptr && !diagnostics.has_errors())
-    std::printf("%s: %s\n", file.c_str(), Summary(*scenario).c_str());
+  if (frame != nullptr && !diagnostics.has_errors()) Print("{}: {}\n", file, Summary(*scenario));
   return frame;
 }
 
@@ -64,17 +61,17 @@ int Check(const CheckOptions& options) {
   SearchPath path;
   for (const std::string& folder : DataFolders(options.scenario_folders)) path.folders.emplace_back(folder);
   RobotLibrary robots(path);
-  Diagnostics all;
+  bool failed = false;
   FramePtr last;
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
     if (FramePtr frame = CheckFile(file, robots, diagnostics)) last = std::move(frame);
-    all.Append(diagnostics);
+    PrintErrorLines(diagnostics.ToString());
+    failed = failed || diagnostics.has_errors();
   }
-  std::cerr << all.ToString();
-  if (!options.picture.empty() && !all.has_errors()) {
+  if (!options.picture.empty() && !failed) {
     if (last == nullptr) {
-      std::cerr << "coopdyn: --picture needs a .scenario or .world, a robot model alone is not drawn\n";
+      PrintError("coopdyn: --picture needs a .scenario or .world, a robot model alone is not drawn\n");
       return kExitWrongUse;
     }
     std::string unusable;
@@ -84,11 +81,11 @@ int Check(const CheckOptions& options) {
     request.height = 720;
     const auto error = unusable.empty() ? RenderPicture(*last, request, renderer, options.picture) : unusable;
     if (error) {
-      std::cerr << "coopdyn: " << *error << '\n';
+      PrintError("coopdyn: {}\n", *error);
       return kExitErrors;
     }
   }
-  return all.has_errors() ? kExitErrors : kExitOk;
+  return failed ? kExitErrors : kExitOk;
 }
 
 }  // namespace coopdyn

@@ -39,15 +39,6 @@ std::string RandomToken() {
   return token;
 }
 
-bool IsLoopback(const std::string& host) {
-  return host.empty() || host == "localhost" || host == "::1" || host.starts_with("127.");
-}
-
-bool BeyondLoopback(const ServeOptions& options) {
-  return std::any_of(options.hosts.begin(), options.hosts.end(),
-                     [](const auto& host) { return !IsLoopback(host); });
-}
-
 std::string TokenOf(const ServeOptions& options) {
   if (!options.token.empty() || options.no_net || !BeyondLoopback(options)) return options.token;
   return RandomToken();
@@ -106,8 +97,9 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       token_(TokenOf(options)),
       models_(MakeSearchPath(options.scenario_folders)),
       net_(logger_, clock_),
-      robot_guard_(token_, options.private_robots),
-      control_guard_(token_, true),
+      wrong_tokens_(logger_),
+      robot_guard_(token_, options.private_robots, &wrong_tokens_),
+      control_guard_(token_, true, &wrong_tokens_),
       ports_(options.port == 0 ? 0 : options.port + 2,
              [this](int port) { return names_.IsExternalPort(port); }),
       pool_(ThreadsOf(options)),
@@ -224,6 +216,7 @@ std::string Daemon::OpenPage() {
   std::array<char, 256> own_name{};
   if (::gethostname(own_name.data(), own_name.size() - 1) == 0) web.host_names.emplace_back(own_name.data());
   web.token = token_;
+  web.wrong_tokens = &wrong_tokens_;
   web.version = kVersion;
   web.name_port = name_server_->port();
   web.scenarios = [this] { return models_.path().ScenarioNames(); };

@@ -110,6 +110,7 @@ class Daemon final : private ControlActions {
   NameTable names_;
   ConnectionRoster roster_;
   const DeviceFactory devices_;
+  WrongTokens wrong_tokens_;
   const TokenGuard robot_guard_, control_guard_;
   PortPlan ports_;
 

@@ -18,10 +18,20 @@ int ThreadsOf(const ServeOptions& options) {
   return cores == 0 ? options.threads : std::min(options.threads, static_cast<int>(cores));
 }
 
+bool IsLoopback(const std::string& host) {
+  return host.empty() || host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
+bool BeyondLoopback(const ServeOptions& options) {
+  return std::any_of(options.hosts.begin(), options.hosts.end(),
+                     [](const auto& host) { return !IsLoopback(host); });
+}
+
 ControllerOptions ControllersOf(const ServeOptions& options) {
   ControllerOptions controllers;
   controllers.in_process = options.controllers_in_process;
   controllers.threads = ThreadsOf(options);
+  if (options.controller_memory_bytes) controllers.memory_bytes = *options.controller_memory_bytes;
   return controllers;
 }
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // coopdyn doctor: walks from the host's name to a robot that answers; `ok`, or cause and cure, per line.
 #include <algorithm>
-#include <cstdio>
-#include <iostream>
 #include <string_view>
 #include <vector>
 
 #include "protocol/command_ids.h"
 #include "server/app/commands.h"
+#include "server/app/print.h"
 #include "server/app/remote_connection.h"
 #include "server/base/clock.h"
 
@@ -19,8 +18,7 @@ constexpr int kPings = 50;
 
 /// Prints one line of the walk; true if it went well.
 bool Say(const std::string& what, const std::string& error) {
-  std::printf("%-8s %s%s%s\n", error.empty() ? "ok" : "FAILED", what.c_str(), error.empty() ? "" : ": ",
-              error.c_str());
+  Print("{:<8} {}{}{}\n", error.empty() ? "ok" : "FAILED", what, error.empty() ? "" : ": ", error);
   return error.empty();
 }
 
@@ -55,7 +53,7 @@ int VisitRobot(const ServerAddress& server, const std::vector<std::string>& regi
     if (error.empty() && reply.error != 0) error = reply.text;
     return Say(robot.substr(1) + " says where it is", error) ? kExitOk : kExitErrors;
   }
-  std::printf("ok       the scenario has no robots\n");
+  Print("ok       the scenario has no robots\n");
   return kExitOk;
 }
 
@@ -64,8 +62,7 @@ int VisitRobot(const ServerAddress& server, const std::vector<std::string>& regi
 int Doctor(const RemoteOptions& options) {
   const auto server = ParseServerAddress(options.server);
   if (!server) {
-    std::cerr << "coopdyn: --server is HOST or HOST:PORT, e.g. labserver:10000, not " << options.server
-              << '\n';
+    PrintError("coopdyn: --server is HOST or HOST:PORT, e.g. labserver:10000, not {}\n", options.server);
     return kExitWrongUse;
   }
   RemoteConnection names;
@@ -85,11 +82,9 @@ int Doctor(const RemoteOptions& options) {
   }
   if (!Say("it speaks protocol 1", error)) return kExitErrors;
   const double round_trip_us = MedianRoundTrip(names);
-  char text[80];
-  std::snprintf(text, sizeof text, "a round trip takes %.0f us (median of %d)", round_trip_us, kPings);
+  const std::string text = fmt::format("a round trip takes {:.0f} us (median of {})", round_trip_us, kPings);
   if (!Say(text, round_trip_us < 0 ? "a ping was not answered" : "")) return kExitErrors;
-  if (round_trip_us > 20000)
-    std::printf("         that is slow: a far or wireless network limits lockstep\n");
+  if (round_trip_us > 20000) Print("         that is slow: a far or wireless network limits lockstep\n");
   return VisitRobot(*server, lines);
 }
 

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/app/commands.h"
+#include "server/app/print.h"
 #include "server/app/progress_bar.h"
 #include "server/app/shutdown.h"
 #include "server/replay/export_csv.h"
@@ -100,7 +100,7 @@ void Complete(const CLI::App& sub, Given& given) {
 }
 
 int Fail(const std::string& text) {
-  std::cerr << "coopdyn: export: " << text << '\n';
+  PrintError("coopdyn: export: {}\n", text);
   return kExitErrors;
 }
 
@@ -125,13 +125,13 @@ int Export(Given given) {
   if (std::filesystem::equivalent(given.out, reader->file(), missing)) {
     return Fail(given.out + " is the recording itself: write another name");
   }
-  if (reader->mended()) std::cerr << given.run << ": had not been closed; it is mended\n";
+  if (reader->mended()) PrintError("{}: had not been closed; it is mended\n", given.run);
   SearchPath path;
   for (const std::string& folder : DataFolders(given.scenario_folders)) path.folders.emplace_back(folder);
   Diagnostics diagnostics;
   const auto scenario = reader->LoadScenario(path, diagnostics);
   if (scenario == nullptr) {
-    std::cerr << diagnostics.ToString();
+    PrintErrorLines(diagnostics.ToString());
     return Fail(given.run + ": the scenario that it carries cannot be read");
   }
   {
@@ -144,9 +144,7 @@ int Export(Given given) {
     });
   }
   if (!error.empty()) return Fail(error);
-  std::cout << "wrote " << given.out;
-  if (given.to == "csv") std::cout << " and " << EventsFile(given.out);
-  std::cout << '\n';
+  Print("wrote {}{}\n", given.out, given.to == "csv" ? " and " + EventsFile(given.out) : std::string());
   return kExitOk;
 }
 

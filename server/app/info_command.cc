@@ -6,11 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <boost/json.hpp>
-#include <iostream>
 #include <memory>
+#include <sstream>
 #include <utility>
 
 #include "server/app/commands.h"
+#include "server/app/print.h"
 #include "server/base/printable.h"
 #include "server/record/run_reader_open.h"
 
@@ -81,7 +82,7 @@ void AddEvent(std::string& text, const Event& event) {
 }
 
 void AddLine(std::string& text, const char* name, const std::string& value) {
-  if (!value.empty()) text += fmt::format("  {:<10}{}\n", name, value);
+  if (!value.empty()) text += fmt::format("  {:<10}{}\n", name, Printable(value, 4000));
 }
 
 }  // namespace
@@ -231,7 +232,15 @@ void AddInfo(CLI::App& app, std::function<int()>& chosen) {
   sub->add_flag("--json", given->json, "One JSON array, an object per recording, with all events");
   sub->add_flag("--count-commands", given->count_commands,
                 "Count the commands also in a file of more than 256 MiB, which takes a while");
-  sub->callback([&chosen, given] { chosen = [given] { return Info(*given, std::cout, std::cerr); }; });
+  sub->callback([&chosen, given] {
+    chosen = [given] {
+      std::ostringstream out, errors;
+      const int code = Info(*given, out, errors);
+      PrintLines(out.str());
+      PrintErrorLines(errors.str());
+      return code;
+    };
+  });
 }
 
 }  // namespace coopdyn

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <csignal>
-#include <cstdio>
 #include <exception>
 
 #include "server/app/commands.h"
 #include "server/app/options.h"
+#include "server/app/print.h"
 
 namespace {
 
@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
   try {
     return Run(argc, argv);
   } catch (const std::exception& exception) {  // e.g. no more threads, no more memory
-    std::fprintf(stderr, "coopdyn: the system refuses to go on: %s\n", exception.what());
+    coopdyn::PrintError("coopdyn: the system refuses to go on: {}\n", exception.what());
     return coopdyn::kExitErrors;
   }
 }

@@ -3,11 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <fstream>
-#include <iostream>
 #include <memory>
 #include <system_error>
 
 #include "server/app/commands.h"
+#include "server/app/print.h"
 
 namespace coopdyn {
 
@@ -44,7 +44,7 @@ std::string Filled(std::string text, const std::string& name) {
 }
 
 int Refuse(int code, const std::string& text) {
-  std::cerr << "coopdyn: new-controller: " << text << '\n';
+  PrintError("coopdyn: new-controller: {}\n", text);
   return code;
 }
 
@@ -73,10 +73,10 @@ int NewController(const std::string& name, const fs::path& folder) {
     stream.close();
     if (!stream) return Refuse(kExitErrors, path.string() + " cannot be written");
   }
-  std::cout << "wrote " << target.string() << "; go on with\n"
-            << "  cd " << target.string() << "\n"
-            << "  cmake -B build && cmake --build build\n"
-            << "  coopdyn serve " << name << ".scenario\n";
+  Print(
+      "wrote {0}; go on with\n  cd {0}\n  cmake -B build && cmake --build build\n  coopdyn serve "
+      "{1}.scenario\n",
+      target.string(), name);
   return kExitOk;
 }
 

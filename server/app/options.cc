@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <sstream>
 
 #include "server/app/more_commands.h"
+#include "server/app/print.h"
 #include "server/app/serve_options.h"
 
 namespace coopdyn {
@@ -164,7 +164,7 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
     line.exit_code = app.exit(success);
     return line;
   } catch (const CLI::ParseError& error) {
-    std::cerr << "coopdyn: " << error.what() << " (coopdyn --help shows the commands)\n";
+    PrintError("coopdyn: {} (coopdyn --help shows the commands)\n", error.what());
     line.exit_code = kWrongUse;
     return line;
   }
@@ -181,7 +181,7 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
     try {
       TakeRaw(*sub, plays ? raw_play : raw, line.serve);
     } catch (const CLI::ValidationError& error) {
-      std::cerr << "coopdyn: " << error.what() << '\n';
+      PrintError("coopdyn: {}\n", error.what());
       line.exit_code = kWrongUse;
       return line;
     }

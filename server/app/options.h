@@ -2,6 +2,7 @@
 // The command line, as values. Flags override COOPDYN_* variables, which override the config file.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -42,6 +43,7 @@ struct ServeOptions {
   std::vector<std::string> hosts;  // empty: loopback
   std::string advertise;
   std::string token;
+  bool weak_token = false;  // may be short
   std::string yarp_server;  // HOST:PORT; empty: our own name server
   bool private_robots = false;
   bool no_render = false, no_http = false, no_net = false;
@@ -50,6 +52,7 @@ struct ServeOptions {
   std::optional<int> robot_threads;
   int threads = 1;  // of sensing, controllers and physics
   bool controllers_in_process = false;
+  std::optional<std::uint64_t> controller_memory_bytes;  // 0: no limit
   std::optional<int> spin_us;
   std::string log_level = "info";
   std::string summary_file;
@@ -74,6 +77,9 @@ struct RemoteOptions {
 /// Threads that share out a step: more than there are cores would only take turns; the results are the same.
 int ThreadsOf(const ServeOptions& options);
 ControllerOptions ControllersOf(const ServeOptions& options);
+bool IsLoopback(const std::string& host);
+/// Whether others than this machine can reach the daemon.
+bool BeyondLoopback(const ServeOptions& options);
 
 /// What the command line asks for.
 struct CommandLine {

@@ -2,16 +2,15 @@
 // list, status, run, pause, step, reset, reload, load, stop-all, quit, call: one request to a running daemon.
 #include <boost/json.hpp>
 #include <charconv>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <iterator>
 #include <sstream>
 
 #include "protocol/command_ids.h"
 #include "protocol/text_scan.h"
 #include "server/app/commands.h"
+#include "server/app/print.h"
 #include "server/app/remote_connection.h"
 
 namespace coopdyn {
@@ -21,7 +20,7 @@ namespace {
 namespace json = boost::json;
 
 int Fail(int code, const std::string& text) {
-  std::cerr << "coopdyn: " << text << (text.ends_with('\n') ? "" : "\n");
+  PrintErrorLines("coopdyn: " + text + (text.ends_with('\n') ? "" : "\n"));
   return code;
 }
 
@@ -72,33 +71,32 @@ int PrintStatus(const std::string& text) {
     const json::value* value = object.if_contains(key);
     return value != nullptr && value->is_string() ? std::string(value->as_string()) : std::string("-");
   };
-  std::printf("%s  %s  %s  t = %.3f s  step %.0f  real-time factor %.2f\n", word(status, "scenario").c_str(),
-              word(status, "mode").c_str(), word(status, "state").c_str(), number("time_s"), number("step"),
-              number("rtf"));
+  Print("{}  {}  {}  t = {:.3f} s  step {:.0f}  real-time factor {:.2f}\n", word(status, "scenario"),
+        word(status, "mode"), word(status, "state"), number("time_s"), number("step"), number("rtf"));
   const json::value* playback = status.if_contains("playback");
   const bool plays = playback != nullptr && playback->is_object();
-  std::printf("speed: %s\n", SpeedOf(plays ? playback->as_object() : status).c_str());
-  if (plays) std::printf("playing %s\n", word(playback->as_object(), "file").c_str());
+  Print("speed: {}\n", SpeedOf(plays ? playback->as_object() : status));
+  if (plays) Print("playing {}\n", word(playback->as_object(), "file"));
   if (const std::string recording = word(status, "recording"); recording != "-") {
-    std::printf("recording to %s\n", recording.c_str());
+    Print("recording to {}\n", recording);
   }
   if (const json::value* awaiting = status.if_contains("awaiting");
       awaiting != nullptr && awaiting->is_array()) {
     std::string cure = "-";
     for (const json::value& one : awaiting->as_array()) {
       const json::object& awaited = one.as_object();
-      std::printf("waiting for %s (%s), %.1f s\n", word(awaited, "robot").c_str(),
-                  word(awaited, "why").c_str(), awaited.at("seconds").to_number<double>());
+      Print("waiting for {} ({}), {:.1f} s\n", word(awaited, "robot"), word(awaited, "why"),
+            awaited.at("seconds").to_number<double>());
       if (cure == "-") cure = word(awaited, "cure");
     }
-    if (cure != "-") std::printf("  %s\n", cure.c_str());
+    if (cure != "-") Print("  {}\n", cure);
   }
   if (const json::value* robots = status.if_contains("robots"); robots != nullptr && robots->is_array()) {
     constexpr std::size_t kListed = 40;
     std::size_t listed = 0;
     for (const json::value& one : robots->as_array()) {
       if (++listed > kListed) {
-        std::printf("... and more: coopdyn call /simulation get_status FIRST COUNT tells all\n");
+        Print("... and more: coopdyn call /simulation get_status FIRST COUNT tells all\n");
         break;
       }
       const json::object& robot = one.as_object();
@@ -106,8 +104,8 @@ int PrintStatus(const std::string& text) {
       const json::value* moving = robot.if_contains("still_moving");
       const bool moves = moving != nullptr && moving->is_bool() && moving->as_bool();
       const std::string free = moves ? "nobody drives it, still moving" : "free";
-      std::printf("%-16s %-10s %s\n", word(robot, "name").c_str(), word(robot, "type").c_str(),
-                  owner == "-" || owner.empty() ? free.c_str() : ("driven by " + owner).c_str());
+      Print("{:<16} {:<10} {}\n", word(robot, "name"), word(robot, "type"),
+            owner == "-" || owner.empty() ? free : "driven by " + owner);
     }
   }
   return kExitOk;
@@ -121,7 +119,7 @@ int List(RemoteConnection& connection) {
     std::istringstream words(line);
     std::string registration, name_word, name, ip_word, ip, port_word, port;
     words >> registration >> name_word >> name >> ip_word >> ip >> port_word >> port;
-    if (name_word == "name") std::printf("%-28s %s:%s\n", name.c_str(), ip.c_str(), port.c_str());
+    if (name_word == "name") Print("{:<28} {}:{}\n", name, ip, port);
   }
   return kExitOk;
 }
@@ -192,7 +190,7 @@ int CallModule(RemoteConnection& connection, const RemoteOptions& options) {
   if (const std::string error = connection.CallLine(line, reply); !error.empty())
     return Fail(kExitErrors, error);
   if (!reply.starts_with("0 ")) return Fail(kExitErrors, reply);
-  std::cout << reply << '\n';
+  PrintLines(reply + "\n");
   // A robot stops when the program that said hello ends; what a single command sets is to stay.
   if (!options.token.empty()) connection.CallLine("release", reply);
   return kExitOk;
@@ -232,8 +230,8 @@ int Remote(const RemoteOptions& options) {
   }
   if (reply.error != 0) return Fail(kExitErrors, WithFileName(reply.text, options));
   if (options.verb == "status") return PrintStatus(reply.text);
-  std::cout << options.verb << ": ok" << Moment(reply) << '\n';
-  if (options.verb == "stop-all" && !reply.text.empty()) std::cout << reply.text << '\n';
+  Print("{}: ok{}\n", options.verb, Moment(reply));
+  if (options.verb == "stop-all" && !reply.text.empty()) Print("{}\n", reply.text);
   return kExitOk;
 }
 

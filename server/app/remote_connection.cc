@@ -128,6 +128,7 @@ std::string RemoteConnection::Receive() {
 std::string RemoteConnection::ReadLine(std::string& line) {
   std::size_t end;
   while ((end = buffer_.find('\n')) == std::string::npos) {
+    if (buffer_.size() > kMaxReplyBytes) return "the daemon answered something unreadable";
     if (std::string error = Receive(); !error.empty()) return error;
   }
   line = buffer_.substr(0, end);

@@ -2,12 +2,11 @@
 // coopdyn serve: runs the daemon until something ends it.
 #include <unistd.h>
 
-#include <cstdio>
 #include <fstream>
-#include <iostream>
 
 #include "server/app/commands.h"
 #include "server/app/daemon.h"
+#include "server/app/print.h"
 #include "server/app/run_report.h"
 #include "server/base/log_bar.h"
 
@@ -35,12 +34,12 @@ void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock, const Lo
       ShowBelowLog(logger, progress());
     } else if (!terminal && now - told >= kProgressEvery) {
       told = now;
-      std::cerr << ProgressLine(*daemon.frame(), daemon.status(), daemon.duration_s()) << std::endl;
+      PrintError("{}\n", ProgressLine(*daemon.frame(), daemon.status(), daemon.duration_s()));
     }
   }
   if (bar) {
     ShowBelowLog(logger, "");
-    std::cerr << progress() + '\n';
+    PrintError("{}\n", progress());
   }
 }
 
@@ -53,25 +52,25 @@ int Serve(const ServeOptions& options) {
   const SteadyClock clock;
   Daemon daemon(options, log.logger(), shutdown);
   if (const std::string error = daemon.Start(); !error.empty()) {
-    std::cerr << error << (error.ends_with('\n') ? "" : "\n");
+    PrintErrorLines(error + (error.ends_with('\n') ? "" : "\n"));
     return kExitErrors;
   }
   const Nanoseconds started = clock.Now();
-  std::cerr << daemon.HowToGoOn();
-  std::cout << daemon.ReadyLine() << std::endl;
-  if (daemon.duration_s() > 0) std::cerr << "runs to t = " << daemon.duration_s() << " s" << std::endl;
+  PrintErrorLines(daemon.HowToGoOn());
+  Print("{}\n", daemon.ReadyLine());
+  if (daemon.duration_s() > 0) PrintError("runs to t = {:g} s\n", daemon.duration_s());
 
   WaitForEnd(daemon, shutdown, clock, log.logger());
 
   daemon.Stop();
   const RunStatus status = daemon.status();
   const double wall_s = ToSeconds(clock.Now() - started);
-  if (daemon.duration_s() > 0) std::cerr << "ended: " << SummaryLine(*daemon.frame(), status, wall_s) << '\n';
+  if (daemon.duration_s() > 0) PrintError("ended: {}\n", SummaryLine(*daemon.frame(), status, wall_s));
   if (!options.summary_file.empty()) {
     std::ofstream file(options.summary_file);
     file << SummaryJson(*daemon.frame(), status, wall_s);
     if (!file.flush()) {
-      std::cerr << "coopdyn: the summary could not be written to " << options.summary_file << '\n';
+      PrintError("coopdyn: the summary could not be written to {}\n", options.summary_file);
       return kExitErrors;
     }
   }

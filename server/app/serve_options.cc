@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/serve_options.h"
 
+#include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -94,6 +95,8 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
   sub->add_option("--token", serve.token, "What changing commands from other machines must show")
       ->check(CLI::Validator(CheckToken, ""))
       ->envname("COOPDYN_TOKEN");
+  sub->add_flag("--weak-token", serve.weak_token, "Let --token be shorter than 12 characters")
+      ->envname("COOPDYN_WEAK_TOKEN");
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too")
       ->envname("COOPDYN_PRIVATE");
   sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT")
@@ -189,6 +192,11 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
          "Where loaded controllers run: child (a process of their own) or in-process (for a debugger)")
       ->check(CLI::IsMember({"child", "in-process"}))
       ->envname("COOPDYN_CONTROLLERS");
+  sub->add_option("--controller-memory", raw.controller_memory_mib,
+                  "MiB that all loaded controllers together may use (default: half of this machine's memory; "
+                  "0: no limit)")
+      ->check(CLI::Range(0, 1 << 30))
+      ->envname("COOPDYN_CONTROLLER_MEMORY");
   sub->add_option("--summary", serve.summary_file, "Write a summary of the run to this file (JSON)")
       ->envname("COOPDYN_SUMMARY");
   sub->add_option("--from", serve.from,
@@ -250,6 +258,15 @@ void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
   }
   if (given("--mode")) serve.run.mode = ParseMode(raw.mode);
   serve.controllers_in_process = raw.controllers == "in-process";
+  if (given("--controller-memory")) serve.controller_memory_bytes = raw.controller_memory_mib << 20;
+  constexpr std::size_t kStrongToken = 12;
+  if (!serve.token.empty() && serve.token.size() < kStrongToken && !serve.weak_token && !serve.no_net &&
+      BeyondLoopback(serve)) {
+    throw CLI::ValidationError(
+        fmt::format("--token has {} characters, and with --host others can try tokens: write at least {}, or "
+                    "leave --token out (one is made and printed), or add --weak-token",
+                    serve.token.size(), kStrongToken));
+  }
   if (given("--step")) serve.run.step = std::llround(raw.step_s * 1e6) * 1000;
   if (!plays && given("--speed")) serve.run.speed = raw.speed;
   if (given("--seed")) serve.run.seed = raw.seed;

@@ -23,6 +23,7 @@ struct RawServe {
   double duration_s = 0;
   double record_every_s = 0, start_s = 0;
   int name_port = 0, http_port = 0, robot_threads = 0, spin_us = 0;
+  std::uint64_t controller_memory_mib = 0;
   std::string config;  // read before the arguments are: InsertConfig()
 };
 

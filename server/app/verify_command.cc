@@ -2,12 +2,12 @@
 #include "server/app/verify_command.h"
 
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "server/app/commands.h"
+#include "server/app/print.h"
 #include "server/app/progress_bar.h"
 #include "server/replay/verify.h"
 
@@ -26,11 +26,11 @@ std::unique_ptr<RunReader> Open(const std::string& file) {
   std::string error;
   auto reader = RunReader::Open(file, error);
   if (reader == nullptr) {
-    std::cerr << "coopdyn: verify: " << error << '\n';
+    PrintError("coopdyn: verify: {}\n", error);
   } else if (reader->mended()) {
-    std::cerr << file << ": had not been closed; it is mended\n";
+    PrintError("{}: had not been closed; it is mended\n", file);
   } else if (reader->growing()) {
-    std::cerr << file << ": is being recorded; verified as far as it is now\n";
+    PrintError("{}: is being recorded; verified as far as it is now\n", file);
   }
   return reader;
 }
@@ -57,10 +57,10 @@ int RunVerify(const GivenRuns& given) {
     report = other == nullptr ? Verify(*run, services, progress) : Compare(*run, *other, services, progress);
   }
   if (!report.error.empty()) {
-    std::cerr << "coopdyn: verify: " << ToString(report);
+    PrintErrorLines("coopdyn: verify: " + ToString(report));
     return kExitErrors;
   }
-  std::cout << ToString(report);
+  PrintLines(ToString(report));
   return report.difference ? kExitErrors : kExitOk;
 }
 

@@ -2,9 +2,12 @@
 // Where controllers run: in this process or in a child. The stepping thread (holder of the baton) only.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/worker_pool.h"
@@ -16,6 +19,16 @@ namespace coopdyn {
 struct Areas {
   SharedArea in, out;
   Place spare_items = 0;  // in `in`: room for as many items as there are files or robots
+  SharedArea left;        // the `in` where the child still waits, if that is another now
+
+  /// Larger ones with the same contents; pointers into them are void. Throws std::system_error.
+  void Grow(std::size_t in_bytes, std::size_t out_bytes) {
+    if (in_bytes <= in.bytes() && out_bytes <= out.bytes()) return;
+    SharedArea larger_in = Larger(in, in_bytes, SharedArea::Others::kRead);
+    if (out_bytes > out.bytes()) out = Larger(out, out_bytes, SharedArea::Others::kWrite);
+    std::swap(in, larger_in);
+    if (left.data() == nullptr) left = std::move(larger_in);
+  }
 
   InHeader& header() const { return *in.At<InHeader>(0); }
   RobotSetup& setup(std::uint32_t robot) const { return in.At<RobotSetup>(header().robots)[robot]; }
@@ -24,6 +37,13 @@ struct Areas {
   }
   const FileResult& file_result(std::uint32_t file) const {
     return out.At<FileResult>(header().file_results)[file];
+  }
+
+ private:
+  static SharedArea Larger(const SharedArea& area, std::size_t bytes, SharedArea::Others others) {
+    SharedArea larger(std::max(bytes, area.bytes()), others);
+    std::memcpy(larger.data(), area.data(), area.bytes());
+    return larger;
   }
 };
 

@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <csignal>
 #include <exception>
 #include <optional>
 #include <utility>
@@ -25,6 +26,14 @@ constexpr int kCalmSteps = 100;  // with fewer steps in between
 /// What it may take the process to start on a busy machine.
 constexpr Nanoseconds kStartTime = 30 * kNanosecondsPerSecond;
 
+/// By its own word, or by a crash when it had nearly all that it may have: NULL is seldom looked at.
+bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
+  if (memory_bytes == 0) return false;
+  if (end.signal == 0) return end.exit_code == kOutOfMemoryExit;
+  const bool crashed = end.signal == SIGSEGV || end.signal == SIGBUS || end.signal == SIGABRT;
+  return crashed && end.memory_bytes >= memory_bytes / 10 * 9;
+}
+
 /// Steps of so many robots are taken in turns with the child on one core.
 constexpr std::size_t kFew = 512;
 
@@ -35,6 +44,7 @@ ChildBackend::ChildBackend(Areas& areas, Options options, const Clock& clock, Lo
 
 ChildBackend::~ChildBackend() {
   if (!process_) return;
+  Move();
   InHeader& header = areas_.header();
   header.operation = Operation::kEnd;
   header.item_count = 0;
@@ -95,7 +105,18 @@ double ChildBackend::child_cpu_s() const {
   return dead_cpu_s_ + (process_ ? process_->cpu_s() : 0);
 }
 
+void ChildBackend::Move() {
+  if (areas_.left.data() == nullptr) return;
+  const SharedArea left = std::exchange(areas_.left, SharedArea());
+  if (!process_->HandOver(areas_.in.fd(), areas_.out.fd())) return;  // it will be seen to have ended, or hang
+  InHeader& old = *left.At<InHeader>(0);
+  old.operation = Operation::kMove;
+  old.go.store(~ticket_, std::memory_order_release);
+  FutexWake(old.go);
+}
+
 bool ChildBackend::Send(Operation operation, Place items, std::size_t count, int workers) {
+  Move();
   InHeader& header = areas_.header();
   header.operation = operation;
   header.items = items;
@@ -185,6 +206,16 @@ void ChildBackend::Bury(std::uint64_t stuck_workers) {
   loss.by_others = ended && end.by_others();
   loss.why =
       ended ? end.ToString() : fmt::format("did not return within {:g} s", ToSeconds(options_.deadline));
+  const std::uint32_t starved = areas_.out.At<OutHeader>(0)->out_of_memory.load(std::memory_order_acquire);
+  if (ended && RanOutOfMemory(end, header.memory_bytes)) {
+    loss.why = fmt::format(
+        "ran out of memory: all controllers together may use {} MiB (serve --controller-memory MIB allows "
+        "more)",
+        header.memory_bytes >> 20);
+    // Others may have been at work, but it was this one that wanted more.
+    const auto it = std::find(loss.suspects.begin(), loss.suspects.end(), starved - 1);
+    if (starved > 0 && it != loss.suspects.end()) loss.suspects = {starved - 1};
+  }
   loss_ = std::move(loss);
 }
 
@@ -228,6 +259,8 @@ bool ChildBackend::Revive(const Order& order) {
   header.go.store(ticket_ = 0);
   out.reply.store(0);
   for (WorkerProgress& worker : out.workers) worker.word.store(0);
+  out.out_of_memory.store(0);
+  areas_.left = SharedArea();
   try {
     process_ = std::make_unique<ChildProcess>(*options_.launcher, areas_.in.fd(), areas_.out.fd());
     same_core_.emplace(process_->pid());

@@ -64,6 +64,8 @@ class ChildBackend final : public Backend {
   bool Send(Operation operation, Place items, std::size_t count, int workers);
   bool SendList(Operation operation, const std::vector<std::uint32_t>& items, int workers);
   bool Await(std::uint32_t ticket);
+  /// Lets it wait in the areas that there are now, if they are others than before.
+  void Move();
   bool IsInterrupted() const { return options_.interrupted != nullptr && options_.interrupted->load(); }
   /// Bit w: worker w has had the same item in hand for longer than the deadline.
   std::uint64_t StuckWorkers(Nanoseconds now);

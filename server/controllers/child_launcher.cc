@@ -119,7 +119,7 @@ std::string ChildEnd::ToString() const {
     case SIGABRT:
       return "crashed (abort)";
     case SIGKILL:
-      return "was killed (too much memory?)";
+      return "was killed (by somebody, or by the system for its memory)";
     default: {
       const char* name = sigabbrev_np(signal);
       return name == nullptr ? fmt::format("was ended by signal {}", signal)
@@ -247,7 +247,10 @@ ChildEnd ChildLauncher::AwaitEnd(pid_t pid) {
   LaunchReply reply;
   const bool told =
       template_ >= 0 && Ask({LaunchRequest::Kind::kAwaitEnd, pid}, nullptr, reply) && reply.pid == pid;
-  return told ? EndOf(reply.status, reply.cpu_s) : EndOf(SIGKILL, 0);  // as the template, probably
+  if (!told) return EndOf(SIGKILL, 0);  // as the template, probably
+  ChildEnd end = EndOf(reply.status, reply.cpu_s);
+  end.memory_bytes = reply.memory_bytes;
+  return end;
 }
 
 void ChildLauncher::Leave(pid_t pid) {

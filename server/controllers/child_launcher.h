@@ -13,11 +13,15 @@
 
 namespace coopdyn {
 
+/// The exit code of a process in which a controller got no more memory.
+inline constexpr int kOutOfMemoryExit = 109;
+
 /// How a process ended.
 struct ChildEnd {
-  int signal = 0;     // 0: it exited by itself
-  int exit_code = 0;  // then
-  double cpu_s = 0;   // that it has used in all
+  int signal = 0;                  // 0: it exited by itself
+  int exit_code = 0;               // then
+  double cpu_s = 0;                // that it has used in all
+  std::uint64_t memory_bytes = 0;  // the most that it had
 
   /// The controller in hand may have had nothing to do with it: somebody else killed it.
   bool by_others() const;
@@ -36,6 +40,7 @@ struct LaunchReply {
   int error = 0;   // then: errno
   int status = 0;  // kAwaitEnd: as of wait()
   double cpu_s = 0;
+  std::uint64_t memory_bytes = 0;
 };
 
 class ChildLauncher {

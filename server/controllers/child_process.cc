@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <ctime>
 #include <system_error>
 
@@ -44,6 +45,24 @@ ChildProcess::~ChildProcess() {
   }
   close(watched_);
   close(socket_);
+}
+
+bool ChildProcess::HandOver(int in_fd, int out_fd) {
+  const std::array<int, 2> files = {in_fd, out_fd};
+  char byte = 0;
+  iovec bytes{&byte, 1};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(files))> room{};
+  msghdr message{};
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  message.msg_control = room.data();
+  message.msg_controllen = room.size();
+  cmsghdr* header = CMSG_FIRSTHDR(&message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(sizeof(files));
+  std::memcpy(CMSG_DATA(header), files.data(), sizeof(files));
+  return sendmsg(socket_, &message, MSG_NOSIGNAL | MSG_DONTWAIT) == 1;
 }
 
 std::optional<ChildEnd> ChildProcess::Ended() {

@@ -21,6 +21,9 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
+  /// Hands it other areas, which it takes when it is told to. False: it takes nothing any more.
+  bool HandOver(int in_fd, int out_fd);
+
   pid_t pid() const { return pid_; }
   /// If it has ended: how.
   std::optional<ChildEnd> Ended();

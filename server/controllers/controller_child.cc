@@ -17,6 +17,7 @@
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -44,11 +45,9 @@ class ParentWatch {
 
  private:
   void Watch() {
-    char byte = 0;
-    ssize_t got = 0;
-    do {
-      got = recv(socket_, &byte, 1, 0);
-    } while (got > 0 || (got < 0 && errno == EINTR));
+    pollfd hangup{socket_, POLLRDHUP, 0};
+    while (poll(&hangup, 1, -1) < 0 && errno == EINTR) {
+    }
     if (!ending_) _exit(0);
   }
 
@@ -71,19 +70,74 @@ struct Files {
   int socket = -1, in = -1, out = -1;
 };
 
-[[noreturn]] void Serve(const Files& files) {
+/// Other areas, from the daemon: the files that come with the next byte.
+void TakeAreas(Files& files) {
+  std::array<int, 2> areas{-1, -1};
+  char byte = 0;
+  iovec bytes{&byte, 1};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(areas))> room{};
+  msghdr message{};
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  message.msg_control = room.data();
+  message.msg_controllen = room.size();
+  ssize_t got = 0;
+  do {
+    got = recvmsg(files.socket, &message, MSG_CMSG_CLOEXEC);
+  } while (got < 0 && errno == EINTR);
+  const cmsghdr* header = CMSG_FIRSTHDR(&message);
+  if (got != 1 || header == nullptr || header->cmsg_type != SCM_RIGHTS ||
+      header->cmsg_len != CMSG_LEN(sizeof(areas))) {
+    throw std::runtime_error("the daemon sent no areas");
+  }
+  std::memcpy(areas.data(), CMSG_DATA(header), sizeof(areas));
+  close(files.in);
+  close(files.out);
+  files.in = areas[0];
+  files.out = areas[1];
+}
+
+/// Controllers get no more than `bytes` of memory beyond what the process has now, and the system ends this
+/// process rather than another when it has none left itself.
+void LimitMemory(std::uint64_t bytes) {
+  if (std::FILE* file = std::fopen("/proc/self/oom_score_adj", "w"); file != nullptr) {
+    std::fputs("1000", file);
+    std::fclose(file);
+  }
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map terabytes
+  if (bytes == 0) return;
+  unsigned long data_pages = 0;
+  if (std::FILE* file = std::fopen("/proc/self/statm", "r"); file != nullptr) {
+    if (std::fscanf(file, "%*u %*u %*u %*u %*u %lu", &data_pages) != 1) data_pages = 0;
+    std::fclose(file);
+  }
+  const std::uint64_t limit = bytes + data_pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  const rlimit both{limit, limit};
+  setrlimit(RLIMIT_DATA, &both);
+#endif
+}
+
+[[noreturn]] void Serve(Files files) {
   const ParentWatch watch(files.socket);
-  const SharedArea head(files.in, sizeof(InHeader), false);
-  const InHeader& header = *head.At<InHeader>(0);
-  SharedArea in, out;
+  SharedArea in(files.in, false), out(files.out, true);
   auto runner = std::make_unique<Runner>();
   std::unique_ptr<WorkerPool> pool;
   for (std::uint32_t seen = 0;;) {
+    const InHeader& header = *in.At<InHeader>(0);
     while (header.go.load(std::memory_order_acquire) == seen) FutexWait(header.go, seen, 0);
-    seen = header.go.load(std::memory_order_acquire);
-    if (in.bytes() != header.in_bytes) in = SharedArea(files.in, header.in_bytes, false);
-    if (out.bytes() != header.out_bytes) out = SharedArea(files.out, header.out_bytes, true);
-    if (!pool) pool = std::make_unique<WorkerPool>(static_cast<int>(header.workers));
+    const std::uint32_t go = header.go.load(std::memory_order_acquire);
+    if (header.operation == Operation::kMove) {
+      TakeAreas(files);
+      in = SharedArea(files.in, false);
+      out = SharedArea(files.out, true);
+      continue;  // the next operation may be there already
+    }
+    seen = go;
+    if (!pool) {
+      pool = std::make_unique<WorkerPool>(static_cast<int>(header.workers));
+      LimitMemory(header.memory_bytes);
+      Runner::EndWithoutMemory();
+    }
     const bool last = header.operation == Operation::kEnd;
     runner->Run(in.data(), out.data(), *pool);
     if (last) {
@@ -177,6 +231,7 @@ LaunchReply AwaitEnd(pid_t pid) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
   };
   reply.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  reply.memory_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
   return reply;
 }
 

@@ -199,24 +199,26 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     Setpoint& setpoint = setpoints[static_cast<std::size_t>(driven.robot)];
     setpoint = {};
     if (driven.status != Status::kDrives) continue;
+    // The child has looked already; since then somebody may have written there, and may still do.
     const RobotResult& result = areas->result(driven.slot);
+    const double forward_m_s = Once(result.forward_m_s), turn_rad_s = Once(result.turn_rad_s);
     SentMessage sent;
     sent.robot = static_cast<std::uint32_t>(driven.robot);
     sent.step = frame->step + 1;
-    sent.message.count = result.message_count;
-    bool sound = std::isfinite(result.forward_m_s) && std::isfinite(result.turn_rad_s) &&
+    sent.message.count = Once(result.message_count);
+    bool sound = std::isfinite(forward_m_s) && std::isfinite(turn_rad_s) &&
                  sent.message.count <= RobotMessage::kMaxValues;
     for (std::uint32_t i = 0; sound && i < sent.message.count; ++i) {
-      sent.message.values[i] = result.message[i];
-      sound = std::isfinite(result.message[i]);
+      sent.message.values[i] = Once(result.message[i]);
+      sound = std::isfinite(sent.message.values[i]);
     }
-    if (!sound) {  // the child has looked already: since then somebody has written there
+    if (!sound) {
       Stop(driven, "had its command overwritten by another controller");
       stopped = true;
       continue;
     }
     double factor = 1;
-    setpoint = WheelsFor(driven.drive, result.forward_m_s, result.turn_rad_s, factor);
+    setpoint = WheelsFor(driven.drive, forward_m_s, turn_rad_s, factor);
     if (sent.message.count > 0) messages.push_back(sent);
   }
   if (stopped) ListItems();

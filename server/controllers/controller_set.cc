@@ -2,12 +2,14 @@
 #include "server/controllers/controller_set.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <utility>
 
+#include "server/base/printable.h"
 #include "server/controllers/child_backend.h"
 
 namespace coopdyn {
@@ -23,31 +25,40 @@ std::int64_t WrittenAt(const std::string& file) {
   return status.st_mtim.tv_sec * kNanosecondsPerSecond + status.st_mtim.tv_nsec;
 }
 
-std::string TextAt(const char* text, std::size_t size) {
-  return {text, strnlen(text, size)};
+/// The text that another process has left there, printable.
+std::string TextAt(const char* shared, std::size_t size) {
+  std::string text(shared, size);
+  text.resize(strnlen(text.c_str(), size));
+  return Printable(text);
 }
 
 /// The file's result, which another process has written: nothing in it is trusted to be sound.
 LoadedController Take(std::string file, const FileResult& result) {
   LoadedController loaded{std::move(file), std::nullopt, ""};
-  if (result.refused != 0) {
+  if (Once(result.refused) != 0) {
     loaded.why = "cannot be used: " + TextAt(result.why, sizeof(result.why));
     return loaded;
   }
   ControllerDescription description;
   description.help = TextAt(result.help, sizeof(result.help));
-  description.readings = result.readings;
-  description.state_size = std::min<std::uint32_t>(result.state_size, COOPDYN_MAX_STATE);
-  for (std::size_t i = 0; i < std::min<std::size_t>(result.option_count, COOPDYN_MAX_OPTIONS); ++i) {
+  description.readings = Once(result.readings);
+  description.state_size = std::min<std::uint32_t>(Once(result.state_size), COOPDYN_MAX_STATE);
+  const std::size_t options = std::min<std::size_t>(Once(result.option_count), COOPDYN_MAX_OPTIONS);
+  for (std::size_t i = 0; i < options; ++i) {
     const OptionRecord& option = result.options[i];
     description.options.push_back({TextAt(option.name, kNameSize), TextAt(option.help, kTextSize),
-                                   option.value, option.min, option.max});
+                                   Once(option.value), Once(option.min), Once(option.max)});
   }
   loaded.description = std::move(description);
   return loaded;
 }
 
 }  // namespace
+
+std::uint64_t DefaultControllerMemory() {
+  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+  return pages < 0 || page < 0 ? 0 : static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) / 2;
+}
 
 ControllerSet::ControllerSet(std::vector<std::string> files, const ControllerOptions& options,
                              const Clock& clock, const Logger& logger, WorkerPool& pool)
@@ -68,11 +79,15 @@ ControllerSet::ControllerSet(std::vector<std::string> files, const ControllerOpt
     paths.push_back(std::filesystem::absolute(file).string());
     places.push_back(in.Add<char>(paths.back().size() + 1));
   }
-  areas_ = std::make_unique<Areas>(Areas{SharedArea(in.end()), SharedArea(out.end()), spare_items});
+  areas_ = std::make_unique<Areas>();
+  areas_->in = SharedArea(in.end(), SharedArea::Others::kRead);
+  areas_->out = SharedArea(out.end(), SharedArea::Others::kWrite);
+  areas_->spare_items = spare_items;
   readings_end_ = in.end();
   InHeader& ours = areas_->header();
   ours.file_count = header.file_count;
   ours.share_from_ns = options.share_from;
+  ours.memory_bytes = options.memory_bytes;
   ours.files = header.files;
   ours.file_results = header.file_results;
   std::vector<std::uint32_t> items(files.size());
@@ -133,12 +148,9 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     for (Place& place : setup[i].states) place = out.AddBytes(size, alignof(std::max_align_t));
   }
   readings_end_ = in.end();
-  areas_->in.Grow(in.end());
-  areas_->out.Grow(out.end());
+  areas_->Grow(in.end(), out.end());
 
   InHeader& header = areas_->header();
-  header.in_bytes = areas_->in.bytes();
-  header.out_bytes = areas_->out.bytes();
   header.robot_count = static_cast<std::uint32_t>(count);
   header.robots = setups;
   header.readings = readings;
@@ -203,8 +215,6 @@ void ControllerSet::Run(Operation operation, std::span<const std::uint32_t> item
   InHeader& header = areas_->header();
   header.operation = operation;
   ++header.serial;
-  header.in_bytes = areas_->in.bytes();
-  header.out_bytes = areas_->out.bytes();
   header.items = items_;
   header.item_count = static_cast<std::uint32_t>(items.size());
   header.workers = static_cast<std::uint32_t>(threads_);
@@ -219,7 +229,7 @@ void ControllerSet::AddFailures(std::span<const std::uint32_t> items) {
   for (const std::uint32_t item : items) {
     const RobotResult& result = results[item];
     const bool done = result.done.load(std::memory_order_acquire) == header.serial;
-    if (done && result.failed == 0) continue;
+    if (done && Once(result.failed) == 0) continue;
     const auto same = [item](const Casualty& casualty) { return casualty.item == item; };
     if (std::any_of(casualties_.begin(), casualties_.begin() + static_cast<std::ptrdiff_t>(lost), same))
       continue;

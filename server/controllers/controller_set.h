@@ -21,10 +21,14 @@
 
 namespace coopdyn {
 
+/// Half of this machine's memory.
+std::uint64_t DefaultControllerMemory();
+
 struct ControllerOptions {
-  bool in_process = false;                            // for debugging: a crash is the daemon's
-  int threads = 1;                                    // of the child
-  Nanoseconds deadline = 2 * kNanosecondsPerSecond;   // wall clock, for one robot's step; 0: none
+  bool in_process = false;                                 // for debugging: a crash is the daemon's
+  int threads = 1;                                         // of the child
+  Nanoseconds deadline = 2 * kNanosecondsPerSecond;        // wall clock, for one robot's step; 0: none
+  std::uint64_t memory_bytes = DefaultControllerMemory();  // that all may use in the child; 0: no limit
   Nanoseconds share_from = 200'000;                   // a step that takes longer is shared out to the threads
   const std::atomic<bool>* interrupted = nullptr;     // true: a step that hangs is given up at once
   std::string program = "/proc/self/exe";             // which becomes the child with `controller-child 3`

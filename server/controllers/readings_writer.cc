@@ -117,7 +117,7 @@ void ReadingsWriter::PlaceLists(std::span<const ReadingsWanted> wanted, Controll
     one.heard = layout.Add<coopdyn_heard>(one.heard_count);
   }
   // More than is needed now, so that growing is rare.
-  if (layout.end() > areas.in.bytes()) areas.in.Grow(2 * layout.end());
+  if (layout.end() > areas.in.bytes()) areas.Grow(2 * layout.end(), 0);
   readings = areas.in.At<RobotReadings>(areas.header().readings);
   const auto copy = [&areas](const auto& list, Place place) {
     if (!list.empty()) std::memcpy(areas.in.At<std::byte>(place), list.data(), list.size() * sizeof(list[0]));

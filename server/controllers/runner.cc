@@ -2,23 +2,33 @@
 #include "server/controllers/runner.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cfenv>
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <new>
 #if defined(__x86_64__)
 #include <xmmintrin.h>
 #endif
 
 #include "server/base/printable.h"
+#include "server/controllers/child_launcher.h"
 
 namespace coopdyn {
 
 namespace {
 
 constexpr std::size_t kStepGrain = 16;  // robots that a worker takes at a time
+
+/// What this thread has in hand, for whoever gets no memory: a new-handler has no arguments.
+struct InHand {
+  std::atomic<std::uint32_t>* out_of_memory = nullptr;
+  std::uint32_t item = 0;
+};
+thread_local InHand in_hand;
 
 /// What a controller says is shown on terminals.
 void CopyText(char* to, std::size_t size, const std::string& said) {
@@ -118,6 +128,8 @@ void Runner::Run(const std::byte* in, std::byte* out, WorkerPool& pool) {
     case Operation::kStep:
       StepAll(pool);
       break;
+    case Operation::kMove:  // of the process, not of the controllers
+      break;
     case Operation::kEnd:
       End();
       break;
@@ -129,6 +141,14 @@ void Runner::Begin(std::size_t worker, std::uint32_t item) const {
   std::atomic<std::uint64_t>& word = Out<OutHeader>(0)->workers[worker].word;
   const std::uint64_t begun = (word.load(std::memory_order_relaxed) >> 32) + 1;
   word.store(begun << 32 | (item + 1), std::memory_order_release);
+  in_hand = {&Out<OutHeader>(0)->out_of_memory, item};
+}
+
+void Runner::EndWithoutMemory() {
+  std::set_new_handler([] {
+    if (in_hand.out_of_memory != nullptr) in_hand.out_of_memory->store(in_hand.item + 1);
+    _exit(kOutOfMemoryExit);
+  });
 }
 
 void Runner::Load(std::uint32_t file) {

@@ -28,6 +28,8 @@ class Runner {
 
   /// Does the operation in the header at `in`. The areas may lie elsewhere in the next call.
   void Run(const std::byte* in, std::byte* out, WorkerPool& pool);
+  /// From now on this process ends, and says whose controller was at work, when `new` gets no memory.
+  static void EndWithoutMemory();
 
  private:
   struct Instance;

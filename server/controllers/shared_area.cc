@@ -1,42 +1,54 @@
 // SPDX-License-Identifier: MIT
 #include "server/controllers/shared_area.h"
 
+#include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <system_error>
 #include <utility>
 
+#ifndef F_SEAL_FUTURE_WRITE
+#define F_SEAL_FUTURE_WRITE 0x0010  // Linux 5.1
+#endif
+
 namespace coopdyn {
 
 namespace {
 
-[[noreturn]] void Fail(const char* what) {
-  throw std::system_error(errno, std::generic_category(), what);
+void Check(bool fine, const char* what) {
+  if (!fine) throw std::system_error(errno, std::generic_category(), what);
 }
 
 }  // namespace
 
-SharedArea::SharedArea(std::size_t bytes) : bytes_(bytes) {
-  fd_ = memfd_create("coopdyn-controllers", MFD_CLOEXEC);
-  if (fd_ < 0) Fail("memfd_create");
+SharedArea::SharedArea(std::size_t bytes, Others others) : bytes_(bytes) {
+  fd_ = memfd_create("coopdyn-controllers", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  Check(fd_ >= 0, "memfd_create");
   owns_fd_ = true;
-  if (ftruncate(fd_, static_cast<off_t>(bytes)) != 0) {
-    const int error = errno;
-    close(fd_);
-    throw std::system_error(error, std::generic_category(), "ftruncate");
+  try {
+    Check(ftruncate(fd_, static_cast<off_t>(bytes)) == 0, "ftruncate");
+    Map(true);
+    const int seals =
+        F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL | (others == Others::kRead ? F_SEAL_FUTURE_WRITE : 0);
+    Check(fcntl(fd_, F_ADD_SEALS, seals) == 0, "the kernel cannot seal memory (Linux 5.1 can)");
+  } catch (...) {
+    Free();
+    throw;
   }
-  Map(true);
 }
 
-SharedArea::SharedArea(int fd, std::size_t bytes, bool writable) : fd_(fd), bytes_(bytes) {
+SharedArea::SharedArea(int fd, bool writable) : fd_(fd) {
+  struct stat status {};
+  Check(fstat(fd, &status) == 0, "fstat");
+  bytes_ = static_cast<std::size_t>(status.st_size);
   Map(writable);
 }
 
 SharedArea::~SharedArea() {
-  Unmap();
-  if (owns_fd_) close(fd_);
+  Free();
 }
 
 SharedArea::SharedArea(SharedArea&& other) noexcept
@@ -53,23 +65,17 @@ SharedArea& SharedArea::operator=(SharedArea&& other) noexcept {
   return *this;
 }
 
-void SharedArea::Grow(std::size_t bytes) {
-  if (bytes <= bytes_) return;
-  if (ftruncate(fd_, static_cast<off_t>(bytes)) != 0) Fail("ftruncate");
-  Unmap();
-  bytes_ = bytes;
-  Map(true);
-}
-
 void SharedArea::Map(bool writable) {
   void* data = mmap(nullptr, bytes_, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, fd_, 0);
-  if (data == MAP_FAILED) Fail("mmap");
+  Check(data != MAP_FAILED, "mmap");
   data_ = static_cast<std::byte*>(data);
 }
 
-void SharedArea::Unmap() {
+void SharedArea::Free() {
   if (data_ != nullptr) munmap(data_, bytes_);
   data_ = nullptr;
+  if (owns_fd_) close(fd_);
+  owns_fd_ = false;
 }
 
 }  // namespace coopdyn

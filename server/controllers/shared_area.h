@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Memory that two processes share: an anonymous file, mapped. One owner.
+// Memory that two processes share: an anonymous file, mapped. It is sealed: nobody can make it smaller or
+// larger, so that what is mapped stays there. One owner.
 #pragma once
 
 #include <cstddef>
@@ -12,17 +13,17 @@ namespace coopdyn {
 
 class SharedArea {
  public:
+  /// What other processes that have the file may do.
+  enum class Others { kRead, kWrite };
+
   SharedArea() = default;
   /// A new area of `bytes`, zeroed, read and written here. Throws std::system_error.
-  explicit SharedArea(std::size_t bytes);
-  /// What another process has made: maps `bytes` of the file `fd`, which it does not own.
-  SharedArea(int fd, std::size_t bytes, bool writable);
+  SharedArea(std::size_t bytes, Others others);
+  /// What another process has made: maps all of the file `fd`, which it does not own.
+  SharedArea(int fd, bool writable);
   ~SharedArea();
   SharedArea(SharedArea&& other) noexcept;
   SharedArea& operator=(SharedArea&& other) noexcept;
-
-  /// Makes it larger; pointers into it are void. Throws std::system_error.
-  void Grow(std::size_t bytes);
 
   int fd() const { return fd_; }
   std::size_t bytes() const { return bytes_; }
@@ -35,7 +36,7 @@ class SharedArea {
 
  private:
   void Map(bool writable);
-  void Unmap();
+  void Free();
 
   int fd_ = -1;
   bool owns_fd_ = false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What lies in the two areas that the daemon shares with the controllers' process. `in` is written by the
-// daemon and mapped read-only by the child; `out` is written by the child, so the daemon trusts nothing in it
-// but its own knowledge of where things lie. Places are byte offsets from the area's start. Both sides are
-// the same program.
+// daemon and can only be read by the child; `out` is written by the child, so the daemon trusts nothing in it
+// but its own knowledge of where things lie, and reads each value once. Places are byte offsets from the
+// area's start. Both sides are the same program.
 #pragma once
 
 #include <atomic>
@@ -21,6 +21,7 @@ enum class Operation : std::uint32_t {
   kLoad,    // items: files
   kCreate,  // items: robots
   kStep,    // items: robots
+  kMove,    // takes other areas from its socket, and waits there; no answer
   kEnd,     // destroys all instances and ends
 };
 
@@ -33,7 +34,6 @@ struct InHeader {
   std::atomic<std::uint32_t> go;  // futex: another value for each operation sent
   Operation operation;
   std::uint64_t serial;  // of the operation; the same again when it is finished after a crash
-  std::uint64_t in_bytes, out_bytes;
   std::uint32_t file_count, robot_count, item_count, workers;
   std::uint32_t reviving;  // 1: kCreate leaves results alone, it only brings back what was lost
   Place items;             // std::uint32_t
@@ -45,6 +45,7 @@ struct InHeader {
   Place readings;          // RobotReadings
   std::uint64_t seed, step;
   double time_s, step_s;
+  std::uint64_t memory_bytes;  // that the controllers may use; 0: no limit
   std::int64_t share_from_ns;  // a step that takes longer than this is shared out to all workers
 };
 
@@ -84,6 +85,7 @@ struct alignas(64) WorkerProgress {
 struct OutHeader {
   alignas(64) std::atomic<std::uint32_t> reply;  // futex: `go`, when the operation is done
   WorkerProgress workers[kMaxWorkers];
+  std::atomic<std::uint32_t> out_of_memory;  // the item + 1 for which there was no memory any more
 };
 
 struct OptionRecord {
@@ -108,6 +110,12 @@ struct RobotResult {
   double forward_m_s, turn_rad_s;
   double message[COOPDYN_MAX_MESSAGE];
 };
+
+/// What another process may change at any moment, read once.
+template <typename T>
+T Once(const T& shared) {
+  return *static_cast<const volatile T*>(&shared);
+}
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free);

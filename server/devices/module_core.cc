@@ -142,7 +142,8 @@ Message ModuleCore::Attach(ModuleClient& client, const Message& request) const {
   return ReplyTo(request.command);
 }
 
-std::optional<Message> ModuleCore::TakeHello(ModuleClient& client, const Message& request) const {
+std::optional<Message> ModuleCore::TakeHello(ModuleClient& client, const Message& request,
+                                             Nanoseconds now) const {
   std::vector<std::string> words = Words(request.text);
   if (words.empty() || words.size() > 2 || words[0].size() > kMaxClientName) {
     return ErrorReply(
@@ -151,12 +152,23 @@ std::optional<Message> ModuleCore::TakeHello(ModuleClient& client, const Message
                     "needed: hello ana, hello ana TOKEN",
                     kMaxClientName));
   }
-  const bool right = words.size() == 2 && guard_.Matches(words[1]);
-  if (words.size() == 2 && !right && !client.trusted) {
+  const bool says = words.size() == 2;
+  // From this machine no token is needed, so a wrong one is no attempt.
+  if (client.trusted || !says) {
+    client.has_token |= says && guard_.Matches(words[1]);
+    client.client.name = std::move(words[0]);
+    return std::nullopt;
+  }
+  const TokenVerdict verdict = guard_.Judge(words[1], client.client.peer, now);
+  if (verdict == TokenVerdict::kTooSoon) {
+    return ErrorReply(request.command, Error::kNotAllowed,
+                      "too many wrong tokens came from your address: wait a minute, then try again");
+  }
+  if (verdict == TokenVerdict::kWrong) {
     return ErrorReply(request.command, Error::kNotAllowed,
                       "wrong token: it is what the daemon printed at its start, or its --token");
   }
-  client.has_token |= right;
+  client.has_token = true;
   client.client.name = std::move(words[0]);
   return std::nullopt;
 }

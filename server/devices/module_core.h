@@ -78,7 +78,7 @@ class ModuleCore {
   std::optional<Message> AnswerCommon(ModuleClient& client, const Message& request, const Frame& frame,
                                       Mode mode);
   /// `hello`: takes name and token into `client`; an error reply, or nothing if it is fine.
-  std::optional<Message> TakeHello(ModuleClient& client, const Message& request) const;
+  std::optional<Message> TakeHello(ModuleClient& client, const Message& request, Nanoseconds now) const;
 
   /// The reply to an actuator command, `ready` or `get_time`: mode, lengths, readings, time and step.
   Message StepReply(const ModuleClient& client, command::Id command, std::string text, const Frame& frame,

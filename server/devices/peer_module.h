@@ -157,7 +157,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
   }
   /// `hello`: takes name and token; an error reply, or nothing if it is fine.
   std::optional<Message> TakeHello(Peer& peer, const Message& request) {
-    std::optional<Message> refusal = core_.TakeHello(peer.client, request);
+    std::optional<Message> refusal = core_.TakeHello(peer.client, request, services_.clock.Now());
     if (!refusal) services_.roster.SetName(peer.id(), peer.client.client.name);
     return refusal;
   }

@@ -15,4 +15,10 @@ bool TokenGuard::Matches(std::string_view given) const {
   return difference == 0;
 }
 
+TokenVerdict TokenGuard::Judge(std::string_view given, const std::string& peer, Nanoseconds now) const {
+  const bool right = Matches(given);
+  if (wrong_ != nullptr) return wrong_->Judge(right, peer, now);
+  return right ? TokenVerdict::kRight : TokenVerdict::kWrong;
+}
+
 }  // namespace coopdyn

@@ -220,8 +220,8 @@ void HttpSession::AnswerCall(const std::string& body) {
   }
   PeerInfo peer = peer_;
   const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
-  peer.trusted |=
-      TokenMatches(bearer, context_.options.token) || TokenMatches(call->token, context_.options.token);
+  const std::string_view token = bearer.empty() ? std::string_view(call->token) : bearer;
+  peer.trusted = peer.trusted || context_.TakesToken(token, peer.text);
   peer.text = "page " + peer.text;
   const std::uint64_t ticket = Await(call->module);
   bridge_ = std::make_unique<PageBridge>(

@@ -39,6 +39,7 @@ class PageBridge {
   /// Whether calls may change things from now on: connections made without that right are closed.
   void SetTrusted(bool trusted);
   bool trusted() const { return peer_.trusted; }
+  const std::string& peer() const { return peer_.text; }
 
   /// Sends a call to its module; exactly one reply follows.
   void Handle(const PageCall& call);

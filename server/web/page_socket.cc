@@ -110,7 +110,7 @@ void PageSocket::OnMessage(std::string_view text) {
     return Send(WritePageReply(reply));
   }
   if (const auto* call = std::get_if<PageCall>(&*read.message)) {
-    if (TokenMatches(call->token, context_.options.token)) bridge_.SetTrusted(true);
+    TakeToken(call->token);
     bridge_.Handle(*call);
   } else if (const auto* hello = std::get_if<PageHello>(&*read.message)) {
     OnHello(*hello);
@@ -123,8 +123,12 @@ void PageSocket::OnMessage(std::string_view text) {
   }
 }
 
+void PageSocket::TakeToken(const std::string& token) {
+  if (!bridge_.trusted() && context_.TakesToken(token, bridge_.peer())) bridge_.SetTrusted(true);
+}
+
 void PageSocket::OnHello(const PageHello& hello) {
-  if (TokenMatches(hello.token, context_.options.token)) bridge_.SetTrusted(true);
+  TakeToken(hello.token);
   const bool wrong = !hello.token.empty() && !bridge_.trusted();
   Send(R"({"type":"hello","version":)" + JsonString(context_.options.version) +
        (bridge_.trusted() ? R"(,"trusted":true)" : R"(,"trusted":false)") +

@@ -50,6 +50,7 @@ class PageSocket : public WebConnection,
 
   void Read();
   void OnMessage(std::string_view text);
+  void TakeToken(const std::string& token);
   void OnHello(const PageHello& hello);
   void OnReply(PageReply reply);
   void OnPicture(const ImageResult& result);

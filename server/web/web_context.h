@@ -5,8 +5,12 @@
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
+#include <string>
+#include <string_view>
+
 #include "server/naming/name_table.h"
 #include "server/net/net_services.h"
+#include "server/web/access.h"
 #include "server/web/module_catalog.h"
 #include "server/web/pictures.h"
 #include "server/web/run_files.h"
@@ -37,6 +41,14 @@ struct WebContext {
   RunFiles runs;
   StatusFeed status;
   WebConnections connections;
+
+  /// Whether `given` is the token. Wrong ones of `peer` are counted, and after some it waits.
+  bool TakesToken(std::string_view given, const std::string& peer) const {
+    if (given.empty() || options.token.empty()) return false;
+    const bool right = TokenMatches(given, options.token);
+    if (options.wrong_tokens == nullptr) return right;
+    return options.wrong_tokens->Judge(right, peer, services.clock().Now()) == TokenVerdict::kRight;
+  }
 };
 
 }  // namespace coopdyn

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "server/base/wrong_tokens.h"
 #include "server/net/net_services.h"
 #include "server/web/web_connections.h"
 
@@ -41,6 +42,8 @@ struct WebOptions {
   std::vector<std::string> host_names;
   /// What changing requests from beyond loopback must carry; empty: they are all refused.
   std::string token;
+  /// Counts wrong tokens; outlives the server. Null: nobody is slowed down.
+  WrongTokens* wrong_tokens = nullptr;
   /// Of the program, shown by the page.
   std::string version;
   /// The port of the name server, for the connection lines on the page; 0: off.

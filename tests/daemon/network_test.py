@@ -13,7 +13,7 @@ import threading
 import unittest
 from pathlib import Path
 
-from harness import BINARY, Daemon, Text, scenario
+from harness import BINARY, Daemon, Text, scenario, until
 
 OUTER = "10.9.9.9"  # exists only inside the namespace
 CLIENT = Path(__file__).resolve().parents[2] / "clients" / "python"
@@ -78,7 +78,7 @@ class StrangerScenes(unittest.TestCase):
     """Run by main below, inside the namespace."""
 
     def scene_world(self):
-        with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk") as daemon:
+        with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board") as daemon:
             stranger = Stranger(daemon, "/simulation")
             for line in ("pause", "step 1", "reset", "run", "set_mode lockstep", "set_step 0.02", "set_speed 2", "quit", "stop_all",
                          "load_scenario empty", "reload", "set_participants robot1", "release_robot robot1"):
@@ -90,19 +90,50 @@ class StrangerScenes(unittest.TestCase):
             self.assertEqual(daemon.status()["state"], "running")
             self.assertEqual(stranger.ask("hello eve wrong").error, 12)
             self.assertEqual(stranger.ask("pause").error, 12)
-            stranger.must("hello ana chalk")
+            stranger.must("hello ana chalk-and-board")
             stranger.must("pause")
             self.assertEqual(daemon.status()["state"], "paused")
             daemon.text("/simulation").must("run")  # from loopback nobody asks
             stranger.close()
 
+    def scene_guesses(self):
+        with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board") as daemon:
+            stranger = Stranger(daemon, "/simulation")
+            for _ in range(3):
+                self.assertIn("wrong token", stranger.ask("hello eve guess").text)
+            late = stranger.ask("hello eve chalk-and-board")
+            self.assertEqual(late.error, 12)
+            self.assertIn("too many wrong tokens", late.text)
+            again = Stranger(daemon, "/simulation")  # another connection is the same address
+            self.assertEqual(again.ask("hello eve chalk-and-board").error, 12)
+            daemon.text("/simulation").must("hello ana chalk-and-board")  # this machine needs none
+            until(lambda: "a wrong token from " + OUTER in daemon.stderr())
+
+    def scene_names(self):
+        with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0") as daemon:
+            def ask(host, line):
+                with socket.create_connection((host, daemon.names[1]), timeout=30) as names:
+                    names.sendall(f"NAME_SERVER {line}\n".encode())
+                    lines = names.makefile()
+                    said = ""
+                    while not said.endswith("*** end of message\n"):
+                        said += lines.readline()
+                    return said
+
+            ask("127.0.0.1", "register /mine tcp 127.0.0.1 5")
+            for line in ("unregister /mine", "set /mine key value", "register /mine tcp 127.0.0.1 6"):
+                self.assertIn("*** refused", ask(OUTER, line), line)
+            self.assertIn("port 5", ask(OUTER, "query /mine"))
+            ask(OUTER, "register /theirs tcp 127.0.0.1 7")
+            self.assertNotIn("refused", ask("127.0.0.1", "unregister /theirs"))
+
     def scene_robots(self):
         for options, error in (([], 0), (["--private"], 12)):
-            with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk", *options) as daemon:
+            with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board", *options) as daemon:
                 stranger = Stranger(daemon, "/robot1/motors")
                 for line in ("set_velocity 0.1 0", "stop", "claim", "ready"):
                     self.assertEqual(stranger.ask(line).error, error, line)
-                stranger.must("hello ana chalk")
+                stranger.must("hello ana chalk-and-board")
                 stranger.must("set_velocity 0.1 0")
                 stranger.close()
 
@@ -146,6 +177,12 @@ class StrangerScenes(unittest.TestCase):
 class NetworkTest(unittest.TestCase):
     def test_strangers_change_the_world_only_with_the_token(self):
         inside("world")
+
+    def test_wrong_tokens_are_slowed_down_and_logged(self):
+        inside("guesses")
+
+    def test_what_this_machine_has_registered_strangers_cannot_change(self):
+        inside("names")
 
     def test_strangers_drive_robots_unless_the_daemon_is_private(self):
         inside("robots")

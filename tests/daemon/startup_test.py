@@ -70,6 +70,18 @@ class MistakeTest(unittest.TestCase):
             self.assertEqual(done.returncode, 2, arguments)
             self.assertEqual(len(done.stderr.decode().strip().splitlines()), 1, (arguments, done.stderr))
 
+    def test_a_weak_token_is_refused_where_others_can_try_tokens(self):
+        done = run("serve", "empty", "--port", "0", "--host", "0.0.0.0", "--token", "chalk")
+        self.assertEqual(done.returncode, 2)
+        said = done.stderr.decode()
+        self.assertEqual(len(said.strip().splitlines()), 1, said)
+        self.assertIn("write at least 12", said)
+        self.assertIn("--weak-token", said)
+        with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk", "--weak-token"):
+            pass
+        with Daemon(scenario(1, mode="realtime"), "--token", "chalk"):  # nobody else can try
+            pass
+
     def test_no_daemon_there_is_exit_code_3(self):
         with socket.socket() as unused:
             unused.bind(("127.0.0.1", 0))

@@ -28,7 +28,7 @@ class Reader:
     def __init__(self, folder):
         self.folder = folder
         self.daemon = None
-        self.env = {**os.environ, "PATH": f"{BINARY.parent}:{os.environ['PATH']}", "COOPDYN_TOKEN": "chalk",
+        self.env = {**os.environ, "PATH": f"{BINARY.parent}:{os.environ['PATH']}", "COOPDYN_TOKEN": "chalk-and-board",
                     "PYTHONPATH": str(ROOT / "clients" / "python"), "COOPDYN_PATH": str(ROOT)}
 
     def run(self, command, program=None):

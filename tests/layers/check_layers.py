@@ -1,7 +1,7 @@
 """Checks that each library includes only what the table in docs/architecture.md lets it use.
 
 The table's rows read | `server/base/` | uses | what is inside |. Also: <ode/ode.h> only in server/physics, GL only in
-server/render, sockets (Asio, Beast) only in server/net, naming, robot, control, web and app.
+server/render, sockets (Asio, Beast) only in server/net, naming, robot, control, web and app. And that commands print through server/app/print.h.
 """
 import re
 import sys
@@ -10,6 +10,10 @@ from pathlib import Path
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 ROW = re.compile(r"^\|\s*`([a-z_/]+)/`\s*\|([^|]*)\|", re.M)
+
+# Commands print through one place, which makes texts of files and peers harmless.
+PRINTS = re.compile(r"(print|bench_.*|controller_child)\.cc$")
+WRITES = re.compile(r"std::(cout|cerr|clog)|\b(printf|fprintf|puts|fputs|fwrite|putchar)\(")
 
 # External headers and the only folders that may include them.
 ONLY_IN = {
@@ -56,6 +60,8 @@ def check(root):
             if not own:
                 mistakes.append(f"{path}: its folder is not in the table of docs/architecture.md")
                 continue
+            if own == "server/app" and not PRINTS.match(file.name) and WRITES.search(file.read_text()):
+                mistakes.append(f"{path}: commands print through server/app/print.h only")
             for kind, included in INCLUDE.findall(file.read_text()):
                 for pattern, allowed in ONLY_IN.items():
                     if kind == "<" and re.match(pattern, included) and own not in allowed:
@@ -78,6 +84,10 @@ def self_test():
         assert check(root) == [], check(root)
         (root / "server/a/y.h").write_text('#include "server/b/x.h"\n#include <ode/ode.h>\n')
         assert len(check(root)) == 2, check(root)
+        (root / "server/app").mkdir()
+        (root / "docs/architecture.md").write_text(rows + "| `server/app/` | all | |\n")
+        (root / "server/app/x.cc").write_text('std::cerr << "mistake";\n')
+        assert len(check(root)) == 3, check(root)
 
 
 if sys.argv[1] == "--self-test":

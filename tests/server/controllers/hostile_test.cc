@@ -78,7 +78,28 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{kWriteReadings, "segmentation fault"}, Case{kAbort, "abort"}, Case{kExit, "exit(3)"},
                     Case{kExitAtOnce, "exit(4)"}, Case{kOverflowStack, "segmentation fault"},
                     Case{kKillItself, "killed"}, Case{kSavePastState, "segmentation fault"},
-                    Case{kThrowInSave, "threw an exception in save() (no room)"}));
+                    Case{kThrowInSave, "threw an exception in save() (no room)"},
+                    Case{kShrinkAreas, "forward_m_s = nan"}, Case{kGrowAreas, "forward_m_s = nan"},
+                    Case{kWriteInputs, "forward_m_s = nan"}));
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+class LeakTest : public testing::TestWithParam<int> {};
+
+TEST_P(LeakTest, MeetsALimitAndStopsThatRobotOnly) {
+  for (const int threads : {1, 3}) {
+    ControllerOptions options = TestOptions(false, threads);
+    options.memory_bytes = 128u << 20;
+    const Record record = RunFor(SwarmWith(GetParam()), options);
+    EXPECT_TRUE(record.setpoints == Mild().setpoints) << threads << " threads";
+    ASSERT_EQ(record.stopped.size(), 1u);
+    EXPECT_EQ(record.stopped[0].robot, "robot8");
+    EXPECT_THAT(record.stopped[0].why, HasSubstr("controller hostile ran out of memory: "));
+    EXPECT_THAT(record.stopped[0].why, HasSubstr("may use 128 MiB (serve --controller-memory MIB"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Deeds, LeakTest, testing::Values(kLeakWithNew, kLeakWithMalloc));
+#endif
 
 class HostileStartTest : public testing::TestWithParam<Case> {};
 

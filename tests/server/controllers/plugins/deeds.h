@@ -24,8 +24,13 @@ enum Deed {
   kExitAtOnce,
   kOverflowStack,
   kKillItself,
-  kKillOnce,  // if it can remove the file HOSTILE_MARKER
-  kFork,      // harmless
+  kKillOnce,     // if it can remove the file HOSTILE_MARKER
+  kFork,         // harmless
+  kShrinkAreas,  // what it shares with the daemon
+  kGrowAreas,
+  kWriteInputs,
+  kLeakWithNew,
+  kLeakWithMalloc,
   // In save():
   kSavePastState,
   kThrowInSave,

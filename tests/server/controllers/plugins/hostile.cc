@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Drives straight on until step `at`, then does its `deed`.
 #include <pthread.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <stdexcept>
 
 #include "clients/plugin/cpp_controller.h"
@@ -40,6 +43,26 @@ int Recurse(int depth) {
 void Fill(double* first, int count) {
   double* volatile place = first;  // the compiler must not see where it leads
   for (int i = 0; i < count; ++i) place[i] = 1;
+}
+
+/// Resizes every anonymous file that this process has.
+void ResizeFiles(off_t bytes) {
+  for (int fd = 3; fd < 64; ++fd) {
+    if (ftruncate(fd, bytes) != 0) continue;
+  }
+}
+
+/// Writes zeros over every shared file but the one that controllers must write, and into its readings.
+void OverwriteInputs(const coopdyn_readings& readings) {
+  constexpr std::size_t kPage = 4096;
+  auto* page = reinterpret_cast<char*>(reinterpret_cast<std::uintptr_t>(readings.distance_m) & ~(kPage - 1));
+  if (mprotect(page, kPage, PROT_READ | PROT_WRITE) == 0) std::memset(page, 0, kPage);
+  // The files are: a socket, what it reads, what it writes.
+  const int inputs = 4;
+  void* mapped = mmap(nullptr, kPage, PROT_READ | PROT_WRITE, MAP_SHARED, inputs, 0);
+  if (mapped != MAP_FAILED) std::memset(mapped, 0, kPage);
+  const char zeros[kPage] = {};
+  if (pwrite(inputs, zeros, kPage, 0) > 0) return;
 }
 
 struct State {
@@ -108,6 +131,22 @@ void Misbehave(int deed, const coopdyn_readings& readings, coopdyn_command& comm
     case kFork:
       if (fork() == 0) command.forward_m_s = 1;  // in a copy, which goes on as if it were the process
       break;
+    case kShrinkAreas:
+      ResizeFiles(0);
+      command.forward_m_s = std::nan("");
+      break;
+    case kGrowAreas:
+      ResizeFiles(off_t{1} << 40);
+      command.forward_m_s = std::nan("");
+      break;
+    case kWriteInputs:
+      OverwriteInputs(readings);
+      command.forward_m_s = std::nan("");
+      break;
+    case kLeakWithNew:
+      for (;;) std::memset(new char[1 << 20], 1, 1 << 20);
+    case kLeakWithMalloc:
+      for (;;) std::memset(std::malloc(1 << 20), 1, 1 << 20);
     default:
       break;
   }

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "server/base/wrong_tokens.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace coopdyn {
+namespace {
+
+constexpr Nanoseconds kSecond = kNanosecondsPerSecond;
+
+TEST(WrongTokensTest, AFewSlipsCostNothing) {
+  WrongTokens tokens(NullLogger());
+  EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", 0), TokenVerdict::kWrong);
+  EXPECT_EQ(tokens.Judge(false, "10.0.0.7:2", 0), TokenVerdict::kWrong);
+  EXPECT_EQ(tokens.Judge(true, "10.0.0.7:3", 0), TokenVerdict::kRight);
+}
+
+TEST(WrongTokensTest, WhoTriesOnWaitsLongerAndLonger) {
+  WrongTokens tokens(NullLogger());
+  for (int i = 0; i < WrongTokens::kFree; ++i) tokens.Judge(false, "10.0.0.7:1", 0);
+  EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", kSecond - 1), TokenVerdict::kTooSoon) << "though it is right";
+  EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", kSecond), TokenVerdict::kWrong);
+  EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", 3 * kSecond - 1), TokenVerdict::kTooSoon);
+  EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 3 * kSecond), TokenVerdict::kRight);
+}
+
+TEST(WrongTokensTest, NobodyWaitsMoreThanAMinute) {
+  WrongTokens tokens(NullLogger());
+  Nanoseconds now = 0;
+  for (int i = 0; i < 100; ++i, now += WrongTokens::kLongestWait) {
+    EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", now), TokenVerdict::kWrong) << i;
+  }
+}
+
+TEST(WrongTokensTest, OtherAddressesDoNotWait) {
+  WrongTokens tokens(NullLogger());
+  for (int i = 0; i < WrongTokens::kFree; ++i) tokens.Judge(false, "10.0.0.7:1", 0);
+  EXPECT_EQ(tokens.Judge(true, "10.0.0.8:1", 0), TokenVerdict::kRight);
+}
+
+TEST(WrongTokensTest, OneNetworkOfIPv6IsOneAddress) {
+  WrongTokens tokens(NullLogger());
+  for (int i = 0; i < WrongTokens::kFree; ++i) {
+    tokens.Judge(false, "[2001:db8:1:2::" + std::to_string(i + 1) + "]:1", 0);
+  }
+  EXPECT_EQ(tokens.Judge(true, "[2001:db8:1:2::ff]:1", 0), TokenVerdict::kTooSoon);
+  EXPECT_EQ(tokens.Judge(true, "[2001:db8:1:3::1]:1", 0), TokenVerdict::kRight);
+}
+
+TEST(WrongTokensTest, ManyAddressesTakeBoundedMemory) {
+  WrongTokens tokens(NullLogger());
+  for (std::size_t i = 0; i < 3 * WrongTokens::kMaxAddresses; ++i) {
+    EXPECT_EQ(tokens.Judge(false, std::to_string(i) + ":1", static_cast<Nanoseconds>(i)),
+              TokenVerdict::kWrong);
+  }
+}
+
+}  // namespace
+}  // namespace coopdyn
