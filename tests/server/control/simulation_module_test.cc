@@ -180,7 +180,7 @@ TEST_F(SimulationModuleTest, ALoadWhoseClientHasGoneHoldsNobodyUp) {
 TEST_F(SimulationModuleTest, FilesThatAreNoScenariosAreNotRead) {
   Write(".env", "TOKEN=secret\n");
   Write("notes", "secret\n");
-  for (const char* name : {"C:.env", "c:notes", "notes", ".env", "notes\x1b[2J"}) {
+  for (const char* name : {"C:.env", "c:notes", "notes", ".env", "notes\x1b"}) {
     Message request;
     request.command = command::kLoadScenario;
     request.text = name;

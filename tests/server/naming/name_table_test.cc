@@ -105,7 +105,10 @@ TEST(NameTableStrangers, AllAddressesTogetherAreBoundedInBytes) {
       const std::string path = "/p" + std::to_string(address) + "_" + std::to_string(name);
       table.Register(path, "tcp", "", 5, asker);
       for (std::size_t i = 0; i < NameTable::kMaxProperties; ++i) {
-        if (table.SetProperty(path, std::to_string(i), value, asker).refused.empty()) bytes += value.size();
+        // A name that was refused has no properties.
+        if (!table.SetProperty(path, std::to_string(i), value, asker).entry.name.empty()) {
+          bytes += value.size();
+        }
       }
     }
   }

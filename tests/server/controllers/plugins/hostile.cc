@@ -2,6 +2,7 @@
 // Drives straight on until step `at`, then does its `deed`.
 #include <pthread.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -52,17 +53,35 @@ void ResizeFiles(off_t bytes) {
   }
 }
 
-/// Writes zeros over every shared file but the one that controllers must write, and into its readings.
+/// The file that is mapped at `place`; 0: none.
+unsigned long FileAt(const void* place) {
+  std::FILE* maps = std::fopen("/proc/self/maps", "r");
+  if (maps == nullptr) return 0;
+  const auto wanted = reinterpret_cast<std::uintptr_t>(place);
+  unsigned long found = 0, first = 0, end = 0, inode = 0;
+  char line[512];
+  while (std::fgets(line, sizeof(line), maps) != nullptr) {
+    if (std::sscanf(line, "%lx-%lx %*s %*s %*s %lu", &first, &end, &inode) != 3) continue;
+    if (first <= wanted && wanted < end) found = inode;
+  }
+  std::fclose(maps);
+  return found;
+}
+
+/// Writes zeros over all that the daemon has written for it, in every way there is.
 void OverwriteInputs(const coopdyn_readings& readings) {
   constexpr std::size_t kPage = 4096;
+  static const char zeros[kPage] = {};
+  const unsigned long inputs = FileAt(readings.distance_m);
+  for (int fd = 3; fd < 64; ++fd) {
+    struct stat status {};
+    if (fstat(fd, &status) != 0 || status.st_ino != inputs) continue;
+    void* mapped = mmap(nullptr, kPage, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+    if (mapped != MAP_FAILED) std::memset(mapped, 0, kPage);
+    if (pwrite(fd, zeros, kPage, 0) > 0) continue;
+  }
   auto* page = reinterpret_cast<char*>(reinterpret_cast<std::uintptr_t>(readings.distance_m) & ~(kPage - 1));
   if (mprotect(page, kPage, PROT_READ | PROT_WRITE) == 0) std::memset(page, 0, kPage);
-  // The files are: a socket, what it reads, what it writes.
-  const int inputs = 4;
-  void* mapped = mmap(nullptr, kPage, PROT_READ | PROT_WRITE, MAP_SHARED, inputs, 0);
-  if (mapped != MAP_FAILED) std::memset(mapped, 0, kPage);
-  const char zeros[kPage] = {};
-  if (pwrite(inputs, zeros, kPage, 0) > 0) return;
 }
 
 struct State {
