@@ -18,7 +18,7 @@ namespace coopdyn {
 
 namespace {
 
-void Check(bool fine, const char* what) {
+void Require(bool fine, const char* what) {
   if (!fine) throw std::system_error(errno, std::generic_category(), what);
 }
 
@@ -26,14 +26,14 @@ void Check(bool fine, const char* what) {
 
 SharedArea::SharedArea(std::size_t bytes, Others others) : bytes_(bytes) {
   fd_ = memfd_create("coopdyn-controllers", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-  Check(fd_ >= 0, "memfd_create");
+  Require(fd_ >= 0, "memfd_create");
   owns_fd_ = true;
   try {
-    Check(ftruncate(fd_, static_cast<off_t>(bytes)) == 0, "ftruncate");
+    Require(ftruncate(fd_, static_cast<off_t>(bytes)) == 0, "ftruncate");
     Map(true);
     const int seals =
         F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL | (others == Others::kRead ? F_SEAL_FUTURE_WRITE : 0);
-    Check(fcntl(fd_, F_ADD_SEALS, seals) == 0, "the kernel cannot seal memory (Linux 5.1 can)");
+    Require(fcntl(fd_, F_ADD_SEALS, seals) == 0, "the kernel cannot seal memory (Linux 5.1 can)");
   } catch (...) {
     Free();
     throw;
@@ -42,7 +42,7 @@ SharedArea::SharedArea(std::size_t bytes, Others others) : bytes_(bytes) {
 
 SharedArea::SharedArea(int fd, bool writable) : fd_(fd) {
   struct stat status {};
-  Check(fstat(fd, &status) == 0, "fstat");
+  Require(fstat(fd, &status) == 0, "fstat");
   bytes_ = static_cast<std::size_t>(status.st_size);
   Map(writable);
 }
@@ -67,7 +67,7 @@ SharedArea& SharedArea::operator=(SharedArea&& other) noexcept {
 
 void SharedArea::Map(bool writable) {
   void* data = mmap(nullptr, bytes_, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, fd_, 0);
-  Check(data != MAP_FAILED, "mmap");
+  Require(data != MAP_FAILED, "mmap");
   data_ = static_cast<std::byte*>(data);
 }
 
