@@ -68,6 +68,8 @@ std::optional<ServerAddress> ParseServerAddress(const std::string& text) {
              colon != std::string::npos && text.rfind(':') == colon) {
     address.host = text.substr(0, colon);
     port = text.substr(colon + 1);
+  } else if (text.find_first_not_of("0123456789") == std::string::npos) {
+    port = text;  // of this machine
   } else {
     address.host = text;
   }

@@ -1,7 +1,8 @@
 """Somebody at a keyboard: how a connection is left, opened twice, and what an impossible number is answered."""
+import subprocess
 import unittest
 
-from harness import Daemon, scenario
+from harness import BINARY, Daemon, scenario
 
 
 class TelnetTest(unittest.TestCase):
@@ -46,6 +47,12 @@ class TelnetTest(unittest.TestCase):
             reply = motors.ask("set_velocity 1e400 0")
             self.assertEqual((reply.error, reply.command), (4, 11))
             self.assertIn("'1e400' is too large: set_velocity 0.2 0.5", reply.text)
+
+    def test_a_port_alone_is_a_server_of_this_machine_to_the_program(self):
+        with Daemon(scenario(1)) as daemon:
+            done = subprocess.run([BINARY, "status", "--server", str(daemon.names[1])], stdout=subprocess.PIPE, timeout=60)
+            self.assertEqual(done.returncode, 0)
+            self.assertIn(b"robot1", done.stdout)
 
     def test_times_print_as_the_decimal_that_they_are(self):
         with Daemon(scenario(1)) as daemon:
