@@ -107,7 +107,7 @@ int RunCommand(const SwarmBenchOptions& options, const std::vector<std::string>&
               << "; the same seed must give the same hash, so please report this\n";
     return kExitErrors;
   }
-  if (!result->frozen.empty()) return kExitFrozen;
+  if (!result->frozen.empty()) return kExitFaulty;
   return result->problems.empty() ? kExitOk : kExitErrors;
 }
 

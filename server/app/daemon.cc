@@ -4,6 +4,7 @@
 #include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <pthread.h>
 #include <spdlog/fmt/fmt.h>
 #include <sys/random.h>
 #include <unistd.h>
@@ -139,7 +140,10 @@ std::string Daemon::Start() {
     const std::string error = recordings_.StartFile(options_.record.file, options_.record.force);
     if (!error.empty()) return error;
   }
-  physics_ = std::jthread([this](const std::stop_token& stop) { RunWorld(stop); });
+  physics_ = std::jthread([this](const std::stop_token& stop) {
+    pthread_setname_np(pthread_self(), "physics");
+    RunWorld(stop);
+  });
   return {};
 }
 
@@ -240,6 +244,7 @@ std::string Daemon::OpenPage() {
 
 void Daemon::Stop() {
   if (std::exchange(stopped_, true)) return;
+  run_.End(RunEnd::kSignal);  // unless there was another reason before
   controllers_.Interrupt();
   // Ends every wait with an answer, which goes out before the robots close their connections.
   physics_.request_stop();
@@ -272,6 +277,14 @@ std::chrono::microseconds Daemon::Spin() const {
 void Daemon::UpdateSpin() {
   const auto spin = Spin();
   control_.Post([this, spin] { robots_->SetSpin(spin); });
+}
+
+void Daemon::WatchPace() {
+  const std::string warning = overload_.Look(clock_.Now(), run_.status());
+  if (warning.empty()) return;
+  logger_->warn("{}", warning);
+  const FramePtr frame = frames_.Latest();
+  run_.AddEvent({frame->step, frame->time_s(), "warning", warning});
 }
 
 void Daemon::LogWaiting() {
@@ -321,7 +334,12 @@ void Daemon::TellYarpServer() {
   told_names_ = std::move(names);
 }
 
+RunReport Daemon::report(double wall_s) const {
+  return {frames_.Latest(), run_.status(), run_.end(), run_.stopped(), recordings_.failed(), wall_s};
+}
+
 void Daemon::Quit() {
+  run_.End(RunEnd::kQuit);
   shutdown_.Request();
 }
 

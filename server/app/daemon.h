@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "server/app/options.h"
+#include "server/app/run_report.h"
 #include "server/app/shutdown.h"
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
@@ -28,6 +29,7 @@
 #include "server/replay/state_at.h"
 #include "server/robot/robot_host.h"
 #include "server/state/image_board.h"
+#include "server/timing/overload_watch.h"
 #include "server/web/web_server.h"
 
 namespace coopdyn {
@@ -52,12 +54,12 @@ class Daemon final : private ControlActions {
   std::string HowToGoOn() const;
   FramePtr frame() const { return frames_.Latest(); }
   RunStatus status() const { return run_.status(); }
-  /// The simulated time at which the run ends; 0: never.
-  double duration_s() const { return duration_s_; }
-  /// A recording could not go on.
-  bool recording_failed() const { return recordings_.failed(); }
+  /// How the run stands, or has ended. `wall_s`: how long it has taken.
+  RunReport report(double wall_s) const;
   /// Follows a mode that was switched: `--spin` is for lockstep. Called now and then.
   void UpdateSpin();
+  /// Says in the log and to clients, now and then, who takes the time if the run loses real time.
+  void WatchPace();
   /// Says in the log, now and then, whom a lockstep world waits for. Called now and then.
   void LogWaiting();
 
@@ -96,7 +98,6 @@ class Daemon final : private ControlActions {
   Shutdown& shutdown_;
   const SteadyClock clock_;
   const std::string token_;
-  double duration_s_ = 0;
 
   // State that threads share; outlives them all.
   Doorbell bell_;
@@ -139,6 +140,7 @@ class Daemon final : private ControlActions {
   std::unique_ptr<WebServer> web_;
   std::jthread physics_;
   bool stopped_ = false;
+  OverloadWatch overload_;          // main thread
   Nanoseconds waiting_logged_ = 0;  // when LogWaiting() last said something; 0: nobody is awaited
 };
 

@@ -46,7 +46,6 @@ std::string Daemon::StartScenario() {
   const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
   if (!built) return diagnostics.ToString();
   for (const Diagnostic& warning : diagnostics.all()) logger_->warn("{}", ToString(warning));
-  duration_s_ = options_.run.duration_s.value_or(scenario->simulation.duration_s.value_or(0));
   return {};
 }
 
@@ -67,14 +66,9 @@ std::string Daemon::StartFromRecording() {
   const SavedStatePtr state = StateAt(*reader, *step, replay_services(), error);
   if (state == nullptr) return error;
   if (!stepper_.StartFrom(state, diagnostics)) return diagnostics.ToString();
-  const SimulationOptions& said = state->frame->scene->scenario->simulation;
-  duration_s_ = options_.run.duration_s.value_or(said.duration_s.value_or(0));
-  if (duration_s_ > 0 && duration_s_ <= state->frame->time_s()) {
-    if (options_.run.duration_s) {
-      return fmt::format("--duration {} is over at t = {} s, where the run goes on: write a later time",
-                         duration_s_, state->frame->time_s());
-    }
-    duration_s_ = 0;
+  if (options_.run.duration_s && *options_.run.duration_s <= state->frame->time_s()) {
+    return fmt::format("--duration {} is over at t = {} s, where the run goes on: write a later time",
+                       *options_.run.duration_s, state->frame->time_s());
   }
   return {};
 }
@@ -122,7 +116,12 @@ RecordingOptions Daemon::recording_options() {
   recording.duration_s = options_.run.duration_s.value_or(0);
   recording.version = kVersion;
   recording.command = options_.command_line;
-  if (options_.record.stop_on_failure) recording.on_failure = [this] { shutdown_.Request(); };
+  if (options_.record.stop_on_failure) {
+    recording.on_failure = [this] {
+      run_.End(RunEnd::kRecording);
+      shutdown_.Request();
+    };
+  }
   return recording;
 }
 

@@ -140,7 +140,7 @@ int Export(Given given) {
     ProgressBar bar(clock, log.logger());
     error = Write(*reader, given, [&](double share) {
       bar.Show(share);
-      return !shutdown.Wait(0);
+      return shutdown.Wait(0) != Shutdown::Wake::kEnd;
     });
   }
   if (!error.empty()) return Fail(error);

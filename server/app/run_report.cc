@@ -2,63 +2,134 @@
 #include "server/app/run_report.h"
 
 #include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <boost/json.hpp>
+#include <filesystem>
+#include <fstream>
+#include <vector>
 
+#include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/progress_text.h"
+#include "server/replay/export_file.h"
 
 namespace coopdyn {
 
-std::string ProgressLine(const Frame& frame, const RunStatus& status, double duration_s) {
-  const std::string of = duration_s > 0 ? fmt::format(" of {:g}", duration_s) : "";
-  std::string line = fmt::format("t = {:.2f}{} s  step {}  real-time factor {:.2f}", frame.time_s(), of,
-                                 frame.step, status.real_time_factor);
-  if (duration_s > frame.time_s() && status.real_time_factor > 0) {
-    line += "  " + LeftText((duration_s - frame.time_s()) / status.real_time_factor);
+namespace {
+
+/// Simulated over wall time of the whole run.
+double Factor(const RunReport& run) {
+  return run.wall_s > 0 ? ToSeconds(run.status.simulated) / run.wall_s : 0;
+}
+
+bool IsCutShort(const RunReport& run) {
+  const double duration_s = run.status.duration_s;
+  return run.end && run.end != RunEnd::kDuration && duration_s > 0 && run.frame->time_s() < duration_s;
+}
+
+std::vector<std::string> FailedControllers(const RunReport& run) {
+  std::vector<std::string> robots;
+  for (const auto& [robot, stopped] : run.stopped) {
+    if (stopped.by == "controller") robots.push_back(robot);
   }
-  return line;
+  return robots;
 }
 
-std::string ProgressWithBar(const Frame& frame, const RunStatus& status, double duration_s) {
-  return BarText(frame.time_s() / duration_s) + " " + ProgressLine(frame, status, duration_s);
-}
-
-std::string SummaryLine(const Frame& frame, const RunStatus& status, double wall_s) {
-  const std::size_t robots = frame.scene->robots.size();
-  std::string line =
-      fmt::format("{} steps of {} robot{}, t = {:.2f} s in {:.2f} s, real-time factor {:.2f}, hash {}",
-                  frame.step, robots, robots == 1 ? "" : "s", frame.time_s(), wall_s,
-                  wall_s > 0 ? frame.time_s() / wall_s : 0, HashText(StateHash(frame)));
+/// ", frozen: CRATE, swarm1_2 and 5 more"; empty without names.
+std::string Named(const char* what, const std::vector<std::string>& names) {
   constexpr std::size_t kNamed = 20;
-  for (std::size_t i = 0; i < std::min(status.frozen.size(), kNamed); ++i) {
-    line += (i == 0 ? ", frozen: " : ", ") + status.frozen[i];
+  std::string line;
+  for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) {
+    line += (i == 0 ? fmt::format(", {}: ", what) : ", ") + names[i];
   }
-  if (status.frozen.size() > kNamed) {
-    line += fmt::format(" and {} more", status.frozen.size() - kNamed);
-  } else if (status.frozen.empty()) {
-    line += ", nothing frozen";
+  if (names.size() > kNamed) line += fmt::format(" and {} more", names.size() - kNamed);
+  return line;
+}
+
+}  // namespace
+
+std::string ProgressLine(const RunReport& run) {
+  const Frame& frame = *run.frame;
+  const double factor = run.status.real_time_factor, duration_s = run.status.duration_s;
+  const std::string of = duration_s > 0 ? fmt::format(" of {:g}", duration_s) : "";
+  std::string line =
+      fmt::format("t = {:.2f}{} s  step {}  real-time factor {:.2f}", frame.time_s(), of, frame.step, factor);
+  if (duration_s > frame.time_s() && factor > 0) {
+    line += "  " + LeftText((duration_s - frame.time_s()) / factor);
   }
   return line;
 }
 
-std::string SummaryJson(const Frame& frame, const RunStatus& status, double wall_s) {
-  boost::json::array frozen;
+std::string ProgressWithBar(const RunReport& run) {
+  return BarText(run.frame->time_s() / run.status.duration_s) + " " + ProgressLine(run);
+}
+
+std::string SummaryLine(const RunReport& run) {
+  const Frame& frame = *run.frame;
+  const std::size_t robots = frame.scene->robots.size();
+  std::string line = fmt::format(
+      "{} steps of {} robot{}, t = {:.2f} s in {:.2f} s, real-time factor {:.2f}, hash {}", frame.step,
+      robots, robots == 1 ? "" : "s", frame.time_s(), run.wall_s, Factor(run), HashText(StateHash(frame)));
+  line += run.status.frozen.empty() ? ", nothing frozen" : Named("frozen", run.status.frozen);
+  line += Named("controller failed", FailedControllers(run));
+  if (run.status.late_periods > 0) line += fmt::format(", {} steps skipped", run.status.late_periods);
+  if (run.recording_failed) line += ", the recording failed";
+  if (IsCutShort(run)) {
+    line += fmt::format(", cut short by {} before {:g} s", ToString(*run.end), run.status.duration_s);
+  }
+  return line;
+}
+
+std::string SummaryJson(const RunReport& run) {
+  namespace json = boost::json;
+  const Frame& frame = *run.frame;
+  const RunStatus& status = run.status;
+  json::array frozen, stopped;
   for (const std::string& name : status.frozen) frozen.emplace_back(name);
-  const double factor = wall_s > 0 ? frame.time_s() / wall_s : 0;
-  return boost::json::serialize(boost::json::object{{"version", kVersion},
-                                                    {"scenario", frame.scene->scenario->name},
-                                                    {"seed", frame.seed},
-                                                    {"mode", ToString(status.mode)},
-                                                    {"robots", frame.scene->robots.size()},
-                                                    {"steps", frame.step},
-                                                    {"time_s", frame.time_s()},
-                                                    {"wall_s", wall_s},
-                                                    {"rtf", factor},
-                                                    {"late_periods", status.late_periods},
-                                                    {"hash", HashText(StateHash(frame))},
-                                                    {"frozen", std::move(frozen)}}) +
+  for (const auto& [robot, one] : run.stopped) {
+    stopped.push_back(json::object{
+        {"robot", robot}, {"by", one.by}, {"step", one.step}, {"time_s", one.time_s}, {"why", one.why}});
+  }
+  return json::serialize(json::object{
+             {"version", kVersion},
+             {"scenario", frame.scene->scenario->name},
+             {"seed", frame.seed},
+             {"mode", ToString(status.mode)},
+             {"robots", frame.scene->robots.size()},
+             {"steps", frame.step},
+             {"time_s", frame.time_s()},
+             {"duration_s", status.duration_s > 0 ? json::value(status.duration_s) : json::value(nullptr)},
+             {"ended", run.end ? json::value(ToString(*run.end)) : json::value(nullptr)},
+             {"wall_s", run.wall_s},
+             {"rtf", Factor(run)},
+             {"late_periods", status.late_periods},
+             {"hash", HashText(StateHash(frame))},
+             {"frozen", std::move(frozen)},
+             {"stopped", std::move(stopped)},
+             {"recording_failed", run.recording_failed}}) +
          "\n";
+}
+
+int ExitCode(const RunReport& run) {
+  if (!run.status.frozen.empty() || run.recording_failed || !FailedControllers(run).empty()) {
+    return kExitFaulty;
+  }
+  return IsCutShort(run) ? kExitCutShort : kExitOk;
+}
+
+std::string WriteSummary(const std::string& file, const std::string& text) {
+  std::error_code ignored;
+  if (std::filesystem::is_other(file, ignored)) {  // /dev/stdout, a pipe
+    std::ofstream device(file);
+    device << text;
+    return device.flush() ? "" : file + " cannot be written";
+  }
+  ExportFile whole(
+      std::filesystem::weakly_canonical(file, ignored).string());  // what a link means, not the link
+  if (std::string error = whole.Open(true); !error.empty()) return error;
+  whole.Write(text);
+  return whole.Commit();
 }
 
 }  // namespace coopdyn

@@ -2,6 +2,7 @@
 // What is told about a run while it goes on and when it has ended. Pure functions.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "server/state/frame.h"
@@ -9,13 +10,28 @@
 
 namespace coopdyn {
 
-/// "t = 12.00 s  step 1200  real-time factor 3.2"; with `duration_s` > 0 "t = 12.00 of 60 s …  15 s left".
-std::string ProgressLine(const Frame& frame, const RunStatus& status, double duration_s);
-/// A bar of 40 characters up to `duration_s`, and the progress line; for a terminal.
-std::string ProgressWithBar(const Frame& frame, const RunStatus& status, double duration_s);
-/// "1200 steps of 100 robots, t = 12.00 s in 1.48 s, real-time factor 8.1, hash …" and what was frozen.
-std::string SummaryLine(const Frame& frame, const RunStatus& status, double wall_s);
-/// What `--summary` writes: one JSON object. `wall_s`: how long the run took.
-std::string SummaryJson(const Frame& frame, const RunStatus& status, double wall_s);
+/// How a run stands, or has ended.
+struct RunReport {
+  FramePtr frame;  // the newest
+  RunStatus status;
+  std::optional<RunEnd> end;  // empty: it goes on
+  StoppedRobots stopped;
+  bool recording_failed = false;
+  double wall_s = 0;  // that the run took
+};
+
+/// "t = 12.00 s  step 1200  real-time factor 3.2"; with a duration "t = 12.00 of 60 s …  15 s left".
+std::string ProgressLine(const RunReport& run);
+/// A bar of 40 characters up to the duration, and the progress line; for a terminal.
+std::string ProgressWithBar(const RunReport& run);
+/// "1200 steps of 100 robots, t = 12.00 s in 1.48 s, real-time factor 8.1, hash …" and what went wrong.
+std::string SummaryLine(const RunReport& run);
+/// What `--summary` writes: one JSON object.
+std::string SummaryJson(const RunReport& run);
+/// Of a run that has ended: kExitOk, kExitFaulty or kExitCutShort.
+int ExitCode(const RunReport& run);
+
+/// Puts `text` in place of `file` as a whole, or writes it to a device. An error text, empty if it is there.
+std::string WriteSummary(const std::string& file, const std::string& text);
 
 }  // namespace coopdyn

@@ -2,7 +2,7 @@
 // coopdyn serve: runs the daemon until something ends it.
 #include <unistd.h>
 
-#include <fstream>
+#include <string>
 
 #include "server/app/commands.h"
 #include "server/app/daemon.h"
@@ -18,30 +18,62 @@ constexpr Nanoseconds kTick = kNanosecondsPerSecond;
 constexpr Nanoseconds kBarTick = kNanosecondsPerSecond / 5;
 constexpr Nanoseconds kProgressEvery = 60 * kNanosecondsPerSecond;
 
-/// Waits for the end of the daemon, telling now and then how the run goes on.
-void WaitForEnd(Daemon& daemon, Shutdown& shutdown, const Clock& clock, const Logger& logger) {
-  const bool terminal = ::isatty(STDERR_FILENO) == 1;
-  const bool bar = terminal && daemon.duration_s() > 0;
-  const auto progress = [&daemon] {
-    return ProgressWithBar(*daemon.frame(), daemon.status(), daemon.duration_s());
-  };
-  Nanoseconds told = clock.Now();
-  while (!shutdown.Wait(bar ? kBarTick : kTick)) {
-    daemon.UpdateSpin();
-    daemon.LogWaiting();
-    const Nanoseconds now = clock.Now();
-    if (bar) {
-      ShowBelowLog(logger, progress());
-    } else if (!terminal && now - told >= kProgressEvery) {
-      told = now;
-      PrintError("{}\n", ProgressLine(*daemon.frame(), daemon.status(), daemon.duration_s()));
+/// The run of a daemon that has started, and what is told about it.
+class ServedRun {
+ public:
+  ServedRun(Daemon& daemon, const Clock& clock, const Logger& logger, const std::string& summary_file)
+      : daemon_(daemon), clock_(clock), logger_(logger), summary_file_(summary_file), began_(clock.Now()) {}
+
+  RunReport report() const { return daemon_.report(ToSeconds(clock_.Now() - began_)); }
+
+  /// Until the daemon is to end, telling now and then how the run goes on.
+  void WaitForEnd(Shutdown& shutdown) {
+    const bool terminal = ::isatty(STDERR_FILENO) == 1;
+    bool bar = false;
+    Nanoseconds told = began_;
+    for (;;) {
+      const RunReport run = report();
+      bar = terminal && run.status.duration_s > 0;
+      if (bar) ShowBelowLog(logger_, ProgressWithBar(run));
+      const Nanoseconds now = clock_.Now();
+      if (!terminal && now - told >= kProgressEvery) {
+        told = now;
+        PrintError("{}\n", ProgressLine(run));
+      }
+      const Shutdown::Wake wake = shutdown.Wait(bar ? kBarTick : kTick);
+      if (wake == Shutdown::Wake::kEnd) break;
+      if (wake == Shutdown::Wake::kReport) Report();
+      daemon_.UpdateSpin();
+      daemon_.LogWaiting();
+      daemon_.WatchPace();
     }
+    if (!bar) return;
+    ShowBelowLog(logger_, "");
+    PrintError("{}\n", ProgressWithBar(report()));
   }
-  if (bar) {
-    ShowBelowLog(logger, "");
-    PrintError("{}\n", progress());
+
+  /// False, and it is said, if there is to be a summary and it cannot be written.
+  bool WriteSummaryOf(const RunReport& run) const {
+    if (summary_file_.empty()) return true;
+    const std::string error = WriteSummary(summary_file_, SummaryJson(run));
+    if (!error.empty()) PrintError("coopdyn: the summary is lost: {}\n", error);
+    return error.empty();
   }
-}
+
+ private:
+  /// SIGUSR1: the run goes on.
+  void Report() const {
+    const RunReport run = report();
+    logger_->info("so far: {}", SummaryLine(run));
+    WriteSummaryOf(run);
+  }
+
+  Daemon& daemon_;
+  const Clock& clock_;
+  const Logger logger_;
+  const std::string summary_file_;
+  const Nanoseconds began_;
+};
 
 }  // namespace
 
@@ -55,26 +87,19 @@ int Serve(const ServeOptions& options) {
     PrintErrorLines(error + (error.ends_with('\n') ? "" : "\n"));
     return kExitErrors;
   }
-  const Nanoseconds started = clock.Now();
+  ServedRun served(daemon, clock, log.logger(), options.summary_file);
   PrintErrorLines(daemon.HowToGoOn());
   Print("{}\n", daemon.ReadyLine());
-  if (daemon.duration_s() > 0) PrintError("runs to t = {:g} s\n", daemon.duration_s());
+  const double duration_s = daemon.status().duration_s;
+  if (duration_s > 0) PrintError("runs to t = {:g} s\n", duration_s);
 
-  WaitForEnd(daemon, shutdown, clock, log.logger());
+  served.WaitForEnd(shutdown);
 
   daemon.Stop();
-  const RunStatus status = daemon.status();
-  const double wall_s = ToSeconds(clock.Now() - started);
-  if (daemon.duration_s() > 0) PrintError("ended: {}\n", SummaryLine(*daemon.frame(), status, wall_s));
-  if (!options.summary_file.empty()) {
-    std::ofstream file(options.summary_file);
-    file << SummaryJson(*daemon.frame(), status, wall_s);
-    if (!file.flush()) {
-      PrintError("coopdyn: the summary could not be written to {}\n", options.summary_file);
-      return kExitErrors;
-    }
-  }
-  return status.frozen.empty() && !daemon.recording_failed() ? kExitOk : kExitFrozen;
+  const RunReport run = served.report();
+  const int code = ExitCode(run);
+  if (run.status.duration_s > 0 || code != kExitOk) PrintError("ended: {}\n", SummaryLine(run));
+  return served.WriteSummaryOf(run) ? code : kExitErrors;
 }
 
 }  // namespace coopdyn

@@ -14,6 +14,7 @@
 #include "server/app/number_checks.h"
 #include "server/model/section_reader.h"
 #include "server/record/player.h"
+#include "server/replay/export_file.h"
 
 namespace coopdyn {
 
@@ -67,9 +68,14 @@ void CheckSummaryFile(const std::string& file) {
   if (std::filesystem::is_directory(file, ignored)) {
     throw CLI::ValidationError("--summary " + file + " is a folder: write a file, e.g. --summary run.json");
   }
-  const bool there = std::filesystem::exists(file, ignored);
-  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  const std::string written = there ? file : folder.empty() ? "." : folder.string() + "/";
+  if (!CheckFree(file, true).empty()) {
+    throw CLI::ValidationError("--summary " + file +
+                               " is a scenario, a world, a model or a recording, which a summary never "
+                               "replaces: write another file, e.g. --summary run.json");
+  }
+  // A file is written beside it and put in its place.
+  const std::filesystem::path folder = std::filesystem::weakly_canonical(file, ignored).parent_path();
+  const std::string written = std::filesystem::is_other(file, ignored) ? file : folder.string() + "/";
   if (::access(written.c_str(), W_OK) == 0) return;
   throw CLI::ValidationError("--summary " + file + " cannot be written (" +
                              std::generic_category().message(errno) + ")");
@@ -160,7 +166,11 @@ std::pair<std::string, std::string> SplitMoment(const std::string& from) {
 
 void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
   CLI::App* sub = app.add_subcommand("serve", "Run a scenario and serve its robots");
-  sub->footer("Example: coopdyn serve classroom --mode lockstep --port 10000");
+  sub->footer(
+      "Example: coopdyn serve classroom --mode lockstep --port 10000\n"
+      "Exit codes: 0 ok; 1 errors; 2 wrong use; 4 a controller failed, a body was frozen or the recording\n"
+      "failed; 5 a signal or quit came before --duration. SIGTERM, SIGINT and SIGHUP end the run in order;\n"
+      "SIGUSR1 logs how it stands, writes --summary and goes on.");
   sub->add_option("scenario", serve.scenario, "A .scenario or .world file, or a bare name on the search path")
       ->capture_default_str();
   sub->add_option("--mode", raw.mode, "realtime, lockstep or free")
@@ -197,7 +207,14 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
                   "0: no limit)")
       ->check(CLI::Range(0, 1 << 30))
       ->envname("COOPDYN_CONTROLLER_MEMORY");
-  sub->add_option("--summary", serve.summary_file, "Write a summary of the run to this file (JSON)")
+  sub->add_option(
+         "--on-controller-failure", raw.on_controller_failure,
+         "When a loaded controller fails: continue (its robot stands, the rest goes on) or stop (the "
+         "run ends); the exit code is 4 either way (default: continue)")
+      ->check(CLI::IsMember({"continue", "stop"}))
+      ->envname("COOPDYN_ON_CONTROLLER_FAILURE");
+  sub->add_option("--summary", serve.summary_file,
+                  "Write a summary of the run to this file (JSON) at its end, and on SIGUSR1 how it stands")
       ->envname("COOPDYN_SUMMARY");
   sub->add_option("--from", serve.from,
                   "Go on from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
@@ -241,6 +258,7 @@ void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
     }
   }
   if (given("--record-every")) serve.record.every = std::llround(raw.record_every_s * 1e9);
+  serve.run.stop_on_controller_failure = raw.on_controller_failure == "stop";
   serve.record.stop_on_failure = raw.on_record_failure == "stop";
   if (given("--record") && serve.record.file.empty()) {
     throw CLI::ValidationError("--record takes the name of a file, e.g. --record lesson1.run");

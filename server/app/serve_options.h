@@ -16,7 +16,7 @@ namespace coopdyn {
 
 /// The raw values CLI11 fills before they are turned into options.
 struct RawServe {
-  std::string mode, controllers, record_what, on_record_failure, recording;
+  std::string mode, controllers, record_what, on_record_failure, on_controller_failure, recording;
   double step_s = 0;
   double speed = 0;
   std::uint64_t seed = 0;

@@ -16,7 +16,7 @@ namespace coopdyn {
 Shutdown::Shutdown() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&set, signal);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   signals_ = ::signalfd(-1, &set, SFD_CLOEXEC);
   request_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -32,14 +32,18 @@ void Shutdown::Request() {
   [[maybe_unused]] const ssize_t written = ::write(request_, &one, sizeof one);
 }
 
-bool Shutdown::Wait(Nanoseconds timeout) {
+Shutdown::Wake Shutdown::Wait(Nanoseconds timeout) {
   std::array<pollfd, 2> waiting{pollfd{signals_, POLLIN, 0}, pollfd{request_, POLLIN, 0}};
   const timespec limit{timeout / kNanosecondsPerSecond, timeout % kNanosecondsPerSecond};
   int ready;
   do {
     ready = ::ppoll(waiting.data(), waiting.size(), timeout < 0 ? nullptr : &limit, nullptr);
   } while (ready < 0 && errno == EINTR);
-  return ready > 0;
+  if (ready <= 0) return Wake::kTimeout;
+  if (waiting[1].revents != 0) return Wake::kEnd;
+  signalfd_siginfo got{};
+  const bool asks = ::read(signals_, &got, sizeof got) == sizeof got && got.ssi_signo == SIGUSR1;
+  return asks ? Wake::kReport : Wake::kEnd;
 }
 
 }  // namespace coopdyn

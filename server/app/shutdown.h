@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Why the daemon ends: SIGINT, SIGTERM, SIGHUP, `quit`, or the end of the run. The main thread waits for it.
+// What the main thread waits for: SIGINT, SIGTERM, SIGHUP, `quit` and the end of the run end the daemon;
+// SIGUSR1 asks how the run stands.
 #pragma once
 
 #include <csignal>
@@ -10,7 +11,9 @@ namespace coopdyn {
 
 class Shutdown {
  public:
-  /// Blocks the three signals in this thread and in all that it starts afterwards: construct before any
+  enum class Wake { kTimeout, kEnd, kReport };
+
+  /// Blocks the four signals in this thread and in all that it starts afterwards: construct before any
   /// thread.
   Shutdown();
   ~Shutdown();
@@ -19,8 +22,8 @@ class Shutdown {
 
   /// Ends the wait. Any thread.
   void Request();
-  /// Waits for the end, at most `timeout` (negative: for ever). True if it has come.
-  bool Wait(Nanoseconds timeout);
+  /// Waits at most `timeout` (negative: for ever).
+  Wake Wait(Nanoseconds timeout);
 
  private:
   int signals_ = -1;  // signalfd

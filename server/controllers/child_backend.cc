@@ -23,9 +23,6 @@ constexpr int kMaxUnexplained = 5;
 constexpr int kMaxLosses = 8;    // of the process with nobody to blame,
 constexpr int kCalmSteps = 100;  // with fewer steps in between
 
-/// What it may take the process to start on a busy machine.
-constexpr Nanoseconds kStartTime = 30 * kNanosecondsPerSecond;
-
 /// By its own word, or by a crash when it had nearly all that it may have: NULL is seldom looked at.
 bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
   if (memory_bytes == 0) return false;
@@ -155,7 +152,7 @@ bool ChildBackend::Await(std::uint32_t ticket) {
       return false;
     }
     const std::uint64_t stuck = StuckWorkers(clock_.Now());
-    if (stuck != 0 || idle_for_ > (IsInterrupted() ? kLastWait : kStartTime)) {
+    if (stuck != 0 || idle_for_ > (IsInterrupted() ? kLastWait : options_.silence)) {
       Bury(stuck);
       return false;
     }
@@ -204,8 +201,14 @@ void ChildBackend::Bury(std::uint64_t stuck_workers) {
   std::sort(loss.suspects.begin(), loss.suspects.end());
   loss.hung = !ended;
   loss.by_others = ended && end.by_others();
-  loss.why =
-      ended ? end.ToString() : fmt::format("did not return within {:g} s", ToSeconds(options_.deadline));
+  if (ended) {
+    loss.why = end.ToString();
+  } else if (stuck_workers != 0) {
+    loss.why = fmt::format("did not return within {:g} s", ToSeconds(options_.deadline));
+  } else {
+    loss.why =
+        fmt::format("gave no answer for {:g} s with no controller at work", ToSeconds(options_.silence));
+  }
   const std::uint32_t starved = areas_.out.At<OutHeader>(0)->out_of_memory.load(std::memory_order_acquire);
   if (ended && RanOutOfMemory(end, header.memory_bytes)) {
     loss.why = fmt::format(

@@ -33,6 +33,7 @@ class ChildBackend final : public Backend {
     int threads = 1;                                 // of the child
     Nanoseconds deadline = 0;                        // wall clock for one robot's step; 0: none
     const std::atomic<bool>* interrupted = nullptr;  // true: what takes long is given up; may be null
+    Nanoseconds silence = 0;  // wall clock, for a process that has nothing in hand, as when it starts
   };
   /// The areas and the clock outlive it. The process starts with the first Run().
   ChildBackend(Areas& areas, Options options, const Clock& clock, Logger logger);

@@ -65,6 +65,12 @@ void NoCoreFiles() {
   setrlimit(RLIMIT_CORE, &limit);
 }
 
+/// What a batch system or a terminal sends to all processes at once is for the daemon, which ends us in
+/// order. Programs that a controller starts are signalled as usual.
+void LeaveSignalsToDaemon() {
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) std::signal(signal, [](int) {});
+}
+
 /// The files that a copy serves: its socket and the areas.
 struct Files {
   int socket = -1, in = -1, out = -1;
@@ -246,6 +252,7 @@ int RunControllerChild(int fd) {
     return 2;
   }
   NoCoreFiles();
+  LeaveSignalsToDaemon();
   prctl(PR_SET_NAME, "coopdyn-ctrl-0");
   LeftCopies left;
   LaunchRequest request;

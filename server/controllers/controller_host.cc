@@ -234,7 +234,7 @@ void ControllerHost::Stop(Driven& driven, const std::string& why) {
   if (driven.status != Status::kDrives) return;
   driven.status = Status::kStopped;
   driven.why = "controller " + driven.controller + " " + why;
-  stopped_.push_back({driven.name, driven.why});
+  stopped_.push_back({driven.name, driven.why, interrupted_});
 }
 
 void ControllerHost::Unload(int robot) {
@@ -267,6 +267,10 @@ void ControllerHost::Stop(int robot, const std::string& why) {
 
 std::vector<StoppedController> ControllerHost::TakeStopped() {
   return std::exchange(stopped_, {});
+}
+
+ControllerCost ControllerHost::slowest() const {
+  return set_ ? set_->slowest() : ControllerCost();
 }
 
 void ControllerHost::Rest() {

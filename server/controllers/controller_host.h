@@ -36,6 +36,7 @@ class ControllerHost final : public ControllerDriver {
   void Unload(int robot) override;
   std::vector<StoppedController> TakeStopped() override;
   PhaseTimes times() const override { return times_; }
+  ControllerCost slowest() const override;
   double child_cpu_s() const override;
 
   /// Which drive, which are stopped and why, and what each has saved.

@@ -102,8 +102,9 @@ ControllerSet::ControllerSet(std::vector<std::string> files, const ControllerOpt
     auto launcher = options.launcher;
     if (launcher == nullptr) launcher = std::make_shared<ChildLauncher>(options.program);
     backend_ = std::make_unique<ChildBackend>(
-        *areas_, ChildBackend::Options{launcher, threads_, options.deadline, options.interrupted}, clock,
-        logger);
+        *areas_,
+        ChildBackend::Options{launcher, threads_, options.deadline, options.interrupted, options.silence},
+        clock, logger);
   }
   if (files.empty()) return;
   Run(Operation::kLoad, items);
@@ -204,6 +205,16 @@ std::span<const std::byte> ControllerSet::StateOf(std::uint32_t robot) const {
   const RobotSetup& setup = areas_->setup(robot);
   const std::uint64_t done = areas_->result(robot).done.load(std::memory_order_acquire);
   return {areas_->out.At<std::byte>(setup.states[done & 1]), loaded_[setup.file].description->state_size};
+}
+
+ControllerCost ControllerSet::slowest() const {
+  ControllerCost slowest;
+  for (std::uint32_t file = 0; file < loaded_.size(); ++file) {
+    const auto took =
+        static_cast<Nanoseconds>(areas_->file_result(file).step_ns.load(std::memory_order_relaxed));
+    if (took > slowest.per_step) slowest = {std::filesystem::path(loaded_[file].file).stem().string(), took};
+  }
+  return slowest;
 }
 
 int ControllerSet::child_pid() const {

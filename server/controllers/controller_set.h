@@ -17,6 +17,7 @@
 #include "server/controllers/backend.h"
 #include "server/controllers/child_launcher.h"
 #include "server/controllers/plugin.h"
+#include "server/state/controller_driver.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -29,6 +30,7 @@ struct ControllerOptions {
   int threads = 1;                                         // of the child
   Nanoseconds deadline = 2 * kNanosecondsPerSecond;        // wall clock, for one robot's step; 0: none
   std::uint64_t memory_bytes = DefaultControllerMemory();  // that all may use in the child; 0: no limit
+  Nanoseconds silence = 30 * kNanosecondsPerSecond;        // for the process to start on a busy machine
   Nanoseconds share_from = 200'000;                   // a step that takes longer is shared out to the threads
   const std::atomic<bool>* interrupted = nullptr;     // true: a step that hangs is given up at once
   std::string program = "/proc/self/exe";             // which becomes the child with `controller-child 3`
@@ -68,6 +70,8 @@ class ControllerSet {
   Areas& areas() { return *areas_; }
   Place readings_end() const { return readings_end_; }
 
+  /// The controller that took most of the last step that was timed.
+  ControllerCost slowest() const;
   /// Steps `items` (robots as numbered in Create()); their commands are then in the areas' results.
   /// Returns which failed: those have no command and are not to be stepped again. Valid until the next call.
   std::span<const Casualty> Step(const Frame& frame, std::span<const std::uint32_t> items);

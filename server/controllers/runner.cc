@@ -22,6 +22,8 @@ namespace coopdyn {
 namespace {
 
 constexpr std::size_t kStepGrain = 16;  // robots that a worker takes at a time
+/// Clocks cost more than many a controller's step: one step in so many is timed, of any rhythm of theirs.
+constexpr std::uint64_t kTimedEvery = 61;
 
 /// What this thread has in hand, for whoever gets no memory: a new-handler has no arguments.
 struct InHand {
@@ -231,6 +233,10 @@ void Runner::StepAll(WorkerPool& pool) {
   // To wake a thread costs more than many a controller's step. It changes nothing but the time it takes.
   const bool shared = item_time_ * static_cast<Nanoseconds>(count) >= header().share_from_ns;
   const std::size_t parts = shared ? std::min(workers, (count + kStepGrain - 1) / kStepGrain) : 1;
+  timed_ = header().serial % kTimedEvery == 0;
+  for (std::uint32_t file = 0; timed_ && file < header().file_count; ++file) {
+    Out<FileResult>(header().file_results)[file].step_ns.store(0, std::memory_order_relaxed);
+  }
   const SteadyClock clock;
   const Nanoseconds begun = clock.Now();
   next_.store(0, std::memory_order_relaxed);
@@ -254,11 +260,20 @@ void Runner::StepSome(std::size_t worker) {
     if (first >= count) break;
     for (std::size_t i = first; i < std::min(count, first + kStepGrain); ++i) {
       Begin(worker, items[i]);
-      Step(items[i], workers_[worker]);
+      timed_ ? TimedStep(items[i], workers_[worker]) : Step(items[i], workers_[worker]);
     }
   }
   std::atomic<std::uint64_t>& word = Out<OutHeader>(0)->workers[worker].word;
   word.store(word.load(std::memory_order_relaxed) >> 32 << 32, std::memory_order_release);
+}
+
+void Runner::TimedStep(std::uint32_t robot, Worker& worker) {
+  const SteadyClock clock;
+  const Nanoseconds begun = clock.Now();
+  Step(robot, worker);
+  const std::uint32_t file = In<RobotSetup>(header().robots)[robot].file;
+  Out<FileResult>(header().file_results)[file].step_ns.fetch_add(
+      static_cast<std::uint64_t>(clock.Now() - begun), std::memory_order_relaxed);
 }
 
 void Runner::Step(std::uint32_t robot, Worker& worker) {

@@ -56,6 +56,8 @@ class Runner {
   /// Steps items until there are none left.
   void StepSome(std::size_t worker);
   void Step(std::uint32_t robot, Worker& worker);
+  /// Step(), and adds what it took to its file's.
+  void TimedStep(std::uint32_t robot, Worker& worker);
   /// The instance's state into `place`, by way of memory with a guard.
   void Save(const Instance& instance, Place place, Worker& worker) const;
   void End();
@@ -70,6 +72,7 @@ class Runner {
   std::vector<Worker> workers_;
   std::atomic<std::size_t> next_{0};  // item that nobody has begun
   Nanoseconds item_time_ = 0;         // that an item took in the last step
+  bool timed_ = false;                // the present step: each robot's is timed
 };
 
 }  // namespace coopdyn

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/controllers/same_core.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace coopdyn {
@@ -11,12 +12,18 @@ constexpr int kMostTurns = 32;
 
 }  // namespace
 
+void SameCore::SharePriority() {
+  const int nice = getpriority(PRIO_PROCESS, 0);
+  if (nice != nice_ && setpriority(PRIO_PGRP, static_cast<id_t>(other_), nice) == 0) nice_ = nice;
+}
+
 void SameCore::Take() {
   if (turns_ > 0 && turns_ < kMostTurns && thread_ == std::this_thread::get_id()) {
     ++turns_;
     return;
   }
   Leave();
+  SharePriority();
   const int core = sched_getcpu();
   if (core < 0 || core >= CPU_SETSIZE || sched_getaffinity(0, sizeof(before_), &before_) != 0) return;
   cpu_set_t here;
@@ -37,6 +44,7 @@ void SameCore::Leave() {
 
 void SameCore::Free() {
   Leave();
+  SharePriority();
   if (other_core_ < 0) return;
   cpu_set_t all;
   if (sched_getaffinity(0, sizeof(all), &all) == 0) sched_setaffinity(other_, sizeof(all), &all);

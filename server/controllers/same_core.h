@@ -22,15 +22,19 @@ class SameCore {
   SameCore(const SameCore&) = delete;
   SameCore& operator=(const SameCore&) = delete;
 
-  /// A turn: the calling thread and the other stay on the core where the caller is now.
+  /// A turn: the calling thread and the other stay on the core where the caller is now, with its priority.
   void Take();
   /// No turn follows at once: the thread that took the last may go where it could before.
   void Leave();
-  /// Leave(), and the other may go wherever the caller may.
+  /// Leave(), and the other may go wherever the caller may; it has the caller's priority all the same.
   void Free();
 
  private:
+  /// All threads of the other process, if it leads a group of its own, get the caller's priority.
+  void SharePriority();
+
   const pid_t other_;
+  int nice_ = 0;            // of the other, as set last
   int other_core_ = -1;     // on which the other has been put; -1: it is free
   int turns_ = 0;           // since the caller is held
   std::thread::id thread_;  // the caller

@@ -95,8 +95,9 @@ struct OptionRecord {
 };
 
 struct FileResult {
-  std::atomic<std::uint64_t> done;  // the serial, once loaded or refused
-  std::uint32_t refused;            // 1: `why`
+  std::atomic<std::uint64_t> done;     // the serial, once loaded or refused
+  std::atomic<std::uint64_t> step_ns;  // in the last step that was timed, all robots together
+  std::uint32_t refused;               // 1: `why`
   std::uint32_t readings, state_size, option_count;
   char why[2 * kTextSize];
   char help[kTextSize];

@@ -2,6 +2,8 @@
 // The loop: when a step runs. What edits do is in stepper_edits.cc.
 #include "server/physics/stepper.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -69,22 +71,31 @@ bool Stepper::TakeOver(Edit edit) {
 }
 
 void Stepper::Run(std::stop_token stop) {
+  UrgentThread thread;
   while (!stop.stop_requested()) {
     const std::uint64_t seen = boards_.bell.count();
-    const Nanoseconds wake = WorkOnce();
+    const Nanoseconds wake = WorkOnce(thread);
     if (wake > clock_.Now()) boards_.bell.WaitUntil(seen, wake);
   }
   baton_.Take();
   RestControllers();
   stopping_ = true;
+  if (const auto end = boards_.control.end(); end && duration_ && !ended_) {
+    AddEvent("warning", fmt::format("the run was cut short by {} before its duration of {:g} s",
+                                    ToString(*end), ToSeconds(*duration_)));
+  }
   baton_.Pass();
   boards_.edits.Close();
   boards_.commands.Stop(boards_.frames.Latest());
 }
 
-Nanoseconds Stepper::WorkOnce() {
+Nanoseconds Stepper::WorkOnce(UrgentThread& thread) {
   baton_.Take();
   ApplyEdits();
+  if (!thread.Set(mode_ == Mode::kRealtime && speed() > 0)) {
+    status_.load.priority_refused = true;
+    logger_->debug("the stepping thread has no higher priority: `ulimit -e 30` or LimitNICE=-10 allows it");
+  }
   const Nanoseconds now = clock_.Now();
   Nanoseconds wake = StepIfDue(now);
   const bool sleeps = wake > now + kStatusEvery;
@@ -120,9 +131,11 @@ Nanoseconds Stepper::StepIfDue(Nanoseconds now) {
   if (mode_ == Mode::kLockstep && !boards_.commands.AllReady()) {
     for (const FiredDeadline& fired : boards_.commands.FireDeadlines(now)) {
       const bool hold = fired.policy == LossPolicy::kHold, stop = fired.policy == LossPolicy::kStop;
-      const char* what = hold ? "its set-points are held" : stop ? "it is stopped" : "it is dropped";
+      const std::string what = hold ? "its set-points are held" : stop ? "it is stopped" : "it is dropped";
       WriteInput(frame().step, "deadline", fired.robot + " " + ToString(fired.policy));
-      AddEvent("warning", fired.robot + " missed its deadline: " + what + " until its next command");
+      const std::string text = "missed its deadline: " + what + " until its next command";
+      if (!hold) NoteStopped(fired.robot, "deadline", text);
+      AddEvent("warning", fired.robot + " " + text);
     }
     if (!boards_.commands.AllReady()) return boards_.commands.NextDeadline();
   }
@@ -148,6 +161,7 @@ void Stepper::StepNow(Nanoseconds now) {
   if (!boards_.commands.LatchedLosses().empty()) NoteLostClients();
   const FramePtr frame = simulation_->Step(step_length_, inputs);
   if (allowed_steps_ > 0) --allowed_steps_;
+  status_.simulated += step_length_;
   boards_.frames.Publish(frame);
   if (simulation_->has_controllers()) NoteStoppedControllers(before);
   for (const FrozenBody& frozen : simulation_->TakeFrozen()) {
@@ -156,10 +170,7 @@ void Stepper::StepNow(Nanoseconds now) {
   }
   NoteFloorLeft(*frame);
   rate_.Note(now, frame->time);
-  if (duration_ && frame->time >= *duration_) {
-    ended_ = true;
-    AddEvent("info", "the run has reached its duration");
-  }
+  if (duration_ && frame->time >= *duration_) EndRun(RunEnd::kDuration, "the run has reached its duration");
   if (journal_ != nullptr) {
     const bool keyframe = journal_->WantsKeyframe(frame->step);
     journal_->Step(frame, mode_, keyframe,
@@ -175,14 +186,31 @@ void Stepper::StepNow(Nanoseconds now) {
 void Stepper::NoteStoppedControllers(std::optional<std::uint64_t> step) {
   if (helpers_.controllers == nullptr) return;
   const Scene& scene = simulation_->scene();
+  bool failed = false;
   for (const StoppedController& stopped : helpers_.controllers->TakeStopped()) {
-    AddEvent("error", stopped.robot + " stands: " + stopped.why);
+    AddEvent(stopped.with_daemon ? "info" : "error", stopped.robot + " stands: " + stopped.why);
+    if (!stopped.with_daemon) NoteStopped(stopped.robot, "controller", stopped.why);
+    failed |= !stopped.with_daemon;
     if (step) WriteInput(*step, "controller_stopped", stopped.robot + " " + stopped.why);
     const int robot = scene.FindRobot(stopped.robot);
     if (robot < 0) continue;
     const std::string& name = scene.robots[static_cast<std::size_t>(robot)].entry.controller.name;
     boards_.commands.SetDriven(static_cast<std::size_t>(robot), name + " (stopped)", clock_.Now());
   }
+  if (failed && options_.stop_on_controller_failure) {
+    EndRun(RunEnd::kController, "the run ends: a controller has failed (--on-controller-failure stop)");
+  }
+}
+
+void Stepper::NoteStopped(const std::string& robot, const char* by, const std::string& why) {
+  boards_.control.AddStopped(robot, {by, frame().step, frame().time_s(), why});
+}
+
+void Stepper::EndRun(RunEnd why, std::string text) {
+  if (ended_) return;
+  ended_ = true;
+  boards_.control.End(why);
+  AddEvent("info", std::move(text));
 }
 
 void Stepper::NoteLostClients() {
@@ -192,6 +220,7 @@ void Stepper::NoteLostClients() {
     const std::string& robot = simulation_->scene().robots[lost.robot].entry.name;
     WriteInput(frame().step, "disconnect", robot + " " + ToString(lost.policy));
     by_client[{lost.client, lost.policy}].push_back(robot);
+    if (lost.policy != LossPolicy::kHold) NoteStopped(robot, "client", "lost its client " + lost.client);
   }
   for (const auto& [key, robots] : by_client) {
     const auto& [client, policy] = key;
@@ -234,8 +263,13 @@ void Stepper::NoteFloorLeft(const Frame& frame) {
 
 PhaseTimes Stepper::phase_times() {
   baton_.Take();
-  PhaseTimes times = simulation_ != nullptr ? simulation_->times() : PhaseTimes();
+  const PhaseTimes times = AllTimes();
   baton_.Pass();
+  return times;
+}
+
+PhaseTimes Stepper::AllTimes() const {
+  PhaseTimes times = simulation_ != nullptr ? simulation_->times() : PhaseTimes();
   if (helpers_.controllers != nullptr) {
     const PhaseTimes outside = helpers_.controllers->times();
     times.sense += outside.sense;
@@ -262,7 +296,16 @@ void Stepper::PublishStatus(Nanoseconds now, bool always) {
   status_.step_length = step_length_;
   status_.speed = speed();
   status_.state = ended_ ? RunState::kEnded : paused_ ? RunState::kPaused : RunState::kRunning;
+  status_.duration_s = duration_ ? ToSeconds(*duration_) : 0;
   status_.real_time_factor = rate_.Factor(now, simulation_ != nullptr ? frame().time : 0);
+  if (mode_ == Mode::kRealtime && simulation_ != nullptr) {
+    status_.load.times = AllTimes();
+    if (helpers_.controllers != nullptr) {
+      const ControllerCost slowest = helpers_.controllers->slowest();
+      status_.load.controller = slowest.controller;
+      status_.load.controller_step = slowest.per_step;
+    }
+  }
   boards_.control.SetStatus(status_);
 }
 

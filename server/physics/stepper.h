@@ -25,6 +25,7 @@
 #include "server/state/run_control.h"
 #include "server/timing/pacer.h"
 #include "server/timing/rate_meter.h"
+#include "server/timing/urgent_thread.h"
 
 namespace coopdyn {
 
@@ -47,6 +48,7 @@ struct RunOptions {
   std::optional<std::uint64_t> seed;
   std::optional<double> duration_s;
   bool paused = false;
+  bool stop_on_controller_failure = false;
 };
 
 class Stepper {
@@ -76,7 +78,7 @@ class Stepper {
   void StepHere() EXCLUDES(baton_);
   /// How long the parts of stepping have taken so far. Any thread.
   PhaseTimes phase_times() EXCLUDES(baton_);
-  /// Called on the stepping thread when `duration_s` has been reached. Set before Run().
+  /// Called on the stepping thread when the run has ended: RunControl::end() says why. Set before Start().
   void set_on_ended(std::function<void()> on_ended) { on_ended_ = std::move(on_ended); }
 
  private:
@@ -104,7 +106,7 @@ class Stepper {
   void ApplyEdits() REQUIRES(baton_);
   void ApplyEdit(Edit& edit) REQUIRES(baton_);
   /// Does what is due now and returns when to look again.
-  Nanoseconds WorkOnce() EXCLUDES(baton_);
+  Nanoseconds WorkOnce(UrgentThread& thread) EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
   /// Takes note of controllers that have stopped: in the step after frame `step`, which is an input of the
@@ -112,6 +114,9 @@ class Stepper {
   void NoteStoppedControllers(std::optional<std::uint64_t> step) REQUIRES(baton_);
   /// Takes note of the clients that were lost before the step latched last.
   void NoteLostClients() REQUIRES(baton_);
+  void NoteStopped(const std::string& robot, const char* by, const std::string& why) REQUIRES(baton_);
+  /// No step is to follow: on_ended_() is due.
+  void EndRun(RunEnd why, std::string text) REQUIRES(baton_);
   /// No step follows at once on this thread.
   void RestControllers() REQUIRES(baton_);
   std::unique_ptr<Simulation> BuildSimulation(std::shared_ptr<const Scene> scene, std::uint64_t seed,
@@ -141,6 +146,7 @@ class Stepper {
   const Frame& frame() const REQUIRES(baton_) { return *simulation_->frame(); }
   double speed() const REQUIRES(baton_);  // ≤ 0: no limit
   void RestartPace(Nanoseconds now) REQUIRES(baton_);
+  PhaseTimes AllTimes() const REQUIRES(baton_);
   /// Publishes how the run stands; unless `always`, at most each kStatusEvery.
   void PublishStatus(Nanoseconds now, bool always) REQUIRES(baton_);
   void AddEvent(const char* level, std::string text) REQUIRES(baton_);

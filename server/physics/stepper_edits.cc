@@ -202,6 +202,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   ended_ = false;
   allowed_steps_ = 0;
   status_.frozen = FrozenNames(frame());
+  boards_.control.ClearStopped();
   off_floor_ = OffFloor(frame());
   has_deadlines_ = std::any_of(scene.robots.begin(), scene.robots.end(),
                                [](const SceneRobot& robot) { return robot.entry.deadline_s.has_value(); });
@@ -216,6 +217,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   rate_.Reset();
   RestartPace(now);
   PublishStatus(now, true);
+  if (ended_ && on_ended_) on_ended_();
 }
 
 void Stepper::TakeDrives(const SavedState& state, Nanoseconds now) {

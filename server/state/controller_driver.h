@@ -19,7 +19,14 @@ namespace coopdyn {
 /// A controller that does not drive its robot any more: the robot stands.
 struct StoppedController {
   std::string robot;
-  std::string why;  // e.g. "controller diffuse crashed (segmentation fault)"
+  std::string why;           // e.g. "controller diffuse crashed (segmentation fault)"
+  bool with_daemon = false;  // the daemon ends, and it with it: no fault of its own
+};
+
+/// What a controller takes.
+struct ControllerCost {
+  std::string controller;    // empty: there is none
+  Nanoseconds per_step = 0;  // of a recent step, all its robots together
 };
 
 class ControllerDriver {
@@ -56,6 +63,8 @@ class ControllerDriver {
   virtual std::vector<StoppedController> TakeStopped() = 0;
   /// Time spent on sensing and control since the start.
   virtual PhaseTimes times() const = 0;
+  /// The controller that takes most of a step.
+  virtual ControllerCost slowest() const { return {}; }
   /// CPU time that the controllers have used outside this process, s.
   virtual double child_cpu_s() const = 0;
 };

@@ -21,6 +21,22 @@ const char* ToString(RunState state) {
   return "unknown";
 }
 
+const char* ToString(RunEnd end) {
+  switch (end) {
+    case RunEnd::kDuration:
+      return "duration";
+    case RunEnd::kController:
+      return "controller";
+    case RunEnd::kRecording:
+      return "recording";
+    case RunEnd::kQuit:
+      return "quit";
+    case RunEnd::kSignal:
+      return "signal";
+  }
+  return "unknown";
+}
+
 void RunControl::SetStatus(RunStatus status) {
   const MutexLock lock(mutex_);
   status_ = std::move(status);
@@ -50,6 +66,31 @@ void RunControl::AddEvent(Event event) {
 std::vector<Event> RunControl::events() const {
   const MutexLock lock(mutex_);
   return {events_.begin(), events_.end()};
+}
+
+void RunControl::AddStopped(const std::string& robot, StoppedRobot stopped) {
+  const MutexLock lock(mutex_);
+  stopped_[robot] = std::move(stopped);
+}
+
+void RunControl::ClearStopped() {
+  const MutexLock lock(mutex_);
+  stopped_.clear();
+}
+
+StoppedRobots RunControl::stopped() const {
+  const MutexLock lock(mutex_);
+  return stopped_;
+}
+
+void RunControl::End(RunEnd why) {
+  const MutexLock lock(mutex_);
+  if (!end_) end_ = why;
+}
+
+std::optional<RunEnd> RunControl::end() const {
+  const MutexLock lock(mutex_);
+  return end_;
 }
 
 }  // namespace coopdyn

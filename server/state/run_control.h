@@ -5,17 +5,31 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/base/mutex.h"
 #include "server/model/scenario.h"
+#include "server/state/phase_times.h"
 
 namespace coopdyn {
 
 enum class RunState { kRunning, kPaused, kWaiting, kPlaying, kEnded };
 const char* ToString(RunState state);
+
+/// Why a run has ended.
+enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal };
+const char* ToString(RunEnd end);
+
+/// What steps cost, in all since the start.
+struct StepLoad {
+  PhaseTimes times;
+  std::string controller;           // the loaded controller that takes most; empty: none
+  Nanoseconds controller_step = 0;  // that it took in a recent step, all its robots together
+  bool priority_refused = false;    // the system does not let the stepping thread go first
+};
 
 struct RunStatus {
   Mode mode = Mode::kRealtime;
@@ -24,6 +38,9 @@ struct RunStatus {
   double speed = 1;                // ≤ 0: no limit
   double real_time_factor = 0;     // over the last second of wall time
   std::uint64_t late_periods = 0;  // skipped in real time
+  double duration_s = 0;           // the simulated time at which the run ends; 0: never
+  Nanoseconds simulated = 0;       // by all steps since the daemon started, whatever was reset
+  StepLoad load;                   // in real time
   std::vector<std::string> frozen;
 };
 
@@ -34,6 +51,15 @@ struct Event {
   std::string level;  // info, warning, error
   std::string text;
 };
+
+/// A robot that does not do what it was to do.
+struct StoppedRobot {
+  std::string by;  // controller: it failed; deadline: its client was late; client: it was lost
+  std::uint64_t step = 0;
+  double time_s = 0;
+  std::string why;
+};
+using StoppedRobots = std::map<std::string, StoppedRobot>;  // by the robot's name
 
 /// How a recording is being played; DESIGN §4.11.
 struct PlaybackStatus {
@@ -59,12 +85,21 @@ class RunControl {
   std::optional<PlaybackStatus> playback() const EXCLUDES(mutex_);
   void AddEvent(Event event) EXCLUDES(mutex_);
   std::vector<Event> events() const EXCLUDES(mutex_);
+  /// Each robot's last stop since ClearStopped().
+  void AddStopped(const std::string& robot, StoppedRobot stopped) EXCLUDES(mutex_);
+  void ClearStopped() EXCLUDES(mutex_);
+  StoppedRobots stopped() const EXCLUDES(mutex_);
+  /// The run ends. The first reason counts.
+  void End(RunEnd why) EXCLUDES(mutex_);
+  std::optional<RunEnd> end() const EXCLUDES(mutex_);
 
  private:
   mutable Mutex mutex_;
   RunStatus status_ GUARDED_BY(mutex_);
   std::optional<PlaybackStatus> playback_ GUARDED_BY(mutex_);
   std::deque<Event> events_ GUARDED_BY(mutex_);
+  StoppedRobots stopped_ GUARDED_BY(mutex_);
+  std::optional<RunEnd> end_ GUARDED_BY(mutex_);
 };
 
 }  // namespace coopdyn

@@ -310,7 +310,7 @@ class EndTest(unittest.TestCase):
             said.extend(os.read(terminal, 4096))  # there is a new bar soon
             return re.search(rb"waiting for robot1[^\n]*\n.*\[", said)
 
-        with Daemon(scenario(1), "--duration", "5", before_exec=lambda: os.dup2(side, 2)):
+        with Daemon(scenario(1), "--duration", "5", before_exec=lambda: os.dup2(side, 2), expect_exit=5):
             until(is_logged)
         os.close(side)
         os.close(terminal)

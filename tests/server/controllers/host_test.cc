@@ -87,6 +87,17 @@ TEST(ControllerHostTest, AnUnloadedRobotIsLeftAlone) {
   EXPECT_NE(driven.run().setpoints[1][1], (Setpoint{0.25, 0.5}));
 }
 
+TEST(ControllerHostTest, TheSlowestControllerIsNamedWithItsTime) {
+  for (const bool in_process : {false, true}) {
+    Driven driven(Swarm().Add(Sample("flock")).Add(Sample("flock")), TestOptions(in_process));
+    driven.Start();
+    EXPECT_EQ(driven.host().slowest().controller, "");
+    driven.Steps(100);  // not each of them is timed
+    EXPECT_EQ(driven.host().slowest().controller, "flock");
+    EXPECT_GT(driven.host().slowest().per_step, 0);
+  }
+}
+
 TEST(ControllerHostTest, TimesAddUp) {
   Driven driven(Swarm().Add(Sample("diffuse")));
   driven.Start();

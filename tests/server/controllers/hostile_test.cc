@@ -2,10 +2,12 @@
 // Whatever a controller does in the child, its robot stops with the reason, and nothing else changes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "tests/server/controllers/plugins/deeds.h"
@@ -15,6 +17,7 @@ namespace coopdyn {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr std::size_t kVictim = 7;  // index of the robot that misbehaves
 
@@ -266,6 +269,50 @@ TEST(HostileTest, AnInterruptEndsTheWaitForOneThatHangs) {
   }
   EXPECT_FALSE(driven.run().stopped.empty());
   EXPECT_EQ(driven.run().setpoints[2][kVictim], Setpoint{});
+}
+
+TEST(HostileTest, WhatEndsWithTheDaemonHasNotFailed) {
+  ControllerOptions options = TestOptions(false, 2);
+  options.deadline = 0;  // none
+  Driven driven(SwarmWith(kSpin, 0), options);
+  driven.Start();
+  driven.host().Interrupt();
+  driven.Steps(1);
+  ASSERT_FALSE(driven.run().stopped.empty());
+  for (const StoppedController& stopped : driven.run().stopped) EXPECT_TRUE(stopped.with_daemon);
+}
+
+TEST(HostileTest, WhatFailsBeforeTheDaemonEndsHasFailed) {
+  const Record record = RunFor(SwarmWith(kNotANumber), TestOptions());
+  ASSERT_FALSE(record.stopped.empty());
+  EXPECT_FALSE(record.stopped[0].with_daemon);
+}
+
+TEST(HostileTest, AProcessThatOnlyKeepsSilentIsNotSaidToHaveMissedADeadline) {
+  std::ostringstream said;
+  auto logger =
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(said));
+  ControllerOptions options = TestOptions();
+  options.silence = 2 * kNanosecondsPerSecond;
+  Driven driven(SwarmWith(kNone), options, logger);
+  driven.Start();
+  kill(driven.host().child_pid(), SIGSTOP);
+  driven.Steps(1);
+  EXPECT_TRUE(driven.run().stopped.empty());
+  EXPECT_THAT(said.str(), HasSubstr("process gave no answer for 2 s with no controller at work: a new one"));
+  EXPECT_THAT(said.str(), Not(HasSubstr("did not return")));
+}
+
+TEST(HostileTest, SignalsToAllProcessesOfAJobAreLeftToTheDaemon) {
+  Driven driven(SwarmWith(kNone), TestOptions());
+  driven.Start();
+  const int pid = driven.host().child_pid();
+  for (const int signal : {SIGUSR1, SIGINT, SIGHUP, SIGTERM}) {
+    kill(pid, signal);
+    driven.Steps(1);
+  }
+  EXPECT_EQ(driven.host().child_pid(), pid);
+  EXPECT_TRUE(driven.run().stopped.empty());
 }
 
 TEST(HostileTest, AHangInDestroyDoesNotHoldUpTheEnd) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,6 +49,17 @@ TEST_F(SameCoreTest, ATurnHoldsBothOnOneCore) {
   SameCore core(other_);
   core.Take();
   EXPECT_TRUE(BothAreHeld());
+}
+
+TEST_F(SameCoreTest, TheOtherHasTheCallersPriority) {
+  ::setpgid(other_, other_);
+  std::thread([this] {
+    const int urgent = getpriority(PRIO_PROCESS, 0) + 1;  // less is not for everybody
+    ASSERT_EQ(setpriority(PRIO_PROCESS, 0, urgent), 0);
+    SameCore core(other_);
+    core.Take();
+    EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(other_)), urgent);
+  }).join();
 }
 
 TEST_F(SameCoreTest, ManyTurnsHoldBothOnOneCore) {

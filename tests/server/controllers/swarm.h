@@ -138,8 +138,8 @@ ControllerOptions TestOptions(bool in_process = false, int threads = 1);
 /// Clock, pool and host, and the swarm that it drives.
 class Driven {
  public:
-  explicit Driven(Swarm swarm, ControllerOptions options = TestOptions())
-      : swarm_(std::move(swarm)), pool_(options.threads), host_(options, clock_, NullLogger(), pool_) {}
+  explicit Driven(Swarm swarm, ControllerOptions options = TestOptions(), Logger logger = NullLogger())
+      : swarm_(std::move(swarm)), pool_(options.threads), host_(options, clock_, std::move(logger), pool_) {}
 
   ControllerHost& host() { return host_; }
   const FramePtr& frame() const { return frame_; }

@@ -30,7 +30,7 @@ class Driver final : public ControllerDriver {
     message.values[0] = static_cast<double>(frame->step + 1);
     messages.push_back({1, frame->step + 1, {}});
     messages.push_back({0, frame->step + 1, message});
-    if (frame->step == 1) stopped.push_back({"robot1", "it divided by zero"});
+    if (frame->step == 1) stopped.push_back({"robot1", "it divided by zero", with_daemon});
   }
   void Rest() override { ++rests; }
   void Unload(int robot) override { unloaded.push_back(robot); }
@@ -45,7 +45,7 @@ class Driver final : public ControllerDriver {
   PhaseTimes times() const override { return {10, 20, 0, 0}; }
   double child_cpu_s() const override { return 0; }
 
-  bool stops_at_once = false;
+  bool stops_at_once = false, with_daemon = false;
   int configured = 0, rests = 0;
   std::vector<std::uint64_t> seen;
   std::vector<int> unloaded;
@@ -123,6 +123,66 @@ TEST_F(StepperControllersTest, AStoppedControllerIsAnEvent) {
   EXPECT_EQ(events[0].step, 2u);
   EXPECT_EQ(events[0].level, "error");
   EXPECT_EQ(events[0].text, "robot1 stands: it divided by zero");
+}
+
+TEST_F(StepperControllersTest, ItsRobotIsListedWithStepTimeAndReason) {
+  Start(TwoRobots("good"), &driver_);
+  for (int k = 0; k < 3; ++k) Step();
+  const StoppedRobots stopped = control_.stopped();
+  ASSERT_EQ(stopped.size(), 1u);
+  EXPECT_EQ(stopped.at("robot1").by, "controller");
+  EXPECT_EQ(stopped.at("robot1").step, 2u);
+  EXPECT_EQ(stopped.at("robot1").time_s, 0.02);
+  EXPECT_EQ(stopped.at("robot1").why, "it divided by zero");
+  EXPECT_FALSE(control_.end());
+}
+
+TEST_F(StepperControllersTest, AResetForgetsWhoWasStopped) {
+  Start(TwoRobots("good"), &driver_);
+  for (int k = 0; k < 3; ++k) Step();
+  ASSERT_FALSE(control_.stopped().empty());
+  std::stop_source stop;
+  edits_.Push({edit::Reset{}, [&stop](const EditResult&) { stop.request_stop(); }});
+  stepper_->Run(stop.get_token());
+  EXPECT_TRUE(control_.stopped().empty());
+}
+
+TEST_F(StepperControllersTest, AControllerThatEndsWithTheDaemonHasNotFailed) {
+  driver_.with_daemon = true;
+  Start(TwoRobots("good"), &driver_);
+  for (int k = 0; k < 3; ++k) Step();
+  ASSERT_EQ(control_.events().size(), 1u);
+  EXPECT_EQ(control_.events()[0].level, "info");
+  EXPECT_TRUE(control_.stopped().empty());
+}
+
+TEST_F(StepperControllersTest, IfAskedToTheRunEndsWithTheStepInWhichOneFailed) {
+  RunOptions options;
+  options.mode = Mode::kFree;
+  options.duration_s = 0.05;
+  options.stop_on_controller_failure = true;
+  Start(TwoRobots("good"), &driver_, options);
+  std::stop_source stop;
+  stepper_->set_on_ended([&stop] { stop.request_stop(); });
+  stepper_->Run(stop.get_token());
+  EXPECT_EQ(frames_.Latest()->step, 2u);
+  EXPECT_EQ(control_.end(), RunEnd::kController);
+  EXPECT_EQ(control_.status().state, RunState::kEnded);
+}
+
+TEST_F(StepperControllersTest, IfAskedToARunWhoseControllerCannotStartNeverSteps) {
+  driver_.stops_at_once = true;
+  RunOptions options;
+  options.mode = Mode::kFree;
+  options.stop_on_controller_failure = true;
+  stepper_ = MakeStepper(clock_, options, {nullptr, &driver_});
+  std::stop_source stop;
+  stepper_->set_on_ended([&stop] { stop.request_stop(); });
+  Diagnostics diagnostics;
+  stepper_->Start(TwoRobots("good"), diagnostics);
+  EXPECT_TRUE(stop.stop_requested());
+  EXPECT_EQ(control_.end(), RunEnd::kController);
+  EXPECT_EQ(frames_.Latest()->step, 0u);
 }
 
 TEST_F(StepperControllersTest, TheOwnerSaysThatAControllerIsStopped) {

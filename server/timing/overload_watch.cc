@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "server/timing/overload_watch.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::size_t kNamed = 3;
+constexpr double kLeastShare = 0.05;   // of a core, to be named
+constexpr double kOthersMatter = 0.5;  // cores
+
+double Milliseconds(double ns) {
+  return ns * 1e-6;
+}
+
+/// "50 python3 160 %, firefox 12 %"
+std::string NameShares(const std::vector<CpuShare>& shares) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(shares.size(), kNamed); ++i) {
+    const CpuShare& share = shares[i];
+    if (share.cores < kLeastShare) break;
+    const std::string count = share.count > 1 ? fmt::format("{} ", share.count) : "";
+    text += fmt::format("{}{}{} {:.0f} %", text.empty() ? "" : ", ", count, share.name, 100 * share.cores);
+  }
+  return text;
+}
+
+double Cores(const std::vector<CpuShare>& shares) {
+  double cores = 0;
+  for (const CpuShare& share : shares) cores += share.cores;
+  return cores;
+}
+
+double PeriodOf(const RunStatus& status) {
+  return static_cast<double>(status.step_length) / status.speed;
+}
+
+}  // namespace
+
+double LostPart(const RunStatus& before, const RunStatus& after, Nanoseconds wall) {
+  if (after.mode != Mode::kRealtime || after.speed <= 0 || wall <= 0) return 0;
+  const auto periods = static_cast<double>(after.late_periods - before.late_periods);
+  return periods * PeriodOf(after) / static_cast<double>(wall);
+}
+
+std::string DescribeSteps(const RunStatus& before, const RunStatus& after) {
+  const double steps = static_cast<double>(after.simulated - before.simulated) /
+                       static_cast<double>(std::max<Nanoseconds>(after.step_length, 1));
+  if (steps < 1) return {};
+  const PhaseTimes &from = before.load.times, &to = after.load.times;
+  std::array<std::pair<double, const char*>, 4> parts{{
+      {static_cast<double>(to.physics - from.physics), "physics"},
+      {static_cast<double>(to.sense - from.sense), "sensing for controllers"},
+      {static_cast<double>(to.control - from.control), "controllers"},
+      {static_cast<double>(to.publish - from.publish), "making frames"},
+  }};
+  double all = 0;
+  for (auto& [time, name] : parts) all += time /= steps;
+  std::sort(parts.rbegin(), parts.rend());
+  std::string text = fmt::format(
+      "A step is due every {:.3g} ms and takes {:.2g} ms, most of it {} ({:.2g} ms)",
+      Milliseconds(PeriodOf(after)), Milliseconds(all), parts[0].second, Milliseconds(parts[0].first));
+  if (!after.load.controller.empty()) {
+    text += fmt::format("; of the controllers {} takes most ({:.2g} ms)", after.load.controller,
+                        Milliseconds(static_cast<double>(after.load.controller_step)));
+  }
+  return text + ".";
+}
+
+std::string DescribeOthers(const CpuUse& before, const CpuUse& after, Nanoseconds wall) {
+  const std::vector<CpuShare> others = SharesOf(before.others, after.others, wall);
+  const std::vector<CpuShare> own = SharesOf(before.threads, after.threads, wall);
+  const double busy = static_cast<double>(after.busy - before.busy) / static_cast<double>(wall);
+  const double hidden = busy - Cores(others) - Cores(own);
+  const std::string threads = NameShares(own).empty() ? "" : " Threads of coopdyn: " + NameShares(own) + ".";
+  if (Cores(others) >= kOthersMatter) {
+    return "Other programs keep the cores busy: " + NameShares(others) + "." + threads;
+  }
+  if (hidden < kOthersMatter) return {};
+  return fmt::format("Something that is not visible from here keeps the cores busy: {:.0f} %.",
+                     100 * hidden) +
+         threads;
+}
+
+std::string OverloadWatch::Look(Nanoseconds now, const RunStatus& status) {
+  if (from_ && now - from_->now < kWindow) return {};
+  const std::optional<Moment> from = std::exchange(from_, Moment{now, status});
+  if (!from) return {};
+  const Nanoseconds wall = now - from->now;
+  const double lost = LostPart(from->status, status, wall);
+  const bool said_lately = said_ && now - *said_ < kAgainAfter;
+  if (lost <= kMostLost || said_lately) {
+    use_.reset();
+    return {};
+  }
+  const std::optional<CpuUse> before = std::exchange(use_, read_use_());
+  if (!before) return {};
+  said_ = now;
+  std::string text =
+      fmt::format("real time is lost: {:.0f} % in the last {:.0f} s. ", 100 * lost, ToSeconds(wall));
+  text += DescribeSteps(from->status, status);
+  const std::string others = DescribeOthers(*before, *use_, wall);
+  use_.reset();
+  if (others.empty()) return text + " Use fewer robots, a simpler fidelity, --threads or a longer step.";
+  text += " " + others;
+  if (status.load.priority_refused) {
+    text += " Let coopdyn go first: `ulimit -e 30` before it starts, or LimitNICE=-10 in its systemd unit.";
+  }
+  return text;
+}
+
+}  // namespace coopdyn
