@@ -54,9 +54,9 @@ TEST_F(OverloadWatchTest, ARunThatKeepsTimeIsNotTalkedAboutNorLookedInto) {
 }
 
 TEST_F(OverloadWatchTest, SaysHowMuchIsLostAndWhatAStepTakes) {
-  const std::string warning = Seconds(10, 14);
+  const std::string warning = Seconds(10, 14, 3);
   EXPECT_THAT(warning, HasSubstr("real time is lost: 14 % in the last 2 s. "));
-  EXPECT_THAT(warning, HasSubstr("A step is due every 10 ms and takes 2 ms, most of it physics (1 ms)"));
+  EXPECT_THAT(warning, HasSubstr("A step is due every 10 ms and takes 3 ms, most of it physics (2 ms)"));
 }
 
 TEST_F(OverloadWatchTest, NamesOtherProgramsByWhatTheyTake) {
