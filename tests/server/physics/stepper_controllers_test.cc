@@ -142,7 +142,10 @@ TEST_F(StepperControllersTest, AResetForgetsWhoWasStopped) {
   for (int k = 0; k < 3; ++k) Step();
   ASSERT_FALSE(control_.stopped().empty());
   std::stop_source stop;
-  edits_.Push({edit::Reset{}, [&stop](const EditResult&) { stop.request_stop(); }});
+  edits_.Push({edit::Reset{}, [&](const EditResult&) {
+                 stop.request_stop();
+                 bell_.Ring();
+               }});
   stepper_->Run(stop.get_token());
   EXPECT_TRUE(control_.stopped().empty());
 }
