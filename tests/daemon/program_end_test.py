@@ -68,6 +68,15 @@ class ProgramEndTest(unittest.TestCase):
             daemon.text("/simulation").must("stop_all")
             self.assertFalse(robot(daemon)["still_moving"])
 
+    def test_what_a_single_call_with_a_token_sets_stays(self):
+        with Daemon(scenario(1, mode="realtime")) as daemon:
+            code, said = tool("call", "--server", "%s:%d" % daemon.names, "--token", "chalk-and-board", "/robot1/motors",
+                              "set_velocity", "0.2", "0")
+            self.assertEqual(code, 0, said)
+            until(lambda: not robot(daemon)["owner"])
+            daemon.text("/simulation").must("ready 5")
+            self.assertGreater(min(speeds(daemon)), 1)
+
     def test_an_explicit_policy_holds_in_every_mode(self):
         with Daemon(scenario(1, mode="realtime", robot_extra={1: "on_disconnect hold"})) as daemon:
             kill_program(daemon, "/robot1/motors", "hello ana", "set_velocity (5) 0.2 0")
