@@ -241,6 +241,13 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   reader.Finish();
   if (entry.model == nullptr || team || !count || (reader.Has("area") && !area)) return;
 
+  wanted_ += *count;
+  if (wanted_ > kMaxSwarms) {
+    reader.ErrorAt("count", "all swarms together have more than " + std::to_string(kMaxSwarms) +
+                                " robots: take smaller counts");
+    return;
+  }
+
   SwarmRequest request;
   request.count = static_cast<int>(*count);
   request.radius_m = entry.model->footprint_radius_m;

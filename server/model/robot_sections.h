@@ -2,6 +2,7 @@
 // [ROBOT_n] and [SWARM_n] of a scenario.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -57,6 +58,7 @@ class RobotSections {
   Diagnostics& diagnostics_;
   std::unordered_map<std::string, SourceLine> names_;        // of robots, lower case
   std::unordered_map<std::string, SourceLine> swarm_names_;  // likewise, with what their sections are called
+  std::uint64_t wanted_ = 0;                                 // robots of all swarms up to now
   std::unordered_map<std::string, bool> broken_types_;       // said what is wrong with them
 };
 

@@ -2,12 +2,14 @@
 #include "server/model/scattered.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "server/model/values.h"
+#include "server/model/world_sections.h"
 
 namespace coopdyn {
 
@@ -56,7 +58,14 @@ void AddScattered(std::span<const ScatteredObjects> sections, std::span<const Fl
   if (sections.empty()) return;
   std::unordered_map<std::string, SourceLine> names;  // of the objects, in lower case
   for (const WorldObject& object : scenario.objects) names.emplace(ToLower(object.name), object.where);
+  std::uint64_t wanted = 0;
   for (const ScatteredObjects& things : sections) {
+    wanted += things.count;
+    if (wanted > kMaxSwarms) {
+      diagnostics.Error(things.object.where, "all copies together are more than " +
+                                                 std::to_string(kMaxSwarms) + ": take smaller counts");
+      return;
+    }
     for (WorldObject& copy : PlaceCopies(things, scenario, taken, diagnostics)) {
       const auto [first, is_new] = names.emplace(ToLower(copy.name), copy.where);
       if (!is_new) {

@@ -29,6 +29,8 @@ std::optional<FloorArea> ReadArea(SectionReader& reader);
 
 /// The most that one [SWARM_n] or one object's section may have.
 inline constexpr std::uint64_t kMaxSwarm = 100'000;
+/// The most that all [SWARM_n] together may have, and likewise all objects' sections with a count.
+inline constexpr std::uint64_t kMaxSwarms = 200'000;
 
 /// Whether `word` is `kind`, or `kind_` and more: robot, robot_1.
 bool IsNumbered(const std::string& word, const std::string& kind);

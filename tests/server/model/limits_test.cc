@@ -74,6 +74,18 @@ TEST(ReaderLimits, ALongValueIsCut) {
   EXPECT_LT(messages.size(), 1500u);
 }
 
+TEST(ReaderLimits, CopiesAndSwarmsAreCountedTogether) {
+  std::string text = "[FLOOR]\nsize 1 1 0.1\n";
+  for (int i = 0; i < 50; ++i) {
+    const std::string number = std::to_string(i);
+    text += "[A_" + number + "]\ntype box\nsize 0.1 0.1 0.1\ncount 100000\n";
+    text += "[SWARM_" + number + "]\ntype coopbot\nname s" + number + "_\ncount 100000\n";
+  }
+  const std::string messages = Read(text).messages;
+  EXPECT_THAT(messages, HasSubstr("all copies together are more than 200000"));
+  EXPECT_THAT(messages, HasSubstr("all swarms together have more than 200000 robots"));
+}
+
 /// What the reader says about a model that has `inside` its <model>.
 std::string ReadModel(const std::string& inside) {
   const std::string text =
