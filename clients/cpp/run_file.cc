@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <set>
 
@@ -22,6 +23,13 @@ const std::vector<std::string> kReadings = {"distances", "targets", "wheels"};
 
 double Seconds(std::int64_t ns) {
   return static_cast<double>(ns) / 1e9;
+}
+
+/// The number of the last row of a table, as `ends` of table meta has it: "step 1200 34, event 3 78"; 0:
+/// unknown.
+std::int64_t EndOf(const std::string& table, const std::string& ends) {
+  const std::size_t at = (", " + ends).find(", " + table + " ");
+  return at == std::string::npos ? 0 : std::strtoll(ends.c_str() + at + table.size(), nullptr, 10);
 }
 
 /// Where a thing stands in the rows of one scene of a recording.
@@ -52,10 +60,51 @@ struct Run::Impl {
                      [&](const RunRow& row) { info[row.text(0)] = row.text(1); });
     database.ForEach("SELECT name FROM robot GROUP BY name ORDER BY min(scene), place",
                      [&](const RunRow& row) { names.push_back(row.text(0)); });
+    CheckScenes();
+  }
+
+  /// A damaged page may hide rows.
+  void CheckScenes() const {
+    database.ForEach(
+        "SELECT s.id, (SELECT count(DISTINCT robot) FROM body WHERE scene = s.id), (SELECT count(*) FROM "
+        "robot "
+        "WHERE scene = s.id), (SELECT count(*) FROM body WHERE scene = s.id), (SELECT length(poses) FROM "
+        "step "
+        "WHERE step = s.first_step) FROM scene AS s",
+        [&](const RunRow& row) {
+          const std::int64_t bytes = 1 + static_cast<std::int64_t>(kPoseBytes) * row.count(3);
+          if (row.count(1) > row.count(2) || (!row.is_null(4) && row.integer(4) != bytes))
+            RunDatabase::Damaged(file(), "robots or bodies of scene " + row.text(0) + " are missing");
+        });
+  }
+
+  /// What was not lost must be there. Counts once.
+  void CheckSteps() const {
+    if (counted) return;
+    database.ForEach(
+        "SELECT (SELECT min(step) FROM step), (SELECT max(step) FROM step), (SELECT count(*) FROM step), "
+        "(SELECT sum(CASE key WHEN 'lost' THEN value ELSE -value END) FROM meta WHERE key IN ('lost', "
+        "'lost_after')), (SELECT value FROM meta WHERE key = 'ends')",
+        [&](const RunRow& row) {
+          const std::int64_t lost = row.is_null(3) ? 0 : row.integer(3);
+          const bool whole = row.integer(2) >= row.integer(1) - row.integer(0) + 1 - lost;
+          if (!whole || row.integer(1) < EndOf("step", row.text(4)))
+            RunDatabase::Damaged(file(), "steps are missing");
+        });
+    counted = true;
+  }
+
+  void CheckEvents() const {
+    database.ForEach("SELECT count(*), (SELECT value FROM meta WHERE key = 'ends') FROM event",
+                     [&](const RunRow& row) {
+                       if (row.integer(0) < EndOf("event", row.text(1)))
+                         RunDatabase::Damaged(file(), "events are missing");
+                     });
   }
 
   /// A query of the recorded moments.
   void ForEachMoment(const std::string& columns, const std::function<void(const RunRow&)>& use) const {
+    CheckSteps();
     database.ForEach("SELECT " + columns + " FROM step WHERE step <= " + std::to_string(last) +
                          " AND poses IS NOT NULL ORDER BY step",
                      use);
@@ -64,6 +113,7 @@ struct Run::Impl {
   /// Calls `use` at each recorded moment with step, scene, the first byte of `column`, and the slice of it.
   void ForEachSlice(const std::string& column, const std::vector<Slice>& slices,
                     const std::function<void(const RunRow&)>& use) const {
+    CheckSteps();
     std::string values;
     for (const Slice& s : slices) {
       values += (values.empty() ? "(" : ", (") + std::to_string(s.scene) + ", " +
@@ -141,7 +191,8 @@ struct Run::Impl {
   const std::string& file() const { return database.file(); }
 
   RunDatabase database;
-  std::int64_t last = 0;  // step: what comes later was not there when it was opened
+  mutable bool counted = false;  // CheckSteps()
+  std::int64_t last = 0;         // step: what comes later was not there when it was opened
   std::map<std::string, std::string> info;
   std::vector<std::string> names;
 };
@@ -291,6 +342,7 @@ RunRows Run::commands(const std::string& name) const {
   const std::string controller = impl_->UnrecordedController(name);
   bool unknown = !controller.empty();
   std::vector<double> values;
+  impl_->CheckSteps();
   impl_->database.ForEach(
       "SELECT step, time_ns, scene, commands FROM step WHERE step <= " + std::to_string(impl_->last) +
           " AND commands IS NOT NULL ORDER BY step",
@@ -318,6 +370,7 @@ RunRows Run::commands(const std::string& name) const {
 
 std::vector<Event> Run::events() const {
   std::vector<Event> events;
+  impl_->CheckEvents();
   impl_->database.ForEach(
       "SELECT step, time_ns, level, text FROM event WHERE step <= " + std::to_string(impl_->last) +
           " ORDER BY id",

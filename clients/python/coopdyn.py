@@ -2911,7 +2911,14 @@ class Run:
             for key in ("seed", "scenario_seed"):
                 meta[key] = int(meta[key])
             self._names = [name for (name,) in self._db.execute("SELECT name FROM robot GROUP BY name ORDER BY min(scene), place")]
+            for scene, bodies, robots, shown in self._db.execute(
+                "SELECT s.id, (SELECT count(DISTINCT robot) FROM body WHERE scene = s.id), (SELECT count(*) FROM robot WHERE "
+                "scene = s.id), (SELECT length(poses) FROM step WHERE step = s.first_step) FROM scene AS s"):
+                count = self._db.execute("SELECT count(*) FROM body WHERE scene = ?", (scene,)).fetchone()[0]
+                if bodies > robots or shown is not None and shown != 1 + _POSE_BYTES * count:
+                    raise ValueError(f"robots or bodies of scene {scene} are missing")
         self._info: Dict[str, Any] = meta
+        self._whole = False  # its steps were counted
 
     def __repr__(self) -> str:
         return f"<coopdyn run {self.file}: {_list_of(self._names[:_NAMED_ROBOTS])}{' …' if len(self._names) > _NAMED_ROBOTS else ''}>"
@@ -3013,6 +3020,7 @@ class Run:
             raise Error(10, f"{name} is no robot; there are: {_list_of(self._names)}")
         out = array.array("d")
         with self._reading():
+            self._count()
             controller = self._unrecorded_controller(name)
             unknown = bool(controller)
             for step, time_ns, scene, blob in self._db.execute(
@@ -3040,6 +3048,9 @@ class Run:
     def events(self) -> List[Event]:
         """What happened, in order, notes included."""
         with self._reading():
+            count, ends = self._db.execute("SELECT count(*), (SELECT value FROM meta WHERE key = 'ends') FROM event").fetchone()
+            if count < _end_of("event", ends):
+                raise ValueError("events are missing")
             return [Event(int(step), time_ns / 1e9, str(level), str(text)) for step, time_ns, level, text in
                     self._db.execute("SELECT step, time_ns, level, text FROM event WHERE step <= ? ORDER BY id", (self._last,))]
 
@@ -3054,7 +3065,20 @@ class Run:
         except (sqlite3.Error, ValueError, TypeError, KeyError, IndexError, OverflowError, struct.error) as e:
             raise Error(7, f"{self.file} is damaged ({e}); `coopdyn info {self.file}` says what can be read") from None
 
+    def _count(self) -> None:
+        """A damaged page may hide rows: what was not lost must be there."""
+        if self._whole:
+            return
+        first, last, rows, lost, ends = self._db.execute(
+            "SELECT (SELECT min(step) FROM step), (SELECT max(step) FROM step), (SELECT count(*) FROM step), "
+            "(SELECT sum(CASE key WHEN 'lost' THEN value ELSE -value END) FROM meta WHERE key IN ('lost', 'lost_after')), "
+            "(SELECT value FROM meta WHERE key = 'ends')").fetchone()
+        if rows < last - first + 1 - int(lost or 0) or last < _end_of("step", ends):
+            raise ValueError("steps are missing")
+        self._whole = True
+
     def _rows(self, column: str) -> List[Any]:
+        self._count()
         return [value for (value,) in self._db.execute(
             f"SELECT {column} FROM step WHERE step <= ? AND poses IS NOT NULL ORDER BY step", (self._last,))]
 
@@ -3107,6 +3131,7 @@ class Run:
     def _slices(self, column: str, slices: Dict[int, Tuple[int, int]]) -> Iterator[Tuple[Any, ...]]:
         """Of each moment: step, scene, length and first byte of a column, and the bytes of it that `slices` (first, count)
         takes in that scene."""
+        self._count()
         values = ", ".join(f"({scene}, {first + 1}, {count})" for scene, (first, count) in slices.items())
         return self._db.execute(
             f"WITH part(scene, first, count) AS (VALUES {values}) SELECT step, scene, substr({column}, 1, 1), "
@@ -3156,6 +3181,11 @@ class Run:
                 else:  # in another scene it has more
                     out.extend(struct.unpack(f"<{len(raw) // 4}f", raw) + nothing[len(raw) // 4 :])
         return Rows(out, width, 0, (k, width))
+
+
+def _end_of(table: str, ends: Any) -> int:
+    """The number of the last row of a table, as `ends` of table meta has it: "step 1200 34, event 3 78"."""
+    return int(dict(part.split(" ")[:2] for part in str(ends or "").split(", ") if part).get(table, 0))
 
 
 _TURN_SCALE = math.sqrt(2) * (2**19 - 1)  # of the components of a quaternion

@@ -307,6 +307,25 @@ Error ReadAll(const std::string& file) {
   });
 }
 
+TEST(ReadRun, RowsThatADamagedPageHidesAreAnError) {
+  const Folder folder;
+  const auto without = [&](const std::string& sql) {
+    WriteSample(folder / "a.run");
+    const std::string command = "python3 -c 'import sqlite3; db = sqlite3.connect(\"" + (folder / "a.run") +
+                                "\", isolation_level=None); db.executescript(\"" + sql + "\")'";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    const Error error = ReadAll(folder / "a.run");
+    std::filesystem::remove(folder / "a.run");
+    EXPECT_EQ(error.code(), 7) << sql;
+    return error;
+  };
+  EXPECT_TRUE(Says(without("DELETE FROM step WHERE step = 1"), "steps are missing"));
+  const std::string ends =
+      "INSERT INTO meta SELECT char(101, 110, 100, 115), char(115, 116, 101, 112, 32, 51, 32, 49);";
+  EXPECT_TRUE(Says(without(ends + "DELETE FROM step WHERE step = 3"), "steps are missing")) << "step 3 1";
+  EXPECT_TRUE(Says(without("DELETE FROM robot WHERE place = 0"), "")) << "its bodies name it";
+}
+
 TEST(ReadRun, ForeignDamagedAndMissingFilesAreErrorsThatSaySo) {
   const Folder folder;
   EXPECT_EQ(ErrorOf([&] { read_run(folder / "none.run"); }).code(), 10);

@@ -375,6 +375,42 @@ class ForeignAndDamaged(ReadRunTestCase):
                 wrong += 1
         self.assertGreater(wrong, 30)
 
+    def test_a_damaged_page_never_hides_rows(self):
+        self.write_two(steps=60)
+        db = sqlite3.connect(self.path, isolation_level=None)
+        db.execute("DELETE FROM event")
+        db.executemany("INSERT INTO event VALUES (?, ?, ?, 'note', ?)", ((k, k, k * 10**7, "n" * 40) for k in range(1, 60)))
+        last = db.execute("SELECT max(step) FROM step").fetchone()[0]
+        db.execute("INSERT INTO meta VALUES ('ends', ?)", (f"step {last} 1, event 59 2",))
+        db.execute("PRAGMA page_size = 1024")
+        db.execute("VACUUM")
+        db.close()
+        whole = pathlib.Path(self.path).read_bytes()
+        counts = self.counts(coopdyn.read_run(self.path))
+        wrong = 0
+        for at in range(0, len(whole), 1024):
+            for how in ("zero", "flip", "fewer cells", "one cell less"):
+                page = bytearray(whole)
+                if how == "zero":
+                    page[at : at + 1024] = bytes(1024)
+                elif how == "flip":
+                    page[at : at + 1024] = bytes(b ^ 255 for b in page[at : at + 1024])
+                else:
+                    page[at + 4] = page[at + 4] // 2 if how == "fewer cells" else max(0, page[at + 4] - 1)
+                pathlib.Path(self.path).write_bytes(bytes(page))
+                try:
+                    found = self.counts(coopdyn.read_run(self.path))
+                except coopdyn.Error as e:
+                    self.assertIn(self.path, e.text)
+                    wrong += 1
+                    continue
+                self.assertEqual(found, counts, (at // 1024 + 1, how))
+        self.assertGreater(wrong, 100)
+
+    @staticmethod
+    def counts(run):
+        return [len(rows) for rows in (run.steps, run.events, run.names, run.pose(run.names[0]), run.commands(run.names[0]))]
+
     @staticmethod
     def read_all(run):
         for name in run.names:
