@@ -69,6 +69,7 @@ class Daemon final : private ControlActions {
   void CloseClient(const std::string& robot, ClientId client, const std::string& reason) override;
   void Quit() override;
   std::string recording() const override { return recordings_.recording(); }
+  std::uint64_t recording_lost() const override { return recordings_.status().file.lost; }
   std::string http() const override;
 
   // daemon_world.cc: an error text, empty if the world stands.

@@ -14,6 +14,7 @@
 #include "server/app/print.h"
 #include "server/base/printable.h"
 #include "server/record/run_reader_open.h"
+#include "server/replay/verify_chain.h"
 
 namespace coopdyn {
 
@@ -64,6 +65,22 @@ std::string What(const RunHeader& header) {
   return what;
 }
 
+/// "diffuse (hash 0123456789abcdef)".
+std::string Plugins(const RunHeader& header) {
+  std::string text;
+  for (const PluginHash& one : header.controllers) {
+    text += fmt::format("{}{} (hash {})", text.empty() ? "" : ", ", Printable(one.name), Printable(one.hash));
+  }
+  return text;
+}
+
+std::string LostText(const RunExtent& extent) {
+  std::string text = extent.lost == 0 ? "no steps" : Count(extent.lost, "step");
+  if (extent.lost_after > 0)
+    text += fmt::format(", and {} after the last one", Count(extent.lost_after, "step"));
+  return text;
+}
+
 std::string LogText(const RunInfo& info) {
   const std::string why = info.log_reason.empty() ? "" : " (" + info.log_reason + ")";
   return info.log + " is not part of the file yet" + why + ": copy both";
@@ -104,6 +121,9 @@ std::optional<RunInfo> ReadRunInfo(const std::string& file, bool count_commands,
     const bool counts = count_commands || contents->bytes <= kCountCommandsBytes;
     if (counts) info.commands = reader->CountCommands();
     if (!counts || info.commands) info.events = reader->Events();
+    if (counts && reader->error().empty()) {
+      info.damage = WhyDamaged(*reader, info.extent.first, info.extent.last);
+    }
   }
   if (reader->error().empty()) return info;
   error = reader->error();
@@ -132,13 +152,15 @@ std::string ToText(const RunInfo& info, bool all_events) {
   const std::string commands =
       info.commands ? Count(*info.commands, "command") : "commands not counted (--count-commands)";
   AddLine(text, "inputs", fmt::format("{}, {}", commands, Count(info.contents.inputs, "other input")));
-  AddLine(text, "lost", extent.lost == 0 ? "no steps" : Count(extent.lost, "step"));
+  AddLine(text, "lost", LostText(extent));
   if (extent.missing > 0) {
     AddLine(text, "missing", Count(extent.missing, "step") + " at the end: the file is damaged");
   }
+  AddLine(text, "damaged", Printable(info.damage));
   AddLine(text, "made by",
           fmt::format("coopdyn {} (build {}), {}{}", header.version, header.build, header.started,
                       header.cpu.empty() ? "" : ", on " + header.cpu));
+  AddLine(text, "plug-ins", Plugins(header));
   AddLine(text, "command", header.command);
   AddLine(text, "last hash", HashText(info.contents.last_hash));
   const std::size_t notes = Notes(info);
@@ -177,7 +199,9 @@ std::string ToJson(const RunInfo& info) {
   object["last_step"] = info.extent.last;
   object["steps"] = info.extent.steps;
   object["lost"] = info.extent.lost;
+  object["lost_after"] = info.extent.lost_after;
   object["missing"] = info.extent.missing;
+  object["damaged"] = info.damage.empty() ? json::value(nullptr) : json::value(info.damage);
   object["scenario"] = header.scenario_name;
   object["seed"] = std::to_string(header.seed);
   object["mode"] = ToString(header.mode);
@@ -193,6 +217,9 @@ std::string ToJson(const RunInfo& info) {
   object["version"] = header.version;
   object["build"] = header.build;
   object["cpu"] = header.cpu;
+  json::object controllers;
+  for (const PluginHash& one : header.controllers) controllers[one.name] = one.hash;
+  object["controllers"] = std::move(controllers);
   object["started"] = header.started;
   object["command"] = header.command;
   object["last_hash"] = HashText(info.contents.last_hash);
@@ -217,6 +244,7 @@ int Info(const InfoOptions& options, std::ostream& out, std::ostream& errors) {
     } else {
       out << ToText(*info, options.events);
     }
+    failed |= !info->damage.empty() || info->extent.missing > 0;
     first = false;
   }
   if (options.json) out << "]\n";
@@ -230,8 +258,9 @@ void AddInfo(CLI::App& app, std::function<int()>& chosen) {
   sub->add_option("run", given->files, "Recordings")->required();
   sub->add_flag("--events", given->events, "List all events, not the notes alone");
   sub->add_flag("--json", given->json, "One JSON array, an object per recording, with all events");
-  sub->add_flag("--count-commands", given->count_commands,
-                "Count the commands also in a file of more than 256 MiB, which takes a while");
+  sub->add_flag(
+      "--count-commands", given->count_commands,
+      "Count the commands and look for damage also in a file of more than 256 MiB, which takes a while");
   sub->callback([&chosen, given] {
     chosen = [given] {
       std::ostringstream out, errors;

@@ -39,6 +39,7 @@ struct RunInfo {
   std::optional<std::uint64_t> commands;  // empty: not counted
   std::vector<Event> events;
   bool mended = false, growing = false;
+  std::string damage;      // what is not as it was written; empty: nothing, or it was not looked for
   std::string log;         // the file beside it without which it is not whole; empty: it is one file
   std::string log_reason;  // why that is not part of it
 };

@@ -61,6 +61,11 @@ std::shared_ptr<Recorder> RecordingDesk::MakeRecorder(const fs::path& file, bool
   options.command = options_.command;
   options.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", Utc(options_.wall_clock()));
   options.on_failure = [this](const std::string& text) { Fail(text); };
+  options.on_stall = [this](const std::string& text) {
+    AddEvent("error", text);
+    if (options_.on_failure) options_.on_failure();
+  };
+  options.on_room = [this](const std::string& text) { AddEvent("info", text); };
   return std::make_shared<Recorder>(std::move(options), clock_, logger_);
 }
 
@@ -233,10 +238,14 @@ void RecordingDesk::Note(const std::string& text, Done done) {
                }});
 }
 
+void RecordingDesk::AddEvent(const char* level, const std::string& text) {
+  const FramePtr frame = frames_.Latest();
+  run_.AddEvent({frame == nullptr ? 0 : frame->step, frame == nullptr ? 0 : frame->time_s(), level, text});
+}
+
 void RecordingDesk::Fail(const std::string& text) {
   failed_ = true;
-  const FramePtr frame = frames_.Latest();
-  run_.AddEvent({frame == nullptr ? 0 : frame->step, frame == nullptr ? 0 : frame->time_s(), "error", text});
+  AddEvent("error", text);
   {
     const MutexLock lock(mutex_);
     broken_ = true;

@@ -32,7 +32,8 @@ struct RecordingOptions {
   std::string version, command;        // for the file: of the program, its command line
   /// Seconds since 1970, for default names and for what the file says of its start.
   std::function<std::time_t()> wall_clock = [] { return std::time(nullptr); };
-  /// Called, on any thread, after a recording has failed: `--on-record-failure stop` ends the daemon here.
+  /// Called, on any thread, after a recording has failed, or finds no room: `--on-record-failure stop` ends
+  /// the daemon here.
   std::function<void()> on_failure;
 };
 
@@ -99,6 +100,7 @@ class RecordingDesk {
   /// Takes the journal away from the stepping thread, then closes it on the desk's.
   void PutAway(std::shared_ptr<Recorder> recorder, Done done);
   void Fail(const std::string& text) EXCLUDES(mutex_);
+  void AddEvent(const char* level, const std::string& text);
 
   const RecordingOptions options_;
   EditQueue& edits_;

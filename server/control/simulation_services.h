@@ -32,6 +32,8 @@ class ControlActions {
   virtual void Quit() = 0;
   /// The name of the file that is being recorded, and the page's URL; empty: none.
   virtual std::string recording() const = 0;
+  /// Steps that the recording had to leave out so far.
+  virtual std::uint64_t recording_lost() const { return 0; }
   virtual std::string http() const = 0;
 };
 

@@ -46,6 +46,7 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
   status.hash = HashText(StateHash(frame));
   status.events = services_.run.events();
   status.recording = services_.actions.recording();
+  status.recording_lost = services_.actions.recording_lost();
   status.http = services_.actions.http();
   status.awaiting = services_.board.Awaiting(services_.clock.Now(), kMaxAwaited, &status.awaiting_count);
   status.playback = services_.run.playback();

@@ -116,6 +116,7 @@ std::string StatusJson(const StatusInput& status) {
       {"awaiting_count", status.awaiting_count},
       {"frozen", std::move(frozen)},
       {"recording", Text(status.recording)},
+      {"recording_lost", status.recording_lost},
       {"playback", Playback(status.playback)},
       {"http", Text(status.http)},
       {"events", Events(status.events)},

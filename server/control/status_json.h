@@ -48,6 +48,7 @@ struct StatusInput {
   std::vector<Awaited> awaiting;  // the first 20
   std::size_t awaiting_count = 0;
   std::string recording;  // file; empty: null
+  std::uint64_t recording_lost = 0;
   std::optional<PlaybackStatus> playback;
   std::string http;  // URL of the page; empty: null
   std::vector<Event> events;

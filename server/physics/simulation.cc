@@ -78,7 +78,7 @@ void Simulation::Restart(std::uint64_t seed, std::uint64_t epoch) {
   StartControllers();
 }
 
-void Simulation::Restore(const SavedState& state, std::uint64_t epoch) {
+std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch) {
   const Frame& from = *state.frame;
   seed_ = from.seed;
   epoch_ = epoch;
@@ -90,12 +90,26 @@ void Simulation::Restore(const SavedState& state, std::uint64_t epoch) {
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->robots = from.robots;
   frame_ = frame;
-  if (helpers_.controllers == nullptr) return;
-  if (state.controllers.empty()) {
-    helpers_.controllers->Configure(frame_);
+  return helpers_.controllers == nullptr ? "" : RestoreControllers(state.controllers);
+}
+
+std::string Simulation::RestoreControllers(std::span<const std::byte> saved) {
+  ControllerDriver& controllers = *helpers_.controllers;
+  bool fits = true;
+  if (saved.empty()) {
+    controllers.Configure(frame_);
   } else {
-    helpers_.controllers->Restore(frame_, state.controllers);
+    fits = controllers.Restore(frame_, saved);
   }
+  if (!has_controllers_) return {};
+  // Nothing has run yet: what they save is what they were given, unless it did not fit. One that saves
+  // nothing stands in for them.
+  const std::vector<std::byte> now = controllers.Save();
+  if (fits && (now.empty() || std::ranges::equal(now, saved))) return {};
+  if (saved.empty()) return "the states of its controllers were not saved";
+  const std::vector<StoppedController> stopped = controllers.TakeStopped();
+  if (!fits || stopped.empty()) return "the controllers that are found do not take the state that was saved";
+  return stopped.front().why + " (" + stopped.front().robot + ")";
 }
 
 SavedState Simulation::Save() const {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "server/base/clock.h"
@@ -55,9 +56,9 @@ class Simulation {
   /// Back to the start, with this seed of noise and solver: the same bits as a fresh Build(). Controllers as
   /// after StartControllers().
   void Restart(std::uint64_t seed, std::uint64_t epoch);
-  /// Goes on from `state`, whose frame has this scene, bit for bit; controllers included, which start afresh
-  /// if `state` has none of theirs.
-  void Restore(const SavedState& state, std::uint64_t epoch);
+  /// Goes on from `state`, whose frame has this scene, bit for bit; controllers included. Else why those
+  /// cannot: nothing is to be stepped then before another Restore() or Restart(). Empty: all went well.
+  [[nodiscard]] std::string Restore(const SavedState& state, std::uint64_t epoch);
   /// What Restore() takes; `mode` and `paused` are the caller's to fill in.
   SavedState Save() const;
 
@@ -71,6 +72,7 @@ class Simulation {
   Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<PhysicsWorld> world, std::uint64_t seed,
              std::uint64_t epoch, const StepHelpers& helpers, const Clock& clock);
   std::shared_ptr<Frame> MakeFrame();
+  std::string RestoreControllers(std::span<const std::byte> saved);
   /// Broadcasts that nobody can hear any more are dropped, those of the coming step added.
   void TakeMessages(std::span<const SentMessage> sent);
 

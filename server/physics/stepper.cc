@@ -48,7 +48,11 @@ bool Stepper::Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagn
 bool Stepper::StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) {
   baton_.Take();
   auto simulation = BuildSimulation(state->frame->scene, state->frame->seed, diagnostics);
-  const bool built = simulation != nullptr;
+  bool built = simulation != nullptr;
+  if (const std::string why = built ? simulation->Restore(*state, NextEpoch()) : ""; !why.empty()) {
+    diagnostics.Error({state->frame->scene->scenario->file, 0}, "the run cannot go on from there: " + why);
+    built = false;
+  }
   if (built) {
     simulation_ = std::move(simulation);
     paused_ = options_.paused || state->paused;

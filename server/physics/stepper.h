@@ -126,7 +126,10 @@ class Stepper {
   void Install(StepEnd end, const SavedState* state = nullptr) REQUIRES(baton_);
   /// Who drives, and with what, as in `state`.
   void TakeDrives(const SavedState& state, Nanoseconds now) REQUIRES(baton_);
-  /// Puts `state`, whose scene is that of the simulation, in force.
+  /// The answer to a Restore() that has failed for `why`, after which the run goes on from `present`, as it
+  /// was.
+  EditResult RefuseRestore(const std::string& why, const SavedState& present) REQUIRES(baton_);
+  /// Puts `state`, to which the simulation has been restored, in force.
   void InstallState(const SavedState& state, StepEnd end) REQUIRES(baton_);
   SavedStatePtr SaveState() const REQUIRES(baton_);
   static Nanoseconds LengthOf(const SavedState& state) {

@@ -138,7 +138,11 @@ EditResult Stepper::Apply(const edit::Load& load) {
 EditResult Stepper::Apply(const edit::Restore& restore) {
   const SavedState& state = *restore.state;
   const bool live = simulation_ != nullptr;
+  const SavedState present = live ? simulation_->Save() : SavedState();
   if (live && &simulation_->scene() == state.frame->scene.get()) {
+    if (const std::string why = simulation_->Restore(state, NextEpoch()); !why.empty()) {
+      return RefuseRestore(why, present);
+    }
     step_length_ = LengthOf(state);
     InstallState(state, StepEnd::kReset);
     return {};
@@ -146,6 +150,9 @@ EditResult Stepper::Apply(const edit::Restore& restore) {
   Diagnostics diagnostics;
   auto simulation = BuildSimulation(state.frame->scene, state.frame->seed, diagnostics);
   if (simulation == nullptr) return Refusal(Error::kMalformed, diagnostics.ToString());
+  if (const std::string why = simulation->Restore(state, NextEpoch()); !why.empty()) {
+    return RefuseRestore(why, present);
+  }
   simulation_ = std::move(simulation);
   TakeOptions(state.frame->scene->scenario->simulation);
   step_length_ = LengthOf(state);
@@ -233,8 +240,18 @@ void Stepper::TakeDrives(const SavedState& state, Nanoseconds now) {
   boards_.commands.SetInForce(setpoints);
 }
 
+EditResult Stepper::RefuseRestore(const std::string& why, const SavedState& present) {
+  std::string text = "this state cannot be restored: " + why;
+  if (simulation_ != nullptr) {
+    const std::string lost = simulation_->Restore(present, boards_.frames.Latest()->epoch);
+    if (!lost.empty())
+      text += "; and the present controllers are lost: " + lost + ": reset or load a scenario";
+    if (lost.empty()) helpers_.controllers->TakeStopped();  // it is no news
+  }
+  return Refusal(Error::kNotPossible, text);
+}
+
 void Stepper::InstallState(const SavedState& state, StepEnd end) {
-  simulation_->Restore(state, NextEpoch());
   if (duration_ && frame().time >= *duration_) duration_.reset();
   Install(end, &state);
 }

@@ -53,6 +53,9 @@ std::string PlayerCore::Start(Nanoseconds now) {
   const bool from_end = speed_ < 0 && options_.start == 0;
   const auto step = reader_->StepAt(from_end ? extent_.end : options_.start, true);
   if (!step || !Show(*step, Jump::kYes)) return reader_->error();
+  if (extent_.missing > 0) {
+    AddEvent("error", std::to_string(extent_.missing) + " steps are missing at its end: the file is damaged");
+  }
   Resume(now);
   return {};
 }
@@ -88,7 +91,11 @@ void PlayerCore::Stop() {
 }
 
 Nanoseconds PlayerCore::ShowDue() {
-  if (!playing_) return steps_left() > 0 ? GoByStep() : kNever;
+  if (!playing_ && steps_left() == 0) {
+    Look(false);
+    return reader_->growing() ? looked_at_ + kLookEvery : kNever;
+  }
+  if (!playing_) return GoByStep();
   return speed_ > 0 ? GoForward() : GoBack();
 }
 

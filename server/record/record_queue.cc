@@ -11,6 +11,7 @@ namespace {
 // So long the recorder looks away while steps come: one wake-up for many of them costs the run less than one
 // for each.
 constexpr std::chrono::milliseconds kNap{5};
+constexpr std::chrono::milliseconds kStalledNap{20};
 // Inputs and events are small and never left out, unless there are so many.
 constexpr std::size_t kMostForSmall = 2;
 
@@ -34,7 +35,7 @@ bool RecordQueue::PushSmall(QueuedItem item) {
 }
 
 void RecordQueue::WaitForRoom(std::size_t bytes) {
-  while (!HasRoom(bytes) && !refuses()) {
+  while (!HasRoom(bytes) && waits()) {
     work_.NotifyOne();
     room_.Wait(mutex_);
   }
@@ -45,22 +46,35 @@ void RecordQueue::PushBegin(QueuedBegin begin) {
   const std::size_t bytes = BytesOf(*state.frame) + state.controllers.size();
   const MutexLock lock(mutex_);
   if (state.mode != Mode::kRealtime) {
-    while (begins_ > 0 && !refuses()) {
+    while (begins_ > 0 && waits()) {
       work_.NotifyOne();
       room_.Wait(mutex_);
     }
     WaitForRoom(bytes);
   }
   if (refuses()) return;
+  std::uint64_t lost = std::exchange(lost_since_, 0);
+  if (stalled_ && begins_ > 0) {
+    // A file of which nothing can be written is left out: what was lost before it belongs to the one that is
+    // open.
+    for (const QueuedItem& item : items_) {
+      if (!std::holds_alternative<QueuedBegin>(item.what)) continue;
+      lost = item.lost_before;
+      break;
+    }
+    items_.clear();
+    bytes_ = 0;
+    begins_ = 0;
+  }
   ++begins_;
   keyframe_ = state.frame->step;
   needs_keyframe_ = false;
-  Push({std::move(begin), std::exchange(lost_since_, 0), bytes});
+  Push({std::move(begin), lost, bytes});
 }
 
 bool RecordQueue::WantsKeyframe(std::uint64_t step, std::uint64_t every) {
   const MutexLock lock(mutex_);
-  if (refuses() || !keyframe_) return false;
+  if (refuses() || stalled_ || !keyframe_) return false;
   // Not before there is room again for a while: to make one costs time, and the next step would be lost.
   if (needs_keyframe_) return HasRoom(max_bytes_ / 2);
   return step - *keyframe_ >= every;
@@ -72,12 +86,7 @@ void RecordQueue::PushStep(QueuedStep step) {
   const bool is_wanted = step.keyframe || !needs_keyframe_;
   if (step.mode != Mode::kRealtime) WaitForRoom(is_wanted ? bytes : max_bytes_ / 2);
   if (refuses() || !keyframe_) return;
-  if (!is_wanted || !HasRoom(bytes)) {
-    ++lost_;
-    ++lost_since_;
-    needs_keyframe_ = true;
-    return;
-  }
+  if (stalled_ || !is_wanted || !HasRoom(bytes)) return LeaveOut();
   if (step.keyframe) {
     keyframe_ = step.frame->step;
     needs_keyframe_ = false;
@@ -85,11 +94,17 @@ void RecordQueue::PushStep(QueuedStep step) {
   Push({std::move(step), std::exchange(lost_since_, 0), bytes});
 }
 
+void RecordQueue::LeaveOut() {
+  ++lost_;
+  ++lost_since_;
+  needs_keyframe_ = true;
+}
+
 void RecordQueue::PushInput(RunInput input) {
   const std::size_t bytes = sizeof(QueuedItem) + input.action.size() + input.detail.size();
   const MutexLock lock(mutex_);
   if (refuses() || !keyframe_) return;
-  if (!PushSmall({std::move(input), 0, bytes})) needs_keyframe_ = true;
+  if (stalled_ || !PushSmall({std::move(input), 0, bytes})) needs_keyframe_ = true;
 }
 
 void RecordQueue::PushEvent(Event event) {
@@ -120,6 +135,38 @@ std::optional<QueuedItem> RecordQueue::Pop(bool may_sleep) {
 bool RecordQueue::ended() const {
   const MutexLock lock(mutex_);
   return closed_ && items_.empty();
+}
+
+void RecordQueue::Stall(std::uint64_t lost) {
+  std::deque<QueuedItem> waiting;  // freed without the lock
+  const MutexLock lock(mutex_);
+  stalled_ = needs_keyframe_ = true;
+  lost_ += lost;
+  waiting.swap(items_);
+  bytes_ = 0;
+  std::uint64_t since = 0;
+  for (QueuedItem& item : waiting) {
+    since += std::exchange(item.lost_before, 0);
+    const bool is_step = std::holds_alternative<QueuedStep>(item.what);
+    if (is_step) ++since, ++lost_;
+    if (is_step || std::holds_alternative<RunInput>(item.what)) continue;
+    if (std::holds_alternative<QueuedBegin>(item.what)) item.lost_before = std::exchange(since, 0);
+    bytes_ += item.bytes;
+    items_.push_back(std::move(item));
+  }
+  lost_since_ += since;
+  room_.NotifyAll();
+}
+
+void RecordQueue::GoOn() {
+  const MutexLock lock(mutex_);
+  stalled_ = false;
+}
+
+bool RecordQueue::WaitStalled() {
+  const MutexLock lock(mutex_);
+  if (!closed_) work_.WaitUntil(mutex_, std::chrono::steady_clock::now() + kStalledNap);
+  return closed_;
 }
 
 void RecordQueue::Close() {

@@ -25,6 +25,7 @@ struct QueuedStep {
 struct QueuedBegin {
   SavedStatePtr state;
   int number = 1;              // of the file
+  int order = 1;               // of all that were begun
   bool drops_present = false;  // the file before, as nothing stands in it
 };
 
@@ -55,6 +56,12 @@ class RecordQueue {
   std::optional<QueuedItem> Pop(bool may_sleep) EXCLUDES(mutex_);
   /// Closed, and all was taken.
   bool ended() const EXCLUDES(mutex_);
+  /// Nothing can be written for now: until GoOn() steps and inputs are left out, those that wait first, and
+  /// nobody waits for room. `lost`: steps that were taken already and are left out as well.
+  void Stall(std::uint64_t lost) EXCLUDES(mutex_);
+  void GoOn() EXCLUDES(mutex_);
+  /// Waits a short while. True: Close() was called.
+  bool WaitStalled() EXCLUDES(mutex_);
 
   // --- any thread
   /// No more is taken; what waits stays. Nobody waits for room any more.
@@ -68,6 +75,7 @@ class RecordQueue {
 
  private:
   bool refuses() const REQUIRES(mutex_) { return closed_ || failed_; }
+  bool waits() const REQUIRES(mutex_) { return !refuses() && !stalled_; }
   bool HasRoom(std::size_t bytes) const REQUIRES(mutex_) {
     return items_.empty() || bytes_ + bytes <= max_bytes_;
   }
@@ -75,6 +83,7 @@ class RecordQueue {
   /// Input or event; false if there is no room.
   bool PushSmall(QueuedItem item) REQUIRES(mutex_);
   void WaitForRoom(std::size_t bytes) REQUIRES(mutex_);
+  void LeaveOut() REQUIRES(mutex_);
 
   const std::size_t max_bytes_;
   mutable Mutex mutex_;
@@ -83,6 +92,7 @@ class RecordQueue {
   std::size_t bytes_ GUARDED_BY(mutex_) = 0;
   int begins_ GUARDED_BY(mutex_) = 0;  // among items_
   bool closed_ GUARDED_BY(mutex_) = false, failed_ GUARDED_BY(mutex_) = false;
+  bool stalled_ GUARDED_BY(mutex_) = false;
   bool sleeping_ GUARDED_BY(mutex_) = false;        // the recorder, until it is told
   bool needs_keyframe_ GUARDED_BY(mutex_) = false;  // something was left out
   std::uint64_t lost_ GUARDED_BY(mutex_) = 0, lost_since_ GUARDED_BY(mutex_) = 0;

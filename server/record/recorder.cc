@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <csignal>
 #include <ctime>
+#include <filesystem>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -32,6 +34,15 @@ std::string NumberedName(const std::string& file, int number) {
 bool Exists(const std::string& file) {
   struct stat found {};
   return ::lstat(file.c_str(), &found) == 0;
+}
+
+/// Each attempt to go on after one that failed comes twice as late as that, at most so late.
+constexpr Nanoseconds kMostRetry = 32 * kNanosecondsPerSecond;
+
+std::uint64_t FreeBytes(const std::string& file) {
+  std::error_code failed;
+  const auto disk = std::filesystem::space(std::filesystem::absolute(file).parent_path(), failed);
+  return failed ? std::numeric_limits<std::uint64_t>::max() : disk.available;
 }
 
 double ThreadCpu_s() {
@@ -66,7 +77,7 @@ class Recorder::Impl {
     const MutexLock lock(mutex_);
     RecorderStatus status = status_;
     status.lost = lost;
-    if (coming_.files == 0 || !status.failure.empty()) return status;
+    if (coming_.order == made_ || !status.failure.empty()) return status;
     status.file = coming_.file;
     status.steps = status.bytes = 0;
     status.begin = status.end = coming_.begin;
@@ -84,9 +95,9 @@ class Recorder::Impl {
     has_content_ = false;
     {
       const MutexLock lock(mutex_);
-      coming_ = {coming_.files + 1, NumberedName(options_.file, number_), state->frame->time};
+      coming_ = {++begun_, NumberedName(options_.file, number_), state->frame->time};
     }
-    queue_.PushBegin({state, number_, drops_present});
+    queue_.PushBegin({state, number_, begun_, drops_present});
   }
   void Step(QueuedStep step) {
     has_content_ = true;
@@ -98,9 +109,9 @@ class Recorder::Impl {
   }
 
  private:
-  /// Files that were begun and are not yet made, and the last of them.
+  /// The file that was begun last.
   struct Coming {
-    int files = 0;
+    int order = 0;
     std::string file;
     Nanoseconds begin = 0;
   };
@@ -112,49 +123,65 @@ class Recorder::Impl {
   // --- all below: the recorder's thread
   void Run() {
     while (!queue_.ended()) {
+      if (!stall_.empty()) {
+        if (queue_.WaitStalled()) break;
+        if (clock_.Now() >= retry_at_) TryToGoOn();
+        continue;
+      }
       const bool is_dirty = writer_ != nullptr && writer_->dirty();
       std::optional<QueuedItem> item = queue_.Pop(!is_dirty);
       if (item && !failed_) Write(*item);
       item.reset();
-      if (!failed_) CommitIfDue();
+      if (writes()) CommitIfDue();
     }
-    if (writer_ != nullptr && !failed_) NoteLost(queue_.TakeLostAtEnd(), last_);
-    CloseFile();
+    if (writer_ != nullptr && writes()) NoteLostAfter(queue_.TakeLostAtEnd());
+    if (writes()) CloseFile();
+    if (!stall_.empty()) Fail(stall_);
     ReportCpu();
   }
 
+  bool writes() const { return !failed_ && stall_.empty(); }
+
   void Write(QueuedItem& item) {
-    if (const auto* begin = std::get_if<QueuedBegin>(&item.what)) {
-      if (writer_ != nullptr) NoteLost(item.lost_before, last_);
-      EndFile(*begin);
-      if (!failed_) OpenFile(*begin);
+    if (auto* begin = std::get_if<QueuedBegin>(&item.what)) {
+      owed_ += item.lost_before;
+      begin_ = std::move(*begin);
+      BeginFile();
     } else if (writer_ == nullptr) {
       return;
     } else if (auto* step = std::get_if<QueuedStep>(&item.what)) {
       WriteStep(*step, item.lost_before);
     } else if (const auto* input = std::get_if<RunInput>(&item.what)) {
       Check(writer_->AddInput(*input));
-    } else if (const auto* event = std::get_if<Event>(&item.what)) {
-      Check(writer_->AddEvent(*event));
+    } else if (auto* event = std::get_if<Event>(&item.what)) {
+      events_.push_back(std::move(*event));
+      Check(writer_->AddEvent(events_.back()));
     }
   }
 
   void WriteStep(QueuedStep& step, std::uint64_t lost_before) {
     const Frame& frame = *step.frame;
     last_ = {frame.step, frame.time_s()};
-    NoteLost(lost_before, last_);
-    if (failed_ || !Check(writer_->AddStep(frame))) return;
+    ++taken_;
+    NoteLost(lost_before);
+    if (!writes() || !Check(writer_->AddStep(frame))) return;
     if (step.keyframe) {
       SavedState state;
       state.frame = step.frame;
       state.controllers = std::move(step.controllers);
       state.mode = step.mode;
-      Check(writer_->AddKeyframe(state));
+      if (!Check(writer_->AddKeyframe(state))) return;
     }
-    if (failed_) return;
     const MutexLock lock(mutex_);
     status_.steps = writer_->steps();
     status_.end = writer_->end();
+  }
+
+  /// Ends the present file, and makes that of `begin_`.
+  void BeginFile() {
+    EndFile(*begin_);
+    if (writes()) OpenFile(*begin_);
+    if (writes()) begin_.reset();
   }
 
   /// After a reset, load or restore: ends the present file, which says where the run goes on. One without
@@ -162,28 +189,35 @@ class Recorder::Impl {
   void EndFile(const QueuedBegin& begin) {
     if (writer_ == nullptr || failed_) return CloseFile();
     const std::string file = writer_->file();
-    if (!begin.drops_present) {
+    const bool drops = begin.drops_present && begin.order == made_order_ + 1;
+    if (!drops) {
+      NoteLostAfter(0);
       const std::string next = NumberedName(options_.file, begin.number);
-      Check(writer_->AddEvent({last_.step, last_.time_s, "info", "the run begins anew in " + next}));
+      if (!writes() ||
+          !Check(writer_->AddEvent({last_.step, last_.time_s, "info", "the run begins anew in " + next}))) {
+        return;
+      }
     }
     CloseFile();
-    if (begin.drops_present && !failed_) RemoveRunFile(file);
+    if (drops && writes()) RemoveRunFile(file);
   }
 
   void OpenFile(const QueuedBegin& begin) {
     const SavedState& state = *begin.state;
     std::string error;
     writer_ = MakeFile(state, begin.number, error);
-    if (writer_ == nullptr) return Fail(error);
+    if (writer_ == nullptr) return HasRoom() ? Fail(error) : Stall(error);
     // So that it can be read from now on, whatever happens.
     if (!Check(writer_->Commit())) return;
     has_made_ = true;
-    committed_steps_ = 0;
+    made_order_ = begin.order;
+    committed_steps_ = taken_ = noted_ = owed_ = 0;
+    events_.clear();
     logger_->info("recording to {}", writer_->file());
     last_ = committed_ = {state.frame->step, state.frame->time_s()};
     is_dirty_ = false;
     const MutexLock lock(mutex_);
-    --coming_.files;
+    made_ = begin.order;
     status_.file = writer_->file();
     status_.steps = 0;
     status_.begin = status_.end = writer_->begin();
@@ -238,40 +272,146 @@ class Recorder::Impl {
     committed_steps_ = writer_->steps();
     if (!Check(writer_->Commit())) return;
     committed_ = last_;
+    events_.clear();
     const std::uint64_t bytes = writer_->bytes();
     ReportCpu();
     const MutexLock lock(mutex_);
     status_.bytes = bytes;
   }
 
-  void NoteLost(std::uint64_t steps, const Moment& at) {
-    if (steps == 0) return;
-    const std::string text = (steps == 1 ? "1 step was" : std::to_string(steps) + " steps were") +
-                             " not recorded: the disk did not keep up";
-    logger_->warn("step {}: {}", at.step, text);
-    if (Check(writer_->AddLost(steps))) Check(writer_->AddEvent({at.step, at.time_s, "warning", text}));
+  std::string LostText(std::uint64_t steps) const {
+    return (steps == 1 ? "1 step was" : std::to_string(steps) + " steps were") + " not recorded: " +
+           (was_full_ ? "there was no room for " + std::string(steps == 1 ? "it" : "them")
+                      : "the disk did not keep up");
   }
 
-  /// False, and the recording has ended, if it was not written.
+  /// Those before the step that is being written.
+  void NoteLost(std::uint64_t steps) {
+    steps += std::exchange(owed_, 0);
+    if (steps == 0) return;
+    noted_ += steps;
+    const std::string text = LostText(steps);
+    was_full_ = false;
+    logger_->warn("step {}: {}", last_.step, text);
+    if (Check(writer_->AddLost(steps))) Check(writer_->AddEvent({last_.step, last_.time_s, "warning", text}));
+  }
+
+  /// Those after the last step of the file.
+  void NoteLostAfter(std::uint64_t steps) {
+    steps += std::exchange(owed_, 0);
+    if (steps == 0) return;
+    noted_ += steps;
+    const std::string text = LostText(steps);
+    logger_->warn("after step {}: {}", last_.step, text);
+    if (Check(writer_->AddLostAfter(steps))) {
+      Check(writer_->AddEvent({last_.step, last_.time_s, "warning", text}));
+    }
+  }
+
+  /// False if it was not written: the recording stalls, or has ended.
   bool Check(bool written) {
     if (written) return true;
-    const std::string until = fmt::format("{:.2f} s, step {}", committed_.time_s, committed_.step);
-    Fail(writer_->error() + "; " + writer_->file() + " holds the run up to " + until);
+    if (writer_->full()) {
+      Stall(writer_->error());
+    } else {
+      Fail(writer_->error());
+    }
     return false;
+  }
+
+  bool HasRoom() const {
+    const auto& free = options_.free_bytes;
+    return (free ? free(options_.file) : FreeBytes(options_.file)) >= options_.room_bytes;
+  }
+
+  /// The file holds what was committed. What came since is lost with what comes until there is room.
+  void Stall(const std::string& reason) {
+    const Nanoseconds now = clock_.Now();
+    const bool soon = retry_after_ > 0 && now - went_on_at_ < kMostRetry;
+    retry_after_ = soon ? std::min(2 * retry_after_, kMostRetry) : options_.retry_every;
+    retry_at_ = now + retry_after_;
+    stall_ = reason;
+    was_full_ = true;
+    is_dirty_ = false;
+    std::uint64_t lost = 0;
+    if (writer_ != nullptr) {
+      lost = taken_ - writer_->steps();
+      owed_ += lost + noted_ - writer_->lost();
+      taken_ = writer_->steps();
+      noted_ = writer_->lost();
+      committed_steps_ = writer_->steps();
+      last_ = committed_;
+    }
+    queue_.Stall(lost);
+    const std::string text =
+        "nothing is recorded for now: " + reason + "; it goes on by itself when there is room";
+    logger_->error("{}", text);
+    {
+      const MutexLock lock(mutex_);
+      status_.stall = text;
+      if (writer_ != nullptr) {
+        status_.steps = writer_->steps();
+        status_.end = writer_->end();
+      }
+    }
+    if (options_.on_stall) options_.on_stall(text);
+  }
+
+  void TryToGoOn() {
+    retry_at_ = clock_.Now() + retry_after_;
+    if (!HasRoom()) return;
+    if (writer_ != nullptr) {
+      writer_->GoOn();
+      bool written = true;
+      for (const Event& event : events_) written = written && writer_->AddEvent(event);
+      if (!written || !writer_->Commit()) {
+        retry_after_ = std::min(2 * retry_after_, kMostRetry);
+        return;
+      }
+      events_.clear();
+    }
+    went_on_at_ = clock_.Now();
+    stall_.clear();
+    if (begin_) BeginFile();
+    if (!writes()) return;
+    queue_.GoOn();
+    const std::string text = "there is room again: " + writer_->file() + " is recorded on";
+    logger_->info("{}", text);
+    {
+      const MutexLock lock(mutex_);
+      status_.stall.clear();
+    }
+    if (options_.on_room) options_.on_room(text);
   }
 
   void Fail(const std::string& reason) {
     failed_ = true;
     queue_.Fail();
-    const std::string text = "the recording ends: " + reason;
+    std::string text = "the recording ends: " + reason;
+    if (writer_ != nullptr) {
+      text += fmt::format("; {} holds the run up to {:.2f} s, step {}", writer_->file(), committed_.time_s,
+                          committed_.step);
+    }
     logger_->error("{}", text);
     {
       const MutexLock lock(mutex_);
       status_.failure = text;
+      status_.stall.clear();
     }
     // First: to close a file can take seconds on a disk that is busy, or full.
     if (options_.on_failure) options_.on_failure(text);
-    if (writer_ != nullptr) LetFileGo();
+    if (writer_ == nullptr) return;
+    if (!std::exchange(stall_, "").empty()) {
+      // Room for two rows there may be: then the file says what is missing.
+      std::string ignored;
+      const std::uint64_t lost = owed_ + queue_.TakeLostAtEnd();
+      writer_->GoOn();
+      const bool said =
+          lost == 0 || (writer_->AddLostAfter(lost) &&
+                        writer_->AddEvent({last_.step, last_.time_s, "warning", LostText(lost)}));
+      if (said) writer_->Close(ignored);
+    }
+    LetFileGo();
   }
 
   void ReportCpu() {
@@ -287,9 +427,11 @@ class Recorder::Impl {
   mutable Mutex mutex_;
   RecorderStatus status_ GUARDED_BY(mutex_);
   Coming coming_ GUARDED_BY(mutex_);
+  int made_ GUARDED_BY(mutex_) = 0;  // order of the file of status_
 
   // The holder of the baton only.
   int number_ = 0;            // of the present file
+  int begun_ = 0;             // files
   bool has_content_ = false;  // steps or notes, in the present file
 
   // The recorder's thread only.
@@ -297,10 +439,18 @@ class Recorder::Impl {
   const std::string build_ = BuildId();  // before the run, as it reads the whole program
   std::uint64_t committed_steps_ = 0;
   bool has_made_ = false;  // the first file
+  int made_order_ = 0;     // of the file that was made last
   bool failed_ = false;    // nothing is written any more
   bool is_dirty_ = false;
   Nanoseconds dirty_since_ = 0;  // wall clock
   Moment last_, committed_;
+  std::optional<QueuedBegin> begin_;  // whose file is not made yet
+  std::vector<Event> events_;         // since the last commit
+  // Of the present file: steps that came to be written, steps noted as lost, and lost ones still to be noted.
+  std::uint64_t taken_ = 0, noted_ = 0, owed_ = 0;
+  std::string stall_;      // why nothing can be written for now; empty: it can
+  bool was_full_ = false;  // when steps were lost last
+  Nanoseconds retry_at_ = 0, retry_after_ = 0, went_on_at_ = 0;  // wall clock
 
   std::thread thread_;  // last: it uses the rest
 };

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Writes a run to a file while it goes on: a thread of its own behind a bounded queue. In lockstep and free
 // mode a full queue slows the run; in real time steps are left out, counted and said, and the next one
-// written is a keyframe, so that what follows can be verified. Calls of RunJournal by the holder of the step
-// baton, the rest by any thread.
+// written is a keyframe, so that what follows can be verified. The same when there is no room: the run goes
+// on without being recorded, and the recording goes on when there is room again. Calls of RunJournal by the
+// holder of the step baton, the rest by any thread.
 #pragma once
 
 #include <cstddef>
@@ -27,18 +28,25 @@ struct RecorderOptions {
   std::string version, command, started;
   std::size_t max_queue_bytes = std::size_t{64} << 20;
   std::uint64_t keyframe_steps = 500;
-  Nanoseconds commit_every = 200'000'000;  // wall clock: what a crash can cost
+  Nanoseconds commit_every = 200'000'000;           // wall clock: what a crash can cost
+  Nanoseconds retry_every = kNanosecondsPerSecond;  // wall clock: looks so often whether there is room again
+  std::uint64_t room_bytes = std::uint64_t{4} << 20;  // that much there must be
+  /// Free bytes on the disk of `file`; for tests. Recorder's thread.
+  std::function<std::uint64_t(const std::string& file)> free_bytes;
   /// Called on the recorder's thread, once, when it can write no more; `text` says why and what is there.
   std::function<void(const std::string& text)> on_failure;
+  /// Called on the recorder's thread when there is no room, and when there is some again.
+  std::function<void(const std::string& text)> on_stall, on_room;
 };
 
 struct RecorderStatus {
   std::string file;                // the present one, at once after Begin()
   std::uint64_t steps = 0;         // written to it
-  std::uint64_t lost = 0;          // left out in real time
+  std::uint64_t lost = 0;          // left out, in real time or for want of room
   std::uint64_t bytes = 0;         // of the file
   Nanoseconds begin = 0, end = 0;  // simulated
   std::string failure;             // empty: it goes on
+  std::string stall;               // why nothing is written for now; empty: it is
   double cpu_s = 0;                // used by its thread
 };
 

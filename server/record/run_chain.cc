@@ -43,12 +43,6 @@ std::string ChainText(const Statement& row, int column) {
   }
 }
 
-/// What to do about a file that cannot be read.
-std::string Cure(const Database& database) {
-  return database.busy() ? ": another program holds it, try again"
-                         : ": the file is damaged there, copy it again from where it was recorded";
-}
-
 }  // namespace
 
 std::unique_ptr<RunChain> RunChain::Open(const std::string& file, std::string& error) {
@@ -59,6 +53,13 @@ std::unique_ptr<RunChain> RunChain::Open(const std::string& file, std::string& e
   return chain;
 }
 
+bool RunChain::IsChained(const std::string& file) {
+  std::string error;
+  const auto database = Database::Open(file, Database::Access::kReadOnly, error);
+  if (database == nullptr) return true;
+  return database->Prepare("SELECT chain FROM step") || database->busy() || database->damaged();
+}
+
 bool RunChain::Prepare(std::string& error) {
   for (std::size_t i = 0; i < walks_.size(); ++i) {
     const ChainedTable& table = kChainedTables[i];
@@ -67,7 +68,9 @@ bool RunChain::Prepare(std::string& error) {
         database_->Prepare("SELECT " + columns + ", chain FROM " + table.name + " WHERE " + id +
                            " BETWEEN ?1 AND ?2 ORDER BY " + id + " LIMIT " + std::to_string(kLinksAtOnce));
     if (walks_[i].rows) continue;
-    if (IsUnreadable()) {
+    error = database_->error();
+    if (database_->busy() || database_->damaged()) {
+      FailReading(DatabaseError(error, database_->busy()), "");
       error = error_;
       return false;
     }
@@ -78,22 +81,52 @@ bool RunChain::Prepare(std::string& error) {
   return true;
 }
 
-std::string RunChain::CheckHead() {
+template <typename Read>
+auto RunChain::Guard(Read read) -> decltype(read()) {
   // One look, though a writer may add to it.
   database_->Run("BEGIN");
-  const bool sealed = IsSealed(*database_);
-  bool unreadable = IsUnreadable();
-  const std::optional<std::int32_t> texts = TextsChain(*database_);
-  unreadable = unreadable || IsUnreadable();
-  const std::optional<std::int64_t> recorded =
-      database_->Integer("SELECT value FROM meta WHERE key = 'texts' AND typeof(value) = 'integer'");
-  unreadable = unreadable || IsUnreadable();
-  database_->Run("COMMIT");
-  if (unreadable) return {};
-  if (!texts || recorded != std::int64_t{*texts}) {
-    return "a text that it carries (scenario, world or robot) was changed after it was written";
+  decltype(read()) found{};
+  try {
+    found = read();
+  } catch (const DatabaseError& failed) {
+    FailReading(failed, "");
   }
-  return sealed ? "" : "its table meta was changed after it was written";
+  database_->Run("COMMIT");
+  return found;
+}
+
+std::string RunChain::CheckHead() {
+  return Guard([this]() -> std::string {
+    const bool sealed = IsSealed(*database_);
+    const std::int32_t texts = TextsChain(*database_);
+    const std::optional<std::int64_t> recorded =
+        database_->Integer("SELECT value FROM meta WHERE key = 'texts' AND typeof(value) = 'integer'");
+    if (recorded != texts) {
+      return "a text that it carries (scenario, world or robot) was changed after it was written";
+    }
+    return sealed ? "" : "its table meta was changed after it was written";
+  });
+}
+
+bool RunChain::SkipTo(std::uint64_t step) {
+  return Guard([this, step] {
+    const auto wanted = static_cast<std::int64_t>(std::min<std::uint64_t>(step, kMostId));
+    const std::int64_t first =
+        database_->Integer("SELECT max(step) FROM keyframe WHERE step <= " + std::to_string(wanted))
+            .value_or(wanted);
+    for (const ChainedTableIndex table : {kStepTable, kKeyframeTable}) {
+      Statement before =
+          database_->Prepare("SELECT step, chain FROM " + std::string(kChainedTables[table].name) +
+                             " WHERE step < ?1 ORDER BY step DESC LIMIT 1");
+      before.Bind(1, first);
+      if (!before.Step()) continue;
+      Walk& walk = walks_[table];
+      walk.end.id = before.integer(0);
+      walk.end.chain.Restart(static_cast<std::int32_t>(before.integer(1)));
+      walk.next = walk.end.id + 1;
+    }
+    return true;
+  });
 }
 
 std::optional<ChainDamage> RunChain::CheckRows(std::uint64_t step) {
@@ -109,22 +142,33 @@ std::optional<ChainDamage> RunChain::CheckKeyframes(std::uint64_t step) {
   return Go(kKeyframeTable, step);
 }
 
+std::optional<ChainDamage> RunChain::CheckRowsAround(std::uint64_t step, std::string& ends) {
+  ends.clear();
+  if (step >= kMostId) return CheckRest(ends);
+  const std::optional<std::int64_t> next = Guard([this, step] {
+    return database_->Integer("SELECT min(step) FROM step WHERE step > " + std::to_string(step));
+  });
+  if (!error_.empty()) return std::nullopt;
+  if (!next) return CheckRest(ends);
+  std::optional<ChainDamage> damage = CheckRows(static_cast<std::uint64_t>(*next));
+  return damage ? damage : CheckKeyframes(step);
+}
+
 std::optional<ChainDamage> RunChain::CheckRest(std::string& ends) {
   ends.clear();
   // The ends that meta tells of are those of the rows of one moment.
-  database_->Run("BEGIN");
-  std::optional<ChainDamage> first = CheckRows(kAll);
-  std::optional<ChainDamage> keyframe = CheckKeyframes(kAll);
-  if (keyframe && (!first || keyframe->step < first->step)) first = std::move(keyframe);
-  if (!first && error_.empty()) ends = CompareEnds();
-  database_->Run("COMMIT");
-  return first;
+  return Guard([this, &ends] {
+    std::optional<ChainDamage> first = CheckRows(kAll);
+    std::optional<ChainDamage> keyframe = CheckKeyframes(kAll);
+    if (keyframe && (!first || keyframe->step < first->step)) first = std::move(keyframe);
+    if (!first && error_.empty()) ends = CompareEnds();
+    return first;
+  });
 }
 
 std::string RunChain::CompareEnds() {
   const std::optional<std::string> recorded =
       database_->Text("SELECT value FROM meta WHERE key = 'ends' AND typeof(value) = 'text'");
-  if (IsUnreadable()) return {};
   if (!recorded) return "its table meta does not say where its tables end";
   for (std::size_t i = 0; i < walks_.size(); ++i) {
     const std::string found = EndText(i, walks_[i].end);
@@ -142,22 +186,30 @@ std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t s
   walk.rows.Bind(2,
                  is_numbered ? kMostId : static_cast<std::int64_t>(std::min<std::uint64_t>(step, kMostId)));
   std::optional<ChainDamage> damage;
-  for (int count = kLinksAtOnce; count == kLinksAtOnce && !damage;) {
-    walk.rows.Bind(1, walk.next);
-    Statement::Result result = walk.rows.Step();
-    for (count = 0; result == Statement::Result::kRow; result = walk.rows.Step(), ++count) {
-      walk.waits_for = is_numbered ? StepOf(table, walk.rows) : 0;
-      if (walk.waits_for > step) break;
-      damage = CheckRow(table);
-      if (walk.end.id == kMostId) return walk.rows.Reset(), walk.waits_for = kAll, damage;
-      walk.next = walk.end.id + 1;
-      if (damage || !error_.empty()) break;
+  try {
+    bool more = true;
+    for (int count = kLinksAtOnce; count == kLinksAtOnce && !damage;) {
+      walk.rows.Bind(1, walk.next);
+      for (count = 0; (more = walk.rows.Step()); ++count) {
+        // In a damaged file rows may stand anywhere.
+        if (walk.rows.integer(0) < walk.next)
+          throw DatabaseError(database_->file() + ": rows out of order", false);
+        walk.waits_for = is_numbered ? StepOf(table, walk.rows) : 0;
+        if (walk.waits_for > step) break;
+        damage = CheckRow(table);
+        if (walk.end.id == kMostId) return walk.rows.Reset(), walk.waits_for = kAll, damage;
+        walk.next = walk.end.id + 1;
+        if (damage) break;
+      }
+      // After the last row there is none to come, unless the file grows.
+      if (!more && is_numbered && count < kLinksAtOnce) walk.waits_for = kAll;
+      walk.rows.Reset();
     }
-    if (result == Statement::Result::kError) FailReading(table);
-    // After the last row there is none to come, unless the file grows.
-    if (result == Statement::Result::kDone && is_numbered && count < kLinksAtOnce) walk.waits_for = kAll;
+  } catch (const DatabaseError& failed) {
     walk.rows.Reset();
-    if (!error_.empty()) return std::nullopt;
+    FailReading(failed, walk.end.id == 0 ? std::string("the start of table ") + kChainedTables[table].name
+                                         : NameOf(table, walk.end.id));
+    return std::nullopt;
   }
   return damage;
 }
@@ -168,12 +220,10 @@ std::optional<ChainDamage> RunChain::CheckRow(ChainedTableIndex table) {
   const int columns = kChainedTables[table].column_count;
   const std::int64_t id = row.integer(0), before = walk.end.id;
   walk.end.chain.Columns(row, 0, columns);
-  if (table == kSceneTable && !AddSceneParts(*database_, id, walk.end.chain)) {
-    FailReading(table);
-    return std::nullopt;
-  }
+  if (table == kSceneTable) AddSceneParts(*database_, id, walk.end.chain);
   const std::int32_t computed = walk.end.chain.Link();
   walk.end.id = id;
+  if (table == kStepTable && first_step_ < 0) first_step_ = id;
   if (row.is_integer(columns) && row.integer(columns) == computed) return std::nullopt;
   walk.end.chain.Restart(static_cast<std::int32_t>(row.integer(columns)));
   ChainDamage damage;
@@ -193,18 +243,10 @@ std::optional<ChainDamage> RunChain::CheckRow(ChainedTableIndex table) {
   return damage;
 }
 
-void RunChain::FailReading(ChainedTableIndex table) {
-  const Walk& walk = walks_[table];
-  error_ = database_->error() + ", after " +
-           (walk.end.id == 0 ? std::string("the start of table ") + kChainedTables[table].name
-                             : NameOf(table, walk.end.id)) +
-           Cure(*database_);
-}
-
-bool RunChain::IsUnreadable() {
-  if (!database_->busy() && !database_->damaged()) return false;
-  error_ = database_->error() + Cure(*database_);
-  return true;
+void RunChain::FailReading(const DatabaseError& failed, const std::string& where) {
+  error_ = failed.what() + (where.empty() ? "" : ", after " + where) +
+           (failed.busy() ? ": another program holds it, try again"
+                          : ": the file is damaged there, copy it again from where it was recorded");
 }
 
 }  // namespace coopdyn

@@ -26,6 +26,13 @@ class RunChain {
   /// Reads `file` on its own, as it stands. Null with `error` if it cannot, or has no chains.
   static std::unique_ptr<RunChain> Open(const std::string& file, std::string& error);
 
+  /// Has chains, or cannot be read. Recordings of other programs have none.
+  static bool IsChained(const std::string& file);
+
+  /// Leaves out the steps and keyframes before the last keyframe up to `step`: whether those were changed is
+  /// not looked at. Before all others. False, and error() says so, if it cannot be read there.
+  bool SkipTo(std::uint64_t step);
+
   /// What of table meta and the texts was changed, for people: "its table meta was changed after it was
   /// written"; empty: nothing, or that it cannot be read (error()).
   std::string CheckHead();
@@ -36,9 +43,16 @@ class RunChain {
   std::optional<ChainDamage> CheckRows(std::uint64_t step);
   /// Keyframes up to `step`.
   std::optional<ChainDamage> CheckKeyframes(std::uint64_t step);
+  /// CheckRows() up to the first step after `step`, which shows whether any before it are missing; if there
+  /// is none, CheckRest().
+  std::optional<ChainDamage> CheckRowsAround(std::uint64_t step, std::string& ends);
   /// All rows that are left. If nothing is wrong with them, `ends` says whether any are missing after the
   /// last: "its table event ends with row 3, where meta tells of another end"; empty: none are.
   std::optional<ChainDamage> CheckRest(std::string& ends);
+
+  /// The first and the last step that were looked at; −1: none was.
+  std::int64_t first_step() const { return first_step_; }
+  std::int64_t last_step() const { return first_step_ < 0 ? -1 : walks_[kStepTable].end.id; }
 
   const std::string& error() const { return error_; }
 
@@ -51,18 +65,20 @@ class RunChain {
   };
 
   RunChain() = default;
+  /// What `read()` gives; nothing, and error() says so, if the file cannot be read.
+  template <typename Read>
+  auto Guard(Read read) -> decltype(read());
   bool Prepare(std::string& error);
   std::optional<ChainDamage> Go(ChainedTableIndex table, std::uint64_t step);
   /// The row that the walk of `table` stands at.
   std::optional<ChainDamage> CheckRow(ChainedTableIndex table);
   /// What CheckRest() says of them.
   std::string CompareEnds();
-  void FailReading(ChainedTableIndex table);
-  /// The last look at the file failed, which error() then says: it tells nothing of what was changed.
-  bool IsUnreadable();
+  void FailReading(const DatabaseError& failed, const std::string& where);
 
   std::unique_ptr<Database> database_;  // goes after the statements
   std::array<Walk, kChainedTables.size()> walks_;
+  std::int64_t first_step_ = -1;
   std::string error_;
 };
 

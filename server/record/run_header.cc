@@ -14,13 +14,16 @@ namespace coopdyn {
 
 namespace {
 
-void AddFile(const std::string& file, XXH3_state_t& state) {
+/// False if it cannot be read.
+bool AddFile(const std::string& file, XXH3_state_t& state) {
   std::ifstream stream(file, std::ios::binary);
+  if (!stream) return false;
   std::vector<char> buffer(std::size_t{1} << 20);
   while (stream) {
     stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
     XXH3_64bits_update(&state, buffer.data(), static_cast<std::size_t>(stream.gcount()));
   }
+  return stream.eof();
 }
 
 /// dl_iterate_phdr()'s callback: stops at the physics library, whose file goes to `data`, a std::string.
@@ -42,6 +45,12 @@ std::string BuildId() {
   AddFile("/proc/self/exe", state);
   if (!physics.empty()) AddFile(physics, state);
   return HashText(XXH3_64bits_digest(&state));
+}
+
+std::string FileHash(const std::string& file) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  return AddFile(file, state) ? HashText(XXH3_64bits_digest(&state)) : "";
 }
 
 std::string CpuName() {

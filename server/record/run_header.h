@@ -15,6 +15,12 @@ namespace coopdyn {
 inline constexpr int kRunFormat = 1;                           // schema version: meta `format`
 inline constexpr std::int64_t kRunApplicationId = 0x434F4F50;  // "COOP": SQLite's application_id
 
+/// A loaded controller of the run.
+struct PluginHash {
+  std::string name;  // as the scenario has it
+  std::string hash;  // FileHash() when the recording began
+};
+
 struct RunHeader {
   std::string version;  // of coopdyn
   std::string build;    // BuildId(): same build and CPU, same bits
@@ -31,10 +37,13 @@ struct RunHeader {
   std::optional<int> substeps;
   RecordWhat what;
   Nanoseconds pose_every = 0;  // 0: each step
+  std::vector<PluginHash> controllers;
 };
 
 /// 16 hex digits that differ if this program or its physics library does.
 std::string BuildId();
+/// XXH3-64 of the bytes of `file`, 16 hex digits; empty if it cannot be read.
+std::string FileHash(const std::string& file);
 /// The processor's model name, as the system tells it.
 std::string CpuName();
 

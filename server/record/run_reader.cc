@@ -2,6 +2,7 @@
 // Opening, and finding the way in a file. What a step holds is read in run_reader_steps.cc.
 #include "server/record/run_reader.h"
 
+#include <spdlog/fmt/fmt.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -35,14 +36,12 @@ bool RunReader::Impl::FailAsReplaced() {
   return true;
 }
 
-bool RunReader::Impl::FailReading(const std::string& what) {
+bool RunReader::Impl::FailReading(const DatabaseError& failed, const std::string& what) {
   if (FailAsReplaced()) return false;
-  const bool busy = run.database != nullptr && database().busy();
-  const std::string why = run.database != nullptr ? database().error() : file;
-  error = why + ", at " + what +
-          (busy ? ": another program holds it, try again"
-                : ": the file is damaged there, copy it again from where it was recorded; other times of it "
-                  "may still be read");
+  error = std::string(failed.what()) + ", at " + what +
+          (failed.busy() ? ": another program holds it, try again"
+                         : ": the file is damaged there, copy it again from where it was recorded; other "
+                           "times of it may still be read");
   return false;
 }
 
@@ -89,7 +88,7 @@ bool RunReader::Impl::Prepare() {
   for (const auto& [statement, text] : all) {
     statement = database().Prepare(text);
     if (statement) continue;
-    error = UnfinishedText(database());
+    error = UnfinishedText(database().error());
     sql.reset();
     return false;
   }
@@ -98,14 +97,18 @@ bool RunReader::Impl::Prepare() {
 
 bool RunReader::Impl::Refresh() {
   error.clear();
-  if (!sql) return FailReading("its start");
-  const bool closed = run.growing && IsClosed(database());
+  const bool closed = run.growing && Guard("its table meta", [this] { return IsClosed(database()); });
+  if (!error.empty() || !Guard("its ends", [this] { return Look(); })) return false;
+  if (!run.growing || (!closed && unchanged < kLooksBeforeDoubt)) return true;
+  // Closed, or its writer may be gone: opened anew it tells, and is mended in that case.
+  return Open() && (run.growing || Refresh());
+}
+
+bool RunReader::Impl::Look() {
   RunExtent found;
   for (Statement* end : {&sql->first, &sql->last}) {
     end->Reset();
-    const Result result = end->Step();
-    if (result == Result::kError) return FailReading("its ends");
-    if (result == Result::kDone) {
+    if (!end->Step()) {
       error = file + " holds no steps" +
               (run.growing ? " yet: try again in a second" : ": nothing was recorded before it ended");
       return false;
@@ -116,37 +119,35 @@ bool RunReader::Impl::Refresh() {
     end->Reset();
     if (!sane) return FailSense("a step number or time below 0");
   }
-  if (found.end < found.begin) return FailSense("a run that ends before it begins");
-  sql->meta.Reset();
-  sql->meta.BindText(1, "lost");
-  const bool has_lost = sql->meta.Step() == Result::kRow;
+  if (found.end < found.begin || found.last < found.first)
+    return FailSense("a run that ends before it begins");
+  const auto meta = [this](const char* key) {
+    sql->meta.Reset();
+    sql->meta.BindText(1, key);
+    const std::int64_t value = sql->meta.Step() ? sql->meta.integer(0) : 0;
+    sql->meta.Reset();
+    return value;
+  };
   const std::uint64_t span = found.last - found.first;
-  if (has_lost) {
-    found.lost = static_cast<std::uint64_t>(
-        std::clamp<std::int64_t>(sql->meta.integer(0), 0, static_cast<std::int64_t>(span)));
+  const std::int64_t lost = std::max<std::int64_t>(meta("lost"), 0);
+  const std::int64_t after = std::clamp<std::int64_t>(meta("lost_after"), 0, lost);
+  found.lost = std::min(span, static_cast<std::uint64_t>(lost - after));
+  found.lost_after = static_cast<std::uint64_t>(after);
+  const std::int64_t last = meta("last_step");
+  if (last > static_cast<std::int64_t>(found.last)) {
+    found.missing = static_cast<std::uint64_t>(last) - found.last;
   }
-  sql->meta.Reset();
-  sql->meta.BindText(1, "last_step");
-  if (sql->meta.Step() == Result::kRow) {
-    const std::int64_t last = sql->meta.integer(0);
-    if (last > static_cast<std::int64_t>(found.last))
-      found.missing = static_cast<std::uint64_t>(last) - found.last;
-  }
-  sql->meta.Reset();
   found.steps = span - found.lost;
   unchanged = found.last == extent.last ? unchanged + 1 : 0;
   extent = found;
-  if (!run.growing || (!closed && unchanged < kLooksBeforeDoubt)) return true;
-  // Closed, or its writer may be gone: opened anew it tells, and is mended in that case.
-  return Open() && (run.growing || Refresh());
+  return true;
 }
 
-std::optional<std::uint64_t> RunReader::Impl::One(Statement& statement, std::uint64_t key, const char* what) {
+std::optional<std::uint64_t> RunReader::Impl::One(Statement& statement, std::uint64_t key) {
   statement.Reset();
   statement.Bind(1, Key(key));
-  const Result result = statement.Step();
-  if (result != Result::kRow) {
-    result == Result::kError ? FailReading(std::string(what) + " " + std::to_string(key)) : FailAsReplaced();
+  if (!statement.Step()) {
+    FailAsReplaced();
     return std::nullopt;
   }
   const std::int64_t found = statement.integer(0);
@@ -169,9 +170,8 @@ std::unique_ptr<RunReader> RunReader::Open(const std::string& file, std::string&
   if (!std::filesystem::exists(file, missing) && std::filesystem::exists(file + ".run", missing)) {
     impl->file = file + ".run";  // recordings are started and fetched by their bare names
   }
-  const bool fine =
-      impl->Open() && ReadHeader(impl->database(), impl->header, impl->error) && impl->Refresh();
-  if (!fine) {
+  const auto read_header = [&impl] { return ReadHeader(impl->database(), impl->header, impl->error); };
+  if (!impl->Open() || !impl->Guard("its table meta", read_header) || !impl->Refresh()) {
     error = impl->error;
     return nullptr;
   }
@@ -213,90 +213,94 @@ RunExtent RunReader::extent() {
 }
 
 std::optional<std::uint64_t> RunReader::StepAt(Nanoseconds time, bool with_poses) {
-  Impl& impl = *impl_;
-  impl.error.clear();
-  if (!impl.sql) return impl.FailReading("its start"), std::nullopt;
+  impl_->error.clear();
+  return impl_->Guard(fmt::format("the step of {:g} s", ToSeconds(time)),
+                      [&] { return impl_->StepAt(time, with_poses); });
+}
+
+std::optional<std::uint64_t> RunReader::Impl::StepAt(Nanoseconds time, bool with_poses) {
   // Time grows with the step. `low` is a step at or before `time`; those from `high` on come after it.
-  std::uint64_t low = impl.extent.first;
-  std::uint64_t high = time >= impl.extent.end ? low : impl.extent.last;
-  if (time >= impl.extent.end) low = impl.extent.last;
-  Statement& probe = impl.sql->at_or_after;
+  std::uint64_t low = extent.first;
+  std::uint64_t high = time >= extent.end ? low : extent.last;
+  if (time >= extent.end) low = extent.last;
+  Statement& probe = sql->at_or_after;
   while (high > low && high - low > 1) {
     const std::uint64_t middle = low + (high - low) / 2;
     probe.Bind(1, Key(middle));
-    const Impl::Result result = probe.Step();
-    if (result == Impl::Result::kError) {
-      return impl.FailReading("step " + std::to_string(middle)), std::nullopt;
-    }
-    const bool found = result == Impl::Result::kRow;
+    const bool found = probe.Step();
     const auto step = found ? static_cast<std::uint64_t>(probe.integer(0)) : high;
     const bool before = step < high && probe.integer(1) <= time;
     probe.Reset();
     (before ? low : high) = before ? step : middle;
   }
   if (!with_poses) return low;
-  if (const auto shown = impl.One(impl.sql->shown_before, low + 1, "step")) return shown;
-  if (!impl.error.empty()) return std::nullopt;
-  const auto shown = impl.One(impl.sql->shown_after, low, "step");
-  if (!shown && impl.error.empty()) {
-    impl.error = impl.file + ": no poses were recorded in it: record it again with a smaller --record-every";
+  if (const auto shown = One(sql->shown_before, low + 1)) return shown;
+  if (!error.empty()) return std::nullopt;
+  const auto shown = One(sql->shown_after, low);
+  if (!shown && error.empty()) {
+    error = file + ": no poses were recorded in it: record it again with a smaller --record-every";
   }
   return shown;
 }
 
 std::optional<std::uint64_t> RunReader::NextShown(std::uint64_t step, bool back) {
   impl_->error.clear();
-  if (!impl_->sql) return impl_->FailReading("its start"), std::nullopt;
-  return impl_->One(back ? impl_->sql->shown_before : impl_->sql->shown_after, step, "step");
+  const std::string what = (back ? "the step before " : "the step after ") + std::to_string(step);
+  return impl_->Guard(what, [&] { return impl_->NextShown(step, back); });
+}
+
+std::optional<std::uint64_t> RunReader::Impl::NextShown(std::uint64_t step, bool back) {
+  const auto shown = One(back ? sql->shown_before : sql->shown_after, step);
+  if (!shown || back || *shown == step + 1) return shown;
+  // What was lost ends with a keyframe; the others, without poses, are there.
+  const auto next = One(sql->at_or_after, step + 1);
+  if (!next || *next == step + 1) return next ? shown : std::nullopt;
+  const auto keyframe = One(sql->keyframe, *next);
+  if (keyframe == next) return shown;
+  FailSense("a gap from step " + std::to_string(step) + " to " + std::to_string(*next));
+  return std::nullopt;
 }
 
 std::vector<std::uint64_t> RunReader::Keyframes() {
-  Impl& impl = *impl_;
-  impl.error.clear();
-  std::vector<std::uint64_t> steps;
-  if (!impl.sql) return impl.FailReading("its keyframes"), steps;
-  Statement rows = impl.database().Prepare("SELECT step FROM keyframe WHERE step >= 0 ORDER BY step");
-  Impl::Result result = rows ? rows.Step() : Impl::Result::kError;
-  for (; result == Impl::Result::kRow; result = rows.Step()) {
-    steps.push_back(static_cast<std::uint64_t>(rows.integer(0)));
-  }
-  if (result == Impl::Result::kError) impl.FailReading("its keyframes");
-  return steps;
+  impl_->error.clear();
+  return impl_->Guard("its keyframes", [this] {
+    std::vector<std::uint64_t> steps;
+    Statement rows = impl_->database().Prepare("SELECT step FROM keyframe WHERE step >= 0 ORDER BY step");
+    while (rows.Step()) steps.push_back(static_cast<std::uint64_t>(rows.integer(0)));
+    return steps;
+  });
 }
 
 std::vector<RunInput> RunReader::Inputs(std::uint64_t first, std::uint64_t last) {
-  Impl& impl = *impl_;
-  impl.error.clear();
-  if (!impl.sql) return impl.FailReading("its inputs"), std::vector<RunInput>();
-  // They are few, and asked for range by range: read once, and what has come since.
-  Statement rows =
-      impl.database().Prepare("SELECT id, step, action, detail FROM input WHERE id > ?1 ORDER BY id");
-  if (rows) rows.Bind(1, impl.newest_input);
-  Impl::Result result = rows ? rows.Step() : Impl::Result::kError;
-  for (; result == Impl::Result::kRow; result = rows.Step()) {
-    impl.newest_input = rows.integer(0);
-    impl.run_inputs.push_back({static_cast<std::uint64_t>(rows.integer(1)), rows.text(2), rows.text(3)});
-  }
-  if (result == Impl::Result::kError) impl.FailReading("its inputs");
-  std::vector<RunInput> inputs;
-  std::copy_if(impl.run_inputs.begin(), impl.run_inputs.end(), std::back_inserter(inputs),
-               [&](const RunInput& input) { return input.step >= first && input.step <= last; });
-  return inputs;
+  impl_->error.clear();
+  return impl_->Guard("its inputs", [&] {
+    Impl& impl = *impl_;
+    // They are few, and asked for range by range: read once, and what has come since.
+    Statement rows =
+        impl.database().Prepare("SELECT id, step, action, detail FROM input WHERE id > ?1 ORDER BY id");
+    rows.Bind(1, impl.newest_input);
+    while (rows.Step()) {
+      impl.newest_input = rows.integer(0);
+      impl.run_inputs.push_back({static_cast<std::uint64_t>(rows.integer(1)), rows.text(2), rows.text(3)});
+    }
+    std::vector<RunInput> inputs;
+    std::copy_if(impl.run_inputs.begin(), impl.run_inputs.end(), std::back_inserter(inputs),
+                 [&](const RunInput& input) { return input.step >= first && input.step <= last; });
+    return inputs;
+  });
 }
 
 std::vector<Event> RunReader::Events() {
-  Impl& impl = *impl_;
-  impl.error.clear();
-  std::vector<Event> events;
-  if (!impl.sql) return impl.FailReading("its events"), events;
-  Statement rows = impl.database().Prepare("SELECT step, time_ns, level, text FROM event ORDER BY id");
-  Impl::Result result = rows ? rows.Step() : Impl::Result::kError;
-  for (; result == Impl::Result::kRow; result = rows.Step()) {
-    events.push_back({static_cast<std::uint64_t>(rows.integer(0)), ToSeconds(rows.integer(1)), rows.text(2),
-                      rows.text(3)});
-  }
-  if (result == Impl::Result::kError) impl.FailReading("its events");
-  return events;
+  impl_->error.clear();
+  return impl_->Guard("its events", [this] {
+    std::vector<Event> events;
+    Statement rows = impl_->database().Prepare("SELECT step, time_ns, level, text FROM event ORDER BY id");
+    while (rows.Step()) {
+      events.push_back({static_cast<std::uint64_t>(rows.integer(0)), ToSeconds(rows.integer(1)), rows.text(2),
+                        rows.text(3)});
+    }
+    return events;
+  });
 }
 
 }  // namespace coopdyn

@@ -36,6 +36,7 @@ struct RunExtent {
   Nanoseconds begin = 0, end = 0;     // their simulated times
   std::uint64_t steps = 0;            // recorded after the first frame
   std::uint64_t lost = 0;             // left out between first and last
+  std::uint64_t lost_after = 0;       // left out after the last, until the recording ended
   std::uint64_t missing = 0;          // after the last: they were there when the file was closed
 };
 
@@ -78,7 +79,8 @@ class RunReader {
   std::shared_ptr<const Scene> SceneOf(std::uint64_t scene);
   /// The newest recorded step at or before `time` (the first if there is none). `with_poses`: that has poses.
   std::optional<std::uint64_t> StepAt(Nanoseconds time, bool with_poses);
-  /// The first step after `step` (before, if `back`) that has poses; nothing at the end.
+  /// The first step after `step` (before, if `back`) that has poses; nothing at the end, or if a step on the
+  /// way there is missing that was not lost.
   std::optional<std::uint64_t> NextShown(std::uint64_t step, bool back);
   /// Step `step`; nothing if it is not there. `inputs_only`: without poses and readings, which is fast.
   std::optional<RecordedStep> Read(std::uint64_t step, bool inputs_only = false);

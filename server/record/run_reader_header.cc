@@ -13,25 +13,29 @@ namespace {
 
 using Meta = std::unordered_map<std::string, std::string>;
 
-bool ReadMeta(Database& database, Meta& meta) {
+Meta ReadMeta(Database& database) {
+  Meta meta;
   Statement rows = database.Prepare("SELECT key, value FROM meta");
-  if (!rows) return false;
-  for (;;) {
-    switch (rows.Step()) {
-      case Statement::Result::kRow:
-        meta.insert_or_assign(rows.text(0), rows.text(1));
-        break;
-      case Statement::Result::kDone:
-        return true;
-      case Statement::Result::kError:
-        return false;
-    }
-  }
+  while (rows.Step()) meta.insert_or_assign(rows.text(0), rows.text(1));
+  return meta;
 }
 
 std::string TextOf(const Meta& meta, const std::string& key) {
   const auto found = meta.find(key);
   return found == meta.end() ? std::string() : found->second;
+}
+
+/// Of "diffuse 0123456789abcdef, flock …".
+std::vector<PluginHash> PluginsIn(std::string text) {
+  std::vector<PluginHash> plugins;
+  for (text += ", "; !text.empty();) {
+    const std::size_t end = text.find(", "), space = text.rfind(' ', end - 1);
+    if (end > 0 && space != std::string::npos) {
+      plugins.push_back({text.substr(0, space), text.substr(space + 1, end - space - 1)});
+    }
+    text.erase(0, end + 2);
+  }
+  return plugins;
 }
 
 /// Nothing if it is missing or no number.
@@ -44,22 +48,13 @@ std::optional<Number> NumberOf(const Meta& meta, const std::string& key) {
   return number;
 }
 
-bool ReadTexts(Database& database, RunHeader& header) {
+void ReadTexts(Database& database, RunHeader& header) {
   Statement rows = database.Prepare("SELECT kind, name, file, content FROM text ORDER BY kind, name");
-  if (!rows) return false;
-  for (;;) {
-    switch (rows.Step()) {
-      case Statement::Result::kRow:
-        if (rows.text(0) == "scenario") {
-          header.scenario_text = rows.text(3);
-        } else {
-          header.sources.push_back({rows.text(0), rows.text(1), rows.text(2), rows.text(3)});
-        }
-        break;
-      case Statement::Result::kDone:
-        return true;
-      case Statement::Result::kError:
-        return false;
+  while (rows.Step()) {
+    if (rows.text(0) == "scenario") {
+      header.scenario_text = rows.text(3);
+    } else {
+      header.sources.push_back({rows.text(0), rows.text(1), rows.text(2), rows.text(3)});
     }
   }
 }
@@ -67,11 +62,8 @@ bool ReadTexts(Database& database, RunHeader& header) {
 }  // namespace
 
 bool ReadHeader(Database& database, RunHeader& header, std::string& error) {
-  Meta meta;
-  if (!ReadMeta(database, meta) || !ReadTexts(database, header)) {
-    error = UnfinishedText(database);
-    return false;
-  }
+  const Meta meta = ReadMeta(database);
+  ReadTexts(database, header);
   header.version = TextOf(meta, "version");
   header.build = TextOf(meta, "build");
   header.cpu = TextOf(meta, "cpu");
@@ -105,6 +97,7 @@ bool ReadHeader(Database& database, RunHeader& header, std::string& error) {
   header.substeps = NumberOf<int>(meta, "substeps");
   header.what = *what;
   header.pose_every = *pose_every;
+  header.controllers = PluginsIn(TextOf(meta, "controllers"));
   return true;
 }
 

@@ -16,8 +16,6 @@
 namespace coopdyn {
 
 struct RunReader::Impl {
-  using Result = Statement::Result;
-
   /// Prepared once for each opening; they go before their database.
   struct Statements {
     Statement first, last;            // step, time_ns
@@ -48,19 +46,38 @@ struct RunReader::Impl {
   bool Prepare();
   /// Looks up the extent and whether it grows still. False with error.
   bool Refresh();
+  bool Look();
   /// True, and error says so, if another file has the name by now: SQLite would mix the two up.
   bool FailAsReplaced();
   /// False, and error says that SQLite could not read `what`, e.g. "step 17".
-  bool FailReading(const std::string& what);
+  bool FailReading(const DatabaseError& failed, const std::string& what);
+  /// What `read()` gives; nothing, and error says so, if SQLite cannot read `what` or has no statements.
+  template <typename Read>
+  auto Guard(const std::string& what, Read read) -> decltype(read()) {
+    try {
+      if (!sql) throw DatabaseError(file, false);
+      return read();
+    } catch (const DatabaseError& failed) {
+      FailReading(failed, what);
+      return {};
+    }
+  }
   /// False, and error says that `what`, e.g. "the poses of step 17", do not add up.
   bool FailSense(const std::string& what);
-  /// The integer in column 0 of the one row of `statement` for parameter `key`; nothing if there is no row,
-  /// or on error.
-  std::optional<std::uint64_t> One(Statement& statement, std::uint64_t key, const char* what);
+  /// The integer in column 0 of the one row of `statement` for parameter `key`; nothing if there is no row.
+  std::optional<std::uint64_t> One(Statement& statement, std::uint64_t key);
   /// The row that `statement` stands at, checked against its scene.
   bool Decode(const Statement& row, bool inputs_only, RecordedStep& step);
   bool DecodeReadings(const Statement& row, const Scene& scene, RecordedStep& step);
+  // As those of RunReader, under its Guard().
   std::shared_ptr<const Scene> SceneOf(std::uint64_t scene);
+  std::optional<std::uint64_t> StepAt(Nanoseconds time, bool with_poses);
+  std::optional<std::uint64_t> NextShown(std::uint64_t step, bool back);
+  std::optional<RecordedStep> Read(std::uint64_t step, bool inputs_only);
+  bool ForEach(std::uint64_t first, std::uint64_t last, bool inputs_only,
+               const std::function<bool(const RecordedStep&)>& use);
+  SavedStatePtr Keyframe(std::uint64_t step);
+  RunContents Contents();
 };
 
 }  // namespace coopdyn

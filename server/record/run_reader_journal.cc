@@ -55,7 +55,7 @@ bool RollBack(const std::string& file) {
   std::string ignored;
   const auto database = Database::Open(file, Database::Access::kReadWrite, ignored);
   if (database == nullptr) return false;
-  database->Integer("PRAGMA schema_version");  // any look at the file does it
+  database->Run("PRAGMA schema_version");  // any look at the file does it
   std::error_code code;
   return !std::filesystem::exists(journal, code) && !code;
 }

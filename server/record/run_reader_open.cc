@@ -60,7 +60,7 @@ bool MayWrite(const std::string& file, const std::string& log) {
   return ::access(file.c_str(), W_OK) == 0 && ::access(fs::absolute(log).parent_path().c_str(), W_OK) == 0;
 }
 
-/// Why `log` is no part of the file after MakePlain() with `database`; null: it could not be opened.
+/// Why `log` is no part of the file after Database::MakePlain() of `database`; null: it could not be opened.
 std::string WhyApart(const Database* database, const std::string& file, const std::string& log) {
   if (database != nullptr && database->busy()) return "another program reads it";
   if (!MayWrite(file, log)) return "the file or its folder cannot be written to";
@@ -101,34 +101,34 @@ bool HasNoTables(Database& database) {
 
 /// A reader is refused as long as a journal of a program that is gone waits.
 bool NeedsRollBack(Database& database) {
-  return !database.Integer("PRAGMA schema_version") && database.error_code() == SQLITE_READONLY;
+  try {
+    database.Integer("PRAGMA schema_version");
+    return false;
+  } catch (const DatabaseError&) {
+    return database.error_code() == SQLITE_READONLY;
+  }
 }
 
 /// It is a recording, of a format that is known.
-bool CheckKind(Database& database, std::string& error) {
+bool CheckKind(Database& database, std::string& error) try {
   const std::string& file = database.file();
-  const std::optional<std::int64_t> application = database.Integer("PRAGMA application_id");
-  const std::optional<std::int64_t> format =
-      application ? database.Integer("PRAGMA user_version") : std::nullopt;
-  if (!format) {
-    error = WhyUnreadable(database);
-  } else if (*application != kRunApplicationId) {
+  const std::int64_t application = database.Integer("PRAGMA application_id").value_or(0);
+  const std::int64_t format = database.Integer("PRAGMA user_version").value_or(0);
+  if (application != kRunApplicationId) {
     error = file + kOfAnotherProgram + kHowToRecord;
-  } else if (*format > kRunFormat) {
-    error = file + " was made by a newer coopdyn: format " + std::to_string(*format) + ", this one reads " +
+  } else if (format > kRunFormat) {
+    error = file + " was made by a newer coopdyn: format " + std::to_string(format) + ", this one reads " +
             std::to_string(kRunFormat) + ": use that version of coopdyn";
-  } else if (*format < 1 && HasNoTables(database)) {
+  } else if (format < 1 && HasNoTables(database)) {
     error = file + kNoStepsText;
-  } else if (*format < 1) {
-    error = file + " is damaged: its format is " + std::to_string(*format) + ", not " +
+  } else if (format < 1) {
+    error = file + " is damaged: its format is " + std::to_string(format) + ", not " +
             std::to_string(kRunFormat) + ": copy it again from where it was recorded";
   }
   return error.empty();
-}
-
-/// Makes a log that waits part of the file, if nobody else has it open: then the whole run is one file.
-bool MakePlain(Database& database) {
-  return database.Text("PRAGMA journal_mode = DELETE") == "delete";
+} catch (const DatabaseError&) {
+  error = WhyUnreadable(database);
+  return false;
 }
 
 /// A plain file is whole pages.
@@ -140,8 +140,9 @@ bool IsCutShort(Database& database) {
 }
 
 /// False: its recorder has done it meanwhile, or it cannot be done.
-bool MarkClosed(Database& database) {
-  const auto lost = static_cast<std::int64_t>(CountLost(database));
+bool MarkClosed(Database& database) try {
+  const std::int64_t lost = static_cast<std::int64_t>(CountLost(database)) +
+                            database.Integer("SELECT value FROM meta WHERE key = 'lost_after'").value_or(0);
   if (!database.Run("BEGIN IMMEDIATE")) return false;
   if (IsClosed(database)) {
     database.Run("ROLLBACK");
@@ -154,6 +155,9 @@ bool MarkClosed(Database& database) {
     return true;
   }
   database.Run("ROLLBACK");
+  return false;
+} catch (const DatabaseError&) {  // it is damaged, as those who read it there will find
+  if (database.in_transaction()) database.Run("ROLLBACK");
   return false;
 }
 
@@ -171,11 +175,10 @@ std::string UnmergedLog(const std::string& file) {
   return {};
 }
 
-std::string UnfinishedText(const Database& database) {
-  return database.error() +
+std::string UnfinishedText(const std::string& error) {
+  return error +
          ": it is damaged, or its recording has only just begun: try again, or copy it again from where it "
-         "was "
-         "recorded";
+         "was recorded";
 }
 
 bool IsClosed(Database& database) {
@@ -187,13 +190,13 @@ std::uint64_t CountLost(Database& database) {
       "SELECT k.step - 1 - (SELECT step FROM step WHERE step < k.step ORDER BY step DESC LIMIT 1)"
       " FROM keyframe AS k WHERE k.step > (SELECT min(step) FROM step)");
   std::uint64_t lost = 0;
-  while (gaps && gaps.Step() == Statement::Result::kRow) {
+  while (gaps.Step()) {
     if (gaps.integer(0) > 0) lost += static_cast<std::uint64_t>(gaps.integer(0));
   }
   return lost;
 }
 
-OpenedRun OpenRun(const std::string& file, std::string& error) {
+OpenedRun OpenRun(const std::string& file, std::string& error) try {
   OpenedRun run;
   error.clear();
   if (!IsPlainFile(file, error)) return run;
@@ -207,7 +210,7 @@ OpenedRun OpenRun(const std::string& file, std::string& error) {
     run.database = OpenDatabase(file, Database::Access::kReadOnly, error);
   }
   if (run.database == nullptr || !CheckKind(*run.database, error)) return {};
-  const bool closed = IsClosed(*run.database);
+  const bool closed = !HasNoTables(*run.database) && IsClosed(*run.database);
   const bool plain = run.database->Text("PRAGMA journal_mode") != "wal";
   if (plain && IsCutShort(*run.database)) {
     error = file + " is cut short: copy it again from where it was recorded";
@@ -220,7 +223,7 @@ OpenedRun OpenRun(const std::string& file, std::string& error) {
   std::string ignored;
   auto writable = OpenDatabase(file, Database::Access::kReadWrite, ignored);
   if (writable != nullptr) {
-    if (MakePlain(*writable)) {
+    if (writable->MakePlain()) {
       run.mended |= !closed && MarkClosed(*writable);
     } else {
       run.growing = writable->busy() && !closed;
@@ -234,11 +237,16 @@ OpenedRun OpenRun(const std::string& file, std::string& error) {
   writable.reset();
   run.database = OpenDatabase(file, Database::Access::kReadOnly, error);
   if (run.database != nullptr && !CheckKind(*run.database, error)) run.database.reset();
-  if (run.database != nullptr && run.growing) run.growing = !IsClosed(*run.database);
   if (run.database != nullptr && HasNoTables(*run.database)) {
     error = file + kNoStepsText;
     run.database.reset();
   }
+  if (run.database != nullptr && run.growing) run.growing = !IsClosed(*run.database);
+  return run;
+} catch (const DatabaseError& failed) {
+  error = UnfinishedText(failed.what());
+  OpenedRun run;
+  run.growing = failed.busy();
   return run;
 }
 

@@ -28,16 +28,16 @@ OpenedRun OpenRun(const std::string& file, std::string& error);
 /// the whole run, copy both. Empty: there is none.
 std::string UnmergedLog(const std::string& file);
 
-/// That something is missing, after `database` could not prepare a statement.
-std::string UnfinishedText(const Database& database);
+/// What to do after `error`, when a table or column is missing.
+std::string UnfinishedText(const std::string& error);
 
-/// Whether meta says that the recording was closed.
+/// Whether meta says that the recording was closed. Throws DatabaseError.
 bool IsClosed(Database& database);
 
-/// All but the texts' absence is checked; false with `error` if it is damaged.
+/// All but the texts' absence is checked; false with `error` if it is damaged. Throws DatabaseError.
 bool ReadHeader(Database& database, RunHeader& header, std::string& error);
 
-/// Steps left out, from the gaps before keyframes: whatever was lost ends with one.
+/// Steps left out, from the gaps before keyframes: whatever was lost ends with one. Throws DatabaseError.
 std::uint64_t CountLost(Database& database);
 
 }  // namespace coopdyn

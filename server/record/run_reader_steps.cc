@@ -42,6 +42,10 @@ bool KnowsRobots(const Records& records, std::size_t robots) {
   return true;
 }
 
+std::string KeyframeBefore(std::uint64_t step) {
+  return "the keyframe at or before step " + std::to_string(step);
+}
+
 }  // namespace
 
 bool RunReader::Impl::Decode(const Statement& row, bool inputs_only, RecordedStep& step) {
@@ -89,53 +93,54 @@ bool RunReader::Impl::DecodeReadings(const Statement& row, const Scene& scene, R
 }
 
 std::optional<RecordedStep> RunReader::Read(std::uint64_t step, bool inputs_only) {
-  Impl& impl = *impl_;
-  impl.error.clear();
-  if (!impl.sql) return impl.FailReading("its start"), std::nullopt;
+  impl_->error.clear();
+  return impl_->Guard("step " + std::to_string(step), [&] { return impl_->Read(step, inputs_only); });
+}
+
+std::optional<RecordedStep> RunReader::Impl::Read(std::uint64_t step, bool inputs_only) {
   if (step > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) return std::nullopt;
-  Statement& row = inputs_only ? impl.sql->inputs : impl.sql->whole;
+  Statement& row = inputs_only ? sql->inputs : sql->whole;
   row.Reset();
   row.Bind(1, static_cast<std::int64_t>(step));
-  const Impl::Result result = row.Step();
-  if (result != Impl::Result::kRow) {
-    result == Impl::Result::kError ? impl.FailReading("step " + std::to_string(step)) : impl.FailAsReplaced();
+  if (!row.Step()) {
+    FailAsReplaced();
     return std::nullopt;
   }
   std::optional<RecordedStep> read(std::in_place);
-  if (!impl.Decode(row, inputs_only, *read)) read.reset();
+  if (!Decode(row, inputs_only, *read)) read.reset();
   row.Reset();
   return read;
 }
 
 bool RunReader::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_only,
                         const std::function<bool(const RecordedStep&)>& use) {
-  Impl& impl = *impl_;
-  impl.error.clear();
+  impl_->error.clear();
+  return impl_->Guard("the steps from " + std::to_string(first) + " on",
+                      [&] { return impl_->ForEach(first, last, inputs_only, use); });
+}
+
+bool RunReader::Impl::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_only,
+                              const std::function<bool(const RecordedStep&)>& use) {
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   if (first > kMost) return true;
-  if (!impl.sql) return impl.FailReading("its start");
   const std::string readings = inputs_only ? "" : ", wheels, distances, targets, poses";
-  Statement rows =
-      impl.database().Prepare("SELECT step, time_ns, hash, scene, commands, messages" + readings +
-                              " FROM step WHERE step BETWEEN ?1 AND ?2 ORDER BY step LIMIT ?3");
-  if (!rows) return impl.FailReading("step " + std::to_string(first));
+  Statement rows = database().Prepare("SELECT step, time_ns, hash, scene, commands, messages" + readings +
+                                      " FROM step WHERE step BETWEEN ?1 AND ?2 ORDER BY step LIMIT ?3");
   rows.Bind(2, static_cast<std::int64_t>(std::min(last, kMost)));
   rows.Bind(3, kStepsInMemory);
   auto next = static_cast<std::int64_t>(first);
-  for (;;) {
+  for (std::int64_t count = kStepsInMemory; count == kStepsInMemory;) {
     rows.Bind(1, next);
-    std::int64_t count = 0;
-    Impl::Result result = rows.Step();
-    for (; result == Impl::Result::kRow; result = rows.Step(), ++count) {
+    for (count = 0; rows.Step(); ++count) {
       RecordedStep step;
-      if (!impl.Decode(rows, inputs_only, step)) return false;
+      if (!Decode(rows, inputs_only, step)) return false;
+      // In a damaged file rows may stand anywhere.
+      if (rows.integer(kStep) < next) return FailSense("step " + std::to_string(step.step) + " at its place");
       if (!use(step)) return true;
-      next = static_cast<std::int64_t>(step.step) + 1;
+      next = rows.integer(kStep) + 1;
     }
-    if (result == Impl::Result::kError) return impl.FailReading("step " + std::to_string(next));
-    rows.Reset();
-    if (count < kStepsInMemory) return true;
   }
+  return true;
 }
 
 std::shared_ptr<const Scenario> RunReader::LoadScenario(const SearchPath& path, Diagnostics& diagnostics) {
@@ -156,7 +161,7 @@ void RunReader::UseScenario(std::shared_ptr<const Scenario> scenario) {
 
 std::shared_ptr<const Scene> RunReader::SceneOf(std::uint64_t scene) {
   impl_->error.clear();
-  return impl_->SceneOf(scene);
+  return impl_->Guard("scene " + std::to_string(scene), [&] { return impl_->SceneOf(scene); });
 }
 
 std::shared_ptr<const Scene> RunReader::Impl::SceneOf(std::uint64_t scene_number) {
@@ -166,12 +171,9 @@ std::shared_ptr<const Scene> RunReader::Impl::SceneOf(std::uint64_t scene_number
     error = file + ": " + name + " needs the scenario, which has not been loaded";
     return nullptr;
   }
-  if (!sql) return FailReading(name), nullptr;
   sql->scene.Reset();
   sql->scene.Bind(1, static_cast<std::int64_t>(scene_number));
-  const Result result = sql->scene.Step();
-  if (result == Result::kError) return FailReading(name), nullptr;
-  if (result == Result::kDone) return FailSense("a step of " + name + ", which is missing,"), nullptr;
+  if (!sql->scene.Step()) return FailSense("a step of " + name + ", which is missing,"), nullptr;
   const auto model = [this](const std::string& type) -> std::shared_ptr<const RobotModel> {
     for (const RobotEntry& robot : scenario->robots) {
       if (robot.model->type == type) return robot.model;
@@ -188,38 +190,35 @@ std::shared_ptr<const Scene> RunReader::Impl::SceneOf(std::uint64_t scene_number
 }
 
 SavedStatePtr RunReader::Keyframe(std::uint64_t step) {
-  Impl& impl = *impl_;
-  impl.error.clear();
-  const std::string wanted = "the keyframe at or before step " + std::to_string(step);
-  if (!impl.sql) return impl.FailReading(wanted), nullptr;
-  Statement& row = impl.sql->keyframe;
+  impl_->error.clear();
+  return impl_->Guard(KeyframeBefore(step), [&] { return impl_->Keyframe(step); });
+}
+
+SavedStatePtr RunReader::Impl::Keyframe(std::uint64_t step) {
+  Statement& row = sql->keyframe;
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   row.Reset();
   row.Bind(1, static_cast<std::int64_t>(std::min(step, kMost)));
-  const Impl::Result result = row.Step();
-  if (result == Impl::Result::kError) return impl.FailReading(wanted), nullptr;
-  if (result == Impl::Result::kDone) {
-    impl.error = impl.file + ": " + wanted + " is missing: go on from a later time, or copy the file again";
+  if (!row.Step()) {
+    error =
+        file + ": " + KeyframeBefore(step) + " is missing: go on from a later time, or copy the file again";
     return nullptr;
   }
   const std::int64_t number = row.integer(0);
   const std::string name = "the keyframe of step " + std::to_string(number);
   SavedStatePtr state;
-  Statement& step_row = impl.sql->inputs;
+  Statement& step_row = sql->inputs;
   step_row.Reset();
   step_row.Bind(1, number);
-  const Impl::Result step_result = step_row.Step();
-  if (step_result == Impl::Result::kError) {
-    impl.FailReading(name);
-  } else if (step_result == Impl::Result::kDone || step_row.integer(kScene) < 0) {
-    impl.FailSense(name + " without its step");
-  } else if (const auto scene = impl.SceneOf(static_cast<std::uint64_t>(step_row.integer(kScene)))) {
+  if (!step_row.Step() || step_row.integer(kScene) < 0) {
+    FailSense(name + " without its step");
+  } else if (const auto scene = SceneOf(static_cast<std::uint64_t>(step_row.integer(kScene)))) {
     state = DecodeState(row.blob(1), scene);
     const bool fits = state != nullptr && state->frame->step == static_cast<std::uint64_t>(number) &&
                       state->frame->time == step_row.integer(kTime);
     if (!fits) {
       state = nullptr;
-      impl.FailSense(name);
+      FailSense(name);
     }
   }
   step_row.Reset();

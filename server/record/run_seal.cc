@@ -7,15 +7,13 @@ namespace coopdyn {
 
 namespace {
 
-/// Chains all rows of `rows`, of `columns` columns; nothing on error.
-std::optional<std::int32_t> ChainOf(Statement rows, int columns) {
+/// Chains all rows of `rows`, of `columns` columns.
+std::int32_t ChainOf(Statement rows, int columns) {
   RowChain chain;
-  Statement::Result result = rows ? rows.Step() : Statement::Result::kError;
-  for (; result == Statement::Result::kRow; result = rows.Step()) {
+  while (rows.Step()) {
     chain.Columns(rows, 0, columns);
     chain.Link();
   }
-  if (result == Statement::Result::kError) return std::nullopt;
   return chain.value();
 }
 
@@ -32,7 +30,7 @@ std::string EndsText(const TableEnds& ends) {
   return text;
 }
 
-bool AddSceneParts(Database& database, std::int64_t number, RowChain& chain) {
+void AddSceneParts(Database& database, std::int64_t number, RowChain& chain) {
   struct Part {
     const char* sql;
     int columns;
@@ -46,50 +44,52 @@ bool AddSceneParts(Database& database, std::int64_t number, RowChain& chain) {
   };
   for (const Part& part : kParts) {
     Statement rows = database.Prepare(part.sql);
-    if (!rows) return false;
     rows.Bind(1, number);
-    Statement::Result result = rows.Step();
-    for (; result == Statement::Result::kRow; result = rows.Step()) chain.Columns(rows, 0, part.columns);
-    if (result == Statement::Result::kError) return false;
+    while (rows.Step()) chain.Columns(rows, 0, part.columns);
   }
-  return true;
 }
 
-bool LinkScene(Database& database, TableEnd& end) {
+bool LinkScene(Database& database, TableEnd& end) try {
   const ChainedTable& table = kChainedTables[kSceneTable];
   ++end.id;
   Statement row = database.Prepare("SELECT " + std::string(table.columns) + " FROM scene WHERE id = ?1");
-  if (!row) return false;
   row.Bind(1, end.id);
-  if (row.Step() != Statement::Result::kRow) return false;
+  if (!row.Step()) return false;
   end.chain.Columns(row, 0, table.column_count);
   row.Reset();
-  if (!AddSceneParts(database, end.id, end.chain)) return false;
+  AddSceneParts(database, end.id, end.chain);
   Statement update = database.Prepare("UPDATE scene SET chain = ?1 WHERE id = ?2");
   if (!update) return false;
   update.Bind(1, std::int64_t{end.chain.Link()});
   update.Bind(2, end.id);
   return update.Run();
+} catch (const DatabaseError&) {
+  return false;
 }
 
-std::optional<std::int32_t> TextsChain(Database& database) {
+std::int32_t TextsChain(Database& database) {
   return ChainOf(database.Prepare("SELECT kind, name, file, content FROM text ORDER BY kind, name"), 4);
 }
 
-std::optional<std::int32_t> SealOf(Database& database) {
+std::int32_t SealOf(Database& database) {
   return ChainOf(database.Prepare("SELECT key, value FROM meta WHERE key <> 'seal' ORDER BY key"), 2);
 }
 
 bool IsSealed(Database& database) {
-  const std::optional<std::int32_t> seal = SealOf(database);
-  Statement stored = database.Prepare("SELECT value FROM meta WHERE key = 'seal'");
-  return seal && stored && stored.Step() == Statement::Result::kRow && stored.is_integer(0) &&
-         stored.integer(0) == *seal;
+  const std::int32_t seal = SealOf(database);
+  return database.Integer("SELECT value FROM meta WHERE key = 'seal' AND typeof(value) = 'integer'") == seal;
 }
 
-bool Seal(Database& database) {
-  const std::optional<std::int32_t> seal = SealOf(database);
-  return seal && SetMeta(database, "seal", std::int64_t{*seal});
+bool SealTexts(Database& database) try {
+  return SetMeta(database, "texts", std::int64_t{TextsChain(database)});
+} catch (const DatabaseError&) {
+  return false;
+}
+
+bool Seal(Database& database) try {
+  return SetMeta(database, "seal", std::int64_t{SealOf(database)});
+} catch (const DatabaseError&) {
+  return false;
 }
 
 }  // namespace coopdyn

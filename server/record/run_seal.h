@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "server/record/row_chain.h"
@@ -42,18 +41,21 @@ std::string EndText(std::size_t table, const TableEnd& end);
 std::string EndsText(const TableEnds& ends);
 
 /// Adds the rows of body, robot and target of scene `number`, as they stand in the file, to the row of that
-/// scene in the making. False if they cannot be read.
-bool AddSceneParts(Database& database, std::int64_t number, RowChain& chain);
-/// Writes the chain of scene `end.id` + 1, whose rows have been written, and goes on to it.
-bool LinkScene(Database& database, TableEnd& end);
-
-/// Of table text: meta `texts`. Nothing if it cannot be read.
-std::optional<std::int32_t> TextsChain(Database& database);
-/// Of table meta but `seal`: meta `seal`. Nothing if it cannot be read.
-std::optional<std::int32_t> SealOf(Database& database);
-/// Whether meta has the seal that it ought to have.
+/// scene in the making. Throws DatabaseError.
+void AddSceneParts(Database& database, std::int64_t number, RowChain& chain);
+/// Of table text: meta `texts`. Throws DatabaseError.
+std::int32_t TextsChain(Database& database);
+/// Of table meta but `seal`: meta `seal`. Throws DatabaseError.
+std::int32_t SealOf(Database& database);
+/// Whether meta has the seal that it ought to have. Throws DatabaseError.
 bool IsSealed(Database& database);
-/// Writes meta `seal`, after the last change of meta in a transaction. False on error.
-bool Seal(Database& database);
+
+// For those who write; false on error.
+/// Writes the chain of scene `end.id` + 1, whose rows have been written, and goes on to it.
+[[nodiscard]] bool LinkScene(Database& database, TableEnd& end);
+/// Writes meta `texts`.
+[[nodiscard]] bool SealTexts(Database& database);
+/// Writes meta `seal`, after the last change of meta in a transaction.
+[[nodiscard]] bool Seal(Database& database);
 
 }  // namespace coopdyn

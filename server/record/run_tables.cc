@@ -129,6 +129,11 @@ bool WriteHeader(Database& database, const RunHeader& header) {
   for (const auto& [key, value] : texts) {
     if (!SetMetaText(database, key, value)) return false;
   }
+  std::string controllers;
+  for (const PluginHash& one : header.controllers) {
+    controllers += (controllers.empty() ? "" : ", ") + one.name + " " + one.hash;
+  }
+  if (!controllers.empty() && !SetMetaText(database, "controllers", controllers)) return false;
   if (header.substeps && !SetMeta(database, "substeps", *header.substeps)) return false;
   if (!SetMeta(database, "format", kRunFormat) || !SetMeta(database, "step_ns", header.step_length) ||
       !SetMeta(database, "pose_every_ns", header.pose_every) || !SetMeta(database, "closed", 0) ||

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -128,6 +129,14 @@ RunHeader HeaderOf(const Frame& frame, Mode mode, const RecordWhat& what, Nanose
   header.substeps = scenario.simulation.substeps;
   header.what = what;
   header.pose_every = pose_every;
+  std::set<std::string> known;
+  for (const SceneRobot& robot : frame.scene->robots) {
+    const ControllerChoice& choice = robot.entry.controller;
+    if (choice.empty() || !known.insert(choice.name).second) continue;
+    if (std::string hash = FileHash(choice.file); !hash.empty()) {
+      header.controllers.push_back({choice.name, std::move(hash)});
+    }
+  }
   return header;
 }
 
@@ -166,11 +175,10 @@ bool RunWriter::Open(const SavedState& first) {
   if (options_.max_pages > 0) setup += "; PRAGMA max_page_count = " + std::to_string(options_.max_pages);
   if (!database_->Run(setup) || !Begin() || !CreateTables(*database_)) return Failed();
   if (!WriteHeader(*database_, options_.header) || !PrepareStatements()) return Failed();
-  const std::optional<std::int32_t> texts = TextsChain(*database_);
-  if (!texts || !SetMeta(*database_, "texts", std::int64_t{*texts})) return Failed();
+  if (!SealTexts(*database_)) return Failed();
   begin_ = first.frame->time;
   if (!AddStep(*first.frame) || !AddKeyframe(first) || !Commit()) return false;
-  steps_ = 0;
+  now_.steps = committed_.steps = 0;
   return true;
 }
 
@@ -190,24 +198,35 @@ bool RunWriter::Begin() {
 }
 
 bool RunWriter::Failed() {
-  if (error_.empty()) error_ = database_->error();
+  if (error_.empty()) {
+    full_ = database_->full();
+    error_ = database_->error();
+  }
   if (database_->in_transaction()) database_->Run("ROLLBACK");
   dirty_ = false;
+  now_ = committed_;
   return false;
+}
+
+void RunWriter::GoOn() {
+  error_.clear();
+  full_ = false;
+  // The log is written anew from its start then, and takes less room.
+  database_->Run("PRAGMA wal_checkpoint");
 }
 
 bool RunWriter::AddStep(const Frame& frame) {
   if (!Begin()) return false;
-  const bool new_scene = frame.scene != scene_;
+  const bool new_scene = frame.scene != now_.scene;
   if (new_scene) {
-    scene_ = frame.scene;
-    if (!WriteScene(*database_, ++scene_number_, frame.step, *scene_) ||
-        !LinkScene(*database_, ends_[kSceneTable])) {
+    now_.scene = frame.scene;
+    if (!WriteScene(*database_, ++now_.scene_number, frame.step, *now_.scene) ||
+        !LinkScene(*database_, now_.ends[kSceneTable])) {
       return Failed();
     }
-    is_recomputed_.assign(scene_->robots.size(), false);
-    for (std::size_t i = 0; i < scene_->robots.size() && !options_.header.what.controllers; ++i) {
-      is_recomputed_[i] = !scene_->robots[i].entry.controller.empty();
+    now_.is_recomputed.assign(now_.scene->robots.size(), false);
+    for (std::size_t i = 0; i < now_.scene->robots.size() && !options_.header.what.controllers; ++i) {
+      now_.is_recomputed[i] = !now_.scene->robots[i].entry.controller.empty();
     }
   }
   FindCommands(frame, new_scene);
@@ -215,23 +234,23 @@ bool RunWriter::AddStep(const Frame& frame) {
   std::copy_if(frame.messages.begin(), frame.messages.end(), std::back_inserter(messages_),
                [&frame](const SentMessage& sent) { return sent.step == frame.step; });
   if (!WriteRow(frame)) return Failed();
-  ++steps_;
-  end_ = frame.time;
-  last_step_ = frame.step;
+  ++now_.steps;
+  now_.end = frame.time;
+  now_.last_step = frame.step;
   return true;
 }
 
 void RunWriter::FindCommands(const Frame& frame, bool new_scene) {
-  const bool is_first = scene_number_ == 1 && new_scene;  // what is in force came before
+  const bool is_first = now_.scene_number == 1 && new_scene;  // what is in force came before
   commands_.clear();
-  in_force_.resize(frame.robots.size());
+  now_.in_force.resize(frame.robots.size());
   for (std::size_t i = 0; i < frame.robots.size(); ++i) {
     const RobotState& robot = frame.robots[i];
     // A client drives it, so its controller is gone: what it gets from now on nobody can compute.
-    if (robot.commanded && !is_first) is_recomputed_[i] = false;
-    const bool changed = !SameBits(robot.setpoint_rad_s, in_force_[i]);
-    in_force_[i] = robot.setpoint_rad_s;
-    if (new_scene || robot.commanded || (changed && !is_recomputed_[i])) {
+    if (robot.commanded && !is_first) now_.is_recomputed[i] = false;
+    const bool changed = !SameBits(robot.setpoint_rad_s, now_.in_force[i]);
+    now_.in_force[i] = robot.setpoint_rad_s;
+    if (new_scene || robot.commanded || (changed && !now_.is_recomputed[i])) {
       commands_.push_back(
           {static_cast<std::uint32_t>(i), robot.commanded && !is_first, robot.setpoint_rad_s});
     }
@@ -240,7 +259,7 @@ void RunWriter::FindCommands(const Frame& frame, bool new_scene) {
 
 bool RunWriter::IsShown(Nanoseconds time) const {
   const Nanoseconds every = options_.header.pose_every;
-  return every <= 0 || shown_ < 0 || time / every != shown_ / every;
+  return every <= 0 || now_.shown < 0 || time / every != now_.shown / every;
 }
 
 void RunWriter::EncodeShown(const Frame& frame) {
@@ -259,13 +278,13 @@ bool RunWriter::WriteRow(const Frame& frame) {
   EncodeMessages(messages_, messages_blob_);
   if (IsShown(frame.time)) {
     EncodeShown(frame);
-    shown_ = frame.time;
+    now_.shown = frame.time;
   }
-  RowInserter row(insert_.step, ends_[kStepTable]);
+  RowInserter row(insert_.step, now_.ends[kStepTable]);
   row.Integer(static_cast<std::int64_t>(frame.step));
   row.Integer(frame.time);
   row.Integer(static_cast<std::int64_t>(StateHash(frame)));
-  row.Integer(scene_number_);
+  row.Integer(now_.scene_number);
   for (const auto* blob : {&commands_blob_, &messages_blob_, &wheels_, &distances_, &targets_, &poses_}) {
     row.Blob(*blob);
   }
@@ -275,7 +294,7 @@ bool RunWriter::WriteRow(const Frame& frame) {
 bool RunWriter::AddKeyframe(const SavedState& state) {
   if (!Begin()) return false;
   const std::vector<std::byte> bytes = EncodeState(state);
-  RowInserter row(insert_.keyframe, ends_[kKeyframeTable]);
+  RowInserter row(insert_.keyframe, now_.ends[kKeyframeTable]);
   row.Integer(static_cast<std::int64_t>(state.frame->step));
   row.Blob(bytes);
   return row.Run() || Failed();
@@ -284,11 +303,11 @@ bool RunWriter::AddKeyframe(const SavedState& state) {
 bool RunWriter::AddInput(const RunInput& input) {
   if (!Begin()) return false;
   if (input.action == "release_robot") {
-    const int robot = scene_->FindRobot(input.detail);
-    if (robot >= 0) is_recomputed_[static_cast<std::size_t>(robot)] = false;
+    const int robot = now_.scene->FindRobot(input.detail);
+    if (robot >= 0) now_.is_recomputed[static_cast<std::size_t>(robot)] = false;
   }
-  RowInserter row(insert_.input, ends_[kInputTable]);
-  row.Integer(ends_[kInputTable].id + 1);
+  RowInserter row(insert_.input, now_.ends[kInputTable]);
+  row.Integer(now_.ends[kInputTable].id + 1);
   row.Integer(static_cast<std::int64_t>(input.step));
   row.Text(input.action);
   row.Text(input.detail);
@@ -297,8 +316,8 @@ bool RunWriter::AddInput(const RunInput& input) {
 
 bool RunWriter::AddEvent(const Event& event) {
   if (!Begin()) return false;
-  RowInserter row(insert_.event, ends_[kEventTable]);
-  row.Integer(ends_[kEventTable].id + 1);
+  RowInserter row(insert_.event, now_.ends[kEventTable]);
+  row.Integer(now_.ends[kEventTable].id + 1);
   row.Integer(static_cast<std::int64_t>(event.step));
   row.Integer(static_cast<std::int64_t>(std::llround(event.time_s * 1e9)));
   row.Text(event.level);
@@ -308,22 +327,30 @@ bool RunWriter::AddEvent(const Event& event) {
 
 bool RunWriter::AddLost(std::uint64_t steps) {
   if (!Begin()) return false;
-  lost_ += steps;
-  return SetMeta(*database_, "lost", static_cast<std::int64_t>(lost_)) || Failed();
+  now_.lost += steps;
+  return SetMeta(*database_, "lost", static_cast<std::int64_t>(now_.lost)) || Failed();
+}
+
+bool RunWriter::AddLostAfter(std::uint64_t steps) {
+  if (!Begin()) return false;
+  now_.lost_after += steps;
+  return AddLost(steps) &&
+         (SetMeta(*database_, "lost_after", static_cast<std::int64_t>(now_.lost_after)) || Failed());
 }
 
 bool RunWriter::Commit() {
   if (!error_.empty()) return false;
-  if (dirty_ &&
-      (!SetMetaText(*database_, "ends", EndsText(ends_)) || !Seal(*database_) || !database_->Run("COMMIT"))) {
+  if (dirty_ && (!SetMetaText(*database_, "ends", EndsText(now_.ends)) || !Seal(*database_) ||
+                 !database_->Run("COMMIT"))) {
     return Failed();
   }
+  if (dirty_) committed_ = now_;
   dirty_ = false;
   return true;
 }
 
 bool RunWriter::Close(std::string& remark) {
-  const auto last_step = static_cast<std::int64_t>(last_step_);
+  const auto last_step = static_cast<std::int64_t>(now_.last_step);
   if (!Begin() || !SetMeta(*database_, "last_step", last_step) || !SetMeta(*database_, "closed", 1)) {
     return Failed();
   }
@@ -331,9 +358,9 @@ bool RunWriter::Close(std::string& remark) {
   insert_ = Statements();
   database_->Run("PRAGMA busy_timeout = " + std::to_string(kCloseTimeoutMs));
   database_->Run("PRAGMA wal_checkpoint(TRUNCATE)");
-  const std::string journal = database_->Text("PRAGMA journal_mode = DELETE").value_or(database_->error());
+  const bool plain = database_->MakePlain();
   database_.reset();
-  if (journal != "delete") {
+  if (!plain) {
     remark = file_ + " is open elsewhere: " + file_ + "-wal belongs to it until it is closed there";
   }
   return true;

@@ -35,7 +35,8 @@ class RunWriter {
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
 
-  // False: it could not be written, error() says why, and the file takes no more.
+  // False: it could not be written, and error() says why. What was not committed is gone, and the file takes
+  // no more until GoOn().
   /// A step of the run; steps grow. A scene other than the last frame's is written too.
   bool AddStep(const Frame& frame);
   /// The exact state of a step that was added.
@@ -44,8 +45,12 @@ class RunWriter {
   bool AddEvent(const Event& event);
   /// So many steps more were left out.
   bool AddLost(std::uint64_t steps);
+  /// The same, after the last one that is written.
+  bool AddLostAfter(std::uint64_t steps);
   /// Makes what was added so far safe from a crash, and visible to readers.
   bool Commit();
+  /// Forgets the failure: what comes now stands after what was committed. The next step is to be a keyframe.
+  void GoOn();
   /// Commits and makes it one plain file. If another process has it open, a -wal file stays beside it, and
   /// `remark` says so.
   bool Close(std::string& remark);
@@ -53,10 +58,14 @@ class RunWriter {
   const std::string& file() const { return file_; }
   /// "lesson1.run: the disk is full".
   const std::string& error() const { return error_; }
+  /// It failed for want of room: there may be some later.
+  bool full() const { return full_; }
   /// After the first frame; with those not yet committed.
-  std::uint64_t steps() const { return steps_; }
+  std::uint64_t steps() const { return now_.steps; }
+  /// Left out, as was said; likewise.
+  std::uint64_t lost() const { return now_.lost; }
   Nanoseconds begin() const { return begin_; }
-  Nanoseconds end() const { return end_; }
+  Nanoseconds end() const { return now_.end; }
   /// Something was added since the last Commit().
   bool dirty() const { return dirty_; }
   /// Of the file and what lies beside it until it is closed. Asks the file system.
@@ -83,17 +92,22 @@ class RunWriter {
     Statement step, keyframe, input, event;
   };
   Statements insert_;
-  TableEnds ends_;
   std::string error_;
-  bool dirty_ = false;
+  bool dirty_ = false, full_ = false;
+  Nanoseconds begin_ = 0;
 
-  std::shared_ptr<const Scene> scene_;
-  std::int64_t scene_number_ = 0;
-  std::vector<Setpoint> in_force_;   // of scene_->robots
-  std::vector<bool> is_recomputed_;  // likewise: its controller's set-points are left out
-  std::uint64_t steps_ = 0, lost_ = 0, last_step_ = 0;
-  Nanoseconds begin_ = 0, end_ = 0;
-  Nanoseconds shown_ = -1;  // time of the last step with poses
+  /// What the rows so far mean for those to come.
+  struct Progress {
+    TableEnds ends;
+    std::shared_ptr<const Scene> scene;
+    std::int64_t scene_number = 0;
+    std::vector<Setpoint> in_force;   // of scene->robots
+    std::vector<bool> is_recomputed;  // likewise: its controller's set-points are left out
+    std::uint64_t steps = 0, lost = 0, lost_after = 0, last_step = 0;
+    Nanoseconds end = 0;
+    Nanoseconds shown = -1;  // time of the last step with poses
+  };
+  Progress now_, committed_;
 
   // Of the step in the making; kept for their memory.
   std::vector<CommandRecord> commands_;

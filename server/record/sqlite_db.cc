@@ -28,10 +28,12 @@ std::string ErrorText(sqlite3* database) {
 
 }  // namespace
 
-Statement::Statement(Statement&& other) noexcept : statement_(std::exchange(other.statement_, nullptr)) {}
+Statement::Statement(Statement&& other) noexcept
+    : statement_(std::exchange(other.statement_, nullptr)), database_(other.database_) {}
 
 Statement& Statement::operator=(Statement&& other) noexcept {
   std::swap(statement_, other.statement_);
+  std::swap(database_, other.database_);
   return *this;
 }
 
@@ -62,25 +64,30 @@ void Statement::BindBlob(int parameter, std::span<const std::byte> bytes) {
   sqlite3_bind_blob64(statement_, parameter, bytes.data(), bytes.size(), SQLITE_STATIC);
 }
 
-Statement::Result Statement::Step() {
+bool Statement::Step() {
   errno = 0;
   switch (sqlite3_step(statement_)) {
     case SQLITE_ROW:
-      return Result::kRow;
+      return true;
     case SQLITE_DONE:
       sqlite3_reset(statement_);
-      return Result::kDone;
+      return false;
     default:
+      if (database_ == nullptr) throw DatabaseError("a statement of no database", false);
+      DatabaseError error(database_->error(), database_->busy());
       sqlite3_reset(statement_);
-      return Result::kError;
+      throw error;
   }
 }
 
 bool Statement::Run() {
-  Result result = Step();
-  while (result == Result::kRow) result = Step();
-  if (result == Result::kError) return false;
-  return sqlite3_reset(statement_) == SQLITE_OK;
+  errno = 0;
+  int code = sqlite3_step(statement_);
+  while (code == SQLITE_ROW) code = sqlite3_step(statement_);
+  const int last = errno;  // that of the failure, for Database::error()
+  const bool reset = sqlite3_reset(statement_) == SQLITE_OK;
+  errno = last;
+  return code == SQLITE_DONE && reset;
 }
 
 void Statement::Reset() {
@@ -172,7 +179,7 @@ Statement Database::Prepare(std::string_view sql) {
   sqlite3_stmt* statement = nullptr;
   sqlite3_prepare_v3(database_, sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
                      &statement, nullptr);
-  return Statement(statement);
+  return {statement, *this};
 }
 
 bool Database::Run(const std::string& sql) {
@@ -182,14 +189,20 @@ bool Database::Run(const std::string& sql) {
 
 std::optional<std::int64_t> Database::Integer(std::string_view sql) {
   Statement statement = Prepare(sql);
-  if (!statement || statement.Step() != Statement::Result::kRow || statement.is_null(0)) return {};
+  if (!statement.Step() || statement.is_null(0)) return {};
   return statement.integer(0);
 }
 
 std::optional<std::string> Database::Text(std::string_view sql) {
   Statement statement = Prepare(sql);
-  if (!statement || statement.Step() != Statement::Result::kRow || statement.is_null(0)) return {};
+  if (!statement.Step() || statement.is_null(0)) return {};
   return statement.text(0);
+}
+
+bool Database::MakePlain() try {
+  return Text("PRAGMA journal_mode = DELETE") == "delete";
+} catch (const DatabaseError&) {
+  return false;
 }
 
 bool Database::in_transaction() const {
@@ -208,6 +221,12 @@ int Database::error_code() const {
 bool Database::busy() const {
   const int code = error_code();
   return code == SQLITE_BUSY || code == SQLITE_LOCKED;
+}
+
+bool Database::full() const {
+  const int last = errno;
+  const int code = error_code();
+  return code == SQLITE_FULL || (code == SQLITE_IOERR && (last == ENOSPC || last == EDQUOT || last == EFBIG));
 }
 
 bool Database::damaged() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// SQLite with owners instead of handles: a database and its prepared statements. Errors are return values and
-// texts, never exceptions. One thread at a time.
+// SQLite with owners instead of handles: a database and its prepared statements. What reads throws, so that
+// no error can be taken for the end of the rows; what writes returns false, and nobody may ignore it. One
+// thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,10 +19,22 @@ struct sqlite3_stmt;
 
 namespace coopdyn {
 
+class Database;
+
+/// SQLite could not read: what() is as Database::error() says it.
+class DatabaseError final : public std::runtime_error {
+ public:
+  DatabaseError(const std::string& text, bool busy) : std::runtime_error(text), busy_(busy) {}
+  /// Others hold the database.
+  bool busy() const { return busy_; }
+
+ private:
+  bool busy_;
+};
+
 /// A prepared statement. Its database lives longer. Parameters count from 1, columns from 0, as in SQL.
 class Statement {
  public:
-  enum class Result { kRow, kDone, kError };
   enum class Kind : std::uint8_t { kNull, kInteger, kReal, kText, kBlob };
 
   Statement() = default;
@@ -39,10 +53,11 @@ class Statement {
   /// No bytes at all are NULL.
   void BindBlob(int parameter, std::span<const std::byte> bytes);
 
-  /// Runs on to the next row, or to the end, which resets the statement, as an error does.
-  Result Step();
+  /// Goes on to the next row. False: there is none, and the statement is reset. Throws DatabaseError, also if
+  /// it could not be prepared.
+  [[nodiscard]] bool Step();
   /// Steps to the end of a statement without rows, and resets it; false on error.
-  bool Run();
+  [[nodiscard]] bool Run();
   /// Ready for new parameters and another run. What was bound stays bound.
   void Reset();
 
@@ -57,9 +72,11 @@ class Statement {
 
  private:
   friend class Database;
-  explicit Statement(sqlite3_stmt* statement) : statement_(statement) {}
+  Statement(sqlite3_stmt* statement, const Database& database)
+      : statement_(statement), database_(&database) {}
 
   sqlite3_stmt* statement_ = nullptr;
+  const Database* database_ = nullptr;  // where it was prepared
 };
 
 class Database {
@@ -80,9 +97,11 @@ class Database {
   Statement Prepare(std::string_view sql);
   /// Runs statements, separated by semicolons, and drops their rows; false on error.
   bool Run(const std::string& sql);
-  /// The first column of the first row; nothing if there is none, it is NULL, or on error.
+  /// The first column of the first row; nothing if there is none, or it is NULL. Throws DatabaseError.
   std::optional<std::int64_t> Integer(std::string_view sql);
   std::optional<std::string> Text(std::string_view sql);
+  /// Makes a log that lies beside the file part of it, if nobody else has it open: then all is in one file.
+  [[nodiscard]] bool MakePlain();
   /// A transaction has begun and not ended; SQLite ends one itself when the disk is full.
   bool in_transaction() const;
 
@@ -94,6 +113,8 @@ class Database {
   bool busy() const;
   /// It failed since the file is no database, a damaged one, or its disk cannot be read.
   bool damaged() const;
+  /// The last call that failed found no room: the disk, a quota, or a limit on the size of files.
+  bool full() const;
 
  private:
   Database(std::string file, sqlite3* database) : file_(std::move(file)), database_(database) {}

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "server/replay/export_file.h"
 #include "server/replay/run_table.h"
@@ -64,13 +65,16 @@ void AppendRow(const RunRow& row, const RecordWhat& what, std::string& line) {
   line += '\n';
 }
 
-void WriteEvents(RunTable& table, ExportFile& file) {
+std::string WriteEvents(RunTable& table, ExportFile& file) {
+  std::vector<Event> events;
+  if (std::string error = table.ReadEvents(events); !error.empty()) return error;
   file.Write("step,time_s,level,text\n");
-  for (const Event& event : table.Events()) {
+  for (const Event& event : events) {
     std::string line = std::to_string(event.step) + ",";
     AppendNumber(event.time_s, line);
     file.Write(line + "," + event.level + "," + CsvQuoted(event.text) + "\n");
   }
+  return file.Close();
 }
 
 }  // namespace
@@ -120,8 +124,7 @@ std::string ExportCsv(RunReader& reader, const ExportOptions& options, const std
   error = table->ForEach({write_row, nullptr}, go_on);
   if (!file.failed() && !error.empty()) return error;
   if (!file.failed() && rows == 0) return "no step of this time range was recorded with poses";
-  WriteEvents(*table, events);
-  if (error = events.Close(); !error.empty()) return error;
+  if (error = WriteEvents(*table, events); !error.empty()) return error;
   if (error = file.Commit(); !error.empty()) return error;
   return events.Commit();
 }

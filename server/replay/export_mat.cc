@@ -184,7 +184,8 @@ MatValue EventsValue(const std::vector<Event>& all) {
   return events.Take();
 }
 
-MatValue RunValue(RunReader& reader, RunTable& table, RunMatrices& run) {
+MatValue RunValue(RunReader& reader, const RunTable& table, const std::vector<Event>& events,
+                  RunMatrices& run) {
   const RunHeader& header = reader.header();
   const RunColumns& columns = table.columns();
   std::vector<std::string> names;
@@ -201,7 +202,7 @@ MatValue RunValue(RunReader& reader, RunTable& table, RunMatrices& run) {
   value.Set("robots", RobotsValue(columns, run));
   value.Set("objects", ObjectsValue(columns, run));
   value.Set("targets", TargetsValue(columns));
-  value.Set("events", EventsValue(table.Events()));
+  value.Set("events", EventsValue(events));
   return value.Take();
 }
 
@@ -268,7 +269,9 @@ std::string ExportMat(RunReader& reader, const ExportOptions& options, const std
   error = table->ForEach({take_row, take_command}, reading);
   if (!error.empty()) return error;
   if (run.hashes.empty()) return "no step of this time range was recorded with poses";
-  error = WriteWatched(RunValue(reader, *table, run), reader.header().version, progress, file);
+  std::vector<Event> events;
+  if (error = table->ReadEvents(events); !error.empty()) return error;
+  error = WriteWatched(RunValue(reader, *table, events, run), reader.header().version, progress, file);
   if (!error.empty()) return error;
   return file.Commit();
 } catch (const std::bad_alloc&) {

@@ -15,6 +15,7 @@
 #include "server/model/values.h"
 #include "server/replay/export_file.h"
 #include "server/replay/run_table.h"
+#include "server/replay/verify_chain.h"
 
 namespace coopdyn {
 
@@ -48,6 +49,13 @@ std::string CheckFolder(const std::string& out, bool overwrite) {
       return out + " holds more than pictures (" + name + "): it is not overwritten; choose another --out";
   }
   return code ? out + " cannot be read: " + code.message() : "";
+}
+
+/// Why the rows that show `begin` to `end` are not to be trusted; empty: they are as they were written.
+std::string WhyDamagedBetween(RunReader& reader, Nanoseconds begin, Nanoseconds end) {
+  const auto first = reader.StepAt(begin, true), last = first ? reader.StepAt(end, true) : std::nullopt;
+  if (last) return WhyDamaged(reader, *first, *last);
+  return reader.error().empty() ? "this run was recorded without poses" : reader.error();
 }
 
 /// A new folder under a name of its own; goes, unless it is put in its place.
@@ -120,6 +128,8 @@ FilmTimes ChooseTimes(RunReader& reader, const ExportOptions& options, const Pic
     error =
         fmt::format("these would be {} pictures: choose a time range, a larger --speed or a smaller --fps",
                     times.count());
+  } else {
+    error = WhyDamagedBetween(reader, times.begin, times.end);
   }
   return times;
 }
@@ -179,6 +189,7 @@ std::string ExportPicture(RunReader& reader, double time_s, const PictureOptions
   }
   ExportFile file(out);
   if (std::string error = file.Open(overwrite); !error.empty()) return error;
+  if (std::string error = WhyDamagedBetween(reader, time, time); !error.empty()) return error;
   ImageRequest image = pictures.image;
   image.format = ImageFormat::kPng;
   const ImageResult picture = Film(reader, pictures).At(time, image);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 namespace coopdyn {
@@ -59,6 +60,20 @@ void Resimulator::Warn(const std::string& line) {
   warning_ += (warning_.empty() ? "" : "\n") + line;
 }
 
+void Resimulator::WarnOfOtherPlugins(const Scene& scene) {
+  std::set<std::string> known;
+  for (const SceneRobot& robot : scene.robots) {
+    const ControllerChoice& choice = robot.entry.controller;
+    if (choice.empty() || !known.insert(choice.name).second) continue;
+    const auto recorded = std::ranges::find(header_.controllers, choice.name, &PluginHash::name);
+    if (recorded == header_.controllers.end()) continue;
+    const std::string now = FileHash(choice.file);
+    if (now == recorded->hash) continue;
+    Warn("controller " + choice.name + " is not the one that was recorded (hash " + recorded->hash +
+         ", now " + (now.empty() ? "unreadable" : now) + ")");
+  }
+}
+
 bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
                                 std::string& why) {
   if (const std::string name = MissingController(*scene); !name.empty()) {
@@ -69,6 +84,7 @@ bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::
     host_ = std::make_unique<ControllerHost>(services_.controllers, services_.clock, services_.logger,
                                              services_.pool);
   }
+  WarnOfOtherPlugins(*scene);
   Diagnostics diagnostics;
   simulation_ =
       Simulation::Build(scene, seed, kEpoch, {&services_.pool, host_.get()}, services_.clock, diagnostics);
@@ -114,24 +130,20 @@ bool Resimulator::Build(const std::shared_ptr<const Scene>& scene, std::uint64_t
   return simulation_ != nullptr;
 }
 
-std::string Resimulator::WhyControllersDiffer(const SavedState& state) {
-  if (host_ == nullptr || state.controllers.empty()) return {};
-  const std::vector<StoppedController> stopped = host_->TakeStopped();
-  // Nothing has run yet: what they save is what they were given, unless it did not fit.
-  if (host_->Save() == state.controllers) return {};
-  if (stopped.empty()) return "the controllers that are found do not take the state that was saved";
-  return stopped.front().why + " (" + stopped.front().robot + ")";
-}
-
 bool Resimulator::Restore(const SavedStatePtr& state, std::uint64_t scene_number) {
   const std::shared_ptr<const Scene>& scene = state->frame->scene;
   const bool same = simulation_ != nullptr && &simulation_->scene() == scene.get();
   if (!same && !Build(scene, state->frame->seed)) return false;
-  simulation_->Restore(*state, kEpoch);
-  if (const std::string why = WhyControllersDiffer(*state); !why.empty()) {
+  std::string why = simulation_->Restore(*state, kEpoch);
+  if (!why.empty()) {
     if (!GiveUpControllers(scene, state->frame->seed, why)) return false;
-    simulation_->Restore(*state, kEpoch);
+    why = simulation_->Restore(*state, kEpoch);
   }
+  if (!why.empty()) {
+    error_ = file_ + ": its state cannot be restored: " + why;
+    return false;
+  }
+  if (host_ != nullptr) host_->TakeStopped();  // those that stood in the run, too
   scene_number_ = scene_number;
   mode_ = state->mode;
   paused_ = state->paused;

@@ -48,6 +48,8 @@ class Resimulator {
   std::span<const std::uint8_t> computed() const { return computed_; }
   /// The controllers are those of the run, not RecordedControllers.
   bool has_controllers() const { return host_ != nullptr; }
+  /// They are RecordedControllers.
+  bool controllers_given_up() const { return controllers_given_up_; }
 
   const std::string& error() const { return error_; }
   /// What the outcome is to be read with; lines, empty if there is nothing.
@@ -55,13 +57,12 @@ class Resimulator {
 
  private:
   bool Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed);
+  void WarnOfOtherPlugins(const Scene& scene);
   /// The controllers of the run; false with `why` if they are not to be had.
   bool BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed, std::string& why);
   /// Uses RecordedControllers from now on; `why` the others cannot be used.
   bool GiveUpControllers(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
                          const std::string& why);
-  /// After a Restore(): why the controllers are not those of `state`; empty: they are.
-  std::string WhyControllersDiffer(const SavedState& state);
   void Apply(const RunInput& input);
   void ListComputed();
   void Warn(const std::string& line);

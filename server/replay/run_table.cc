@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "server/model/values.h"
+#include "server/replay/verify_chain.h"
 
 namespace coopdyn {
 
@@ -299,11 +300,12 @@ std::uint64_t RunTable::max_rows() const {
   return impl_->max_rows;
 }
 
-std::vector<Event> RunTable::Events() {
-  std::vector<Event> events = impl_->reader.Events();
+std::string RunTable::ReadEvents(std::vector<Event>& events) {
+  events = impl_->reader.Events();
+  if (!impl_->reader.error().empty()) return impl_->reader.error();
   const double begin_s = ToSeconds(impl_->begin), end_s = ToSeconds(impl_->end);
   std::erase_if(events, [&](const Event& e) { return e.time_s < begin_s || e.time_s > end_s; });
-  return events;
+  return {};
 }
 
 std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) {
@@ -312,6 +314,7 @@ std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) 
   run.row.robots.resize(run.columns.robots.size());
   run.row.objects.resize(run.columns.objects.size());
   run.in_force.assign(run.columns.robots.size(), kUnknown);
+  if (std::string damage = WhyDamaged(run.reader, run.first, run.last); !damage.empty()) return damage;
   const SavedStatePtr keyframe = run.reader.Keyframe(run.first);
   if (keyframe == nullptr) return run.Damage(run.first);
   run.TakeSetpoints(*keyframe);
@@ -327,7 +330,11 @@ std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) 
     }
     if (recorded.step != expected) {  // steps were lost, and commands with them; then a keyframe follows
       const SavedStatePtr next = run.reader.Keyframe(recorded.step);
-      if (next != nullptr && next->frame->step == recorded.step) run.TakeSetpoints(*next);
+      if (next == nullptr) {
+        error = run.Damage(recorded.step);
+        return false;
+      }
+      if (next->frame->step == recorded.step) run.TakeSetpoints(*next);
     }
     expected = recorded.step + 1;
     const double time_s = ToSeconds(recorded.time);

@@ -58,8 +58,8 @@ class RunTable {
   const RecordWhat& what() const;
   /// No more rows than this; they are not counted exactly before they are read.
   std::uint64_t max_rows() const;
-  /// Events of the time range, in order.
-  std::vector<Event> Events();
+  /// Events of the time range, in order. An error text if they cannot be read.
+  std::string ReadEvents(std::vector<Event>& events);
 
   struct Uses {
     std::function<void(const RunRow&)> row;

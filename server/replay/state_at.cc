@@ -79,7 +79,12 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
     error = run.error();
     return nullptr;
   }
+  if (run.controllers_given_up()) {
+    error = fmt::format("{}: no run can go on from step {}: {}", reader.file(), step, run.warning());
+    return nullptr;
+  }
   run.SetInputs(reader.Inputs(from, step - 1));
+  if (error = reader.error(); !error.empty()) return nullptr;
   const bool read = reader.ForEach(from + 1, step, true, [&](const RecordedStep& recorded) {
     if (!run.Follows(recorded)) {
       error = fmt::format(

@@ -61,6 +61,34 @@ void ChainCheck::GoTo(std::uint64_t step) {
 std::string ChainCheck::Finish() {
   std::string ends;
   if (!damage_) damage_ = chain_->CheckRest(ends);
+  return Tell(ends);
+}
+
+std::string ChainCheck::CheckPart(std::uint64_t first, std::uint64_t last) {
+  std::string ends;
+  const RunExtent extent = reader_.extent();
+  const bool from_start = first <= extent.first, to_end = last >= extent.last;
+  if (!from_start && !chain_->SkipTo(first)) return Tell(ends);
+  damage_ = to_end ? chain_->CheckRest(ends) : chain_->CheckRowsAround(last, ends);
+  // A damaged page may also hide which rows are the first and the last.
+  const auto step = [](std::uint64_t number) { return static_cast<std::int64_t>(number); };
+  const bool other_start = from_start && chain_->first_step() != step(extent.first);
+  const bool other_end = to_end && !reader_.growing() && chain_->last_step() != step(extent.last);
+  if (ends.empty() && (other_start || other_end)) {
+    ends = fmt::format("its steps are found to be {} to {}, and {} to {}", extent.first, extent.last,
+                       chain_->first_step(), chain_->last_step());
+  }
+  return Tell(ends);
+}
+
+std::string WhyDamaged(RunReader& reader, std::uint64_t first, std::uint64_t last) {
+  if (!RunChain::IsChained(reader.file())) return {};
+  std::string error;
+  const std::unique_ptr<ChainCheck> check = ChainCheck::Begin(reader, error);
+  return check == nullptr ? error : check->CheckPart(first, last);
+}
+
+std::string ChainCheck::Tell(const std::string& ends) const {
   if (!chain_->error().empty()) return chain_->error();
   const std::string& file = reader_.file();
   if (damage_) {
@@ -73,8 +101,8 @@ std::string ChainCheck::Finish() {
                                              "before it was taken out, put in or moved",
                                              found.field, found.recorded, found.repeated));
   }
-  if (ends.empty()) ends = head_;
-  return ends.empty() ? "" : fmt::format("{}: {}: it is damaged", file, ends);
+  const std::string& other = ends.empty() ? head_ : ends;
+  return other.empty() ? "" : fmt::format("{}: {}: it is damaged", file, other);
 }
 
 }  // namespace coopdyn

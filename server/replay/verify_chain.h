@@ -19,6 +19,11 @@ Difference DifferenceOf(const ChainDamage& damage, RunReader& reader);
 /// "1 step is", "2 steps are".
 std::string StepsAre(std::uint64_t count);
 
+/// What was changed in the part of the run of `reader` from `first` to `last`, or in what it says of the run
+/// as a whole; with the file's name and the row, or why it cannot be looked for. Empty: nothing, and no row
+/// of that part is missing; or the file has no chains. Reads each row of it.
+std::string WhyDamaged(RunReader& reader, std::uint64_t first, std::uint64_t last);
+
 /// Goes along one recording that is not repeated.
 class ChainCheck {
  public:
@@ -29,9 +34,12 @@ class ChainCheck {
   /// Looks at all that is left. Returns the damage, with the file's name and the row, or why it cannot be
   /// looked for; empty: there is none.
   std::string Finish();
+  /// The same, of WhyDamaged(). Instead of GoTo() and Finish().
+  std::string CheckPart(std::uint64_t first, std::uint64_t last);
 
  private:
   ChainCheck(RunReader& reader, std::unique_ptr<RunChain> chain);
+  std::string Tell(const std::string& ends) const;
 
   RunReader& reader_;
   std::unique_ptr<RunChain> chain_;

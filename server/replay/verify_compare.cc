@@ -50,6 +50,7 @@ FramePtr ExactFrame(RunReader& reader, std::uint64_t step, const ReplayServices&
   Resimulator run(reader.file(), reader.header(), services);
   if (!run.Restore(keyframe, row->scene)) return why = run.error(), nullptr;
   run.SetInputs(reader.Inputs(row->step, step - 1));
+  if (why = reader.error(); !why.empty()) return nullptr;
   std::uint64_t parted = 0;
   const bool read = reader.ForEach(row->step + 1, step, true, [&](const RecordedStep& recorded) {
     if (!run.Follows(recorded)) {

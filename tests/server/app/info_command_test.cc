@@ -14,6 +14,8 @@
 #include "server/record/run_writer.h"
 #include "server/record/sqlite_db.h"
 #include "tests/server/base/temp_folder.h"
+#include "tests/server/record/page_damage.h"
+#include "tests/server/record/rechain.h"
 
 namespace coopdyn {
 namespace {
@@ -201,11 +203,45 @@ TEST_F(InfoCommandTest, StepsThatWereCutOffTheEndAreMissing) {
     const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
     ASSERT_TRUE(database != nullptr && database->Run("DELETE FROM step WHERE step > 1")) << error;
   }
-  EXPECT_EQ(Run(), kExitOk) << errors_.str();
+  EXPECT_EQ(Run(), kExitErrors) << errors_.str();
   ExpectLine("missing   3 steps at the end: the file is damaged\n");
+  EXPECT_NE(out_.str().find("  damaged   " + file_), std::string::npos) << out_.str();
   Run(Json());
   const boost::json::value value = boost::json::parse(out_.str());
   EXPECT_EQ(value.as_array()[0].as_object().at("missing").to_number<int>(), 3);
+}
+
+TEST_F(InfoCommandTest, ADamagedPageIsToldOrDoesNoHarm) {
+  RecordAndClose(2);
+  ASSERT_EQ(Run(), kExitOk);
+  const std::string whole = out_.str();
+  std::ifstream stream(file_, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  int damaged = 0;
+  ForEachDamage(bytes, file_, [&](const std::string& what) {
+    if (Run() == kExitOk) {
+      EXPECT_EQ(out_.str(), whole) << what;
+      return;
+    }
+    ++damaged;
+    EXPECT_NE((out_.str() + errors_.str()).find(file_), std::string::npos) << what;
+  });
+  EXPECT_GT(damaged, 50);
+}
+
+TEST_F(InfoCommandTest, PluginsAreToldWithTheirHashes) {
+  RecordAndClose();
+  {
+    std::string error;
+    const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
+    ASSERT_TRUE(database->Run("INSERT INTO meta VALUES('controllers', 'a b 0123456789abcdef, flock 00ff')"));
+  }
+  Rechain(file_);
+  EXPECT_EQ(Run(), kExitOk) << errors_.str() << out_.str();
+  ExpectLine("plug-ins  a b (hash 0123456789abcdef), flock (hash 00ff)\n");
+  Run(Json());
+  const boost::json::value value = boost::json::parse(out_.str());
+  EXPECT_EQ(value.as_array()[0].as_object().at("controllers").at("flock").as_string(), "00ff");
 }
 
 TEST_F(InfoCommandTest, ABadFileIsAnErrorAndTheOthersAreToldOf) {

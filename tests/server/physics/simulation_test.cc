@@ -72,7 +72,7 @@ TEST_P(RestartTest, RestoredAtAnyStepItGoesOnBitForBit) {
   SteppedSimulation same(scene);
   // To and fro, so that each state is taken up from quite another.
   for (const int at : {150, 3, 299, 0, 61, 60, 119, 7, 250, 1}) {
-    same->Restore(saved[static_cast<std::size_t>(at)], 5);
+    EXPECT_EQ(same->Restore(saved[static_cast<std::size_t>(at)], 5), "");
     EXPECT_EQ(same->frame()->epoch, 5u);
     const auto hashes = WholeHashes(same, std::min(60, kSteps - at));
     EXPECT_TRUE(std::equal(hashes.begin(), hashes.end(), expected.begin() + at)) << "from step " << at;
@@ -86,7 +86,7 @@ TEST_P(RestartTest, RestoredIntoAFreshBuildItGoesOnToTheEnd) {
   const SavedState saved = run->Save();
   const auto expected = WholeHashes(run, 200);
   SteppedSimulation other(SimulationScene(GetParam()), 77);
-  other->Restore(saved, 1);
+  EXPECT_EQ(other->Restore(saved, 1), "");
   EXPECT_EQ(WholeHashes(other, 200), expected);
 }
 
@@ -134,7 +134,7 @@ SavedState AboutToExplode(SteppedSimulation& simulation) {
 TEST(SimulationFreezeTest, ARestartForgetsWhatWasFrozen) {
   const auto scene = SimulationScene(kAll);
   SteppedSimulation simulation(scene);
-  simulation->Restore(AboutToExplode(simulation), 1);
+  EXPECT_EQ(simulation->Restore(AboutToExplode(simulation), 1), "");
   simulation.Steps(5);
   ASSERT_GE(simulation->TakeFrozen().size(), 2u);
   ASSERT_TRUE(simulation->frame()->robots[2].frozen);
@@ -146,14 +146,14 @@ TEST(SimulationFreezeTest, ARestartForgetsWhatWasFrozen) {
 TEST(SimulationFreezeTest, WhatIsFrozenStaysSoWhenRestored) {
   const auto scene = SimulationScene(kAll);
   SteppedSimulation run(scene);
-  run->Restore(AboutToExplode(run), 1);
+  EXPECT_EQ(run->Restore(AboutToExplode(run), 1), "");
   run.Steps(5);
   const SavedState saved = run->Save();
   const auto expected = WholeHashes(run, 100);
   for (SteppedSimulation* other : {&run, std::make_unique<SteppedSimulation>(scene).release()}) {
     const std::unique_ptr<SteppedSimulation> owned(other == &run ? nullptr : other);
     (*other)->TakeFrozen();
-    (*other)->Restore(saved, 1);
+    EXPECT_EQ((*other)->Restore(saved, 1), "");
     EXPECT_TRUE((*other)->frame()->robots[2].frozen);
     EXPECT_EQ(WholeHashes(*other, 100), expected);
     EXPECT_TRUE((*other)->TakeFrozen().empty()) << "it is no news";
@@ -168,7 +168,7 @@ TEST(SimulationTest, BroadcastsOnTheirWayAreRestoredAndForgottenByARestart) {
   ASSERT_GT(count, 0u);
   simulation->Restart(1, 2);
   EXPECT_TRUE(simulation->frame()->messages.empty());
-  simulation->Restore(saved, 3);
+  EXPECT_EQ(simulation->Restore(saved, 3), "");
   EXPECT_EQ(simulation->frame()->messages.size(), count);
   EXPECT_EQ(simulation->frame()->messages.front().step, 16u);  // it may be heard for four steps more
 }
@@ -183,7 +183,7 @@ TEST(SimulationTest, StepsOfAnotherLengthAreRestored) {
   std::vector<std::uint64_t> expected, hashes;
   for (int k = 0; k < 50; ++k) expected.push_back(WholeHash(*run.Step(7'000'000)));
   run->Restart(1, 2);
-  run->Restore(saved, 3);
+  EXPECT_EQ(run->Restore(saved, 3), "");
   EXPECT_EQ(run->frame()->step_length, 3'000'000);
   for (int k = 0; k < 50; ++k) hashes.push_back(WholeHash(*run.Step(7'000'000)));
   EXPECT_EQ(hashes, expected);
@@ -211,8 +211,8 @@ TEST(SimulationTest, WorkersMakeNoDifferenceToARestart) {
   simulation->Restart(1, 2);
   EXPECT_EQ(WholeHashes(simulation, kSteps), Fresh(scene));
   SteppedSimulation alone(scene);
-  alone->Restore(saved, 1);
-  simulation->Restore(saved, 1);
+  EXPECT_EQ(alone->Restore(saved, 1), "");
+  EXPECT_EQ(simulation->Restore(saved, 1), "");
   EXPECT_EQ(WholeHashes(simulation, 60), WholeHashes(alone, 60));
 }
 

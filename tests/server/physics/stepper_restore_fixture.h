@@ -74,6 +74,7 @@ class Counting final : public ControllerDriver {
     return bytes;
   }
   bool Restore(const FramePtr& /*frame*/, std::span<const std::byte> saved) override {
+    if (std::ranges::equal(saved, refused)) return false;
     count_ = static_cast<int>(saved[0]);
     stopped_ = static_cast<int>(saved[1]) != 0;
     told_ = !stopped_;
@@ -93,6 +94,7 @@ class Counting final : public ControllerDriver {
   bool fails_at_start = false;
   std::uint64_t fails_after = 1'000'000;
   std::vector<Nanoseconds> lengths;
+  std::vector<std::byte> refused;  // that state does not fit
 
  private:
   int count_ = 0;

@@ -130,6 +130,48 @@ TEST_F(StepperRestoreTest, AReleasedRobotStaysReleasedInItsState) {
   EXPECT_EQ(Steps(10), hashes);
 }
 
+TEST_F(StepperRestoreTest, AStateWhoseControllersCannotBeRestoredIsRefusedAndTheRunGoesOn) {
+  Begin(true);
+  Steps(3);
+  const SavedStatePtr early = Save();
+  Steps(4);
+  const SavedStatePtr present = Save();
+  const auto hashes = Steps(5);
+  Do(edit::Restore{present});
+  driver_.refused = early->controllers;
+  const EditResult result = Do(edit::Restore{early});
+  EXPECT_EQ(result.error, Error::kNotPossible);
+  EXPECT_THAT(result.text,
+              testing::HasSubstr("this state cannot be restored: the controllers that are found do not "
+                                 "take the state that was saved"));
+  EXPECT_EQ(Steps(5), hashes);
+}
+
+TEST_F(StepperRestoreTest, AStateWithoutItsControllersIsRefused) {
+  Begin(true);
+  Steps(3);
+  auto without = std::make_shared<SavedState>(*Save());
+  without->controllers.clear();
+  const auto hashes = Steps(5);
+  const SavedStatePtr after = Save();
+  const EditResult result = Do(edit::Restore{without});
+  EXPECT_EQ(result.error, Error::kNotPossible);
+  EXPECT_THAT(result.text, testing::HasSubstr("the states of its controllers were not saved"));
+  EXPECT_EQ(StateHash(*after->frame), hashes.back());
+  EXPECT_EQ(Save()->controllers, after->controllers) << "the run is as it was";
+}
+
+TEST_F(StepperRestoreTest, AStepperDoesNotStartFromAStateWhoseControllersCannotBeRestored) {
+  Begin(true);
+  Steps(3);
+  const SavedStatePtr saved = Save();
+  driver_.refused = saved->controllers;
+  const auto other = MakeStepper(clock_, options_, {nullptr, &driver_});
+  Diagnostics diagnostics;
+  EXPECT_FALSE(other->StartFrom(saved, diagnostics));
+  EXPECT_THAT(diagnostics.ToString(), testing::HasSubstr("the run cannot go on from there"));
+}
+
 TEST_F(StepperRestoreTest, AStoppedControllerIsToldAgainOfItsState) {
   driver_.fails_after = 3;
   Begin(true);

@@ -98,7 +98,7 @@ TEST(FormatsDocTest, EveryTableColumnAndMetaKeyIsDescribed) {
   ASSERT_TRUE(rows) << database->error();
   const std::string section = RunFilesSection();
   int described = 0;
-  while (rows.Step() == Statement::Result::kRow) {
+  while (rows.Step()) {
     const std::string table = rows.text(0), column = rows.text(1);
     const std::size_t start = section.find("\n| `" + table + "` |");
     ASSERT_NE(start, std::string::npos) << table;

@@ -167,10 +167,31 @@ TEST_F(PlayerCoreTest, AGrowingFileEndsWhenItIsClosed) {
   EXPECT_FALSE(control_.playback()->growing);
 }
 
-TEST_F(PlayerCoreTest, PausedAGrowingFileIsNotLookedAt) {
+TEST_F(PlayerCoreTest, AGrowingFileIsSeenToGrowWhilePaused) {
   Record({.steps = 5, .close = false}, {.paused = true});
   RunUntil(now_ + 200 * kMs);
+  EXPECT_EQ(control_.playback()->end_step, 5u);
+  sample_.Append(*writer_, 6, 10);
+  RunUntil(now_ + 200 * kMs);
+  EXPECT_EQ(control_.playback()->end_step, 10u);
+  EXPECT_TRUE(control_.playback()->growing);
+  EXPECT_EQ(step(), 0u);
+  std::string remark;
+  ASSERT_TRUE(writer_->Close(remark));
+  writer_.reset();
+  RunUntil(now_ + 200 * kMs);
+  EXPECT_FALSE(control_.playback()->growing);
   EXPECT_EQ(wake_, kNever);
+}
+
+TEST_F(PlayerCoreTest, StepsThatAreMissingAreAnErrorNotAJump) {
+  sample_.Write(file_);
+  std::string error;
+  Database::Open(file_, Database::Access::kReadWrite, error)->Run("DELETE FROM step WHERE step = 6");
+  Start();
+  RunUntil(now_ + 500 * kMs);
+  EXPECT_EQ(step(), 5u);
+  EXPECT_NE(last_event().find("a gap from step 5 to 7 cannot be"), std::string::npos) << last_event();
 }
 
 TEST_F(PlayerCoreTest, ADamagedStepIsAnEventAndItStandsBeforeIt) {

@@ -63,7 +63,7 @@ TEST_F(RecorderTest, AKeyframeHasTheControllersAndTheMode) {
   std::string error;
   const auto database = Database::Open(file_, Database::Access::kReadOnly, error);
   Statement row = database->Prepare("SELECT state FROM keyframe WHERE step = 1");
-  ASSERT_EQ(row.Step(), Statement::Result::kRow);
+  ASSERT_TRUE(row.Step());
   const SavedStatePtr state = DecodeState(row.blob(0), maker_.scene());
   ASSERT_NE(state, nullptr);
   EXPECT_EQ(state->controllers, std::vector<std::byte>{std::byte{42}});

@@ -58,8 +58,8 @@ TEST_F(RunReaderJournalTest, AKillWhileItIsMadePlainIsMended) {
   sample_.Write(file_, {.page_size = 512});
   KillAmid(file_, ManyChanges());
   std::string error;
-  ASSERT_EQ(Database::Open(left_, Database::Access::kReadOnly, error)->Integer("SELECT 1 FROM meta"),
-            std::nullopt)
+  ASSERT_THROW(Database::Open(left_, Database::Access::kReadOnly, error)->Integer("SELECT 1 FROM meta"),
+               DatabaseError)
       << "the journal is hot";
   ASSERT_EQ(UnmergedLog(left_), left_ + "-journal");
   const auto reader = RunReader::Open(left_, error);

@@ -25,7 +25,7 @@ class RunFile {
   std::vector<std::byte> Blob(const std::string& sql) {
     Statement row = database_->Prepare(sql);
     EXPECT_TRUE(row) << database_->error();
-    if (!row || row.Step() != Statement::Result::kRow) return {};
+    if (!row || !row.Step()) return {};
     const auto bytes = row.blob(0);
     return {bytes.begin(), bytes.end()};
   }

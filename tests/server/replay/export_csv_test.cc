@@ -9,6 +9,7 @@
 #include "export_fixture.h"
 #include "server/record/sqlite_db.h"
 #include "server/sensing/readings.h"
+#include "tests/server/record/rechain.h"
 
 namespace coopdyn {
 namespace {
@@ -120,6 +121,7 @@ TEST_F(ExportCsvTest, AfterLostStepsTheKeyframeThatFollowsTellsTheSetPoints) {
   const auto database = Database::Open(File("run.run"), Database::Access::kReadWrite, error);
   ASSERT_NE(database, nullptr) << error;
   ASSERT_TRUE(database->Run("DELETE FROM step WHERE step BETWEEN 9 AND 15"));  // the command of step 10, too
+  Rechain(File("run.run"));
   const Table table = Exported();
   ASSERT_EQ(table.rows.size(), 34U);
   EXPECT_EQ(table.rows[9].front(), "16");

@@ -227,12 +227,12 @@ TEST_F(ExportMatTest, AFullDiskLeavesNothing) {
 }
 
 TEST_F(ExportMatTest, MoreThanAFileHoldsIsRefusedAtOnce) {
-  Record({.scenario = "[SWARM_1]\ntype minibot\nname mini\ncount 60\n", .steps = 1});
+  Record({.scenario = "[SWARM_1]\ntype minibot\nname mini\ncount 60\n", .steps = 2});
   std::string error;
   const auto database = Database::Open(File("run.run"), Database::Access::kReadWrite, error);
   ASSERT_NE(database, nullptr) << error;
   ASSERT_TRUE(database->Run(
-      "INSERT INTO step(step, time_ns, hash, scene) WITH RECURSIVE n(i) AS (VALUES (2) UNION ALL SELECT i + "
+      "INSERT INTO step(step, time_ns, hash, scene) WITH RECURSIVE n(i) AS (VALUES (3) UNION ALL SELECT i + "
       "1 "
       "FROM n WHERE i < 200000) SELECT i, i * 10000000, 0, (SELECT max(scene) FROM step) FROM n"));
   EXPECT_THAT(Export(), HasSubstr(" GB of numbers, a MAT file holds 2.1: choose robots with --robots"));

@@ -181,7 +181,7 @@ class Tamper {
   /// Flips bit `bit` of the blob that `select` finds, and writes it back with `update`, whose ?1 it is.
   void FlipBit(const std::string& select, const std::string& update, std::size_t bit) {
     Statement read = database_->Prepare(select);
-    ASSERT_TRUE(read.Step() == Statement::Result::kRow) << select;
+    ASSERT_TRUE(read.Step()) << select;
     const std::span<const std::byte> found = read.blob(0);
     std::vector<std::byte> blob(found.begin(), found.end());
     read.Reset();

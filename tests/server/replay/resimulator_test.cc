@@ -6,6 +6,7 @@
 
 #include "server/replay/verify.h"
 #include "tests/server/controllers/plugins/deeds.h"
+#include "tests/server/record/rechain.h"
 #include "tests/server/replay/replay_fixture.h"
 
 namespace coopdyn {
@@ -198,6 +199,22 @@ TEST_F(ResimulatorTest, WithoutTheControllersTheirRecordedSetpointsAreUsed) {
   EXPECT_THAT(report.warning,
               HasSubstr("controller flock is not found: the set-points of controllers are taken "
                         "from the recording, not computed again"));
+}
+
+TEST_F(ResimulatorTest, AControllerThatIsNotTheRecordedOneIsNamed) {
+  MakeSwarm("flock", 20);
+  std::string error;
+  const std::vector<PluginHash> plugins = RunReader::Open(File(), error)->header().controllers;
+  ASSERT_EQ(plugins.size(), 1U);
+  EXPECT_EQ(plugins[0].name, "flock");
+  EXPECT_EQ(plugins[0].hash.size(), 16U);
+  ExpectEqual(File(), 20);
+  Tamper(File()).Run("UPDATE meta SET value = 'flock 0123456789abcdef' WHERE key = 'controllers'");
+  Rechain(File());
+  const VerifyReport report = Repeat(File());
+  EXPECT_EQ(report.error, "");
+  EXPECT_EQ(report.warning, "controller flock is not the one that was recorded (hash 0123456789abcdef, now " +
+                                plugins[0].hash + ")");
 }
 
 TEST_F(ResimulatorTest, WithoutControllersAndSetpointsItSaysWhatToDo) {
