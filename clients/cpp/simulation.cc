@@ -134,6 +134,7 @@ void Simulation::load_scenario(const std::string& x) {
   if (x.find('\n') == std::string::npos && std::filesystem::is_regular_file(x, ignored)) {
     std::ifstream file(x, std::ios::binary);
     text.assign(std::istreambuf_iterator<char>(file), {});
+    text += "\n# file: " + std::filesystem::path(x).filename().string() + "\n";  // tells the daemon its name
   }
   session_->Control(command::kLoadScenario, {}, {}, std::move(text), kLoadTimeout_s);
   session_->Loaded();

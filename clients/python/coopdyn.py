@@ -2476,7 +2476,8 @@ class Simulation:
         x = _path(x, "a scenario")
         if "\n" not in x and os.path.isfile(x):
             with open(x, encoding="utf-8-sig", errors="surrogateescape") as file:
-                x = file.read().encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+                text = file.read().encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+            x = f"{text}\n# file: {os.path.basename(x)}\n"  # the last line tells the daemon its name
         self._session.control(_LOAD_SCENARIO, text=x, timeout=_LOAD_TIMEOUT_S)
         self._session.loaded()
 

@@ -28,9 +28,14 @@ test('a run is recorded by a button, copied, and played', async () => {
   const live = await startDaemon('classroom', '--recordings', folder);
   try {
     const page = await openPage(browser, live.url);
+    const places = () => page.locator('.toolbar > *').evaluateAll((items) =>
+      items.map((item) => `${item.id} ${item.getBoundingClientRect().x} ${item.getBoundingClientRect().width}`));
+    const before = await places();
     await page.click('#record');
     await hasText(page, '#recording', /^● rec run-\d{8}-\d{6}\.run$/);
     await hasText(page, '#record', /^Stop recording$/);
+    await hasText(page, '#runs-title', /^Recordings \(1\)$/);
+    assert.deepEqual(await places(), before);
     const list = async () => (await fetch(new URL('runs', live.url))).json();
     await eventually(async () => (await list())[0]?.steps > 20);
     await page.click('#record');

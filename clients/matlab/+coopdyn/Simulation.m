@@ -167,7 +167,8 @@ classdef Simulation < coopdyn.internal.RunCalls
       coopdyn.internal.need(nargin, 2, 'sim.load_scenario(''corridor'')');
       x = char(x);
       if ~any(x == char(10)) && exist(x, 'file') == 2
-        x = fileread(x);
+        [~, name, extension] = fileparts(x);
+        x = [fileread(x) char(10) '# file: ' name extension char(10)];  % the last line tells the daemon its name
       end
       sim.session.control(108, [], [], x, 60);
       coopdyn.internal.loaded(sim.session);

@@ -7,6 +7,9 @@ const PERIOD_MS = 200;
 const order = ['pose', 'motors', 'distance', 'target'];
 const degrees = (rad) => (typeof rad === 'number' ? (rad * 180) / Math.PI : rad);
 
+/** As wide as "9.99", so that the next ones do not move: figure spaces are as wide as digits. */
+const inColumn = (text) => text.padStart(4, '\u2007');
+
 /** Rows of [name, text] for the first reading of a module. */
 function describeReading(module, data, colours) {
   switch (module) {
@@ -19,7 +22,7 @@ function describeReading(module, data, colours) {
     case 'motors':
       return [['wheels', `${showNumber(data[2], 1)}, ${showNumber(data[3], 1)} rad/s`]];
     case 'distance':
-      return [['distances', data.map((range) => showNumber(range, 2)).join('  ')]];
+      return [['distances', data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
     case 'target': {
       const targets = [];
       for (let i = 0; 2 * i + 1 < data.length; ++i) {

@@ -105,7 +105,7 @@ export class Robots {
 
   update(status) {
     const {robots, robot_count: count} = status;
-    setText(byId('robot-count'), robots.length < count ? `${count}, the first ${robots.length} of them here` : `${count}`);
+    setText(byId('robot-count'), robots.length < count ? `${count} (first ${robots.length} listed)` : `${count}`);
     const names = new Set(robots.map((robot) => robot.name));
     for (const [name, card] of this.#cards) {
       if (names.has(name)) continue;
