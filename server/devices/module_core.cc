@@ -188,8 +188,9 @@ Message ModuleCore::StepReply(const ModuleClient& client, command::Id command, s
   return reply;
 }
 
-void ModuleCore::PushDue(ModuleClient& client, const FramePtr& frame, int dropped) {
+bool ModuleCore::PushDue(Connection& connection, ModuleClient& client, const FramePtr& frame, int dropped) {
   if (!source_.reads_alike()) ForgetReadings();
+  bool taken = true;
   for (ModuleClient::Subscription& subscription : client.subscriptions) {
     for (int i = 0; i < dropped; ++i) {
       if (--subscription.left > 0) continue;
@@ -198,15 +199,17 @@ void ModuleCore::PushDue(ModuleClient& client, const FramePtr& frame, int droppe
     }
     if (--subscription.left > 0) continue;
     subscription.left = subscription.every;
-    client.push(ReadingOf(subscription.reading, frame), std::exchange(subscription.missed, 0));
+    const auto missed = static_cast<std::int64_t>(std::exchange(subscription.missed, 0));
+    taken &= connection.Push(ReadingOf(subscription.reading, frame), missed);
   }
+  return taken;
 }
 
-UnaskedPtr ModuleCore::ReadingOf(command::Id reading, const FramePtr& frame) {
+const UnaskedPtr& ModuleCore::ReadingOf(command::Id reading, const FramePtr& frame) {
   for (const auto& [of, message] : readings_) {
     if (of == reading) return message;
   }
-  auto message = std::make_shared<UnaskedMessage>([this, reading, frame]() -> std::optional<Message> {
+  auto message = boost::make_local_shared<UnaskedMessage>([this, reading, frame]() -> std::optional<Message> {
     Message request;
     request.command = reading;
     Message pushed = source_.Read(request, *frame);

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -53,7 +52,6 @@ struct ModuleClient {
   bool has_token = false;  // said the right one
   std::vector<Subscription> subscriptions;
   std::vector<std::size_t> attached;  // indices into ReadingSource::attachable()
-  std::function<void(const UnaskedPtr&, std::int64_t dropped)> push;
 };
 
 class ModuleCore {
@@ -84,8 +82,8 @@ class ModuleCore {
   Message StepReply(const ModuleClient& client, command::Id command, std::string text, const Frame& frame,
                     Mode mode);
   /// Sends what is due after the step of `frame`; `dropped` frames before it never came. ForgetReadings()
-  /// follows when all clients have got theirs.
-  void PushDue(ModuleClient& client, const FramePtr& frame, int dropped);
+  /// follows when all clients have got theirs. False: something waits, as the client takes nothing now.
+  bool PushDue(Connection& connection, ModuleClient& client, const FramePtr& frame, int dropped);
   void ForgetReadings() { readings_.clear(); }
   /// Appends time_s and step.
   static void Stamp(Message& reply, const Frame& frame);
@@ -95,7 +93,7 @@ class ModuleCore {
   Message Unsubscribe(ModuleClient& client, const Message& request) const;
   Message Attach(ModuleClient& client, const Message& request) const;
   /// The reading to be pushed: one for all who want it, made when the first of them can take it.
-  UnaskedPtr ReadingOf(command::Id reading, const FramePtr& frame);
+  const UnaskedPtr& ReadingOf(command::Id reading, const FramePtr& frame);
 
   const CommandTable& table_;
   ReadingSource& source_;

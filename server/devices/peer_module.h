@@ -57,9 +57,6 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     peer.client.client.peer = connection.peer();
     peer.client.client.input_ended = connection.input_ended();
     peer.client.trusted = connection.trusted();
-    peer.client.push = [&connection](const UnaskedPtr& message, std::int64_t dropped) {
-      connection.Push(message, dropped);
-    };
     services_.roster.Add({connection.id(), path_, connection.peer(), {}});
   }
 
@@ -84,6 +81,10 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     const bool done = answer->error == 0;
     Finish(*peer, std::move(*answer));
     OnAnswered(request, done);
+  }
+
+  void OnTakesMore(Connection& /*connection*/) final {
+    const StepInbox::Scope scope(inbox_);  // hands out the frames that nobody was woken for
   }
 
   void OnInputEnded(Connection& connection) final {
@@ -194,13 +195,15 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     Finish(*peer,
            WaitEnded(peer->command, result, result.end == StepEnd::kReplaced ? NewOwner() : std::string()));
   }
-  void OnFrame(const FramePtr& frame, int dropped) final {
+  bool OnFrame(const FramePtr& frame, int dropped) final {
+    bool taken = false;
     for (auto& [id, peer] : peers_) {
       if (peer.client.subscriptions.empty()) continue;
       BeforePush(peer, *frame);
-      core_.PushDue(peer.client, frame, dropped);
+      taken |= core_.PushDue(*peer.connection, peer.client, frame, dropped);
     }
     core_.ForgetReadings();
+    return taken;
   }
 
   /// Null: the connection is gone.

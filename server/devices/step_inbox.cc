@@ -36,7 +36,7 @@ class StepInbox::Mailbox {
       if (self->frames_ >= kMaxFrames) item.dropped = self->DropOldest();
       self->items_.push_back(std::move(item));
       ++self->frames_;
-      wake = self->NeedsWake();
+      wake = (!self->patient_ || self->frames_ >= kLateFrames) && self->NeedsWake();
     }
     if (wake) Wake(self);
   }
@@ -75,11 +75,13 @@ class StepInbox::Mailbox {
     busy_ = true;
   }
 
-  /// Appends all to `queue`; false if there was nothing, and then, with `leave`, no longer busy.
-  bool TakeInto(std::vector<Item>& queue, bool leave) {
+  /// Appends all to `queue`; false if there was nothing, and then, with `leave`, no longer busy. `patient`: a
+  /// few frames need not wake the owner then.
+  bool TakeInto(std::vector<Item>& queue, bool leave, bool patient) {
     const MutexLock lock(mutex_);
     if (items_.empty()) {
       if (leave) busy_ = false;
+      patient_ = patient;
       return false;
     }
     if (queue.empty()) {
@@ -141,6 +143,7 @@ class StepInbox::Mailbox {
   std::size_t frames_ GUARDED_BY(mutex_) = 0;  // in items_
   bool posted_ GUARDED_BY(mutex_) = false;     // a wake-up is under way
   bool busy_ GUARDED_BY(mutex_) = false;       // the owner is in a Scope and looks here when it leaves
+  bool patient_ GUARDED_BY(mutex_) = false;    // the owner need not be woken for a few frames
   bool closed_ GUARDED_BY(mutex_) = false;
   StepInbox* owner_ GUARDED_BY(mutex_);
 };
@@ -178,7 +181,7 @@ void StepInbox::Leave() {
 }
 
 bool StepInbox::Fetch(bool leave) {
-  return mailbox_->TakeInto(queue_, leave);
+  return mailbox_->TakeInto(queue_, leave, patient_);
 }
 
 void StepInbox::Handle(Item& item) {
@@ -202,7 +205,9 @@ void StepInbox::HandleFrames() {
 void StepInbox::Deliver(const FramePtr& frame, int dropped) {
   if (observer_ == 0 || (seen_ != nullptr && SameStep(*frame, *seen_))) return;
   seen_ = frame;
-  for (StepListener* listener : listeners_) listener->OnFrame(frame, dropped);
+  bool taken = false;
+  for (StepListener* listener : listeners_) taken |= listener->OnFrame(frame, dropped);
+  patient_ = !taken;
 }
 
 FramePtr StepInbox::Current() {
@@ -226,6 +231,7 @@ StepInbox::Poster StepInbox::MakePoster() {
 }
 
 void StepInbox::Subscribe(StepListener& listener) {
+  patient_ = false;
   if (std::find(listeners_.begin(), listeners_.end(), &listener) != listeners_.end()) return;
   listeners_.push_back(&listener);
   if (observer_ != 0) return;

@@ -5,10 +5,11 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+
+#include <boost/smart_ptr/make_local_shared.hpp>
 
 #include "protocol/codec.h"
 #include "protocol/command_table.h"
@@ -45,7 +46,7 @@ class UnaskedMessage {
   std::optional<Message> message_;
   std::string binary_, text_;  // empty: nobody has wanted it yet
 };
-using UnaskedPtr = std::shared_ptr<UnaskedMessage>;
+using UnaskedPtr = boost::local_shared_ptr<UnaskedMessage>;  // of one thread: counted without atomics
 
 /// A client's live connection as an endpoint sees it.
 class Connection {
@@ -60,9 +61,10 @@ class Connection {
   /// The client is gone or takes nothing more: whoever answers it need not compute anything.
   virtual bool output_ended() const = 0;
   /// Sends an unasked message. At most 64 wait; then the oldest is dropped and the next one says `dropped N`;
-  /// `dropped`: how many more there would have been before this one. It may be made later, never after
-  /// OnClosed().
-  virtual void Push(const UnaskedPtr& message, std::int64_t dropped) = 0;
+  /// `dropped`: how many more there would have been before this one. It may be made later, even after
+  /// OnClosed(), as long as the endpoint lives. False: it waits, as the client takes nothing now;
+  /// OnTakesMore() follows when it does.
+  virtual bool Push(const UnaskedPtr& message, std::int64_t dropped) = 0;
   /// Sends a closing notice (command −1, `reason`), then closes once it is written.
   virtual void Close(const std::string& reason) = 0;
 };
@@ -79,6 +81,8 @@ class Endpoint {
   /// session hands over its next request only after that. A reply to a connection that is gone is dropped
   /// silently.
   virtual void OnRequest(Connection& connection, Message request, ReplyFunction reply) = 0;
+  /// The client reads again after it took nothing for a while.
+  virtual void OnTakesMore(Connection&) {}
   /// End of input. Complete requests already received still come through OnRequest(), then OnClosed()
   /// follows.
   virtual void OnInputEnded(Connection&) {}

@@ -38,7 +38,10 @@ void OutQueue::AddPush(const UnaskedPtr& push, std::int64_t dropped) {
   if (encoding_ == Encoding::kUndecided) return;
   if (MayEncode()) return EncodePush({push, dropped});
   pushes_.push_back({push, dropped});
-  if (pushes_.size() > kMaxPushes) lost_ += TakePush().dropped + 1;
+  if (pushes_.size() <= kMaxPushes) return;
+  lost_ += pushes_.front().dropped + 1;
+  pushes_.pop_front();
+  ++pushes_gone_;
 }
 
 OutQueue::Push OutQueue::TakePush() {

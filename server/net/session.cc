@@ -259,10 +259,11 @@ void Session::OnReply(std::uint64_t serial, Message reply) {
 // --- writing
 // ------------------------------------------------------------------------------------------------------
 
-void Session::Push(const UnaskedPtr& message, std::int64_t dropped) {
-  if (closing_ || closed_ || write_dead_) return;
+bool Session::Push(const UnaskedPtr& message, std::int64_t dropped) {
+  if (closing_ || closed_ || write_dead_) return false;
   out_.AddPush(message, dropped);
   if (!processing_ && !blocked_) Flush();
+  return !blocked_;
 }
 
 void Session::Flush() {
@@ -305,6 +306,7 @@ void Session::OnWritable() {
   out_.set_blocked(false);
   ChangeInterest();
   Flush();
+  CallEndpoint([this](Endpoint& endpoint) { endpoint.OnTakesMore(*this); });
   Process();
   StartRead();
 }

@@ -54,7 +54,7 @@ class Session final : public Connection, private SocketHandler, public std::enab
   bool trusted() const override { return peer_.trusted; }
   bool input_ended() const override { return input_ended_; }
   bool output_ended() const override { return write_dead_; }
-  void Push(const UnaskedPtr& message, std::int64_t dropped) override;
+  bool Push(const UnaskedPtr& message, std::int64_t dropped) override;
   void Close(const std::string& reason) override;
 
  private:

@@ -67,11 +67,14 @@ class FakeClient final : public Connection {
   bool trusted() const override { return trusted_; }
   bool input_ended() const override { return input_ended_; }
   bool output_ended() const override { return output_ended_; }
-  void Push(const UnaskedPtr& message, std::int64_t dropped) override {
-    if (!reads) return unread.push_back(message);
-    if (message->message() == nullptr) return;
-    received.push_back(*message->message());
-    if (dropped > 0) received.back().text = "dropped " + std::to_string(dropped);
+  bool Push(const UnaskedPtr& message, std::int64_t dropped) override {
+    if (!reads) {
+      unread.push_back(message);
+    } else if (message->message() != nullptr) {
+      received.push_back(*message->message());
+      if (dropped > 0) received.back().text = "dropped " + std::to_string(dropped);
+    }
+    return reads;
   }
   void Close(const std::string& reason) override { closed_because = reason; }
 

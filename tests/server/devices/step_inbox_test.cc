@@ -18,9 +18,10 @@ class StepInboxTest : public testing::Test, protected StepListener {
   void OnStepEnd(ClientId client, const StepResult& result) override {
     log_.push_back("reply " + std::to_string(client) + " of " + std::to_string(result.frame->step));
   }
-  void OnFrame(const FramePtr& frame, int dropped) override {
+  bool OnFrame(const FramePtr& frame, int dropped) override {
     log_.push_back("frame " + std::to_string(frame->step));
     dropped_ += dropped;
+    return takes_;
   }
   void RunPosted() {
     for (const auto& work : std::exchange(posted_, {})) work();
@@ -30,6 +31,7 @@ class StepInboxTest : public testing::Test, protected StepListener {
   std::vector<std::function<void()>> posted_;
   std::vector<std::string> log_;
   int dropped_ = 0;
+  bool takes_ = true;
   std::optional<StepInbox> inbox_{std::in_place, world_.board, world_.frames,
                                   [this](std::function<void()> work) { posted_.push_back(std::move(work)); }};
 };
@@ -106,6 +108,45 @@ TEST_F(StepInboxTest, BeyondSixtyFourTheOldestFramesAreDroppedAndCountedButNoAns
   EXPECT_EQ(log_[1], "frame 7");
   EXPECT_EQ(log_.back(), "frame 70");
   EXPECT_EQ(dropped_, 6);
+}
+
+TEST_F(StepInboxTest, WhoTakesNothingIsWokenOnceForManyFramesAndLosesNone) {
+  takes_ = false;
+  inbox_->Subscribe(*this);
+  world_.Step();
+  RunPosted();
+  for (std::size_t i = 1; i < StepInbox::kLateFrames; ++i) world_.Step();
+  EXPECT_TRUE(posted_.empty());
+  world_.Step();
+  EXPECT_EQ(posted_.size(), 1u);
+  RunPosted();
+  EXPECT_EQ(log_.size(), StepInbox::kLateFrames + 1);
+  EXPECT_EQ(dropped_, 0);
+}
+
+TEST_F(StepInboxTest, WhoTakesSomethingAgainIsWokenForEachFrame) {
+  takes_ = false;
+  inbox_->Subscribe(*this);
+  world_.Step();
+  RunPosted();
+  world_.Step();
+  takes_ = true;
+  { const StepInbox::Scope scope(*inbox_); }
+  EXPECT_EQ(log_, (std::vector<std::string>{"frame 1", "frame 2"}));
+  world_.Step();
+  EXPECT_EQ(posted_.size(), 1u);
+}
+
+TEST_F(StepInboxTest, AnAnswerWakesAlsoWhereFramesDoNot) {
+  takes_ = false;
+  inbox_->Subscribe(*this);
+  world_.Step();
+  RunPosted();
+  world_.board.WaitSteps(1, inbox_->Waiter(*this, 7));
+  world_.Step();
+  EXPECT_EQ(posted_.size(), 1u);
+  RunPosted();
+  EXPECT_EQ(log_, (std::vector<std::string>{"frame 1", "frame 2", "reply 7 of 2"}));
 }
 
 TEST_F(StepInboxTest, AfterItsEndNothingComes) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <netinet/tcp.h>
 
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -20,7 +19,7 @@ UnaskedPtr PushOf(int i, std::string text = "") {
   push.command = -20;
   push.params = {i};
   push.text = std::move(text);
-  return std::make_shared<UnaskedMessage>(std::move(push));
+  return boost::make_local_shared<UnaskedMessage>(std::move(push));
 }
 
 class OutQueueTest : public ::testing::Test {
@@ -72,7 +71,7 @@ TEST_F(OutQueueTest, WhatWaitsIsMadeWhenItsTurnComesAndWhatIsDroppedNever) {
   std::vector<int> made;
   queue_.set_blocked(true);
   for (int i = 1; i <= 1000; ++i) {
-    queue_.AddPush(std::make_shared<UnaskedMessage>([&made, i]() -> std::optional<Message> {
+    queue_.AddPush(boost::make_local_shared<UnaskedMessage>([&made, i]() -> std::optional<Message> {
       made.push_back(i);
       return ErrorReply(-20, Error::kOk, "");
     }));
@@ -86,7 +85,7 @@ TEST_F(OutQueueTest, WhatWaitsIsMadeWhenItsTurnComesAndWhatIsDroppedNever) {
 
 TEST_F(OutQueueTest, APushForSeveralIsMadeOnceAndOnlyWhoLostSomethingIsToldSo) {
   int made = 0;
-  const auto push = std::make_shared<UnaskedMessage>([&made]() -> std::optional<Message> {
+  const auto push = boost::make_local_shared<UnaskedMessage>([&made]() -> std::optional<Message> {
     ++made;
     return ErrorReply(-20, Error::kOk, "red");
   });
@@ -101,7 +100,7 @@ TEST_F(OutQueueTest, APushForSeveralIsMadeOnceAndOnlyWhoLostSomethingIsToldSo) {
 }
 
 TEST_F(OutQueueTest, APushThatComesToNothingLeavesItsDroppedOnesToTheNext) {
-  queue_.AddPush(std::make_shared<UnaskedMessage>([]() { return std::optional<Message>(); }), 2);
+  queue_.AddPush(boost::make_local_shared<UnaskedMessage>([]() { return std::optional<Message>(); }), 2);
   queue_.AddPush(PushOf(1), 1);
   EXPECT_EQ(Drain(), "0 \"dropped 3\" -20 1 1 0\n");
 }

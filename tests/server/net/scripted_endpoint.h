@@ -80,7 +80,7 @@ class ScriptedEndpoint : public Endpoint {
     Message push;
     push.command = -kEcho;
     push.data = {static_cast<double>(i), 0.25, 7};
-    return std::make_shared<UnaskedMessage>(std::move(push));
+    return boost::make_local_shared<UnaskedMessage>(std::move(push));
   }
 
   // --- io thread ---
