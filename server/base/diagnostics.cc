@@ -41,7 +41,7 @@ void Diagnostics::Append(const Diagnostics& other) {
 
 bool Diagnostics::StopAt(const SourceLine& where) {
   if (errors_ <= kHopeless) return false;
-  stopped_ = where;
+  if (!stopped_) stopped_ = where;
   return true;
 }
 
