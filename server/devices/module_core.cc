@@ -13,8 +13,6 @@ namespace coopdyn {
 namespace {
 
 constexpr std::size_t kMaxClientName = 200;
-/// Larger frames are not kept for those who do not read: a reading is little beside a step of so many bodies.
-constexpr std::size_t kMaxKeptBodies = 256;
 
 std::string Join(std::span<const std::string> words) {
   std::string text;
@@ -218,7 +216,7 @@ const UnaskedPtr& ModuleCore::ReadingOf(command::Id reading, const FramePtr& fra
     Stamp(pushed, *frame);
     return pushed;
   });
-  if (frame->bodies.size() > kMaxKeptBodies || !source_.reads_alike()) message->message();
+  if (!MayKeep(*frame) || !source_.reads_alike()) message->message();
   return readings_.emplace_back(reading, std::move(message)).second;
 }
 

@@ -4,6 +4,7 @@
 // with time and step. One thread: the module's.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -84,6 +85,10 @@ class ModuleCore {
   /// Sends what is due after the step of `frame`; `dropped` frames before it never came. ForgetReadings()
   /// follows when all clients have got theirs. False: something waits, as the client takes nothing now.
   bool PushDue(Connection& connection, ModuleClient& client, const FramePtr& frame, int dropped);
+  /// Whether frames like this one may be kept for those who do not read. A reading is little beside a step of
+  /// many bodies.
+  static bool MayKeep(const Frame& frame) { return frame.bodies.size() <= kMaxKeptBodies; }
+  static constexpr std::size_t kMaxKeptBodies = 256;
   void ForgetReadings() { readings_.clear(); }
   /// Appends time_s and step.
   static void Stamp(Message& reply, const Frame& frame);

@@ -203,7 +203,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
       taken |= core_.PushDue(*peer.connection, peer.client, frame, dropped);
     }
     core_.ForgetReadings();
-    return taken;
+    return taken || !ModuleCore::MayKeep(*frame);
   }
 
   /// Null: the connection is gone.
