@@ -7,6 +7,7 @@
 #include "server/controllers/controller_host.h"
 #include "server/model/readers.h"
 #include "server/model/summary.h"
+#include "server/model/text_file.h"
 #include "server/physics/world.h"
 #include "server/render/picture_maker.h"
 
@@ -48,7 +49,13 @@ FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& d
     }
     return nullptr;
   }
-  const auto scenario = LoadScenario(file, robots, diagnostics);
+  std::shared_ptr<const Scenario> scenario;
+  if (IsPipe(file)) {
+    const std::optional<std::string> text = ReadPipe(file, diagnostics);
+    if (text) scenario = ReadScenario(*text, kPipe, robots, false, diagnostics);
+  } else {
+    scenario = LoadScenario(file, robots, diagnostics);
+  }
   if (scenario == nullptr) return nullptr;
   FramePtr frame = FirstFrame(scenario, diagnostics);
   if (frame != nullptr && !diagnostics.has_errors()) Print("{}: {}\n", file, Summary(*scenario));

@@ -11,7 +11,7 @@ namespace coopdyn {
 inline constexpr int kExitOk = 0, kExitErrors = 1, kExitWrongUse = 2, kExitNoDaemon = 3, kExitFaulty = 4,
                      kExitCutShort = 5;
 
-int Serve(const ServeOptions& options);
+int Serve(ServeOptions options);
 int Check(const CheckOptions& options);
 int Remote(const RemoteOptions& options);
 int Doctor(const RemoteOptions& options);

@@ -42,7 +42,10 @@ std::string Daemon::StartWorld() {
 
 std::string Daemon::StartScenario() {
   Diagnostics diagnostics;
-  const auto scenario = LoadScenario(options_.scenario, models_, diagnostics, false, options_.run.seed);
+  const std::optional<std::uint64_t> seed = options_.run.seed;
+  const auto scenario = options_.scenario_text
+                            ? ReadScenario(*options_.scenario_text, kPipe, models_, false, diagnostics, seed)
+                            : LoadScenario(options_.scenario, models_, diagnostics, false, seed);
   const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
   if (!built) return diagnostics.ToString();
   for (const Diagnostic& warning : diagnostics.all()) logger_->warn("{}", ToString(warning));

@@ -33,9 +33,10 @@ struct PlayRun {
 };
 
 struct ServeOptions {
-  std::string scenario = "classroom";  // path or bare name
-  std::string from;                    // RUN@TIME, instead of the scenario
-  PlayRun play;                        // instead of both
+  std::string scenario = "classroom";        // path, bare name or pipe
+  std::optional<std::string> scenario_text;  // what came through the pipe
+  std::string from;                          // RUN@TIME, instead of the scenario
+  PlayRun play;                              // instead of both
   RecordOptions record;
   RunOptions run;
   int port = 10000;
@@ -55,6 +56,7 @@ struct ServeOptions {
   std::optional<std::uint64_t> controller_memory_bytes;  // 0: no limit
   std::optional<int> spin_us;
   std::string log_level = "info";
+  std::string log_file;  // empty: only stderr
   std::string summary_file;
   std::vector<std::string> scenario_folders;
   std::string command_line;  // as given; a recording says it

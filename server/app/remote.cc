@@ -12,6 +12,7 @@
 #include "server/app/commands.h"
 #include "server/app/print.h"
 #include "server/app/remote_connection.h"
+#include "server/model/text_file.h"
 
 namespace coopdyn {
 
@@ -152,8 +153,8 @@ std::string MakeRequest(const RemoteOptions& options, Message& request) {
     request.command = command::kLoadScenario;
     request.text = first;
     std::error_code ignored;
-    if (std::filesystem::is_regular_file(first, ignored)) {
-      std::ifstream file(first, std::ios::binary);
+    if (IsPipe(first) || std::filesystem::is_regular_file(first, ignored)) {
+      std::ifstream file(first == kPipe ? "/dev/stdin" : first, std::ios::binary);
       request.text.assign(std::istreambuf_iterator<char>(file), {});
       request.text += "\n# file: " + std::filesystem::path(first).filename().string() + "\n";
     }

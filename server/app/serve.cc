@@ -9,6 +9,7 @@
 #include "server/app/print.h"
 #include "server/app/run_report.h"
 #include "server/base/log_bar.h"
+#include "server/model/text_file.h"
 
 namespace coopdyn {
 
@@ -77,10 +78,19 @@ class ServedRun {
 
 }  // namespace
 
-int Serve(const ServeOptions& options) {
+int Serve(ServeOptions options) {
   SetRendererDefaults();
+  if (IsPipe(options.scenario)) {
+    // Now, as signals will be held back: Ctrl-C ends the wait for the writer.
+    Diagnostics diagnostics;
+    options.scenario_text = ReadPipe(options.scenario, diagnostics);
+    if (!options.scenario_text) {
+      std::cerr << diagnostics.ToString();
+      return kExitErrors;
+    }
+  }
   Shutdown shutdown;
-  const LogBackend log(options.log_level);
+  const LogBackend log(options.log_level, options.log_file);
   const SteadyClock clock;
   Daemon daemon(options, log.logger(), shutdown);
   if (const std::string error = daemon.Start(); !error.empty()) {

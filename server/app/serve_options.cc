@@ -62,11 +62,12 @@ void MakeRecordingsFolder(const std::string& folder) {
 }
 
 /// Asks the system, so that a file that is there stays as it is, and none is made before the run's end.
-void CheckSummaryFile(const std::string& file) {
+void CheckWritable(const std::string& option, const std::string& file, const std::string& example) {
   if (file.empty()) return;
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) {
-    throw CLI::ValidationError("--summary " + file + " is a folder: write a file, e.g. --summary run.json");
+    throw CLI::ValidationError(option + " " + file + " is a folder: write a file, e.g. " + option + " " +
+                               example);
   }
   if (!CheckFree(file, true).empty()) {
     throw CLI::ValidationError("--summary " + file +
@@ -77,7 +78,7 @@ void CheckSummaryFile(const std::string& file) {
   const std::filesystem::path folder = std::filesystem::weakly_canonical(file, ignored).parent_path();
   const std::string written = std::filesystem::is_other(file, ignored) ? file : folder.string() + "/";
   if (::access(written.c_str(), W_OK) == 0) return;
-  throw CLI::ValidationError("--summary " + file + " cannot be written (" +
+  throw CLI::ValidationError(option + " " + file + " cannot be written (" +
                              std::generic_category().message(errno) + ")");
 }
 
@@ -128,6 +129,8 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
       ->envname("COOPDYN_LOG_LEVEL")
       ->capture_default_str();
+  sub->add_option("--log-file", serve.log_file, "Add the lines of the log to this file too")
+      ->envname("COOPDYN_LOG_FILE");
   sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
 }
 
@@ -171,7 +174,8 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
       "Exit codes: 0 ok; 1 errors; 2 wrong use; 4 a controller failed, a body was frozen or the recording\n"
       "failed; 5 a signal or quit came before --duration. SIGTERM, SIGINT and SIGHUP end the run in order;\n"
       "SIGUSR1 logs how it stands, writes --summary and goes on.");
-  sub->add_option("scenario", serve.scenario, "A .scenario or .world file, or a bare name on the search path")
+  sub->add_option("scenario", serve.scenario,
+                  "A .scenario or .world file, a bare name on the search path, or - (standard input)")
       ->capture_default_str();
   sub->add_option("--mode", raw.mode, "realtime, lockstep or free")
       ->check(CLI::IsMember({"realtime", "lockstep", "free"}))
@@ -294,7 +298,9 @@ void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
   if (given("--robot-threads")) serve.robot_threads = raw.robot_threads;
   if (given("--spin")) serve.spin_us = raw.spin_us;
   if (given("--recordings")) MakeRecordingsFolder(serve.record.folder);  // last: nothing else is wrong
-  CheckSummaryFile(serve.summary_file);                                  // which may lie in that folder
+  // These may lie in that folder.
+  CheckWritable("--summary", serve.summary_file, "run.json");
+  CheckWritable("--log-file", serve.log_file, "night.log");
 }
 
 }  // namespace coopdyn

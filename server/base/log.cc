@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "server/base/log.h"
 
+#include <fcntl.h>
 #include <spdlog/async.h>
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/sinks/base_sink.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/dist_sink.h>
 #include <spdlog/sinks/null_sink.h>
+
+#include <chrono>
 #include <cstdio>
 #include <mutex>
 
@@ -15,6 +21,58 @@ namespace coopdyn {
 namespace {
 constexpr std::size_t kQueueLines = 8192;
 constexpr std::size_t kMaxPeers = 4096;
+constexpr std::chrono::minutes kCountEvery{1};
+
+/// Passes lines on, made printable; equal ones in a row once, and how many more there were when another line
+/// comes, after a minute, and at the end.
+class RepeatCounter final : public spdlog::sinks::dist_sink<std::mutex> {
+ public:
+  explicit RepeatCounter(std::vector<spdlog::sink_ptr> sinks) : dist_sink(std::move(sinks)) {}
+  ~RepeatCounter() override {
+    try {
+      WriteCount();
+    } catch (const std::exception&) {  // a full disk: there is nobody left to tell
+    }
+  }
+  RepeatCounter(const RepeatCounter&) = delete;
+  RepeatCounter& operator=(const RepeatCounter&) = delete;
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    std::string text = Printable({message.payload.data(), message.payload.size()});
+    const bool again = text == text_ && message.level == level_;
+    if (again) {
+      ++repeated_;
+      time_ = message.time;
+    }
+    if (!again || message.time - written_ >= kCountEvery) WriteCount();
+    if (again) return;
+    text_ = std::move(text);
+    level_ = message.level;
+    time_ = message.time;
+    Write(text_);
+  }
+
+  void WriteCount() {
+    const int repeated = std::exchange(repeated_, 0);
+    if (repeated > 0) Write(repeated == 1 ? text_ : fmt::format("{} (repeated {} times)", text_, repeated));
+  }
+
+  void Write(const std::string& text) {
+    written_ = time_;
+    const spdlog::details::log_msg message(time_, {}, "coopdyn", level_, text);
+    for (const spdlog::sink_ptr& sink : sinks_) {
+      sink->log(message);
+      sink->flush();
+    }
+  }
+
+  // Of the last line; guarded by mutex_.
+  std::string text_;
+  spdlog::level::level_enum level_ = spdlog::level::off;
+  spdlog::log_clock::time_point time_, written_;
+  int repeated_ = 0;
+};
 
 /// Writes to stderr, whose last line may show a bar: log lines go above it.
 class StderrSink final : public spdlog::sinks::base_sink<std::mutex> {
@@ -31,11 +89,8 @@ class StderrSink final : public spdlog::sinks::base_sink<std::mutex> {
   static constexpr const char* kWipe = "\r\033[K";
 
   void sink_it_(const spdlog::details::log_msg& message) override {
-    const std::string text = Printable({message.payload.data(), message.payload.size()});
-    spdlog::details::log_msg shown = message;
-    shown.payload = text;
     spdlog::memory_buf_t line;
-    formatter_->format(shown, line);
+    formatter_->format(message, line);
     const std::string whole(line.data(), line.size());
     Write(bar_.empty() ? whole : kWipe + whole + bar_);
   }
@@ -52,13 +107,25 @@ struct LogBackend::Impl {
       std::make_shared<spdlog::details::thread_pool>(kQueueLines, std::size_t{1});
 };
 
-LogBackend::LogBackend(const std::string& level) : impl_(std::make_unique<Impl>()) {
-  auto sink = std::make_shared<StderrSink>();
+LogBackend::LogBackend(const std::string& level, const std::string& file) : impl_(std::make_unique<Impl>()) {
+  std::vector<spdlog::sink_ptr> sinks{std::make_shared<StderrSink>()};
+  if (!file.empty()) {
+    spdlog::file_event_handlers opened;
+    opened.after_open = [](const std::string&, std::FILE* stream) {
+      ::fcntl(::fileno(stream), F_SETFD, FD_CLOEXEC);
+    };
+    sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file, false, opened));
+  }
+  auto sink = std::make_shared<RepeatCounter>(std::move(sinks));
   logger_ = std::make_shared<spdlog::async_logger>("coopdyn", sink, impl_->pool,
                                                    spdlog::async_overflow_policy::overrun_oldest);
-  logger_->set_pattern("%H:%M:%S.%e %l: %v");
+  logger_->set_pattern("%Y-%m-%d %H:%M:%S.%e%z %l: %v");
   logger_->set_level(spdlog::level::from_str(level));
-  logger_->flush_on(spdlog::level::warn);
+  // A full disk is said once, not with every line.
+  logger_->set_error_handler([said = false](const std::string& text) mutable {
+    if (!std::exchange(said, true))
+      std::fprintf(stderr, "coopdyn: the log is not complete: %s\n", text.c_str());
+  });
 }
 
 LogBackend::~LogBackend() {
@@ -70,7 +137,11 @@ LogBackend::~LogBackend() {
 
 void ShowBelowLog(const Logger& logger, const std::string& text) {
   for (const spdlog::sink_ptr& sink : logger->sinks()) {
-    if (auto* terminal = dynamic_cast<StderrSink*>(sink.get())) terminal->ShowBar(text);
+    auto* lines = dynamic_cast<RepeatCounter*>(sink.get());
+    if (lines == nullptr) continue;
+    for (const spdlog::sink_ptr& one : lines->sinks()) {
+      if (auto* terminal = dynamic_cast<StderrSink*>(one.get())) terminal->ShowBar(text);
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Logging that never blocks: a bounded queue to one writer thread, the oldest lines dropped and counted. Any
+// Logging that never blocks: a bounded queue to one writer thread, the oldest lines dropped and counted. A
+// line begins with date, time and zone; equal ones in a row are written once, then how many there were. Any
 // thread.
 #pragma once
 
@@ -18,10 +19,11 @@ namespace coopdyn {
 using Logger = std::shared_ptr<spdlog::logger>;
 
 /// A logger to stderr with its own queue and thread. `level`: trace, debug, info, warning, error, off.
+/// `file`: lines are added to it too; empty: none. Throws spdlog::spdlog_ex if it cannot be opened.
 /// The caller keeps `LogBackend` alive longer than every copy of the logger; its destructor flushes.
 class LogBackend {
  public:
-  explicit LogBackend(const std::string& level);
+  explicit LogBackend(const std::string& level, const std::string& file = "");
   ~LogBackend();
   LogBackend(const LogBackend&) = delete;
   LogBackend& operator=(const LogBackend&) = delete;

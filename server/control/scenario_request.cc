@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/base/printable.h"
+#include "server/model/text_file.h"
 
 namespace coopdyn {
 
@@ -62,7 +63,7 @@ ScenarioRead ReadRequested(const std::string& text, RobotLibrary& robots, std::o
 }
 
 ScenarioRead ReadAgain(const Scenario& current, RobotLibrary& robots, std::optional<std::uint64_t> seed) {
-  if (current.file.empty()) {
+  if (current.file.empty() || current.file == kPipe) {
     return NoScenario(Error::kNotPossible,
                       "this scenario came as a text, there is no file to read again: upload it again, or "
                       "coopdyn load FILE");

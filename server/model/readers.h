@@ -81,9 +81,9 @@ WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnosti
 
 /// Reads the text of a .scenario and all that it names, whose texts it keeps in `sources`. Nothing if there
 /// are errors. With these sources embedded in `robots`, text, file and seed give the same scenario again.
-/// `file`: for messages and for what lies beside it. `by_socket`: worlds, robots and controllers only by bare
-/// name on the path. `seed`: instead of the scenario's (`--seed`), for the places of swarms too; a `seed` in
-/// their own sections stays.
+/// `file`: for messages and for what lies beside it; kPipe if there is none. `by_socket`: worlds, robots and
+/// controllers only by bare name on the path. `seed`: instead of the scenario's (`--seed`), for the places of
+/// swarms too; a `seed` in their own sections stays.
 std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
                                              RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics,
                                              std::optional<std::uint64_t> seed = std::nullopt);

@@ -98,7 +98,7 @@ struct SourceText {
 
 struct Scenario {
   std::string name;                  // file name without folder and extension; "(text)" if none is known
-  std::string file;                  // as found; empty if it came by socket
+  std::string file;                  // as found; empty by socket, kPipe by pipe
   std::string text;                  // as read
   WorldModel world;                  // of [WORLD] file; empty without
   Floor floor;                       // in force

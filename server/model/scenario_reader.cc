@@ -50,7 +50,7 @@ class ScenarioReader {
         diagnostics_(diagnostics),
         robots_(*scenario_, library, FolderOf(file, by_socket), diagnostics) {
     scenario_->file = by_socket ? "" : file;
-    if (!by_socket) scenario_->name = std::filesystem::path(file).stem().string();
+    if (!by_socket && file != kPipe) scenario_->name = std::filesystem::path(file).stem().string();
   }
 
   std::shared_ptr<const Scenario> Read(const std::string& text) {

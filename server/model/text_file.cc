@@ -87,4 +87,21 @@ std::string_view TakeLine(std::string_view& text) {
   return line;
 }
 
+bool IsPipe(const std::string& name) {
+  std::error_code code;
+  const auto type = std::filesystem::status(name, code).type();
+  return name == kPipe || type == std::filesystem::file_type::fifo ||
+         type == std::filesystem::file_type::character;
+}
+
+std::optional<std::string> ReadPipe(const std::string& name, Diagnostics& diagnostics) {
+  const SourceLine where{kPipe, 0};
+  std::optional<std::string> text = ReadTextFile(name == kPipe ? "/dev/stdin" : name, where, diagnostics);
+  if (text && text->find_first_not_of(" \t\r\n") == std::string::npos) {
+    diagnostics.Error(where, "nothing came through the pipe: write e.g. ./make_scenario | coopdyn serve -");
+    return std::nullopt;
+  }
+  return text;
+}
+
 }  // namespace coopdyn

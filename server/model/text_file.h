@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Texts that people wrote with any editor: any line ends, byte order marks, UTF-8 or Latin-1. Pure but for
-// ReadTextFile.
+// ReadTextFile and the two of pipes.
 #pragma once
 
 #include <optional>
@@ -25,5 +25,14 @@ std::optional<std::string> ReadTextFile(const std::string& file, const SourceLin
 
 /// Takes the first line off `text`; lines end in \n, \r\n or \r.
 std::string_view TakeLine(std::string_view& text);
+
+/// How messages call a text that came through a pipe; as a name, standard input.
+inline constexpr const char* kPipe = "-";
+
+/// Whether `name` is a text that comes once and lies nowhere: "-", or a pipe such as the shell's <(COMMAND).
+bool IsPipe(const std::string& name);
+
+/// All that comes through a pipe, decoded; waits for its writer. Nothing is an error.
+std::optional<std::string> ReadPipe(const std::string& name, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

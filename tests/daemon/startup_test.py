@@ -314,7 +314,7 @@ class EndTest(unittest.TestCase):
             until(is_logged)
         os.close(side)
         os.close(terminal)
-        self.assertRegex(said, rb"\x1b\[\?7h\r\x1b\[K[\d:.]+ info: waiting for robot1[^\n]*\n\x1b\[\?7l\[")
+        self.assertRegex(said, rb"\x1b\[\?7h\r\x1b\[K[\d:.+ -]+ info: waiting for robot1[^\n]*\n\x1b\[\?7l\[")
 
     def test_two_runs_of_one_scenario_and_seed_give_the_same_hash(self):
         hashes = set()
@@ -336,6 +336,21 @@ class OptionTest(unittest.TestCase):
                         "--paused", env={"COOPDYN_STEP": "0.005"}) as daemon:
                 status = daemon.status()
                 self.assertEqual((status["mode"], status["step_s"], status["seed"]), ("free", 0.005, 9))
+
+    def test_the_log_goes_to_a_file_too_with_dates_and_zone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            log = Path(folder) / "night.log"
+            with Daemon(scenario(1), "--log-file", str(log)) as daemon:
+                until(lambda: "waiting for robot1" in log.read_text())
+                self.assertIn(log.read_text(), daemon.stderr())
+            self.assertRegex(log.read_text(), r"\A\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d info: waiting for robot1 ")
+
+    def test_a_log_file_that_cannot_be_written_is_refused_at_the_start(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for log in (folder, f"{folder}/none/night.log"):
+                done = run("serve", "empty", "--port", "0", "--log-file", log)
+                self.assertEqual((done.returncode, done.stdout), (2, b""), log)
+                self.assertRegex(done.stderr.decode(), rf"\Acoopdyn: --log-file {re.escape(log)} .*\n\Z")
 
     def test_ports_come_in_one_block_in_the_documented_order(self):
         base = 20000 + 32 * (os.getpid() % 256)  # another for each process

@@ -4,7 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
 #include "server/base/log_bar.h"
+#include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {
 namespace {
@@ -12,13 +17,15 @@ namespace {
 using testing::MatchesRegex;
 
 constexpr const char* kWipe = "\r\033\\[K";
+// Date, time and zone.
+const std::string kWhen = "20[0-9][0-9]-[0-9][0-9]-[0-9][0-9] [0-9:.]+[+-][0-9][0-9]:[0-9][0-9]";
 
 /// What a log writes to stderr while `use` has it.
 template <typename Use>
-std::string Written(Use use) {
+std::string Written(Use use, const std::string& file = "") {
   testing::internal::CaptureStderr();
   {
-    const LogBackend log("info");
+    const LogBackend log("info", file);
     use(log.logger());
   }
   return testing::internal::GetCapturedStderr();
@@ -26,7 +33,7 @@ std::string Written(Use use) {
 
 TEST(Log, ShowsControlCharactersAsQuestionMarks) {
   EXPECT_THAT(Written([](const Logger& logger) { logger->info("{}", "a\nb\033[31m\x7f\té"); }),
-              MatchesRegex("[0-9:.]+ info: a\\?b\\?\\[31m\\?\\?é\n"));
+              MatchesRegex(kWhen + " info: a\\?b\\?\\[31m\\?\\?é\n"));
 }
 
 TEST(Log, WritesALineAboveTheBarAndDrawsTheBarAgain) {
@@ -35,7 +42,62 @@ TEST(Log, WritesALineAboveTheBarAndDrawsTheBarAgain) {
                 ShowBelowLog(logger, "bar");
                 logger->info("line");
               }),
-              MatchesRegex(bar + kWipe + "[0-9:.]+ info: line\n" + bar));
+              MatchesRegex(bar + kWipe + kWhen + " info: line\n" + bar));
+}
+
+TEST(Log, WritesEqualLinesInARowOnceWithTheirCount) {
+  EXPECT_THAT(Written([](const Logger& logger) {
+                for (int i = 0; i < 13; ++i) logger->warn("no more files");
+                logger->info("enough files again");
+              }),
+              MatchesRegex(kWhen + " warning: no more files\n" + kWhen +
+                           " warning: no more files \\(repeated 12 times\\)\n" + kWhen +
+                           " info: enough files again\n"));
+}
+
+TEST(Log, WritesTheCountOfTheLastLinesAtItsEnd) {
+  EXPECT_THAT(Written([](const Logger& logger) {
+                for (int i = 0; i < 4; ++i) logger->info("again");
+              }),
+              MatchesRegex(kWhen + " info: again\n" + kWhen + " info: again \\(repeated 3 times\\)\n"));
+}
+
+TEST(Log, LinesThatTakeTurnsAreAllWritten) {
+  EXPECT_THAT(Written([](const Logger& logger) {
+                for (const char* text : {"came", "went", "came", "went", "went"}) logger->info(text);
+              }),
+              MatchesRegex(kWhen + " info: came\n" + kWhen + " info: went\n" + kWhen + " info: came\n" +
+                           kWhen + " info: went\n" + kWhen + " info: went\n"));
+}
+
+TEST(Log, AddsTheSameLinesToAFileButNoBar) {
+  const TempFolder folder;
+  const std::filesystem::path file = folder.path() / "night.log";
+  std::ofstream(file) << "before\n";
+  const std::string written = Written(
+      [](const Logger& logger) {
+        logger->info("one\ttwo");
+        logger->info("one\ttwo");
+        logger->info("one\ttwo");
+      },
+      file);
+  std::stringstream in_file;
+  in_file << std::ifstream(file).rdbuf();
+  EXPECT_EQ(in_file.str(), "before\n" + written);
+  Written([](const Logger& logger) { ShowBelowLog(logger, "bar"); }, file);
+  EXPECT_EQ(std::filesystem::file_size(file), in_file.str().size());
+}
+
+TEST(Log, SaysOnceThatItsFileCannotBeWritten) {
+  const std::string written = Written(
+      [](const Logger& logger) {
+        for (int i = 0; i < 5; ++i) logger->info("line {}", i);
+      },
+      "/dev/full");
+  EXPECT_THAT(written, testing::HasSubstr("info: line 4\n"));
+  const std::string said = "the log is not complete: ";
+  EXPECT_NE(written.find(said), std::string::npos);
+  EXPECT_EQ(written.find(said), written.rfind(said));
 }
 
 TEST(Log, TheNextBarReplacesTheLastAndAnEmptyOneWipesIt) {
