@@ -85,7 +85,7 @@ int Serve(ServeOptions options) {
     Diagnostics diagnostics;
     options.scenario_text = ReadPipe(options.scenario, diagnostics);
     if (!options.scenario_text) {
-      std::cerr << diagnostics.ToString();
+      PrintErrorLines(diagnostics.ToString());
       return kExitErrors;
     }
   }

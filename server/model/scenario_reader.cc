@@ -57,7 +57,7 @@ class ScenarioReader {
     std::optional<std::string> decoded = DecodeText(text, {label_, 0}, diagnostics_);
     if (!decoded) return nullptr;
     scenario_->text = std::move(*decoded);
-    if (by_socket_) scenario_->name = NameInText(scenario_->text);
+    if (by_socket_ || label_ == kPipe) scenario_->name = NameInText(scenario_->text);
     sections_ = ReadSections(scenario_->text, label_, diagnostics_);
     FindDegrees();
     // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.
