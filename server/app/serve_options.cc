@@ -61,7 +61,7 @@ void MakeRecordingsFolder(const std::string& folder) {
                              ": write a folder that you may write to, e.g. --recordings runs");
 }
 
-/// Asks the system, so that a file that is there stays as it is, and none is made before the run's end.
+/// Asks the system, so that a file that is there stays as it is, and none is made yet.
 void CheckWritable(const std::string& option, const std::string& file, const std::string& example) {
   if (file.empty()) return;
   std::error_code ignored;
@@ -70,11 +70,13 @@ void CheckWritable(const std::string& option, const std::string& file, const std
                                example);
   }
   if (!CheckFree(file, true).empty()) {
-    throw CLI::ValidationError("--summary " + file +
-                               " is a scenario, a world, a model or a recording, which a summary never "
-                               "replaces: write another file, e.g. --summary run.json");
+    throw CLI::ValidationError(
+        option + " " + file +
+        " is a scenario, a world, a model or a recording, which it never replaces: write "
+        "another file, e.g. " +
+        option + " " + example);
   }
-  // A file is written beside it and put in its place.
+  // The summary is written beside it and put in its place.
   const std::filesystem::path folder = std::filesystem::weakly_canonical(file, ignored).parent_path();
   const std::string written = std::filesystem::is_other(file, ignored) ? file : folder.string() + "/";
   if (::access(written.c_str(), W_OK) == 0) return;
