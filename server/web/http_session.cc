@@ -117,6 +117,13 @@ void HttpSession::OnHeader() {
     route_.refusal.close |= has_body;  // it is not worth reading
     return Answer(route_.refusal);
   }
+  if (!TakesBody()) {
+    HttpAnswer answer = ErrorAnswer(413,
+                                    "a body of more than 1 MiB from another machine needs the header "
+                                    "\"Authorization: Bearer TOKEN\"");
+    answer.close = true;
+    return Answer(std::move(answer));
+  }
   if (beast::iequals(request[http::field::expect], "100-continue") && has_body) {
     response_.emplace(http::status::continue_, 11);
     stream_.expires_after(kBodyTime);
@@ -127,6 +134,16 @@ void HttpSession::OnHeader() {
     return;
   }
   ReadBody();
+}
+
+bool HttpSession::TakesBody() {
+  if (peer_.trusted) return true;
+  const bool large = parser_->content_length().value_or(0) > kMaxStrangersBodyBytes;
+  if (!large && !parser_->chunked()) return true;
+  const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
+  if (context_.TakesToken(bearer, peer_.text)) return true;
+  parser_->body_limit(kMaxStrangersBodyBytes);
+  return !large;
 }
 
 void HttpSession::ReadBody() {

@@ -30,6 +30,7 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
  public:
   static constexpr std::uint32_t kMaxHeaderBytes = 16 << 10;
   static constexpr std::uint64_t kMaxBodyBytes = 16 << 20;
+  static constexpr std::uint64_t kMaxStrangersBodyBytes = 1 << 20;  // without the token in the header
   static constexpr std::chrono::seconds kBodyTime{60};
   static constexpr std::chrono::seconds kAnswerTime{60};   // for a module or picture, then again for writing
   static constexpr std::chrono::seconds kExportTime{600};  // for a recording in another form
@@ -47,6 +48,8 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
 
   void ReadHeader();
   void OnHeader();
+  /// Whether the body may have its length, as far as the header tells; sets the limit for one in chunks.
+  bool TakesBody();
   void ReadBody();
   void OnRequest();
   /// The connection as a WebSocket, or as a stream of pictures.

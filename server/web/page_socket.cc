@@ -72,7 +72,7 @@ void PageSocket::Start(http::request<http::string_body> upgrade) {
   socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
     for (const auto& [name, value] : CommonHeaders()) response.set(name, value);
   }));
-  socket_.read_message_max(kMaxMessageBytes);
+  socket_.read_message_max(bridge_.trusted() ? kMaxMessageBytes : kMaxStrangersMessageBytes);
   socket_.async_accept(upgrade_, [self = shared_from_this()](error_code failed) {
     if (failed) return self->Close();
     self->open_ = true;
@@ -124,7 +124,9 @@ void PageSocket::OnMessage(std::string_view text) {
 }
 
 void PageSocket::TakeToken(const std::string& token) {
-  if (!bridge_.trusted() && context_.TakesToken(token, bridge_.peer())) bridge_.SetTrusted(true);
+  if (bridge_.trusted() || !context_.TakesToken(token, bridge_.peer())) return;
+  bridge_.SetTrusted(true);
+  socket_.read_message_max(kMaxMessageBytes);
 }
 
 void PageSocket::OnHello(const PageHello& hello) {

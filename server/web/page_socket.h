@@ -29,7 +29,8 @@ class PageSocket : public WebConnection,
                    public std::enable_shared_from_this<PageSocket> {
  public:
   static constexpr std::size_t kMaxMessageBytes = std::size_t{20} << 20;  // an upload of 16 MiB as JSON
-  static constexpr std::size_t kMaxQueuedReplies = 64;                    // beyond that nothing more is read
+  static constexpr std::size_t kMaxStrangersMessageBytes = std::size_t{1} << 20;  // without the token
+  static constexpr std::size_t kMaxQueuedReplies = 64;  // beyond that nothing more is read
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{8} << 20;
   static constexpr std::size_t kMaxQueuedPushes = 64;  // beyond that the oldest is dropped
   static constexpr std::chrono::seconds kHandshakeTime{15};

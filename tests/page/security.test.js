@@ -118,10 +118,29 @@ test('who opens too many connections is refused, and nobody else is', async () =
   await open.stop();
 });
 
+test('who has no token sends no large bodies', async () => {
+  const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
+  assert.ok(outer, 'this test needs a network address besides loopback');
+  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'a-long-enough-token');
+  const announce = async (...headers) => {
+    const socket = connect(Number(new URL(open.url).port), outer.address);
+    await once(socket, 'connect');
+    const lines = ['POST /api/call HTTP/1.1', `Host: ${outer.address}`, 'Content-Type: application/json', 'Content-Length: 2000000',
+      'Expect: 100-continue', ...headers];
+    socket.write(`${lines.join('\r\n')}\r\n\r\n`);
+    const [answer] = await once(socket, 'data');
+    socket.destroy();
+    return String(answer);
+  };
+  assert.match(await announce(), /^HTTP\/1\.1 413 [^]*Authorization: Bearer TOKEN/);
+  assert.match(await announce('Authorization: Bearer a-long-enough-token'), /^HTTP\/1\.1 100 /);
+  await open.stop();
+});
+
 test('from another machine the token unlocks the page, and a wrong one is told', async () => {
   const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
   assert.ok(outer, 'this test needs a network address besides loopback');
-  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'right');
+  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'the-right-token');
   const address = new URL(open.url);
   address.hostname = outer.address;
   const page = await openPage(browser, address.href);
@@ -133,7 +152,7 @@ test('from another machine the token unlocks the page, and a wrong one is told',
   await page.fill('#token', 'wrong');
   await page.click('#locked button');
   await says('token-answer', 'not the token');
-  await page.fill('#token', 'right');
+  await page.fill('#token', 'the-right-token');
   await page.click('#locked button');
   await page.waitForSelector('#locked', {state: 'hidden'});
   assert.equal(await page.locator('#message.error').count(), 0);
