@@ -1,6 +1,6 @@
 """Figures of the whole daemon, one line each: start, memory, idle CPU, real time, lockstep from Python and Octave, the end.
 
-COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/measure.py [start memory idle realtime python octave end]
+COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/measure.py [start memory idle realtime overload python octave end]
 Machines are noisy: medians of several runs, and CPU time where that is meant.
 """
 import os
@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "daemon"), str(ROOT / "clients" / "python")]
-from harness import BINARY, Daemon, scenario  # noqa: E402
+from harness import BINARY, Daemon, scenario, until  # noqa: E402
 
 TICK_S = 1 / os.sysconf("SC_CLK_TCK")
 
@@ -83,6 +83,43 @@ def realtime():
                   f"{len(late)} steps seen, {daemon.status()['late_periods']} periods skipped")
 
 
+CLIENT = """
+import sys, time
+import coopdyn
+sim = coopdyn.connect(sys.argv[1], timeout=60)
+r = sim.robot(sys.argv[2])
+due = time.monotonic()
+while True:
+    r.set_velocity(0.2, 0.3 if min(r.get_distances()) > 0.5 else 1.0)
+    due = max(due + 0.02, time.monotonic() - 0.02)
+    time.sleep(max(0, due - time.monotonic()))
+"""
+
+
+def overload():
+    """Fifty Python programs, each drives a robot at 50 Hz beside the daemon."""
+    count, seconds = 50, 20
+    with Daemon(robots(count).replace("lockstep", "realtime"), "--no-render") as daemon:
+        server = f"127.0.0.1:{daemon.names[1]}"
+        env = {**os.environ, "PYTHONPATH": str(ROOT / "clients" / "python")}
+        clients = [subprocess.Popen([sys.executable, "-c", CLIENT, server, f"robot{i + 1}"], env=env) for i in range(count)]
+        until(lambda: all(robot["owner"] for robot in daemon.status()["robots"]), 120)
+        time.sleep(2)
+
+        def moment():
+            status = daemon.status()
+            return time.monotonic(), status["time_s"], status["late_periods"], sum(cpu_s(client.pid) for client in clients)
+
+        first = moment()
+        time.sleep(seconds)
+        wall_s, simulated_s, late, used_s = (after - before for before, after in zip(first, moment()))
+        for client in clients:
+            client.kill()
+            client.wait()
+    print(f"real time beside {count} Python programs at 50 Hz: {100 * (1 - simulated_s / wall_s):.2f} % of simulated time lost, "
+          f"{late} periods skipped; the programs take {100 * used_s / wall_s:.0f} % of a core")
+
+
 def python():
     import coopdyn
     rates = []
@@ -126,5 +163,5 @@ def end():
 
 if __name__ == "__main__":
     print(f"binary: {BINARY}")
-    for name in sys.argv[1:] or ["start", "memory", "idle", "realtime", "python", "octave", "end"]:
+    for name in sys.argv[1:] or ["start", "memory", "idle", "realtime", "overload", "python", "octave", "end"]:
         globals()[name]()
