@@ -73,6 +73,7 @@ bool RunReader::Impl::Prepare() {
       {sql->first, "SELECT step, time_ns FROM step ORDER BY step LIMIT 1"},
       {sql->last, "SELECT step, time_ns FROM step ORDER BY step DESC LIMIT 1"},
       {sql->at_or_after, "SELECT step, time_ns FROM step WHERE step >= ?1 ORDER BY step LIMIT 1"},
+      {sql->first_keyframe, "SELECT step FROM keyframe ORDER BY step LIMIT 1"},
       // length() looks at the row's head alone, where IS NULL would read the poses.
       {sql->shown_before,
        "SELECT step FROM step WHERE step < ?1 AND length(poses) > 0 ORDER BY step DESC LIMIT 1"},
@@ -121,6 +122,11 @@ bool RunReader::Impl::Look() {
   }
   if (found.end < found.begin || found.last < found.first)
     return FailSense("a run that ends before it begins");
+  sql->first_keyframe.Reset();
+  const bool hides_first =
+      sql->first_keyframe.Step() && sql->first_keyframe.integer(0) < static_cast<std::int64_t>(found.first);
+  sql->first_keyframe.Reset();
+  if (hides_first) return FailSense("step " + std::to_string(found.first) + " as the first");
   const auto meta = [this](const char* key) {
     sql->meta.Reset();
     sql->meta.BindText(1, key);

@@ -19,6 +19,7 @@ struct RunReader::Impl {
   /// Prepared once for each opening; they go before their database.
   struct Statements {
     Statement first, last;            // step, time_ns
+    Statement first_keyframe;         // step
     Statement at_or_after;            // step, time_ns of the first at or after ?1
     Statement shown_before;           // step of the newest before ?1 with poses
     Statement shown_after;            // the first after ?1

@@ -2,6 +2,10 @@
 // Which frame of a recording is shown when.
 #include "server/record/player_core.h"
 
+#include <fstream>
+#include <iterator>
+
+#include "tests/server/record/page_damage.h"
 #include "tests/server/record/player_fixture.h"
 
 namespace coopdyn {
@@ -182,6 +186,46 @@ TEST_F(PlayerCoreTest, AGrowingFileIsSeenToGrowWhilePaused) {
   RunUntil(now_ + 200 * kMs);
   EXPECT_FALSE(control_.playback()->growing);
   EXPECT_EQ(wake_, kNever);
+}
+
+/// Plays a file from start to end.
+class OnePlay : public PlayerFixture {
+ public:
+  void TestBody() override {}
+  /// The steps that were shown; nothing if it was said that something is wrong.
+  std::optional<std::vector<std::uint64_t>> Play(const std::string& file,
+                                                 std::shared_ptr<const Scenario> scenario) {
+    std::string error;
+    auto reader = RunReader::Open(file, error);
+    if (reader == nullptr) return std::nullopt;
+    reader->UseScenario(std::move(scenario));
+    core_ = std::make_unique<PlayerCore>(boards(), std::move(reader), NullLogger(), PlayOptions(), 0);
+    if (!core_->Start(now_).empty()) return std::nullopt;
+    RunUntil(now_ + 2000 * kMs);
+    for (const Event& event : control_.events()) {
+      if (event.level == "error") return std::nullopt;
+    }
+    return steps_shown();
+  }
+};
+
+TEST_F(PlayerCoreTest, ADamagedPageIsSaidOrAllIsShown) {
+  sample_.Write(file_, {.steps = 60, .page_size = 1024});
+  std::ifstream stream(file_, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+  const auto all = OnePlay().Play(file_, sample_.scenario());
+  ASSERT_TRUE(all);
+  ASSERT_EQ(all->size(), 61U);
+  int damaged = 0;
+  ForEachDamage(whole, file_, [&](const std::string& what) {
+    const auto shown = OnePlay().Play(file_, sample_.scenario());
+    if (!shown) {
+      ++damaged;
+    } else {
+      EXPECT_EQ(*shown, *all) << what;
+    }
+  });
+  EXPECT_GT(damaged, 50);
 }
 
 TEST_F(PlayerCoreTest, StepsThatAreMissingAreAnErrorNotAJump) {
