@@ -113,7 +113,7 @@ WebWorld::WebWorld(WebOptions options) {
   simulation_server = std::make_unique<ModuleServer>(modules.context(), simulation, services, "/simulation");
   names.AddOwn("/robot1/motors", 10002, motors_server->adopter());
   names.AddOwn("/simulation", 10006, simulation_server->adopter());
-  names.Register("/elsewhere", "tcp", "10.0.0.9", 4711, "10.0.0.9");
+  names.Register("/elsewhere", "tcp", "10.0.0.9", 4711, {"10.0.0.9"});
   PublishFrame(1);
   web = std::make_unique<WebServer>(std::move(options), names, frames, &images, services);
   EXPECT_EQ(web->Listen({"127.0.0.1"}, 0), "");
