@@ -119,14 +119,18 @@ int ExitCode(const RunReport& run) {
 }
 
 std::string WriteSummary(const std::string& file, const std::string& text) {
+  constexpr int kMaxLinks = 40;  // as many as the kernel follows
   std::error_code ignored;
   if (std::filesystem::is_other(file, ignored)) {  // /dev/stdout, a pipe
     std::ofstream device(file);
     device << text;
     return device.flush() ? "" : file + " cannot be written";
   }
-  ExportFile whole(
-      std::filesystem::weakly_canonical(file, ignored).string());  // what a link means, not the link
+  std::filesystem::path target(file);  // what a link means, not the link
+  for (int i = 0; i < kMaxLinks && std::filesystem::is_symlink(target, ignored); ++i) {
+    target = target.parent_path() / std::filesystem::read_symlink(target, ignored);
+  }
+  ExportFile whole(target.string());
   if (std::string error = whole.Open(true); !error.empty()) return error;
   whole.Write(text);
   return whole.Commit();

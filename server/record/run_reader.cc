@@ -127,19 +127,12 @@ bool RunReader::Impl::Look() {
       sql->first_keyframe.Step() && sql->first_keyframe.integer(0) < static_cast<std::int64_t>(found.first);
   sql->first_keyframe.Reset();
   if (hides_first) return FailSense("step " + std::to_string(found.first) + " as the first");
-  const auto meta = [this](const char* key) {
-    sql->meta.Reset();
-    sql->meta.BindText(1, key);
-    const std::int64_t value = sql->meta.Step() ? sql->meta.integer(0) : 0;
-    sql->meta.Reset();
-    return value;
-  };
   const std::uint64_t span = found.last - found.first;
-  const std::int64_t lost = std::max<std::int64_t>(meta("lost"), 0);
-  const std::int64_t after = std::clamp<std::int64_t>(meta("lost_after"), 0, lost);
+  const std::int64_t lost = std::max<std::int64_t>(Meta("lost"), 0);
+  const std::int64_t after = std::clamp<std::int64_t>(Meta("lost_after"), 0, lost);
   found.lost = std::min(span, static_cast<std::uint64_t>(lost - after));
   found.lost_after = static_cast<std::uint64_t>(after);
-  const std::int64_t last = meta("last_step");
+  const std::int64_t last = Meta("last_step");
   if (last > static_cast<std::int64_t>(found.last)) {
     found.missing = static_cast<std::uint64_t>(last) - found.last;
   }
@@ -255,6 +248,14 @@ std::optional<std::uint64_t> RunReader::NextShown(std::uint64_t step, bool back)
   return impl_->Guard(what, [&] { return impl_->NextShown(step, back); });
 }
 
+std::int64_t RunReader::Impl::Meta(const char* key) {
+  sql->meta.Reset();
+  sql->meta.BindText(1, key);
+  const std::int64_t value = sql->meta.Step() ? sql->meta.integer(0) : 0;
+  sql->meta.Reset();
+  return value;
+}
+
 std::optional<std::uint64_t> RunReader::Impl::NextShown(std::uint64_t step, bool back) {
   const auto shown = One(back ? sql->shown_before : sql->shown_after, step);
   if (!shown || back || *shown == step + 1) return shown;
@@ -262,7 +263,8 @@ std::optional<std::uint64_t> RunReader::Impl::NextShown(std::uint64_t step, bool
   const auto next = One(sql->at_or_after, step + 1);
   if (!next || *next == step + 1) return next ? shown : std::nullopt;
   const auto keyframe = One(sql->keyframe, *next);
-  if (keyframe == next) return shown;
+  const auto left_out = static_cast<std::int64_t>(*next - step - 1);
+  if (keyframe == next && left_out <= Meta("lost")) return shown;
   FailSense("a gap from step " + std::to_string(step) + " to " + std::to_string(*next));
   return std::nullopt;
 }

@@ -74,6 +74,7 @@ struct RunReader::Impl {
   std::shared_ptr<const Scene> SceneOf(std::uint64_t scene);
   std::optional<std::uint64_t> StepAt(Nanoseconds time, bool with_poses);
   std::optional<std::uint64_t> NextShown(std::uint64_t step, bool back);
+  std::int64_t Meta(const char* key);  // a number of `meta`; 0: it is not there
   std::optional<RecordedStep> Read(std::uint64_t step, bool inputs_only);
   bool ForEach(std::uint64_t first, std::uint64_t last, bool inputs_only,
                const std::function<bool(const RecordedStep&)>& use);

@@ -157,8 +157,10 @@ std::string RunTable::Impl::Limit(const ExportOptions& options) {
   }
   if (begin > extent.end) return "--from " + FormatNumber(*options.from_s) + ": " + lasts;
   if (end < extent.begin) return "--until " + FormatNumber(*options.until_s) + ": " + lasts;
-  const auto from = reader.StepAt(begin, false), until = reader.StepAt(end, false);
-  if (!from || !until) return reader.error();
+  const auto from = reader.StepAt(begin, false);
+  if (!from) return reader.error();
+  const auto until = reader.StepAt(end, false);
+  if (!until) return reader.error();
   first = *from;
   last = *until;
   return {};
