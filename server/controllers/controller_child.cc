@@ -105,7 +105,7 @@ void TakeAreas(Files& files) {
 
 /// Controllers get no more than `bytes` of memory beyond what the process has now, and the system ends this
 /// process rather than another when it has none left itself.
-void LimitMemory(std::uint64_t bytes) {
+void LimitMemory([[maybe_unused]] std::uint64_t bytes) {
   if (std::FILE* file = std::fopen("/proc/self/oom_score_adj", "w"); file != nullptr) {
     std::fputs("1000", file);
     std::fclose(file);

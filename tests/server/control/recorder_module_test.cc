@@ -308,7 +308,7 @@ TEST_F(RecorderModuleTest, ADiskThatIsFullHoldsTheRecordingUpUntilThereIsRoom) {
     ASSERT_EQ(Ask("start lesson1").error, 0);
     step_until_told("nothing is recorded for now");
   }
-  step_until_told("were not recorded");
+  step_until_told("there is room again");
   EXPECT_FALSE(desk_->failed());
   EXPECT_TRUE(desk_->status().recording);
 }
