@@ -78,19 +78,35 @@ struct Run::Impl {
         });
   }
 
-  /// What was not lost must be there. Counts once.
+  /// A damaged page may hide rows, or poses: what was not lost must be there. Counts once.
   void CheckSteps() const {
     if (counted) return;
+    const auto given = info.find("pose_every_ns");
+    const std::int64_t every = given == info.end() ? 0 : std::strtoll(given->second.c_str(), nullptr, 10);
+    std::int64_t rows = 0, first = 0, previous = -1, wanted = 0;
+    std::int64_t shown = -1;  // the time of the newest row with poses
+    bool ends_there = true;
     database.ForEach(
-        "SELECT (SELECT min(step) FROM step), (SELECT max(step) FROM step), (SELECT count(*) FROM step), "
-        "(SELECT sum(CASE key WHEN 'lost' THEN value ELSE -value END) FROM meta WHERE key IN ('lost', "
-        "'lost_after')), (SELECT value FROM meta WHERE key = 'ends')",
+        "SELECT step, time_ns, poses IS NOT NULL, (SELECT min(first_step) FROM scene), (SELECT sum(CASE key "
+        "WHEN 'lost' THEN value ELSE -value END) FROM meta WHERE key IN ('lost', 'lost_after')), (SELECT "
+        "value FROM meta WHERE key = 'last_step'), (SELECT value FROM meta WHERE key = 'ends') FROM step "
+        "ORDER BY step",
         [&](const RunRow& row) {
-          const std::int64_t lost = row.is_null(3) ? 0 : row.integer(3);
-          const bool whole = row.integer(2) >= row.integer(1) - row.integer(0) + 1 - lost;
-          if (!whole || row.integer(1) < EndOf("step", row.text(4)))
-            RunDatabase::Damaged(file(), "steps are missing");
+          const std::int64_t step = row.integer(0), time = row.integer(1);
+          const std::string number = std::to_string(step);
+          if (step <= previous)
+            RunDatabase::Damaged(file(), "step " + number + " comes after step " + std::to_string(previous));
+          const bool has_poses = row.integer(2) != 0;
+          if (!has_poses && (every <= 0 || shown < 0 || time / every != shown / every))
+            RunDatabase::Damaged(file(), "the poses of step " + number + " are missing");
+          if (rows++ == 0) first = step;
+          previous = step;
+          if (has_poses) shown = time;
+          wanted = step - first + 1 - (row.is_null(4) ? 0 : row.integer(4));
+          ends_there = (row.is_null(3) || first <= row.integer(3)) &&
+                       (row.is_null(5) || step == row.integer(5)) && step >= EndOf("step", row.text(6));
         });
+    if (rows < wanted || !ends_there) RunDatabase::Damaged(file(), "steps are missing");
     counted = true;
   }
 

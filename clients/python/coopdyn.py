@@ -3067,14 +3067,27 @@ class Run:
             raise Error(7, f"{self.file} is damaged ({e}); `coopdyn info {self.file}` says what can be read") from None
 
     def _count(self) -> None:
-        """A damaged page may hide rows: what was not lost must be there."""
+        """A damaged page may hide rows, or poses: what was not lost must be there."""
         if self._whole:
             return
-        first, last, rows, lost, ends = self._db.execute(
-            "SELECT (SELECT min(step) FROM step), (SELECT max(step) FROM step), (SELECT count(*) FROM step), "
+        every = int(self._info.get("pose_every_ns", 0))
+        rows, first, last = 0, 0, -1
+        shown: Optional[int] = None  # the time of the newest row with poses
+        of_file: List[Any] = [None] * 4
+        for step, time_ns, has_poses, *of_file in self._db.execute(
+            "SELECT step, time_ns, poses IS NOT NULL, (SELECT min(first_step) FROM scene), "
             "(SELECT sum(CASE key WHEN 'lost' THEN value ELSE -value END) FROM meta WHERE key IN ('lost', 'lost_after')), "
-            "(SELECT value FROM meta WHERE key = 'ends')").fetchone()
-        if rows < last - first + 1 - int(lost or 0) or last < _end_of("step", ends):
+            "(SELECT value FROM meta WHERE key = 'last_step'), (SELECT value FROM meta WHERE key = 'ends') FROM step ORDER BY step"
+        ):
+            if step <= last:
+                raise ValueError(f"step {step} comes after step {last}")
+            if not has_poses and (every <= 0 or shown is None or time_ns // every != shown // every):
+                raise ValueError(f"the poses of step {step} are missing")
+            first, last, rows = step if rows == 0 else first, step, rows + 1
+            shown = time_ns if has_poses else shown
+        begin, lost, last_step, ends = of_file
+        if (rows < last - first + 1 - int(lost or 0) or last < _end_of("step", ends) or begin is not None and first > begin
+                or last_step is not None and last != last_step):
             raise ValueError("steps are missing")
         self._whole = True
 

@@ -70,6 +70,7 @@ class Daemon final : private ControlActions {
   void Quit() override;
   std::string recording() const override { return recordings_.recording(); }
   std::uint64_t recording_lost() const override { return recordings_.status().file.lost; }
+  std::string recording_stall() const override { return recordings_.status().file.stall; }
   std::string http() const override;
 
   // daemon_world.cc: an error text, empty if the world stands.

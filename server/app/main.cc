@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <pthread.h>
+
 #include <csignal>
 #include <exception>
 
@@ -32,6 +34,10 @@ int Run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
+  sigset_t report;  // waits until `serve` can answer it: it shall not end one that is just starting
+  sigemptyset(&report);
+  sigaddset(&report, SIGUSR1);
+  pthread_sigmask(SIG_BLOCK, &report, nullptr);
   try {
     return Run(argc, argv);
   } catch (const std::exception& exception) {  // e.g. no more threads, no more memory

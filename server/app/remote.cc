@@ -79,7 +79,11 @@ int PrintStatus(const std::string& text) {
   Print("speed: {}\n", SpeedOf(plays ? playback->as_object() : status));
   if (plays) Print("playing {}\n", word(playback->as_object(), "file"));
   if (const std::string recording = word(status, "recording"); recording != "-") {
-    Print("recording to {}\n", recording);
+    const std::string stall = word(status, "recording_stalled");
+    const double lost = number("recording_lost");
+    Print("{}{}\n", stall == "-" ? "recording to " + recording : "not recording to " + recording + " for now",
+          lost > 0 ? fmt::format(", {:.0f} step{} lost", lost, lost == 1 ? "" : "s") : "");
+    if (stall != "-") Print("  {}\n", stall);
   }
   if (const json::value* awaiting = status.if_contains("awaiting");
       awaiting != nullptr && awaiting->is_array()) {

@@ -73,10 +73,12 @@ std::string SummaryLine(const RunReport& run) {
       robots, robots == 1 ? "" : "s", frame.time_s(), run.wall_s, Factor(run), HashText(StateHash(frame)));
   line += run.status.frozen.empty() ? ", nothing frozen" : Named("frozen", run.status.frozen);
   line += Named("controller failed", FailedControllers(run));
-  if (run.status.late_periods > 0) line += fmt::format(", {} steps skipped", run.status.late_periods);
+  if (const auto late = run.status.late_periods; late > 0)
+    line += fmt::format(", {} step{} skipped", late, late == 1 ? "" : "s");
   if (run.recording_failed) line += ", the recording failed";
   if (IsCutShort(run)) {
-    line += fmt::format(", cut short by {} before {:g} s", ToString(*run.end), run.status.duration_s);
+    line += fmt::format(", ended early {}, at {:.2f} of {:g} s", WhyEarly(*run.end), frame.time_s(),
+                        run.status.duration_s);
   }
   return line;
 }

@@ -283,13 +283,16 @@ void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
   if (given("--mode")) serve.run.mode = ParseMode(raw.mode);
   serve.controllers_in_process = raw.controllers == "in-process";
   if (given("--controller-memory")) serve.controller_memory_bytes = raw.controller_memory_mib << 20;
-  constexpr std::size_t kStrongToken = 12;
-  if (!serve.token.empty() && serve.token.size() < kStrongToken && !serve.weak_token && !serve.no_net &&
+  constexpr std::ptrdiff_t kStrongToken = 12;
+  const auto characters = std::count_if(serve.token.begin(), serve.token.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;  // of UTF-8, the first byte of each
+  });
+  if (!serve.token.empty() && characters < kStrongToken && !serve.weak_token && !serve.no_net &&
       BeyondLoopback(serve)) {
     throw CLI::ValidationError(
         fmt::format("--token has {} characters, and with --host others can try tokens: write at least {}, or "
                     "leave --token out (one is made and printed), or add --weak-token",
-                    serve.token.size(), kStrongToken));
+                    characters, kStrongToken));
   }
   if (given("--step")) serve.run.step = std::llround(raw.step_s * 1e6) * 1000;
   if (!plays && given("--speed")) serve.run.speed = raw.speed;

@@ -53,6 +53,15 @@ TokenVerdict WrongTokens::Judge(bool right, const std::string& peer, Nanoseconds
   return TokenVerdict::kWrong;
 }
 
+std::string WrongTokens::WaitText(const std::string& peer, Nanoseconds now) const {
+  const MutexLock lock(mutex_);
+  const auto found = tries_.find(AddressOf(peer));
+  if (found == tries_.end() || now >= found->second.next) return {};
+  const Nanoseconds wait_s = (found->second.next - now + kNanosecondsPerSecond - 1) / kNanosecondsPerSecond;
+  return "too many wrong tokens came from your address: wait " + std::to_string(wait_s) +
+         " s, then try again";
+}
+
 void WrongTokens::MakeRoom(Nanoseconds now) {
   if (tries_.size() < kMaxAddresses) return;
   std::erase_if(tries_, [now](const auto& item) { return now - item.second.last > kForgotten; });

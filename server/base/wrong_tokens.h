@@ -26,6 +26,8 @@ class WrongTokens {
   /// What becomes of a token from `peer` (ADDRESS:PORT) at `now` that is `right` or not. Too soon: it is not
   /// even said whether it is right.
   TokenVerdict Judge(bool right, const std::string& peer, Nanoseconds now) EXCLUDES(mutex_);
+  /// What to tell `peer` at `now` if its next token would come too soon; empty: it would not.
+  std::string WaitText(const std::string& peer, Nanoseconds now) const EXCLUDES(mutex_);
 
  private:
   struct Tries {
@@ -36,7 +38,7 @@ class WrongTokens {
   void MakeRoom(Nanoseconds now) REQUIRES(mutex_);
 
   const Logger logger_;
-  Mutex mutex_;
+  mutable Mutex mutex_;
   std::unordered_map<std::string, Tries> tries_ GUARDED_BY(mutex_);  // by address
 };
 

@@ -34,6 +34,8 @@ class ControlActions {
   virtual std::string recording() const = 0;
   /// Steps that the recording had to leave out so far.
   virtual std::uint64_t recording_lost() const { return 0; }
+  /// Why nothing is recorded for now; empty: it is, or nothing is to be.
+  virtual std::string recording_stall() const { return {}; }
   virtual std::string http() const = 0;
 };
 

@@ -47,6 +47,7 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
   status.events = services_.run.events();
   status.recording = services_.actions.recording();
   status.recording_lost = services_.actions.recording_lost();
+  status.recording_stall = services_.actions.recording_stall();
   status.http = services_.actions.http();
   status.awaiting = services_.board.Awaiting(services_.clock.Now(), kMaxAwaited, &status.awaiting_count);
   status.playback = services_.run.playback();

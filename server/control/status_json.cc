@@ -117,6 +117,7 @@ std::string StatusJson(const StatusInput& status) {
       {"frozen", std::move(frozen)},
       {"recording", Text(status.recording)},
       {"recording_lost", status.recording_lost},
+      {"recording_stalled", Text(status.recording_stall)},
       {"playback", Playback(status.playback)},
       {"http", Text(status.http)},
       {"events", Events(status.events)},

@@ -49,6 +49,7 @@ struct StatusInput {
   std::size_t awaiting_count = 0;
   std::string recording;  // file; empty: null
   std::uint64_t recording_lost = 0;
+  std::string recording_stall;  // empty: null
   std::optional<PlaybackStatus> playback;
   std::string http;  // URL of the page; empty: null
   std::vector<Event> events;

@@ -159,8 +159,7 @@ std::optional<Message> ModuleCore::TakeHello(ModuleClient& client, const Message
   }
   const TokenVerdict verdict = guard_.Judge(words[1], client.client.peer, now);
   if (verdict == TokenVerdict::kTooSoon) {
-    return ErrorReply(request.command, Error::kNotAllowed,
-                      "too many wrong tokens came from your address: wait a minute, then try again");
+    return ErrorReply(request.command, Error::kNotAllowed, guard_.WaitText(client.client.peer, now));
   }
   if (verdict == TokenVerdict::kWrong) {
     return ErrorReply(request.command, Error::kNotAllowed,

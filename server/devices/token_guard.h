@@ -22,6 +22,10 @@ class TokenGuard {
   bool Matches(std::string_view given) const;
   /// What becomes of a token that `peer` (ADDRESS:PORT) says at `now`.
   TokenVerdict Judge(std::string_view given, const std::string& peer, Nanoseconds now) const;
+  /// As of WrongTokens.
+  std::string WaitText(const std::string& peer, Nanoseconds now) const {
+    return wrong_ == nullptr ? std::string() : wrong_->WaitText(peer, now);
+  }
 
  private:
   std::string token_;

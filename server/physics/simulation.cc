@@ -78,7 +78,8 @@ void Simulation::Restart(std::uint64_t seed, std::uint64_t epoch) {
   StartControllers();
 }
 
-std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch) {
+std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
+                                std::vector<StoppedController>* stopped) {
   const Frame& from = *state.frame;
   seed_ = from.seed;
   epoch_ = epoch;
@@ -90,10 +91,11 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch) {
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->robots = from.robots;
   frame_ = frame;
-  return helpers_.controllers == nullptr ? "" : RestoreControllers(state.controllers);
+  return helpers_.controllers == nullptr ? "" : RestoreControllers(state.controllers, stopped);
 }
 
-std::string Simulation::RestoreControllers(std::span<const std::byte> saved) {
+std::string Simulation::RestoreControllers(std::span<const std::byte> saved,
+                                           std::vector<StoppedController>* told) {
   ControllerDriver& controllers = *helpers_.controllers;
   bool fits = true;
   if (saved.empty()) {
@@ -108,6 +110,7 @@ std::string Simulation::RestoreControllers(std::span<const std::byte> saved) {
   if (fits && (now.empty() || std::ranges::equal(now, saved))) return {};
   if (saved.empty()) return "the states of its controllers were not saved";
   const std::vector<StoppedController> stopped = controllers.TakeStopped();
+  if (told != nullptr) *told = stopped;
   if (!fits || stopped.empty()) return "the controllers that are found do not take the state that was saved";
   return stopped.front().why + " (" + stopped.front().robot + ")";
 }

@@ -57,8 +57,10 @@ class Simulation {
   /// after StartControllers().
   void Restart(std::uint64_t seed, std::uint64_t epoch);
   /// Goes on from `state`, whose frame has this scene, bit for bit; controllers included. Else why those
-  /// cannot: nothing is to be stepped then before another Restore() or Restart(). Empty: all went well.
-  [[nodiscard]] std::string Restore(const SavedState& state, std::uint64_t epoch);
+  /// cannot: nothing is to be stepped then before another Restore() or Restart(), unless those that do not
+  /// drive any more are noted: `stopped` is ControllerDriver::TakeStopped() of then. Empty: all went well.
+  [[nodiscard]] std::string Restore(const SavedState& state, std::uint64_t epoch,
+                                    std::vector<StoppedController>* stopped = nullptr);
   /// What Restore() takes; `mode` and `paused` are the caller's to fill in.
   SavedState Save() const;
 
@@ -72,7 +74,7 @@ class Simulation {
   Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<PhysicsWorld> world, std::uint64_t seed,
              std::uint64_t epoch, const StepHelpers& helpers, const Clock& clock);
   std::shared_ptr<Frame> MakeFrame();
-  std::string RestoreControllers(std::span<const std::byte> saved);
+  std::string RestoreControllers(std::span<const std::byte> saved, std::vector<StoppedController>* told);
   /// Broadcasts that nobody can hear any more are dropped, those of the coming step added.
   void TakeMessages(std::span<const SentMessage> sent);
 

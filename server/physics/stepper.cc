@@ -85,9 +85,10 @@ void Stepper::Run(std::stop_token stop) {
   RestControllers();
   stopping_ = true;
   if (const auto end = boards_.control.end(); end && duration_ && !ended_) {
-    AddEvent("warning", fmt::format("the run was cut short by {} before its duration of {:g} s",
-                                    ToString(*end), ToSeconds(*duration_)));
+    AddEvent("warning", fmt::format("the run ended early {}, at {:.2f} of {:g} s", WhyEarly(*end),
+                                    frame().time_s(), ToSeconds(*duration_)));
   }
+  PublishStatus(clock_.Now(), true);  // of the last step
   baton_.Pass();
   boards_.edits.Close();
   boards_.commands.Stop(boards_.frames.Latest());
@@ -167,7 +168,7 @@ void Stepper::StepNow(Nanoseconds now) {
   if (allowed_steps_ > 0) --allowed_steps_;
   status_.simulated += step_length_;
   boards_.frames.Publish(frame);
-  if (simulation_->has_controllers()) NoteStoppedControllers(before);
+  if (simulation_->has_controllers()) NoteStoppedControllers(helpers_.controllers->TakeStopped(), before);
   for (const FrozenBody& frozen : simulation_->TakeFrozen()) {
     status_.frozen.push_back(frozen.name);
     AddEvent("error", frozen.name + " exploded (" + frozen.why + ") and is frozen where it was last sane");
@@ -187,11 +188,11 @@ void Stepper::StepNow(Nanoseconds now) {
   }
 }
 
-void Stepper::NoteStoppedControllers(std::optional<std::uint64_t> step) {
-  if (helpers_.controllers == nullptr) return;
+void Stepper::NoteStoppedControllers(const std::vector<StoppedController>& controllers,
+                                     std::optional<std::uint64_t> step) {
   const Scene& scene = simulation_->scene();
   bool failed = false;
-  for (const StoppedController& stopped : helpers_.controllers->TakeStopped()) {
+  for (const StoppedController& stopped : controllers) {
     AddEvent(stopped.with_daemon ? "info" : "error", stopped.robot + " stands: " + stopped.why);
     if (!stopped.with_daemon) NoteStopped(stopped.robot, "controller", stopped.why);
     failed |= !stopped.with_daemon;

@@ -111,7 +111,8 @@ class Stepper {
   void StepNow(Nanoseconds now) REQUIRES(baton_);
   /// Takes note of controllers that have stopped: in the step after frame `step`, which is an input of the
   /// run; or, without, from the start.
-  void NoteStoppedControllers(std::optional<std::uint64_t> step) REQUIRES(baton_);
+  void NoteStoppedControllers(const std::vector<StoppedController>& controllers,
+                              std::optional<std::uint64_t> step) REQUIRES(baton_);
   /// Takes note of the clients that were lost before the step latched last.
   void NoteLostClients() REQUIRES(baton_);
   void NoteStopped(const std::string& robot, const char* by, const std::string& why) REQUIRES(baton_);
@@ -129,6 +130,10 @@ class Stepper {
   /// The answer to a Restore() that has failed for `why`, after which the run goes on from `present`, as it
   /// was.
   EditResult RefuseRestore(const std::string& why, const SavedState& present) REQUIRES(baton_);
+  /// The controllers do not take the state that they had just now, for `why`: their robots stand. `stopped`:
+  /// as the controllers say; empty if they do not know which. Returns what to answer.
+  std::string LoseControllers(const std::string& why, std::vector<StoppedController> stopped)
+      REQUIRES(baton_);
   /// Puts `state`, to which the simulation has been restored, in force.
   void InstallState(const SavedState& state, StepEnd end) REQUIRES(baton_);
   SavedStatePtr SaveState() const REQUIRES(baton_);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What each edit does to the run, between two steps, by the holder of the baton.
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "server/physics/stepper.h"
@@ -220,7 +223,9 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   if (state != nullptr) TakeDrives(*state, now);
   // Controllers that stand from the start are no input of the run: its state says so.
   if (journal_ != nullptr) journal_->Begin(SaveState());
-  NoteStoppedControllers(std::nullopt);
+  if (helpers_.controllers != nullptr) {
+    NoteStoppedControllers(helpers_.controllers->TakeStopped(), std::nullopt);
+  }
   rate_.Reset();
   RestartPace(now);
   PublishStatus(now, true);
@@ -243,17 +248,45 @@ void Stepper::TakeDrives(const SavedState& state, Nanoseconds now) {
 EditResult Stepper::RefuseRestore(const std::string& why, const SavedState& present) {
   std::string text = "this state cannot be restored: " + why;
   if (simulation_ != nullptr) {
-    const std::string lost = simulation_->Restore(present, boards_.frames.Latest()->epoch);
-    if (!lost.empty())
-      text += "; and the present controllers are lost: " + lost + ": reset or load a scenario";
-    if (lost.empty()) helpers_.controllers->TakeStopped();  // it is no news
+    std::vector<StoppedController> stopped;
+    const std::string lost = simulation_->Restore(present, boards_.frames.Latest()->epoch, &stopped);
+    if (lost.empty()) {
+      helpers_.controllers->TakeStopped();  // it is no news
+    } else {
+      text += "; the present controllers are lost too" + (lost == why ? "" : ": " + lost);
+      text += LoseControllers(lost, std::move(stopped));
+    }
   }
   return Refusal(Error::kNotPossible, text);
+}
+
+std::string Stepper::LoseControllers(const std::string& why, std::vector<StoppedController> stopped) {
+  const StoppedRobots known = boards_.control.stopped();
+  std::erase_if(stopped, [&known](const StoppedController& one) {
+    const auto found = known.find(one.robot);
+    return found != known.end() && found->second.by == "controller";
+  });
+  if (stopped.empty()) {
+    const std::vector<SceneRobot>& robots = simulation_->scene().robots;
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      if (!robots[i].entry.controller.empty()) helpers_.controllers->Stop(static_cast<int>(i), why);
+    }
+    stopped = helpers_.controllers->TakeStopped();
+  }
+  const bool ended = ended_;
+  NoteStoppedControllers(stopped, frame().step);
+  if (ended_ && !ended && on_ended_) on_ended_();
+  if (stopped.empty()) return {};
+  const std::string more =
+      stopped.size() == 1 ? " stands" : fmt::format(" and {} more stand", stopped.size() - 1);
+  return "; " + stopped.front().robot + more + " now: reset or load a scenario";
 }
 
 void Stepper::InstallState(const SavedState& state, StepEnd end) {
   if (duration_ && frame().time >= *duration_) duration_.reset();
   Install(end, &state);
+  std::istringstream warnings(state.warning);
+  for (std::string line; std::getline(warnings, line);) AddEvent("warning", line);
 }
 
 EditResult Stepper::Apply(const edit::SetMode& set) {

@@ -50,6 +50,22 @@ std::string OtherOrigin(const RunHeader& header) {
   return text + ": equal bits are not promised";
 }
 
+std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene) {
+  std::vector<std::string> lines;
+  std::set<std::string> known;
+  for (const SceneRobot& robot : scene.robots) {
+    const ControllerChoice& choice = robot.entry.controller;
+    if (choice.empty() || !known.insert(choice.name).second) continue;
+    const auto recorded = std::ranges::find(header.controllers, choice.name, &PluginHash::name);
+    if (recorded == header.controllers.end()) continue;
+    const std::string now = FileHash(choice.file);
+    if (now == recorded->hash) continue;
+    lines.push_back("controller " + choice.name + " is not the one that was recorded (hash " +
+                    recorded->hash + ", now " + (now.empty() ? "unreadable" : now) + ")");
+  }
+  return lines;
+}
+
 Resimulator::Resimulator(std::string file, const RunHeader& header, const ReplayServices& services)
     : file_(std::move(file)), header_(header), services_(services) {}
 
@@ -58,20 +74,6 @@ Resimulator::~Resimulator() = default;
 void Resimulator::Warn(const std::string& line) {
   if (warning_.find(line) != std::string::npos) return;
   warning_ += (warning_.empty() ? "" : "\n") + line;
-}
-
-void Resimulator::WarnOfOtherPlugins(const Scene& scene) {
-  std::set<std::string> known;
-  for (const SceneRobot& robot : scene.robots) {
-    const ControllerChoice& choice = robot.entry.controller;
-    if (choice.empty() || !known.insert(choice.name).second) continue;
-    const auto recorded = std::ranges::find(header_.controllers, choice.name, &PluginHash::name);
-    if (recorded == header_.controllers.end()) continue;
-    const std::string now = FileHash(choice.file);
-    if (now == recorded->hash) continue;
-    Warn("controller " + choice.name + " is not the one that was recorded (hash " + recorded->hash +
-         ", now " + (now.empty() ? "unreadable" : now) + ")");
-  }
 }
 
 bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
@@ -84,7 +86,7 @@ bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::
     host_ = std::make_unique<ControllerHost>(services_.controllers, services_.clock, services_.logger,
                                              services_.pool);
   }
-  WarnOfOtherPlugins(*scene);
+  for (const std::string& line : OtherPlugins(header_, *scene)) Warn(line);
   Diagnostics diagnostics;
   simulation_ =
       Simulation::Build(scene, seed, kEpoch, {&services_.pool, host_.get()}, services_.clock, diagnostics);

@@ -57,7 +57,6 @@ class Resimulator {
 
  private:
   bool Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed);
-  void WarnOfOtherPlugins(const Scene& scene);
   /// The controllers of the run; false with `why` if they are not to be had.
   bool BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed, std::string& why);
   /// Uses RecordedControllers from now on; `why` the others cannot be used.
@@ -86,6 +85,9 @@ class Resimulator {
   int stopped_here_ = 0;  // controllers that did not stop in the run
 };
 
+/// "controller flock is not the one that was recorded (…)": a line for each of `scene` of which `header` has
+/// another hash.
+std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene);
 /// "made by another build (…)", if `header` says so, else empty.
 std::string OtherOrigin(const RunHeader& header);
 

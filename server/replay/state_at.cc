@@ -72,7 +72,13 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
   }
   error = MissingControllers(*keyframe->frame->scene);
   if (!error.empty()) return nullptr;
-  if (from == step) return keyframe;
+  if (from == step) {
+    auto state = std::make_shared<SavedState>(*keyframe);
+    for (const std::string& line : OtherPlugins(reader.header(), *state->frame->scene)) {
+      state->warning += line + "\n";
+    }
+    return state;
+  }
 
   Resimulator run(reader.file(), reader.header(), services);
   if (!run.Restore(keyframe, first->scene)) {
@@ -104,8 +110,9 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
     error = fmt::format("{}: step {} was not recorded", reader.file(), step);
     return nullptr;
   }
-  if (!run.warning().empty()) services.logger->warn("{}: {}", reader.file(), run.warning());
-  return std::make_shared<SavedState>(run.Save());
+  auto state = std::make_shared<SavedState>(run.Save());
+  state->warning = run.warning();
+  return state;
 }
 
 std::optional<std::uint64_t> FindStep(RunReader& reader, const std::string& when, std::string& error) {

@@ -37,6 +37,22 @@ const char* ToString(RunEnd end) {
   return "unknown";
 }
 
+const char* WhyEarly(RunEnd end) {
+  switch (end) {
+    case RunEnd::kDuration:
+      break;
+    case RunEnd::kController:
+      return "because a controller failed";
+    case RunEnd::kRecording:
+      return "because the recording failed";
+    case RunEnd::kQuit:
+      return "by quit";
+    case RunEnd::kSignal:
+      return "by a signal";
+  }
+  return "for an unknown reason";
+}
+
 void RunControl::SetStatus(RunStatus status) {
   const MutexLock lock(mutex_);
   status_ = std::move(status);
@@ -70,6 +86,7 @@ std::vector<Event> RunControl::events() const {
 
 void RunControl::AddStopped(const std::string& robot, StoppedRobot stopped) {
   const MutexLock lock(mutex_);
+  if (stopped.by == "controller") failed_[robot] = stopped;
   stopped_[robot] = std::move(stopped);
 }
 
@@ -81,6 +98,13 @@ void RunControl::ClearStopped() {
 StoppedRobots RunControl::stopped() const {
   const MutexLock lock(mutex_);
   return stopped_;
+}
+
+StoppedRobots RunControl::stopped_or_failed() const {
+  const MutexLock lock(mutex_);
+  StoppedRobots robots = failed_;
+  robots.insert(stopped_.begin(), stopped_.end());
+  return robots;
 }
 
 void RunControl::End(RunEnd why) {

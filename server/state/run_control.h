@@ -22,6 +22,8 @@ const char* ToString(RunState state);
 /// Why a run has ended.
 enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal };
 const char* ToString(RunEnd end);
+/// "by a signal", "because the recording failed": why a run ended before its duration.
+const char* WhyEarly(RunEnd end);
 
 /// What steps cost, in all since the start.
 struct StepLoad {
@@ -89,6 +91,8 @@ class RunControl {
   void AddStopped(const std::string& robot, StoppedRobot stopped) EXCLUDES(mutex_);
   void ClearStopped() EXCLUDES(mutex_);
   StoppedRobots stopped() const EXCLUDES(mutex_);
+  /// For the report: stopped() and, whatever was reset or loaded since, each robot's last failed controller.
+  StoppedRobots stopped_or_failed() const EXCLUDES(mutex_);
   /// The run ends. The first reason counts.
   void End(RunEnd why) EXCLUDES(mutex_);
   std::optional<RunEnd> end() const EXCLUDES(mutex_);
@@ -99,6 +103,7 @@ class RunControl {
   std::optional<PlaybackStatus> playback_ GUARDED_BY(mutex_);
   std::deque<Event> events_ GUARDED_BY(mutex_);
   StoppedRobots stopped_ GUARDED_BY(mutex_);
+  StoppedRobots failed_ GUARDED_BY(mutex_);  // by their controllers, since the daemon started
   std::optional<RunEnd> end_ GUARDED_BY(mutex_);
 };
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/model/scenario.h"
@@ -22,6 +23,7 @@ struct SavedState {
   // What edits after the frame's step have changed; a recording has them as inputs instead.
   std::optional<Nanoseconds> step_length;        // of steps to come; empty: as in the frame
   std::vector<std::array<double, 2>> setpoints;  // of clients' robots, by the scene's order; empty: likewise
+  std::string warning = {};                      // lines: what is to be told when it is put in force
 };
 
 using SavedStatePtr = std::shared_ptr<const SavedState>;

@@ -239,16 +239,17 @@ void HttpSession::AnswerCall(const std::string& body) {
   const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
   const std::string_view token = bearer.empty() ? std::string_view(call->token) : bearer;
   peer.trusted = peer.trusted || context_.TakesToken(token, peer.text);
+  const std::string wait = peer.trusted || token.empty() ? std::string() : context_.TokenWaitText(peer.text);
   peer.text = "page " + peer.text;
   const std::uint64_t ticket = Await(call->module);
   bridge_ = std::make_unique<PageBridge>(
       context_.io, context_.names, context_.catalog, std::move(peer),
-      [self = weak_from_this(), ticket](const PageReply& reply) {
+      [self = weak_from_this(), ticket, wait](const PageReply& reply) {
         const auto session = self.lock();
         if (!session || reply.id.empty()) return;  // a push
         HttpAnswer answer = JsonAnswer(WritePageReply(reply) + "\n");
         if (reply.message.error == static_cast<std::int32_t>(Error::kNotAllowed)) {
-          answer = ErrorAnswer(403, reply.message.text);
+          answer = ErrorAnswer(403, wait.empty() ? reply.message.text : wait);
         }
         session->AnswerLater(ticket, std::move(answer));
       });

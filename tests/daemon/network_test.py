@@ -3,6 +3,7 @@
 Each test starts this file again inside `unshare --net`, where nothing of the machine's network exists but what the test makes.
 """
 import fcntl
+import json
 import os
 import socket
 import struct
@@ -11,6 +12,9 @@ import sys
 import tempfile
 import threading
 import unittest
+import urllib.error
+import urllib.parse
+import urllib.request
 from pathlib import Path
 
 from harness import BINARY, Daemon, Text, scenario, until
@@ -103,11 +107,34 @@ class StrangerScenes(unittest.TestCase):
                 self.assertIn("wrong token", stranger.ask("hello eve guess").text)
             late = stranger.ask("hello eve chalk-and-board")
             self.assertEqual(late.error, 12)
-            self.assertIn("too many wrong tokens", late.text)
+            self.assertRegex(late.text, r"too many wrong tokens .*: wait 1 s")
             again = Stranger(daemon, "/simulation")  # another connection is the same address
             self.assertEqual(again.ask("hello eve chalk-and-board").error, 12)
             daemon.text("/simulation").must("hello ana chalk-and-board")  # this machine needs none
             until(lambda: "a wrong token from " + OUTER in daemon.stderr())
+
+    def scene_guesses_over_http(self):
+        with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board", "--http") as daemon:
+            url = f"http://{OUTER}:{urllib.parse.urlsplit(daemon.http).port}/api/call"
+
+            def pause(token):
+                body = json.dumps({"id": 1, "module": "/simulation", "line": "pause"}).encode()
+                headers = {"Content-Type": "application/json", "Authorization": "Bearer " + token}
+                try:
+                    return 200, urllib.request.urlopen(urllib.request.Request(url, body, headers), timeout=30).read().decode()
+                except urllib.error.HTTPError as e:
+                    return e.code, e.read().decode()
+
+            self.assertIn("this needs the token", pause("guess")[1])
+
+            def locked_out():
+                for _ in range(3):
+                    pause("guess")
+                return pause("chalk-and-board")
+
+            code, text = until(lambda: next((said for said in [locked_out()] if said[0] != 200), None))
+            self.assertEqual(code, 403)
+            self.assertRegex(text, r"too many wrong tokens .*: wait \d+ s")
 
     def scene_names(self):
         with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0") as daemon:
@@ -180,6 +207,7 @@ class NetworkTest(unittest.TestCase):
 
     def test_wrong_tokens_are_slowed_down_and_logged(self):
         inside("guesses")
+        inside("guesses_over_http")
 
     def test_what_this_machine_has_registered_strangers_cannot_change(self):
         inside("names")

@@ -61,6 +61,20 @@ class PipeTest(unittest.TestCase):
             process.kill()
             process.communicate()
 
+    def test_a_question_how_the_run_stands_does_not_end_the_wait_for_the_writer(self):
+        process = subprocess.Popen([BINARY, "serve", "-", *RUN], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE)
+        process.stdin.write(b"# nothing yet\n")
+        process.stdin.flush()
+        try:
+            until(lambda: fcntl.ioctl(process.stdin, termios.FIONREAD, bytes(4)) == bytes(4))  # it has read that much
+            process.send_signal(signal.SIGUSR1)
+            out, told = process.communicate(scenario(1).encode(), LIMIT_S)
+            self.assertEqual((process.returncode, out), (0, b"ready names=off http=off robots=1\n"), told)
+        finally:
+            process.kill()
+            process.communicate()
+
     def test_reload_says_that_it_cannot_be_read_again(self):
         reader, writer = os.pipe()
         os.write(writer, scenario(1).encode())

@@ -1,5 +1,6 @@
 """Recordings of live runs: they verify, keep what happened, and never cost the simulation anything but themselves."""
 import random
+import re
 import resource
 import unittest
 from pathlib import Path
@@ -189,6 +190,9 @@ class FullDiskTest(RecordingTestCase):
             before = daemon.status()["step"]
             self.assertGreaterEqual(daemon.text("/simulation").must("ready 100").step, before + 100)
             until(lambda: daemon.status()["recording_lost"] > 0)
+            until(lambda: "it goes on by itself when there is room" in (daemon.status()["recording_stalled"] or ""))
+            says = re.compile(r"not recording to lesson\.run for now, \d+ steps? lost\n  .*when there is room\n")
+            until(lambda: says.search(tool("status", "--server", "%s:%d" % daemon.names)[1]))
         self.assertLessEqual(self.file.stat().st_size, FULL_BYTES)
         self.assertGreater(equal_steps(self.file), 0)
 

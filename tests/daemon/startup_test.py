@@ -77,6 +77,8 @@ class MistakeTest(unittest.TestCase):
         self.assertEqual(len(said.strip().splitlines()), 1, said)
         self.assertIn("write at least 12", said)
         self.assertIn("--weak-token", said)
+        done = run("serve", "empty", "--port", "0", "--host", "0.0.0.0", "--token", "é" * 11)
+        self.assertIn("--token has 11 characters", done.stderr.decode())
         with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk", "--weak-token"):
             pass
         with Daemon(scenario(1, mode="realtime"), "--token", "chalk"):  # nobody else can try

@@ -42,11 +42,12 @@ class SummaryTest(unittest.TestCase):
             with self.serve(*LONG, expect_exit=5) as daemon:
                 until(lambda: daemon.status()["step"] > 0)
                 self.assertEqual(daemon.end(signum), 5)
-                self.assertIn("cut short by signal before 1000 s", daemon.stderr())
+                self.assertRegex(daemon.stderr(), r"ended early by a signal, at [\d.]+ of 1000 s")
             told = self.told()
             self.assertEqual(told["ended"], "signal")
             self.assertAlmostEqual(told["duration_s"], 1000)
             self.assertGreater(told["steps"], 0)
+            self.assertAlmostEqual(told["rtf"] * told["wall_s"], told["time_s"])
 
     def test_quit_before_the_duration_cuts_the_run_short(self):
         with self.serve(*LONG, expect_exit=5) as daemon:
@@ -100,7 +101,7 @@ class SummaryTest(unittest.TestCase):
         with self.serve(*LONG, "--record", record, expect_exit=5) as daemon:
             until(lambda: daemon.status()["step"] > 0)
         done = run("info", record, "--events")
-        self.assertIn("the run was cut short by signal before its duration of 1000 s", done.stdout.decode())
+        self.assertRegex(done.stdout.decode(), r"the run ended early by a signal, at [\d.]+ of 1000 s")
         self.assertEqual(run("verify", record).returncode, 0)
 
     def test_the_factor_is_counted_from_where_a_run_goes_on(self):
@@ -137,6 +138,14 @@ class ControllerFailureTest(unittest.TestCase):
     def test_the_rest_goes_on_and_the_exit_code_says_that_one_failed(self):
         code, told = self.serve()
         self.assertEqual((code, told["ended"], told["steps"]), (4, "duration", 50))
+        self.assert_robot2_is_told(told)
+
+    def test_a_failure_before_a_load_still_counts(self):
+        with Daemon(None, "--no-render", "--summary", str(self.file), name=str(self.scenario), expect_exit=4) as daemon:
+            daemon.text("/simulation").must('load_scenario "' + FREE.replace("\n", "\\n") + '"')
+            self.assertEqual(daemon.end(), 4)
+        told = json.loads(self.file.read_text())
+        self.assertEqual(told["robots"], 1)
         self.assert_robot2_is_told(told)
 
     def test_if_asked_to_the_run_ends(self):

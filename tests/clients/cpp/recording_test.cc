@@ -320,6 +320,9 @@ TEST(ReadRun, RowsThatADamagedPageHidesAreAnError) {
     return error;
   };
   EXPECT_TRUE(Says(without("DELETE FROM step WHERE step = 1"), "steps are missing"));
+  EXPECT_TRUE(Says(without("UPDATE step SET poses = NULL WHERE step = 2"), "poses of step 2 are missing"));
+  EXPECT_TRUE(Says(without("DELETE FROM step WHERE step = 0"), "steps are missing"))
+      << "the scene begins there";
   const std::string ends =
       "INSERT INTO meta SELECT char(101, 110, 100, 115), char(115, 116, 101, 112, 32, 51, 32, 49);";
   EXPECT_TRUE(Says(without(ends + "DELETE FROM step WHERE step = 3"), "steps are missing")) << "step 3 1";

@@ -4,6 +4,7 @@ import array
 import math
 import os
 import pathlib
+import re
 import sqlite3
 import struct
 import subprocess
@@ -38,7 +39,7 @@ class ReadRunTestCase(unittest.TestCase):
         """Two robots of a body and a wheel each, and a box; three sensors and two targets."""
         db = rf.create(self.path, **meta)
         db.execute("INSERT INTO text VALUES ('scenario', 'two', 'two.scenario', '[FLOOR]\nsize 4 4 0.1\n# Jürgen\n')")
-        rf.add_scene(db, 1, 0, ["BOX_1", "robot1.chassis", "robot1.wheel", "robot2.chassis"],
+        rf.add_scene(db, 1, 10, ["BOX_1", "robot1.chassis", "robot1.wheel", "robot2.chassis"],
                      [("robot1", 1, (-0.02, 0.0, -0.05), rf.IDENTITY, 3), ("robot2", 3, (0.0, 0.0, 0.0), TURNED, 2)], ["red", "green"])
         for k in range(steps):
             rf.add_step(
@@ -374,6 +375,33 @@ class ForeignAndDamaged(ReadRunTestCase):
                 self.assertTrue(e.text)
                 wrong += 1
         self.assertGreater(wrong, 30)
+
+    def test_steps_and_poses_that_are_not_there_are_an_error(self):
+        for statement, said in (("DELETE FROM step WHERE step = 10", "steps are missing"),
+                                ("DELETE FROM step WHERE step = 11", "steps are missing"),
+                                ("INSERT INTO meta VALUES ('last_step', 13)", "steps are missing"),
+                                ("INSERT INTO meta VALUES ('last_step', 11)", "steps are missing"),
+                                ("UPDATE step SET poses = NULL WHERE step = 11", "the poses of step 11 are missing"),
+                                ("UPDATE step SET poses = NULL WHERE step = 12", "the poses of step 12 are missing")):
+            with self.subTest(statement):
+                self.write_two()
+                db = sqlite3.connect(self.path)
+                db.execute(statement)
+                db.commit()
+                db.close()
+                error = self.error_of(lambda: coopdyn.read_run(self.path).pose("robot1"))
+                os.remove(self.path)
+                self.assertEqual(error.code, 7)
+                self.assertIn(said, error.text)
+
+    def test_a_row_with_the_number_of_another_hides_none(self):
+        self.write_two(steps=60)
+        whole = pathlib.Path(self.path).read_bytes()
+        changed, times = re.subn(rb"\x1e(?=.\x00\x04\x06)", b"\x7f", whole, flags=re.DOTALL)  # of the row of step 30
+        self.assertEqual(times, 1)
+        pathlib.Path(self.path).write_bytes(changed)
+        error = self.error_of(lambda: coopdyn.read_run(self.path).pose("robot1"))
+        self.assertIn("step 31 comes after step 127", error.text)
 
     def test_a_damaged_page_never_hides_rows(self):
         self.write_two(steps=60)

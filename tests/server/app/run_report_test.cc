@@ -90,6 +90,8 @@ TEST_F(RunReportTest, SummaryNamesRobotsWhoseControllerFailed) {
 TEST_F(RunReportTest, SummarySaysHowMuchRealTimeWasLost) {
   run_.status.late_periods = 132;
   EXPECT_THAT(SummaryLine(run_), HasSubstr(", 132 steps skipped"));
+  run_.status.late_periods = 1;
+  EXPECT_THAT(SummaryLine(run_), HasSubstr(", 1 step skipped"));
 }
 
 TEST_F(RunReportTest, JsonSaysTheSame) {
@@ -140,8 +142,18 @@ TEST_F(RunReportTest, ARunThatEndedBeforeItsDurationIsCutShort) {
     run_.end = end;
     EXPECT_EQ(ExitCode(run_), kExitCutShort);
     EXPECT_THAT(SummaryLine(run_),
-                HasSubstr(std::string(", cut short by ") + ToString(end) + " before 12.01 s"));
+                HasSubstr(std::string(", ended early ") + WhyEarly(end) + ", at 12.00 of 12.01 s"));
   }
+}
+
+TEST_F(RunReportTest, ARunThatFailedBeforeItsDurationSaysWhat) {
+  run_.status.duration_s = 100;
+  run_.end = RunEnd::kSignal;
+  EXPECT_THAT(SummaryLine(run_), HasSubstr(", ended early by a signal, at 12.00 of 100 s"));
+  run_.end = RunEnd::kRecording;
+  EXPECT_THAT(SummaryLine(run_), HasSubstr(", ended early because the recording failed, at 12.00 of 100 s"));
+  run_.end = RunEnd::kController;
+  EXPECT_THAT(SummaryLine(run_), HasSubstr(", ended early because a controller failed, at 12.00 of 100 s"));
 }
 
 TEST_F(RunReportTest, WithoutADurationAnyEndIsFine) {

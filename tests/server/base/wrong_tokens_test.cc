@@ -26,6 +26,20 @@ TEST(WrongTokensTest, WhoTriesOnWaitsLongerAndLonger) {
   EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 3 * kSecond), TokenVerdict::kRight);
 }
 
+TEST(WrongTokensTest, SaysHowLongToWait) {
+  WrongTokens tokens(NullLogger());
+  const std::string peer = "10.0.0.7:1";
+  EXPECT_EQ(tokens.WaitText(peer, 0), "");
+  for (int i = 0; i < WrongTokens::kFree; ++i) tokens.Judge(false, peer, 0);
+  EXPECT_EQ(tokens.WaitText(peer, 0),
+            "too many wrong tokens came from your address: wait 1 s, then try again");
+  tokens.Judge(false, peer, kSecond);
+  EXPECT_NE(tokens.WaitText(peer, kSecond).find("wait 2 s"), std::string::npos);
+  EXPECT_NE(tokens.WaitText(peer, 2 * kSecond + 1).find("wait 1 s"), std::string::npos);
+  EXPECT_EQ(tokens.WaitText(peer, 3 * kSecond), "");
+  EXPECT_EQ(tokens.WaitText("10.0.0.8:1", kSecond), "");
+}
+
 TEST(WrongTokensTest, NobodyWaitsMoreThanAMinute) {
   WrongTokens tokens(NullLogger());
   Nanoseconds now = 0;

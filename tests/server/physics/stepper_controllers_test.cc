@@ -137,7 +137,7 @@ TEST_F(StepperControllersTest, ItsRobotIsListedWithStepTimeAndReason) {
   EXPECT_FALSE(control_.end());
 }
 
-TEST_F(StepperControllersTest, AResetForgetsWhoWasStopped) {
+TEST_F(StepperControllersTest, AResetForgetsWhoWasStoppedButForTheReport) {
   Start(TwoRobots("good"), &driver_);
   for (int k = 0; k < 3; ++k) Step();
   ASSERT_FALSE(control_.stopped().empty());
@@ -148,6 +148,11 @@ TEST_F(StepperControllersTest, AResetForgetsWhoWasStopped) {
                }});
   stepper_->Run(stop.get_token());
   EXPECT_TRUE(control_.stopped().empty());
+  const StoppedRobots told = control_.stopped_or_failed();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told.at("robot1").step, 2u);
+  control_.AddStopped("robot1", {"client", 9, 0.09, "lost its client ana"});
+  EXPECT_EQ(control_.stopped_or_failed().at("robot1").by, "controller") << "the failure counts more";
 }
 
 TEST_F(StepperControllersTest, AControllerThatEndsWithTheDaemonHasNotFailed) {

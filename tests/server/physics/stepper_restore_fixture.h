@@ -74,7 +74,7 @@ class Counting final : public ControllerDriver {
     return bytes;
   }
   bool Restore(const FramePtr& /*frame*/, std::span<const std::byte> saved) override {
-    if (std::ranges::equal(saved, refused)) return false;
+    if (refuses_all || std::ranges::equal(saved, refused)) return false;
     count_ = static_cast<int>(saved[0]);
     stopped_ = static_cast<int>(saved[1]) != 0;
     told_ = !stopped_;
@@ -83,7 +83,9 @@ class Counting final : public ControllerDriver {
     return true;
   }
   std::vector<int> Unloaded() const override { return {unloaded_.begin(), unloaded_.end()}; }
-  void Stop(int, const std::string&) override { stopped_ = true; }
+  void Stop(int, const std::string&) override {
+    if (!std::exchange(stopped_, true)) told_ = false;
+  }
   std::vector<StoppedController> TakeStopped() override {
     if (std::exchange(told_, true)) return {};
     return {{"robot2", "controller count crashed"}};
@@ -91,7 +93,7 @@ class Counting final : public ControllerDriver {
   PhaseTimes times() const override { return {}; }
   double child_cpu_s() const override { return 0; }
 
-  bool fails_at_start = false;
+  bool fails_at_start = false, refuses_all = false;
   std::uint64_t fails_after = 1'000'000;
   std::vector<Nanoseconds> lengths;
   std::vector<std::byte> refused;  // that state does not fit

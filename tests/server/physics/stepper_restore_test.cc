@@ -147,6 +147,55 @@ TEST_F(StepperRestoreTest, AStateWhoseControllersCannotBeRestoredIsRefusedAndThe
   EXPECT_EQ(Steps(5), hashes);
 }
 
+TEST_F(StepperRestoreTest, ControllersLostByARefusedRestoreAreToldAsFailed) {
+  Begin(true);
+  Steps(3);
+  const SavedStatePtr early = Save();
+  Steps(4);
+  Do(edit::SetJournal{&journal_});
+  journal_.Take();
+  driver_.refuses_all = true;
+  const EditResult result = Do(edit::Restore{early});
+  EXPECT_EQ(result.error, Error::kNotPossible);
+  EXPECT_EQ(result.text,
+            "this state cannot be restored: the controllers that are found do not take the state that was "
+            "saved; the present controllers are lost too; robot2 stands now: reset or load a scenario");
+  EXPECT_EQ(now().step, 7u);
+  EXPECT_EQ(OwnerOf("robot2").name, "controller count (stopped)");
+  ASSERT_EQ(control_.stopped().size(), 1u);
+  EXPECT_EQ(control_.stopped().at("robot2").by, "controller");
+  EXPECT_EQ(control_.stopped().at("robot2").step, 7u);
+  EXPECT_EQ(control_.events().back().text, "robot2 stands: controller count crashed");
+  EXPECT_THAT(journal_.Take(),
+              ElementsAre("note 7 error", "input 7 controller_stopped robot2 controller count crashed"));
+  Do(edit::Restore{early});
+  EXPECT_EQ(control_.events().size(), 1u) << "it is no news";
+}
+
+TEST_F(StepperRestoreTest, IfAskedToARunWhoseControllersAreLostEnds) {
+  options_.stop_on_controller_failure = true;
+  Begin(true);
+  Steps(3);
+  bool told = false;
+  stepper_->set_on_ended([&told] { told = true; });
+  driver_.refuses_all = true;
+  Do(edit::Restore{Save()});
+  EXPECT_TRUE(told);
+  EXPECT_EQ(control_.end(), RunEnd::kController);
+  EXPECT_EQ(control_.status().state, RunState::kEnded);
+}
+
+TEST_F(StepperRestoreTest, WarningsOfAStateAreEvents) {
+  Begin();
+  auto state = std::make_shared<SavedState>(*Save());
+  state->warning = "one\ntwo";
+  Do(edit::Restore{state});
+  const std::vector<Event> events = control_.events();
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].level + " " + events[0].text, "warning one");
+  EXPECT_EQ(events[1].text, "two");
+}
+
 TEST_F(StepperRestoreTest, AStateWithoutItsControllersIsRefused) {
   Begin(true);
   Steps(3);

@@ -217,6 +217,24 @@ TEST_F(ResimulatorTest, AControllerThatIsNotTheRecordedOneIsNamed) {
                                 plugins[0].hash + ")");
 }
 
+TEST_F(ResimulatorTest, ABranchWarnsOfAControllerThatIsNotTheRecordedOne) {
+  MakeSwarm("flock", 60);
+  Tamper(File()).Run("UPDATE meta SET value = 'flock 0123456789abcdef' WHERE key = 'controllers'");
+  Rechain(File());
+  std::string error;
+  const auto reader = RunReader::Open(File(), error);
+  Diagnostics diagnostics;
+  ASSERT_NE(reader->LoadScenario(TestPath(), diagnostics), nullptr);
+  const Repeating repeating;
+  for (const std::uint64_t step : {0u, 20u, 50u}) {
+    const SavedStatePtr state = StateAt(*reader, step, repeating.services, error);
+    ASSERT_NE(state, nullptr) << error;
+    EXPECT_THAT(state->warning,
+                HasSubstr("controller flock is not the one that was recorded (hash 0123456789abcdef, now "))
+        << step;
+  }
+}
+
 TEST_F(ResimulatorTest, WithoutControllersAndSetpointsItSaysWhatToDo) {
   MakeSwarm("diffuse", 20, {.what = {}});
   EXPECT_THAT(Repeat(File(), Nowhere()).error, HasSubstr("name its folder with --scenarios DIR"));
