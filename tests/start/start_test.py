@@ -84,6 +84,7 @@ class StartTest(unittest.TestCase):
                 (Path(folder) / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(ROOT / name, Path(folder) / name)
             for arguments, why in ((["--port"], "a port is"), (["--port", "x"], "a port is"), (["--port=70000"], "a port is"),
+                                   (["--port", "12000", "--port", "12001"], "--port is given twice"),
                                    (["classroom", "--prot", "12000"], "no option --prot"), (["clasroom"], "no scenario clasroom")):
                 done = subprocess.run(["./start", *arguments], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                       text=True)
