@@ -76,25 +76,21 @@ function(coopdyn_generated_source library source)
   target_link_libraries(${library} PRIVATE coopdyn_${name})
 endfunction()
 
-# Adds one test program from all *_test.cc of this folder; each TEST is a CTest test. With sanitizers, where a
-# program takes longer to start than most of its tests to run, the whole program is one.
-# COOPDYN_SOURCE_DIR is the root of the source tree.
+# Adds one test program from all *.cc of this folder. It is one CTest test, as it takes longer to start than most of its
+# tests to run; --gtest_filter=… runs some of them. Tests are most of what is compiled, and few compute so much that it
+# pays to optimise them: those are OPTIMIZED.
 function(coopdyn_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMIZED" "" "LINK;LABELS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   if(NOT sources)
     return()
   endif()
   add_executable(${name} ${sources})
-  target_link_libraries(${name} PRIVATE coopdyn_options ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
-  target_compile_definitions(${name} PRIVATE COOPDYN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 60)
+  target_link_libraries(${name} PRIVATE coopdyn_options ${ARG_LINK} coopdyn_source_dir GTest::gtest GTest::gmock
+                        GTest::gtest_main)
+  if(NOT ARG_OPTIMIZED)
+    target_compile_options(${name} PRIVATE -O0)
   endif()
-  if(COOPDYN_SANITIZE)
-    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
-    set_tests_properties(${name} PROPERTIES COST 1000 TIMEOUT 1200 LABELS "${ARG_LABELS}")
-  else()
-    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
-  endif()
+  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+  set_tests_properties(${name} PROPERTIES COST 1000 TIMEOUT 1200 LABELS "${ARG_LABELS}")
 endfunction()

@@ -27,12 +27,13 @@ std::string Objection(const ValueSpec& spec, double value) {
   if (!std::isfinite(value)) {
     return spec.any_number ? "" : "takes finite numbers, " + spec.name + " is " + Written(value);
   }
-  if (value < spec.min) {
-    return "takes as " + spec.name + " at least " + Written(spec.min) + ", not " + Written(value);
-  }
-  if (value > spec.max) {
-    return "takes as " + spec.name + " at most " + std::to_string(std::llround(spec.max)) + ", not " +
-           Written(value);
+  if (value < spec.min || value > spec.max) {
+    const std::string most = std::to_string(std::llround(spec.max));
+    return "takes as " + spec.name + " " +
+           (std::isinf(spec.max)   ? "at least " + Written(spec.min)
+            : std::isinf(spec.min) ? "at most " + most
+                                   : Written(spec.min) + " to " + most) +
+           ", not " + Written(value);
   }
   if (spec.enums.empty()) return "";
   const bool listed = std::any_of(spec.enums.begin(), spec.enums.end(),

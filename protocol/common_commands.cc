@@ -54,12 +54,13 @@ std::vector<CommandSpec> CommonCommands(std::span<const CommandSpec> own) {
        .example = "describe"},
       {.id = command::kReady,
        .name = "ready",
-       .help = "Keeps the set-points for the next step, or for so many steps, and is answered after the last "
-               "of them.",
+       .help =
+           "Keeps the set-points for the next step, or for a number of steps, and is answered after the last "
+           "of them.",
        .params = {StepsParam()},
        .reply_params = StepReplyParams(),
        .reply_data = StepReplyData(),
-       .example = "ready"},
+       .example = "ready 10"},
       {.id = command::kGetTime,
        .name = "get_time",
        .help = "Tells mode, time and step; with the readings chosen by attach.",
@@ -68,7 +69,7 @@ std::vector<CommandSpec> CommonCommands(std::span<const CommandSpec> own) {
        .example = "get_time"},
       {.id = command::kSubscribe,
        .name = "subscribe",
-       .help = "Has a reading sent every so many steps (default 1), unasked, with the command -reading; "
+       .help = "Has a reading sent unasked, each step or each `every` steps, with the command -reading; "
                "without a "
                "reading the module's first.",
        .params = {{.name = "every", .unit = "steps", .optional = true, .min = 1}, reading},

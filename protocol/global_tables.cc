@@ -42,7 +42,7 @@ CommandTable SimulationTable() {
           Order(command::kPause, "pause", "Holds time."),
           {.id = command::kStep,
            .name = "step",
-           .help = "Allows so many more steps while paused, and is answered after the last of them.",
+           .help = "Allows that many more steps while paused, and is answered after the last of them.",
            .params = {{.name = "steps", .unit = "", .min = 1, .max = kMaxSteps}},
            .example = "step 10"},
           {.id = command::kReset,
@@ -139,8 +139,8 @@ CommandTable SwarmTable() {
           {.id = command::kSelectReadings,
            .name = "select_readings",
            .help =
-               "Chooses the columns of step_all and read_all among pose, distances, targets, neighbours (so "
-               "many nearest, else 8) and wheels; without words pose distances.",
+               "Chooses the columns of step_all and read_all among pose, distances, targets, neighbours (of "
+               "the nearest, 8 if not said) and wheels; without words pose distances.",
            .text = TextUse::kRest,
            .text_name = "READING…",
            .params = {{.name = "nearest", .unit = "", .optional = true, .min = 1}},
@@ -223,7 +223,7 @@ CommandTable PlaybackTable() {
            .example = "set_speed -1"},
           {.id = command::kSkip,
            .name = "step",
-           .help = "Goes so many recorded steps on (default 1), or back if below 0, and stands.",
+           .help = "Goes on by a number of recorded steps (default 1), or back if below 0, and stands.",
            .params = {Optional("steps")},
            .example = "step -10"},
           {.id = command::kSetLoop,

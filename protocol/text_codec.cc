@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -65,8 +66,10 @@ void ReadFull(LineScanner& line, Decoded& decoded) {
       Unreadable(why + "; write error \"text\" command M params N data, as in 0 \"\" 11 0 2 0.2 0.5");
 }
 
-bool IsFarewell(std::string_view word) {
-  return word == "exit" || word == "quit" || word == "bye";
+/// `exit`, `quit` and `bye`, in any case, where the module has no such command: /simulation has a `quit`.
+bool IsFarewell(std::string word, const CommandTable& table) {
+  std::transform(word.begin(), word.end(), word.begin(), ToLower);
+  return (word == "exit" || word == "quit" || word == "bye") && table.Find(word) == nullptr;
 }
 
 Decoded DecodeLine(std::string_view raw, const CommandTable& table, bool first_line) {
@@ -104,8 +107,7 @@ Decoded DecodeLine(std::string_view raw, const CommandTable& table, bool first_l
         "this connection is a " + table.module() + " module's already: OPEN another one on a new connection");
     return decoded;
   }
-  if (IsFarewell(word) && line.AtEnd() &&
-      table.Find(word) == nullptr) {  // /simulation has a `quit` of its own
+  if (IsFarewell(std::string(word), table) && line.AtEnd()) {
     decoded.status = DecodeStatus::kLeave;
     return decoded;
   }

@@ -80,10 +80,11 @@ std::string PrintDouble(double value) {
 }  // namespace
 
 void EncodeVerbose(const Message& reply, const CommandTable& table, std::string& out) {
+  if (reply.command == command::kClosing) return;  // it names nothing, and its text says all
   const std::int64_t id = reply.command;
   const bool known = id > INT32_MIN;
   const CommandSpec* spec = known ? table.Find(static_cast<std::int32_t>(id < 0 ? -id : id)) : nullptr;
-  if (id == -1 || id == -2) spec = nullptr;
+  if (id == command::kUnreadable) spec = nullptr;
   std::string line = "# " + (spec == nullptr ? "command " + std::to_string(id) : spec->name) + ":";
   if (reply.error != 0) {
     line += " error " + std::to_string(reply.error) + ", " + std::string(ErrorMeaning(reply.error));

@@ -9,14 +9,28 @@
 
 #include "protocol/ascii.h"
 #include "protocol/command_ids.h"
+#include "protocol/module_tables.h"
 #include "protocol/text_numbers.h"
 #include "protocol/usage.h"
 
 namespace coopdyn {
 namespace {
 
+/// The other module that has the command `word`, as pose has get_pose; empty if none.
+std::string ModuleOf(std::string_view word) {
+  for (const CommandTable& table : AllModuleTables()) {
+    if (table.Find(word) != nullptr) return table.module();
+  }
+  return "";
+}
+
 Message UnknownWord(std::string_view word, const CommandTable& table) {
   std::string text = "unknown command " + Quoted(word);
+  if (const std::string module = ModuleOf(word); !module.empty()) {
+    text += ": it is a command of " + module + ", not of " + table.module() + " (help lists all of " +
+            table.module() + ")";
+    return ErrorReply(command::kUnreadable, Error::kUnknownCommand, std::move(text));
+  }
   const std::string nearest = table.Nearest(word);
   if (!nearest.empty()) text += ": did you mean " + nearest + "?";
   text += nearest.empty() ? ": help lists all" : " (help lists all)";
@@ -125,10 +139,24 @@ class NamedReader {
   }
 
   void ReadValues() {
+    if (line_.AtEnd() || line_.Peek() != '[') return AddValues(line_);
+    // A row as MATLAB and Python write it: `[0.2 0.5]` or `[0.2, 0.5]`.
+    line_.Take(1);
+    const std::size_t end = line_.rest().find(']');
+    if (end == std::string_view::npos) return Fail("the closing bracket ] is missing: " + ExampleLine(spec_));
+    std::string row(line_.Take(end));
+    line_.Take(1);
+    if (!line_.AtEnd()) return Fail("nothing may follow the closing bracket ]: " + ExampleLine(spec_));
+    std::replace(row.begin(), row.end(), ',', ' ');
+    LineScanner inside(row);
+    AddValues(inside);
+  }
+
+  void AddValues(LineScanner& line) {
     const std::span<const ValueSpec> bare = Bare();
     std::size_t params = 0;
-    while (!problem_ && !line_.AtEnd()) {
-      const std::string_view token = line_.Token();
+    while (!problem_ && !line.AtEnd()) {
+      const std::string_view token = line.Token();
       // What is too much for a command without data counts as params, so that the count is what gets blamed.
       if (ValueAt(bare, params) != nullptr || (spec_.data.empty() && !bracketed_)) {
         AddParam(bare, params++, token);

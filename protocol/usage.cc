@@ -105,6 +105,10 @@ std::string ExampleLine(const CommandSpec& spec) {
 }
 
 std::string ListOf(std::span<const ValueSpec> values) {
+  constexpr std::size_t kNamed = 6;  // more are counted
+  if (values.size() > kNamed && values.back().optional && !values.back().repeated) {
+    return std::to_string(RequiredCount(values)) + " to " + std::to_string(values.size()) + " numbers";
+  }
   std::string list;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const ValueSpec& value = values[i];

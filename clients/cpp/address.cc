@@ -82,6 +82,10 @@ Address::Address(const std::string& server, const std::string& name, const std::
   if (const char* variable = std::getenv("COOPDYN_SERVER"); given.empty() && variable != nullptr)
     given = variable;
   if (given.empty()) given = "127.0.0.1";
+  if (given.find("://") != std::string::npos)
+    throw Error(4, given +
+                       " is the address of the page; a program connects to the name server, whose HOST:PORT "
+                       "`coopdyn serve` prints: write e.g. connect(\"127.0.0.1:10000\")");
   host_ = given;
   if (const std::size_t close = given.find(']'); given[0] == '[' && close != std::string::npos) {
     host_ = given.substr(1, close - 1);

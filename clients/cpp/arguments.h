@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <sstream>
 #include <string>
 
 #include "clients/cpp/error.h"
@@ -13,6 +14,14 @@ namespace coopdyn::client {
 inline double Finite(double value, const char* what) {
   if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
   return value;
+}
+
+/// `value` as a program would write it.
+inline std::string Written(double value) {
+  std::ostringstream out;
+  out.precision(9);
+  out << value;
+  return out.str();
 }
 
 }  // namespace coopdyn::client

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Numbers of the protocol, and how long it is waited for an answer.
+// Numbers of the protocol, and how long the client waits for an answer.
 #pragma once
 
 namespace coopdyn::client {

@@ -175,7 +175,7 @@ class Simulation {
   explicit Simulation(std::shared_ptr<Session> session);
 
   /// Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it.
-  /// While a recording is played it is looked at, and taken after a branch with the first step or command if
+  /// While a recording is played it is only read, and taken after a branch with the first step or command if
   /// nobody has it.
   Robot robot(const std::string& name);
   Robot robot(int number);

@@ -118,6 +118,8 @@ std::vector<Target> Robot::get_targets() {
 }
 
 Bearing Robot::get_target(const std::string& x) {
+  if (x.empty())
+    throw Error(3, "a target is a colour or an id: write r.get_target(\"red\") or r.get_target(1)");
   const std::vector<double> d = Values(session_->Read(*link_, "target", command::kGetTarget, {}, x), 2);
   return {d[0], d[1]};
 }

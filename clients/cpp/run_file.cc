@@ -187,7 +187,7 @@ struct Run::Impl {
            ("," + recorded->second + ",").find("," + what + ",") != std::string::npos;
   }
 
-  /// The loaded controller of a robot, if what such ones sent was not recorded; else empty.
+  /// The loaded controller of a robot, if what controllers sent was not recorded; else empty.
   std::string UnrecordedController(const std::string& name) const {
     std::string controller;
     if (Has("controllers")) return controller;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kLockstep = 1;
 constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
-constexpr int kUnstepped = 200;         // commands to one robot without a step: then the program is told so
+constexpr int kUnstepped = 200;         // commands to one robot without a step: then a notice
 
 bool CarriesMode(std::int32_t id) {
   return id == command::kReady || id == command::kGetTime || id == command::kSetWheelSpeeds ||
@@ -166,7 +166,7 @@ void Session::Claim(Link& link) {
     if (e.code() != kOwned) throw;
     if (HasTeamWith(link.robot)) throw Error(kNotPossible, link.robot + " is driven by its team");
     throw Error(kOwned, link.robot + " cannot be driven: " + e.what() +
-                            ". Stop the other program, or free the robot on the page; to look on only: "
+                            ". Stop the other program, or free the robot on the page; to watch only: "
                             "connect with watch = true");
   }
   link.unclaimed = link.another = false;

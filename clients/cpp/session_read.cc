@@ -42,7 +42,7 @@ Json Session::Status() {
 
 std::vector<std::string> Session::RobotNames() {
   std::vector<std::string> names;
-  while (true) {  // a status lists so many at a time
+  while (true) {  // one status lists only a part of them
     const auto first = static_cast<std::int32_t>(names.size() + 1);
     const Json status = Json::Parse(Control(command::kGetStatus, {first, kStatusRobots}).text);
     for (const Json& robot : status["robots"].items()) names.push_back(robot["name"].text());

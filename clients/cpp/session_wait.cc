@@ -19,9 +19,8 @@ constexpr double kCatchUpAfter_s = 0.1;  // some robots have stepped and others 
 constexpr double kHeldUp_s =
     0.5;  // lockstep awaits its robots before every step; a shorter wait holds nobody up
 constexpr std::size_t kNamedRobots = 4;
-/// Of more replies than kFew the first are not looked for one by one as they come in: it is waited for the
-/// one that is kAtOnce further on alone, at most kGlance_s, so that errors and closed connections are seen,
-/// too.
+/// More replies than kFew are not read one by one as they come in: a step waits for the one that is kAtOnce
+/// further on, for kGlance_s at most, so that it sees errors and closed connections, too.
 constexpr std::size_t kFew = 8, kAtOnce = 256;
 constexpr double kGlance_s = 0.01;
 
@@ -37,7 +36,7 @@ void Session::TakeIn(Waiting& w, Message reply, Message& last) {
   w.done = true;
   if (reply.error != 0) {
     if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
-    Checked(std::move(reply), Label(w));
+    Checked(reply, Label(w));
   }
   Note(reply);
   earliest_ = std::min(earliest_, steps_);
@@ -50,7 +49,7 @@ void Session::TakeIn(Waiting& w, Message reply, Message& last) {
     w.link->carried = std::move(reply);
 }
 
-/// Takes in the replies that have come, up to the first that has not unless `all` are looked for. `missing`
+/// Takes in the replies that have come, up to the first that has not, or of `all`. `missing`
 /// becomes the descriptors that still wait. Returns whether any has come.
 bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing, Message& last) {
   bool any = false;
@@ -199,7 +198,7 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& ca
     try {
       SettleTeam(*team);
     } catch (const Error&) {
-      if (team->lost) lost = std::current_exception();  // else likewise
+      if (team->lost) lost = std::current_exception();  // otherwise its next use says what is wrong
     }
   }
   if (lost) std::rethrow_exception(lost);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -23,7 +24,7 @@ constexpr double kPictureTimeout_s = 30;
 constexpr const char* kModes[] = {"realtime", "lockstep", "free"};
 
 int AtLeastOne(int value, const char* what) {
-  if (value < 1) throw Error(4, std::string(what) + " must be at least 1");
+  if (value < 1) throw Error(4, std::string(what) + " must be at least 1, not " + std::to_string(value));
   return value;
 }
 
@@ -80,6 +81,11 @@ Team Simulation::team() {
 }
 
 void Simulation::step(int n, double timeout) {
+  if (n > kMaxSteps) {
+    const std::string most = std::to_string(kMaxSteps);
+    throw Error(4, "n must be at most " + most + ", not " + std::to_string(n) + ": write sim.step(" + most +
+                       ") and the rest after it");
+  }
   session_->Step(AtLeastOne(n, "n"), timeout);
 }
 
@@ -119,6 +125,7 @@ void Simulation::reset() {
 }
 
 void Simulation::reset(int seed) {
+  if (seed < 0) throw Error(4, "a seed is at least 0, not " + std::to_string(seed) + ": write sim.reset(7)");
   session_->Control(command::kReset, {seed}, {}, "", kLoadTimeout_s);
   session_->StartedAnew();
 }
@@ -129,6 +136,7 @@ void Simulation::reload() {
 }
 
 void Simulation::load_scenario(const std::string& x) {
+  if (x.empty()) throw Error(3, "no scenario: write sim.load_scenario(\"corridor\")");
   std::string text = x;
   std::error_code ignored;
   if (x.find('\n') == std::string::npos && std::filesystem::is_regular_file(x, ignored)) {
@@ -150,7 +158,13 @@ void Simulation::set_mode(const std::string& mode) {
 }
 
 void Simulation::set_step(double s) {
-  session_->Control(command::kSetStep, {}, {Finite(s, "the step [s]")});
+  const double whole_us = std::round(Finite(s, "the step [s]") * 1e6);
+  if (s < 0.0005 || s > 0.1)
+    throw Error(4, "a step lasts 0.0005 to 0.1 s, not " + Written(s) + ": write sim.set_step(0.01)");
+  if (std::abs(s * 1e6 - whole_us) > 1e-3)
+    throw Error(4, "a step lasts whole microseconds, not " + Written(s) + " s: write sim.set_step(" +
+                       Written(whole_us / 1e6) + ")");
+  session_->Control(command::kSetStep, {}, {s});
 }
 
 void Simulation::set_speed(double x) {

@@ -32,6 +32,15 @@ const std::string& RunName(const std::string& text) {
   return text;
 }
 
+/// How fast a recording is played.
+double PlaySpeed(double speed) {
+  Finite(speed, "the speed");
+  if (speed < -4 || speed > 64 || speed == 0)
+    throw Error(4, "a recording is played at -4 to 64 times its speed, below 0 backwards, not " +
+                       Written(speed) + ": write sim.play(2), or sim.pause() to hold it");
+  return speed;
+}
+
 /// `count` values before the final two. Throws Error 7 if there are fewer.
 void Require(const Message& reply, std::size_t params, std::size_t data) {
   if (reply.params.size() < params || reply.data.size() < data + 2)
@@ -60,7 +69,14 @@ void Simulation::release_robot(const std::string& name) {
 }
 
 void Simulation::save_state(const std::string& name) {
-  session_->Control(command::kSaveState, {}, {}, Word(name, "the name of a state"));
+  const std::string word = Word(name, "the name of a state");
+  const auto fits = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
+  if (std::isalpha(static_cast<unsigned char>(word[0])) == 0 || word.size() > 63 ||
+      !std::all_of(word.begin(), word.end(), fits))
+    throw Error(4,
+                "the name of a state is a letter, then letters, digits, _ and -, at most 63: write "
+                "sim.save_state(\"before_turn\")");
+  session_->Control(command::kSaveState, {}, {}, word);
 }
 
 void Simulation::restore_state(const std::string& name) {
@@ -90,6 +106,7 @@ Recorded Simulation::stop_recording() {
 }
 
 void Simulation::note(const std::string& text) {
+  if (text.empty()) throw Error(3, "no note: write sim.note(\"half-time\")");
   session_->Tell(kRecorder, command::kNote, {}, {}, text);
 }
 
@@ -146,15 +163,16 @@ void Simulation::seek(double time) {
 
 void Simulation::play(std::optional<double> speed) {
   std::vector<double> data;
-  if (speed) data.push_back(Finite(*speed, "the speed"));
+  if (speed) data.push_back(PlaySpeed(*speed));
   session_->Tell(kPlayback, command::kPlay, {}, std::move(data));
 }
 
 void Simulation::set_play_speed(double s) {
-  session_->Tell(kPlayback, command::kSetPlaySpeed, {}, {Finite(s, "the speed")});
+  session_->Tell(kPlayback, command::kSetPlaySpeed, {}, {PlaySpeed(s)});
 }
 
 void Simulation::skip(int n) {
+  if (n == 0) throw Error(4, "n is how many steps to go on, or back if below 0, not 0: write sim.skip(1)");
   session_->Tell(kPlayback, command::kSkip, {n});
 }
 

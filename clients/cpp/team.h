@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Robots that are driven together, through one connection: as well five as five thousand. One thread, that of
+// Robots that are driven together, through one connection: five of them or five thousand. One thread, that of
 // their simulation.
 //
 //   auto team = sim.team("swarm1");
@@ -83,8 +83,9 @@ class Team {
   TeamReading step_wheels(std::span<const double> W, double timeout = kNoTimeout_s);
   /// The readings of the newest step, without a step.
   TeamReading read();
-  /// Chooses what step() and read() return, among "pose", "distances", "targets", "neighbours" (so many
-  /// nearest) and "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing.
+  /// Chooses what step() and read() return, among "pose", "distances", "targets", "neighbours" (the
+  /// nearest, as many as told) and "wheels"; "pose" and "distances" to begin with. What is not chosen costs
+  /// nothing.
   void select(const std::vector<std::string>& readings, int neighbours = 8);
   /// Stops all robots of the team.
   void stop();

@@ -24,7 +24,7 @@ inline std::string Join(const std::vector<std::string>& words, const char* betwe
   return out;
 }
 
-/// For an error: of very many the first and how many there are.
+/// For an error: if there are many, the first of them and their number.
 inline std::string ListOf(std::vector<std::string> words) {
   constexpr std::size_t kListed = 20;
   const std::size_t count = words.size();

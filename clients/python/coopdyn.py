@@ -78,11 +78,12 @@ _LISTED_NAMES = 20
 _PLAYING = "playing a recording"  # how an error begins
 _ANEW = ("reset", "load")  # what an error says that ends a wait
 _NOT_IN_SCENARIO = "is not in the new scenario"  # how a notice ends
-_UNSTEPPED = 200  # commands to one robot without a step: then the program is told so, once
+_UNSTEPPED = 200  # commands to one robot without a step: then the program gets a notice, once
 _MOST_GAPS = 100000
-_FEW = 8  # of more replies the first are not looked for one by one as they come in: it is waited for the one that is
-_AT_ONCE = 256  # this further on alone, at most so long that errors and closed connections are seen, too
-_GLANCE_S = 0.01
+_MOST_STEPS = 10_000_000  # of one request
+_FEW = 8  # more replies than this are not read one by one as they come in: a step waits for the one that is
+_AT_ONCE = 256  # this many further on,
+_GLANCE_S = 0.01  # for this long at most, so that it sees errors and closed connections, too
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 _LISTED = 1000  # robots in one status
 _READINGS = ("pose", "distances", "targets", "neighbours", "wheels")  # of a team
@@ -137,6 +138,7 @@ class WorldReset(Error):
 
 
 _F = TypeVar("_F", bound=Callable[..., Any])
+_C = TypeVar("_C", bound=type)
 
 
 def _usage(example: str) -> Callable[[_F], _F]:
@@ -150,9 +152,23 @@ def _usage(example: str) -> Callable[[_F], _F]:
             except TypeError as e:
                 if e.__traceback__ is None or e.__traceback__.tb_next is not None:
                     raise  # of something inside
-                raise Error(2, f"{e}; write {example}") from None
+                said = str(e)  # its counts include the object
+                why = "an argument is missing" if " missing " in said else "too many arguments" if " given" in said else said
+                raise Error(2, f"{why}: write {example}") from None
 
         return call  # type: ignore[return-value]
+
+    return decorate
+
+
+def _usages(variable: str) -> Callable[[_C], _C]:
+    """The same for all public calls of a class; those that have no _usage() take no arguments."""
+
+    def decorate(cls: _C) -> _C:
+        for name, call in list(vars(cls).items()):
+            if callable(call) and not name.startswith("_") and not hasattr(call, "__wrapped__"):
+                setattr(cls, name, _usage(f"{variable}.{name}()")(call))
+        return cls
 
     return decorate
 
@@ -468,7 +484,7 @@ def decode(buffer: Union[bytes, bytearray]) -> Tuple[Optional[Message], int]:
 
 
 def _list_of(words: Any) -> str:
-    """The words; of very many the first and how many there are."""
+    """The words; if there are many, the first of them and their number."""
     words = [str(w) for w in words]
     return (", ".join(words[:_LISTED_NAMES]) or "none") + (f", … ({len(words)})" if len(words) > _LISTED_NAMES else "")
 
@@ -483,9 +499,17 @@ def _nearest(name: str, known: Sequence[str]) -> str:
 
 
 def _parse_server(server: Union[str, int, None]) -> Tuple[str, int]:
-    given = str(server or os.environ.get("COOPDYN_SERVER") or "127.0.0.1")
+    forms = 'write HOST, HOST:PORT, or a port of this machine, e.g. "labserver:10100"'
+    is_port = not isinstance(server, (str, type(None)))
+    try:
+        given = str(operator.index(server)) if is_port else server or os.environ.get("COOPDYN_SERVER") or "127.0.0.1"
+    except TypeError:
+        raise Error(4, f"cannot read the server {server!r}; {forms}") from None
     host, port = given.strip(), str(DEFAULT_PORT)
-    if host.isdigit() or isinstance(server, (int, float)):
+    if "://" in host:
+        raise Error(4, f"{host} is the address of the page; a program connects to the name server, whose HOST:PORT "
+                       '`coopdyn serve` prints: write e.g. connect("127.0.0.1:10000")')
+    if host.isdigit() or is_port:
         host, port = "127.0.0.1", host
     elif host.startswith("[") and "]" in host:  # [::1]:10000
         host, rest = host[1:].split("]", 1)
@@ -493,8 +517,7 @@ def _parse_server(server: Union[str, int, None]) -> Tuple[str, int]:
     elif host.count(":") == 1:
         host, port = host.split(":")
     if not host or not port.isdigit() or not 0 < int(port) < 65536:
-        raise Error(4, f"cannot read the server {given!r}; write HOST, HOST:PORT, or a port of this machine, e.g. "
-                       '"labserver:10100"')
+        raise Error(4, f"cannot read the server {given!r}; {forms}")
     return host, int(port)
 
 
@@ -556,6 +579,9 @@ class _Address:
         self, server: Union[str, int, None], name: Optional[str], token: Optional[str], timeout: float
     ) -> None:
         self.host, self.port = _parse_server(server)
+        if type(name) is int:
+            self.port = name
+            raise Error(3, f'a client name is a text, not {name}; a port is part of the server: write connect("{self}")')
         self.name = name or _default_name()
         if not isinstance(self.name, str) or len(self.name.split()) != 1:
             raise Error(3, f"a client name has no spaces, not {self.name!r}; write e.g. \"ana\"")
@@ -943,6 +969,14 @@ def _count(value: Any, what: str) -> int:
     if number < 1:
         raise Error(4, f"{what} must be at least 1, not {number}")
     return number
+
+
+def _play_speed(value: Any) -> float:
+    speed = _number(value, "the speed")
+    if not -4 <= speed <= 64 or speed == 0:
+        raise Error(4, f"a recording is played at -4 to 64 times its speed, below 0 backwards, not {speed:g}: write "
+                       "sim.play(2), or sim.pause() to hold it")
+    return speed
 
 
 def _path(file: Any, what: str) -> str:
@@ -1581,7 +1615,7 @@ class _Session:
     def robot_names(self) -> List[str]:
         """Of all robots, in the order of the scenario."""
         names: List[str] = []
-        while True:  # a status lists so many at a time
+        while True:  # one status lists only a part of them
             status = json.loads(self.control(_GET_STATUS, (len(names) + 1, _LISTED)).text)
             names += [robot["name"] for robot in status["robots"]]
             if not status["robots"] or len(names) >= int(status.get("robot_count") or 0):
@@ -1978,12 +2012,13 @@ def _await_ends(sockets: List[socket.socket]) -> None:
 
 def _owned_text(text: str) -> str:
     return f"cannot be driven: {text}. Stop the other program, or free the robot on the page; " \
-           "to look on only: connect(watch=True)"
+           "to watch only: connect(watch=True)"
 
 
 # --- what a program uses ----------------------------------------------------------------------------------------------
 
 
+@_usages("r")
 class Robot:
     """One robot. Readings are always those of the newest step."""
 
@@ -2061,9 +2096,9 @@ class Robot:
     @_usage('r.get_target("red") or r.get_target(1)')
     def get_target(self, x: Union[str, int]) -> Bearing:
         """Distance [m] and bearing [rad] of the nearest target of a colour, or of the target with an id."""
-        if isinstance(x, str):
+        if isinstance(x, str) and x:
             return self._get("target", _GET_TARGET, (), x)
-        if isinstance(x, (list, tuple, dict)) or x is None:
+        if isinstance(x, (str, list, tuple, dict)) or x is None:
             raise Error(3, f'a target is a colour or an id, not {x!r}; write r.get_target("red") or r.get_target(1)')
         return self._get("target", _GET_TARGET, (_count(x, "the id of a target"),))
 
@@ -2079,6 +2114,7 @@ class Robot:
         """Limit of the wheel speeds [rad/s], wheel radius and track [m]."""
         return self._get("motors", _GET_LIMITS)
 
+    @_usage('r.sense() or r.sense("red")')
     def sense(self, x: Union[str, int, None] = None) -> Reading:
         """All readings of one step, in one round trip; in lockstep, right after `sim.step()`, those that came with
         its reply, without any. `sense("red").target` is the nearest target of that colour (or with that id)."""
@@ -2127,6 +2163,7 @@ class Robot:
         connection.request(_SUBSCRIBE, (_count(n, "n"),))
         self._link.pushers[module] = connection
 
+    @_usage('r.next("distance") or r.next("distance", timeout=5)')
     def next(self, module: Optional[str] = None, timeout: Optional[float] = None) -> Update:
         """Waits for the next pushed reading, of one module or of any that was subscribed to. Error 11 after `timeout`
         seconds. If the world is held up for more than 2 s it says once, on stderr, whom for."""
@@ -2222,8 +2259,9 @@ class Robot:
         return ids, colours
 
 
+@_usages("team")
 class Team:
-    """Robots that are driven together, through one connection: as well five as five thousand. Made by `sim.team`.
+    """Robots that are driven together, through one connection: five of them or five thousand. Made by `sim.team`.
 
         team = sim.team("swarm1")
         s = team.read()
@@ -2254,9 +2292,10 @@ class Team:
 
     @property
     def ids(self) -> List[int]:
-        """The ids of the robots, likewise, as `get_neighbours` tells them."""
+        """The ids of the robots, in the same order, as `get_neighbours` tells them."""
         return list(self._link.ids)
 
+    @_usage("team.step([0.1, 0.5]) or team.step([[0.1, 0.5], [0.1, 0]], timeout=5)")
     def step(self, V: Any = None, timeout: Optional[float] = None) -> TeamReading:
         """One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the step
         has run, in every mode, and returns the readings after it. V has one row of two for each robot (or one for all): a
@@ -2273,9 +2312,10 @@ class Team:
         """The readings of the newest step, without a step."""
         return self._reading(self._session.read_team(self._link))
 
+    @_usage('team.select("pose", "neighbours", neighbours=4)')
     def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
-        """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (so many nearest) and
-        "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing."""
+        """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (the nearest, as many
+        as told) and "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing."""
         words: List[str] = []
         for given in readings:
             words += given.split() if isinstance(given, str) else given if isinstance(given, (list, tuple)) else [given]
@@ -2359,6 +2399,7 @@ class Team:
         return TeamReading(link.readings, link.columns, reply)
 
 
+@_usages("sim")
 class Simulation:
     """A connection to a daemon: its time and its robots. What `connect` returns; also a context manager."""
 
@@ -2378,7 +2419,7 @@ class Simulation:
     @_usage('sim.robot("robot1") or sim.robot(1)')
     def robot(self, which: Union[str, int]) -> Robot:
         """Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it. While a
-        recording is played it is looked at, and taken after a branch with the first step or command if nobody has it."""
+        recording is played it is only read, and taken after a branch with the first step or command if nobody has it."""
         if isinstance(which, str):
             name = which.strip().lstrip("/")
         elif isinstance(which, (list, tuple, dict)) or which is None:
@@ -2416,13 +2457,17 @@ class Simulation:
         return Team(self._session, self._session.team(" ".join(words)))
 
     # --- time ---
+    @_usage("sim.step(), sim.step(10) or sim.step(timeout=5)")
     def step(self, n: int = 1, timeout: Optional[float] = None) -> None:
         """Goes on by n steps: sends what the robots of this sim were told and waits until the steps have run, in
         lockstep; waits for the n-th next step otherwise. Its teams keep their speeds. Error 11 after `timeout` seconds
         (default: never). Waiting longer than 2 s it says once, on stderr, whom for."""
         if timeout is not None:
             timeout = _number(timeout, "timeout [s]")
-        self._session.step(_count(n, "n"), timeout)
+        n = _count(n, "n")
+        if n > _MOST_STEPS:
+            raise Error(4, f"n must be at most {_MOST_STEPS}, not {n}: write sim.step({_MOST_STEPS}) and the rest after it")
+        self._session.step(n, timeout)
 
     @property
     def time(self) -> float:
@@ -2459,9 +2504,12 @@ class Simulation:
         self._session.control(_STOP_ALL)
         self._session.forget_commands()
 
+    @_usage("sim.reset() or sim.reset(7)")
     def reset(self, seed: Optional[int] = None) -> None:
         """Starts again at step 0, with a new seed if one is given."""
         params = () if seed is None else (_whole(seed, "a seed"),)
+        if params and params[0] < 0:
+            raise Error(4, f"a seed is at least 0, not {params[0]}: write sim.reset(7)")
         self._session.control(_RESET, params, timeout=_LOAD_TIMEOUT_S)
         self._session.started_anew()
 
@@ -2474,6 +2522,8 @@ class Simulation:
     def load_scenario(self, x: str) -> None:
         """Loads a scenario: a name on the daemon's search path, a file here, or the text of one."""
         x = _path(x, "a scenario")
+        if not x:
+            raise Error(3, 'no scenario: write sim.load_scenario("corridor")')
         if "\n" not in x and os.path.isfile(x):
             with open(x, encoding="utf-8-sig", errors="surrogateescape") as file:
                 text = file.read().encode("utf-8", "surrogateescape").decode("utf-8", "replace")
@@ -2493,7 +2543,12 @@ class Simulation:
     @_usage("sim.set_step(0.01)")
     def set_step(self, s: float) -> None:
         """Length of a step, 0.0005 to 0.1 s."""
-        self._session.control(_SET_STEP, (), (_number(s, "the step [s]"),))
+        s = _number(s, "the step [s]")
+        if not 0.0005 <= s <= 0.1:
+            raise Error(4, f"a step lasts 0.0005 to 0.1 s, not {s:g}: write sim.set_step(0.01)")
+        if abs(s - round(s, 6)) > 1e-9:
+            raise Error(4, f"a step lasts whole microseconds, not {s:.9g} s: write sim.set_step({s:.6f})")
+        self._session.control(_SET_STEP, (), (s,))
 
     @_usage("sim.set_speed(2)")
     def set_speed(self, x: float) -> None:
@@ -2517,7 +2572,11 @@ class Simulation:
     @_usage('sim.save_state("before_turn")')
     def save_state(self, name: str) -> None:
         """Keeps all that decides how the run goes on, under a name; replaces what is kept under that name."""
-        self._session.control(_SAVE_STATE, text=_word(name, "the name of a state"))
+        name = _word(name, "the name of a state")
+        if not (name.isascii() and name[0].isalpha() and name.translate({45: "", 95: ""}).isalnum() and len(name) < 64):
+            raise Error(4, "the name of a state is a letter, then letters, digits, _ and -, at most 63: write "
+                           'sim.save_state("before_turn")')
+        self._session.control(_SAVE_STATE, text=name)
 
     @_usage('sim.restore_state("before_turn")')
     def restore_state(self, name: str) -> None:
@@ -2531,6 +2590,7 @@ class Simulation:
         return [SavedState(name, time) for name, time in zip(reply.text.split(), reply.data)]
 
     # --- recording ---
+    @_usage('sim.record() or sim.record("lesson1")')
     def record(self, name: str = "") -> str:
         """Records the run from here on, in the daemon's folder; returns the name of the file. Without a name under
         run-DATE-TIME. Nothing is overwritten: error 5."""
@@ -2545,6 +2605,8 @@ class Simulation:
     @_usage('sim.note("half-time")')
     def note(self, text: str) -> None:
         """Marks this time in the recording; `Run.events` has it."""
+        if text == "":
+            raise Error(3, 'no note: write sim.note("half-time")')
         self._session.tell(_RECORDER, _NOTE, text=str(text))
 
     def recording(self) -> Optional[Recording]:
@@ -2592,17 +2654,21 @@ class Simulation:
         """Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside."""
         self._session.tell(_PLAYBACK, _SEEK, (), (_number(time, "the time [s]"),))
 
+    @_usage("sim.play() or sim.play(2)")
     def play(self, speed: Optional[float] = None) -> None:
         """Lets the recording go on, at this speed if one is given; -4 to 64 times, below 0 backwards."""
-        self._session.tell(_PLAYBACK, _PLAY, (), () if speed is None else (_number(speed, "the speed"),))
+        self._session.tell(_PLAYBACK, _PLAY, (), () if speed is None else (_play_speed(speed),))
 
     @_usage("sim.set_play_speed(2)")
     def set_play_speed(self, s: float) -> None:
         """How fast the recording goes, -4 to 64 times, below 0 backwards."""
-        self._session.tell(_PLAYBACK, _SET_PLAY_SPEED, (), (_number(s, "the speed"),))
+        self._session.tell(_PLAYBACK, _SET_PLAY_SPEED, (), (_play_speed(s),))
 
+    @_usage("sim.skip() or sim.skip(-10)")
     def skip(self, n: int = 1) -> None:
         """Goes n recorded steps on, or back if n is below 0, and stands there."""
+        if _whole(n, "n") == 0:
+            raise Error(4, "n is how many steps to go on, or back if below 0, not 0: write sim.skip(1)")
         self._session.tell(_PLAYBACK, _SKIP, (_whole(n, "n"),))
 
     @_usage("sim.set_loop(True)")
@@ -2612,6 +2678,7 @@ class Simulation:
             raise Error(3, f"on is True or False, not {on!r}")
         self._session.tell(_PLAYBACK, _SET_LOOP, (int(on),))
 
+    @_usage("sim.branch() or sim.branch(12.5)")
     def branch(self, time: Optional[float] = None) -> None:
         """Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s], bit for
         bit as it did if the inputs are the same."""
@@ -2890,6 +2957,7 @@ class _Place(NamedTuple):
     sensors: int
 
 
+@_usages("run")
 class Run:
     """A recorded run: `coopdyn.read_run("lesson1.run")`. Nothing but what is asked for is read, when it is asked for.
 
@@ -3121,7 +3189,7 @@ class Run:
         return found
 
     def _unrecorded_controller(self, name: str) -> str:
-        """The loaded controller of a robot, if what such ones sent was not recorded; else empty."""
+        """The loaded controller of a robot, if what controllers sent was not recorded; else empty."""
         if "controllers" in str(self._info.get("what", "")).split(","):
             return ""
         for number, kind, scene in self._db.execute(
@@ -3292,6 +3360,7 @@ def read_run(file: Union[str, "os.PathLike[str]"]) -> Run:
 # --- the command line -------------------------------------------------------------------------------------------------
 
 
+@_usage('coopdyn.doctor() or coopdyn.doctor("labserver:10100")')
 def doctor(server: Union[str, int, None] = None, token: Optional[str] = None) -> bool:
     """Walks from the name of the server to a round trip; prints `ok`, or cause and cure, per line. True if all is ok."""
 

@@ -14,7 +14,7 @@ struct ArenaOptions {
   int robots = 1000;
   std::string robot = "minibot";
   std::optional<int> rays =
-      std::nullopt;  // instead of the model's sensors: so many single rays; 0: no sensors at all
+      std::nullopt;  // instead of the model's sensors: single rays; 0: no sensors at all
   std::optional<double> range_m = std::nullopt;  // instead of the model's
   Fidelity fidelity = Fidelity::kRolling;
   std::string controller = {};  // `NAME option=value …`; empty: none

@@ -15,7 +15,7 @@ struct BenchDaemonOptions {
   int robots = 100;
   std::string robot = "minibot";
   std::string fidelity = "rolling";
-  std::optional<int> rays = std::nullopt;  // so many single rays all round instead of the robot's sensors
+  std::optional<int> rays = std::nullopt;  // single rays all round instead of the robot's sensors
   double range_m = 4;                      // of those
   std::optional<int> robot_threads = std::nullopt;
   int threads = 1;

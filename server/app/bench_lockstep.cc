@@ -26,7 +26,7 @@ namespace coopdyn {
 namespace {
 
 constexpr double kStep_s = 0.01;
-/// Without --rounds: so many robot-rounds, within limits.
+/// Without --rounds: this many robot-rounds, within limits.
 constexpr int kRobotRounds = 50'000, kFewestRounds = 30, kMostRounds = 5'000;
 constexpr int kLeastWarmUp = 5;
 
@@ -186,8 +186,9 @@ void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen) {
   sub->add_option("--language", options->language, "Of the client: cpp or python")
       ->check(CLI::IsMember({"cpp", "python"}))
       ->capture_default_str();
-  sub->add_option("--rays", options->rays,
-                  "Read the distances of so many single rays all round each round; 0: none, a team its poses")
+  sub->add_option(
+         "--rays", options->rays,
+         "Number of single rays all round whose distances are read each round; 0: none, a team its poses")
       ->check(CLI::Range(0, 360));
   sub->add_option("--range", daemon.range_m, "Range of the rays, m")
       ->check(NumberIn(0.001, 1000))

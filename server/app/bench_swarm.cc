@@ -70,7 +70,7 @@ std::string WithCommas(double value) {
   return text;
 }
 
-/// For JSON: so many digits as mean something.
+/// For JSON: with the digits that mean something.
 double Rounded(double value, int digits) {
   if (value == 0 || !std::isfinite(value)) return value;
   const double scale = std::pow(10, digits - 1 - std::floor(std::log10(std::abs(value))));

@@ -166,7 +166,7 @@ void AddExport(CLI::App& app, std::function<int()>& chosen) {
   sub->add_option("--until", given->options.until_s, "Last simulated time, s");
   sub->add_option("--robots", given->robots, "Names, also of swarms: a,b,c; none (default: all)");
   sub->add_option("--objects", given->objects, "Names of things that move: a,b,c; none (default: all)");
-  sub->add_option("--every", given->options.every_s, "One row per so many simulated seconds (default: all)");
+  sub->add_option("--every", given->options.every_s, "Simulated seconds between rows (default: every step)");
   sub->add_option("--size", given->size, "Of the pictures, pixels")->capture_default_str();
   sub->add_option("--fps", given->pictures.fps, "Pictures per second of the film")->capture_default_str();
   sub->add_option("--speed", given->pictures.speed, "Simulated seconds per second of the film")

@@ -86,12 +86,14 @@ std::string LogText(const RunInfo& info) {
   return info.log + " is not part of the file yet" + why + ": copy both";
 }
 
+constexpr std::size_t kMaxEventBytes = 4000;  // the file has the whole text
+
 /// A line of an event: further lines of its text stand below the first, and nothing in it drives the
 /// terminal.
 void AddEvent(std::string& text, const Event& event) {
   text += fmt::format("    {:>10.3f} s  {:<8}", event.time_s, event.level);
   const std::string below(26, ' ');
-  for (const char c : PrintableLines(event.text)) {
+  for (const char c : PrintableLines(event.text, kMaxEventBytes)) {
     text += c;
     if (c == '\n') text += below;
   }

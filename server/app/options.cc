@@ -12,6 +12,7 @@
 #include "server/app/more_commands.h"
 #include "server/app/print.h"
 #include "server/app/serve_options.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -30,6 +31,35 @@ void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments
   }
   const std::string what = arguments.empty() ? "a command is missing" : "there is no command " + arguments[0];
   throw CLI::ParseError(what + ": write one of " + commands, CLI::ExitCodes::InvalidError);
+}
+
+/// What is wrong with the words of a command, and what to write instead.
+std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.back();
+  const std::string said = error.what();  // of an option: "--port: …", "run is required"
+  std::string what = said;
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    const std::string word = app.remaining(true).at(0);
+    what = word + " is one word too many";
+    if (word.starts_with("--")) {
+      std::vector<std::string> flags;
+      for (const CLI::Option* option : command.get_options()) flags.push_back(option->get_name());
+      const std::string nearest = Nearest(word.substr(0, word.find('=')), flags);
+      what = "there is no option " + word + (nearest.empty() ? "" : ": did you mean " + nearest + "?");
+    }
+  } else if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    const bool missing = said.find("missing") != std::string::npos;
+    what = said.substr(0, said.find(':')) + (missing ? " needs a value" : " may be given once");
+  } else if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !chosen.empty()) {
+    std::string name = said.substr(0, said.find(' '));
+    std::transform(name.begin(), name.end(), name.begin(), ::toupper);
+    what = name + " is missing";
+  } else if (chosen.empty()) {
+    return what + " (coopdyn --help shows the commands)";
+  }
+  return what + " (coopdyn " + (chosen.empty() ? "" : command.get_name() + " ") +
+         "--help shows how to write it)";
 }
 
 /// Adds the lines of the config file to `arguments` (the program's name not among them), but for options that
@@ -165,7 +195,7 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
     line.exit_code = app.exit(success);
     return line;
   } catch (const CLI::ParseError& error) {
-    PrintError("coopdyn: {} (coopdyn --help shows the commands)\n", error.what());
+    PrintError("coopdyn: {}\n", Explained(app, error));
     line.exit_code = kWrongUse;
     return line;
   }

@@ -36,6 +36,15 @@ std::vector<std::string> FailedControllers(const RunReport& run) {
   return robots;
 }
 
+/// Bodies that exploded, whatever was reset or loaded since.
+std::vector<std::string> Frozen(const RunReport& run) {
+  std::vector<std::string> names = run.status.frozen;
+  for (const std::string& name : run.status.frozen_before) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
 /// ", frozen: CRATE, swarm1_2 and 5 more"; empty without names.
 std::string Named(const char* what, const std::vector<std::string>& names) {
   constexpr std::size_t kNamed = 20;
@@ -71,7 +80,8 @@ std::string SummaryLine(const RunReport& run) {
   std::string line = fmt::format(
       "{} steps of {} robot{}, t = {:.2f} s in {:.2f} s, real-time factor {:.2f}, hash {}", frame.step,
       robots, robots == 1 ? "" : "s", frame.time_s(), run.wall_s, Factor(run), HashText(StateHash(frame)));
-  line += run.status.frozen.empty() ? ", nothing frozen" : Named("frozen", run.status.frozen);
+  const std::vector<std::string> frozen = Frozen(run);
+  line += frozen.empty() ? ", nothing frozen" : Named("frozen", frozen);
   line += Named("controller failed", FailedControllers(run));
   if (const auto late = run.status.late_periods; late > 0)
     line += fmt::format(", {} step{} skipped", late, late == 1 ? "" : "s");
@@ -88,7 +98,7 @@ std::string SummaryJson(const RunReport& run) {
   const Frame& frame = *run.frame;
   const RunStatus& status = run.status;
   json::array frozen, stopped;
-  for (const std::string& name : status.frozen) frozen.emplace_back(name);
+  for (const std::string& name : Frozen(run)) frozen.emplace_back(name);
   for (const auto& [robot, one] : run.stopped) {
     stopped.push_back(json::object{
         {"robot", robot}, {"by", one.by}, {"step", one.step}, {"time_s", one.time_s}, {"why", one.why}});
@@ -114,7 +124,7 @@ std::string SummaryJson(const RunReport& run) {
 }
 
 int ExitCode(const RunReport& run) {
-  if (!run.status.frozen.empty() || run.recording_failed || !FailedControllers(run).empty()) {
+  if (!Frozen(run).empty() || run.recording_failed || !FailedControllers(run).empty()) {
     return kExitFaulty;
   }
   return IsCutShort(run) ? kExitCutShort : kExitOk;

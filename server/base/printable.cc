@@ -44,9 +44,7 @@ void TakeCharacter(std::string_view& text, bool lines, std::string& shown) {
   text.remove_prefix(character.size());
 }
 
-}  // namespace
-
-std::string Printable(std::string_view text, std::size_t max_bytes) {
+std::string Shown(std::string_view text, bool lines, std::size_t max_bytes) {
   const std::size_t size = text.size();
   std::string shown;
   shown.reserve(std::min(size, max_bytes));
@@ -54,16 +52,19 @@ std::string Printable(std::string_view text, std::size_t max_bytes) {
     if (size - text.size() + std::max<std::size_t>(Utf8CharacterLength(text), 1) > max_bytes) {
       return shown + "… (" + std::to_string(size) + " bytes)";
     }
-    TakeCharacter(text, false, shown);
+    TakeCharacter(text, lines, shown);
   }
   return shown;
 }
 
-std::string PrintableLines(std::string_view text) {
-  std::string shown;
-  shown.reserve(text.size());
-  while (!text.empty()) TakeCharacter(text, true, shown);
-  return shown;
+}  // namespace
+
+std::string Printable(std::string_view text, std::size_t max_bytes) {
+  return Shown(text, false, max_bytes);
+}
+
+std::string PrintableLines(std::string_view text, std::size_t max_bytes) {
+  return Shown(text, true, max_bytes);
 }
 
 std::size_t Utf8CharacterLength(std::string_view text) {

@@ -32,7 +32,7 @@ class WrongTokens {
  private:
   struct Tries {
     int wrong = 0;
-    Nanoseconds last = 0, next = 0;  // the last wrong one; when another is looked at
+    Nanoseconds last = 0, next = 0;  // the last wrong one; when another is read
   };
   /// Drops those that have not tried for long, and if there are none, whoever tried longest ago.
   void MakeRoom(Nanoseconds now) REQUIRES(mutex_);

@@ -61,7 +61,7 @@ std::optional<Message> PlaybackModule::Refuse(const Message& request) const {
   }
   if (request.command == command::kSkip && !request.params.empty() && request.params[0] == 0) {
     return ErrorReply(request.command, Error::kOutOfRange,
-                      "step goes so many steps on, or back if below 0, not 0: step 1");
+                      "step takes a number of steps, below 0 to go back, not 0: step 1");
   }
   return std::nullopt;
 }

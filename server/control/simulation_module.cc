@@ -23,9 +23,9 @@ std::optional<Message> SimulationModule::Refuse(const Message& request) const {
   if (request.command == command::kGetStatus && request.error == 0 && request.params.size() == 2 &&
       request.text.empty() && request.data.empty()) {
     if (request.params[0] >= 1 && request.params[1] >= 0) return std::nullopt;
-    return ErrorReply(
-        request.command, Error::kOutOfRange,
-        "get_status lists robots from the first, at least 1, so many, at least 0: params 257 256");
+    return ErrorReply(request.command, Error::kOutOfRange,
+                      "get_status takes the number of the first robot, at least 1, and how many, at least 0: "
+                      "params 257 256");
   }
   return GlobalModule::Refuse(request);
 }

@@ -23,7 +23,7 @@ constexpr int kMaxUnexplained = 5;
 constexpr int kMaxLosses = 8;    // of the process with nobody to blame,
 constexpr int kCalmSteps = 100;  // with fewer steps in between
 
-/// By its own word, or by a crash when it had nearly all that it may have: NULL is seldom looked at.
+/// By its own word, or by a crash when it had nearly all that it may have: few programs check for NULL.
 bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
   if (memory_bytes == 0) return false;
   if (end.signal == 0) return end.exit_code == kOutOfMemoryExit;
@@ -31,7 +31,7 @@ bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
   return crashed && end.memory_bytes >= memory_bytes / 10 * 9;
 }
 
-/// Steps of so many robots are taken in turns with the child on one core.
+/// Steps of this many robots are taken in turns with the child on one core.
 constexpr std::size_t kFew = 512;
 
 }  // namespace

@@ -23,8 +23,8 @@ namespace coopdyn {
 
 class ChildBackend final : public Backend {
  public:
-  /// When so many robots with one controller have crashed in one step, or hung since the start, it is stopped
-  /// on all robots: each crash takes a new process, each hang the deadline.
+  /// When this many robots with one controller have crashed in one step, or hung since the start, it is
+  /// stopped on all robots: each crash takes a new process, each hang the deadline.
   static constexpr int kMaxCrashes = 16;
   static constexpr int kMaxHangs = 3;
 

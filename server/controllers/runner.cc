@@ -22,7 +22,8 @@ namespace coopdyn {
 namespace {
 
 constexpr std::size_t kStepGrain = 16;  // robots that a worker takes at a time
-/// Clocks cost more than many a controller's step: one step in so many is timed, of any rhythm of theirs.
+/// Reading a clock costs more than the step of a simple controller: one step in this many is timed. Odd, so
+/// that no rhythm of the controllers hides from it.
 constexpr std::uint64_t kTimedEvery = 61;
 
 /// What this thread has in hand, for whoever gets no memory: a new-handler has no arguments.

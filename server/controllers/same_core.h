@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Two processes that take turns, on one core: a wake-up on another core that sleeps costs some 40 µs of both,
 // the switch on the same core 2 µs. Going to a core and leaving it costs 10 µs, so that it is left only when
-// no turn follows at once, or after so many turns, that the system may find a better one
+// no turn follows at once, or after many turns, so that the system may find a better one
 // (docs/decisions.md). What the system refuses is left as it is.
 #pragma once
 

@@ -110,7 +110,7 @@ class StepInbox::Mailbox {
     return true;
   }
 
-  /// Removes the oldest frame; returns how many are lost by that which no later frame tells of.
+  /// Removes the oldest frame; returns how many frames are lost with it that no later frame tells of.
   int DropOldest() REQUIRES(mutex_) {
     const auto oldest =
         std::find_if(items_.begin(), items_.end(), [](const Item& item) { return item.frame != nullptr; });

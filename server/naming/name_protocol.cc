@@ -5,6 +5,7 @@
 #include <charconv>
 #include <utility>
 
+#include "server/base/printable.h"
 #include "server/net/http_refusal.h"
 
 namespace coopdyn {
@@ -13,7 +14,6 @@ namespace {
 constexpr std::string_view kPrefix = "NAME_SERVER";
 constexpr std::string_view kEnd = "*** end of message\r\n";
 constexpr std::string_view kAutomatic = "...";
-constexpr std::string_view kExample = "/robot1/motors";
 
 using Words = std::vector<std::string>;
 
@@ -47,12 +47,25 @@ std::string Join(const Words& words, std::size_t first) {
   return text;
 }
 
+/// What a peer sent, uncut, as a terminal may see it.
+std::string Whole(const std::string& text) {
+  return Printable(text, text.size());
+}
+
 bool IsHttp(std::string_view line) {
   const std::size_t space = line.find(' ');
   const std::string_view method = line.substr(0, space);
   return space != std::string_view::npos && space > 0 &&
          line.find("HTTP/", space) != std::string_view::npos &&
          std::all_of(method.begin(), method.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+}
+
+/// A name that can be opened.
+std::string ExampleName(const NameTable& table) {
+  for (const NameEntry& entry : table.List()) {
+    if (entry.adopt) return entry.name;
+  }
+  return "/robot1/motors";
 }
 
 /// One request with its context: each answer is a member.
@@ -81,11 +94,13 @@ class Answerer {
 
   NameReply Open() {
     const std::string name = WordAt(words_, 1);
+    if (name.empty())
+      return {"error 10 OPEN takes a name, as in OPEN " + ExampleName(table_) + "; list shows all\n"};
     const std::optional<NameEntry> entry = table_.Find(name);
     if (!entry) {
       const std::string nearest = table_.Nearest(name);
-      return {"error 10 no such name " + (name.empty() ? "(none given)" : name) +
-              (nearest.empty() ? "; list shows all" : "; did you mean " + nearest) + "\n"};
+      return {"error 10 no such name " + Printable(name) +
+              (nearest.empty() ? "; list shows all" : "; did you mean " + nearest + "?") + "\n"};
     }
     if (!entry->adopt) {
       return {"error 10 " + entry->name + " is another program's: connect to " + entry->ip + " port " +
@@ -167,8 +182,8 @@ class Answerer {
 
   static NameReply Property(const NameEntry& entry, const std::string& key) {
     const auto it = entry.properties.find(key);
-    return End("port " + entry.name + " property " + key + " = " +
-               (it == entry.properties.end() ? "" : it->second) + "\r\n");
+    return End("port " + entry.name + " property " + Whole(key) + " = " +
+               (it == entry.properties.end() ? "" : Whole(it->second)) + "\r\n");
   }
 
   NameReply Check() const {
@@ -179,7 +194,7 @@ class Answerer {
     const auto it = entry->properties.find(key);
     const Words values = it == entry->properties.end() ? Words() : Split(it->second);
     const bool present = std::find(values.begin(), values.end(), value) != values.end();
-    return End("port " + entry->name + " property " + key + " value " + value + " present " +
+    return End("port " + entry->name + " property " + Whole(key) + " value " + Whole(value) + " present " +
                (present ? "true" : "false") + "\r\n");
   }
 
@@ -240,19 +255,13 @@ NameReply AnswerNameLine(std::string_view line, const NameContext& context, Name
   const bool prefixed = words[0] == kPrefix;
   if (prefixed) words.erase(words.begin());
   if (words.empty()) return {std::string(kEnd)};
-  const bool open = words[0] == "OPEN";
+  const bool open = words[0] == "OPEN" || words[0] == "open";
   Answerer answerer(std::move(words), context, table);
   return open ? answerer.Open() : answerer.Answer(prefixed);
 }
 
 NameReply AnswerMagic(const NameTable& table) {
-  std::string example(kExample);
-  for (const NameEntry& entry : table.List()) {
-    if (!entry.adopt) continue;
-    example = entry.name;
-    break;
-  }
-  NameReply reply{"error 7 this is the port of names: send OPEN " + example +
+  NameReply reply{"error 7 this is the port of names: send OPEN " + ExampleName(table) +
                   " and a newline, wait for ok, and then CDS1 and frames\n"};
   reply.close = true;
   return reply;

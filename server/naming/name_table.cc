@@ -54,8 +54,9 @@ std::string RightProblem(const NameEntry& entry, const NameAsker& asker) {
   if (!entry.external) return entry.name + " is a name of the daemon";
   const std::string registrar = RegistrarOf(asker);
   if (registrar.empty() || registrar == entry.registrar) return {};
-  return entry.name + " is of " + (entry.registrar.empty() ? "the daemon's own machine" : entry.registrar) +
-         ": only programs there, or on the daemon's machine, may change it";
+  const bool here = entry.registrar.empty();
+  return entry.name + " was registered by a program on " + (here ? "the daemon's machine" : entry.registrar) +
+         ": only programs there" + (here ? "" : " or on the daemon's machine") + " may change it";
 }
 
 /// What an entry takes, roughly.
@@ -147,7 +148,8 @@ std::string NameTable::Nearest(std::string_view name) const {
       nearest = candidate;
     }
   }
-  // "robot1" alone: its first module.
+  // "robot1" alone: what drives it, or its first module.
+  if (entries_.contains(wanted + "/motors")) return wanted + "/motors";
   const auto module = entries_.lower_bound(wanted + "/");
   if (module != entries_.end() && module->first.starts_with(wanted + "/")) return module->first;
   return nearest;
@@ -184,8 +186,9 @@ NameTable::Change NameTable::Register(const std::string& name, const std::string
       if (RightProblem(old, asker).empty()) old.used = asker.now;
       return {{}, old};
     }
-    return {entry.name + " is registered already, at " + old.ip + " port " + std::to_string(old.port) +
-            "; unregister it first"};
+    const std::string problem = RightProblem(old, asker);
+    return {entry.name + " is registered already, at " + old.ip + " port " + std::to_string(old.port) + "; " +
+            (problem.empty() ? "unregister it first" : problem)};
   }
   if (std::string problem = RoomProblemLocked(entry.registrar, 1, Bytes(entry)); !problem.empty()) {
     return {problem};

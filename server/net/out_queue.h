@@ -36,7 +36,8 @@ class OutQueue {
 
   void AddReply(Message reply);
   /// Beyond kMaxPushes the oldest that has not begun is dropped; the next one's text then starts with
-  /// `dropped N`. `dropped`: so many were lost before this one. One that waits is made when its turn comes.
+  /// `dropped N`. `dropped`: how many were lost before this one. One that waits is composed when its turn
+  /// comes.
   void AddPush(const UnaskedPtr& push, std::int64_t dropped = 0);
   /// Bytes as they are, e.g. `#` lines.
   void AddRaw(std::string bytes);
@@ -55,7 +56,7 @@ class OutQueue {
   };
   /// A reply, or bytes as they are.
   struct Item {
-    std::uint64_t after = 0;  // so many pushes
+    std::uint64_t after = 0;  // how many pushes
     std::optional<Message> reply = {};
     std::string raw = {};
   };

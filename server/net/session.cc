@@ -18,7 +18,8 @@ namespace asio = boost::asio;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// A turn, then other connections have theirs: so many requests, but none begins after so long.
+// One turn, before other connections have theirs: at most this many requests, and none begins after this
+// time.
 constexpr int kRequestsAtOnce = 256;
 constexpr Nanoseconds kTurn = 500'000;
 constexpr milliseconds kWatchPeriod{20};

@@ -16,7 +16,7 @@ namespace {
 
 constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 constexpr Nanoseconds kStatusEvery = 50'000'000;
-/// While the real-time factor still has to fall to 0, a standing world is looked at this often.
+/// While the real-time factor still has to fall to 0, a standing world is checked this often.
 constexpr Nanoseconds kLookAgain = 250'000'000;
 
 }  // namespace

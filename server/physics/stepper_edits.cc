@@ -211,6 +211,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   const Scene& scene = simulation_->scene();
   ended_ = false;
   allowed_steps_ = 0;
+  status_.frozen_before.insert(status_.frozen.begin(), status_.frozen.end());
   status_.frozen = FrozenNames(frame());
   boards_.control.ClearStopped();
   off_floor_ = OffFloor(frame());

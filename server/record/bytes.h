@@ -90,7 +90,7 @@ class ByteReader {
   void GetAll(Numbers& numbers) {
     for (auto& number : numbers) number = Get<std::remove_reference_t<decltype(number)>>();
   }
-  /// A u32 count of things that take at least `bytes_each` ≥ 1; 0 and failed if so many cannot follow.
+  /// A u32 count of things that take at least `bytes_each` ≥ 1; 0 and failed if fewer can follow.
   std::size_t GetCount(std::size_t bytes_each) {
     const std::size_t count = Get<std::uint32_t>();
     if (count <= bytes_.size() / bytes_each) return count;

@@ -74,7 +74,7 @@ class PlayerCore {
   bool ShowOrStand(std::uint64_t step, Jump jump);
   /// Where a jump of an edit leads; waits for steps are undone.
   EditResult JumpTo(std::optional<std::uint64_t> step);
-  /// The step so many recorded ones from what is shown, or the end before it; nothing if damaged.
+  /// The step that many recorded ones from what is shown, or the end before it; nothing if damaged.
   std::optional<std::uint64_t> StepAway(int steps);
   /// The next frame in a direction; nothing at the end, or (reader_->error()) if damaged.
   std::optional<Place> Next(bool back);

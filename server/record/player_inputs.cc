@@ -8,7 +8,7 @@ namespace coopdyn {
 
 namespace {
 
-/// From so many steps on it is cheaper to begin at a newer keyframe than to read on.
+/// From this many steps on it is cheaper to begin at a newer keyframe than to read on.
 constexpr std::uint64_t kMostReadOn = 1000;
 
 }  // namespace

@@ -74,8 +74,9 @@ bool RunChain::Prepare(std::string& error) {
       error = error_;
       return false;
     }
-    error = database_->error() + ": without a chain of its rows a recording cannot tell whether it was " +
-            "changed: it was made by an older coopdyn, or by another program; record it again";
+    error =
+        database_->error() + ": without a chain of its rows a recording cannot tell whether it was " +
+        "changed: it was made by another program, or its start is damaged; copy it again, or record it again";
     return false;
   }
   return true;

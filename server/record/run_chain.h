@@ -30,14 +30,14 @@ class RunChain {
   static bool IsChained(const std::string& file);
 
   /// Leaves out the steps and keyframes before the last keyframe up to `step`: whether those were changed is
-  /// not looked at. Before all others. False, and error() says so, if it cannot be read there.
+  /// not read. Before all others. False, and error() says so, if it cannot be read there.
   bool SkipTo(std::uint64_t step);
 
   /// What of table meta and the texts was changed, for people: "its table meta was changed after it was
   /// written"; empty: nothing, or that it cannot be read (error()).
   std::string CheckHead();
 
-  // The first damage among rows that were not looked at before. If they cannot be read, nothing, and error()
+  // The first damage among rows that were not checked before. If they cannot be read, nothing, and error()
   // says why.
   /// Steps up to `step`, and scenes, inputs and events that belong to them.
   std::optional<ChainDamage> CheckRows(std::uint64_t step);
@@ -50,7 +50,7 @@ class RunChain {
   /// last: "its table event ends with row 3, where meta tells of another end"; empty: none are.
   std::optional<ChainDamage> CheckRest(std::string& ends);
 
-  /// The first and the last step that were looked at; −1: none was.
+  /// The first and the last step that were checked; −1: none was.
   std::int64_t first_step() const { return first_step_; }
   std::int64_t last_step() const { return first_step_ < 0 ? -1 : walks_[kStepTable].end.id; }
 
@@ -60,7 +60,7 @@ class RunChain {
   struct Walk {
     Statement rows;  // the next ones from ?1 to ?2; their chain in the column after the last
     std::int64_t next = std::numeric_limits<std::int64_t>::min();  // first column
-    TableEnd end;                                                  // of the row looked at last
+    TableEnd end;                                                  // of the row checked last
     std::uint64_t waits_for = 0;                                   // the step of the next row
   };
 

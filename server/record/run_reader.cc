@@ -47,10 +47,8 @@ bool RunReader::Impl::FailReading(const DatabaseError& failed, const std::string
 
 bool RunReader::Impl::FailSense(const std::string& what) {
   if (FailAsReplaced()) return false;
-  error =
-      file + ": " + what +
-      " cannot be: the file is damaged there, copy it again from where it was recorded; other times of it "
-      "may still be read";
+  error = file + " is damaged (" + what +
+          "): copy it again from where it was recorded; other times of it may still be read";
   return false;
 }
 

@@ -173,7 +173,7 @@ std::shared_ptr<const Scene> RunReader::Impl::SceneOf(std::uint64_t scene_number
   }
   sql->scene.Reset();
   sql->scene.Bind(1, static_cast<std::int64_t>(scene_number));
-  if (!sql->scene.Step()) return FailSense("a step of " + name + ", which is missing,"), nullptr;
+  if (!sql->scene.Step()) return FailSense("a step of " + name + ", which is missing"), nullptr;
   const auto model = [this](const std::string& type) -> std::shared_ptr<const RobotModel> {
     for (const RobotEntry& robot : scenario->robots) {
       if (robot.model->type == type) return robot.model;

@@ -15,7 +15,7 @@ namespace coopdyn {
 class RowCheck {
  public:
   /// The first thing in `step` that is not what the writer makes of `repeated`, whose exact state is the
-  /// recorded one. What was not recorded is not looked at.
+  /// recorded one. What was not recorded is not compared.
   std::optional<Difference> Find(const RecordedStep& step, const Frame& repeated);
 
  private:

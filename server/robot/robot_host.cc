@@ -10,7 +10,7 @@ namespace coopdyn {
 
 namespace {
 
-/// After the start: so many busy ports are passed over before a module stays without one.
+/// After the start: at most this many busy ports are passed over before a module stays without one.
 constexpr int kMaxBusyPorts = 1000;
 
 }  // namespace

@@ -20,14 +20,14 @@ namespace coopdyn {
 struct RobotHostOptions {
   bool sockets = true;                 // false: `--no-net`, modules can only adopt
   std::vector<std::string> addresses;  // ListenAddresses(--host)
-  int threads = 0;  // `--robot-threads`: so many for all; 0: one each if there are cores enough, else a pool
+  int threads = 0;  // `--robot-threads`: for all robots; 0: one each if there are cores enough, else a pool
   std::chrono::microseconds spin{0};  // IoThread
   std::size_t cores = 0;              // 0: those of this machine
 };
 
 class RobotHost {
  public:
-  /// Robots that leave no core to their clients share a pool: one thread for so many, at most kMaxPool and
+  /// Robots that leave no core to their clients share a pool: one thread for this many, at most kMaxPool and
   /// half the cores, as their clients need the others. More threads than cores cost two switches per robot
   /// and round, 2 to 3 times the CPU (docs/decisions.md).
   static constexpr std::size_t kRobotsPerThread = 4, kMaxPool = 2;

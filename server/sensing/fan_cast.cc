@@ -11,7 +11,7 @@ namespace {
 
 // With more robots near than this per ray, each ray looks along its own way only.
 constexpr std::size_t kManyPerRay = 24;
-// Up to so many robots are looked at one by one.
+// Up to this many robots are tested one by one.
 constexpr std::size_t kFewRobots = 8;
 // With more objects near than this, too.
 constexpr std::size_t kManyItems = 8;

@@ -412,6 +412,9 @@ std::vector<Awaited> CommandBoard::Awaiting(Nanoseconds now, std::size_t max, st
 }
 
 std::string CommandBoard::CureForNoClient() const {
+  const bool several = std::count_if(drives_.begin(), drives_.end(), [](const Drive& drive) {
+                         return IsAwaited(drive) && drive.owner == 0;
+                       }) > 1;
   constexpr std::size_t kNamed = 4;
   std::string names;
   std::size_t count = 0;
@@ -419,9 +422,10 @@ std::string CommandBoard::CureForNoClient() const {
     if (drives_[i].owner == 0) continue;
     if (++count <= kNamed) names += " " + slots_[i].robot;
   }
-  if (count == 0) return "start its program, or set_mode realtime";
+  const std::string start = several ? "start their programs" : "start its program";
+  if (count == 0) return start + ", or set_mode realtime";
   const std::string others = count <= kNamed ? names : " and the names of the robots that have one";
-  return "start its program, or let the others go on with set_participants" + others +
+  return start + ", or let the others go on with set_participants" + others +
          ", or the page's button 'connected'";
 }
 

@@ -310,6 +310,8 @@ class CommandBoard {
   /// Stops a robot without its program.
   void StopAbandoned(std::size_t index) REQUIRES(mutex_);
   void NoteLoss(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
+  /// "there are robot1, robot2 and 5 more (list shows all)".
+  std::string NamesOfRobots() const REQUIRES(mutex_);
   /// What to do about a robot without client.
   std::string CureForNoClient() const REQUIRES(mutex_);
   static bool IsAwaited(const Drive& drive) {
@@ -323,7 +325,7 @@ class CommandBoard {
   void ClearMessages() REQUIRES(mutex_);
   void NoteTeams() { team_revision_.fetch_add(1, std::memory_order_release); }
   Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}}; }
-  /// True, and `done` is taken, if a recording is played: it is answered after so many frames.
+  /// True, and `done` is taken, if a recording is played: it is answered after that many frames.
   bool WaitInPlayback(int steps, StepDone& done) EXCLUDES(mutex_);
   Verdict Fine() const REQUIRES(mutex_) { return {Error::kOk, {}, true, mode_, 0}; }
 

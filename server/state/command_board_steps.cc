@@ -118,13 +118,24 @@ Mode CommandBoard::mode() const {
   return mode_;
 }
 
+std::string CommandBoard::NamesOfRobots() const {
+  constexpr std::size_t kNamed = 8;
+  std::string names = "there are";
+  for (std::size_t i = 0; i < std::min(kNamed, slots_.size()); ++i) {
+    names += (i == 0 ? " " : ", ") + slots_[i].robot;
+  }
+  if (slots_.size() > kNamed)
+    names += " and " + std::to_string(slots_.size() - kNamed) + " more (list shows all)";
+  return slots_.empty() ? "there are no robots" : names;
+}
+
 Verdict CommandBoard::SetParticipants(std::span<const std::string> names, Nanoseconds now) {
   const MutexLock lock(mutex_);
   std::vector<bool> chosen(slots_.size(), false);
   for (const std::string& name : names) {
     const auto found = by_name_.find(name);
     if (found == by_name_.end()) {
-      return {Error::kNoSuchName, "no robot is called " + name + ": list shows the names", true, mode_, 0};
+      return {Error::kNoSuchName, "no robot is called " + name + ": " + NamesOfRobots(), true, mode_, 0};
     }
     const Drive& drive = drives_[found->second];
     if (drive.driven || !drive.has_actuators) {

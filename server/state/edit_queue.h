@@ -69,7 +69,7 @@ struct Restore {
 struct Seek {
   Nanoseconds time = 0;
 };
-/// Playback: stands, so many recorded steps on (below 0: back).
+/// Playback: stands that many recorded steps further on (below 0: back).
 struct Skip {
   int steps = 1;
 };

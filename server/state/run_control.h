@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,7 @@ struct RunStatus {
   Nanoseconds simulated = 0;       // by all steps since the daemon started, whatever was reset
   StepLoad load;                   // in real time
   std::vector<std::string> frozen;
+  std::set<std::string> frozen_before;  // before the last reset, restore or load, since the daemon started
 };
 
 /// Something that happened: at most 100 are kept.

@@ -20,7 +20,7 @@ class LiveView {
  public:
   /// Pictures sent and not yet shown: one is on its way while another is being drawn.
   static constexpr int kMaxUnshown = 2;
-  /// How often a world that stands still is looked at.
+  /// How often a world that stands still is checked for a change.
   static constexpr std::chrono::milliseconds kIdlePeriod{50};
 
   /// `on_picture` gets every picture, also one that could not be made. `pictures` outlives the view.

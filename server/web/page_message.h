@@ -19,7 +19,7 @@ namespace coopdyn {
 struct PageCall {
   std::string id = "null";  // as JSON, repeated in the reply: a number, a string or null
   std::string module;       // "/robot1/motors"; a missing leading '/' is added
-  /// Calls of one module and channel share a connection, so the next is looked at when the last was answered.
+  /// Calls of one module and channel share a connection, so the next is read when the last was answered.
   std::string channel;
   std::optional<std::string> line;  // as a person types it; the rest is then empty
   std::string command_name;         // or message.command

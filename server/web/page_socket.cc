@@ -132,9 +132,11 @@ void PageSocket::TakeToken(const std::string& token) {
 void PageSocket::OnHello(const PageHello& hello) {
   TakeToken(hello.token);
   const bool wrong = !hello.token.empty() && !bridge_.trusted();
+  const std::string wait = wrong ? context_.TokenWaitText(bridge_.peer()) : std::string();
   Send(R"({"type":"hello","version":)" + JsonString(context_.options.version) +
        (bridge_.trusted() ? R"(,"trusted":true)" : R"(,"trusted":false)") +
        (wrong ? R"(,"wrong_token":true)" : "") +
+       (wait.empty() ? std::string() : R"(,"token_wait":)" + JsonString(wait)) +
        (context_.pictures.available() ? R"(,"pictures":true})" : R"(,"pictures":false})"));
 }
 

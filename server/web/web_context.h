@@ -49,7 +49,7 @@ struct WebContext {
     if (options.wrong_tokens == nullptr) return right;
     return options.wrong_tokens->Judge(right, peer, services.clock().Now()) == TokenVerdict::kRight;
   }
-  /// What to tell `peer` if no token of its is looked at for now; empty: it would be.
+  /// What to tell `peer` if its tokens are refused unread for now; empty: they are read.
   std::string TokenWaitText(const std::string& peer) const {
     return options.wrong_tokens == nullptr ? std::string()
                                            : options.wrong_tokens->WaitText(peer, services.clock().Now());

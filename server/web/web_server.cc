@@ -49,7 +49,7 @@ class WebServer::Impl {
     const auto session = std::make_shared<HttpSession>(std::move(socket), context_, peer);
     context_.connections.Add(session, peer);
     if (verdict == Verdict::kServe) return session->Start();
-    services_.LogPeer(spdlog::level::warn, peer.text, "has too many connections to the page: refused");
+    services_.LogPeer(spdlog::level::warn, peer.text, "too many connections to the page: refused");
     session->Refuse();
   }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/model/readers.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 
@@ -32,7 +33,7 @@ std::shared_ptr<const T> OrExit(std::shared_ptr<const T> made, const Diagnostics
 }
 
 inline std::shared_ptr<const Scenario> BenchScenario(int robots) {
-  RobotLibrary library(SearchPath{{COOPDYN_SOURCE_DIR}});
+  RobotLibrary library(SearchPath{{SourceDir()}});
   Diagnostics diagnostics;
   return OrExit(ReadScenario(BenchScenarioText(robots), "bench.scenario", library, false, diagnostics),
                 diagnostics);
@@ -40,7 +41,7 @@ inline std::shared_ptr<const Scenario> BenchScenario(int robots) {
 
 /// A shipped robot.
 inline std::shared_ptr<const RobotModel> BenchModel(const std::string& type) {
-  RobotLibrary library(SearchPath{{COOPDYN_SOURCE_DIR}});
+  RobotLibrary library(SearchPath{{SourceDir()}});
   Diagnostics diagnostics;
   return OrExit(library.Get(type, {}, diagnostics), diagnostics);
 }

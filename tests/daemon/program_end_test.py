@@ -144,7 +144,7 @@ class PauseTest(unittest.TestCase):
                                  ("/robot1/motors", "set_velocity (10000001) 0.1 0"), ("/swarm", "ready 10000001")):
                 reply = daemon.text(module).ask(line)
                 self.assertEqual(reply.error, 4, line)
-                self.assertIn("at most 10000000", reply.text)
+                self.assertIn("1 to 10000000", reply.text)
 
 
 class WaitsForTest(unittest.TestCase):

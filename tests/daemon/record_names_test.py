@@ -6,7 +6,7 @@ import unittest
 import urllib.parse
 from pathlib import Path
 
-from harness import LIMIT_S, Daemon, scenario
+from harness import LIMIT_S, Daemon, scenario, until
 from recording import RecordingTestCase, equal_steps, tool
 
 REFUSED = ".hidden.run", ".hidden", "-x.run", "two\nlines.run", "\x7f.run", 201 * "a" + ".run"
@@ -43,6 +43,7 @@ class ForceTest(RecordingTestCase):
         self.assertEqual(serve("--record", self.folder / "lesson-4.run")[0], 0)
         with Daemon(scenario(1), "--record", self.file, "--force") as daemon, \
                 Daemon(scenario(1), "--record", self.folder / "lesson-5.run") as other:
+            until((self.folder / "lesson-5.run").exists)
             other.text("/robot1/motors").must("set_wheel_speeds 2 3")
             motors = daemon.text("/robot1/motors")
             for _ in range(2):

@@ -70,6 +70,14 @@ class MistakeTest(unittest.TestCase):
             self.assertEqual(done.returncode, 2, arguments)
             self.assertEqual(len(done.stderr.decode().strip().splitlines()), 1, (arguments, done.stderr))
 
+    def test_wrong_use_says_what_to_write(self):
+        for arguments, wanted in ((("serve", "a", "b"), "b is one word too many (coopdyn serve --help shows how to write it)"),
+                                  (("serve", "--prot", "1"), "there is no option --prot: did you mean --port?"),
+                                  (("serve", "--port", "1", "--port", "2"), "--port may be given once"),
+                                  (("serve", "--record"), "--record needs a value"),
+                                  (("export",), "RUN is missing (coopdyn export --help shows how to write it)")):
+            self.assertIn(wanted, run(*arguments).stderr.decode())
+
     def test_a_weak_token_is_refused_where_others_can_try_tokens(self):
         done = run("serve", "empty", "--port", "0", "--host", "0.0.0.0", "--token", "chalk")
         self.assertEqual(done.returncode, 2)

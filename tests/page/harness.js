@@ -8,7 +8,7 @@ import {chromium} from 'playwright-core';
 
 const SOURCE_DIR = new URL('../..', import.meta.url).pathname;
 
-/** A daemon on free ports: {url, names, process, stop()}. `scenario`: a name or path. */
+/** A daemon on free ports: {url, names, process, status(), stop()}. `scenario`: a name or path. */
 export const startDaemon = (scenario = 'classroom', ...flags) => start('serve', scenario, ...flags);
 
 /** Plays a recording on free ports; as startDaemon(). */
@@ -30,9 +30,11 @@ async function start(...words) {
     await ended;
     throw new Error(`the daemon ended before it was ready:\n${log}`);
   })();
+  const addresses = await ready;
   return {
-    ...(await ready),
+    ...addresses,
     process: child,
+    async status() { return (await fetch(new URL('api/status', addresses.url))).json(); },
     async stop() {
       child.kill('SIGTERM');
       await ended;
@@ -72,6 +74,11 @@ export async function moreStatuses(page, count) {
     return page.statuses >= later;
   });
 }
+
+/** Waits until the text of `selector` matches. */
+export const hasText = (page, selector, pattern) => page.waitForFunction(
+  ([where, source]) => new RegExp(source).test(document.querySelector(where)?.textContent ?? ''),
+  [selector, pattern.source]);
 
 /** Shows the console, which is folded at first. */
 export const openConsole = (page) => page.evaluate(() => { document.getElementById('console-box').open = true; });

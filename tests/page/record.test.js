@@ -5,7 +5,7 @@ import {mkdtemp, readFile, rm, writeFile} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
-import {call, eventually, launchBrowser, nextPicture, openPage, startDaemon, startPlayer} from './harness.js';
+import {call, eventually, hasText, launchBrowser, nextPicture, openPage, startDaemon, startPlayer} from './harness.js';
 
 let browser;
 let folder;
@@ -18,10 +18,6 @@ after(async () => {
   await browser?.close();
   await rm(folder, {recursive: true, force: true});
 });
-
-const hasText = (page, selector, pattern) => page.waitForFunction(
-  ([where, source]) => new RegExp(source).test(document.querySelector(where)?.textContent ?? ''),
-  [selector, pattern.source]);
 
 test('a run is recorded by a button, copied, and played', async () => {
   const copy = join(folder, 'copy.run');
@@ -71,9 +67,13 @@ test('a run is recorded by a button, copied, and played', async () => {
     await page.fill('#set-speed', '-2');
     await page.press('#set-speed', 'Enter');
     await hasText(page, '#playback', /× −2/);
-    await page.fill('#set-speed', '100');
-    await page.press('#set-speed', 'Enter');
-    await hasText(page, '#message.error', /^speed: write a number from -4 to 64/);
+    for (const wrong of ['65', '-5']) {
+      await page.fill('#set-speed', wrong);
+      await page.press('#set-speed', 'Enter');
+      await hasText(page, '#message.error', /^speed: write a number from -4 to 64/);
+      await page.locator('#set-speed').blur();
+      await page.waitForFunction(() => document.getElementById('set-speed').value === '-2');
+    }
     assert.deepEqual(page.mistakes, []);
     await page.close();
   } finally {
@@ -128,12 +128,12 @@ test('in a playback the steps go back too', async () => {
   const name = 'steps.run';
   const live = await startDaemon('classroom', '--record', join(folder, name));
   try {
-    await eventually(async () => (await (await fetch(new URL('api/status', live.url))).json()).step > 50);
+    await eventually(async () => (await live.status()).step > 50);
   } finally {
     await live.stop();
   }
   const player = await startPlayer(join(folder, name), '--paused');
-  const step = async () => (await (await fetch(new URL('api/status', player.url))).json()).step;
+  const step = async () => (await player.status()).step;
   try {
     const page = await openPage(browser, player.url);
     await hasText(page, '#state', /^paused$/);
@@ -154,11 +154,26 @@ test('in a playback the steps go back too', async () => {
   }
 });
 
+test('in a playback the buttons are in one line', async () => {
+  const live = await startDaemon('classroom', '--record', join(folder, 'line.run'));
+  await live.stop();
+  const player = await startPlayer(join(folder, 'line.run'), '--paused');
+  try {
+    const page = await openPage(browser, player.url);
+    await page.waitForSelector('#step-back', {state: 'visible'});
+    const top = async (id) => (await page.locator(id).boundingBox()).y;
+    assert.equal(await top('#record'), await top('#run'));
+    await page.close();
+  } finally {
+    await player.stop();
+  }
+});
+
 test('a branch by somebody else ends what was said of the recording', async () => {
   const name = 'branched.run';
   const live = await startDaemon('classroom', '--record', join(folder, name));
   try {
-    await eventually(async () => (await (await fetch(new URL('api/status', live.url))).json()).step > 20);
+    await eventually(async () => (await live.status()).step > 20);
   } finally {
     await live.stop();
   }

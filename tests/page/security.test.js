@@ -6,7 +6,7 @@ import {createServer} from 'node:http';
 import {connect} from 'node:net';
 import {networkInterfaces} from 'node:os';
 import {after, before, test} from 'node:test';
-import {launchBrowser, openConsole, openModule, openPage, startDaemon} from './harness.js';
+import {hasText, launchBrowser, openConsole, openModule, openPage, startDaemon} from './harness.js';
 
 const MARKUP = '<img/src=x/onerror=globalThis.hit=1>';
 
@@ -21,8 +21,6 @@ after(async () => {
   await browser?.close();
   await daemon?.stop();
 });
-
-const status = async () => (await fetch(new URL('api/status', daemon.url))).json();
 
 test('names with markup are shown as text', async () => {
   const page = await openPage(browser, daemon.url);
@@ -78,7 +76,7 @@ test('a page of another origin can change nothing', async () => {
   }, daemon.url);
   assert.equal(results.socket, 'refused');
   assert.match(results.json, /^refused/);
-  assert.notEqual((await status()).state, 'paused');
+  assert.notEqual((await daemon.status()).state, 'paused');
   await page.close();
   server.close();
 });
@@ -164,6 +162,21 @@ test('from another machine the token unlocks the page, and a wrong one is told',
   await page.waitForSelector('#locked', {state: 'visible'});
   await says('token-answer', 'not the token');
   assert.equal(new URL(page.url()).search, '');
+  assert.deepEqual(page.mistakes, []);
+  await page.close();
+  await open.stop();
+});
+
+test('after too many wrong tokens the page tells how long to wait', async () => {
+  const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
+  assert.ok(outer, 'this test needs a network address besides loopback');
+  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'the-right-token');
+  const address = new URL(open.url);
+  address.hostname = outer.address;
+  const page = await openPage(browser, address.href);
+  await page.fill('#token', 'wrong');
+  for (let i = 0; i < 3; ++i) await page.click('#locked button');
+  await hasText(page, '#token-answer', /wait 1 s/);
   assert.deepEqual(page.mistakes, []);
   await page.close();
   await open.stop();

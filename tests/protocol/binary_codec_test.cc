@@ -121,7 +121,7 @@ TEST(BinaryCodec, RandomBytesConsumeOrNeedMoreOrEnd) {
   for (int round = 0; round < 20000; ++round) {
     std::string bytes(random() % 64, '\0');
     for (char& byte : bytes) byte = static_cast<char>(random());
-    // Half of the rounds get a plausible size, so that the counts are looked at too.
+    // Half of the rounds get a plausible size, so that the counts are read too.
     if (round % 2 == 0 && bytes.size() >= 4) {
       bytes[0] = static_cast<char>(random() % 64);
       bytes[1] = bytes[2] = bytes[3] = 0;

@@ -10,6 +10,7 @@
 #include "protocol/common_commands.h"
 #include "protocol/module_tables.h"
 #include "protocol/usage.h"
+#include "tests/source_dir.h"
 #include "vectors.h"
 
 namespace coopdyn {
@@ -18,7 +19,7 @@ namespace {
 using ::testing::ElementsAreArray;
 
 const std::string& Doc() {
-  static const std::string doc = ReadWholeFile(std::string(COOPDYN_SOURCE_DIR) + "/docs/protocol.md");
+  static const std::string doc = ReadWholeFile(SourceDir() + "/docs/protocol.md");
   return doc;
 }
 

@@ -154,6 +154,34 @@ TEST(TextCodec, AFirstTextTokenMayStandBeforeTheValues) {
   EXPECT_EQ(read("add crate box").error, 3);
 }
 
+TEST(TextCodec, ARowInBracketsStandsForItsValues) {
+  const CommandTable table = MotorsTable();
+  const auto read = [&table](const std::string& line) {
+    return DecodeText(line + "\n", table, false).message;
+  };
+  const Message wanted = read("set_velocity 0.2 0.5");
+  for (const char* line :
+       {"set_velocity [0.2 0.5]", "set_velocity [0.2, 0.5]", "set_velocity [ 0.2,0.5 ] "}) {
+    EXPECT_EQ(read(line), wanted) << line;
+  }
+  EXPECT_EQ(read("set_velocity (10) [0.2 0.5]"), read("set_velocity (10) 0.2 0.5"));
+  EXPECT_EQ(read("ready [10]"), read("ready 10"));
+  EXPECT_THAT(read("set_velocity [0.2 0.5").text, HasSubstr("closing bracket ] is missing"));
+  EXPECT_THAT(read("set_velocity [0.2] 0.5").text, HasSubstr("nothing may follow the closing bracket ]"));
+  EXPECT_EQ(read("set_velocity []").error, 3);
+}
+
+TEST(TextCodec, ACommandOfAnotherModuleIsNamed) {
+  EXPECT_EQ(
+      DecodeText("get_pose\n", MotorsTable(), false).message.text,
+      "unknown command 'get_pose': it is a command of pose, not of motors (help lists all of motors)");
+}
+
+TEST(TextCodec, AFarewellIsTakenInCapitals) {
+  EXPECT_EQ(DecodeText("QUIT\n", MotorsTable(), false).status, DecodeStatus::kLeave);
+  EXPECT_THAT(DecodeText("QUIT\n", SimulationTable(), false).message.text, HasSubstr("did you mean quit?"));
+}
+
 TEST(TextCodec, VerboseNamesValuesAndUnits) {
   std::string line;
   EncodeVerbose({.error = 0, .text = "", .command = 40, .params = {}, .data = {1, 2, 0.5, 0.1, 0, 0.25, 25}},
@@ -180,7 +208,7 @@ TEST(TextCodec, VerboseNumbersRepeatedValuesAndSaysTheMode) {
 
 TEST(TextCodec, VerboseTakesAnyReply) {
   const CommandTable table = MotorsTable();
-  for (const std::int32_t id : {-2147483647 - 1, -40, -2, -1, 0, 11, 99}) {
+  for (const std::int32_t id : {-2147483647 - 1, -40, -2, 0, 11, 99}) {
     for (std::size_t n = 0; n < 4; ++n) {
       std::string line;
       EncodeVerbose(
@@ -193,6 +221,13 @@ TEST(TextCodec, VerboseTakesAnyReply) {
   std::string line;
   EncodeVerbose(ErrorReply(11, Error::kOwned, "owned by ana"), table, line);
   EXPECT_EQ(line, "# set_velocity: error 6, owned by another client\n");
+}
+
+TEST(TextCodec, VerboseAddsNothingToAFarewell) {
+  std::string line;
+  EncodeVerbose({.error = 0, .text = "goodbye", .command = -1, .params = {}, .data = {}}, MotorsTable(),
+                line);
+  EXPECT_EQ(line, "");
 }
 
 TEST(TextCodec, HelpIsMadeOfCommentsAndNamesEveryCommand) {

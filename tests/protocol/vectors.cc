@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "vectors.h"
+#include "tests/source_dir.h"
 
 #include <algorithm>
 #include <bit>
@@ -17,7 +18,7 @@ namespace {
 namespace json = boost::json;
 
 json::array ReadVectors(const std::string& name) {
-  return json::parse(ReadWholeFile(std::string(COOPDYN_SOURCE_DIR) + "/protocol/vectors/" + name)).as_array();
+  return json::parse(ReadWholeFile(SourceDir() + "/protocol/vectors/" + name)).as_array();
 }
 
 std::string Text(const json::object& row, const char* key) {

@@ -24,7 +24,7 @@ struct BadBinaryVector {
   std::int32_t error = 0;
   std::int32_t command = 0;
   bool fatal = false;
-  std::size_t needs = 0;  // so many of the bytes are enough to know
+  std::size_t needs = 0;  // how many of the bytes are enough to know
 };
 
 struct TextLineVector {

@@ -65,7 +65,7 @@ classdef Robot < handle
     %   the step counts. For robots with a module neighbours.
       coopdyn.internal.need(nargin, 2, 'r.send_message([1 0.5])');
       if ~isnumeric(values) || isempty(values) || numel(values) > 8
-        coopdyn.internal.fail(3, 'a message is a row of 1 to 8 numbers');
+        coopdyn.internal.fail(3, ['a message is a row of 1 to 8 numbers, not ' coopdyn.internal.show(values)]);
       end
       for k = 1:numel(values)
         coopdyn.internal.number(values(k), 'a value of a message');
@@ -112,8 +112,11 @@ classdef Robot < handle
       coopdyn.internal.need(nargin, 2, 'r.get_target(''red'') or r.get_target(1)');
       if isnumeric(x)
         t = r.get('target', 31, coopdyn.internal.count(x, 'the id of a target'), '');
-      else
+      elseif coopdyn.internal.is_text(x) && ~isempty(char(x))
         t = r.get('target', 31, [], char(x));
+      else
+        coopdyn.internal.fail(3, ['a target is a colour or an id, not ' coopdyn.internal.show(x) '; write ' ...
+          'r.get_target(''red'') or r.get_target(1)']);
       end
     end
 

@@ -39,7 +39,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     % --- robots
     function r = robot(sim, which)
     %ROBOT Takes a robot, by name or number (from 1), to be driven by this sim. Error if another client owns it. While a
-    %   recording is played it is looked at, and taken after a branch with the first step or command if nobody has it.
+    %   recording is played it is only read, and taken after a branch with the first step or command if nobody has it.
       coopdyn.internal.need(nargin, 2, 'sim.robot(''robot1'') or sim.robot(1)');
       if isnumeric(which)
         number = coopdyn.internal.count(which, 'the number of a robot');
@@ -48,6 +48,9 @@ classdef Simulation < coopdyn.internal.RunCalls
           coopdyn.internal.fail(10, sprintf('there is no robot %d; there are: %s', number, coopdyn.internal.list_of(names)));
         end
         which = names{number};
+      elseif ~coopdyn.internal.is_text(which)
+        coopdyn.internal.fail(3, ['a robot is named or numbered, not ' coopdyn.internal.show(which) '; write ' ...
+          'sim.robot(''robot1'') or sim.robot(1)']);
       end
       name = regexprep(strtrim(char(which)), '^/+', '');
       if isempty(regexp(name, '^[^\s/]+$', 'once'))
@@ -68,14 +71,9 @@ classdef Simulation < coopdyn.internal.RunCalls
     %   another client owns one of them, or this sim has driven one singly; then none is taken.
       text = '';
       if nargin > 1
-        if iscell(names)
-          names = strjoin(cellfun(@char, reshape(names, 1, []), 'UniformOutput', false), ' ');
-        end
-        if isnumeric(names) && ~isempty(names)
-          coopdyn.internal.fail(3, ['the robots of a team are named, not numbered: write e.g. sim.team(''swarm1''), ' ...
-            'sim.team({''robot1'', ''robot2''}), or sim.team() for all that nobody drives']);
-        end
-        words = strsplit(strtrim(char(names)), ' ');
+        names = coopdyn.internal.joined(names, ['sim.team(''swarm1''), sim.team({''robot1'', ''robot2''}), or sim.team() ' ...
+          'for all that nobody drives']);
+        words = strsplit(strtrim(names), ' ');
         words = regexprep(words(~cellfun(@isempty, words)), '^/+', '');
         if isempty(words)
           coopdyn.internal.fail(3, 'no names: write e.g. sim.team(''swarm1''), or sim.team() for all that nobody drives');
@@ -101,6 +99,10 @@ classdef Simulation < coopdyn.internal.RunCalls
       if nargin > 1
         if mod(nargin, 2) == 0
           n = coopdyn.internal.count(varargin{1}, 'n');
+          if n > 10000000
+            coopdyn.internal.fail(4, sprintf(['n must be at most 10000000, not %d: write sim.step(10000000) and the rest ' ...
+              'after it'], n));
+          end
           varargin(1) = [];
         end
         options = coopdyn.internal.options(varargin, struct('timeout', Inf));
@@ -150,7 +152,9 @@ classdef Simulation < coopdyn.internal.RunCalls
       if nargin < 2
         seed = [];
       elseif ~isnumeric(seed) || numel(seed) ~= 1 || seed ~= round(seed) || abs(seed) > 2147483647
-        coopdyn.internal.fail(2, 'a seed is a whole number of 32 bits');
+        coopdyn.internal.fail(2, ['a seed is a whole number of 32 bits, not ' coopdyn.internal.show(seed)]);
+      elseif seed < 0
+        coopdyn.internal.fail(4, sprintf('a seed is at least 0, not %d: write sim.reset(7)', seed));
       end
       sim.session.control(104, seed, [], '', 60);
       sim.session.started_anew();
@@ -165,6 +169,10 @@ classdef Simulation < coopdyn.internal.RunCalls
     function load_scenario(sim, x)
     %LOAD_SCENARIO Loads a scenario: a name on the daemon's search path, a file here, or the text of one.
       coopdyn.internal.need(nargin, 2, 'sim.load_scenario(''corridor'')');
+      if ~coopdyn.internal.is_text(x) || isempty(char(x))
+        coopdyn.internal.fail(3, ['a scenario is a text, not ' coopdyn.internal.show(x) ': write ' ...
+          'sim.load_scenario(''corridor'')']);
+      end
       x = char(x);
       if ~any(x == char(10)) && exist(x, 'file') == 2
         [~, name, extension] = fileparts(x);
@@ -178,13 +186,13 @@ classdef Simulation < coopdyn.internal.RunCalls
     %SET_MODE 'realtime', 'lockstep' or 'free'.
       coopdyn.internal.need(nargin, 2, 'sim.set_mode(''lockstep'')');
       words = {'realtime', 'lockstep', 'free'};
-      if isnumeric(mode)
+      if isnumeric(mode) && isscalar(mode)
         number = find((0:2) == mode, 1);
       else
-        number = find(strcmp(words, char(mode)), 1);
+        number = find(strcmp(words, mode), 1);
       end
       if isempty(number)
-        coopdyn.internal.fail(4, ['there is no such mode; write one of ' strjoin(words, ', ')]);
+        coopdyn.internal.fail(4, ['there is no mode ' coopdyn.internal.show(mode) '; write one of ' strjoin(words, ', ')]);
       end
       sim.session.control(105, number - 1);
       sim.session.mode = number - 1;
@@ -193,7 +201,13 @@ classdef Simulation < coopdyn.internal.RunCalls
     function set_step(sim, s)
     %SET_STEP Length of a step, 0.0005 to 0.1 s.
       coopdyn.internal.need(nargin, 2, 'sim.set_step(0.01)');
-      sim.session.control(106, [], coopdyn.internal.number(s, 'the step [s]'));
+      s = coopdyn.internal.number(s, 'the step [s]');
+      if s < 0.0005 || s > 0.1
+        coopdyn.internal.fail(4, sprintf('a step lasts 0.0005 to 0.1 s, not %g: write sim.set_step(0.01)', s));
+      elseif abs(s - round(1e6 * s) / 1e6) > 1e-9
+        coopdyn.internal.fail(4, sprintf('a step lasts whole microseconds, not %.9g s: write sim.set_step(%.6f)', s, s));
+      end
+      sim.session.control(106, [], s);
     end
 
     function set_speed(sim, x)
@@ -207,10 +221,8 @@ classdef Simulation < coopdyn.internal.RunCalls
       if nargin < 2
         names = '';
       end
-      if iscell(names)
-        names = strjoin(reshape(names, 1, []), ' ');
-      end
-      sim.session.control(191, [], [], char(names));
+      names = coopdyn.internal.joined(names, 'sim.set_participants({''robot1'', ''robot2''})');
+      sim.session.control(191, [], [], names);
     end
 
     function release_robot(sim, name)

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 classdef Team < handle
-%TEAM Robots that are driven together, through one connection: as well five as five thousand. Made by sim.team.
+%TEAM Robots that are driven together, through one connection: five of them or five thousand. Made by sim.team.
 %     team = sim.team('swarm1');
 %     s = team.read();
 %     for k = 1:1000
@@ -16,7 +16,7 @@ classdef Team < handle
   properties (Dependent)
     n      % how many robots
     names  % their names, in the order of the rows
-    ids    % their ids, likewise, as get_neighbours tells them
+    ids    % their ids, in the same order, as get_neighbours tells them
   end
   properties (Access = private)
     session

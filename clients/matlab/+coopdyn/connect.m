@@ -16,7 +16,13 @@ function sim = connect(varargin)
     server = varargin{1};
     varargin(1) = [];
   end
-  options = coopdyn.internal.options(varargin, struct('server', server, 'name', '', 'token', '', 'timeout', 3, ...
-                                                      'watch', false));
+  known = struct('server', {server}, 'name', '', 'token', '', 'timeout', 3, 'watch', false);
+  if nargin > 1 && mod(nargin, 2) == 0 && isnumeric(varargin{2}) && isscalar(varargin{2}) ...
+      && coopdyn.internal.is_text(varargin{1}) && ~isfield(known, lower(char(varargin{1})))
+    host = char(varargin{1});
+    coopdyn.internal.fail(2, sprintf('there is no option ''%s''; there are: %s; for a port write coopdyn.connect(''%s:%d'')', ...
+                                     host, strjoin(fieldnames(known)', ', '), host, varargin{2}));
+  end
+  options = coopdyn.internal.options(varargin, known);
   sim = coopdyn.Simulation(options);
 end

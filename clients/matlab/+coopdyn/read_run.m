@@ -6,5 +6,5 @@ function run = read_run(file)
 %   A recording itself, lesson1.run, is read with the program coopdyn on this machine: on the path, or named by the
 %   environment variable COOPDYN.
   coopdyn.internal.need(nargin, 1, 'run = coopdyn.read_run(''lesson1.mat'')');
-  run = coopdyn.Run(coopdyn.internal.load_run(char(file)));
+  run = coopdyn.Run(coopdyn.internal.load_run(coopdyn.internal.run_name(file)));
 end

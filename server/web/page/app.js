@@ -60,7 +60,8 @@ connection.addEventListener('hello', ({detail}) => {
   // A token that was kept is on its way when the daemon greets: nothing is asked before it is answered.
   const underWay = connection.token !== '' && !detail.wrong_token;
   byId('locked').hidden = detail.trusted || underWay;
-  setText(byId('token-answer'), detail.wrong_token ? 'This is not the token: look again at what the daemon printed.' : '');
+  const no = detail.token_wait ?? 'This is not the token: look again at what the daemon printed.';
+  setText(byId('token-answer'), detail.wrong_token ? no : '');
   if (detail.wrong_token) {
     connection.forgetToken();
     keepToken('');

@@ -12,9 +12,9 @@ export class Connection extends EventTarget {
   #silence = 0;
   #token;
 
-  /** Events: open, lost, hello (detail: {trusted, pictures, version} and wrong_token: true if the token that was sent is
-   *  not the daemon's), status (detail: object or null), silence (no status for two seconds),
-   *  picture (detail: {about, jpeg}), push (detail: message). */
+  /** Events: open, lost, hello (detail: {trusted, pictures, version}; wrong_token: true if the token that was sent is not
+   *  the daemon's; token_wait: after too many of them, how long none is read), status (detail: object or null),
+   *  silence (no status for two seconds), picture (detail: {about, jpeg}), push (detail: message). */
   constructor(token) {
     super();
     this.#token = token;

@@ -13,7 +13,7 @@ export class Controls {
   #connection;
   #status = null;
   #scenario = '';  // that the list was last set to
-  #noScenarios = true;
+  #noScenarios = false;
   #uploaded = null;  // lines of the file that was sent last
 
   constructor(connection) {
@@ -31,7 +31,10 @@ export class Controls {
     on('set-step', 'change', () => this.#setStep());
     on('set-speed', 'change', () => this.#setSpeed());
     on('no-limit', 'click', () => this.#order('speed', {command: 'set_speed', data: [0]}));
-    for (const id of ['seed', 'set-step', 'set-speed']) on(id, 'input', () => byId(id).removeAttribute('aria-invalid'));
+    for (const id of ['seed', 'set-step', 'set-speed']) {
+      on(id, 'input', () => byId(id).removeAttribute('aria-invalid'));
+      on(id, 'blur', () => this.#forgetRefused(id));
+    }
     on('load', 'click', () => this.#load({command: 'load_scenario', text: byId('scenarios').value}));
     on('upload', 'change', () => this.#upload());
   }
@@ -41,7 +44,7 @@ export class Controls {
     const paused = status?.state === 'paused';
     const playback = status?.playback;
     setOff('step', paused || playback ? '' : 'Only while paused',
-      playback ? 'So many recorded steps on, or back if below 0' : 'So many steps');
+      playback ? 'Goes on by this number of recorded steps; below 0 goes back' : 'Runs this number of steps');
     byId('run').classList.toggle('primary', paused);
     byId('pause').classList.toggle('primary', !paused);
     if (!status) return;
@@ -85,6 +88,7 @@ export class Controls {
     if (!chosen) this.#scenario = '';
     this.#followScenario();
     this.#noScenarios = names.length === 0;
+    this.#offerWhatAPlaybackTakes(this.#status?.playback);
   }
 
   /** The list shows the scenario that runs when that has changed, also by somebody else; else what was chosen. */
@@ -104,10 +108,19 @@ export class Controls {
     return reply;
   }
 
-  /** A wrong number is not sent: it stays, in red, until it is changed. */
+  /** A wrong number is not sent: it stays, in red, until it is changed or its field is left. */
   #refuse(id, text) {
     byId(id).setAttribute('aria-invalid', 'true');
     say(text, true);
+  }
+
+  /** A field that is left with a refused number shows what holds. */
+  #forgetRefused(id) {
+    const field = byId(id);
+    if (!field.hasAttribute('aria-invalid')) return;
+    field.removeAttribute('aria-invalid');
+    field.value = '';
+    this.update(this.#status);
   }
 
   /** At least 1, in a playback below 0 too, and the field says so. */
@@ -129,6 +142,7 @@ export class Controls {
     const field = byId('seed');
     const seed = Number(field.value);
     if (field.validity.badInput || !Number.isInteger(seed) || seed < 0 || seed > MAX_INT32) {
+      field.focus();  // leaving it clears it
       return this.#refuse('seed', `seed must be a whole number up to ${MAX_INT32}`);
     }
     this.#order('reset', {command: 'reset', params: field.value.trim() === '' || field.disabled ? [] : [seed]});
@@ -213,6 +227,7 @@ export class Controls {
     });
     byId('diagnostics').hidden = entries.length === 0;
     byId('diagnostics').replaceChildren(...entries);
+    byId('diagnostics').scrollTop = 0;
     if (entries.length > 0) byId('diagnostics').scrollIntoView({block: 'nearest'});
   }
 }

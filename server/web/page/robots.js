@@ -46,7 +46,7 @@ class Card {
     setText(this.#owner, (owner || (astray ? 'nobody drives it, still moving' : 'nobody drives it')) + excuse);
     this.#owner.classList.toggle('quiet', !owner && !astray);
     this.#owner.classList.toggle('warning', astray);
-    this.#release.disabled = !owner;
+    this.#release.hidden = !owner;
     this.#type = robot.type ?? '';
     this.#modules = robot.modules ?? [];
     this.#namePort = namePort;

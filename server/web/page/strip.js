@@ -28,8 +28,8 @@ export function waitingText(status) {
   return `waiting for ${names}${others}${same ? ` (${first[0].why})` : ''}, ${showNumber(seconds, 1)} s`;
 }
 
-/** Whether somebody is awaited who has no client: then the others can go on without. */
-const lacksClient = (status) => (status.awaiting ?? []).some(({why}) => why === 'no client');
+/** How the world can go on without a robot that has no client; empty if all that it waits for have one. */
+const cureText = (status) => (status.awaiting ?? []).find(({cure}) => cure)?.cure ?? '';
 
 /** "of lesson1.run, 0.00 to 60.00 s, × −2"; empty in a live run. */
 export function playbackText(playback) {
@@ -49,7 +49,7 @@ export class Strip {
     setText(byId('state'), state);
     byId('state').dataset.state = state;
     byId('strip').classList.toggle('stale', !status);
-    if (!status) return this.#showWaiting('', false);
+    if (!status) return this.#showWaiting('', '');
     setText(byId('mode'), status.mode);
     setText(byId('time'), `${showNumber(status.time_s, 2)} s`);
     setText(byId('rtf'), `× ${showNumber(status.rtf, status.rtf < 100 ? 2 : 0)}`);
@@ -60,7 +60,7 @@ export class Strip {
     const frozen = status.frozen ?? [];
     const waiting = waitingText(status);
     const lines = [waiting, frozen.length > 0 ? `frozen: ${frozen.join(', ')}` : ''];
-    this.#showWaiting(lines.filter(Boolean).join(' · '), waiting !== '' && lacksClient(status));
+    this.#showWaiting(lines.filter(Boolean).join(' · '), waiting && cureText(status));
     this.#showEvents(status.events ?? []);
   }
 
@@ -70,9 +70,10 @@ export class Strip {
     byId(id).title = text;
   }
 
-  #showWaiting(text, curable) {
+  #showWaiting(text, cure) {
     setText(byId('waiting'), text);
-    byId('go-on').hidden = !curable;
+    setText(byId('cure'), cure);
+    byId('go-on').hidden = cure === '';
   }
 
   /** The end of a playback, also by somebody else, replaces what was said of it, such as "playing a recording". */

@@ -9,6 +9,7 @@
 
 #include "clients/cpp/error.h"
 #include "protocol/codec.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn::client {
 namespace {
@@ -43,7 +44,7 @@ std::string FromHex(const std::string& hex) {
 }
 
 TEST(Codec, EveryGoldenVectorIsDecodedAndEncodedToItsBytes) {
-  std::ifstream file(COOPDYN_SOURCE_DIR "/protocol/vectors/messages.json");
+  std::ifstream file(SourceDir() + "/protocol/vectors/messages.json");
   const Json vectors = Json::Parse(std::string(std::istreambuf_iterator<char>(file), {}));
   ASSERT_GT(vectors.size(), 20u);
   for (const Json& v : vectors.items()) {

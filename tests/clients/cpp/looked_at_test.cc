@@ -16,6 +16,7 @@
 #include "clients/cpp/run_file.h"
 #include "tests/clients/cpp/error_of.h"
 #include "tests/clients/cpp/server_process.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn::client {
 namespace {
@@ -33,8 +34,8 @@ class LookedAt : public testing::Test {
 
   std::string Record(const std::string& what) const {
     const std::string file = (folder_ / "m.run").string();
-    const std::string command = std::string(std::getenv("COOPDYN_BINARY")) + " serve " +
-                                COOPDYN_SOURCE_DIR "/tests/clients/python/looked_at.scenario" +
+    const std::string command = std::string(std::getenv("COOPDYN_BINARY")) + " serve " + SourceDir() +
+                                "/tests/clients/python/looked_at.scenario" +
                                 " --mode free --no-net --duration 0.8 " + "--record " + file +
                                 " --record-what " + what + " > /dev/null 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0);
@@ -124,7 +125,7 @@ TEST_F(LookedAt, CommandsOfAControllerThatWereRecordedAreRead) {
 
 TEST_F(LookedAt, OfARobotTakenFromItsControllerAClientsCommandsAreThere) {
   const std::string file = (folder_ / "taken.run").string();
-  const std::string write = "cd " COOPDYN_SOURCE_DIR "/tests/clients/python && python3 -B -c '" +
+  const std::string write = "cd " + SourceDir() + "/tests/clients/python && python3 -B -c '" +
                             std::string("import run_file as rf; rf.write_taken(\"") + file + "\")'";
   ASSERT_EQ(std::system(write.c_str()), 0);
   const RunRows commands = read_run(file).commands("m");

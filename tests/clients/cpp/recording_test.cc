@@ -18,6 +18,7 @@
 #include "clients/cpp/run_file.h"
 #include "tests/clients/cpp/error_of.h"
 #include "tests/clients/cpp/server_process.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn::client {
 namespace {
@@ -267,7 +268,7 @@ std::string Text(const RunRows& rows) {
 }
 
 void WriteSample(const std::string& file) {
-  const std::string command = "python3 " COOPDYN_SOURCE_DIR "/tests/clients/python/run_file.py " + file;
+  const std::string command = "python3 " + SourceDir() + "/tests/clients/python/run_file.py " + file;
   ASSERT_EQ(std::system(command.c_str()), 0);
 }
 

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/source_dir.h"
+
 namespace coopdyn::client {
 
 /// A child process whose first line on stdout says `ready names=HOST:PORT …`. Ended with the object.
@@ -20,7 +22,7 @@ class ServerProcess {
     const char* binary = std::getenv("COOPDYN_BINARY");
     if (binary == nullptr) throw std::runtime_error("COOPDYN_BINARY is not set");
     std::vector<std::string> command = {
-        binary,        "serve", COOPDYN_SOURCE_DIR "/scenarios/" + scenario + ".scenario", "--port", "0",
+        binary,        "serve", SourceDir() + "/scenarios/" + scenario + ".scenario", "--port", "0",
         "--log-level", "error"};
     command.insert(command.end(), options.begin(), options.end());
     return ServerProcess(command);
@@ -34,7 +36,7 @@ class ServerProcess {
     return ServerProcess(words);
   }
   static ServerProcess Fake(std::vector<std::string> options) {
-    std::vector<std::string> command = {"python3", COOPDYN_SOURCE_DIR "/tests/clients/python/fake_daemon.py"};
+    std::vector<std::string> command = {"python3", SourceDir() + "/tests/clients/python/fake_daemon.py"};
     command.insert(command.end(), options.begin(), options.end());
     return ServerProcess(command);
   }

@@ -13,6 +13,7 @@
 #include "server/app/commands.h"
 #include "server/model/readers.h"
 #include "tests/server/controllers/swarm.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -50,7 +51,7 @@ TEST_F(NewControllerTest, ItBuildsWithoutWarningsAndDrivesTheRobotOfItsScenario)
   ASSERT_EQ(std::system(build.c_str()), 0)
       << (std::ostringstream() << std::ifstream(made / "build.log").rdbuf()).str();
 
-  RobotLibrary library(SearchPath{{COOPDYN_SOURCE_DIR}});
+  RobotLibrary library(SearchPath{{SourceDir()}});
   Diagnostics diagnostics;
   const auto scenario = LoadScenario((made / "my_robot2.scenario").string(), library, diagnostics);
   ASSERT_TRUE(scenario) << diagnostics.ToString();

@@ -65,6 +65,45 @@ class Arguments(FakeTestCase):
             with self.subTest(example):
                 self.assert_error(2, call, f"write {example}")
 
+    def test_every_call_with_too_many_arguments_says_what_to_write(self):
+        for variable, cls in (("r", coopdyn.Robot), ("sim", coopdyn.Simulation), ("team", coopdyn.Team), ("run", coopdyn.Run)):
+            for name, call in vars(cls).items():
+                if name.startswith("_") or not callable(call) or name == "select":  # which takes any number
+                    continue
+                with self.subTest(f"{variable}.{name}"):
+                    self.assert_error(2, lambda: call(*range(20)), f"too many arguments: write {variable}.{name}(")
+        for name in ("connect", "doctor", "read_run"):
+            self.assert_error(2, lambda: getattr(coopdyn, name)(*range(20)), f"too many arguments: write coopdyn.{name}(")
+
+    def test_an_argument_of_another_name_is_told(self):
+        self.assert_error(2, lambda: self.sim.step(steps=2), "'steps': write sim.step(), sim.step(10)")
+
+    def test_what_the_daemon_would_refuse_is_told_in_words_of_the_client(self):
+        sim, r = self.sim, self.r
+        self.daemon.received.clear()
+        for code, call, says in (
+            (3, lambda: sim.load_scenario(""), 'no scenario: write sim.load_scenario("corridor")'),
+            (4, lambda: sim.set_step(5), "a step lasts 0.0005 to 0.1 s, not 5: write sim.set_step(0.01)"),
+            (4, lambda: sim.set_step(0.0012346), "whole microseconds, not 0.0012346 s: write sim.set_step(0.001235)"),
+            (4, lambda: sim.reset(-1), "a seed is at least 0, not -1: write sim.reset(7)"),
+            (4, lambda: sim.step(20000000), "n must be at most 10000000, not 20000000: write sim.step("),
+            (3, lambda: sim.note(""), 'no note: write sim.note("half-time")'),
+            (4, lambda: sim.save_state("1st"), 'a letter, then letters, digits, _ and -, at most 63: write sim.save_state("'),
+            (4, lambda: sim.play(65), "at -4 to 64 times its speed, below 0 backwards, not 65: write sim.play(2)"),
+            (4, lambda: sim.set_play_speed(0), "not 0: write sim.play(2), or sim.pause()"),
+            (4, lambda: sim.skip(0), "not 0: write sim.skip(1)"),
+            (3, lambda: r.get_target(""), "a target is a colour or an id, not ''; write r.get_target(\"red\")"),
+        ):
+            with self.subTest(says):
+                self.assert_error(code, call, says)
+        self.assertEqual(self.daemon.received, [])
+
+    def test_what_the_daemon_takes_at_its_limits_is_sent(self):
+        for step_s in (0.0005, 0.000501, 0.033333, 0.1):
+            self.sim.set_step(step_s)
+            self.assertEqual(self.sim.dt, step_s)
+        self.sim.reset(0)
+
     def test_an_argument_of_another_kind_says_what_it_must_be(self):
         sim, r = self.sim, self.r
         for code, call, says in (
@@ -117,8 +156,19 @@ class Arguments(FakeTestCase):
                 sim = coopdyn.connect(server)
                 self.addCleanup(sim.close)
                 self.assertEqual(sim.robots(), ["robot1"])
-        for server in (0.5, -1, 70000):
-            self.assert_error(4, lambda s=server: coopdyn.connect(s), "HOST, HOST:PORT, or a port of this machine")
+        for server in (0.5, -1, 70000, ["a"], (), {}, b"labserver", object()):
+            with self.subTest(server=server):
+                self.assert_error(4, lambda s=server: coopdyn.connect(s), "cannot read the server",
+                                  "HOST, HOST:PORT, or a port of this machine")
+
+    def test_a_port_beside_the_host_says_how_to_write_both(self):
+        self.assert_error(3, lambda: coopdyn.connect("127.0.0.1", 21000), 'write connect("127.0.0.1:21000")')
+        self.assert_error(3, lambda: coopdyn.connect("::1", 21000), 'write connect("[::1]:21000")')
+
+    def test_the_address_of_the_page_is_told_as_such(self):
+        for page in ("http://127.0.0.1:21080/", "https://labserver"):
+            self.assert_error(4, lambda: coopdyn.connect(page), f"{page} is the address of the page", "HOST:PORT",
+                              'write e.g. connect("127.0.0.1:10000")')
 
 
 class BrokenSocket:

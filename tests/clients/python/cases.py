@@ -29,7 +29,7 @@ class ClientTestCase(unittest.TestCase):
         return caught.exception.text
 
     def notices_after(self, seconds):
-        """Whoever waits is told whom for after so long."""
+        """A wait prints whom it waits for after this many seconds."""
         self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", coopdyn._NOTICE_AFTER_S)
         coopdyn._NOTICE_AFTER_S = seconds
 

@@ -65,8 +65,8 @@ class Connection:
 
 class FakeDaemon:
     """`refuse`: the robot whose commands get error 4 while it is set. `silent`: accepts and says nothing.
-    `says`: answers every line with this. `break_replies`: a reply ends in its middle, the connection with it, so many
-    times. `delay_s`: how late replies to actuator commands come in real time. `hold`: requests for a pose get no reply
+    `says`: answers every line with this. `break_replies`: how many times a reply ends in its middle, and the
+    connection with it. `delay_s`: how late replies to actuator commands come in real time. `hold`: requests for a pose get no reply
     until it is false. `page`: there is one. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
 
     def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0, targets=TARGETS):

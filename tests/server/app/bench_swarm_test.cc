@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "server/model/swarm.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -20,7 +21,7 @@ using ::testing::HasSubstr;
 constexpr double kDegree = std::numbers::pi / 180;
 
 RobotLibrary& Library() {
-  static RobotLibrary library(SearchPath{{COOPDYN_SOURCE_DIR, COOPDYN_BUILD_DIR}});
+  static RobotLibrary library(SearchPath{{SourceDir(), COOPDYN_BUILD_DIR}});
   return library;
 }
 

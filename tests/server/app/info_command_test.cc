@@ -16,6 +16,7 @@
 #include "tests/server/base/temp_folder.h"
 #include "tests/server/record/page_damage.h"
 #include "tests/server/record/rechain.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -25,7 +26,7 @@ class InfoCommandTest : public testing::Test {
   /// Four steps of 10 ms of `robots` robots; step 3 is lost.
   std::unique_ptr<RunWriter> Record(int robots = 1) {
     SearchPath path;
-    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+    path.folders.emplace_back(SourceDir());
     static RobotLibrary library(path);
     std::string text;
     for (int i = 1; i <= robots; ++i) {

@@ -7,6 +7,7 @@
 
 #include "server/model/readers.h"
 #include "server/physics/world.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -16,7 +17,7 @@ constexpr double kStep_s = 0.01;
 /// One minibot on an empty floor, driven by its wheels.
 class MinibotDriveTest : public ::testing::TestWithParam<Fidelity> {
  protected:
-  MinibotDriveTest() : library_(SearchPath{{COOPDYN_SOURCE_DIR}}) {
+  MinibotDriveTest() : library_(SearchPath{{SourceDir()}}) {
     Diagnostics diagnostics;
     const auto scenario =
         ReadScenario("[FLOOR]\nsize 50 50\n[ROBOT_1]\ntype minibot\nposition 0 0\nfidelity " +

@@ -12,6 +12,7 @@
 
 #include "server/app/commands.h"
 #include "server/model/readers.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -23,7 +24,7 @@ using ::testing::Not;
 class RunReportTest : public ::testing::Test {
  protected:
   RunReportTest() {
-    RobotLibrary library(SearchPath{{COOPDYN_SOURCE_DIR}});
+    RobotLibrary library(SearchPath{{SourceDir()}});
     Diagnostics diagnostics;
     const auto scenario =
         ReadScenario("[SWARM_1]\ntype minibot\ncount 3\n", "ants.scenario", library, false, diagnostics);
@@ -169,7 +170,7 @@ TEST_F(RunReportTest, WhatFailedCountsMoreThanWhatWasCutShort) {
   run_.stopped["swarm1_2"] = {"deadline", 8, 0.08, "missed its deadline"};
   EXPECT_EQ(ExitCode(run_), kExitCutShort);  // a deadline does what the scenario says
   RunReport frozen = run_, controller = run_, recording = run_;
-  frozen.status.frozen = {"CRATE"};
+  frozen.status.frozen_before = {"CRATE"};
   controller.stopped["swarm1_1"] = {"controller", 7, 0.07, "controller diffuse crashed (abort)"};
   recording.recording_failed = true;
   for (const RunReport& run : {frozen, controller, recording}) EXPECT_EQ(ExitCode(run), kExitFaulty);

@@ -62,8 +62,8 @@ struct Held {
   long memory_kb = 0, child_kb = 0;
 };
 
-/// Repeats `again`, which must leave the swarm at the same start, so many times, and compares the steps that
-/// follow.
+/// Repeats `again`, which must leave the swarm at the same start, that many times, and compares the steps
+/// that follow.
 void ExpectFlat(Driven& driven, int times, const std::function<void()>& again) {
   again();
   driven.Steps(kSteps);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tests/server/model/read_text.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -17,7 +18,7 @@ using ::testing::Pair;
 /// A folder with controllers and a library that finds them, besides the shipped robots.
 class ControllerLineTest : public ::testing::Test {
  protected:
-  ControllerLineTest() : library_(SearchPath{{COOPDYN_SOURCE_DIR, folder_.path() / "path"}}) {
+  ControllerLineTest() : library_(SearchPath{{SourceDir(), folder_.path() / "path"}}) {
     folder_.Write("path/controllers/diffuse.so", "");
     folder_.Write("path/wander.so", "");
     folder_.Write("beside/controllers/mine.so", "");

@@ -12,12 +12,13 @@
 
 #include "server/model/readers.h"
 #include "tests/server/base/temp_folder.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 
 /// The robots that ship with the sources; parsed once per test program.
 inline RobotLibrary& ShippedRobots() {
-  static RobotLibrary library(SearchPath{{COOPDYN_SOURCE_DIR}});
+  static RobotLibrary library(SearchPath{{SourceDir()}});
   return library;
 }
 
@@ -39,7 +40,7 @@ inline std::shared_ptr<const Scenario> Good(const std::string& text) {
 }
 /// The content of a file of the source tree, named from its root; it must have some.
 inline std::string FileText(const std::string& name) {
-  std::ifstream stream(std::string(COOPDYN_SOURCE_DIR) + "/" + name, std::ios::binary);
+  std::ifstream stream(SourceDir() + "/" + name, std::ios::binary);
   std::stringstream text;
   text << stream.rdbuf();
   EXPECT_FALSE(text.str().empty()) << name;

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "tests/server/model/read_text.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180;
-const std::filesystem::path kCoopbot = std::filesystem::path(COOPDYN_SOURCE_DIR) / "robots/coopbot/model.sdf";
+const std::filesystem::path kCoopbot = std::filesystem::path(SourceDir()) / "robots/coopbot/model.sdf";
 
 std::string CoopbotText() {
   std::ifstream stream(kCoopbot);

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "tests/server/model/read_text.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -134,7 +135,7 @@ std::vector<std::string> SourceNames(const Scenario& scenario) {
   return names;
 }
 
-const SearchPath kShipped{{COOPDYN_SOURCE_DIR}};
+const SearchPath kShipped{{SourceDir()}};
 
 TEST(ScenarioSourcesTest, AWorldAndTheModelOfFiveRobotsAreCarriedOnceEach) {
   const auto classroom = LoadFrom(kShipped, "classroom");

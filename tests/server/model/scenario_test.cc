@@ -8,13 +8,14 @@
 
 #include "server/model/summary.h"
 #include "tests/server/model/read_text.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kData = COOPDYN_SOURCE_DIR "/tests/server/model/data/";
+const std::string kData = SourceDir() + "/tests/server/model/data/";
 const std::string kRobot = "[ROBOT_1]\ntype single\nposition 0 0\n";
 
 ReadResult Load(const std::string& file) {

@@ -14,17 +14,18 @@
 #include "server/model/summary.h"
 #include "server/model/swarm.h"
 #include "tests/server/model/read_text.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kSource = COOPDYN_SOURCE_DIR;
+const fs::path kSource = SourceDir();
 
 /// What ships, and files in the place of the controllers, which the build makes elsewhere.
 class ShippedLibrary {
  public:
-  ShippedLibrary() : library_(SearchPath{{COOPDYN_SOURCE_DIR, folder_.path()}}) {
+  ShippedLibrary() : library_(SearchPath{{SourceDir(), folder_.path()}}) {
     for (const char* name : {"aggregate", "attractor", "braitenberg", "diffuse", "flock"}) {
       folder_.Write(std::string("controllers/") + name + ".so", "");
     }

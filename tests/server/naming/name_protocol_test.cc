@@ -118,12 +118,28 @@ TEST_F(NameProtocolTest, OpenFindsAModuleOrSaysWhatWasMeant) {
   EXPECT_EQ(reply.text, "ok\n");
   EXPECT_TRUE(reply.open);
   EXPECT_EQ(Ask("OPEN /robot1/moters"),
-            "error 10 no such name /robot1/moters; did you mean /robot1/motors\n");
-  EXPECT_EQ(Ask("OPEN /robot1"), "error 10 no such name /robot1; did you mean /robot1/distance\n");
+            "error 10 no such name /robot1/moters; did you mean /robot1/motors?\n");
+  EXPECT_EQ(Ask("OPEN /robot1"), "error 10 no such name /robot1; did you mean /robot1/motors?\n");
   EXPECT_EQ(Ask("OPEN /kitchen"), "error 10 no such name /kitchen; list shows all\n");
   Ask("register /ext tcp 10.0.0.9 17001");
   EXPECT_EQ(Ask("OPEN /ext"), "error 10 /ext is another program's: connect to 10.0.0.9 port 17001\n");
   EXPECT_FALSE(AnswerNameLine("OPEN /ext", context_, table_).open);
+}
+
+TEST_F(NameProtocolTest, OpenIsTakenInSmallLettersToo) {
+  EXPECT_TRUE(AnswerNameLine("open /robot1/motors", context_, table_).open);
+}
+
+TEST_F(NameProtocolTest, OpenAloneSaysWhatToWrite) {
+  EXPECT_EQ(Ask("OPEN"), "error 10 OPEN takes a name, as in OPEN /robot1/distance; list shows all\n");
+}
+
+TEST_F(NameProtocolTest, WhatAPeerSentComesBackWithoutControlCharacters) {
+  Ask("register /ext tcp 10.0.0.9 17001");
+  EXPECT_EQ(Ask("set /ext ti\033tle \033[2Jred"),
+            std::string("port /ext property ti?tle = ?[2Jred\r\n") + kEnd);
+  EXPECT_EQ(Ask("check /ext title \033[2J"),
+            std::string("port /ext property title value ?[2J present false\r\n") + kEnd);
 }
 
 TEST_F(NameProtocolTest, HttpIsRefusedAndAnUnknownWordExplained) {

@@ -113,7 +113,7 @@ TEST_F(NameServerTest, TheUnixSocketGoesWithTheServer) {
 TEST_F(NameServerTest, AnUnknownModuleIsSaidAndTheConnectionGoesOn) {
   TestClient client = Connect();
   client.Send("OPEN /robot1/motor\n");
-  EXPECT_EQ(client.Line(), "error 10 no such name /robot1/motor; did you mean /robot1/motors");
+  EXPECT_EQ(client.Line(), "error 10 no such name /robot1/motor; did you mean /robot1/motors?");
   client.Send("OPEN /robot1/motors\n");
   EXPECT_EQ(client.Line(), "ok");
 }

@@ -7,6 +7,7 @@
 
 #include "server/model/readers.h"
 #include "tests/server/physics/physics_scene.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -120,7 +121,7 @@ TEST(Drive, OneLongSubstepIsStableToo) {
 TEST(Drive, TheShippedRobotDrivesAsItsModelSays) {
   Diagnostics diagnostics;
   PhysicsScene scene;
-  scene.robot_model = ReadRobotModel(COOPDYN_SOURCE_DIR "/robots/coopbot/model.sdf", diagnostics);
+  scene.robot_model = ReadRobotModel(SourceDir() + "/robots/coopbot/model.sdf", diagnostics);
   ASSERT_TRUE(scene.robot_model) << diagnostics.ToString();
   const DriveModel& drive = scene.robot_model->drive;
   scene.AddRobot(0, 0);

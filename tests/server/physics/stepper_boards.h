@@ -9,13 +9,14 @@
 
 #include "server/model/readers.h"
 #include "server/physics/stepper.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 
 class StepperBoards : public testing::Test {
  protected:
   static std::shared_ptr<const Scenario> Read(const std::string& text) {
-    static RobotLibrary robots(SearchPath{{COOPDYN_SOURCE_DIR}});
+    static RobotLibrary robots(SearchPath{{SourceDir()}});
     Diagnostics diagnostics;
     auto scenario = ReadScenario(text, "test.scenario", robots, false, diagnostics);
     EXPECT_NE(scenario, nullptr) << diagnostics.ToString();

@@ -10,13 +10,14 @@
 
 #include "record_fixture.h"
 #include "server/record/run_tables.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
 
 /// The section "Run files" of docs/formats.md.
 std::string RunFilesSection() {
-  std::ifstream stream(COOPDYN_SOURCE_DIR "/docs/formats.md");
+  std::ifstream stream(SourceDir() + "/docs/formats.md");
   std::stringstream text;
   text << stream.rdbuf();
   const std::string all = text.str();

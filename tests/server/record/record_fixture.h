@@ -18,6 +18,7 @@
 #include "server/record/sqlite_db.h"
 #include "server/state/saved_state.h"
 #include "tests/server/base/temp_folder.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 
@@ -60,7 +61,7 @@ sockets off
 inline RobotLibrary& RecordLibrary() {
   static RobotLibrary library([] {
     SearchPath path;
-    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+    path.folders.emplace_back(SourceDir());
     return path;
   }());
   return library;

@@ -61,7 +61,7 @@ class RecorderTest : public testing::Test {
     options.commit_every = 0;  // at once
     return options;
   }
-  /// The queue has room for so many steps.
+  /// The queue has room for that many steps.
   RecorderOptions WithRoomFor(std::size_t steps) {
     const auto frame = maker_.Make(0);
     const std::size_t bytes =

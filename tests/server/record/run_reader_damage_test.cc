@@ -142,7 +142,7 @@ TEST_F(RunReaderDamageTest, AMissingTableOfInputsIsSaidWhenAskedFor) {
 TEST_F(RunReaderDamageTest, PosesOfAnotherLengthAreDamage) {
   EXPECT_EQ(RefusalAfter("UPDATE step SET poses = x'0011' WHERE step = 4"), "");
   EXPECT_FALSE(reader_->Read(4));
-  EXPECT_SAYS(reader_->error(), "the poses of step 4 cannot be: the file is damaged there");
+  EXPECT_SAYS(reader_->error(), "is damaged (the poses of step 4)");
   EXPECT_TRUE(reader_->Read(5)) << "its neighbour is whole";
 }
 
@@ -193,13 +193,13 @@ TEST_F(RunReaderDamageTest, AMissingKeyframeIsSaid) {
 TEST_F(RunReaderDamageTest, AKeyframeThatIsNoStateIsDamage) {
   EXPECT_EQ(RefusalAfter("UPDATE keyframe SET state = zeroblob(70000) WHERE step = 8"), "");
   EXPECT_EQ(reader_->Keyframe(9), nullptr);
-  EXPECT_SAYS(reader_->error(), "the keyframe of step 8 cannot be");
+  EXPECT_SAYS(reader_->error(), "is damaged (the keyframe of step 8)");
 }
 
 TEST_F(RunReaderDamageTest, AKeyframeOfAnotherStepIsDamage) {
   EXPECT_EQ(RefusalAfter("UPDATE keyframe SET step = 9 WHERE step = 8"), "");
   EXPECT_EQ(reader_->Keyframe(9), nullptr);
-  EXPECT_SAYS(reader_->error(), "the keyframe of step 9 cannot be");
+  EXPECT_SAYS(reader_->error(), "is damaged (the keyframe of step 9)");
 }
 
 TEST_F(RunReaderDamageTest, AMissingSceneIsDamage) {
@@ -208,7 +208,7 @@ TEST_F(RunReaderDamageTest, AMissingSceneIsDamage) {
   EXPECT_SAYS(reader_->error(), "scene 42");
   EXPECT_EQ(RefusalAfter("UPDATE scene SET description = x'ff'"), "");
   EXPECT_FALSE(reader_->Read(4));
-  EXPECT_SAYS(reader_->error(), "scene 1 cannot be");
+  EXPECT_SAYS(reader_->error(), "is damaged (scene 1)");
 }
 
 TEST_F(RunReaderDamageTest, AScenarioThatCannotBeReadSaysWhere) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/server/record/run_reader_sample.h"
+#include "tests/source_dir.h"
 
 #include <gtest/gtest.h>
 
@@ -28,7 +29,7 @@ fidelity planar
 
 SearchPath SourcePath() {
   SearchPath path;
-  path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+  path.folders.emplace_back(SourceDir());
   return path;
 }
 

@@ -24,6 +24,7 @@
 #include "server/record/run_reader.h"
 #include "server/replay/export_options.h"
 #include "tests/server/base/temp_folder.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 
@@ -90,7 +91,7 @@ class ExportTest : public testing::Test {
   void Put(const std::string& name, const std::string& text) const { folder_.Write(name, text); }
   static SearchPath Path() {
     SearchPath path;
-    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+    path.folders.emplace_back(SourceDir());
     return path;
   }
 

@@ -25,12 +25,13 @@
 #include "server/record/sqlite_db.h"
 #include "server/replay/state_at.h"
 #include "tests/server/base/temp_folder.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 
 inline SearchPath TestPath() {
   SearchPath path;
-  path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+  path.folders.emplace_back(SourceDir());
   path.folders.emplace_back(std::filesystem::path(SAMPLE_CONTROLLERS).parent_path());
   path.folders.emplace_back(TEST_CONTROLLERS);
   return path;

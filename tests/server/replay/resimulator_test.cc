@@ -8,6 +8,7 @@
 #include "tests/server/controllers/plugins/deeds.h"
 #include "tests/server/record/rechain.h"
 #include "tests/server/replay/replay_fixture.h"
+#include "tests/source_dir.h"
 
 namespace coopdyn {
 namespace {
@@ -44,7 +45,7 @@ class ResimulatorTest : public ::testing::Test {
   /// Where no controller is.
   SearchPath Nowhere() const {
     SearchPath path;
-    path.folders.emplace_back(COOPDYN_SOURCE_DIR);
+    path.folders.emplace_back(SourceDir());
     return path;
   }
 

@@ -94,7 +94,7 @@ class RobotHostTest : public testing::Test {
     if (!error.empty()) throw std::runtime_error(error);
     return host;
   }
-  /// How many threads so many robots without sockets get; `threads` as in the options.
+  /// How many threads a number of robots without sockets gets; `threads` as in the options.
   std::size_t ThreadsFor(int robots, std::size_t cores, int threads = 0) {
     Load(SmallScenario(robots));
     RobotHostOptions options = Options();

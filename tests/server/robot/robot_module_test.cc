@@ -289,7 +289,7 @@ TEST_F(RobotModuleTest, NobodyStandsOrWaitsForMoreStepsThanTheMost) {
     client.SendMessage(Message{0, "", command, {kMaxSteps + 1}, std::move(data)});
     const Message& reply = client.received.back();
     EXPECT_EQ(reply.error, 4) << command;
-    EXPECT_THAT(reply.text, HasSubstr("at most 10000000")) << command;
+    EXPECT_THAT(reply.text, HasSubstr("1 to 10000000")) << command;
   };
   refused(*motors, command::kReady, {});
   refused(*motors, command::kSetVelocity, {0.1, 0});

@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A run in real time with steps of 10 ms, looked at each second.
+/// A run in real time with steps of 10 ms, judged each second.
 class OverloadWatchTest : public ::testing::Test {
  protected:
   /// A second in which `lost` of 100 steps are skipped; the others take `step_ms`, nearly all of it physics.
@@ -31,7 +31,7 @@ class OverloadWatchTest : public ::testing::Test {
     use_.busy += hidden_ms_ * kMs;
     return watch_.Look(now_, status_);
   }
-  /// The first warning of so many seconds; empty: none.
+  /// The first warning within a number of seconds; empty: none.
   std::string Seconds(int seconds, int lost, int step_ms = 2) {
     std::string warning;
     for (int i = 0; i < seconds && warning.empty(); ++i) warning = Second(lost, step_ms);

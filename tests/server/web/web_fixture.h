@@ -102,7 +102,7 @@ class RawClient {
   std::string ReadAll();
   /// Until `end` has come; what was read, with it.
   std::string ReadUntil(std::string_view end);
-  /// Exactly so many bytes.
+  /// Exactly that many bytes.
   std::string ReadBytes(std::size_t count);
 
  private:

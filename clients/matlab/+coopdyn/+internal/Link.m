@@ -15,7 +15,7 @@ classdef Link < handle
     unclaimed = false  % only looked at: when it was last asked for a recording was played, or
     another = false    % another had it; then not asked for again before it is commanded
     kept = []          % struct of command and data, for the next step
-    sent = []          % likewise: its reply has not come yet
+    sent = []          % the same of a command whose reply has not come yet
     sent_at = 0        % the newest step when it was sent
     unstepped = 0      % commands since the last step
     unstepped_since = 0  % the step of the first of them
@@ -43,7 +43,7 @@ classdef Link < handle
             coopdyn.internal.fail(5, [link.robot ' is driven by its team']);
           end
           coopdyn.internal.fail(6, [link.robot ' cannot be driven: ' cause.message '. Stop the other program, or ' ...
-            'free the robot on the page; to look on only: coopdyn.connect(''watch'', true)']);
+            'free the robot on the page; to watch only: coopdyn.connect(''watch'', true)']);
         end
         rethrow(cause);
       end

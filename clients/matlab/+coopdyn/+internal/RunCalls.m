@@ -9,7 +9,12 @@ classdef RunCalls < handle
     function save_state(sim, name)
     %SAVE_STATE Keeps all that decides how the run goes on, under a name; replaces what is kept under that name.
       coopdyn.internal.need(nargin, 2, 'sim.save_state(''before_turn'')');
-      sim.session.control(194, [], [], coopdyn.internal.word(name, 'the name of a state'));
+      name = coopdyn.internal.word(name, 'the name of a state');
+      if isempty(regexp(name, '^[A-Za-z][A-Za-z0-9_-]{0,62}$', 'once'))
+        coopdyn.internal.fail(4, ['the name of a state is a letter, then letters, digits, _ and -, at most 63: write ' ...
+          'sim.save_state(''before_turn'')']);
+      end
+      sim.session.control(194, [], [], name);
     end
 
     function restore_state(sim, name)
@@ -54,6 +59,9 @@ classdef RunCalls < handle
     function note(sim, text)
     %NOTE Marks this time in the recording; run.events has it.
       coopdyn.internal.need(nargin, 2, 'sim.note(''half-time'')');
+      if ~coopdyn.internal.is_text(text) || isempty(char(text))
+        coopdyn.internal.fail(3, ['a note is a text, not ' coopdyn.internal.show(text) ': write sim.note(''half-time'')']);
+      end
       coopdyn.internal.tell(sim.session, '/recorder', 123, [], [], char(text));
     end
 
@@ -132,7 +140,7 @@ classdef RunCalls < handle
     %PLAY Lets the recording go on, at this speed if one is given; -4 to 64 times, below 0 backwards.
       data = [];
       if nargin > 1 && ~isempty(speed)
-        data = coopdyn.internal.number(speed, 'the speed');
+        data = coopdyn.internal.play_speed(speed);
       end
       coopdyn.internal.tell(sim.session, '/playback', 132, [], data);
     end
@@ -140,7 +148,7 @@ classdef RunCalls < handle
     function set_play_speed(sim, s)
     %SET_PLAY_SPEED How fast the recording goes, -4 to 64 times, below 0 backwards.
       coopdyn.internal.need(nargin, 2, 'sim.set_play_speed(2)');
-      coopdyn.internal.tell(sim.session, '/playback', 134, [], coopdyn.internal.number(s, 'the speed'));
+      coopdyn.internal.tell(sim.session, '/playback', 134, [], coopdyn.internal.play_speed(s));
     end
 
     function skip(sim, n)
@@ -149,7 +157,9 @@ classdef RunCalls < handle
         n = 1;
       end
       if ~isnumeric(n) || numel(n) ~= 1 || n ~= round(n) || abs(n) > 2147483647
-        coopdyn.internal.fail(2, 'n must be a whole number of steps');
+        coopdyn.internal.fail(2, ['n must be a whole number of steps, not ' coopdyn.internal.show(n)]);
+      elseif n == 0
+        coopdyn.internal.fail(4, 'n is how many steps to go on, or back if below 0, not 0: write sim.skip(1)');
       end
       coopdyn.internal.tell(sim.session, '/playback', 135, n);
     end
@@ -158,7 +168,7 @@ classdef RunCalls < handle
     %SET_LOOP Whether the recording begins again at its end.
       coopdyn.internal.need(nargin, 2, 'sim.set_loop(true)');
       if ~(islogical(on) || isnumeric(on)) || numel(on) ~= 1 || ~any(double(on) == [0 1])
-        coopdyn.internal.fail(3, 'on is true or false');
+        coopdyn.internal.fail(3, ['on is true or false, not ' coopdyn.internal.show(on)]);
       end
       coopdyn.internal.tell(sim.session, '/playback', 136, double(on));
     end

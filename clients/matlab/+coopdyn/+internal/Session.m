@@ -208,77 +208,11 @@ classdef Session < handle
           return
         end
       end
-      s.require_open();
-      connections = {};
-      links = {};
-      for k = 1:numel(s.links)
-        link = s.links{k};
-        link.unstepped = 0;
+      if nargin < 4
+        coopdyn.internal.step_all(s, n, limit);
+      else
+        coopdyn.internal.step_all(s, n, limit, commanded, bytes);
       end
-      if ~s.watch
-        settled = {};
-        for k = 1:numel(s.teams)
-          team = s.teams{k};
-          try
-            team.settle(s);
-            settled{end + 1} = team; %#ok<AGROW>
-          catch cause
-            if (isempty(team.lost) && ~isempty(team.names)) || nargin > 3 && team.number == commanded.number
-              rethrow(cause);
-            end
-          end  % else the others go on without one that is lost, or whose robots are another's after a load
-        end
-        s.drop_lost_teams();
-        for k = 1:numel(s.links)
-          link = s.links{k};
-          c = link.motors;
-          if link.drives && isempty(link.sent) && ~c.busy && ~isempty(c.socket) || link.takes_part(s)
-            links{end + 1} = link; %#ok<AGROW>
-            connections{end + 1} = c; %#ok<AGROW>
-          end
-        end
-        for k = 1:numel(settled)
-          links{end + 1} = settled{k}; %#ok<AGROW>
-          connections{end + 1} = settled{k}.connection; %#ok<AGROW>
-        end
-      end
-      if isempty(links)
-        if ~s.simulation.alive()
-          s.simulation.open();
-        end
-        links = {[]};
-        connections = {s.simulation};
-      end
-      since = s.reached + 1;
-      try
-        for k = 1:numel(links)
-          link = links{k};
-          c = connections{k};
-          number = 2;
-          data = [];
-          if ~isempty(link) && link.is_team
-            if nargin > 3 && link.number == commanded.number
-              c.send(110, bytes);
-            else
-              c.send(2, coopdyn.internal.encode(2, n, []));
-            end
-            continue
-          end
-          if ~isempty(link)
-            if ~isempty(link.kept)
-              number = link.kept{1};
-              data = link.kept{2};
-              link.kept = [];
-            end
-            link.carried = [];
-          end
-          c.send(number, coopdyn.internal.encode(number, n, data));
-        end
-        earliest = coopdyn.internal.collect(s, connections, links, limit);
-      catch cause
-        coopdyn.internal.recover(s, connections, links, cause);
-      end
-      s.go_on(earliest, since);
     end
 
     function step_one(s, link, c, n, limit)

@@ -1,8 +1,13 @@
 % SPDX-License-Identifier: MIT
 function a = address(server, name, token, timeout)
 %ADDRESS Where the daemon is and who we are: host, port, text, name, hello, reader_hello, timeout.
-  if isnumeric(server) && isscalar(server)
+  forms = '; write HOST, HOST:PORT, or a port of this machine, e.g. ''labserver:10100''';
+  if isnumeric(server) && isempty(server)
+    server = '';
+  elseif isnumeric(server) && isscalar(server) && server == round(server)
     server = sprintf('%d', server);
+  elseif ~coopdyn.internal.is_text(server)
+    coopdyn.internal.fail(4, ['cannot read the server ' coopdyn.internal.show(server) forms]);
   end
   given = strtrim(char(server));
   if isempty(given)
@@ -10,6 +15,10 @@ function a = address(server, name, token, timeout)
   end
   if isempty(given)
     given = '127.0.0.1';
+  end
+  if ~isempty(strfind(given, '://'))
+    coopdyn.internal.fail(4, [given ' is the address of the page; a program connects to the name server, whose HOST:PORT ' ...
+      '`coopdyn serve` prints: write e.g. coopdyn.connect(''127.0.0.1:10000'')']);
   end
   host = given;
   port = 10000;
@@ -28,17 +37,15 @@ function a = address(server, name, token, timeout)
     host = given(1:colon - 1);
     port = str2double(given(colon + 1:end));
   end
-  if isempty(regexp(host, '^[A-Za-z0-9.:_-]+$', 'once')) || ~(port > 0 && port < 65536 && port == round(port))
-    coopdyn.internal.fail(4, ['cannot read the server ''' given '''; write HOST, HOST:PORT, or a port of this machine, ' ...
-                              'e.g. ''labserver:10100''']);
+  if isempty(regexp(host, '^[A-Za-z0-9:_][A-Za-z0-9.:_-]*$', 'once')) || ~(port > 0 && port < 65536 && port == round(port))
+    coopdyn.internal.fail(4, ['cannot read the server ''' given '''' forms]);
   end
-  name = char(name);
   if isempty(name)
     name = default_name();
+  elseif ~coopdyn.internal.is_text(name) || any(isspace(name))
+    coopdyn.internal.fail(3, ['a client name has no spaces, not ' coopdyn.internal.show(name) '; write e.g. ''ana''']);
   end
-  if any(isspace(name))
-    coopdyn.internal.fail(3, ['a client name has no spaces, not ''' name '''; write e.g. ''ana''']);
-  end
+  name = char(name);
   a.host = host;
   a.port = port;
   a.text = sprintf('%s:%d', host, port);

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function text = list_of(names)
-%LIST_OF Names for an error; of very many the first twenty and how many there are.
+%LIST_OF Names for an error; if there are many, the first twenty and their number.
   text = 'none';
   if ~isempty(names)
     text = strjoin(reshape(names(1:min(end, 20)), 1, []), ', ');

@@ -2,7 +2,7 @@
 function x = number(x, what)
 %NUMBER One finite double; anything else is an error.
   if ~(isnumeric(x) || islogical(x)) || numel(x) ~= 1 || ~isreal(x)
-    coopdyn.internal.fail(3, [what ' must be one number']);
+    coopdyn.internal.fail(3, [what ' must be one number, not ' coopdyn.internal.show(x)]);
   end
   x = double(x);
   if ~isfinite(x)

@@ -6,10 +6,10 @@ function chosen = options(pairs, chosen)
     coopdyn.internal.fail(2, ['options come in pairs of name and value; names are: ' strjoin(known', ', ')]);
   end
   for k = 1:2:numel(pairs)
-    name = lower(char(pairs{k}));
-    if ~any(strcmp(name, known))
-      coopdyn.internal.fail(2, ['there is no option ''' name '''; there are: ' strjoin(known', ', ')]);
+    name = pairs{k};
+    if ~coopdyn.internal.is_text(name) || ~any(strcmpi(name, known))
+      coopdyn.internal.fail(2, ['there is no option ' coopdyn.internal.show(name) '; there are: ' strjoin(known', ', ')]);
     end
-    chosen.(name) = pairs{k + 1};
+    chosen.(lower(char(name))) = pairs{k + 1};
   end
 end

@@ -2,7 +2,7 @@
 function reply = raw_call(session, name, command, params, data, text, limit)
 %RAW_CALL The raw message, by the name of its command or its number.
   session.require_open();
-  name = ['/' regexprep(char(name), '^/|/$', '')];
+  name = ['/' regexprep(coopdyn.internal.word(name, 'a module, as ''/robot1/motors'','), '^/|/$', '')];
   if ~isnumeric(command)
     command = number_of(session, name, char(command));
   end

@@ -47,7 +47,7 @@ function recover(session, connections, links, cause)
         team.settle(session);
       catch another
         if ~isempty(team.lost)
-          raised = another;  % else likewise
+          raised = another;  % otherwise its next use says what is wrong
         end
       end
     end

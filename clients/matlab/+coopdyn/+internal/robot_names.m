@@ -2,7 +2,7 @@
 function names = robot_names(session)
 %ROBOT_NAMES The names of all robots, in the order of the scenario.
   names = {};
-  while true  % a status lists so many at a time
+  while true  % one status lists only a part of them
     reply = session.control(100, [numel(names) + 1, 1000]);
     s = jsondecode(reply.text);
     if isempty(s.robots)

@@ -1,8 +1,8 @@
 % SPDX-License-Identifier: MIT
 function text = run_name(text)
 %RUN_NAME The name of a recording: that of a file, so it may have blanks; anything else is an error.
-  if isnumeric(text) || iscell(text) || isempty(strtrim(char(text)))
-    coopdyn.internal.fail(3, 'the name of a recording is a text');
+  if ~coopdyn.internal.is_text(text) || isempty(strtrim(char(text)))
+    coopdyn.internal.fail(3, ['the name of a recording is a text, not ' coopdyn.internal.show(text)]);
   end
   text = char(text);
 end

@@ -1,11 +1,8 @@
 % SPDX-License-Identifier: MIT
 function text = word(text, what)
 %WORD One word that the daemon takes as a name; anything else is an error.
-  if isnumeric(text) || iscell(text)
-    coopdyn.internal.fail(3, [what ' is one word']);
+  if ~coopdyn.internal.is_text(text) || isempty(regexp(strtrim(char(text)), '^\S+$', 'once'))
+    coopdyn.internal.fail(3, [what ' is one word, not ' coopdyn.internal.show(text)]);
   end
   text = strtrim(char(text));
-  if isempty(regexp(text, '^\S+$', 'once'))
-    coopdyn.internal.fail(3, [what ' is one word, not ''' text '''']);
-  end
 end
