@@ -78,9 +78,9 @@ endfunction()
 
 # Adds one test program from all *.cc of this folder. It is one CTest test, as it takes longer to start than most of its
 # tests to run; --gtest_filter=… runs some of them. Tests are most of what is compiled, and few compute so much that it
-# pays to optimise them: those are OPTIMIZED.
+# pays to optimise them: those are OPTIMIZED. Long ones run in several PARTS.
 function(coopdyn_test name)
-  cmake_parse_arguments(ARG "OPTIMIZED" "" "LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMIZED" "PARTS" "LINK;LABELS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   if(NOT sources)
     return()
@@ -91,6 +91,17 @@ function(coopdyn_test name)
   if(NOT ARG_OPTIMIZED)
     target_compile_options(${name} PRIVATE -O0)
   endif()
-  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
-  set_tests_properties(${name} PROPERTIES COST 1000 TIMEOUT 1200 LABELS "${ARG_LABELS}")
+  if(NOT ARG_PARTS)
+    set(ARG_PARTS 1)
+  endif()
+  math(EXPR last "${ARG_PARTS} - 1")
+  foreach(part RANGE ${last})
+    set(test_name ${name})
+    if(ARG_PARTS GREATER 1)
+      string(APPEND test_name _${part})
+    endif()
+    add_test(NAME ${test_name} COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${test_name} PROPERTIES COST 1000 TIMEOUT 1200 LABELS "${ARG_LABELS}"
+                         ENVIRONMENT "GTEST_TOTAL_SHARDS=${ARG_PARTS};GTEST_SHARD_INDEX=${part}")
+  endforeach()
 endfunction()

@@ -36,7 +36,7 @@ class StepInbox::Mailbox {
       if (self->frames_ >= kMaxFrames) item.dropped = self->DropOldest();
       self->items_.push_back(std::move(item));
       ++self->frames_;
-      wake = (!self->patient_ || self->frames_ >= kLateFrames) && self->NeedsWake();
+      wake = !self->patient_ && self->NeedsWake();
     }
     if (wake) Wake(self);
   }
@@ -75,9 +75,9 @@ class StepInbox::Mailbox {
     busy_ = true;
   }
 
-  /// Appends all to `queue`; false if there was nothing, and then, with `leave`, no longer busy. `patient`: a
-  /// few frames need not wake the owner then.
-  bool TakeInto(std::vector<Item>& queue, bool leave, bool patient) {
+  /// Appends all to `queue`; false if there was nothing, and then, with `leave`, no longer busy. `patient`:
+  /// frames need not wake the owner then.
+  bool TakeInto(std::deque<Item>& queue, bool leave, bool patient) {
     const MutexLock lock(mutex_);
     if (items_.empty()) {
       if (leave) busy_ = false;
@@ -96,7 +96,7 @@ class StepInbox::Mailbox {
   }
 
   void Close() {
-    std::vector<Item> items;  // frames are freed outside the lock
+    std::deque<Item> items;  // frames are freed outside the lock
     const MutexLock lock(mutex_);
     closed_ = true;
     items.swap(items_);
@@ -139,11 +139,11 @@ class StepInbox::Mailbox {
 
   const Post post_;
   Mutex mutex_;
-  std::vector<Item> items_ GUARDED_BY(mutex_);
+  std::deque<Item> items_ GUARDED_BY(mutex_);
   std::size_t frames_ GUARDED_BY(mutex_) = 0;  // in items_
   bool posted_ GUARDED_BY(mutex_) = false;     // a wake-up is under way
   bool busy_ GUARDED_BY(mutex_) = false;       // the owner is in a Scope and looks here when it leaves
-  bool patient_ GUARDED_BY(mutex_) = false;    // the owner need not be woken for a few frames
+  bool patient_ GUARDED_BY(mutex_) = false;    // the owner need not be woken for frames
   bool closed_ GUARDED_BY(mutex_) = false;
   StepInbox* owner_ GUARDED_BY(mutex_);
 };

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -28,16 +29,15 @@ class StepListener {
   /// The wait of `client` has ended.
   virtual void OnStepEnd(ClientId client, const StepResult& result) = 0;
   /// A step has run; `dropped` frames before it were lost. Only while subscribed. False: nobody takes
-  /// anything now, so that the next ones may come late, many at once, or when a Scope ends.
+  /// anything now, so that the thread is not woken for the next ones: the newest come when a Scope ends.
   virtual bool OnFrame(const FramePtr& frame, int dropped) = 0;
 };
 
 /// Its owner's thread only, unless said otherwise. Listeners outlive it, or its owner's thread has stopped.
 class StepInbox {
  public:
+  /// Frames that wait at most: as many as pushes of one connection, so that no more are lost than there.
   static constexpr std::size_t kMaxFrames = 64;
-  /// So many wake the thread although nobody takes them.
-  static constexpr std::size_t kLateFrames = kMaxFrames / 2;
   /// Runs a function on the owner's thread, later; called from any thread, also when that has ended: a step
   /// that is under way may still bring something to a robot that a load drops. Then it does nothing.
   using Post = std::function<void(std::function<void()>)>;
@@ -106,7 +106,7 @@ class StepInbox {
   std::uint64_t observer_ = 0;              // key at the board; 0: none
   FramePtr seen_;                           // the last one delivered; only while there is an observer
   bool patient_ = false;                    // no listener takes anything now
-  std::vector<Item> queue_;
+  std::deque<Item> queue_;
   std::size_t next_ = 0;  // of queue_
   int depth_ = 0;
 };

@@ -104,7 +104,7 @@ class ExportTest : public testing::Test {
 
   /// Records a run of 10 ms steps into run.run: the frames, from that of step 0 on.
   std::vector<FramePtr> Record(const RunToMake& make = {}) {
-    RobotLibrary library(Path());
+    static RobotLibrary library(Path());  // the models are read once for all tests
     Diagnostics diagnostics;
     const auto scenario = ReadScenario(make.scenario, "lesson.scenario", library, false, diagnostics);
     EXPECT_NE(scenario, nullptr) << diagnostics.ToString();

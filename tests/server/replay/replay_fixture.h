@@ -69,7 +69,7 @@ class LiveRun {
  public:
   LiveRun(const std::string& file, const std::string& scenario, LiveOptions options = {})
       : LiveRun(file, options) {
-    RobotLibrary library(TestPath());
+    static RobotLibrary library(TestPath());  // the models are read once for all tests
     Diagnostics diagnostics;
     const auto read = ReadScenario(scenario, "lesson.scenario", library, false, diagnostics, options.seed);
     if (read == nullptr || !stepper_.Start(read, diagnostics)) {
