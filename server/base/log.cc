@@ -131,8 +131,8 @@ LogBackend::LogBackend(const std::string& level, const std::string& file) : impl
 LogBackend::~LogBackend() {
   const std::size_t dropped = impl_->pool->overrun_counter();
   if (dropped > 0) logger_->warn("{} log lines were dropped", dropped);
+  impl_.reset();  // first, so that its thread has let go of the logger
   logger_.reset();
-  impl_.reset();
 }
 
 void ShowBelowLog(const Logger& logger, const std::string& text) {

@@ -26,7 +26,7 @@ void Engine::ForAll(std::size_t count, const Work& work) {
 }
 
 Engine::Engine(const Scene& scene, std::uint64_t solver_seed, WorkerPool* pool)
-    : scene_(scene), pool_(pool), things_(MakeThings(scene)), broad_phase_(things_) {
+    : pool_(pool), things_(MakeThings(scene)), broad_phase_(things_) {
   SetSolverSeed(solver_seed);
   state_.robots.resize(scene.robots.size());
   state_.bodies = things_.start;

@@ -91,7 +91,6 @@ class Engine {
   }
   std::size_t dynamic_count() const { return things_.first_static; }
 
-  const Scene& scene_;
   WorkerPool* const pool_;
   Things things_;
   BroadPhase broad_phase_;
