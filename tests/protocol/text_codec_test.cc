@@ -172,9 +172,8 @@ TEST(TextCodec, ARowInBracketsStandsForItsValues) {
 }
 
 TEST(TextCodec, ACommandOfAnotherModuleIsNamed) {
-  EXPECT_EQ(
-      DecodeText("get_pose\n", MotorsTable(), false).message.text,
-      "unknown command 'get_pose': it is a command of pose, not of motors (help lists all of motors)");
+  EXPECT_EQ(DecodeText("get_pose\n", MotorsTable(), false).message.text,
+            "unknown command 'get_pose': it is a command of pose, not of motors (help lists all of motors)");
 }
 
 TEST(TextCodec, AFarewellIsTakenInCapitals) {
