@@ -935,6 +935,8 @@ def _number(value: Any, what: str) -> float:
         number = float(None if isinstance(value, (str, bytes)) else value)
     except (TypeError, ValueError):
         raise Error(3, f"{what} must be one number, not {value!r}") from None
+    except OverflowError:
+        raise Error(4, f"{what} is too large for a number: it ends at 1.8e308") from None
     if not math.isfinite(number):
         raise Error(4, f"{what} must be finite, not {number}")
     return number

@@ -131,6 +131,9 @@ class Arguments(FakeTestCase):
             with self.subTest(says):
                 self.assert_error(code, call, says)
 
+    def test_a_number_that_no_double_holds_is_told(self):
+        self.assert_error(4, lambda: self.sim.set_speed(10**400), "the speed factor is too large")
+
     def test_a_number_of_steps_beyond_32_bits_is_named_as_such(self):
         self.assert_error(4, lambda: self.sim.step(2**31), "32 bits", "2147483648")
         self.assert_error(4, lambda: self.sim.step(0), "n must be at least 1, not 0")
