@@ -12,7 +12,7 @@ namespace {
 // for each.
 constexpr std::chrono::milliseconds kNap{5};
 constexpr std::chrono::milliseconds kStalledNap{20};
-// Inputs and events are small and left out only if there are more than this.
+// Inputs and events are small and left out only when the queue holds this many times its bytes.
 constexpr std::size_t kMostForSmall = 2;
 
 std::size_t BytesOf(const Frame& frame) {
