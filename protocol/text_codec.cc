@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -66,10 +65,10 @@ void ReadFull(LineScanner& line, Decoded& decoded) {
       Unreadable(why + "; write error \"text\" command M params N data, as in 0 \"\" 11 0 2 0.2 0.5");
 }
 
-/// `exit`, `quit` and `bye`, in any case, where the module has no such command: /simulation has a `quit`.
-bool IsFarewell(std::string word, const CommandTable& table) {
-  std::transform(word.begin(), word.end(), word.begin(), ToLower);
-  return (word == "exit" || word == "quit" || word == "bye") && table.Find(word) == nullptr;
+/// Whether `word` closes the connection: /simulation has a `quit` of its own.
+bool Leaves(std::string_view word, const CommandTable& table) {
+  const std::string_view farewell = Farewell(word);
+  return !farewell.empty() && table.Find(farewell) == nullptr;
 }
 
 Decoded DecodeLine(std::string_view raw, const CommandTable& table, bool first_line) {
@@ -107,7 +106,7 @@ Decoded DecodeLine(std::string_view raw, const CommandTable& table, bool first_l
         "this connection is a " + table.module() + " module's already: OPEN another one on a new connection");
     return decoded;
   }
-  if (IsFarewell(std::string(word), table) && line.AtEnd()) {
+  if (Leaves(word, table) && line.AtEnd()) {
     decoded.status = DecodeStatus::kLeave;
     return decoded;
   }

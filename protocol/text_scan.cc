@@ -2,6 +2,7 @@
 #include "protocol/text_scan.h"
 
 #include <algorithm>
+#include <array>
 
 #include "protocol/ascii.h"
 
@@ -95,6 +96,15 @@ std::string LineScanner::QuotedText(std::string& text) {
     Take(1);
   }
   return "the closing quote is missing";
+}
+
+std::string_view Farewell(std::string_view word) {
+  constexpr std::array<std::string_view, 3> kFarewells{"exit", "quit", "bye"};
+  const auto found = std::find_if(kFarewells.begin(), kFarewells.end(), [word](std::string_view farewell) {
+    return std::equal(word.begin(), word.end(), farewell.begin(), farewell.end(),
+                      [](char a, char b) { return ToLower(a) == b; });
+  });
+  return found == kFarewells.end() ? std::string_view() : *found;
 }
 
 void AppendQuotedText(std::string_view text, std::string& out) {

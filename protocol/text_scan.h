@@ -35,6 +35,9 @@ class LineScanner {
   std::string_view rest_;
 };
 
+/// `exit`, `quit` or `bye`, if `word` is that in any case; else empty.
+std::string_view Farewell(std::string_view word);
+
 /// Appends `text` in quotes with the escapes of the text form.
 void AppendQuotedText(std::string_view text, std::string& out);
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <utility>
 
+#include "protocol/text_scan.h"
 #include "server/base/printable.h"
 #include "server/net/http_refusal.h"
 
@@ -87,7 +88,7 @@ class Answerer {
     if (verb == "announce") return Announce();
     if (verb == "bot") return Bot();
     if (verb == "help") return Help();
-    if (verb == "exit" || verb == "quit" || verb == "bye") return Leave();
+    if (!Farewell(verb).empty()) return Leave();
     if (prefixed) return End();
     return Refused("\"" + verb.substr(0, 64) + "\" is no request; help lists them");
   }

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "server/record/recorder.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <csignal>
 #include <ctime>
-#include <filesystem>
-#include <limits>
-#include <system_error>
 #include <utility>
 
 #include "server/base/mutex.h"
 #include "server/record/record_queue.h"
+#include "server/record/recording_files.h"
 #include "server/record/run_writer.h"
 
 namespace coopdyn {
@@ -24,26 +17,8 @@ namespace {
 /// Steps of one commit at most: free mode makes thousands in the time of commit_every.
 constexpr std::uint64_t kStepsAtOnce = 256;
 
-/// lesson1-2.run for lesson1.run and 2; that itself for 1.
-std::string NumberedName(const std::string& file, int number) {
-  if (number == 1) return file;
-  const std::string end = file.ends_with(".run") ? ".run" : "";
-  return file.substr(0, file.size() - end.size()) + "-" + std::to_string(number) + end;
-}
-
-bool Exists(const std::string& file) {
-  struct stat found {};
-  return ::lstat(file.c_str(), &found) == 0;
-}
-
 /// Each attempt to go on after one that failed comes twice as late as that, at most so late.
 constexpr Nanoseconds kMostRetry = 32 * kNanosecondsPerSecond;
-
-std::uint64_t FreeBytes(const std::string& file) {
-  std::error_code failed;
-  const auto disk = std::filesystem::space(std::filesystem::absolute(file).parent_path(), failed);
-  return failed ? std::numeric_limits<std::uint64_t>::max() : disk.available;
-}
 
 double ThreadCpu_s() {
   timespec used{};
@@ -59,6 +34,7 @@ class Recorder::Impl {
       : options_(std::move(options)),
         clock_(clock),
         logger_(std::move(logger)),
+        files_(options_),
         queue_(options_.max_queue_bytes),
         thread_([this] { Run(); }) {}
 
@@ -70,6 +46,7 @@ class Recorder::Impl {
   }
 
   const RecorderOptions& options() const { return options_; }
+  const RecordingFiles& files() const { return files_; }
   RecordQueue& queue() { return queue_; }
 
   RecorderStatus status() const EXCLUDES(mutex_) {
@@ -90,12 +67,12 @@ class Recorder::Impl {
     // A name that is taken is left alone, but for the one that the user has given.
     if (!drops_present) {
       do ++number_;
-      while (number_ > 1 && Exists(NumberedName(options_.file, number_)));
+      while (number_ > 1 && files_.IsTaken(number_));
     }
     has_content_ = false;
     {
       const MutexLock lock(mutex_);
-      coming_ = {++begun_, NumberedName(options_.file, number_), state->frame->time};
+      coming_ = {++begun_, files_.Name(number_), state->frame->time};
     }
     queue_.PushBegin({state, number_, begun_, drops_present});
   }
@@ -192,7 +169,7 @@ class Recorder::Impl {
     const bool drops = begin.drops_present && begin.order == made_order_ + 1;
     if (!drops) {
       NoteLostAfter(0);
-      const std::string next = NumberedName(options_.file, begin.number);
+      const std::string next = files_.Name(begin.number);
       if (!writes() ||
           !Check(writer_->AddEvent({last_.step, last_.time_s, "info", "the run begins anew in " + next}))) {
         return;
@@ -205,11 +182,11 @@ class Recorder::Impl {
   void OpenFile(const QueuedBegin& begin) {
     const SavedState& state = *begin.state;
     std::string error;
-    writer_ = MakeFile(state, begin.number, error);
-    if (writer_ == nullptr) return HasRoom() ? Fail(error) : Stall(error);
+    writer_ = files_.Make(state, begin.number, error);
+    if (writer_ == nullptr) return files_.HasRoom() ? Fail(error) : Stall(error);
     // So that it can be read from now on, whatever happens.
     if (!Check(writer_->Commit())) return;
-    has_made_ = true;
+    files_.NoteMade();
     made_order_ = begin.order;
     committed_steps_ = taken_ = noted_ = owed_ = 0;
     events_.clear();
@@ -222,24 +199,6 @@ class Recorder::Impl {
     status_.steps = 0;
     status_.begin = status_.end = writer_->begin();
     status_.bytes = writer_->bytes();
-  }
-
-  std::unique_ptr<RunWriter> MakeFile(const SavedState& state, int number, std::string& error) {
-    RunWriterOptions options;
-    options.overwrite = options_.overwrite && !has_made_;
-    const RecordWhat what = options_.what.value_or(DefaultRecordWhat(state.frame->robots.size()));
-    options.header = HeaderOf(*state.frame, state.mode, what, options_.pose_every);
-    options.header.version = options_.version;
-    options.header.command = options_.command;
-    options.header.started = options_.started;
-    options.header.build = build_;
-    options.header.cpu = CpuName();
-    while (true) {
-      const std::string file = NumberedName(options_.file, number++);
-      std::unique_ptr<RunWriter> writer = RunWriter::Create(file, options, state, error);
-      // Somebody may have taken the name of a later file meanwhile.
-      if (writer != nullptr || !has_made_ || !Exists(file)) return writer;
-    }
   }
 
   void CloseFile() {
@@ -286,26 +245,17 @@ class Recorder::Impl {
   }
 
   /// Those before the step that is being written.
-  void NoteLost(std::uint64_t steps) {
+  void NoteLost(std::uint64_t steps) { NoteLost(steps, "", &RunWriter::AddLost); }
+  /// Those after the last step of the file.
+  void NoteLostAfter(std::uint64_t steps) { NoteLost(steps, "after ", &RunWriter::AddLostAfter); }
+  void NoteLost(std::uint64_t steps, const char* where, bool (RunWriter::*add)(std::uint64_t)) {
     steps += std::exchange(owed_, 0);
     if (steps == 0) return;
     noted_ += steps;
     const std::string text = LostText(steps);
     was_full_ = false;
-    logger_->warn("step {}: {}", last_.step, text);
-    if (Check(writer_->AddLost(steps))) Check(writer_->AddEvent({last_.step, last_.time_s, "warning", text}));
-  }
-
-  /// Those after the last step of the file.
-  void NoteLostAfter(std::uint64_t steps) {
-    steps += std::exchange(owed_, 0);
-    if (steps == 0) return;
-    noted_ += steps;
-    const std::string text = LostText(steps);
-    logger_->warn("after step {}: {}", last_.step, text);
-    if (Check(writer_->AddLostAfter(steps))) {
-      Check(writer_->AddEvent({last_.step, last_.time_s, "warning", text}));
-    }
+    logger_->warn("{}step {}: {}", where, last_.step, text);
+    if (Check((*writer_.*add)(steps))) Check(writer_->AddEvent({last_.step, last_.time_s, "warning", text}));
   }
 
   /// False if it was not written: the recording stalls, or has ended.
@@ -317,11 +267,6 @@ class Recorder::Impl {
       Fail(writer_->error());
     }
     return false;
-  }
-
-  bool HasRoom() const {
-    const auto& free = options_.free_bytes;
-    return (free ? free(options_.file) : FreeBytes(options_.file)) >= options_.room_bytes;
   }
 
   /// The file holds what was committed. What came since is lost with what comes until there is room.
@@ -359,7 +304,7 @@ class Recorder::Impl {
 
   void TryToGoOn() {
     retry_at_ = clock_.Now() + retry_after_;
-    if (!HasRoom()) return;
+    if (!files_.HasRoom()) return;
     if (writer_ != nullptr) {
       writer_->GoOn();
       bool written = true;
@@ -423,6 +368,7 @@ class Recorder::Impl {
   const RecorderOptions options_;
   const Clock& clock_;
   const Logger logger_;
+  RecordingFiles files_;
   RecordQueue queue_;
   mutable Mutex mutex_;
   RecorderStatus status_ GUARDED_BY(mutex_);
@@ -436,11 +382,9 @@ class Recorder::Impl {
 
   // The recorder's thread only.
   std::unique_ptr<RunWriter> writer_;
-  const std::string build_ = BuildId();  // before the run, as it reads the whole program
   std::uint64_t committed_steps_ = 0;
-  bool has_made_ = false;  // the first file
-  int made_order_ = 0;     // of the file that was made last
-  bool failed_ = false;    // nothing is written any more
+  int made_order_ = 0;   // of the file that was made last
+  bool failed_ = false;  // nothing is written any more
   bool is_dirty_ = false;
   Nanoseconds dirty_since_ = 0;  // wall clock
   Moment last_, committed_;
@@ -464,15 +408,7 @@ Recorder::Recorder(RecorderOptions options, const Clock& clock, Logger logger) {
 Recorder::~Recorder() = default;
 
 std::string Recorder::Check() const {
-  const std::string& file = impl_->options().file;
-  if (const std::string error = WhyNoRunFile(file, impl_->options().overwrite); !error.empty()) return error;
-  struct stat found {};
-  if (::lstat(file.c_str(), &found) == 0) return {};
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor < 0) return "cannot make " + file + ": " + std::generic_category().message(errno);
-  ::close(descriptor);
-  ::unlink(file.c_str());
-  return {};
+  return impl_->files().WhyNone();
 }
 
 void Recorder::Close() {

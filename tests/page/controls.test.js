@@ -2,7 +2,7 @@
 // The run, its time, its scenario and its lockstep, changed on the page as a person does it.
 import assert from 'node:assert/strict';
 import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {call, eventually, hasText, launchBrowser, openModule, openPage, startDaemon} from './harness.js';
+import {call, closeClassroom, eventually, hasText, launchBrowser, openClassroom, openModule} from './harness.js';
 
 let browser;
 let daemon;
@@ -11,15 +11,8 @@ let page;
 before(async () => { browser = await launchBrowser(); });
 after(async () => { await browser?.close(); });
 
-beforeEach(async () => {
-  daemon = await startDaemon('classroom');
-  page = await openPage(browser, daemon.url);
-});
-afterEach(async () => {
-  assert.deepEqual(page.mistakes, []);
-  await page.close();
-  await daemon.stop();
-});
+beforeEach(async () => { ({daemon, page} = await openClassroom(browser)); });
+afterEach(() => closeClassroom({daemon, page}));
 
 test('run, pause, step and reset do what they say', async () => {
   await page.click('#pause');

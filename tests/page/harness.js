@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Starts the daemon that COOPDYN_BINARY names and opens its page in a headless Chromium.
+import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
 import {once} from 'node:events';
 import {connect} from 'node:net';
@@ -64,6 +65,19 @@ export async function openPage(browser, url) {
   await page.goto(url);
   await page.waitForFunction(() => /^[\d.]+ s$/.test(document.getElementById('time').textContent));
   return page;
+}
+
+/** A daemon with the classroom, and its page. */
+export async function openClassroom(browser) {
+  const daemon = await startDaemon('classroom');
+  return {daemon, page: await openPage(browser, daemon.url)};
+}
+
+/** Ends both; there were no errors on the page. */
+export async function closeClassroom({daemon, page}) {
+  assert.deepEqual(page.mistakes, []);
+  await page.close();
+  await daemon.stop();
 }
 
 /** Waits until the page was told its status `count` times more, five times a second. */

@@ -2,7 +2,10 @@
 // What the page shows of a run and its robots, in a real browser against a real daemon.
 import assert from 'node:assert/strict';
 import {after, afterEach, before, beforeEach, describe, test} from 'node:test';
-import {call, eventually, hasText, launchBrowser, moreStatuses, nextPicture, openConsole, openPage, picture, startDaemon} from './harness.js';
+import {
+  call, closeClassroom, eventually, hasText, launchBrowser, moreStatuses, nextPicture, openClassroom, openConsole, openPage,
+  picture, startDaemon,
+} from './harness.js';
 
 let browser;
 let daemon;
@@ -28,15 +31,8 @@ async function position() {
 }
 
 describe('the page', () => {
-  beforeEach(async () => {
-    daemon = await startDaemon('classroom');
-    page = await openPage(browser, daemon.url);
-  });
-  afterEach(async () => {
-    assert.deepEqual(page.mistakes, []);
-    await page.close();
-    await daemon.stop();
-  });
+  beforeEach(async () => { ({daemon, page} = await openClassroom(browser)); });
+  afterEach(() => closeClassroom({daemon, page}));
 
   test('shows the world, the robots and how the run stands', async () => {
     await nextPicture(page);

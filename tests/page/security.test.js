@@ -135,13 +135,19 @@ test('who has no token sends no large bodies', async () => {
   await open.stop();
 });
 
-test('from another machine the token unlocks the page, and a wrong one is told', async () => {
+/** The page as another machine has it: its daemon wants a token. */
+async function openFromOutside() {
   const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
   assert.ok(outer, 'this test needs a network address besides loopback');
   const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'the-right-token');
   const address = new URL(open.url);
   address.hostname = outer.address;
   const page = await openPage(browser, address.href);
+  return {open, address, page};
+}
+
+test('from another machine the token unlocks the page, and a wrong one is told', async () => {
+  const {open, address, page} = await openFromOutside();
   const says = (id, text) => page.waitForFunction(
     ([where, part]) => document.getElementById(where).textContent.includes(part), [id, text]);
   await page.waitForSelector('#locked', {state: 'visible'});
@@ -168,12 +174,7 @@ test('from another machine the token unlocks the page, and a wrong one is told',
 });
 
 test('after too many wrong tokens the page tells how long to wait', async () => {
-  const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
-  assert.ok(outer, 'this test needs a network address besides loopback');
-  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'the-right-token');
-  const address = new URL(open.url);
-  address.hostname = outer.address;
-  const page = await openPage(browser, address.href);
+  const {open, address, page} = await openFromOutside();
   await page.fill('#token', 'wrong');
   for (let i = 0; i < 3; ++i) await page.click('#locked button');
   await hasText(page, '#token-answer', /wait 1 s/);

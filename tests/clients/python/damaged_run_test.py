@@ -13,6 +13,13 @@ from run_cases import ReadRunTestCase
 
 
 class ForeignAndDamaged(ReadRunTestCase):
+    def write_changed(self, statement):
+        self.write_two()
+        db = sqlite3.connect(self.path)
+        db.execute(statement)
+        db.commit()
+        db.close()
+
     def test_a_file_that_is_not_there_is_error_10(self):
         error = self.error_of(lambda: coopdyn.read_run("nowhere.run"))
         self.assertEqual(error.code, 10)
@@ -63,11 +70,7 @@ class ForeignAndDamaged(ReadRunTestCase):
                           "UPDATE step SET poses = 7", "UPDATE step SET commands = 7", "UPDATE robot SET q_w = NULL, q_x = 2",
                           "UPDATE robot SET sensors = 'x'", "UPDATE robot SET sensors = -3"):
             with self.subTest(statement):
-                self.write_two()
-                db = sqlite3.connect(self.path)
-                db.execute(statement)
-                db.commit()
-                db.close()
+                self.write_changed(statement)
                 error = self.error_of(lambda: self.read_all(coopdyn.read_run(self.path)))
                 os.remove(self.path)
                 self.assertEqual(error.code, 7, error)
@@ -97,11 +100,7 @@ class ForeignAndDamaged(ReadRunTestCase):
                                 ("UPDATE step SET poses = NULL WHERE step = 11", "the poses of step 11 are missing"),
                                 ("UPDATE step SET poses = NULL WHERE step = 12", "the poses of step 12 are missing")):
             with self.subTest(statement):
-                self.write_two()
-                db = sqlite3.connect(self.path)
-                db.execute(statement)
-                db.commit()
-                db.close()
+                self.write_changed(statement)
                 error = self.error_of(lambda: coopdyn.read_run(self.path).pose("robot1"))
                 os.remove(self.path)
                 self.assertEqual(error.code, 7)

@@ -130,6 +130,13 @@ TEST_F(NameProtocolTest, OpenIsTakenInSmallLettersToo) {
   EXPECT_TRUE(AnswerNameLine("open /robot1/motors", context_, table_).open);
 }
 
+TEST_F(NameProtocolTest, AFarewellInAnyCaseClosesTheConnection) {
+  for (const char* word : {"exit", "quit", "bye", "QUIT", "Bye"}) {
+    EXPECT_TRUE(AnswerNameLine(word, context_, table_).close) << word;
+  }
+  EXPECT_FALSE(AnswerNameLine("QUITE", context_, table_).close);
+}
+
 TEST_F(NameProtocolTest, OpenAloneSaysWhatToWrite) {
   EXPECT_EQ(Ask("OPEN"), "error 10 OPEN takes a name, as in OPEN /robot1/distance; list shows all\n");
 }

@@ -46,6 +46,29 @@ TEST_F(StepperRestoreTest, AResetEqualsAFreshStart) {
   }
 }
 
+TEST_F(StepperRestoreTest, WhatExplodedBeforeAResetIsRemembered) {
+  Begin();
+  Step();
+  SavedState state = *Save();
+  auto frame = std::make_shared<Frame>();
+  frame->step = state.frame->step;
+  frame->time = state.frame->time;
+  frame->seed = state.frame->seed;
+  frame->scene = state.frame->scene;
+  frame->bodies = state.frame->bodies;
+  frame->robots = state.frame->robots;
+  frame->bodies[0].v_WB = {0, 500, 0};
+  state.frame = frame;
+  Do(edit::Restore{std::make_shared<SavedState>(state)});
+  Step();
+  Save();  // an edit publishes the status
+  EXPECT_EQ(control_.status().frozen, std::vector<std::string>{"robot1"});
+  EXPECT_TRUE(control_.status().frozen_before.empty());
+  Do(edit::Reset{});
+  EXPECT_TRUE(control_.status().frozen.empty());
+  EXPECT_EQ(control_.status().frozen_before, std::set<std::string>{"robot1"});
+}
+
 TEST_F(StepperRestoreTest, AResetKeepsTheSeedUnlessAnotherIsGiven) {
   Begin();
   EXPECT_EQ(Do(edit::Reset{7}).frame->seed, 7u);
