@@ -1,7 +1,8 @@
-"""Runs every block of docs/guide.md, chapter by chapter, as a reader would.
+"""Runs every block of docs/guide.md, chapter by chapter, as a reader would, and the programs of the README.
 
-`sh serve` starts a daemon for the rest of the chapter (on free ports), `sh` runs commands, `python` and `matlab` (in Octave)
-are programs, `text` is typed into netcat, `scenario NAME` is saved as that file.
+`sh serve` starts a daemon (on free ports), `sh` runs commands, `python` and `matlab` (in Octave) are programs, `text` is
+typed into netcat, `scenario NAME` is saved as that file. Each chapter is read alone, in an empty folder, and ends the
+daemons that it starts (`coopdyn quit`).
 """
 import os
 import re
@@ -38,7 +39,7 @@ class Reader:
         return done.stdout
 
     def serve(self, command):
-        self.close()
+        assert self.daemon is None, f"the daemon before {command!r} still runs"
         words = command.split() + ["--port", "0"]
         self.daemon = subprocess.Popen(words, cwd=self.folder, env=self.env, stdout=subprocess.PIPE,
                                        stderr=subprocess.DEVNULL, text=True)
@@ -66,6 +67,10 @@ class Reader:
             self.serve(body.strip())
         elif words == ["sh"]:
             self.run(["bash", "-euc", body])
+            if "coopdyn quit" in body:
+                self.daemon.communicate(timeout=60)
+                assert self.daemon.returncode == 0, body
+                self.daemon = None
         elif words in (["python"], ["matlab"]):
             self.run(self.program(kind, body))
         elif words == ["text"]:
@@ -91,6 +96,7 @@ class GuideTest(unittest.TestCase):
             try:
                 for kind, body in blocks:
                     reader.block(kind, body)
+                self.assertIsNone(reader.daemon, "the chapter does not end its daemon")
             finally:
                 reader.close()
 
@@ -103,8 +109,8 @@ class GuideTest(unittest.TestCase):
     def test_the_researcher(self):
         self.read_chapter("The researcher")
 
-    def test_record_play_back_go_on_from_there(self):
-        self.read_chapter("Record, play back, go on from there")
+    def test_record_play_back_branch(self):
+        self.read_chapter("Record, play back, branch")
 
     def test_swarms_a_team(self):
         self.read_chapter("Swarms: a team")
@@ -126,7 +132,7 @@ class GuideTest(unittest.TestCase):
             reader = Reader(Path(folder))
             self.addCleanup(reader.close)
             for kind, body in recipes:
-                reader.serve("coopdyn serve classroom --mode lockstep")
+                reader.serve("coopdyn serve classroom --mode lockstep --speed 4")  # so that the reset comes before the end
                 with subprocess.Popen(reader.program(kind, body), cwd=folder, env=reader.env, stdout=subprocess.PIPE,
                                       stderr=subprocess.STDOUT, text=True) as program:
                     while float(reader.run(["coopdyn", "call", "/simulation", "get_time"]).split()[-1]) < 20:
@@ -134,6 +140,17 @@ class GuideTest(unittest.TestCase):
                     reader.run(["coopdyn", "reset"])
                     said = program.communicate(timeout=200)[0]
                 self.assertEqual((program.returncode, said.count("the world was reset")), (0, 1), said)
+                reader.close()
+
+    def test_the_programs_of_the_readme(self):
+        programs = [(kind, body) for kind, body in BLOCK.findall((ROOT / "README.md").read_text()) if kind]
+        self.assertEqual([kind for kind, _ in programs], ["python", "matlab"])
+        with tempfile.TemporaryDirectory() as folder:
+            reader = Reader(Path(folder))
+            self.addCleanup(reader.close)
+            reader.serve("coopdyn serve classroom")
+            for kind, body in programs:
+                reader.block(kind, body)
 
     def test_no_chapter_is_left_out(self):
         tested = {name[5:].replace("_", " ") for name in dir(self) if name.startswith("test_")}
