@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Reading JSON: what get_status and describe answer. A value type; any thread.
+// What get_status and describe answer: JSON, read by Boost.JSON, whose headers a program does not need. A
+// value type; any thread.
 #pragma once
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
+
+namespace boost::json {
+class value;
+}
 
 namespace coopdyn::client {
 
@@ -32,7 +36,8 @@ class Json {
   const Json& operator[](std::string_view key) const;
 
  private:
-  friend class JsonParser;
+  explicit Json(const boost::json::value& value);
+
   Kind kind_ = Kind::kNull;
   double number_ = 0;
   std::string text_;

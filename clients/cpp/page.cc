@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/error.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <utility>
 
 #include "clients/cpp/codes.h"
@@ -15,94 +17,57 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr std::size_t kMaxHead = 65536;
+namespace http = boost::beast::http;
+using boost::system::error_code;
 
-/// A socket that is closed at the end.
-class Socket {
+/// A connection as Beast reads it. Each wait is at most `timeout_s`.
+class PageStream {
  public:
-  explicit Socket(int fd) : fd_(fd) {}
-  ~Socket() { close(fd_); }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  int fd() const { return fd_; }
+  PageStream(int fd, double timeout_s) : fd_(fd), timeout_s_(timeout_s) {}
+  ~PageStream() { close(fd_); }
+  PageStream(const PageStream&) = delete;
+  PageStream& operator=(const PageStream&) = delete;
+
+  template <class Buffers>
+  std::size_t read_some(const Buffers& buffers, error_code& failed) {
+    const boost::asio::mutable_buffer to(*boost::asio::buffer_sequence_begin(buffers));
+    const Deadline deadline = After(timeout_s_);
+    while (true) {
+      const ssize_t n = read(fd_, to.data(), to.size());
+      failed = {};
+      if (n > 0) return static_cast<std::size_t>(n);
+      failed = boost::asio::error::eof;
+      if (n == 0 || (errno != EAGAIN && errno != EINTR)) return 0;
+      failed = boost::asio::error::timed_out;
+      if (Until(deadline) <= 0) return 0;
+      WaitReadable({fd_}, Until(deadline));
+    }
+  }
+  template <class Buffers>
+  std::size_t read_some(const Buffers& buffers) {
+    error_code failed;
+    const std::size_t n = read_some(buffers, failed);
+    if (failed) throw boost::system::system_error(failed);
+    return n;
+  }
 
  private:
   int fd_;
+  double timeout_s_;
 };
 
-/// A file that replaces `name` when it is kept, and is gone else.
-class NewFile {
- public:
-  explicit NewFile(std::string name)
-      : name_(std::move(name)),
-        part_(name_ + "." + std::to_string(getpid()) + ".part"),
-        out_(part_, std::ios::binary | std::ios::trunc) {
-    if (!out_) throw Error(kNotPossible, "cannot write " + name_);
-  }
-  ~NewFile() {
+/// Goes away with the object, unless it was renamed.
+struct PartFile {
+  explicit PartFile(const std::string& name) : part(name + "." + std::to_string(getpid()) + ".part") {}
+  ~PartFile() {
     std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
+    std::filesystem::remove(part, ignored);
   }
-  NewFile(const NewFile&) = delete;
-  NewFile& operator=(const NewFile&) = delete;
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
 
-  void Write(const char* bytes, std::size_t count) {
-    if (!out_.write(bytes, static_cast<std::streamsize>(count)))
-      throw Error(kNotPossible, "cannot write " + name_);
-  }
-  void Keep() {
-    out_.close();
-    std::error_code failed;
-    if (out_) std::filesystem::rename(part_, name_, failed);
-    if (!out_ || failed) throw Error(kNotPossible, "cannot write " + name_);
-  }
-
- private:
-  const std::string name_, part_;
-  std::ofstream out_;
+  const std::string part;
 };
-
-/// The next bytes; none at the end. Each wait is at most `timeout_s`.
-std::size_t ReadSome(int fd, char* to, std::size_t size, double timeout_s, const std::string& what) {
-  const Deadline deadline = After(timeout_s);
-  while (true) {
-    const ssize_t n = read(fd, to, size);
-    if (n >= 0) return static_cast<std::size_t>(n);
-    if (errno != EAGAIN && errno != EINTR) return 0;
-    if (Until(deadline) <= 0) throw Error(kTimedOut, "no " + what + ": the page does not answer");
-    WaitReadable({fd}, Until(deadline));
-  }
-}
-
-struct Head {
-  int status = 0;
-  std::size_t length = 0;  // of the body
-  std::string rest;        // of the body, that has come with it
-};
-
-Head ReadHead(int fd, double timeout_s, const std::string& what) {
-  std::string bytes;
-  std::size_t end = std::string::npos;
-  char buffer[4096];
-  while ((end = bytes.find("\r\n\r\n")) == std::string::npos && bytes.size() < kMaxHead) {
-    const std::size_t n = ReadSome(fd, buffer, sizeof(buffer), timeout_s, what);
-    if (n == 0) break;
-    bytes.append(buffer, n);
-  }
-  Head head;
-  const bool http = end != std::string::npos && bytes.starts_with("HTTP/1.") && bytes.size() > 12;
-  if (http) std::from_chars(bytes.data() + 9, bytes.data() + 12, head.status);
-  std::string fields = bytes.substr(0, http ? end + 2 : 0);
-  std::transform(fields.begin(), fields.end(), fields.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  const std::size_t field = fields.find("\r\ncontent-length:");
-  if (head.status == 0 || field == std::string::npos)
-    throw Error(Error::kNoConnection, "no " + what + ": the page does not answer as a daemon's does");
-  const std::size_t digits = fields.find_first_not_of(" \t", field + 17);
-  std::from_chars(fields.data() + digits, fields.data() + fields.size(), head.length);
-  head.rest = bytes.substr(end + 4);
-  return head;
-}
 
 }  // namespace
 
@@ -117,42 +82,52 @@ std::string UrlHere(const Address& daemon, const std::string& url) {
 }
 
 void Download(const Address& daemon, const std::string& url, const std::string& path, const std::string& file,
-              const char* what, double timeout_s) {
+              const std::string& what, double timeout_s) {
   std::string here = UrlHere(daemon, url);
   if (here.empty())
     throw Error(kNotPossible, "the daemon was started with --no-http, so there are no pictures and no files");
   here = here.substr(here.find("://") + 3);
   const Address page(here.substr(0, here.find('/', here.rfind(':'))), "", "", daemon.timeout_s());
-  const Socket socket(page.Dial(After(daemon.timeout_s())));
-  WriteAll(socket.fd(),
-           "GET " + path + " HTTP/1.1\r\nHost: " + page.text() + "\r\nConnection: close\r\n\r\n");
-  Head head = ReadHead(socket.fd(), timeout_s, what);
-  if (head.status != 200) {
-    std::string said = std::move(head.rest);
-    char buffer[4096];
-    while (said.size() < std::min(head.length, kMaxHead)) {
-      const std::size_t n = ReadSome(socket.fd(), buffer, sizeof(buffer), timeout_s, what);
-      if (n == 0) break;
-      said.append(buffer, n);
-    }
-    while (said.ends_with('\n')) said.pop_back();
-    throw Error(head.status == 404 ? kNoSuchName : kNotPossible, "no " + std::string(what) + ": " + said);
+  const int fd = page.Dial(After(daemon.timeout_s()));
+  PageStream stream(fd, timeout_s);
+  WriteAll(fd, "GET " + path + " HTTP/1.1\r\nHost: " + page.text() + "\r\nConnection: close\r\n\r\n");
+
+  error_code failed;
+  const auto throw_if_silent = [&] {
+    if (failed == boost::asio::error::timed_out)
+      throw Error(kTimedOut, "no " + what + ": the page does not answer");
+  };
+  boost::beast::flat_buffer buffer;
+  http::response_parser<http::empty_body> head;
+  http::read_header(stream, buffer, head, failed);
+  throw_if_silent();
+  if (failed || !head.content_length())
+    throw Error(Error::kNoConnection, "no " + what + ": the page does not answer as a daemon's does");
+  const std::uint64_t length = *head.content_length();
+  if (head.get().result() != http::status::ok) {
+    http::response_parser<http::string_body> reply(std::move(head));
+    http::read(stream, buffer, reply, failed);
+    throw_if_silent();
+    std::string said = reply.get().body();
+    said.erase(said.find_last_not_of('\n') + 1);
+    throw Error(reply.get().result() == http::status::not_found ? kNoSuchName : kNotPossible,
+                "no " + what + ": " + said);
   }
-  NewFile out(file);
-  std::size_t got = std::min(head.rest.size(), head.length);
-  out.Write(head.rest.data(), got);
-  std::string buffer(std::size_t{1} << 18, '\0');
-  while (got < head.length) {
-    const std::size_t n =
-        ReadSome(socket.fd(), buffer.data(), std::min(buffer.size(), head.length - got), timeout_s, what);
-    if (n == 0)
-      throw Error(Error::kNoConnection, "the connection broke before the " + std::string(what) +
-                                            " was whole: " + std::to_string(got) + " of " +
-                                            std::to_string(head.length) + " bytes have come");
-    out.Write(buffer.data(), n);
-    got += n;
-  }
-  out.Keep();
+  const PartFile to(file);
+  http::response_parser<http::file_body> body(std::move(head));
+  body.body_limit(boost::none);
+  body.get().body().open(to.part.c_str(), boost::beast::file_mode::write, failed);
+  if (!failed) http::read(stream, buffer, body, failed);
+  throw_if_silent();
+  if (failed == http::error::partial_message)
+    throw Error(Error::kNoConnection,
+                "the connection broke before the " + what + " was whole: " +
+                    std::to_string(length - body.content_length_remaining().value_or(length)) + " of " +
+                    std::to_string(length) + " bytes have come");
+  std::error_code not_renamed;
+  if (!failed) body.get().body().file().close(failed);
+  if (!failed) std::filesystem::rename(to.part, file, not_renamed);
+  if (failed || not_renamed) throw Error(kNotPossible, "cannot write " + file);
 }
 
 }  // namespace coopdyn::client

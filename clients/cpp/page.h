@@ -16,6 +16,6 @@ std::string UrlHere(const Address& daemon, const std::string& url);
 /// does not give it or `file` cannot be written, -1 or 11 if the connection broke or nothing comes for
 /// `timeout_s`.
 void Download(const Address& daemon, const std::string& url, const std::string& path, const std::string& file,
-              const char* what, double timeout_s);
+              const std::string& what, double timeout_s);
 
 }  // namespace coopdyn::client

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "clients/cpp/run_codec.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -8,14 +9,6 @@
 #include <string_view>
 
 namespace coopdyn::client {
-namespace {
-
-std::array<double, 3> Cross(const double* a, const double* b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-}  // namespace
-
 std::uint64_t Little(Bytes bytes) {
   std::uint64_t value = 0;
   for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
@@ -59,31 +52,24 @@ Pose7 BodyPose(Bytes raw, int exponent) {
   return pose;
 }
 
-Pose7 RobotPose(Pose7 pose, const std::array<double, 3>& u, const std::array<double, 4>& r) {
-  if (u[0] != 0 || u[1] != 0 || u[2] != 0) {
-    std::array<double, 3> t = Cross(&pose[4], u.data());
-    for (double& c : t) c += c;
-    const std::array<double, 3> s = Cross(&pose[4], t.data());
-    for (std::size_t i = 0; i < 3; ++i) pose[i] += u[i] + pose[3] * t[i] + s[i];
-  }
-  if (r[1] != 0 || r[2] != 0 || r[3] != 0) {
-    const double w = pose[3], x = pose[4], y = pose[5], z = pose[6];
-    pose[3] = w * r[0] - x * r[1] - y * r[2] - z * r[3];
-    pose[4] = w * r[1] + x * r[0] + y * r[3] - z * r[2];
-    pose[5] = w * r[2] - x * r[3] + y * r[0] + z * r[1];
-    pose[6] = w * r[3] + x * r[2] - y * r[1] + z * r[0];
-  }
-  return pose;
+Pose7 RobotPose(const Pose7& X_WB, const Pose7& X_BR) {
+  const Eigen::Quaterniond q_WB(X_WB[3], X_WB[4], X_WB[5], X_WB[6]);
+  const Eigen::Quaterniond q = q_WB * Eigen::Quaterniond(X_BR[3], X_BR[4], X_BR[5], X_BR[6]);
+  const Eigen::Vector3d p =
+      Eigen::Map<const Eigen::Vector3d>(X_WB.data()) + q_WB * Eigen::Map<const Eigen::Vector3d>(X_BR.data());
+  return {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
 }
 
 std::string ControllerIn(Bytes scene, std::int64_t id, const std::string& name, const std::string& type) {
-  const auto number = [](std::size_t n) {
-    std::string bytes;
-    for (int k = 0; k < 32; k += 8) bytes += static_cast<char>(n >> k & 255);
-    return bytes;
+  std::string key;
+  const auto add = [&](std::size_t number, const std::string& text = "") {
+    for (int bit = 0; bit < 32; bit += 8) key += static_cast<char>(number >> bit & 255);
+    key += text;
   };
-  const std::string key = number(static_cast<std::size_t>(id)) + number(static_cast<std::size_t>(id)) +
-                          number(name.size()) + name + number(type.size()) + type;
+  add(static_cast<std::size_t>(id));
+  add(static_cast<std::size_t>(id));
+  add(name.size(), name);
+  add(type.size(), type);
   const std::string_view all(reinterpret_cast<const char*>(scene.data()), scene.size());
   std::size_t at = all.find(key);
   if (at == std::string_view::npos) return "";

@@ -20,13 +20,12 @@ double Single(Bytes bytes);
 /// @pre 8 bytes
 double Double(Bytes bytes);
 
-/// In metres.
-using Pose7 = std::array<double, 7>;  // x y z, quaternion w x y z
+using Pose7 = std::array<double, 7>;  // x y z [m], quaternion w x y z
 
 /// The pose of a body out of its 18 bytes (server/record/pose_codec.h), positions in units of 2^exponent µm.
 Pose7 BodyPose(Bytes raw, int exponent);
-/// The pose of the robot's frame R, from that of its body B and of R in B: p, q (w x y z).
-Pose7 RobotPose(Pose7 pose, const std::array<double, 3>& u, const std::array<double, 4>& r);
+/// The pose of a robot's frame R, from that of its body B, X_WB, and of R in B.
+Pose7 RobotPose(const Pose7& X_WB, const Pose7& X_BR);
 
 /// The loaded controller of a robot, in the description of a scene; empty: none.
 std::string ControllerIn(Bytes scene, std::int64_t id, const std::string& name, const std::string& type);

@@ -2,11 +2,11 @@
 #include "clients/cpp/run_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "clients/cpp/run_codec.h"
@@ -34,17 +34,12 @@ std::int64_t EndOf(const std::string& table, const std::string& ends) {
 
 /// Where a thing stands in the rows of one scene of a recording.
 struct Place {
-  std::int64_t scene = 0, body = 0;
+  std::size_t body = 0;
   std::int64_t robot = -1;  // its number; -1: it is none
-  std::array<double, 3> p_BR{};
-  std::array<double, 4> q_BR{1, 0, 0, 0};
-  std::int64_t first_sensor = 0, sensors = 0;
+  Pose7 X_BR{0, 0, 0, 1, 0, 0, 0};
+  std::size_t first_sensor = 0, sensors = 0;
 };
-
-/// A part of a column in one scene.
-struct Slice {
-  std::int64_t scene = 0, first = 0, count = 0;
-};
+using Places = std::map<std::int64_t, Place>;  // by scene
 
 }  // namespace
 
@@ -74,7 +69,7 @@ struct Run::Impl {
         [&](const RunRow& row) {
           const std::int64_t bytes = 1 + static_cast<std::int64_t>(kPoseBytes) * row.count(3);
           if (row.count(1) > row.count(2) || (!row.is_null(4) && row.integer(4) != bytes))
-            RunDatabase::Damaged(file(), "robots or bodies of scene " + row.text(0) + " are missing");
+            database.Damaged("robots or bodies of scene " + row.text(0) + " are missing");
         });
   }
 
@@ -95,10 +90,10 @@ struct Run::Impl {
           const std::int64_t step = row.integer(0), time = row.integer(1);
           const std::string number = std::to_string(step);
           if (step <= previous)
-            RunDatabase::Damaged(file(), "step " + number + " comes after step " + std::to_string(previous));
+            database.Damaged("step " + number + " comes after step " + std::to_string(previous));
           const bool has_poses = row.integer(2) != 0;
           if (!has_poses && (every <= 0 || shown < 0 || time / every != shown / every))
-            RunDatabase::Damaged(file(), "the poses of step " + number + " are missing");
+            database.Damaged("the poses of step " + number + " are missing");
           if (rows++ == 0) first = step;
           previous = step;
           if (has_poses) shown = time;
@@ -106,7 +101,7 @@ struct Run::Impl {
           ends_there = (row.is_null(3) || first <= row.integer(3)) &&
                        (row.is_null(5) || step == row.integer(5)) && step >= EndOf("step", row.text(6));
         });
-    if (rows < wanted || !ends_there) RunDatabase::Damaged(file(), "steps are missing");
+    if (rows < wanted || !ends_there) database.Damaged("steps are missing");
     counted = true;
   }
 
@@ -114,7 +109,7 @@ struct Run::Impl {
     database.ForEach("SELECT count(*), (SELECT value FROM meta WHERE key = 'ends') FROM event",
                      [&](const RunRow& row) {
                        if (row.integer(0) < EndOf("event", row.text(1)))
-                         RunDatabase::Damaged(file(), "events are missing");
+                         database.Damaged("events are missing");
                      });
   }
 
@@ -126,59 +121,47 @@ struct Run::Impl {
                      use);
   }
 
-  /// Calls `use` at each recorded moment with step, scene, the first byte of `column`, and the slice of it.
-  void ForEachSlice(const std::string& column, const std::vector<Slice>& slices,
-                    const std::function<void(const RunRow&)>& use) const {
-    CheckSteps();
-    std::string values;
-    for (const Slice& s : slices) {
-      values += (values.empty() ? "(" : ", (") + std::to_string(s.scene) + ", " +
-                std::to_string(s.first + 1) + ", " + std::to_string(s.count) + ")";
-    }
-    database.ForEach("WITH part(scene, first, count) AS (VALUES " + values + ") SELECT step, scene, substr(" +
-                         column + ", 1, 1), substr(" + column +
-                         ", first, count) FROM step LEFT JOIN part USING (scene) WHERE step <= " +
-                         std::to_string(last) + " AND poses IS NOT NULL ORDER BY step",
-                     use);
-  }
-
   /// Where `name` stands, in each scene that has it. Throws Error 10 if there is no such thing.
-  std::vector<Place> Places(const std::string& name) const {
-    std::vector<Place> places;
+  Places PlacesOf(const std::string& name) const {
+    Places places;
     database.ForEach(
         "SELECT scene, body, place, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors, (SELECT "
-        "ifnull(sum(b.sensors), 0) "
-        "FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place) FROM robot AS a WHERE name = ?1 "
-        "ORDER BY scene",
+        "ifnull(sum(b.sensors), 0) FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place) FROM "
+        "robot AS a WHERE name = ?1",
         [&](const RunRow& row) {
-          places.push_back({row.count(0),
-                            row.count(1),
-                            row.count(2),
-                            {row.number(3), row.number(4), row.number(5)},
-                            {row.number(6), row.number(7), row.number(8), row.number(9)},
-                            row.count(11),
-                            row.count(10)});
+          Place& place = places[row.count(0)];
+          place.body = static_cast<std::size_t>(row.count(1));
+          place.robot = row.count(2);
+          for (int i = 0; i < 7; ++i) place.X_BR[static_cast<std::size_t>(i)] = row.number(3 + i);
+          place.sensors = static_cast<std::size_t>(row.count(10));
+          place.first_sensor = static_cast<std::size_t>(row.count(11));
         },
         &name);
-    if (places.empty()) {
-      database.ForEach(
-          "SELECT scene, place FROM body WHERE name = ?1 ORDER BY scene",
-          [&](const RunRow& row) { places.push_back({.scene = row.count(0), .body = row.count(1)}); }, &name);
-    }
-    if (places.empty()) {
-      std::vector<std::string> known = names;
-      database.ForEach("SELECT name FROM body WHERE robot IS NULL GROUP BY name ORDER BY min(scene), place",
-                       [&](const RunRow& row) { known.push_back(row.text(0)); });
-      throw Error(10, "there is no '" + name + "' in " + file() + "; " + Nearest(name, known) +
-                          "there are: " + ListOf(known));
-    }
+    if (!places.empty()) return places;
+    database.ForEach(
+        "SELECT scene, place FROM body WHERE name = ?1",
+        [&](const RunRow& row) { places[row.count(0)].body = static_cast<std::size_t>(row.count(1)); },
+        &name);
+    if (!places.empty()) return places;
+    std::vector<std::string> known = names;
+    database.ForEach("SELECT name FROM body WHERE robot IS NULL GROUP BY name ORDER BY min(scene), place",
+                     [&](const RunRow& row) { known.push_back(row.text(0)); });
+    throw Error(10, "there is no '" + name + "' in " + file() + "; " + Nearest(name, known) +
+                        "there are: " + ListOf(known));
+  }
+
+  Places RobotPlacesOf(const std::string& name) const {
+    Places places = PlacesOf(name);
+    if (places.begin()->second.robot < 0) throw Error(10, name + " is no robot; there are: " + ListOf(names));
     return places;
   }
 
-  std::vector<Place> RobotPlaces(const std::string& name) const {
-    std::vector<Place> places = Places(name);
-    if (places.front().robot < 0) throw Error(10, name + " is no robot; there are: " + ListOf(names));
-    return places;
+  /// The `count` bytes of a column from `first` on. Throws Error 7 if they are not there.
+  Bytes Part(const RunRow& row, int column, std::size_t first, std::size_t count,
+             const std::string& what) const {
+    const Bytes all = row.bytes(column);
+    if (first > all.size() || count > all.size() - first) Damaged(what, row.integer(0));
+    return all.subspan(first, count);
   }
 
   bool Has(const std::string& what) const {
@@ -201,7 +184,7 @@ struct Run::Impl {
   }
 
   [[noreturn]] void Damaged(const std::string& what, std::int64_t step) const {
-    RunDatabase::Damaged(file(), "the " + what + " of step " + std::to_string(step) + " do not add up");
+    database.Damaged("the " + what + " of step " + std::to_string(step) + " do not add up");
   }
 
   const std::string& file() const { return database.file(); }
@@ -264,23 +247,19 @@ std::vector<std::string> Run::hash() const {
 }
 
 RunRows Run::pose_3d(const std::string& name) const {
-  const std::vector<Place> places = impl_->Places(name);
-  std::vector<Slice> slices;
-  for (const Place& p : places) {
-    slices.push_back({p.scene, 1 + static_cast<std::int64_t>(kPoseBytes) * p.body, kPoseBytes});
-  }
+  const Places places = impl_->PlacesOf(name);
   std::vector<double> values;
-  impl_->ForEachSlice("poses", slices, [&](const RunRow& row) {
-    if (row.is_null(3)) {
+  impl_->ForEachMoment("step, scene, poses", [&](const RunRow& row) {
+    const auto found = places.find(row.integer(1));
+    if (found == places.end()) {
       values.insert(values.end(), 7, kNaN);
       return;
     }
-    const Bytes exponent = row.bytes(2), raw = row.bytes(3);
-    if (raw.size() != kPoseBytes || exponent.size() != 1 || exponent[0] > 31)
-      impl_->Damaged("poses", row.integer(0));
-    const std::int64_t scene = row.integer(1);
-    const auto place = std::find_if(places.begin(), places.end(), [&](auto& p) { return p.scene == scene; });
-    const Pose7 pose = RobotPose(BodyPose(raw, exponent[0]), place->p_BR, place->q_BR);
+    const Place& place = found->second;
+    const int exponent = impl_->Part(row, 2, 0, 1, "poses")[0];
+    if (exponent > 31) impl_->Damaged("poses", row.integer(0));
+    const Bytes raw = impl_->Part(row, 2, 1 + kPoseBytes * place.body, kPoseBytes, "poses");
+    const Pose7 pose = RobotPose(BodyPose(raw, exponent), place.X_BR);
     values.insert(values.end(), pose.begin(), pose.end());
   });
   const std::size_t k = values.size() / 7;
@@ -302,17 +281,16 @@ RunRows Run::pose(const std::string& name) const {
 RunRows Run::reading(const std::string& name, const std::string& what) const {
   if (std::find(kReadings.begin(), kReadings.end(), what) == kReadings.end())
     throw Error(4, "there is no reading '" + what + "'; there are: " + Join(kReadings, ", "));
-  const std::vector<Place> places = impl_->RobotPlaces(name);
+  const Places places = impl_->RobotPlacesOf(name);
   if (!impl_->Has(what))
     throw Error(5, what + " were not recorded in " + file() + "; record with --record-what all");
-  std::vector<Slice> slices;
-  std::map<std::int64_t, std::vector<std::size_t>> columns;  // of numbers, by scene
+  std::map<std::int64_t, std::vector<std::size_t>> columns;  // that the robot's numbers are, by scene
   std::size_t width = 0;
   if (what == "distances") {
-    for (const Place& p : places) {
-      slices.push_back({p.scene, 4 * p.first_sensor, 4 * p.sensors});
-      for (std::size_t i = 0; i < static_cast<std::size_t>(p.sensors); ++i) columns[p.scene].push_back(i);
-      width = std::max(width, static_cast<std::size_t>(p.sensors));
+    for (const auto& [scene, place] : places) {
+      columns[scene].resize(place.sensors);
+      std::iota(columns[scene].begin(), columns[scene].end(), 0);
+      width = std::max(width, place.sensors);
     }
   } else if (what == "targets") {
     std::set<std::int64_t> ids;
@@ -320,41 +298,37 @@ RunRows Run::reading(const std::string& name, const std::string& what) const {
                             [&](const RunRow& row) { ids.insert(row.integer(0)); });
     impl_->database.ForEach("SELECT scene, id FROM target ORDER BY scene, place", [&](const RunRow& row) {
       const auto at = static_cast<std::size_t>(std::distance(ids.begin(), ids.find(row.integer(1))));
-      columns[row.integer(0)].insert(columns[row.integer(0)].end(), {2 * at, 2 * at + 1});
+      std::vector<std::size_t>& of_scene = columns[row.integer(0)];
+      of_scene.insert(of_scene.end(), {2 * at, 2 * at + 1});
     });
-    for (const Place& p : places) {
-      const auto bytes = static_cast<std::int64_t>(4 * columns[p.scene].size());
-      slices.push_back({p.scene, bytes * p.robot, bytes});
-    }
     width = 2 * ids.size();
   } else {
-    for (const Place& p : places)
-      slices.push_back({p.scene, static_cast<std::int64_t>(kWheelBytes) * p.robot, kWheelBytes});
     width = 2;
   }
   std::vector<double> values;
   std::size_t k = 0;
-  impl_->ForEachSlice(what, slices, [&](const RunRow& row) {
+  impl_->ForEachMoment("step, scene, " + what, [&](const RunRow& row) {
     const std::size_t start = width * k++;
     values.resize(start + width, kNaN);
-    if (row.is_null(3)) return;
-    const Bytes raw = row.bytes(3);
+    const auto place = places.find(row.integer(1));
+    if (place == places.end() || row.is_null(2)) return;
+    const auto robot = static_cast<std::size_t>(place->second.robot);
     if (what == "wheels") {
-      if (raw.size() != kWheelBytes) impl_->Damaged(what, row.integer(0));
+      const Bytes raw = impl_->Part(row, 2, kWheelBytes * robot, kWheelBytes, what);
       for (std::size_t i = 0; i < 2; ++i)
         values[start + i] = static_cast<double>(Signed(Little(raw.subspan(5 * i, 5)), 40)) * kWheelUnit_rad;
       return;
     }
-    const std::vector<std::size_t>& at = columns[row.integer(1)];
-    if (raw.size() != 4 * at.size()) impl_->Damaged(what, row.integer(0));
+    const std::vector<std::size_t>& at = columns[place->first];
+    const std::size_t first = what == "distances" ? place->second.first_sensor : at.size() * robot;
+    const Bytes raw = impl_->Part(row, 2, 4 * first, 4 * at.size(), what);
     for (std::size_t i = 0; i < at.size(); ++i) values[start + at[i]] = Single(raw.subspan(4 * i, 4));
   });
   return {std::move(values), width, k};
 }
 
 RunRows Run::commands(const std::string& name) const {
-  std::map<std::int64_t, std::int64_t> robots;  // by scene
-  for (const Place& p : impl_->RobotPlaces(name)) robots[p.scene] = p.robot;
+  const Places places = impl_->RobotPlacesOf(name);
   const std::string controller = impl_->UnrecordedController(name);
   bool unknown = !controller.empty();
   std::vector<double> values;
@@ -365,11 +339,11 @@ RunRows Run::commands(const std::string& name) const {
       [&](const RunRow& row) {
         const Bytes raw = row.bytes(3);
         if (raw.size() % kCommandBytes != 0) impl_->Damaged("commands", row.integer(0));
-        const auto robot = robots.find(row.integer(2));
-        if (robot == robots.end()) return;
+        const auto place = places.find(row.integer(2));
+        if (place == places.end()) return;
         for (std::size_t at = 0; at < raw.size(); at += kCommandBytes) {
           const std::uint64_t word = Little(raw.subspan(at, 4));
-          if ((word & 0x7FFFFFFF) != static_cast<std::uint64_t>(robot->second)) continue;
+          if ((word & 0x7FFFFFFF) != static_cast<std::uint64_t>(place->second.robot)) continue;
           unknown = unknown && word < 0x80000000;  // until a client sends one
           if (unknown) continue;
           values.insert(values.end(), {static_cast<double>(row.integer(0)), Seconds(row.integer(1)),

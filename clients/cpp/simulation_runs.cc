@@ -47,21 +47,6 @@ void Require(const Message& reply, std::size_t params, std::size_t data) {
     throw Error(7, "a reply of the daemon has too few values");
 }
 
-/// A part of a URL.
-std::string Quoted(const std::string& name) {
-  std::string out;
-  for (const unsigned char c : name) {
-    constexpr const char* kHex = "0123456789ABCDEF";
-    if (std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.') {
-      out += static_cast<char>(c);
-    } else {
-      (out += '%') += kHex[c >> 4];
-      out += kHex[c & 15];
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 void Simulation::release_robot(const std::string& name) {
@@ -139,7 +124,7 @@ std::string Simulation::fetch_run(const std::string& name, const std::string& fi
   const std::string to = file.empty() ? stem + ".run" : file;
   try {
     Download(session_->address(), status()["http"].text(),
-             "/runs/" + Quoted(stem) + (to.ends_with(".mat") ? ".mat" : ".run"), to, "recording",
+             "/runs/" + PercentEncoded(stem) + (to.ends_with(".mat") ? ".mat" : ".run"), to, "recording",
              kExportTimeout_s);
   } catch (const Error& e) {
     if (e.code() != 10) throw;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Lists of names as texts.
+// Lists of names as texts, and texts in URLs.
 #pragma once
 
 #include <algorithm>
 #include <cctype>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace coopdyn::client {
@@ -31,6 +32,21 @@ inline std::string ListOf(std::vector<std::string> words) {
   if (count == 0) return "none";
   if (count > kListed) words.resize(kListed);
   return Join(words, ", ") + (count > kListed ? ", … (" + std::to_string(count) + ")" : "");
+}
+
+/// `text` as a part of a URL: all but letters, digits, -, _, . and what is in `kept` as %XX.
+inline std::string PercentEncoded(const std::string& text, std::string_view kept = "") {
+  constexpr const char* kHex = "0123456789ABCDEF";
+  std::string out;
+  for (const unsigned char c : text) {
+    const char byte = static_cast<char>(c);
+    if (std::isalnum(c) != 0 || byte == '-' || byte == '_' || byte == '.' || kept.find(byte) != kept.npos) {
+      out += byte;
+    } else {
+      out += {'%', kHex[c >> 4], kHex[c & 15]};
+    }
+  }
+  return out;
 }
 
 /// What `name` is but for its capitals, as part of an error.

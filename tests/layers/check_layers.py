@@ -19,7 +19,7 @@ WRITES = re.compile(r"std::(cout|cerr|clog)|\b(printf|fprintf|puts|fputs|fwrite|
 ONLY_IN = {
     r"ode/": ["server/physics"],
     r"(GL|EGL|GLES\d?)/": ["server/render"],
-    r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/control", "server/web", "server/app"],
+    r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/control", "server/web", "server/app", "clients/cpp"],
     r"sdf/": ["server/model"],
     r"sqlite3": ["server/record", "clients/cpp"],
     r"matio": ["server/replay"],
