@@ -1,18 +1,51 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/more_commands.h"
 
-#include <CLI/CLI.hpp>
+#include <unistd.h>
 
-#include "server/app/bench_lockstep.h"
-#include "server/app/bench_recording.h"
-#include "server/app/bench_swarm.h"
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "server/app/commands.h"
 #include "server/app/controller_child.h"
 #include "server/app/export_command.h"
 #include "server/app/info_command.h"
 #include "server/app/new_controller.h"
+#include "server/app/print.h"
 #include "server/app/verify_command.h"
 
 namespace coopdyn {
+
+namespace {
+
+/// Goes on as the program coopdyn-bench; returns only if there is none.
+int HandOverToBench(std::vector<std::string> words) {
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const std::string program = folder / "coopdyn-bench";
+  words.insert(words.begin(), program);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  ::execv(program.c_str(), arguments.data());
+  PrintError(
+      "coopdyn: coopdyn bench needs the program coopdyn-bench in {}: build it with cmake --build --preset "
+      "release --target coopdyn-bench\n",
+      folder.string());
+  return kExitErrors;
+}
+
+/// What follows `bench` is for that program, --help too.
+void AddBench(CLI::App& app, std::function<int()>& chosen) {
+  CLI::App* bench = app.add_subcommand("bench", "Measure the speed of this machine and build");
+  bench->set_help_flag();
+  bench->prefix_command();
+  bench->callback(
+      [bench, &chosen] { chosen = [words = bench->remaining()] { return HandOverToBench(words); }; });
+}
+
+}  // namespace
 
 void AddMoreCommands(CLI::App& app, std::function<int()>& chosen) {
   AddControllerChild(app, chosen);
@@ -20,17 +53,7 @@ void AddMoreCommands(CLI::App& app, std::function<int()>& chosen) {
   AddVerify(app, chosen);
   AddExport(app, chosen);
   AddInfo(app, chosen);
-  CLI::App* bench = app.add_subcommand("bench", "Measure the speed of this machine and build");
-  bench->require_subcommand(0, 1);
-  bench->callback([bench] {
-    if (bench->get_subcommands().empty()) {
-      throw CLI::ValidationError("write what to measure: coopdyn bench swarm, lockstep or recording");
-    }
-  });
-  bench->footer("Example: coopdyn bench swarm --robots 1000");
-  AddBenchSwarm(*bench, chosen);
-  AddBenchLockstep(*bench, chosen);
-  AddBenchRecording(*bench, chosen);
+  AddBench(app, chosen);
 }
 
 }  // namespace coopdyn

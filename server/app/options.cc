@@ -33,35 +33,6 @@ void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments
   throw CLI::ParseError(what + ": write one of " + commands, CLI::ExitCodes::InvalidError);
 }
 
-/// What is wrong with the words of a command, and what to write instead.
-std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<CLI::App*> chosen = app.get_subcommands();
-  const CLI::App& command = chosen.empty() ? app : *chosen.back();
-  const std::string said = error.what();  // of an option: "--port: …", "run is required"
-  std::string what = said;
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
-    const std::string word = app.remaining(true).at(0);
-    what = word + " is one word too many";
-    if (word.starts_with("--")) {
-      std::vector<std::string> flags;
-      for (const CLI::Option* option : command.get_options()) flags.push_back(option->get_name());
-      const std::string nearest = Nearest(word.substr(0, word.find('=')), flags);
-      what = "there is no option " + word + (nearest.empty() ? "" : ": did you mean " + nearest + "?");
-    }
-  } else if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
-    const bool missing = said.find("missing") != std::string::npos;
-    what = said.substr(0, said.find(':')) + (missing ? " needs a value" : " may be given once");
-  } else if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !chosen.empty()) {
-    std::string name = said.substr(0, said.find(' '));
-    std::transform(name.begin(), name.end(), name.begin(), ::toupper);
-    what = name + " is missing";
-  } else if (chosen.empty()) {
-    return what + " (coopdyn --help shows the commands)";
-  }
-  return what + " (coopdyn " + (chosen.empty() ? "" : command.get_name() + " ") +
-         "--help shows how to write it)";
-}
-
 /// Adds the lines of the config file to `arguments` (the program's name not among them), but for options that
 /// the command line or a variable gives.
 void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
@@ -163,6 +134,34 @@ void AddRemote(CLI::App& app, RemoteOptions& remote) {
 }
 
 }  // namespace
+
+std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.back();
+  const std::string said = error.what();  // of an option: "--port: …", "run is required"
+  std::string what = said;
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    const std::string word = app.remaining(true).at(0);
+    what = word + " is one word too many";
+    if (word.starts_with("--")) {
+      std::vector<std::string> flags;
+      for (const CLI::Option* option : command.get_options()) flags.push_back(option->get_name());
+      const std::string nearest = Nearest(word.substr(0, word.find('=')), flags);
+      what = "there is no option " + word + (nearest.empty() ? "" : ": did you mean " + nearest + "?");
+    }
+  } else if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    const bool missing = said.find("missing") != std::string::npos;
+    what = said.substr(0, said.find(':')) + (missing ? " needs a value" : " may be given once");
+  } else if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !chosen.empty()) {
+    std::string name = said.substr(0, said.find(' '));
+    std::transform(name.begin(), name.end(), name.begin(), ::toupper);
+    what = name + " is missing";
+  } else if (chosen.empty()) {
+    return what + " (" + app.get_name() + " --help shows the commands)";
+  }
+  return what + " (" + app.get_name() + (chosen.empty() ? "" : " " + command.get_name()) +
+         " --help shows how to write it)";
+}
 
 CommandLine ParseCommandLine(int argc, const char* const* argv) {
   CommandLine line;

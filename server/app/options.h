@@ -12,6 +12,11 @@
 #include "server/physics/stepper.h"
 #include "server/record/recorded_step.h"
 
+namespace CLI {
+class App;
+class ParseError;
+}  // namespace CLI
+
 namespace coopdyn {
 
 /// What is recorded, and where.
@@ -96,6 +101,9 @@ struct CommandLine {
 
 /// Parses the arguments; prints help to stdout and one line about wrong use to stderr by itself.
 CommandLine ParseCommandLine(int argc, const char* const* argv);
+
+/// What is wrong with the words of `app` or of its command, and what to write instead.
+std::string Explained(const CLI::App& app, const CLI::ParseError& error);
 
 /// Folders to look for files in: the given ones, COOPDYN_PATH, then the data beside the program.
 std::vector<std::string> DataFolders(const std::vector<std::string>& given);

@@ -3,6 +3,7 @@
 // all distances, the target) and answers with as many bytes, with nothing of the daemon's between.
 #pragma once
 
+#include <string>
 #include <thread>
 
 namespace coopdyn {
@@ -23,5 +24,9 @@ class EchoServer {
 
 /// Receives exactly `size` bytes, polling for `spin_us` before it blocks. False at the end of the stream.
 bool ReceiveExactly(int fd, char* bytes, std::size_t size, int spin_us);
+
+/// A TCP connection to a port of this machine, without delay. Exits on failure.
+int ConnectTo(int port);
+void SendAll(int fd, const std::string& bytes);
 
 }  // namespace coopdyn

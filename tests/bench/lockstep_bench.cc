@@ -14,10 +14,11 @@
 
 #include "bench_scene.h"
 #include "clients/cpp/coopdyn_client.h"
-#include "daemon_process.h"
 #include "echo_server.h"
 #include "protocol/codec.h"
 #include "protocol/command_ids.h"
+#include "tests/bench/bench_daemon.h"
+#include "tests/bench/measures.h"
 
 namespace coopdyn {
 namespace {
@@ -77,11 +78,27 @@ void Attach(int fd) {
   ReadReply(fd, buffer, 0);
 }
 
+BenchDaemonOptions DaemonOf(int robots, int spin_us) {
+  return {.files = {{"bench.scenario", BenchScenarioText(robots)}},
+          .words = {"--spin", std::to_string(spin_us)},
+          .program = COOPDYN_BINARY};
+}
+
+/// A connection to a module, in the binary encoding.
+int Open(const BenchDaemon& daemon, const std::string& module) {
+  const int fd = ConnectTo(std::stoi(daemon.address().substr(daemon.address().find(':') + 1)));
+  SendAll(fd, "OPEN " + module + "\n");
+  char answer[3];
+  if (!ReceiveExactly(fd, answer, sizeof answer, 0)) std::exit(1);
+  SendAll(fd, std::string(kBinaryMagic));
+  return fd;
+}
+
 double DaemonRounds(int robots, int rounds, int spin_us) {
-  const DaemonProcess daemon(BenchScenarioText(robots), {"--spin", std::to_string(spin_us)});
+  const BenchDaemon daemon(DaemonOf(robots, spin_us));
   std::vector<int> fds;
   for (int i = 1; i <= robots; ++i) {
-    fds.push_back(daemon.Open("/robot" + std::to_string(i) + "/motors"));
+    fds.push_back(Open(daemon, "/robot" + std::to_string(i) + "/motors"));
     Attach(fds.back());
   }
   const double rate = Rounds(fds, rounds, spin_us);
@@ -98,9 +115,9 @@ double EchoRounds(int rounds, int spin_us) {
 }
 
 double ClientRounds(int rounds, int spin_us) {
-  const DaemonProcess daemon(BenchScenarioText(1), {"--spin", std::to_string(spin_us)});
+  const BenchDaemon daemon(DaemonOf(1, spin_us));
   ::setenv("COOPDYN_SPIN", std::to_string(spin_us).c_str(), 1);
-  auto sim = client::connect("127.0.0.1:" + std::to_string(daemon.name_port()));
+  auto sim = client::connect(daemon.address());
   auto robot = sim.robot("robot1");
   robot.sense("red");
   const auto start = std::chrono::steady_clock::now();
@@ -113,11 +130,6 @@ double ClientRounds(int rounds, int spin_us) {
       rounds / std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   sim.close();
   return rate;
-}
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 void Compare(const Options& options, int spin_us) {

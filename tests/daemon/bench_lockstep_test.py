@@ -1,7 +1,10 @@
 """`coopdyn bench lockstep`: tiny runs; what they say, that every client drives the same run, and what is refused."""
 import json
+import shutil
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 from harness import BINARY
 
@@ -68,6 +71,13 @@ class BenchLockstepTest(unittest.TestCase):
         done = bench("--robot", "no_such_robot", "--rays", "4", "--rounds", "20", "--repeats", "1")
         self.assertEqual(done.returncode, 1)
         self.assertIn(b"no_such_robot", done.stderr)
+
+    def test_without_coopdyn_bench_it_says_how_to_build_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            alone = shutil.copy(BINARY, Path(folder) / "coopdyn")
+            done = subprocess.run([alone, "bench", "lockstep"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("--target coopdyn-bench", done.stderr)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // coopdyn bench swarm, on tiny worlds.
-#include "server/app/bench_swarm.h"
+#include "tests/bench/bench_swarm.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "server/model/swarm.h"
+#include "tests/bench/bench_commands.h"
 #include "tests/source_dir.h"
 
 namespace coopdyn {

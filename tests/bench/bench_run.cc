@@ -1,48 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/bench_run.h"
+#include "tests/bench/bench_run.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <fstream>
 #include <numeric>
 #include <stop_token>
 
 #include "server/controllers/controller_host.h"
 #include "server/physics/stepper.h"
 #include "server/sensing/readings.h"
+#include "tests/bench/bench_daemon.h"
+#include "tests/bench/measures.h"
 
 namespace coopdyn {
-
-namespace {
-
-double ToSecondsOf(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
-}
-
-/// User and system time of all threads of this process, s.
-double OwnCpu_s() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return ToSecondsOf(usage.ru_utime) + ToSecondsOf(usage.ru_stime);
-}
-
-}  // namespace
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
-double Resident_kb() {
-  std::ifstream file("/proc/self/statm");
-  double pages = 0, resident = 0;
-  file >> pages >> resident;
-  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1024;
-}
 
 namespace {
 
@@ -86,7 +54,7 @@ std::optional<BenchRun> RunOnce(const std::shared_ptr<const Scenario>& scenario,
   ControllerOptions controller_options;
   controller_options.in_process = options.controllers_in_process;
   controller_options.threads = options.threads;
-  controller_options.program = options.program;
+  controller_options.program = options.program.empty() ? ProgramBeside("coopdyn") : options.program;
   ControllerHost controllers(controller_options, clock, NullLogger(), pool);
   Stepper stepper({frames, commands, edits, control, bell}, clock, NullLogger(), run, {&pool, &controllers});
   if (!stepper.Start(scenario, diagnostics)) return std::nullopt;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/bench_recording.h"
-
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
@@ -18,8 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "server/app/bench_arena.h"
-#include "server/app/bench_run.h"
 #include "server/app/commands.h"
 #include "server/app/number_checks.h"
 #include "server/app/options.h"
@@ -28,6 +24,11 @@
 #include "server/record/player.h"
 #include "server/record/recorder.h"
 #include "server/replay/verify.h"
+#include "tests/bench/bench_arena.h"
+#include "tests/bench/bench_commands.h"
+#include "tests/bench/bench_daemon.h"
+#include "tests/bench/bench_run.h"
+#include "tests/bench/measures.h"
 
 namespace coopdyn {
 
@@ -101,8 +102,10 @@ std::string MeasureVerify(const std::string& file, const SearchPath& path, Recor
   const SteadyClock clock;
   WorkerPool pool(1);
   const Logger logger = NullLogger();
+  ControllerOptions controllers;
+  controllers.program = ProgramBeside("coopdyn");
   const Nanoseconds began = clock.Now();
-  const VerifyReport report = Verify(*reader, {clock, logger, pool, {}, path}, [](double) {});
+  const VerifyReport report = Verify(*reader, {clock, logger, pool, controllers, path}, [](double) {});
   figures.verify_s = ToSeconds(clock.Now() - began);
   const bool equal = report.error.empty() && !report.difference;
   return equal ? "" : "the run does not verify: " + ToString(report);

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "server/app/bench_daemon.h"
+#include "tests/bench/bench_daemon.h"
 
 namespace coopdyn {
 

@@ -19,8 +19,8 @@ struct BenchRunOptions {
   double seconds = 10;  // simulated
   int threads = 1;
   bool controllers_in_process = false;
-  std::string program = "/proc/self/exe";  // which becomes the controllers' child
-  RunJournal* journal = nullptr;           // null: the run is not recorded
+  std::string program = {};  // which becomes the controllers' child; empty: the coopdyn beside this program
+  RunJournal* journal = nullptr;  // null: the run is not recorded
   bool sense = false;  // compute all distances after each step; for robots without a controller that does
 };
 
@@ -35,12 +35,6 @@ struct BenchRun {
   std::vector<std::string> frozen;
   std::vector<std::string> problems;
 };
-
-/// Of an even number of values the mean of the middle two; 0 of none.
-double Median(std::vector<double> values);
-
-/// Memory of this process that is in RAM.
-double Resident_kb();
 
 /// Steps `scenario` on the calling thread. Robots without a controller get random wheel speeds once. Nothing,
 /// with errors, if the world cannot be built.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/bench_arena.h"
+#include "tests/bench/bench_arena.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -11,29 +11,32 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kWall_m = 0.1, kWallHeight_m = 0.5;
-
 std::string ArenaText(const ArenaOptions& options) {
-  const double inner = std::round(std::sqrt(options.robots / options.density_m2) * 1e3) * 1e-3;  // whole mm
-  const double outer = inner + 2 * kWall_m;
-  const double middle = (inner + kWall_m) / 2;
-  std::string text =
-      fmt::format("[SIMULATION]\nmode free\nseed {}\n[FLOOR]\nsize {} {}\n", options.seed, outer, outer);
-  const auto wall = [&](int number, double length, double width, double x, double y) {
-    text += fmt::format("[WALL_{}]\ntype box\nsize {} {} {}\nposition {} {}\n", number, length, width,
-                        kWallHeight_m, x, y);
-  };
-  wall(1, outer, kWall_m, 0, middle);
-  wall(2, outer, kWall_m, 0, -middle);
-  wall(3, kWall_m, inner, middle, 0);
-  wall(4, kWall_m, inner, -middle, 0);
-  text += fmt::format("[SWARM_1]\ntype {}\nname bot\ncount {}\nfidelity {}\narea 0 0 {} {}\n", options.robot,
-                      options.robots, ToString(options.fidelity), inner, inner);
+  const double inner_m = std::round(std::sqrt(options.robots / options.density_m2) * 1e3) * 1e-3;  // whole mm
+  std::string text = fmt::format("[SIMULATION]\nmode free\nseed {}\n", options.seed) +
+                     WalledSquare(inner_m, 0.5) +
+                     fmt::format("[SWARM_1]\ntype {}\nname bot\ncount {}\nfidelity {}\narea 0 0 {} {}\n",
+                                 options.robot, options.robots, ToString(options.fidelity), inner_m, inner_m);
   if (!options.controller.empty()) text += "controller " + options.controller + "\n";
   return text;
 }
 
 }  // namespace
+
+std::string WalledSquare(double inner_m, double height_m) {
+  constexpr double kWall_m = 0.1;
+  const double outer_m = inner_m + 2 * kWall_m, middle_m = (inner_m + kWall_m) / 2;
+  std::string text = fmt::format("[FLOOR]\nsize {} {} 0.1\n", outer_m, outer_m);
+  const auto wall = [&](int number, double length_m, double width_m, double x_m, double y_m) {
+    text += fmt::format("[WALL_{}]\ntype box\nsize {} {} {}\nposition {} {}\n", number, length_m, width_m,
+                        height_m, x_m, y_m);
+  };
+  wall(1, outer_m, kWall_m, 0, middle_m);
+  wall(2, outer_m, kWall_m, 0, -middle_m);
+  wall(3, kWall_m, inner_m, middle_m, 0);
+  wall(4, kWall_m, inner_m, -middle_m, 0);
+  return text;
+}
 
 std::shared_ptr<const RobotModel> WithSensors(const RobotModel& model, std::optional<int> rays,
                                               std::optional<double> range_m) {

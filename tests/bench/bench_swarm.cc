@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/bench_swarm.h"
+#include "tests/bench/bench_swarm.h"
 
 #include <malloc.h>
 #include <spdlog/fmt/fmt.h>
@@ -12,10 +12,12 @@
 #include <iostream>
 #include <memory>
 
-#include "server/app/bench_run.h"
 #include "server/app/commands.h"
 #include "server/app/number_checks.h"
 #include "server/state/frame.h"
+#include "tests/bench/bench_commands.h"
+#include "tests/bench/bench_run.h"
+#include "tests/bench/measures.h"
 
 namespace coopdyn {
 

@@ -6,11 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/app/bench_arena.h"
-
-namespace CLI {
-class App;
-}
+#include "tests/bench/bench_arena.h"
 
 namespace coopdyn {
 
@@ -20,7 +16,7 @@ struct SwarmBenchOptions {
   double seconds = 10;  // simulated, of each repeat
   int repeats = 3;
   bool controllers_in_process = false;
-  std::string program = "/proc/self/exe";  // which becomes the controllers' child
+  std::string program = {};  // which becomes the controllers' child; empty: the coopdyn beside this program
 };
 
 /// Where the time of a robot-step goes, µs by the wall clock.
@@ -58,8 +54,5 @@ std::optional<SwarmBenchResult> RunSwarmBench(const SwarmBenchOptions& options, 
 /// One JSON object, ended by '\n'; a table for people.
 std::string BenchJson(const SwarmBenchOptions& options, const SwarmBenchResult& result);
 std::string BenchTable(const SwarmBenchOptions& options, const SwarmBenchResult& result);
-
-/// Adds the command to `bench`. Parsing it sets `chosen`.
-void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen);
 
 }  // namespace coopdyn

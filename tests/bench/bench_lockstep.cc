@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/bench_lockstep.h"
-
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
@@ -8,34 +6,51 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <exception>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "server/app/bench_clients.h"
-#include "server/app/bench_daemon.h"
-#include "server/app/bench_run.h"
 #include "server/app/commands.h"
 #include "server/app/number_checks.h"
+#include "server/app/options.h"
+#include "tests/bench/bench_arena.h"
+#include "tests/bench/bench_clients.h"
+#include "tests/bench/bench_commands.h"
+#include "tests/bench/bench_daemon.h"
+#include "tests/bench/bench_run.h"
+#include "tests/bench/measures.h"
 
 namespace coopdyn {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kStep_s = 0.01;
 /// Without --rounds: this many robot-rounds, within limits.
 constexpr int kRobotRounds = 50'000, kFewestRounds = 30, kMostRounds = 5'000;
 constexpr int kLeastWarmUp = 5;
+constexpr const char* kWithRays = "bench_robot";  // the type with --rays
 
 struct LockstepBench {
-  BenchDaemonOptions daemon;
+  int robots = 100;
+  std::string robot = "minibot", fidelity = "rolling";
+  int rays = 0;           // single rays all round instead of the robot's sensors; 0: as it has them
+  double range_m = 4;     // of those
+  int robot_threads = 0;  // 0: by default
+  int threads = 1;
+  std::string record;  // what of the run is recorded; empty: nothing
   BenchClientOptions client;
   std::string clients = "per-robot", language = "cpp";
-  int rays = 0, robot_threads = 0;  // as given
-  int rounds = 0;                   // 0: by the number of robots
+  int rounds = 0;  // 0: by the number of robots
   int repeats = 3;
   bool protocol_only = false;
   bool json = false;
@@ -45,6 +60,57 @@ struct LockstepBench {
 struct LockstepFigures {
   double rounds_per_s = 0, us = 0, server_cpu_us = 0, client_cpu_us = 0;
 };
+
+std::string Contents(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The model of `robot`, its distance sensors replaced by single rays all round.
+std::string ModelWithRays(const std::string& robot, int rays, double range_m) {
+  std::string model;
+  for (const std::string& folder : DataFolders({})) {
+    if (model.empty()) model = Contents(fs::path(folder) / "robots" / robot / "model.sdf");
+  }
+  constexpr std::string_view kBegin = "<coopdyn:distance_sensors", kEnd = "</coopdyn:distance_sensors>";
+  const std::size_t begin = model.find(kBegin);
+  const std::size_t end = model.find(kEnd);
+  if (begin == std::string::npos || end == std::string::npos) {
+    throw std::runtime_error("there is no robot " + robot +
+                             " with distance sensors to replace: leave --rays out, or use --robot minibot");
+  }
+  const std::size_t radius = model.find("radius=\"", begin);
+  const std::size_t height = model.find("height=\"", begin);
+  const auto value = [&model, end](std::size_t at) {
+    return at < end ? std::atof(model.c_str() + at + std::string_view("radius=\"").size()) : 0.05;
+  };
+  std::string sensors = fmt::format("{} radius=\"{}\" height=\"{}\" max_range=\"{}\" noise_stddev=\"0\">\n",
+                                    kBegin, value(radius), value(height), range_m);
+  for (int i = 0; i < rays; ++i) {
+    sensors += fmt::format("<coopdyn:sector bearing_deg=\"{}\"/>\n", -180 + 360 * (i + 0.5) / rays);
+  }
+  return model.replace(begin, end - begin, sensors);
+}
+
+BenchDaemonOptions DaemonOf(const LockstepBench& options) {
+  const double side_m = std::ceil(std::sqrt(options.robots));
+  BenchDaemonOptions daemon;
+  if (options.rays > 0) {
+    daemon.files[fmt::format("robots/{}/model.sdf", kWithRays)] =
+        ModelWithRays(options.robot, options.rays, options.range_m);
+  }
+  daemon.files["bench.scenario"] =
+      "[SIMULATION]\nmode lockstep\n" + WalledSquare(side_m, 0.3) +
+      fmt::format("[SWARM_1]\ntype {}\nname bot\ncount {}\nfidelity {}\narea 0 0 {} {}\n",
+                  options.rays > 0 ? kWithRays : options.robot, options.robots, options.fidelity, side_m,
+                  side_m);
+  daemon.words = {"--threads", std::to_string(options.threads)};
+  if (options.robot_threads > 0) {
+    daemon.words.insert(daemon.words.end(), {"--robot-threads", std::to_string(options.robot_threads)});
+  }
+  daemon.record = options.record;
+  return daemon;
+}
 
 double MedianOf(const std::vector<LockstepFigures>& all, double LockstepFigures::*value) {
   std::vector<double> values;
@@ -57,17 +123,15 @@ double Rounded(double value) {
 }
 
 std::string Describe(const LockstepBench& options) {
-  const std::string rays = options.daemon.rays
-                               ? fmt::format("{} rays of {} m", *options.daemon.rays, options.daemon.range_m)
+  const std::string rays = options.rays > 0 ? fmt::format("{} rays of {} m", options.rays, options.range_m)
                            : options.client.batch ? "poses"
                                                   : "no readings";
-  return fmt::format(
-      "{} {}, {}, {}; {} client{}, {}{}{}", options.daemon.robots, options.daemon.robot,
-      options.daemon.fidelity, rays, options.language,
-      options.client.batch ? "" : " with one connection per robot", options.client.batch ? "one team, " : "",
-      options.daemon.robot_threads ? fmt::format("{} robot threads", *options.daemon.robot_threads)
-                                   : "threads by default",
-      options.daemon.record.empty() ? "" : ", recorded: " + options.daemon.record);
+  return fmt::format("{} {}, {}, {}; {} client{}, {}{}{}", options.robots, options.robot, options.fidelity,
+                     rays, options.language, options.client.batch ? "" : " with one connection per robot",
+                     options.client.batch ? "one team, " : "",
+                     options.robot_threads > 0 ? fmt::format("{} robot threads", options.robot_threads)
+                                               : "threads by default",
+                     options.record.empty() ? "" : ", recorded: " + options.record);
 }
 
 std::string Table(const LockstepBench& options, const LockstepFigures& median, const std::string& hash) {
@@ -77,7 +141,7 @@ std::string Table(const LockstepBench& options, const LockstepFigures& median, c
     table += fmt::format("  {:<32}{:>16}\n", name, value);
   };
   row("rounds per second", fmt::format("{:.0f}", median.rounds_per_s));
-  row("robot-rounds per second", fmt::format("{:.0f}", median.rounds_per_s * options.daemon.robots));
+  row("robot-rounds per second", fmt::format("{:.0f}", median.rounds_per_s * options.robots));
   row("real-time factor", fmt::format("{:.2f}", median.rounds_per_s * kStep_s));
   row("us per robot-round", fmt::format("{:.2f}", median.us));
   row("  CPU of the daemon", fmt::format("{:.2f}", median.server_cpu_us));
@@ -87,37 +151,37 @@ std::string Table(const LockstepBench& options, const LockstepFigures& median, c
 }
 
 std::string Json(const LockstepBench& options, const LockstepFigures& median, const std::string& hash) {
-  return boost::json::serialize(boost::json::object{
-             {"robots", options.daemon.robots},
-             {"robot", options.daemon.robot},
-             {"clients", options.clients},
-             {"language", options.language},
-             {"fidelity", options.daemon.fidelity},
-             {"rays", options.daemon.rays.value_or(0)},
-             {"protocol_only", options.protocol_only},
-             {"robot_threads", options.daemon.robot_threads.value_or(0)},
-             {"threads", options.daemon.threads},
-             {"record", options.daemon.record},
-             {"rounds", options.client.rounds},
-             {"repeats", options.repeats},
-             {"rounds_per_s", Rounded(median.rounds_per_s)},
-             {"robot_rounds_per_s", std::round(median.rounds_per_s * options.daemon.robots)},
-             {"rtf", Rounded(median.rounds_per_s * kStep_s)},
-             {"us_per_robot_round", Rounded(median.us)},
-             {"server_cpu_us_per_robot_round", Rounded(median.server_cpu_us)},
-             {"client_cpu_us_per_robot_round", Rounded(median.client_cpu_us)},
-             {"hash", hash}}) +
+  return boost::json::serialize(
+             boost::json::object{{"robots", options.robots},
+                                 {"robot", options.robot},
+                                 {"clients", options.clients},
+                                 {"language", options.language},
+                                 {"fidelity", options.fidelity},
+                                 {"rays", options.rays},
+                                 {"protocol_only", options.protocol_only},
+                                 {"robot_threads", options.robot_threads},
+                                 {"threads", options.threads},
+                                 {"record", options.record},
+                                 {"rounds", options.client.rounds},
+                                 {"repeats", options.repeats},
+                                 {"rounds_per_s", Rounded(median.rounds_per_s)},
+                                 {"robot_rounds_per_s", std::round(median.rounds_per_s * options.robots)},
+                                 {"rtf", Rounded(median.rounds_per_s * kStep_s)},
+                                 {"us_per_robot_round", Rounded(median.us)},
+                                 {"server_cpu_us_per_robot_round", Rounded(median.server_cpu_us)},
+                                 {"client_cpu_us_per_robot_round", Rounded(median.client_cpu_us)},
+                                 {"hash", hash}}) +
          "\n";
 }
 
 int Run(const LockstepBench& options) {
-  const double robot_rounds = static_cast<double>(options.client.rounds) * options.daemon.robots;
+  const double robot_rounds = static_cast<double>(options.client.rounds) * options.robots;
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   std::vector<LockstepFigures> all;
   std::string hash;
   for (int repeat = 1; repeat <= options.repeats; ++repeat) {
     if (terminal) std::cerr << fmt::format("\rrepeat {} of {} ", repeat, options.repeats) << std::flush;
-    const BenchDaemon daemon(options.daemon);
+    const BenchDaemon daemon(DaemonOf(options));
     const BenchClientFigures took = DriveBench(daemon, options.client);
     if (terminal) std::cerr << "\r\033[K";
     if (!hash.empty() && hash != took.hash) {
@@ -139,22 +203,20 @@ int Run(const LockstepBench& options) {
   return kExitOk;
 }
 
-int Measure(LockstepBench options, bool rays_given, bool threads_given) {
+int Measure(LockstepBench options, bool rays_given) {
   options.client.batch = options.clients == "batch";
   options.client.python = options.language == "python";
   if (options.protocol_only && (!options.client.batch || rays_given)) {
     std::cerr << "coopdyn bench lockstep: --protocol-only is for --clients batch without --rays\n";
     return kExitWrongUse;
   }
-  if (rays_given && options.rays > 0) options.daemon.rays = options.rays;
-  if (threads_given) options.daemon.robot_threads = options.robot_threads;
-  if (options.protocol_only) options.daemon.fidelity = "planar";
-  options.client.robots = options.daemon.robots;
-  options.client.readings = options.daemon.rays.has_value();
+  if (options.protocol_only) options.fidelity = "planar";
+  options.client.robots = options.robots;
+  options.client.readings = options.rays > 0;
   options.client.at_rest = options.protocol_only;
   options.client.rounds = options.rounds > 0
                               ? options.rounds
-                              : std::clamp(kRobotRounds / options.daemon.robots, kFewestRounds, kMostRounds);
+                              : std::clamp(kRobotRounds / options.robots, kFewestRounds, kMostRounds);
   options.client.warm_up = std::max(kLeastWarmUp, options.client.rounds / 10);
   try {
     return Run(options);
@@ -169,17 +231,16 @@ int Measure(LockstepBench options, bool rays_given, bool threads_given) {
 void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen) {
   // The parser writes into it while the command lives.
   const auto options = std::make_shared<LockstepBench>();
-  BenchDaemonOptions& daemon = options->daemon;
   CLI::App* sub = bench.add_subcommand("lockstep", "Lockstep rounds per second over sockets");
   sub->footer(
       "Example: coopdyn bench lockstep --robots 1000 --clients batch --rays 11\n"
       "A round: every robot gets its command, the step runs, every reply has come. Daemon and client are\n"
       "processes of their own; their start and a tenth of the rounds before the first measured one do not "
       "count.");
-  sub->add_option("--robots", daemon.robots, "How many, one to the square metre")
+  sub->add_option("--robots", options->robots, "How many, one to the square metre")
       ->check(CLI::Range(1, 20000))
       ->capture_default_str();
-  sub->add_option("--robot", daemon.robot, "Their type: a folder of robots/")->capture_default_str();
+  sub->add_option("--robot", options->robot, "Their type: a folder of robots/")->capture_default_str();
   sub->add_option("--clients", options->clients, "per-robot: a connection each; batch: one team on /swarm")
       ->check(CLI::IsMember({"per-robot", "batch"}))
       ->capture_default_str();
@@ -190,20 +251,20 @@ void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen) {
          "--rays", options->rays,
          "Number of single rays all round whose distances are read each round; 0: none, a team its poses")
       ->check(CLI::Range(0, 360));
-  sub->add_option("--range", daemon.range_m, "Range of the rays, m")
+  sub->add_option("--range", options->range_m, "Range of the rays, m")
       ->check(NumberIn(0.001, 1000))
       ->capture_default_str();
-  sub->add_option("--fidelity", daemon.fidelity, "full, rolling or planar")
+  sub->add_option("--fidelity", options->fidelity, "full, rolling or planar")
       ->check(CLI::IsMember({"full", "rolling", "planar"}))
       ->capture_default_str();
   sub->add_flag("--protocol-only", options->protocol_only,
                 "A team at rest, planar, that reads its poses: the step costs next to nothing");
   sub->add_option("--robot-threads", options->robot_threads, "Threads for the robots' connections")
       ->check(CLI::Range(1, 10000));
-  sub->add_option("--threads", daemon.threads, "Threads of sensing and physics")
+  sub->add_option("--threads", options->threads, "Threads of sensing and physics")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  sub->add_option("--record", daemon.record, "Record the run, with so much: poses, or as --record-what");
+  sub->add_option("--record", options->record, "Record the run, with so much: poses, or as --record-what");
   sub->add_option("--rounds", options->rounds, "Measured rounds of each repeat (default: 50,000 by robots)")
       ->check(CLI::Range(1, 10'000'000));
   sub->add_option("--repeats", options->repeats, "Runs of which the median is told")
@@ -212,8 +273,7 @@ void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen) {
   sub->add_flag("--json", options->json, "Print one JSON object instead of a table");
   sub->callback([sub, options, &chosen] {
     const bool rays = sub->get_option("--rays")->count() > 0;
-    const bool threads = sub->get_option("--robot-threads")->count() > 0;
-    chosen = [options, rays, threads] { return Measure(*options, rays, threads); };
+    chosen = [options, rays] { return Measure(*options, rays); };
   });
 }
 

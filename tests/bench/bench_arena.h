@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The world of `coopdyn bench`: robots at seeded places in a walled square. Pure but for reading models.
+// The world of `coopdyn bench swarm` and `recording`: robots at seeded places in a walled square. Pure but
+// for reading models.
 #pragma once
 
 #include <memory>
@@ -25,6 +26,10 @@ struct ArenaOptions {
 /// A square of robots/density m² between four static box walls, in free mode. Null with errors.
 std::shared_ptr<const Scenario> MakeArena(const ArenaOptions& options, RobotLibrary& library,
                                           Diagnostics& diagnostics);
+
+/// Four box walls of 0.1 m round a square of side `inner_m`, with the floor under them, as sections of a
+/// scenario.
+std::string WalledSquare(double inner_m, double height_m);
 
 /// `model` with `rays` sensors of one ray each, evenly spread over the sector that its own ones cover, all
 /// round if they do, and with the range `range_m`; what is not given stays. Without rays its distance module

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/bench_clients.h"
+#include "tests/bench/bench_clients.h"
 
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,6 +17,7 @@
 
 #include "clients/cpp/coopdyn_client.h"
 #include "server/app/options.h"
+#include "tests/bench/measures.h"
 
 namespace coopdyn {
 
@@ -77,25 +77,16 @@ wall, server_used = time.monotonic() - start, server_cpu() - server_start
 print(wall, server_used, time.process_time() - own_start, sim.hash(), flush=True)
 )";
 
-double OwnCpu() {
-  rusage used{};
-  ::getrusage(RUSAGE_SELF, &used);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(used.ru_utime) + seconds(used.ru_stime);
-}
-
 /// Runs `round(k)` for all rounds and says how long those after the warm-up took.
 std::string Timed(const BenchClientOptions& options, pid_t server, client::Simulation& sim,
                   const std::function<void(int)>& round) {
   using std::chrono::steady_clock;
   for (int k = 0; k < options.warm_up; ++k) round(k);
-  const double server_start = CpuOf(server), own_start = OwnCpu();
+  const double server_start = CpuOf_s(server), own_start = OwnCpu_s();
   const auto start = steady_clock::now();
   for (int k = 0; k < options.rounds; ++k) round(options.warm_up + k);
   const std::chrono::duration<double> wall = steady_clock::now() - start;
-  const double server_used = CpuOf(server) - server_start, own_used = OwnCpu() - own_start;
+  const double server_used = CpuOf_s(server) - server_start, own_used = OwnCpu_s() - own_start;
   return fmt::format("{} {} {} {}\n", wall.count(), server_used, own_used, sim.hash());
 }
 
