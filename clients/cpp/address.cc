@@ -8,22 +8,26 @@
 #include <poll.h>
 #include <pwd.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <sstream>
 
-#include "clients/cpp/error.h"
+#include "clients/cpp/arguments.h"
+#include "clients/cpp/codes.h"
 
 namespace coopdyn::client {
 namespace {
 
 constexpr double kYear_s = 3.2e7;
+constexpr std::size_t kMaxLine = 65536;  // of the name server
 
 std::string DefaultName() {
   const passwd* account = getpwuid(getuid());
@@ -41,7 +45,24 @@ int PortOf(const std::string& text) {
   return port < 65536 ? port : 0;
 }
 
+/// Connects; 0, or what went wrong.
+int Connect(int fd, const addrinfo& to, Deadline deadline) {
+  fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
+  if (connect(fd, to.ai_addr, to.ai_addrlen) == 0) return 0;
+  if (errno != EINPROGRESS) return errno;
+  pollfd connecting{fd, POLLOUT, 0};
+  if (poll(&connecting, 1, static_cast<int>(std::max(1.0, Until(deadline) * 1000))) <= 0) return ETIMEDOUT;
+  int error = 0;
+  socklen_t size = sizeof(error);
+  getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
+}
+
 }  // namespace
+
+Socket::~Socket() {
+  if (fd_ >= 0) close(fd_);
+}
 
 Deadline After(double seconds, Deadline now) {
   return now + std::chrono::duration_cast<Clock::duration>(
@@ -113,25 +134,36 @@ std::string Address::HelloText(bool drives, int number) const {
          (token_.empty() ? "" : " " + token_);
 }
 
-int Address::DialOne(int fd, const void* address, unsigned length, Deadline deadline) const {
-  fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
-  if (connect(fd, static_cast<const sockaddr*>(address), length) == 0) return 0;
-  if (errno != EINPROGRESS) return errno;
-  pollfd connecting{fd, POLLOUT, 0};
-  const int timeout_ms = static_cast<int>(std::max(1.0, Until(deadline) * 1000));
-  if (poll(&connecting, 1, timeout_ms) <= 0) return ETIMEDOUT;
-  int error = 0;
-  socklen_t size = sizeof(error);
-  getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
-  return error;
+Socket Address::Dial(Deadline deadline) const {
+  Socket local = DialLocal();
+  return local.fd() >= 0 ? std::move(local) : DialTcp(deadline);
 }
 
-int Address::Dial(Deadline deadline) const {
-  const int local = DialLocal();
-  return local >= 0 ? local : DialTcp(deadline);
+/// On the unix socket an exchange costs half of what it does by TCP.
+Socket Address::DialLocal() const {
+#ifdef __linux__
+  const char* const forced = std::getenv("COOPDYN_TCP");
+  const bool by_tcp = forced != nullptr && *forced != '\0' && std::strcmp(forced, "0") != 0;
+  if ((host_ != "127.0.0.1" && host_ != "localhost" && host_ != "::1") || by_tcp) return Socket();
+  const std::string name = "coopdyn-" + std::to_string(port_);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path + 1, name.data(), name.size());  // after a zero: the abstract namespace
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  Socket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (connect(socket.fd(), reinterpret_cast<const sockaddr*>(&address), length) != 0) return Socket();
+  // Anybody of this machine can take the name when no daemon has it: what listens must be of this user, or
+  // root's.
+  ucred who{};
+  socklen_t size = sizeof(who);
+  if (getsockopt(socket.fd(), SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 &&
+      (who.uid == geteuid() || who.uid == 0))
+    return socket;
+#endif
+  return Socket();
 }
 
-int Address::DialTcp(Deadline deadline) const {
+Socket Address::DialTcp(Deadline deadline) const {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -141,50 +173,46 @@ int Address::DialTcp(Deadline deadline) const {
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
   int error = ECONNREFUSED;
   for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
-    const int fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
-    if (fd < 0) continue;
-    error = DialOne(fd, a->ai_addr, a->ai_addrlen, deadline);
-    if (error == 0) {
-      const int on = 1;
-      setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
-      return fd;
-    }
-    close(fd);
+    Socket socket(::socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol));
+    if (socket.fd() < 0) continue;
+    error = Connect(socket.fd(), *a, deadline);
+    if (error != 0) continue;
+    const int on = 1;
+    setsockopt(socket.fd(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
+    return socket;
   }
-  std::ostringstream why;
-  if (error == ETIMEDOUT) {
-    why << "no answer from " << text() << " within " << timeout_s_
-        << " s: the machine is off, the address is wrong, or a firewall drops the packets; try `ping`, or a "
-           "tunnel: ssh -L 10000:127.0.0.1:10000 HOST";
-    throw Error(11, why.str());
-  }
-  if (error == ECONNREFUSED) {
-    why << "nothing listens at " << text()
-        << ": start the daemon there (coopdyn serve; for other machines add --host 0.0.0.0), or name the "
-           "server: connect(\"HOST:PORT\") or COOPDYN_SERVER";
-  } else {
-    why << "cannot reach " << text() << ": " << std::strerror(error);
-  }
-  throw Error(Error::kNoConnection, why.str());
+  if (error == ETIMEDOUT)
+    throw Error(kTimedOut,
+                "no answer from " + text() + " within " + Written(timeout_s_) +
+                    " s: the machine is off, the address is wrong, or a firewall drops the packets; try "
+                    "`ping`, or a tunnel: ssh -L 10000:127.0.0.1:10000 HOST");
+  if (error == ECONNREFUSED)
+    throw Error(Error::kNoConnection,
+                "nothing listens at " + text() +
+                    ": start the daemon there (coopdyn serve; for other machines add --host 0.0.0.0), or "
+                    "name the server: connect(\"HOST:PORT\") or COOPDYN_SERVER");
+  throw Error(Error::kNoConnection, "cannot reach " + text() + ": " + std::strerror(error));
 }
 
-std::string Address::ReadLine(int fd, Deadline deadline) const {
+std::string Address::ReadLine(const Socket& socket, Deadline deadline) const {
   std::string line;
-  while (line.empty() || line.back() != '\n') {
+  while (!line.ends_with('\n') && line.size() < kMaxLine) {
+    if (Until(deadline) <= 0)
+      throw Error(kTimedOut,
+                  text() +
+                      " accepts connections but does not answer: the daemon is stopped or busy, or "
+                      "something else listens there; try `coopdyn status`");
     char byte = 0;
-    const ssize_t n = recv(fd, &byte, 1, 0);
+    const ssize_t n = recv(socket.fd(), &byte, 1, 0);
     if (n == 1) {
       line += byte;
-      continue;
+    } else if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
+      WaitReadable({socket.fd()}, Until(deadline));
+    } else {
+      break;
     }
-    if (n == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) break;
-    if (Until(deadline) <= 0)
-      throw Error(11, text() +
-                          " accepts connections but does not answer: the daemon is stopped or busy, or "
-                          "something else listens there; try `coopdyn status`");
-    WaitReadable({fd}, Until(deadline));
   }
-  while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
+  line.erase(line.find_last_not_of("\r\n") + 1);
   return line;
 }
 
@@ -198,44 +226,34 @@ Error Address::NotADaemon(const std::string& said) const {
 
 std::vector<Module> Address::Modules() const {
   const Deadline deadline = After(timeout_s_);
-  const int fd = Dial(deadline);
+  const Socket socket = Dial(deadline);
+  WriteAll(socket.fd(), "NAME_SERVER list\n");
   std::vector<Module> modules;
-  try {
-    WriteAll(fd, "NAME_SERVER list\n");
-    for (std::string line = ReadLine(fd, deadline); !line.starts_with("***"); line = ReadLine(fd, deadline)) {
-      if (!line.starts_with("registration ")) throw NotADaemon(line);
-      std::istringstream words(line);  // registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp
-      std::string registration, word;
-      Module module;
-      words >> registration >> word >> module.name >> word >> module.host >> word >> module.port;
-      if (registration == "registration" && module.name.starts_with("/")) modules.push_back(module);
-    }
-    if (modules.empty()) throw NotADaemon("a list without modules");
-  } catch (...) {
-    close(fd);
-    throw;
+  while (true) {
+    const std::string line = ReadLine(socket, deadline);
+    if (line.starts_with("***")) break;
+    std::istringstream words(line);  // registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp
+    std::string registration, word;
+    Module module;
+    words >> registration >> word >> module.name >> word >> module.host >> word >> module.port;
+    if (registration != "registration") throw NotADaemon(line);
+    if (module.name.starts_with("/")) modules.push_back(module);
   }
-  close(fd);
+  if (modules.empty()) throw NotADaemon("a list without modules");
   return modules;
 }
 
-int Address::OpenModule(const std::string& module, Deadline deadline) const {
-  const int fd = Dial(deadline);
-  try {
-    WriteAll(fd, "OPEN " + module + "\n");
-    const std::string said = ReadLine(fd, deadline);
-    if (said == "ok") return fd;
-    // error 10 no such name /robot9/motors; did you mean /robot1/motors
-    std::istringstream words(said);
-    std::string word, why;
-    int code = 0;
-    if (words >> word >> code >> std::ws && word == "error" && std::getline(words, why))
-      throw Error(code, why);
-    throw NotADaemon(said);
-  } catch (...) {
-    close(fd);
-    throw;
-  }
+Socket Address::OpenModule(const std::string& module, Deadline deadline) const {
+  Socket socket = Dial(deadline);
+  WriteAll(socket.fd(), "OPEN " + module + "\n");
+  const std::string said = ReadLine(socket, deadline);
+  if (said == "ok") return socket;
+  // error 10 no such name /robot9/motors; did you mean /robot1/motors
+  std::istringstream words(said);
+  std::string word, why;
+  int code = 0;
+  if (words >> word >> code >> std::ws && word == "error" && std::getline(words, why)) throw Error(code, why);
+  throw NotADaemon(said);
 }
 
 }  // namespace coopdyn::client

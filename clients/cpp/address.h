@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clients/cpp/error.h"
@@ -16,6 +17,22 @@ using Deadline = Clock::time_point;
 Deadline After(double seconds, Deadline now = Clock::now());
 /// Seconds from `now` to `deadline`.
 double Until(Deadline deadline, Deadline now = Clock::now());
+
+/// A descriptor that is closed with the object; -1: none.
+class Socket {
+ public:
+  explicit Socket(int fd = -1) : fd_(fd) {}
+  Socket(Socket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Socket& operator=(Socket&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Socket();
+  int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
 
 /// A name of the daemon and its own address; port 0: reached through the daemon's port only.
 struct Module {
@@ -31,7 +48,6 @@ class Address {
 
   const std::string& host() const { return host_; }
   int port() const { return port_; }
-  const std::string& name() const { return name_; }
   double timeout_s() const { return timeout_s_; }
   std::string text() const;
   /// What `hello` says. Only what may drive says the plain name: the same name on an actuator module takes it
@@ -40,20 +56,19 @@ class Address {
 
   /// A connected, non-blocking socket to the daemon: by its unix socket if it is on this machine and has one
   /// (and COOPDYN_TCP is not set), else by its port. Throws Error -1 or 11 with cause and cure.
-  int Dial(Deadline deadline) const;
+  Socket Dial(Deadline deadline) const;
   /// Dial() by the port.
-  int DialTcp(Deadline deadline) const;
+  Socket DialTcp(Deadline deadline) const;
   /// Every name of the daemon.
   std::vector<Module> Modules() const;
   /// A socket that talks to `module`, before its first byte. Throws Error 10 if the daemon has no such name.
-  int OpenModule(const std::string& module, Deadline deadline) const;
+  Socket OpenModule(const std::string& module, Deadline deadline) const;
 
  private:
-  /// -1 if there is no such socket.
-  int DialLocal() const;
+  /// None if there is no such socket.
+  Socket DialLocal() const;
   Error NotADaemon(const std::string& said) const;
-  std::string ReadLine(int fd, Deadline deadline) const;
-  int DialOne(int fd, const void* address, unsigned length, Deadline deadline) const;
+  std::string ReadLine(const Socket& socket, Deadline deadline) const;
 
   std::string host_, name_, token_;
   int port_ = 10000;

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "clients/cpp/connection.h"
 
-#include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <sstream>
+#include <cstring>
 #include <utility>
 
-#include "clients/cpp/codes.h"
-#include "clients/cpp/error.h"
+#include "clients/cpp/arguments.h"
 #include "protocol/codec.h"
 #include "protocol/command_ids.h"
 
 namespace coopdyn::client {
+namespace {
+
+constexpr std::size_t kLeastRoom = 16384;  // for what comes
+
+}  // namespace
 
 std::string Error::name() const {
   static constexpr const char* kNames[] = {
@@ -35,22 +36,30 @@ Message Checked(Message reply, const std::string& who) {
   return reply;
 }
 
-Connection::Connection(const Address& address, std::string module, bool drives)
-    : address_(address), module_(std::move(module)), drives_(drives) {}
+void Require(const Message& reply, std::size_t params, std::size_t data) {
+  if (reply.params.size() < params || reply.data.size() < data + 2)
+    throw Error(7, "a reply of the daemon has too few values");
+}
 
-Connection::Connection(const Address& address, std::string module, int team_number)
-    : address_(address),
-      module_(std::move(module)),
-      drives_(true),
-      number_(team_number),
-      bulk_(BulkReader()) {}
+double TimeOf(const Message& reply) {
+  return reply.data[reply.data.size() - 2];
+}
+
+std::int64_t StepOf(const Message& reply) {
+  return Whole(reply.data.back());
+}
+
+Connection::Connection(const Address& address, std::string module, bool drives, int team_number)
+    : address_(address), module_(std::move(module)), drives_(drives), team_number_(team_number) {}
 
 void Connection::Open() {
   Close();
-  fd_ = address_.OpenModule(module_, After(address_.timeout_s()));
+  socket_ = address_.OpenModule(module_, After(address_.timeout_s()));
   try {
-    if (!WriteAll(fd_, std::string(kBinaryMagic))) throw Closed("");
-    Request(command::kHello, {}, {}, address_.HelloText(drives_, number_), address_.timeout_s());
+    if (!WriteAll(fd(), std::string(kBinaryMagic))) throw Closed("");
+    Ask({.command = command::kHello,
+         .text = address_.HelloText(drives_, team_number_),
+         .timeout_s = address_.timeout_s()});
   } catch (...) {
     Close();
     throw;
@@ -58,22 +67,24 @@ void Connection::Open() {
 }
 
 void Connection::Close() {
-  if (fd_ >= 0) close(fd_);
-  fd_ = -1;
+  socket_ = Socket();
   busy_ = false;
-  in_.clear();
-  if (bulk_) bulk_->Clear();
+  have_ = 0;
   pushes.clear();
 }
 
 bool Connection::Alive() {
-  if (fd_ < 0 || busy_) return false;
+  if (!is_open() || busy_) return false;
   try {
     TryRead();
   } catch (const Error&) {
     return false;
   }
   return true;
+}
+
+void Connection::KeepOpen() {
+  if (!Alive()) Open();
 }
 
 void Connection::Send(std::int32_t command, std::vector<std::int32_t> params, std::span<const double> data,
@@ -85,57 +96,43 @@ void Connection::Send(std::int32_t command, std::vector<std::int32_t> params, st
   out_.clear();
   EncodeBinary(request_, out_);
   busy_ = true;
-  if (WriteAll(fd_, out_)) return;
+  if (WriteAll(fd(), out_)) return;
   while (TryRead()) {
   }  // throws what the daemon said before it closed, if anything
   Close();
   throw Closed("");
 }
 
-std::optional<Message> Connection::TryReadBulk() {
-  try {
-    while (std::optional<Message> message = bulk_->Read(fd_)) {
+/// The first message of those that have come whole.
+std::optional<Message> Connection::Decode() {
+  Decoded decoded = DecodeBinary({in_.data(), have_}, kMaxReplyBytes);
+  if (decoded.status == DecodeStatus::kNeedMore) return std::nullopt;
+  if (decoded.status != DecodeStatus::kMessage) {
+    Close();
+    throw Error(7, "the bytes received are not a coopdyn message");
+  }
+  have_ -= decoded.consumed;
+  std::memmove(in_.data(), in_.data() + decoded.consumed, have_);
+  return std::move(decoded.message);
+}
+
+std::optional<Message> Connection::TryRead() {
+  while (true) {
+    while (std::optional<Message> message = Decode()) {
       if (message->command >= 0 || message->error != 0) {
         busy_ = false;
         return message;
       }
-      if (message->command == command::kClosing) throw Closed(message->text);
-    }
-  } catch (const Error&) {
-    Close();
-    throw;
-  }
-  return std::nullopt;
-}
-
-std::optional<Message> Connection::TryRead() {
-  if (bulk_) return TryReadBulk();
-  while (true) {
-    if (!in_.empty()) {
-      Decoded decoded = DecodeBinary(in_, kMaxReplyBytes);
-      if (decoded.status == DecodeStatus::kMessage) {
-        in_.erase(0, decoded.consumed);
-        Message& message = decoded.message;
-        if (message.command < 0 && message.error == 0) {
-          if (message.command == command::kClosing) {
-            Close();
-            throw Closed(message.text);
-          }
-          pushes.push_back(std::move(message));
-          continue;
-        }
-        busy_ = false;
-        return std::move(message);
-      }
-      if (decoded.status != DecodeStatus::kNeedMore) {
+      if (message->command == command::kClosing) {
         Close();
-        throw Error(7, "the bytes received are not a coopdyn message");
+        throw Closed(message->text);
       }
+      pushes.push_back(std::move(*message));
     }
-    char bytes[16384];
-    const ssize_t n = recv(fd_, bytes, sizeof(bytes), 0);
+    if (have_ == in_.size()) in_.resize(std::max(kLeastRoom, 2 * have_));
+    const ssize_t n = recv(fd(), in_.data() + have_, in_.size() - have_, 0);
     if (n > 0) {
-      in_.append(bytes, static_cast<std::size_t>(n));
+      have_ += static_cast<std::size_t>(n);
       continue;
     }
     if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return std::nullopt;
@@ -153,34 +150,26 @@ Message Connection::Receive(double timeout_s, double spin_s) {
     if (now < spin_until) continue;
     if (now >= deadline) {
       Close();
-      std::ostringstream why;
-      why << "no answer from " << module_ << " within " << timeout_s
-          << " s; is the daemon stopped or overloaded?";
-      throw Error(11, why.str());
+      throw Error(kTimedOut, "no answer from " + module_ + " within " + Written(timeout_s) +
+                                 " s; is the daemon stopped or overloaded?");
     }
-    WaitReadable({fd_}, Until(deadline, now));
+    WaitReadable({fd()}, Until(deadline, now));
   }
 }
 
-Message Connection::Request(std::int32_t command, std::vector<std::int32_t> params,
-                            std::span<const double> data, std::string text, double timeout_s, double spin_s) {
-  Send(command, std::move(params), data, std::move(text));
-  return Checked(Receive(timeout_s, spin_s));
+Message Connection::Ask(Request request, double spin_s) {
+  Send(request.command, std::move(request.params), request.data, std::move(request.text));
+  return Checked(Receive(request.timeout_s, spin_s));
 }
 
 void Connection::FinishSending() {
   TryRead();  // what is unread would make closing a reset, which loses what was sent
-  if (fd_ >= 0) shutdown(fd_, SHUT_WR);
+  if (is_open()) shutdown(fd(), SHUT_WR);
 }
 
-void Connection::AwaitEnd(std::chrono::steady_clock::time_point deadline) {
-  using std::chrono::milliseconds;
-  std::array<char, 4096> bytes;
-  for (;;) {
-    const auto left = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
-    pollfd waiting{fd_, POLLIN, 0};
-    if (fd_ < 0 || poll(&waiting, 1, std::max(0, static_cast<int>(left.count()))) != 1) return;
-    if (recv(fd_, bytes.data(), bytes.size(), 0) <= 0) return;
+void Connection::AwaitEnd(Deadline deadline) {
+  char bytes[4096];
+  while (is_open() && WaitReadable({fd()}, Until(deadline)) && recv(fd(), bytes, sizeof(bytes), 0) > 0) {
   }
 }
 

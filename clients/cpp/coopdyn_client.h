@@ -31,7 +31,7 @@
 namespace coopdyn::client {
 
 class Session;
-struct Link;
+struct RobotLink;
 
 /// Where a robot is and how it moves, in the world frame: m, rad, m/s, rad/s.
 struct Pose {
@@ -163,10 +163,10 @@ class Robot {
 
  private:
   friend class Simulation;
-  Robot(std::shared_ptr<Session> session, std::shared_ptr<Link> link);
+  Robot(std::shared_ptr<Session> session, std::shared_ptr<RobotLink> link);
 
   std::shared_ptr<Session> session_;
-  std::shared_ptr<Link> link_;
+  std::shared_ptr<RobotLink> link_;
 };
 
 /// A connection to a daemon: its time and its robots. Made by connect().

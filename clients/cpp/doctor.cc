@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <unistd.h>
-
 #include <algorithm>
 #include <iostream>
 #include <vector>
@@ -13,7 +11,7 @@ bool doctor(const std::string& server, const std::string& token) {
   try {
     const Address address(server, "", token, 3);
     std::cout << "ok    server: " << address.text() << std::endl;
-    close(address.DialTcp(After(address.timeout_s())));
+    address.DialTcp(After(address.timeout_s()));
     std::cout << "ok    port: " << address.port() << " is open" << std::endl;
     std::cout << "ok    names: " << address.Modules().size() << " modules; this client needs port "
               << address.port() << " only" << std::endl;

@@ -23,24 +23,22 @@ using boost::system::error_code;
 /// A connection as Beast reads it. Each wait is at most `timeout_s`.
 class PageStream {
  public:
-  PageStream(int fd, double timeout_s) : fd_(fd), timeout_s_(timeout_s) {}
-  ~PageStream() { close(fd_); }
-  PageStream(const PageStream&) = delete;
-  PageStream& operator=(const PageStream&) = delete;
+  PageStream(Socket socket, double timeout_s) : socket_(std::move(socket)), timeout_s_(timeout_s) {}
+  int fd() const { return socket_.fd(); }
 
   template <class Buffers>
   std::size_t read_some(const Buffers& buffers, error_code& failed) {
     const boost::asio::mutable_buffer to(*boost::asio::buffer_sequence_begin(buffers));
     const Deadline deadline = After(timeout_s_);
     while (true) {
-      const ssize_t n = read(fd_, to.data(), to.size());
+      const ssize_t n = read(fd(), to.data(), to.size());
       failed = {};
       if (n > 0) return static_cast<std::size_t>(n);
       failed = boost::asio::error::eof;
       if (n == 0 || (errno != EAGAIN && errno != EINTR)) return 0;
       failed = boost::asio::error::timed_out;
       if (Until(deadline) <= 0) return 0;
-      WaitReadable({fd_}, Until(deadline));
+      WaitReadable({fd()}, Until(deadline));
     }
   }
   template <class Buffers>
@@ -52,7 +50,7 @@ class PageStream {
   }
 
  private:
-  int fd_;
+  Socket socket_;
   double timeout_s_;
 };
 
@@ -88,9 +86,9 @@ void Download(const Address& daemon, const std::string& url, const std::string& 
     throw Error(kNotPossible, "the daemon was started with --no-http, so there are no pictures and no files");
   here = here.substr(here.find("://") + 3);
   const Address page(here.substr(0, here.find('/', here.rfind(':'))), "", "", daemon.timeout_s());
-  const int fd = page.Dial(After(daemon.timeout_s()));
-  PageStream stream(fd, timeout_s);
-  WriteAll(fd, "GET " + path + " HTTP/1.1\r\nHost: " + page.text() + "\r\nConnection: close\r\n\r\n");
+  PageStream stream(page.Dial(After(daemon.timeout_s())), timeout_s);
+  WriteAll(stream.fd(),
+           "GET " + path + " HTTP/1.1\r\nHost: " + page.text() + "\r\nConnection: close\r\n\r\n");
 
   error_code failed;
   const auto throw_if_silent = [&] {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <iostream>
+#include <span>
 #include <utility>
 
 #include "clients/cpp/arguments.h"
 #include "clients/cpp/codes.h"
 #include "clients/cpp/coopdyn_client.h"
-#include "clients/cpp/raw_call.h"
 #include "clients/cpp/session.h"
 #include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
@@ -17,23 +17,34 @@ namespace {
 constexpr std::size_t kMaxMessage = 8;
 constexpr double kLabelsLive_s = 0.5;  // ids and colours of targets are asked for again after this
 
-/// Throws Error 7 if a reply is shorter than its command promises.
+/// The data of a reply but for the final two. Throws Error 7 if they are fewer than `count`.
 std::vector<double> Values(const Message& reply, std::size_t count) {
-  if (reply.data.size() < count + 2) throw Error(7, "a reply of the daemon has too few values");
+  Require(reply, 0, count);
   return {reply.data.begin(), reply.data.end() - 2};
 }
 
-std::vector<OtherRobot> ToOtherRobots(const Message& reply) {
-  const std::vector<std::string> names = Words(reply.text);
-  const std::size_t count = std::min(reply.params.size(), names.size());
+/// What a robot sees: ids, names or colours, distances and bearings.
+template <class T>
+std::vector<T> Seen(const Message& reply) {
+  const std::vector<std::string> words = Words(reply.text);
+  const std::size_t count = std::min(reply.params.size(), words.size());
   const std::vector<double> d = Values(reply, 2 * count);
-  std::vector<OtherRobot> robots;
-  for (std::size_t i = 0; i < count; ++i)
-    robots.push_back({reply.params[i], names[i], d[2 * i], d[2 * i + 1]});
-  return robots;
+  std::vector<T> seen;
+  for (std::size_t i = 0; i < count; ++i) seen.push_back({reply.params[i], words[i], d[2 * i], d[2 * i + 1]});
+  return seen;
 }
 
-Pose ToPose(const double* d) {
+/// The first of `rest`: `least` numbers and `more`, as a reply says. Throws Error 7 if they are not there.
+std::span<const double> TakeFirst(std::span<const double>& rest, std::size_t least, std::int32_t more) {
+  const std::size_t count = least + static_cast<std::size_t>(std::max(0, more));
+  if (count > rest.size()) throw Error(7, "a reply of the daemon has too few values");
+  const std::span<const double> first = rest.first(count);
+  rest = rest.subspan(count);
+  return first;
+}
+
+/// @pre five numbers
+Pose ToPose(std::span<const double> d) {
   return {d[0], d[1], d[2], d[3], d[4]};
 }
 
@@ -51,7 +62,7 @@ Target Choose(const std::vector<Target>& targets, const std::string& colour) {
 
 }  // namespace
 
-Robot::Robot(std::shared_ptr<Session> session, std::shared_ptr<Link> link)
+Robot::Robot(std::shared_ptr<Session> session, std::shared_ptr<RobotLink> link)
     : session_(std::move(session)), link_(std::move(link)) {}
 
 const std::string& Robot::name() const {
@@ -59,7 +70,7 @@ const std::string& Robot::name() const {
 }
 
 void Robot::set_velocity(double v, double w) {
-  session_->Actuate(*link_, command::kSetVelocity, {Finite(v, "v [m/s]"), Finite(w, "w [rad/s]")});
+  link_->Actuate(command::kSetVelocity, {Finite(v, "v [m/s]"), Finite(w, "w [rad/s]")});
 }
 
 void Robot::set_velocity(const std::vector<double>& v_w) {
@@ -75,28 +86,28 @@ void Robot::set_wheel_speeds(const std::vector<double>& l_r) {
 }
 
 void Robot::set_wheel_speeds(double l, double r) {
-  session_->Actuate(*link_, command::kSetWheelSpeeds, {Finite(l, "l [rad/s]"), Finite(r, "r [rad/s]")});
+  link_->Actuate(command::kSetWheelSpeeds, {Finite(l, "l [rad/s]"), Finite(r, "r [rad/s]")});
 }
 
 void Robot::stop() {
-  session_->Actuate(*link_, command::kStop, {});
+  link_->Actuate(command::kStop);
 }
 
 Pose Robot::get_pose() {
-  return ToPose(Values(session_->Read(*link_, "pose", command::kGetPose), 5).data());
+  return ToPose(Values(link_->Read("pose", {command::kGetPose}), 5));
 }
 
 Pose3d Robot::get_pose_3d() {
-  const std::vector<double> d = Values(session_->Read(*link_, "pose", command::kGetPose3d), 13);
+  const std::vector<double> d = Values(link_->Read("pose", {command::kGetPose3d}), 13);
   return {d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7], d[8], d[9], d[10], d[11], d[12]};
 }
 
 std::vector<double> Robot::get_distances() {
-  return Values(session_->Read(*link_, "distance", command::kGetDistances), 0);
+  return Values(link_->Read("distance", {command::kGetDistances}), 0);
 }
 
 Geometry Robot::get_geometry() {
-  const std::vector<double> d = Values(session_->Read(*link_, "distance", command::kGetGeometry), 0);
+  const std::vector<double> d = Values(link_->Read("distance", {command::kGetGeometry}), 0);
   Geometry geometry;
   for (std::size_t i = 0; i + 2 < d.size(); i += 3) {
     geometry.bearing.push_back(d[i]);
@@ -107,46 +118,37 @@ Geometry Robot::get_geometry() {
 }
 
 std::vector<Target> Robot::get_targets() {
-  const Message reply = session_->Read(*link_, "target", command::kGetTargets);
-  const std::vector<std::string> colours = Words(reply.text);
-  const std::size_t count = std::min(reply.params.size(), colours.size());
-  const std::vector<double> d = Values(reply, 2 * count);
-  std::vector<Target> targets;
-  for (std::size_t i = 0; i < count; ++i)
-    targets.push_back({reply.params[i], colours[i], d[2 * i], d[2 * i + 1]});
-  return targets;
+  return Seen<Target>(link_->Read("target", {command::kGetTargets}));
 }
 
 Bearing Robot::get_target(const std::string& x) {
   if (x.empty())
     throw Error(3, "a target is a colour or an id: write r.get_target(\"red\") or r.get_target(1)");
-  const std::vector<double> d = Values(session_->Read(*link_, "target", command::kGetTarget, {}, x), 2);
+  const std::vector<double> d = Values(link_->Read("target", {.command = command::kGetTarget, .text = x}), 2);
   return {d[0], d[1]};
 }
 
 Bearing Robot::get_target(int x) {
-  const std::vector<double> d = Values(session_->Read(*link_, "target", command::kGetTarget, {x}), 2);
+  const std::vector<double> d = Values(link_->Read("target", {command::kGetTarget, {x}}), 2);
   return {d[0], d[1]};
 }
 
 std::vector<OtherRobot> Robot::get_robots() {
-  return ToOtherRobots(session_->Read(*link_, "target", command::kGetRobots));
+  return Seen<OtherRobot>(link_->Read("target", {command::kGetRobots}));
 }
 
 std::vector<OtherRobot> Robot::get_neighbours() {
-  return ToOtherRobots(session_->Read(*link_, "neighbours", command::kGetNeighbours));
+  return Seen<OtherRobot>(link_->Read("neighbours", {command::kGetNeighbours}));
 }
 
 std::vector<Heard> Robot::get_messages() {
-  const Message reply = session_->Read(*link_, "neighbours", command::kGetMessages);
+  const Message reply = link_->Read("neighbours", {command::kGetMessages});
+  const std::vector<double> values = Values(reply, 0);
+  std::span<const double> rest(values);
   std::vector<Heard> messages;
-  std::size_t at = 0;
   for (std::size_t i = 0; i + 1 < reply.params.size(); i += 2) {
-    const std::size_t count = static_cast<std::size_t>(std::max(0, reply.params[i + 1]));
-    if (at + 2 + count > reply.data.size()) throw Error(7, "a reply of the daemon has too few values");
-    const double* d = reply.data.data() + at;
-    messages.push_back({reply.params[i], d[0], d[1], {d + 2, d + 2 + count}});
-    at += 2 + count;
+    const std::span<const double> d = TakeFirst(rest, 2, reply.params[i + 1]);
+    messages.push_back({reply.params[i], d[0], d[1], {d.begin() + 2, d.end()}});
   }
   return messages;
 }
@@ -155,44 +157,41 @@ void Robot::send_message(const std::vector<double>& values) {
   if (values.empty() || values.size() > kMaxMessage)
     throw Error(3, "a message has 1 to 8 numbers, not " + std::to_string(values.size()));
   for (const double value : values) Finite(value, "a value of a message");
-  session_->Send(*link_, values);
+  session_->RequireDriving();
+  link_->Read("neighbours", {.command = command::kSendMessage, .data = values});
 }
 
 Wheels Robot::get_wheels() {
-  const std::vector<double> d = Values(session_->Read(*link_, "motors", command::kGetWheels), 4);
+  const std::vector<double> d = Values(link_->Read("motors", {command::kGetWheels}), 4);
   return {d[0], d[1], d[2], d[3]};
 }
 
 Limits Robot::get_limits() {
-  const std::vector<double> d = Values(session_->Read(*link_, "motors", command::kGetLimits), 3);
+  const std::vector<double> d = Values(link_->Read("motors", {command::kGetLimits}), 3);
   return {d[0], d[1], d[2]};
 }
 
 Reading Robot::sense(const std::string& x) {
-  const Message reply = session_->Sense(*link_);
-  const std::vector<double> d = Values(reply, 0);
+  const Message reply = link_->Sense();
+  const std::vector<double> values = Values(reply, 0);
+  std::span<const double> rest(values), seen;
   Reading reading;
-  reading.time = reply.data[reply.data.size() - 2];
-  reading.step = static_cast<std::int64_t>(reply.data.back());
-  const double* part = d.data();
-  const double* seen = nullptr;
-  std::size_t seen_count = 0;
+  reading.time = TimeOf(reply);
+  reading.step = StepOf(reply);
   for (std::size_t i = 0; i < link_->attached.size() && i + 1 < reply.params.size(); ++i) {
-    const std::size_t length = static_cast<std::size_t>(std::max(0, reply.params[i + 1]));
-    if (part + length > d.data() + d.size()) throw Error(7, "a reply of the daemon has too few values");
+    const std::span<const double> part = TakeFirst(rest, 0, reply.params[i + 1]);
     const std::string& module = link_->attached[i];
     if (module == "distance") {
-      reading.distances.assign(part, part + length);
-    } else if (module == "pose" && length >= 5) {
+      reading.distances.assign(part.begin(), part.end());
+    } else if (module == "pose" && part.size() >= 5) {
       reading.pose = ToPose(part);
-    } else if (module == "motors" && length >= 4) {
+    } else if (module == "motors" && part.size() >= 4) {
       reading.wheels = Wheels{part[0], part[1], part[2], part[3]};
     } else if (module == "target") {
       seen = part;
-      seen_count = length / 2;
     }
-    part += length;
   }
+  const std::size_t seen_count = seen.size() / 2;
   // Ids and colours change with a reset, load or edit only: asked for again when the step did not go on, when
   // their number changed, or after a while.
   const Deadline now = Clock::now();
@@ -221,7 +220,7 @@ void Robot::subscribe(const std::string& module, int n) {
   if (n < 0) throw Error(4, "n must be at least 1, or 0 to end the subscription");
   auto connection = std::make_unique<Connection>(session_->address(), "/" + name() + "/" + module, false);
   connection->Open();
-  connection->Request(command::kSubscribe, {n});
+  connection->Ask({command::kSubscribe, {n}});
   link_->pushers[module] = std::move(connection);
 }
 
@@ -247,12 +246,7 @@ Update Robot::next(const std::string& module, double timeout) {
       const Message pushed = std::move(connection->pushes.front());
       connection->pushes.pop_front();
       const std::vector<double> value = Values(pushed, 0);
-      return {name,
-              pushed.text,
-              pushed.data[value.size()],
-              static_cast<std::int64_t>(pushed.data.back()),
-              pushed.params,
-              value};
+      return {name, pushed.text, TimeOf(pushed), StepOf(pushed), pushed.params, value};
     }
     const Deadline now = Clock::now();
     if (now >= deadline) throw Error(11, "no reading was pushed within the timeout; " + session_->Whom());
@@ -267,8 +261,8 @@ Update Robot::next(const std::string& module, double timeout) {
 
 Reply Robot::call(const std::string& module, const std::string& command, std::vector<std::int32_t> params,
                   std::vector<double> data, const std::string& text, double timeout) {
-  return RawCall(*session_, "/" + name() + "/" + module, command, std::move(params), std::move(data), text,
-                 timeout);
+  return Simulation(session_).call("/" + name() + "/" + module, command, std::move(params), std::move(data),
+                                   text, timeout);
 }
 
 }  // namespace coopdyn::client

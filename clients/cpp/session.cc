@@ -14,9 +14,8 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr int kLockstep = 1;
-constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
-constexpr int kUnstepped = 200;         // commands to one robot without a step: then a notice
+constexpr int kUnstepped = 200;               // commands to one robot without a step: then a notice
+constexpr std::int32_t kStatusRobots = 1000;  // robots in one status
 
 bool CarriesMode(std::int32_t id) {
   return id == command::kReady || id == command::kGetTime || id == command::kSetWheelSpeeds ||
@@ -25,36 +24,194 @@ bool CarriesMode(std::int32_t id) {
 
 }  // namespace
 
-void Link::ForgetCommands() {
-  kept.reset();
-  sent.reset();
-  carried.reset();
-}
-
-void Link::Close() {
-  if (motors) motors->Close();
-  readers.clear();
-  pushers.clear();
-}
-
-Session::Session(Address address, bool watch)
-    : address_(std::move(address)), watch_(watch), simulation_(address_, "/simulation", true) {}
-
 double Session::spin_s() const {
   if (const char* given = std::getenv("COOPDYN_SPIN")) return std::max(0.0, std::atof(given)) * 1e-6;
   return mode_ == kLockstep && links_.size() + teams_.size() <= 4 ? 50e-6 : 0;
 }
 
-const Message& Session::Note(const Message& reply) {
-  if (reply.data.size() >= 2) {
-    time_ = reply.data[reply.data.size() - 2];
-    steps_ = static_cast<std::int64_t>(reply.data.back());
-  }
-  if (!reply.params.empty() && CarriesMode(reply.command)) mode_ = reply.params[0];
+void Session::RequireOpen() const {
+  if (closed_) throw Error(Error::kNoConnection, "this sim is closed; connect() again");
+}
+
+void Session::RequireDriving() const {
+  RequireOpen();
+  if (watch_) throw Error(kNotPossible, "this sim only watches; connect without watch to drive");
+}
+
+Connection& Session::Of(const std::string& module) {
+  RequireOpen();
+  const bool drives = !watch_ || module == kSimulation;
+  Connection& connection = modules_.try_emplace(module, address_, module, drives).first->second;
+  connection.KeepOpen();
+  return connection;
+}
+
+Message Session::Tell(const std::string& module, Request request) {
+  Message reply = Of(module).Ask(std::move(request));
+  for (const auto& link : links_) link->carried.reset();
+  Note(reply);
   return reply;
 }
 
-void Session::CountUnstepped(Link& link) {
+int Session::AskMode() {
+  const Message reply = Control({command::kGetTime});
+  Require(reply, 1, 0);
+  return reply.params[0];
+}
+
+Json Session::Status() {
+  return Json::Parse(Control({command::kGetStatus}).text);
+}
+
+std::vector<std::string> Session::RobotNames() {
+  std::vector<std::string> names;
+  while (true) {  // one status lists only a part of them
+    const auto first = static_cast<std::int32_t>(names.size() + 1);
+    const Json status = Json::Parse(Control({command::kGetStatus, {first, kStatusRobots}}).text);
+    for (const Json& robot : status["robots"].items()) names.push_back(robot["name"].text());
+    if (status["robots"].size() == 0 || static_cast<double>(names.size()) >= status["robot_count"].number())
+      return names;
+  }
+}
+
+Json Session::Describe(const std::string& module) {
+  RequireOpen();
+  Connection connection(address_, module, false);
+  return Json::Parse(Ask(connection, {command::kDescribe}).text);
+}
+
+Message Session::Ask(Connection& connection, const Request& request) {
+  if (connection.is_open() && !connection.busy()) {
+    try {
+      return Note(connection.Ask(request, spin_s()));
+    } catch (const Closed&) {
+    }
+  }
+  connection.Open();
+  return Note(connection.Ask(request));
+}
+
+Message Session::Call(const std::string& module, Request request) {
+  RequireOpen();
+  RobotLink* link = nullptr;
+  for (const auto& candidate : links_) {
+    candidate->carried.reset();
+    if (candidate->motors && candidate->motors->module() == module) link = candidate.get();
+  }
+  if (link != nullptr) link->Settle();
+  Connection& connection = link != nullptr ? *link->motors : Of(module);
+  std::vector<Waiting> waiting = {{&connection, link}};
+  try {
+    connection.Send(request.command, std::move(request.params), request.data, std::move(request.text));
+    Message reply = Collect(waiting, request.timeout_s).last;
+    if (module == kSimulation || module == "/playback") reached_ = 0;  // it may have been a reset
+    return reply;
+  } catch (const Error& e) {
+    GiveUp(waiting, e);
+    throw;
+  }
+}
+
+std::shared_ptr<RobotLink> Session::Drive(const std::string& robot) {
+  RequireOpen();
+  const bool in_team = TeamWith(robot) != nullptr;
+  std::erase_if(links_, [&](const auto& link) {
+    return link->robot == robot && (link->lost || link->in_team != in_team);
+  });
+  for (const auto& link : links_) {
+    if (link->robot == robot) return link;
+  }
+  auto link = std::make_shared<RobotLink>(*this, robot);
+  link->in_team = in_team;
+  if (!in_team) {
+    link->motors = std::make_unique<Connection>(address_, "/" + robot + "/motors", !watch_);
+    try {
+      link->OpenMotors();
+    } catch (const Error& e) {
+      if (e.code() != kNoSuchName) throw;
+      std::set<std::string> robots;
+      for (const Module& module : address_.Modules()) {
+        const std::size_t slash = module.name.find('/', 1);
+        if (slash != std::string::npos) robots.insert(module.name.substr(1, slash - 1));
+      }
+      if (!robots.contains(robot))
+        throw Error(kNoSuchName, "there is no robot '" + robot + "'; " +
+                                     Nearest(robot, {robots.begin(), robots.end()}) +
+                                     "there are: " + ListOf({robots.begin(), robots.end()}));
+      link->motors.reset();  // it has no motors: it can be read only
+    }
+  }
+  links_.push_back(link);
+  return link;
+}
+
+std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
+  RequireDriving();
+  std::set<int> numbers;
+  // A team that is opened again takes its robots, and learns who is in it by now: what one of ours lets go of
+  // for a moment is not free.
+  for (const auto& team : teams_) {
+    const bool same = team->text == text;
+    if (team->lost ||
+        (!same && (team->names.empty() || (team->connection.is_open() && !team->connection.busy()))))
+      continue;
+    try {
+      team->Settle();
+      if (same) return team;
+    } catch (const Error&) {
+      if (same && !team->lost) throw;  // the next use of another says what is wrong
+    }
+  }
+  std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
+  for (const auto& team : teams_) numbers.insert(team->number);
+  int number = 1;
+  while (numbers.contains(number)) ++number;
+  auto team = std::make_shared<TeamLink>(*this, text, number);
+  try {
+    team->Open();
+  } catch (const Error& e) {
+    if (e.code() != kOwned) throw;
+    const std::string robot = FirstWord(e.text());
+    const bool freed = std::any_of(links_.begin(), links_.end(),
+                                   [&](const auto& link) { return link->robot == robot && link->LetGo(); });
+    if (freed) return DriveTeam(text);
+    team->NotOurs(e);
+  }
+  teams_.push_back(team);
+  return team;
+}
+
+const TeamLink* Session::TeamWith(const std::string& robot, const TeamLink* but) const {
+  for (const auto& team : teams_) {
+    if (team.get() != but && team->Has(robot)) return team.get();
+  }
+  return nullptr;
+}
+
+void Session::GiveToTeam(const std::vector<std::string>& robots) {
+  for (const auto& link : links_) {
+    if (!link->unclaimed || std::find(robots.begin(), robots.end(), link->robot) == robots.end()) continue;
+    link->in_team = true;
+    link->motors.reset();
+  }
+}
+
+void Session::CloseTeam(TeamLink& team, bool stop) {
+  team.GiveUp(stop);
+  std::erase_if(teams_, [&](const auto& other) { return other.get() == &team; });
+}
+
+std::vector<std::optional<Command>> Session::Kept() const {
+  std::vector<std::optional<Command>> kept;
+  for (const auto& link : links_) kept.push_back(link->kept);
+  return kept;
+}
+
+void Session::Keep(std::vector<std::optional<Command>> kept) {
+  for (std::size_t i = 0; i < kept.size() && i < links_.size(); ++i) links_[i]->kept = std::move(kept[i]);
+}
+
+void Session::CountUnstepped(RobotLink& link) {
   if (++link.unstepped == 1) link.unstepped_since = steps_;
   if (link.unstepped < kUnstepped || told_to_step_) return;
   link.unstepped = 0;
@@ -64,189 +221,6 @@ void Session::CountUnstepped(Link& link) {
   std::cerr << "coopdyn: " << kUnstepped << " commands to " << link.robot << " without a step, "
             << (lockstep ? "nothing moves" : "your loop runs faster than time")
             << ": write sim.step() at the end of your loop" << std::endl;
-}
-
-void Session::RequireOpen() const {
-  if (closed_) throw Error(Error::kNoConnection, "this sim is closed; connect() again");
-}
-
-Message Session::Call(const std::string& module, std::int32_t command, std::vector<std::int32_t> params,
-                      std::vector<double> data, std::string text, double timeout_s) {
-  RequireOpen();
-  Link* link = nullptr;
-  for (const auto& candidate : links_) {
-    candidate->carried.reset();
-    if (candidate->motors && candidate->motors->module() == module) link = candidate.get();
-  }
-  Connection* connection = &simulation_;
-  if (link != nullptr) {
-    Settle(*link);
-    connection = link->motors.get();
-  } else if (module != "/simulation") {
-    std::unique_ptr<Connection>& other = others_[module];
-    if (!other) other = std::make_unique<Connection>(address_, module, !watch_);
-    connection = other.get();
-  }
-  if (link == nullptr && !connection->Alive()) connection->Open();
-  std::vector<Waiting> waiting = {{connection, link}};
-  try {
-    connection->Send(command, std::move(params), data, std::move(text));
-    Message reply = Collect(waiting, timeout_s);
-    if (module == "/simulation" || module == "/playback") reached_ = 0;  // it may have been a reset
-    return reply;
-  } catch (...) {
-    GiveUp(waiting, std::current_exception());
-    throw;
-  }
-}
-
-std::shared_ptr<Link> Session::Drive(const std::string& robot) {
-  RequireOpen();
-  const bool in_team = HasTeamWith(robot);
-  std::erase_if(links_, [&](const auto& link) {
-    return link->robot == robot && (link->lost || link->in_team != in_team);
-  });
-  for (const auto& link : links_) {
-    if (link->robot == robot) return link;
-  }
-  auto link = std::make_shared<Link>();
-  link->robot = robot;
-  if (in_team) {
-    link->in_team = true;
-    links_.push_back(link);
-    return link;
-  }
-  link->motors = std::make_unique<Connection>(address_, "/" + robot + "/motors", !watch_);
-  try {
-    OpenMotors(*link);
-  } catch (const Error& e) {
-    if (e.code() != kNoSuchName) throw;
-    std::set<std::string> robots;
-    for (const Module& module : address_.Modules()) {
-      const std::size_t slash = module.name.find('/', 1);
-      if (slash != std::string::npos) robots.insert(module.name.substr(1, slash - 1));
-    }
-    if (!robots.contains(robot))
-      throw Error(kNoSuchName, "there is no robot '" + robot + "'; " +
-                                   Nearest(robot, {robots.begin(), robots.end()}) +
-                                   "there are: " + ListOf({robots.begin(), robots.end()}));
-    link->motors.reset();  // it has no motors: it can be read only
-  }
-  links_.push_back(link);
-  return link;
-}
-
-void Session::OpenMotors(Link& link) {
-  link.sent.reset();
-  link.carried.reset();
-  Connection& motors = *link.motors;
-  motors.Open();
-  try {
-    if (!watch_) {
-      try {
-        Claim(link);
-      } catch (const Error& e) {
-        if (e.code() != kNotPossible && !link.another)
-          throw;  // not possible: a recording is played; reading goes on
-      }
-    }
-    if (!link.attached.empty()) motors.Request(command::kAttach, {}, {}, Join(link.attached, " "));
-    if (watch_ || link.unclaimed) Note(motors.Request(command::kGetTime));
-  } catch (...) {
-    motors.Close();
-    throw;
-  }
-}
-
-void Session::Claim(Link& link) {
-  link.unclaimed = true;
-  try {
-    link.motors->Request(command::kClaim);
-  } catch (const Error& e) {
-    if (e.code() != kOwned) throw;
-    if (HasTeamWith(link.robot)) throw Error(kNotPossible, link.robot + " is driven by its team");
-    throw Error(kOwned, link.robot + " cannot be driven: " + e.what() +
-                            ". Stop the other program, or free the robot on the page; to watch only: "
-                            "connect with watch = true");
-  }
-  link.unclaimed = link.another = false;
-  Note(link.motors->Request(command::kGetTime));  // a branch may have brought another mode
-}
-
-void Session::Settle(Link& link) {
-  if (link.lost) throw Error(*link.lost);
-  Connection& motors = *link.motors;
-  if (!motors.is_open() || (motors.busy() && !link.sent)) OpenMotors(link);
-  if (!link.sent || AwaitCommand(link)) return;
-  // No reply: in lockstep it comes after the step only. Take the command back, and keep it.
-  if (Control(command::kGetTime).params.at(0) == kLockstep) {
-    if (!link.kept) link.kept = link.sent;
-    OpenMotors(link);
-    return;
-  }
-  try {
-    const Message reply = motors.Receive(kRequestTimeout_s, 0);
-    link.sent.reset();
-    Note(Checked(reply));
-  } catch (const Closed& e) {
-    Lose(link, e);
-  }
-}
-
-bool Session::TakesPart(Link& link) {
-  if (!link.motors) return false;
-  Settle(link);
-  if (link.unclaimed && !link.another) {
-    try {
-      Claim(link);
-    } catch (const Error& e) {
-      if (e.code() != kNotPossible && e.code() != kOwned) throw;
-      link.another = !e.text().starts_with(kPlaying);
-    }
-  }
-  return !link.unclaimed;
-}
-
-bool Session::LetGo(const std::string& robot) {
-  for (const auto& link : links_) {
-    if (link->robot != robot || !link->motors || link->commanded || link->unclaimed || link->lost) continue;
-    Settle(*link);
-    link->motors->Request(command::kRelease);
-    link->ForgetCommands();
-    link->unclaimed = link->another = true;
-    return true;
-  }
-  return false;
-}
-
-bool Session::HasTeamWith(const std::string& robot) const {
-  return std::any_of(teams_.begin(), teams_.end(), [&](const auto& team) {
-    return !team->lost && std::find(team->names.begin(), team->names.end(), robot) != team->names.end();
-  });
-}
-
-bool Session::AwaitCommand(Link& link) {
-  const Deadline deadline = After(kCommandWait_s);
-  while (true) {
-    std::optional<Message> reply;
-    try {
-      reply = link.motors->TryRead();
-    } catch (const Closed& e) {
-      Lose(link, e);
-    }
-    if (reply) {
-      link.sent.reset();
-      Fresh(Checked(std::move(*reply)), link.sent_at);
-      return true;
-    }
-    if (Until(deadline) <= 0) return false;
-    WaitReadable({link.motors->fd()}, Until(deadline));
-  }
-}
-
-void Session::Lose(Link& link, const Closed& closed) {
-  link.ForgetCommands();
-  Lose(closed, link.robot, "sim.robot(\"" + link.robot + "\")", link.lost);
 }
 
 void Session::Lose(const Closed& closed, const std::string& label, const std::string& take_again,
@@ -260,95 +234,110 @@ void Session::Lose(const Closed& closed, const std::string& label, const std::st
   throw Error(*lost);
 }
 
-void Session::Actuate(Link& link, std::int32_t command, std::vector<double> data) {
-  RequireOpen();
-  if (watch_) throw Error(kNotPossible, "this sim only watches; connect without watch to drive");
-  if (!link.motors)
-    throw Error(kNotPossible, link.robot + (link.in_team ? " is driven by its team" : " has no motors"));
-  if (link.lost) throw Error(*link.lost);
-  if (mode_ != kLockstep || link.unclaimed) Settle(link);
-  if (link.unclaimed) Claim(link);  // a branch may go on live from there
-  link.commanded = true;
-  if (mode_ == kLockstep) {
-    if (link.kept) CountUnstepped(link);
-    link.kept = Command{command, std::move(data)};
-    return;
+const Message& Session::Note(const Message& reply) {
+  if (reply.data.size() >= 2) {
+    time_ = TimeOf(reply);
+    steps_ = StepOf(reply);
   }
-  link.kept.reset();
-  CountUnstepped(link);
-  link.sent_at = reached_;
-  try {
-    link.motors->Send(command, {}, data);
-  } catch (const Closed& e) {
-    Lose(link, e);
-  }
-  link.sent = Command{command, std::move(data)};
-  AwaitCommand(link);
+  if (!reply.params.empty() && CarriesMode(reply.command)) mode_ = reply.params[0];
+  return reply;
 }
 
-void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
-  RequireOpen();
-  std::vector<Waiting> waiting;
-  for (const auto& link : links_) link->unstepped = 0;
-  if (!watch_) {
-    std::vector<TeamLink*> settled;
-    for (const auto& team : teams_) {
-      try {
-        SettleTeam(*team);
-        settled.push_back(team.get());
-      } catch (const Error&) {
-        // The others go on without one that is lost, or whose robots are another's after a load.
-        if (team.get() == team_command.team || (!team->lost && !team->names.empty())) throw;
-      }
-    }
-    std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
-    for (const auto& link : links_) {
-      if (TakesPart(*link)) waiting.push_back({link->motors.get(), link.get()});
-    }
-    for (TeamLink* team : settled) waiting.push_back({team->connection.get(), nullptr, team});
+Message Session::Fresh(Message reply, std::int64_t since) {
+  Note(reply);
+  GoOn(steps_, since);
+  return reply;
+}
+
+void Session::GoOn(std::int64_t step, std::int64_t since) {
+  if (step >= since) {
+    reached_ = std::max(reached_, step);
+  } else if (watch_ || !Status()["playback"].is_null()) {
+    reached_ = step;
+  } else {
+    throw NewWorld();
   }
-  if (waiting.empty()) {
-    if (!simulation_.Alive()) simulation_.Open();
-    waiting.push_back({&simulation_, nullptr});
+}
+
+WorldReset Session::NewWorld(const std::string& word) {
+  const std::string before = std::exchange(scenario_, Status()["scenario"].text());
+  const std::string cure = ": run your program again, or catch this to start over";
+  if (word != kLoad && scenario_ == before) {
+    StartedAnew();
+    return WorldReset("the world was reset" + cure);
   }
-  const std::int64_t since = reached_ + 1;
-  try {
-    for (Waiting& w : waiting) {
-      if (w.team != nullptr) {
-        if (w.team == team_command.team) {
-          w.connection->Send(command::kStepAll, {}, team_command.values, team_command.text);
-        } else {
-          w.connection->Send(command::kReady, {n}, {});
-        }
-        continue;
-      }
-      Command command{command::kReady, {}};
-      if (w.link != nullptr) {
-        if (w.link->kept) command = std::move(*w.link->kept);
-        w.link->kept.reset();
-        w.link->carried.reset();
-      }
-      w.connection->Send(command.id, {n}, command.data);
-    }
-    Collect(waiting, timeout_s);
-  } catch (...) {
-    GiveUp(waiting, std::current_exception());
-    throw;
+  const std::vector<std::string> gone = Loaded();
+  const std::string which =
+      scenario_.empty() ? "a scenario was loaded" : "scenario " + scenario_ + " was loaded";
+  if (gone.empty()) return WorldReset(which + cure);
+  return WorldReset(which + ", which has no " + ListOf(gone) + "; there are: " + ListOf(RobotNames()) +
+                    ". Run your program again with these");
+}
+
+void Session::ThrowIfLoaded(const Error& error) {
+  if (dynamic_cast<const WorldReset*>(&error) != nullptr) return;
+  const Json status = Status();
+  const bool same =
+      status["scenario"].text() == scenario_ && status["step"].number() >= static_cast<double>(reached_);
+  if (!same && status["playback"].is_null()) throw NewWorld(kLoad);
+}
+
+void Session::StartedAnew() {
+  reached_ = 0;
+  ForgetCommands();
+}
+
+void Session::ForgetCommands() {
+  for (const auto& link : links_) {
+    link->ForgetCommands();
+    link->another = false;
   }
-  GoOn(earliest_, since);
+  for (const auto& team : teams_) team->stale = true;
+}
+
+void Session::Jumped() {
+  StartedAnew();
+  Control({command::kGetTime});  // tells the mode
+  const std::vector<std::string> names = RobotNames();
+  const std::set<std::string> here(names.begin(), names.end());
+  const auto is_here = [&](const std::string& name) { return here.contains(name); };
+  const bool all =
+      std::all_of(links_.begin(), links_.end(), [&](const auto& link) { return is_here(link->robot); }) &&
+      std::all_of(teams_.begin(), teams_.end(), [&](const auto& team) {
+        return std::all_of(team->names.begin(), team->names.end(), is_here);
+      });
+  if (!all) Loaded();
+}
+
+std::vector<std::string> Session::Loaded() {
+  StartedAnew();
+  scenario_ = Status()["scenario"].text();
+  for (const auto& team : teams_) {  // opened again with the robots there are now
+    team->connection.Close();
+    team->names.clear();
+    if (team->lost && team->lost->code() == kNotPossible) team->lost.reset();  // it had no robots left
+  }
+  const std::vector<std::string> names = RobotNames();
+  std::vector<std::string> gone;
+  std::erase_if(links_, [&](const auto& link) {
+    if (std::find(names.begin(), names.end(), link->robot) != names.end()) return false;
+    link->lost.emplace(
+        kNoSuchName, "the scenario that was loaded has no " + link->robot + "; there are: " + ListOf(names));
+    link->Close();
+    gone.push_back(link->robot);
+    return true;
+  });
+  return gone;
 }
 
 void Session::Close() {
   if (closed_) return;
-  while (!teams_.empty()) CloseTeam(*std::shared_ptr<TeamLink>(teams_.back()), true);
+  for (const auto& team : std::exchange(teams_, {})) team->GiveUp(true);
   closed_ = true;
-  const auto is_ours = [&](const Link& link) {
-    return link.motors && link.motors->is_open() && !watch_ && !link.unclaimed && !link.lost;
-  };
   for (const auto& link : links_) {
-    if (!is_ours(*link)) continue;
+    if (watch_ || !link->is_ours()) continue;
     try {
-      link->motors->Send(command::kStop, {}, {});
+      link->motors->Send(command::kStop);
       link->motors->FinishSending();
     } catch (const Error&) {
       // It is gone already.
@@ -356,14 +345,12 @@ void Session::Close() {
   }
   // Lets the daemon read the last `stop`, so that what this program does next, a reset say, comes after it.
   // In lockstep the step it asks for may be far off.
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+  const Deadline deadline = After(kFarewell_s);
   for (const auto& link : links_) {
-    if (is_ours(*link)) link->motors->AwaitEnd(deadline);
-    link->ForgetCommands();
+    if (!watch_ && link->is_ours()) link->motors->AwaitEnd(deadline);
     link->Close();
   }
-  others_.clear();
-  simulation_.Close();
+  modules_.clear();
 }
 
 }  // namespace coopdyn::client

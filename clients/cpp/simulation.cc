@@ -12,8 +12,8 @@
 #include "clients/cpp/codes.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/page.h"
-#include "clients/cpp/raw_call.h"
 #include "clients/cpp/session.h"
+#include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
 #include "protocol/command_table.h"
 
@@ -98,7 +98,7 @@ std::int64_t Simulation::steps() const {
 }
 
 std::string Simulation::mode() {
-  const int mode = session_->Control(command::kGetTime).params.at(0);
+  const int mode = session_->AskMode();
   return mode >= 0 && mode < 3 ? kModes[mode] : "";
 }
 
@@ -107,31 +107,31 @@ double Simulation::dt() {
 }
 
 void Simulation::run() {
-  session_->Control(command::kRun);
+  session_->Control({command::kRun});
 }
 
 void Simulation::pause() {
-  session_->Control(command::kPause);
+  session_->Control({command::kPause});
 }
 
 void Simulation::stop_all() {
-  session_->Control(command::kStopAll);
+  session_->Control({command::kStopAll});
   session_->ForgetCommands();
 }
 
 void Simulation::reset() {
-  session_->Control(command::kReset, {}, {}, "", kLoadTimeout_s);
+  session_->Control({.command = command::kReset, .timeout_s = kLoadTimeout_s});
   session_->StartedAnew();
 }
 
 void Simulation::reset(int seed) {
   if (seed < 0) throw Error(4, "a seed is at least 0, not " + std::to_string(seed) + ": write sim.reset(7)");
-  session_->Control(command::kReset, {seed}, {}, "", kLoadTimeout_s);
+  session_->Control({command::kReset, {seed}, {}, "", kLoadTimeout_s});
   session_->StartedAnew();
 }
 
 void Simulation::reload() {
-  session_->Control(command::kReload, {}, {}, "", kLoadTimeout_s);
+  session_->Control({.command = command::kReload, .timeout_s = kLoadTimeout_s});
   session_->Loaded();
 }
 
@@ -144,7 +144,7 @@ void Simulation::load_scenario(const std::string& x) {
     text.assign(std::istreambuf_iterator<char>(file), {});
     text += "\n# file: " + std::filesystem::path(x).filename().string() + "\n";  // tells the daemon its name
   }
-  session_->Control(command::kLoadScenario, {}, {}, std::move(text), kLoadTimeout_s);
+  session_->Control({command::kLoadScenario, {}, {}, std::move(text), kLoadTimeout_s});
   session_->Loaded();
 }
 
@@ -153,7 +153,7 @@ void Simulation::set_mode(const std::string& mode) {
   if (found == std::end(kModes))
     throw Error(4, "there is no mode '" + mode + "'; write one of realtime, lockstep, free");
   const int number = static_cast<int>(found - std::begin(kModes));
-  session_->Control(command::kSetMode, {number});
+  session_->Control({command::kSetMode, {number}});
   session_->set_mode(number);
 }
 
@@ -164,17 +164,15 @@ void Simulation::set_step(double s) {
   if (std::abs(s * 1e6 - whole_us) > 1e-3)
     throw Error(4, "a step lasts whole microseconds, not " + Written(s) + " s: write sim.set_step(" +
                        Written(whole_us / 1e6) + ")");
-  session_->Control(command::kSetStep, {}, {s});
+  session_->Control({.command = command::kSetStep, .data = {s}});
 }
 
 void Simulation::set_speed(double x) {
-  session_->Control(command::kSetSpeed, {}, {Finite(x, "the speed factor")});
+  session_->Control({.command = command::kSetSpeed, .data = {Finite(x, "the speed factor")}});
 }
 
 void Simulation::set_participants(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
-  session_->Control(command::kSetParticipants, {}, {}, text);
+  session_->Control({.command = command::kSetParticipants, .text = Join(names, " ")});
 }
 
 Json Simulation::status() {
@@ -213,50 +211,42 @@ std::vector<Module> Simulation::modules() {
 
 Reply Simulation::call(const std::string& name, const std::string& command, std::vector<std::int32_t> params,
                        std::vector<double> data, const std::string& text, double timeout) {
-  return RawCall(*session_, name.starts_with("/") ? name : "/" + name, command, std::move(params),
-                 std::move(data), text, timeout);
+  const std::string module = name.starts_with("/") ? name : "/" + name;
+  Request request{0, std::move(params), std::move(data), text, timeout};
+  const char* const end = command.data() + command.size();
+  const auto [stopped, error] = std::from_chars(command.data(), end, request.command);
+  if (error != std::errc() || stopped != end) {  // a number stands for itself
+    std::vector<std::string> names;
+    const Json description = session_->Describe(module);
+    for (const Json& entry : description["commands"].items()) {
+      names.push_back(entry["name"].text());
+      if (names.back() == command) request.command = static_cast<std::int32_t>(Whole(entry["id"].number()));
+    }
+    if (std::find(names.begin(), names.end(), command) == names.end())
+      throw Error(1, module + " has no command '" + command + "'; it has: " + Join(names, ", "));
+  }
+  Message reply = session_->Call(module, std::move(request));
+  Require(reply, 0, 0);
+  const double time = TimeOf(reply);
+  const std::int64_t step = StepOf(reply);
+  reply.data.resize(reply.data.size() - 2);
+  return {std::move(reply.text), reply.command, std::move(reply.params), std::move(reply.data), time, step};
 }
 
 void Simulation::close() {
   session_->Close();
 }
 
-Reply RawCall(Session& session, const std::string& module, const std::string& command,
-              std::vector<std::int32_t> params, std::vector<double> data, const std::string& text,
-              double timeout_s) {
-  std::int32_t id = 0;
-  const auto [end, error] = std::from_chars(command.data(), command.data() + command.size(), id);
-  if (error != std::errc() || end != command.data() + command.size()) {
-    std::string names;
-    bool found = false;
-    const Json description = session.Describe(module);
-    for (const Json& entry : description["commands"].items()) {
-      names += (names.empty() ? "" : ", ") + entry["name"].text();
-      if (entry["name"].text() != command) continue;
-      id = static_cast<std::int32_t>(entry["id"].number());
-      found = true;
-    }
-    if (!found) throw Error(1, module + " has no command '" + command + "'; it has: " + names);
-  }
-  Message reply = session.Call(module, id, std::move(params), std::move(data), text, timeout_s);
-  if (reply.data.size() < 2) throw Error(7, "a reply of the daemon has too few values");
-  const double time = reply.data[reply.data.size() - 2];
-  const auto step = static_cast<std::int64_t>(reply.data.back());
-  reply.data.resize(reply.data.size() - 2);
-  return {std::move(reply.text), reply.command, std::move(reply.params), std::move(reply.data), time, step};
-}
-
 Simulation connect(const std::string& server, const Options& options) {
   auto session =
       std::make_shared<Session>(Address(server, options.name, options.token, options.timeout), options.watch);
-  session->Open();
   const Json status = session->Status();
-  if (const int spoken = static_cast<int>(status["protocol"].number()); spoken != kProtocolVersion)
+  if (const std::int64_t spoken = Whole(status["protocol"].number()); spoken != kProtocolVersion)
     throw Error(5, "the daemon at " + session->address().text() + " (version " + status["version"].text() +
                        ") speaks protocol " + std::to_string(spoken) + ", this client speaks " +
                        std::to_string(kProtocolVersion) + ": build it from the daemon's sources");
   session->set_scenario(status["scenario"].text());
-  session->Control(command::kGetTime);
+  session->Control({command::kGetTime});
   return Simulation(std::move(session));
 }
 

@@ -41,16 +41,10 @@ double PlaySpeed(double speed) {
   return speed;
 }
 
-/// `count` values before the final two. Throws Error 7 if there are fewer.
-void Require(const Message& reply, std::size_t params, std::size_t data) {
-  if (reply.params.size() < params || reply.data.size() < data + 2)
-    throw Error(7, "a reply of the daemon has too few values");
-}
-
 }  // namespace
 
 void Simulation::release_robot(const std::string& name) {
-  session_->Control(command::kReleaseRobot, {}, {}, Word(name, "the name of a robot"));
+  session_->Control({.command = command::kReleaseRobot, .text = Word(name, "the name of a robot")});
 }
 
 void Simulation::save_state(const std::string& name) {
@@ -61,16 +55,16 @@ void Simulation::save_state(const std::string& name) {
     throw Error(4,
                 "the name of a state is a letter, then letters, digits, _ and -, at most 63: write "
                 "sim.save_state(\"before_turn\")");
-  session_->Control(command::kSaveState, {}, {}, word);
+  session_->Control({.command = command::kSaveState, .text = word});
 }
 
 void Simulation::restore_state(const std::string& name) {
-  session_->Control(command::kRestoreState, {}, {}, Word(name, "the name of a state"), kLoadTimeout_s);
+  session_->Control({command::kRestoreState, {}, {}, Word(name, "the name of a state"), kLoadTimeout_s});
   session_->Jumped();
 }
 
 std::vector<SavedState> Simulation::saved_states() {
-  const Message reply = session_->Control(command::kGetSaved);
+  const Message reply = session_->Control({command::kGetSaved});
   const std::vector<std::string> names = Words(reply.text);
   Require(reply, 0, names.size());
   std::vector<SavedState> states;
@@ -79,12 +73,14 @@ std::vector<SavedState> Simulation::saved_states() {
 }
 
 std::string Simulation::record(const std::string& name) {
-  return session_->Tell(kRecorder, command::kStartRecording, {}, {}, name.empty() ? name : RunName(name))
+  return session_
+      ->Tell(kRecorder, {.command = command::kStartRecording, .text = name.empty() ? name : RunName(name)})
       .text;
 }
 
 Recorded Simulation::stop_recording() {
-  const Message reply = session_->Tell(kRecorder, command::kStopRecording, {}, {}, "", kLoadTimeout_s);
+  const Message reply =
+      session_->Tell(kRecorder, {.command = command::kStopRecording, .timeout_s = kLoadTimeout_s});
   const std::size_t url =
       std::min(reply.text.find(" http://"), reply.text.size());  // the name may have blanks
   return {reply.text.substr(0, url), UrlHere(session_->address(), reply.text.substr(url))};
@@ -92,25 +88,25 @@ Recorded Simulation::stop_recording() {
 
 void Simulation::note(const std::string& text) {
   if (text.empty()) throw Error(3, "no note: write sim.note(\"half-time\")");
-  session_->Tell(kRecorder, command::kNote, {}, {}, text);
+  session_->Tell(kRecorder, {.command = command::kNote, .text = text});
 }
 
 std::optional<Recording> Simulation::recording() {
-  const Message reply = session_->Tell(kRecorder, command::kGetRecording);
+  const Message reply = session_->Tell(kRecorder, {command::kGetRecording});
   Require(reply, 1, 5);
   if (reply.params[0] == 0) return std::nullopt;
-  const auto whole = [&](std::size_t i) { return static_cast<std::int64_t>(reply.data[i]); };
+  const auto whole = [&](std::size_t i) { return Whole(reply.data[i]); };
   return Recording{reply.text, reply.data[0], reply.data[1], whole(2), whole(3), whole(4)};
 }
 
 std::vector<RunFile> Simulation::recordings() {
-  const Json list =
-      Json::Parse(session_->Tell(kRecorder, command::kListRuns, {}, {}, "", kLoadTimeout_s).text);
+  const Json list = Json::Parse(
+      session_->Tell(kRecorder, {.command = command::kListRuns, .timeout_s = kLoadTimeout_s}).text);
   std::vector<RunFile> files;
   for (const Json& f : list.items()) {
-    RunFile file{.name = f["name"].text(), .bytes = static_cast<std::int64_t>(f["bytes"].number())};
+    RunFile file{.name = f["name"].text(), .bytes = Whole(f["bytes"].number())};
     if (!f["seconds"].is_null()) file.seconds = f["seconds"].number();
-    if (!f["steps"].is_null()) file.steps = static_cast<std::int64_t>(f["steps"].number());
+    if (!f["steps"].is_null()) file.steps = Whole(f["steps"].number());
     file.recording = f["recording"].boolean();
     file.url = UrlHere(session_->address(), f["url"].text());
     files.push_back(std::move(file));
@@ -136,39 +132,39 @@ std::string Simulation::fetch_run(const std::string& name, const std::string& fi
 }
 
 Playback Simulation::playback() {
-  const Message reply = session_->Tell(kPlayback, command::kGetPlayback);
+  const Message reply = session_->Tell(kPlayback, {command::kGetPlayback});
   Require(reply, 3, 4);
   return {reply.data[0],        reply.data[1],        reply.data[2],        reply.data[3],
           reply.params[0] != 0, reply.params[1] != 0, reply.params[2] != 0, reply.text};
 }
 
 void Simulation::seek(double time) {
-  session_->Tell(kPlayback, command::kSeek, {}, {Finite(time, "the time [s]")});
+  session_->Tell(kPlayback, {.command = command::kSeek, .data = {Finite(time, "the time [s]")}});
 }
 
 void Simulation::play(std::optional<double> speed) {
   std::vector<double> data;
   if (speed) data.push_back(PlaySpeed(*speed));
-  session_->Tell(kPlayback, command::kPlay, {}, std::move(data));
+  session_->Tell(kPlayback, {.command = command::kPlay, .data = std::move(data)});
 }
 
 void Simulation::set_play_speed(double s) {
-  session_->Tell(kPlayback, command::kSetPlaySpeed, {}, {PlaySpeed(s)});
+  session_->Tell(kPlayback, {.command = command::kSetPlaySpeed, .data = {PlaySpeed(s)}});
 }
 
 void Simulation::skip(int n) {
   if (n == 0) throw Error(4, "n is how many steps to go on, or back if below 0, not 0: write sim.skip(1)");
-  session_->Tell(kPlayback, command::kSkip, {n});
+  session_->Tell(kPlayback, {command::kSkip, {n}});
 }
 
 void Simulation::set_loop(bool on) {
-  session_->Tell(kPlayback, command::kSetLoop, {on ? 1 : 0});
+  session_->Tell(kPlayback, {command::kSetLoop, {on ? 1 : 0}});
 }
 
 void Simulation::branch(std::optional<double> time) {
   std::vector<double> data;
   if (time) data.push_back(Finite(*time, "the time [s]"));
-  session_->Tell(kPlayback, command::kBranch, {}, std::move(data), "", kExportTimeout_s);
+  session_->Tell(kPlayback, {command::kBranch, {}, std::move(data), "", kExportTimeout_s});
   session_->Jumped();
 }
 

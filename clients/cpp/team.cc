@@ -91,7 +91,7 @@ TeamReading Team::step_wheels(std::span<const double> W, double timeout) {
 
 TeamReading Team::Step(std::span<const double> values, const char* what, const char* columns,
                        const char* text, double timeout) {
-  session_->SettleTeam(*link_);
+  link_->Settle();
   std::vector<double> for_all;
   const auto rows = [&]() -> std::span<const double> {
     if (values.empty() && *text == '\0') return values;  // they keep their speeds
@@ -105,7 +105,7 @@ TeamReading Team::Step(std::span<const double> values, const char* what, const c
   if (!link_->playing.empty()) {
     rows();  // what is wrong with them is said first
     try {
-      session_->OwnTeam(*link_);
+      link_->Own();
     } catch (const Error& e) {
       if (link_->playing.empty() || !values.empty() || *text != '\0') throw;
       session_->Step(1, timeout);  // the next moment that is shown
@@ -113,51 +113,51 @@ TeamReading Team::Step(std::span<const double> values, const char* what, const c
     }
   }
   const std::size_t before = n();
-  const auto sent = rows();
   auto kept = session_->Kept();
   try {
-    return ToReading(session_->StepTeam({link_.get(), text, sent}, timeout));
+    session_->Step(1, timeout, {link_.get(), text, rows()});
   } catch (const Error& e) {
     const bool smaller = e.code() == 3 && e.text().find("no longer in the team") != std::string::npos &&
                          !link_->lost && n() != before;
     if (!smaller) throw;
+    session_->Keep(std::move(kept));  // the step did not run
+    session_->Step(1, timeout, {link_.get(), text, rows()});
   }
-  session_->Keep(std::move(kept));  // the step did not run
-  return ToReading(session_->StepTeam({link_.get(), text, rows()}, timeout));
+  link_->gone.clear();
+  return ToReading(std::move(*std::exchange(link_->reply, std::nullopt)));
 }
 
 TeamReading Team::read() {
-  return ToReading(session_->ReadTeam(*link_));
+  return ToReading(link_->Read());
 }
 
-TeamReading Team::ToReading(Message reply) {
+TeamReading Team::ToReading(Message reply, int tries_left) {
   TeamLink& link = *link_;
-  if (reply.params.size() < 2) throw Error(7, "a reply of the daemon has too few values");
-  const auto rows = static_cast<std::size_t>(reply.params[reply.params.size() - 2]);
-  const auto stride = static_cast<std::size_t>(reply.params.back());
-  const auto columns = [&] {
-    return static_cast<std::size_t>(std::accumulate(link.columns.begin(), link.columns.end(), 0));
+  Require(reply, 2, 0);
+  const auto rows = static_cast<std::size_t>(std::max(0, reply.params[reply.params.size() - 2]));
+  const auto stride = static_cast<std::size_t>(std::max(0, reply.params.back()));
+  const auto fits = [&] {
+    return rows == link.names.size() &&
+           stride == std::accumulate(link.columns.begin(), link.columns.end(), std::size_t{0});
   };
-  if (rows != link.names.size() || stride != columns()) session_->RefreshTeam(link);
-  if (rows != link.names.size() || stride != columns()) return read();  // it has changed once more meanwhile
+  if (!fits()) link.Refresh();
+  if (!fits()) {  // it has changed once more meanwhile
+    if (tries_left == 0) throw Error(7, "the replies of the daemon do not tell who is in " + link.label());
+    return ToReading(link.Read(), tries_left - 1);
+  }
   if (reply.data.size() != rows * stride + 2) throw Error(7, "a reply of the daemon has too few values");
 
-  auto values = std::make_shared<std::vector<double>>(std::move(reply.data));
   TeamReading reading;
-  reading.time = values->end()[-2];
-  reading.step = static_cast<std::int64_t>(values->back());
+  reading.time = TimeOf(reply);
+  reading.step = StepOf(reply);
   reading.text = std::move(reply.text);
+  auto values = std::make_shared<const std::vector<double>>(std::move(reply.data));
   const double* first = values->data();
   for (std::size_t i = 0; i < link.readings.size(); ++i) {
-    const auto count = static_cast<std::size_t>(link.columns[i]);
+    const std::size_t count = link.columns[i];
     if (Rows TeamReading::*const member = RowsOf(link.readings[i]))
       reading.*member = Rows(first, rows, count, stride);
     first += count;
-  }
-  for (std::shared_ptr<std::vector<double>>& kept : link.handed_out) {
-    if (kept) continue;
-    kept = values;
-    break;
   }
   reading.values = std::move(values);
   return reading;
@@ -172,13 +172,13 @@ void Team::select(const std::vector<std::string>& readings, int neighbours) {
   }
   if (words.empty()) throw Error(3, std::string("nothing was chosen; there are: ") + kReadingWords);
   if (neighbours < 1) throw Error(4, "neighbours must be at least 1");
-  session_->SettleTeam(*link_);
-  session_->Select(*link_, words, neighbours);
+  link_->Settle();
+  link_->Select(words, neighbours);
 }
 
 void Team::stop() {
-  session_->OwnTeam(*link_);
-  session_->AskTeam(*link_, command::kStopTeam);
+  link_->Own();
+  link_->Ask(command::kStopTeam);
 }
 
 void Team::release() {

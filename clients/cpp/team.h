@@ -99,7 +99,7 @@ class Team {
   Team(std::shared_ptr<Session> session, std::shared_ptr<TeamLink> link);
   TeamReading Step(std::span<const double> values, const char* what, const char* columns, const char* text,
                    double timeout);
-  TeamReading ToReading(Message reply);
+  TeamReading ToReading(Message reply, int tries_left = 3);
 
   std::shared_ptr<Session> session_;
   std::shared_ptr<TeamLink> link_;

@@ -19,6 +19,10 @@ inline std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
+inline std::string FirstWord(const std::string& text) {
+  return text.substr(0, text.find(' '));
+}
+
 inline std::string Join(const std::vector<std::string>& words, const char* between) {
   std::string out;
   for (const std::string& word : words) out += (out.empty() ? "" : between) + word;

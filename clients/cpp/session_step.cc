@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Waiting for the replies of a step, and what happens when one of them does not come.
+// A step: what is sent, waiting for the replies, and what happens when one of them does not come.
 #include <algorithm>
+#include <exception>
 #include <iomanip>
 #include <iostream>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "clients/cpp/arguments.h"
 #include "clients/cpp/codes.h"
 #include "clients/cpp/session.h"
 #include "protocol/command_ids.h"
@@ -26,32 +28,80 @@ constexpr double kGlance_s = 0.01;
 
 }  // namespace
 
-std::string Session::Label(const Waiting& w) {
-  if (w.team != nullptr) return w.team->label() + ": ";
-  return w.link != nullptr ? w.link->robot + ": " : "";
+/// The connections that step, settled.
+std::vector<Session::Waiting> Session::WhoSteps(const TeamCommand& command) {
+  std::vector<Waiting> waiting, of_teams;
+  for (const auto& link : links_) link->unstepped = 0;
+  if (!watch_) {
+    for (const auto& team : teams_) {
+      try {
+        team->Settle();
+        of_teams.push_back({&team->connection, nullptr, team.get()});
+      } catch (const Error&) {
+        // The others go on without one that is lost, or whose robots are another's after a load.
+        if (team.get() == command.team || (!team->lost && !team->names.empty())) throw;
+      }
+    }
+    std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
+    for (const auto& link : links_) {
+      if (link->TakesPart()) waiting.push_back({link->motors.get(), link.get()});
+    }
+    waiting.insert(waiting.end(), of_teams.begin(), of_teams.end());
+  }
+  if (waiting.empty()) waiting.push_back({&Of(kSimulation)});
+  return waiting;
+}
+
+void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
+  RequireOpen();
+  std::vector<Waiting> waiting = WhoSteps(team_command);
+  const std::int64_t since = reached_ + 1;
+  Replies replies;
+  try {
+    for (Waiting& w : waiting) {
+      if (w.team != nullptr && w.team == team_command.team) {
+        w.connection->Send(command::kStepAll, {}, team_command.values, team_command.text);
+        continue;
+      }
+      Command command{command::kReady, {}};
+      if (w.link != nullptr) {
+        if (w.link->kept) command = std::move(*w.link->kept);
+        w.link->kept.reset();
+        w.link->carried.reset();
+      }
+      w.connection->Send(command.id, {n}, command.data);
+    }
+    replies = Collect(waiting, timeout_s);
+  } catch (const Error& e) {
+    GiveUp(waiting, e);
+    throw;
+  }
+  GoOn(replies.earliest, since);
 }
 
 /// Takes in a reply; an error reply is thrown.
-void Session::TakeIn(Waiting& w, Message reply, Message& last) {
+void Session::TakeIn(Waiting& w, Message reply, Replies& replies) {
   w.done = true;
   if (reply.error != 0) {
     if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
-    Checked(reply, Label(w));
+    const std::string who = w.team != nullptr ? w.team->label() : w.link != nullptr ? w.link->robot : "";
+    Checked(std::move(reply), who.empty() ? who : who + ": ");
   }
   Note(reply);
-  earliest_ = std::min(earliest_, steps_);
+  replies.earliest = std::min(replies.earliest, steps_);
   if (w.team != nullptr) {
     w.team->reply = std::move(reply);
     return;
   }
-  last = reply;
   if (w.link != nullptr && !w.link->attached.empty() && !reply.params.empty() && reply.params[0] == 1)
-    w.link->carried = std::move(reply);
+    w.link->carried = reply;
+  replies.last = std::move(reply);
 }
 
 /// Takes in the replies that have come, up to the first that has not, or of `all`. `missing`
 /// becomes the descriptors that still wait. Returns whether any has come.
-bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing, Message& last) {
+bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing,
+                        Replies& replies) {
   bool any = false;
   missing.clear();
   for (Waiting& w : waiting) {
@@ -63,18 +113,17 @@ bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int
       continue;
     }
     any = true;
-    TakeIn(w, std::move(*reply), last);
+    TakeIn(w, std::move(*reply), replies);
   }
   return any;
 }
 
-/// Takes in the reply of every connection in `waiting` and returns the last. The first error is thrown.
-Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
+/// Takes in the reply of every connection in `waiting`. The first error is thrown.
+Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   const Deadline start = Clock::now();
-  earliest_ = std::numeric_limits<std::int64_t>::max();
+  Replies replies{{}, std::numeric_limits<std::int64_t>::max()};
   const Deadline spin_until = After(spin_s(), start), deadline = After(timeout_s, start);
   Deadline notice_at = After(kNoticeAfter_s, start), catch_up_at = Deadline::max();
-  Message last;
   std::vector<int> missing;
   /// True if the one that is kAtOnce further on has come.
   const auto glance = [&](const auto& fd_at, std::size_t count) {
@@ -84,17 +133,13 @@ Message Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   bool all = waiting.size() <= kFew ||
              !glance([&](std::size_t i) { return waiting[i].connection->fd(); }, waiting.size() - 1);
   while (true) {
-    const bool any = TakeAllIn(waiting, all, missing, last);
-    if (missing.empty()) return last;
+    const bool any = TakeAllIn(waiting, all, missing, replies);
+    if (missing.empty()) return replies;
     const Deadline now = Clock::now();
     if (any) catch_up_at = After(kCatchUpAfter_s, now);
     if (!std::exchange(all, true) && !any) continue;
     if (now < spin_until) continue;
-    if (now >= deadline) {
-      std::ostringstream why;
-      why << "no answer within " << timeout_s << " s; " << Whom();
-      throw Error(11, why.str());
-    }
+    if (now >= deadline) throw Error(kTimedOut, "no answer within " + Written(timeout_s) + " s; " + Whom());
     if (now >= notice_at) {
       notice_at = Deadline::max();
       std::cerr << "coopdyn: " << Whom() << std::endl;
@@ -136,9 +181,9 @@ void Session::CatchUp(std::vector<Waiting>& waiting) {
     if (!w.done || !is_awaited(w)) continue;
     w.done = false;
     if (w.team != nullptr) {
-      w.connection->Send(command::kStepAll, {}, {});
+      w.connection->Send(command::kStepAll);
     } else {
-      w.connection->Send(command::kReady, {1}, {});
+      w.connection->Send(command::kReady, {1});
     }
   }
 }
@@ -147,56 +192,52 @@ void Session::CatchUp(std::vector<Waiting>& waiting) {
 Json Session::FreshStatus() const {
   Connection connection(address_, "/simulation", false);
   connection.Open();
-  return Json::Parse(connection.Request(command::kGetStatus, {}, {}, "", address_.timeout_s()).text);
+  return Json::Parse(
+      connection.Ask({.command = command::kGetStatus, .timeout_s = address_.timeout_s()}).text);
 }
 
 /// Connections that still wait for a reply are closed and opened again: reading on would take the next reply
-/// for the one that is missing. Throws what happened, if it is more than the cause.
-void Session::GiveUp(std::vector<Waiting>& waiting, const std::exception_ptr& cause) {
+/// for the one that is missing. Throws what happened, if it is more than the cause. @pre `cause` is being
+/// caught
+void Session::GiveUp(std::vector<Waiting>& waiting, const Error& cause) {
+  const std::exception_ptr thrown = std::current_exception();
+  const auto* closed = dynamic_cast<const Closed*>(&cause);
   std::exception_ptr lost;
   for (Waiting& w : waiting) {
     if (w.done) continue;
     const bool gone = !w.connection->is_open();
     w.connection->Close();
     if (w.link != nullptr) w.link->ForgetCommands();
-    if (!gone || (w.link == nullptr && w.team == nullptr)) continue;
+    if (!gone || closed == nullptr) continue;
     try {
-      std::rethrow_exception(cause);
-    } catch (const Closed& closed) {
-      try {
-        if (w.team != nullptr) Lose(closed, w.team->label(), w.team->TakeAgain(), w.team->lost);
-        Lose(*w.link, closed);
-      } catch (const Error&) {
-        lost = std::current_exception();
-      }
-    } catch (...) {
-      // Not the cause of this one.
+      if (w.team != nullptr) w.team->Lose(*closed);
+      if (w.link != nullptr) w.link->Lose(*closed);
+    } catch (const Error&) {
+      lost = std::current_exception();
     }
   }
   for (Waiting& w : waiting) {
-    if (w.done || (w.link == nullptr && w.team == nullptr)) continue;
+    if (w.done) continue;
     try {
-      if (w.team != nullptr && !w.team->lost) OpenTeam(*w.team);
-      if (w.link != nullptr && !w.link->lost) OpenMotors(*w.link);
+      if (w.team != nullptr && !w.team->lost) w.team->Open();
+      if (w.link != nullptr && !w.link->lost) w.link->OpenMotors();
     } catch (const Error&) {
       // Tried again at the next use, which says what is wrong.
     }
   }
   try {
-    std::rethrow_exception(lost ? lost : cause);
+    std::rethrow_exception(lost ? lost : thrown);
   } catch (const WorldReset& e) {
     if (e.text() == "reset" || e.text() == kLoad) throw NewWorld(e.text());
     throw;
   } catch (const Error& e) {
     if (std::any_of(teams_.begin(), teams_.end(), [](const auto& team) { return team->stale; }))
       ThrowIfLoaded(e);
-  } catch (...) {
-    // Something else.
   }
   for (const auto& team : teams_) {
     if (!team->stale || team->lost) continue;
     try {
-      SettleTeam(*team);
+      team->Settle();
     } catch (const Error&) {
       if (team->lost) lost = std::current_exception();  // otherwise its next use says what is wrong
     }
@@ -231,9 +272,10 @@ std::string Session::Whom(bool held_up) const {
     out << (i > 0 ? ", " : "") << a["robot"].text() << " (" << a["why"].text() << "), "
         << a["seconds"].number() << " s";
   }
-  const std::size_t all =
-      std::max(awaiting.size(), static_cast<std::size_t>(std::max(0.0, status["awaiting_count"].number())));
-  if (all > named) out << " and " << all - named << " more";
+  const auto all =
+      std::max(static_cast<std::int64_t>(awaiting.size()), Whole(status["awaiting_count"].number()));
+  if (all > static_cast<std::int64_t>(named))
+    out << " and " << all - static_cast<std::int64_t>(named) << " more";
   for (const Json& a : awaiting) {
     if (a["cure"].is_null()) continue;
     out << ": " << a["cure"].text();  // how to go on without one of them

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "clients/cpp/robot_link.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "clients/cpp/session.h"
+#include "clients/cpp/words.h"
+#include "protocol/command_ids.h"
+
+namespace coopdyn::client {
+namespace {
+
+constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
+
+}  // namespace
+
+void RobotLink::ForgetCommands() {
+  kept.reset();
+  sent.reset();
+  carried.reset();
+}
+
+void RobotLink::Close() {
+  ForgetCommands();
+  if (motors) motors->Close();
+  readers.clear();
+  pushers.clear();
+}
+
+void RobotLink::OpenMotors() {
+  sent.reset();
+  carried.reset();
+  motors->Open();
+  try {
+    if (!session.watches()) {
+      try {
+        Claim();
+      } catch (const Error& e) {
+        if (e.code() != kNotPossible && !another)
+          throw;  // not possible: a recording is played; reading goes on
+      }
+    }
+    if (!attached.empty()) motors->Ask({.command = command::kAttach, .text = Join(attached, " ")});
+    if (session.watches() || unclaimed) session.Note(motors->Ask({command::kGetTime}));
+  } catch (...) {
+    motors->Close();
+    throw;
+  }
+}
+
+void RobotLink::Claim() {
+  unclaimed = true;
+  try {
+    motors->Ask({command::kClaim});
+  } catch (const Error& e) {
+    if (e.code() != kOwned) throw;
+    if (session.TeamWith(robot) != nullptr) throw Error(kNotPossible, robot + " is driven by its team");
+    throw Error(kOwned, robot + " cannot be driven: " + e.what() +
+                            ". Stop the other program, or free the robot on the page; to watch only: "
+                            "connect with watch = true");
+  }
+  unclaimed = another = false;
+  session.Note(motors->Ask({command::kGetTime}));  // a branch may have brought another mode
+}
+
+void RobotLink::Settle() {
+  if (lost) throw Error(*lost);
+  if (!motors->is_open() || (motors->busy() && !sent)) OpenMotors();
+  if (!sent || AwaitCommand()) return;
+  // No reply: in lockstep it comes after the step only. Take the command back, and keep it.
+  if (session.AskMode() == kLockstep) {
+    if (!kept) kept = sent;
+    OpenMotors();
+    return;
+  }
+  try {
+    const Message reply = motors->Receive(kRequestTimeout_s, 0);
+    sent.reset();
+    session.Note(Checked(reply));
+  } catch (const Closed& e) {
+    Lose(e);
+  }
+}
+
+bool RobotLink::TakesPart() {
+  if (!motors) return false;
+  Settle();
+  if (unclaimed && !another) {
+    try {
+      Claim();
+    } catch (const Error& e) {
+      if (e.code() != kNotPossible && e.code() != kOwned) throw;
+      another = !e.text().starts_with(kPlaying);
+    }
+  }
+  return !unclaimed;
+}
+
+bool RobotLink::LetGo() {
+  if (!motors || commanded || unclaimed || lost) return false;
+  Settle();
+  motors->Ask({command::kRelease});
+  ForgetCommands();
+  unclaimed = another = true;
+  return true;
+}
+
+bool RobotLink::AwaitCommand() {
+  const Deadline deadline = After(kCommandWait_s);
+  while (true) {
+    std::optional<Message> reply;
+    try {
+      reply = motors->TryRead();
+    } catch (const Closed& e) {
+      Lose(e);
+    }
+    if (reply) {
+      sent.reset();
+      session.Fresh(Checked(std::move(*reply)), sent_at);
+      return true;
+    }
+    if (Until(deadline) <= 0) return false;
+    WaitReadable({motors->fd()}, Until(deadline));
+  }
+}
+
+void RobotLink::Lose(const Closed& closed) {
+  ForgetCommands();
+  session.Lose(closed, robot, "sim.robot(\"" + robot + "\")", lost);
+}
+
+void RobotLink::Actuate(std::int32_t command, std::vector<double> data) {
+  session.RequireDriving();
+  if (!motors) throw Error(kNotPossible, robot + (in_team ? " is driven by its team" : " has no motors"));
+  if (lost) throw Error(*lost);
+  if (session.mode() != kLockstep || unclaimed) Settle();
+  if (unclaimed) Claim();  // a branch may go on live from there
+  commanded = true;
+  if (session.mode() == kLockstep) {
+    if (kept) session.CountUnstepped(*this);
+    kept = Command{command, std::move(data)};
+    return;
+  }
+  kept.reset();
+  session.CountUnstepped(*this);
+  sent_at = session.reached();
+  try {
+    motors->Send(command, {}, data);
+  } catch (const Closed& e) {
+    Lose(e);
+  }
+  sent = Command{command, std::move(data)};
+  AwaitCommand();
+}
+
+Message RobotLink::Read(const std::string& module, Request request) {
+  session.RequireOpen();
+  if (lost && lost->code() == kNoSuchName) throw Error(*lost);
+  if (module == "motors" && motors && !lost) {
+    Settle();
+    const std::int64_t since = session.reached();
+    try {
+      return session.Fresh(motors->Ask(std::move(request), session.spin_s()), since);
+    } catch (const Closed& e) {
+      Lose(e);
+    }
+  }
+  std::unique_ptr<Connection>& reader = readers[module];
+  // What a robot sends is its driver's to say: that connection has the driver's name.
+  const bool sends = module == "neighbours" && !session.watches();
+  if (!reader) reader = std::make_unique<Connection>(session.address(), "/" + robot + "/" + module, sends);
+  try {
+    return session.Fresh(session.Ask(*reader, std::move(request)), session.reached());
+  } catch (const Error& e) {
+    if (e.code() != kNoSuchName || reader->is_open()) throw;
+    const std::vector<std::string> names = session.RobotNames();
+    if (std::find(names.begin(), names.end(), robot) == names.end()) throw session.NewWorld(kLoad);
+    if (module != "neighbours") throw;
+    throw Error(kNotPossible, robot + " has no module neighbours, its type has none: a robot of type " +
+                                  "minibot has one, or add it to the robot's model.sdf (docs/formats.md)");
+  }
+}
+
+void RobotLink::Attach() {
+  std::set<std::string> names;
+  for (const Module& module : session.address().Modules()) names.insert(module.name);
+  std::vector<std::string> readable;
+  for (const char* module : {"motors", "distance", "target", "pose"}) {
+    if (names.contains("/" + robot + "/" + module)) readable.emplace_back(module);
+  }
+  if (readable.empty()) throw Error(kNoSuchName, robot + " has no readings");
+  AttachedConnection(readable[0]).Ask({.command = command::kAttach, .text = Join(readable, " ")});
+  attached = std::move(readable);
+}
+
+Connection& RobotLink::AttachedConnection(const std::string& module) {
+  if (motors) {
+    Settle();
+    return *motors;
+  }
+  std::unique_ptr<Connection>& reader = readers["attached"];
+  if (!reader) reader = std::make_unique<Connection>(session.address(), "/" + robot + "/" + module, false);
+  if (!reader->Alive()) {
+    reader->Open();
+    if (!attached.empty()) reader->Ask({.command = command::kAttach, .text = Join(attached, " ")});
+  }
+  return *reader;
+}
+
+Message RobotLink::Sense() {
+  session.RequireOpen();
+  if (lost && lost->code() == kNoSuchName) throw Error(*lost);
+  if (attached.empty()) Attach();
+  if (carried) return std::move(*std::exchange(carried, std::nullopt));
+  Connection& connection = AttachedConnection(attached[0]);
+  const std::int64_t since = session.reached();
+  try {
+    return session.Fresh(connection.Ask({command::kGetTime}, session.spin_s()), since);
+  } catch (const Closed& e) {
+    if (!motors && !e.by_load()) throw;
+    Lose(e);
+  }
+}
+
+}  // namespace coopdyn::client
