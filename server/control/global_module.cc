@@ -48,7 +48,7 @@ std::optional<Message> GlobalModule::Answer(Peer& peer, const Message& request) 
 }
 
 std::optional<Message> GlobalModule::Push(Peer& peer, EditAction action, AfterEdit after) {
-  edits_.Push({std::move(action), Later(peer, std::move(after))});
+  edits_.Push({std::move(action), Later(peer, std::move(after)), Waiter(peer)});
   return std::nullopt;
 }
 

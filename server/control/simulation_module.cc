@@ -2,13 +2,13 @@
 #include "server/control/simulation_module.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <algorithm>
 
-#include <cmath>
+#include <algorithm>
 #include <utility>
 
 #include "protocol/module_tables.h"
 #include "server/control/scenario_request.h"
+#include "server/state/run_input.h"
 
 namespace coopdyn {
 
@@ -32,55 +32,28 @@ std::optional<Message> SimulationModule::Refuse(const Message& request) const {
 
 std::optional<Message> SimulationModule::Change(Peer& peer, const Message& request) {
   switch (request.command) {
-    case command::kRun:
-      return Push(peer, edit::Run{});
-    case command::kPause:
-      return Push(peer, edit::Pause{});
-    case command::kStep:
-      return Push(peer, edit::Step{request.params[0], Waiter(peer)});
     case command::kReset:
       return Reset(peer, request);
-    case command::kSetMode:
-      return Push(peer, edit::SetMode{static_cast<Mode>(request.params[0])});
-    case command::kSetStep:
-      return SetStep(peer, request);
-    case command::kSetSpeed:
-      return Push(peer, edit::SetSpeed{request.data[0]});
     case command::kLoadScenario:
     case command::kReload:
       return Load(peer, request);
     case command::kQuit:
       return Done(request);
-    case command::kStopAll:
-      peer.text = GoOnText();
-      return Push(peer, edit::StopAll{});
-    case command::kSetParticipants:
-      return Push(peer, edit::SetParticipants{Words(request.text)});
     case command::kReleaseRobot:
       return ReleaseRobot(peer, request);
     case command::kSaveState:
       return Save(peer, request);
     case command::kRestoreState:
       return Restore(peer, request);
+    case command::kStopAll:
+      peer.text = GoOnText();
+      break;
     default:
-      return ErrorReply(request.command, Error::kUnknownCommand,
-                        "describe (1) lists the commands of /simulation");
+      break;
   }
-}
-
-std::optional<Message> SimulationModule::SetStep(Peer& peer, const Message& request) {
-  const double step_s = request.data[0];
-  const double microseconds = std::round(step_s * 1e6);
-  const bool in_range = step_s >= ToSeconds(kMinStep) && step_s <= ToSeconds(kMaxStep);
-  if (!in_range) {
-    return ErrorReply(request.command, Error::kOutOfRange,
-                      fmt::format("a step lasts 0.0005 to 0.1 s, not {:.6g}: set_step 0.01", step_s));
-  }
-  if (std::abs(step_s * 1e6 - microseconds) > 1e-3) {
-    return ErrorReply(request.command, Error::kOutOfRange,
-                      fmt::format("a step lasts whole microseconds: set_step {:.6f}", microseconds * 1e-6));
-  }
-  return Push(peer, edit::SetStep{static_cast<Nanoseconds>(microseconds) * 1000});
+  std::string error;
+  if (std::optional<RunEdit> edit = RunEditOf(request, error)) return Push(peer, *std::move(edit));
+  return ErrorReply(request.command, Error::kOutOfRange, std::move(error));
 }
 
 std::optional<Message> SimulationModule::Reset(Peer& peer, const Message& request) {
@@ -131,8 +104,7 @@ std::string SimulationModule::GoOnText() const {
 }
 
 std::optional<Message> SimulationModule::ReleaseRobot(Peer& peer, const Message& request) {
-  std::string robot = request.text;
-  if (robot.starts_with('/')) robot.erase(0, 1);
+  const std::string robot = request.text.substr(request.text.starts_with('/') ? 1 : 0);
   const std::vector<CommandBoard::Owner> owners = services_.board.Owners();
   for (const CommandBoard::Owner& owner : owners) {
     if (owner.robot != robot) continue;

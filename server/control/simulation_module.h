@@ -31,7 +31,6 @@ class SimulationModule final : public GlobalModule {
   std::optional<Message> Change(Peer& peer, const Message& request) override;
   void OnAnswered(const Message& request, bool done) override;
 
-  std::optional<Message> SetStep(Peer& peer, const Message& request);
   std::optional<Message> Reset(Peer& peer, const Message& request);
   std::optional<Message> Load(Peer& peer, const Message& request);
   std::optional<Message> Save(Peer& peer, const Message& request);

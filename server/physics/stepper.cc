@@ -137,7 +137,7 @@ Nanoseconds Stepper::StepIfDue(Nanoseconds now) {
     for (const FiredDeadline& fired : boards_.commands.FireDeadlines(now)) {
       const bool hold = fired.policy == LossPolicy::kHold, stop = fired.policy == LossPolicy::kStop;
       const std::string what = hold ? "its set-points are held" : stop ? "it is stopped" : "it is dropped";
-      WriteInput(frame().step, "deadline", fired.robot + " " + ToString(fired.policy));
+      WriteInput(frame().step, DeadlineFired{fired.robot, fired.policy});
       const std::string text = "missed its deadline: " + what + " until its next command";
       if (!hold) NoteStopped(fired.robot, "deadline", text);
       AddEvent("warning", fired.robot + " " + text);
@@ -196,7 +196,7 @@ void Stepper::NoteStoppedControllers(const std::vector<StoppedController>& contr
     AddEvent(stopped.with_daemon ? "info" : "error", stopped.robot + " stands: " + stopped.why);
     if (!stopped.with_daemon) NoteStopped(stopped.robot, "controller", stopped.why);
     failed |= !stopped.with_daemon;
-    if (step) WriteInput(*step, "controller_stopped", stopped.robot + " " + stopped.why);
+    if (step) WriteInput(*step, ControllerStopped{stopped.robot, stopped.why});
     const int robot = scene.FindRobot(stopped.robot);
     if (robot < 0) continue;
     const std::string& name = scene.robots[static_cast<std::size_t>(robot)].entry.controller.name;
@@ -223,7 +223,7 @@ void Stepper::NoteLostClients() {
   std::map<std::pair<std::string, LossPolicy>, std::vector<std::string>> by_client;
   for (const LostClient& lost : boards_.commands.LatchedLosses()) {
     const std::string& robot = simulation_->scene().robots[lost.robot].entry.name;
-    WriteInput(frame().step, "disconnect", robot + " " + ToString(lost.policy));
+    WriteInput(frame().step, ClientLost{robot, lost.policy});
     by_client[{lost.client, lost.policy}].push_back(robot);
     if (lost.policy != LossPolicy::kHold) NoteStopped(robot, "client", "lost its client " + lost.client);
   }
@@ -325,8 +325,8 @@ void Stepper::AddEvent(const char* level, std::string text) {
   boards_.control.AddEvent(std::move(event));
 }
 
-void Stepper::WriteInput(std::uint64_t step, std::string action, std::string detail) {
-  if (journal_ != nullptr) journal_->Input({step, std::move(action), std::move(detail)});
+void Stepper::WriteInput(std::uint64_t step, std::variant<RunEdit, RobotEvent> what) {
+  if (journal_ != nullptr) journal_->Input({step, std::move(what)});
 }
 
 std::uint64_t Stepper::NextEpoch() const {

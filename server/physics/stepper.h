@@ -12,6 +12,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "server/base/clock.h"
@@ -23,6 +24,7 @@
 #include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
 #include "server/state/run_control.h"
+#include "server/state/run_journal.h"
 #include "server/timing/pacer.h"
 #include "server/timing/rate_meter.h"
 #include "server/timing/urgent_thread.h"
@@ -86,22 +88,20 @@ class Stepper {
   EditResult Apply(const edit::Run&) REQUIRES(baton_);
   EditResult Apply(const edit::Pause&) REQUIRES(baton_);
   EditResult Apply(const edit::Step&) REQUIRES(baton_);
-  EditResult Apply(const edit::Reset&) REQUIRES(baton_);
-  EditResult Apply(const edit::Load&) REQUIRES(baton_);
   EditResult Apply(const edit::SetMode&) REQUIRES(baton_);
   EditResult Apply(const edit::SetStep&) REQUIRES(baton_);
   EditResult Apply(const edit::SetSpeed&) REQUIRES(baton_);
   EditResult Apply(const edit::SetParticipants&) REQUIRES(baton_);
   EditResult Apply(const edit::StopAll&) REQUIRES(baton_);
   EditResult Apply(const edit::UnloadController&) REQUIRES(baton_);
+  EditResult Apply(const edit::Reset&) REQUIRES(baton_);
+  EditResult Apply(const edit::Load&) REQUIRES(baton_);
+  EditResult Apply(const edit::Restore&) REQUIRES(baton_);
   EditResult Apply(const edit::SetJournal&) REQUIRES(baton_);
   EditResult Apply(const edit::Note&) REQUIRES(baton_);
   EditResult Apply(const edit::Save&) REQUIRES(baton_);
-  EditResult Apply(const edit::Restore&) REQUIRES(baton_);
-  EditResult Apply(const edit::Seek&) REQUIRES(baton_);
-  EditResult Apply(const edit::Skip&) REQUIRES(baton_);
-  EditResult Apply(const edit::SetPlaySpeed&) REQUIRES(baton_);
-  EditResult Apply(const edit::SetLoop&) REQUIRES(baton_);
+  /// The same for any kind; what is for a playback is refused.
+  EditResult ApplyAny(const EditAction& action) REQUIRES(baton_);
 
   void ApplyEdits() REQUIRES(baton_);
   void ApplyEdit(Edit& edit) REQUIRES(baton_);
@@ -141,7 +141,7 @@ class Stepper {
     return state.step_length.value_or(state.frame->step_length);
   }
   std::uint64_t NextEpoch() const;
-  void WriteInput(std::uint64_t step, std::string action, std::string detail) REQUIRES(baton_);
+  void WriteInput(std::uint64_t step, std::variant<RunEdit, RobotEvent> what) REQUIRES(baton_);
   /// Takes mode, step, speed and duration of the scenario, as far as it says them and the command line does
   /// not.
   void TakeOptions(const SimulationOptions& said) REQUIRES(baton_);

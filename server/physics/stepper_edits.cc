@@ -13,8 +13,6 @@ namespace coopdyn {
 
 namespace {
 
-constexpr const char* kNotPlaying = "nothing is being played: coopdyn play RUN plays a recording";
-
 EditResult Refusal(Error error, std::string text) {
   return {error, std::move(text), nullptr, nullptr};
 }
@@ -32,42 +30,6 @@ std::vector<std::string> FrozenNames(const Frame& frame) {
   return names;
 }
 
-/// What an edit that changes the run leaves in a recording; nothing for those that begin it anew, and for
-/// those that change nothing.
-struct Written {
-  std::string action, detail;
-};
-
-struct Writer {
-  std::optional<Written> operator()(const edit::Run&) const { return Written{"run", ""}; }
-  std::optional<Written> operator()(const edit::Pause&) const { return Written{"pause", ""}; }
-  std::optional<Written> operator()(const edit::Step& step) const {
-    return Written{"step", std::to_string(step.steps)};
-  }
-  std::optional<Written> operator()(const edit::SetMode& set) const {
-    return Written{"set_mode", ToString(set.mode)};
-  }
-  std::optional<Written> operator()(const edit::SetStep& set) const {
-    return Written{"set_step", std::to_string(set.step / 1000) + " us"};
-  }
-  std::optional<Written> operator()(const edit::SetSpeed& set) const {
-    return Written{"set_speed", std::to_string(set.factor)};
-  }
-  std::optional<Written> operator()(const edit::SetParticipants& set) const {
-    std::string names;
-    for (const std::string& name : set.names) names += (names.empty() ? "" : " ") + name;
-    return Written{"set_participants", std::move(names)};
-  }
-  std::optional<Written> operator()(const edit::StopAll&) const { return Written{"stop_all", ""}; }
-  std::optional<Written> operator()(const edit::UnloadController& unload) const {
-    return Written{"release_robot", unload.robot};
-  }
-  template <typename Other>
-  std::optional<Written> operator()(const Other&) const {
-    return std::nullopt;
-  }
-};
-
 }  // namespace
 
 void Stepper::ApplyEdits() {
@@ -78,17 +40,25 @@ void Stepper::ApplyEdits() {
 }
 
 void Stepper::ApplyEdit(Edit& edit) {
-  EditResult result =
-      std::visit([this](const auto& action) REQUIRES(baton_) { return Apply(action); }, edit.action);
+  EditResult result = ApplyAny(edit.action);
   result.frame = boards_.frames.Latest();
-  if (result.error == Error::kOk) {
-    if (std::optional<Written> written = std::visit(Writer{}, edit.action)) {
-      WriteInput(frame().step, std::move(written->action), std::move(written->detail));
-    }
+  const bool fine = result.error == Error::kOk;
+  if (const auto* run = std::get_if<RunEdit>(&edit.action); run != nullptr && fine) {
+    WriteInput(frame().step, *run);
   }
+  const auto* step = As<edit::Step>(edit.action);
+  const bool waits = step != nullptr && fine;
+  if (waits) boards_.commands.WaitAllowedSteps(allowed_steps_, step->steps, std::move(edit.stepped));
   PublishStatus(clock_.Now(), true);
-  const bool waits = std::holds_alternative<edit::Step>(edit.action) && result.error == Error::kOk;
   if (edit.done && !waits) edit.done(result);
+}
+
+EditResult Stepper::ApplyAny(const EditAction& action) {
+  const auto apply = [this](const auto& edit) REQUIRES(baton_) { return Apply(edit); };
+  if (const auto* run = std::get_if<RunEdit>(&action)) return std::visit(apply, *run);
+  if (const auto* world = std::get_if<WorldEdit>(&action)) return std::visit(apply, *world);
+  if (const auto* record = std::get_if<RecordEdit>(&action)) return std::visit(apply, *record);
+  return Refusal(Error::kNotPossible, "nothing is being played: coopdyn play RUN plays a recording");
 }
 
 EditResult Stepper::Apply(const edit::Run&) {
@@ -113,7 +83,6 @@ EditResult Stepper::Apply(const edit::Step& step) {
   if (!paused_) return Refusal(Error::kNotPossible, "step works only while paused: send pause first");
   if (allowed_steps_ == 0) RestartPace(clock_.Now());
   allowed_steps_ += step.steps;
-  boards_.commands.WaitAllowedSteps(allowed_steps_, step.steps, step.done);
   return {};
 }
 
@@ -328,22 +297,6 @@ EditResult Stepper::Apply(const edit::UnloadController& unload) {
   if (helpers_.controllers != nullptr) helpers_.controllers->Unload(robot);
   boards_.commands.SetDriven(static_cast<std::size_t>(robot), "", clock_.Now());
   return {};
-}
-
-EditResult Stepper::Apply(const edit::Seek&) {
-  return Refusal(Error::kNotPossible, kNotPlaying);
-}
-
-EditResult Stepper::Apply(const edit::Skip&) {
-  return Refusal(Error::kNotPossible, kNotPlaying);
-}
-
-EditResult Stepper::Apply(const edit::SetPlaySpeed&) {
-  return Refusal(Error::kNotPossible, kNotPlaying);
-}
-
-EditResult Stepper::Apply(const edit::SetLoop&) {
-  return Refusal(Error::kNotPossible, kNotPlaying);
 }
 
 }  // namespace coopdyn

@@ -50,15 +50,14 @@ class PlayerCore {
   // Each handles one kind of edit and returns what to answer.
   EditResult Apply(const edit::Run&);
   EditResult Apply(const edit::Pause&);
-  EditResult Apply(const edit::Step&);
+  EditResult Apply(const edit::Step& step, StepDone done);
   EditResult Apply(const edit::Reset&);
   EditResult Apply(const edit::Seek&);
   EditResult Apply(const edit::Skip&);
   EditResult Apply(const edit::SetPlaySpeed&);
   EditResult Apply(const edit::SetLoop&);
-  EditResult Apply(const edit::SetJournal&);
-  template <typename Other>
-  EditResult Apply(const Other&);  // error 5
+  /// The same for any kind; what does not move the player is refused.
+  EditResult ApplyAny(Edit& edit);
 
   /// Applies what waits; returns the edit that ends the playback.
   std::optional<Edit> ApplyEdits();

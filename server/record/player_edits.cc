@@ -21,24 +21,27 @@ EditResult Refusal(Error error, std::string text) {
 std::optional<Edit> PlayerCore::ApplyEdits() {
   while (std::optional<Edit> edit = boards_.edits.TakeNext()) {
     // What came after it is for the live run, and stays in the queue.
-    if (std::holds_alternative<edit::Restore>(edit->action)) return edit;
-    EditResult result = std::visit([this](const auto& action) { return Apply(action); }, edit->action);
+    if (As<edit::Restore>(edit->action) != nullptr) return edit;
+    EditResult result = ApplyAny(*edit);
     result.frame = shown_;
     PublishStatus();
-    const bool waits = std::holds_alternative<edit::Step>(edit->action) && result.error == Error::kOk;
+    const bool waits = As<edit::Step>(edit->action) != nullptr && result.error == Error::kOk;
     if (edit->done && !waits) edit->done(result);
   }
   return std::nullopt;
 }
 
-template <typename Other>
-EditResult PlayerCore::Apply(const Other&) {
+EditResult PlayerCore::ApplyAny(Edit& edit) {
+  const EditAction& action = edit.action;
+  if (const auto* moves = std::get_if<PlaybackEdit>(&action)) {
+    return std::visit([this](const auto& move) { return Apply(move); }, *moves);
+  }
+  if (const auto* run = As<edit::Run>(action)) return Apply(*run);
+  if (const auto* pause = As<edit::Pause>(action)) return Apply(*pause);
+  if (const auto* step = As<edit::Step>(action)) return Apply(*step, std::move(edit.stepped));
+  if (const auto* reset = As<edit::Reset>(action)) return Apply(*reset);
+  if (const auto* set = As<edit::SetJournal>(action); set != nullptr && set->journal == nullptr) return {};
   return Refusal(Error::kNotPossible, kPlayingText);
-}
-
-EditResult PlayerCore::Apply(const edit::SetJournal& set) {
-  if (set.journal != nullptr) return Refusal(Error::kNotPossible, kPlayingText);
-  return {};
 }
 
 EditResult PlayerCore::Apply(const edit::Run&) {
@@ -63,12 +66,12 @@ EditResult PlayerCore::Apply(const edit::Pause&) {
   return {};
 }
 
-EditResult PlayerCore::Apply(const edit::Step& step) {
+EditResult PlayerCore::Apply(const edit::Step& step, StepDone done) {
   if (playing_) return Refusal(Error::kNotPossible, "step works only while paused: send pause first");
   if (steps_.empty()) RestartPace(shown_->time);
   // As in a live run: after those that others wait for.
   const std::int64_t asked = std::max(step.steps, 1);
-  steps_.push_back({steps_left() + asked, asked, step.done});
+  steps_.push_back({steps_left() + asked, asked, std::move(done)});
   return {};
 }
 

@@ -101,7 +101,7 @@ void RecordQueue::LeaveOut() {
 }
 
 void RecordQueue::PushInput(RunInput input) {
-  const std::size_t bytes = sizeof(QueuedItem) + input.action.size() + input.detail.size();
+  const std::size_t bytes = sizeof(QueuedItem) + Encode(input).detail.size();
   const MutexLock lock(mutex_);
   if (refuses() || !keyframe_) return;
   if (stalled_ || !PushSmall({std::move(input), 0, bytes})) needs_keyframe_ = true;

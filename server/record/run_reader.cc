@@ -286,8 +286,14 @@ std::vector<RunInput> RunReader::Inputs(std::uint64_t first, std::uint64_t last)
         impl.database().Prepare("SELECT id, step, action, detail FROM input WHERE id > ?1 ORDER BY id");
     rows.Bind(1, impl.newest_input);
     while (rows.Step()) {
+      const std::string action = rows.text(2), detail = rows.text(3);
+      auto input = DecodeInput(static_cast<std::uint64_t>(rows.integer(1)), action, detail);
+      if (!input) {
+        impl.FailSense("the input \"" + action + " " + detail + "\"");
+        return std::vector<RunInput>();
+      }
       impl.newest_input = rows.integer(0);
-      impl.run_inputs.push_back({static_cast<std::uint64_t>(rows.integer(1)), rows.text(2), rows.text(3)});
+      impl.run_inputs.push_back(*std::move(input));
     }
     std::vector<RunInput> inputs;
     std::copy_if(impl.run_inputs.begin(), impl.run_inputs.end(), std::back_inserter(inputs),

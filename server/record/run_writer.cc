@@ -302,15 +302,16 @@ bool RunWriter::AddKeyframe(const SavedState& state) {
 
 bool RunWriter::AddInput(const RunInput& input) {
   if (!Begin()) return false;
-  if (input.action == "release_robot") {
-    const int robot = now_.scene->FindRobot(input.detail);
+  if (const auto* unload = As<edit::UnloadController>(input.what)) {
+    const int robot = now_.scene->FindRobot(unload->robot);
     if (robot >= 0) now_.is_recomputed[static_cast<std::size_t>(robot)] = false;
   }
   RowInserter row(insert_.input, now_.ends[kInputTable]);
   row.Integer(now_.ends[kInputTable].id + 1);
   row.Integer(static_cast<std::int64_t>(input.step));
-  row.Text(input.action);
-  row.Text(input.detail);
+  const InputText text = Encode(input);
+  row.Text(text.action);
+  row.Text(text.detail);
   return row.Run() || Failed();
 }
 

@@ -172,28 +172,24 @@ void Resimulator::SetInputs(std::vector<RunInput> inputs) {
 }
 
 void Resimulator::Apply(const RunInput& input) {
-  if (input.action == "set_mode") {
-    mode_ = ParseMode(input.detail).value_or(mode_);
-    return;
-  }
-  if (input.action == "stop_all") {
+  const Scene& scene = simulation_->scene();
+  if (const auto* set = As<edit::SetMode>(input.what)) {
+    mode_ = set->mode;
+  } else if (As<edit::StopAll>(input.what) != nullptr) {
     // The steps say so too, but for a robot whose controller was gone already when the recording began.
     for (std::size_t i = 0; i < in_force_.size() && !controllers_given_up_; ++i) {
       if (computed_[i] == 0) in_force_[i] = {};
     }
-    return;
-  }
-  const bool released = input.action == "release_robot", stopped = input.action == "controller_stopped";
-  if (!released && !stopped) return;
-  const std::size_t space = input.detail.find(' ');
-  const int robot = simulation_->scene().FindRobot(input.detail.substr(0, space));
-  if (robot < 0) return;
-  if (released) {
+  } else if (const auto* unload = As<edit::UnloadController>(input.what)) {
+    const int robot = scene.FindRobot(unload->robot);
+    if (robot < 0) return;
     in_force_[static_cast<std::size_t>(robot)] = {};
     if (host_ != nullptr) host_->Unload(robot);
     ListComputed();
-  } else if (host_ != nullptr) {
-    host_->Stop(robot, space == std::string::npos ? "" : input.detail.substr(space + 1));
+  } else if (const auto* stopped = As<ControllerStopped>(input.what)) {
+    const int robot = scene.FindRobot(stopped->robot);
+    if (robot < 0 || host_ == nullptr) return;
+    host_->Stop(robot, stopped->why);
     host_->TakeStopped();
   }
 }

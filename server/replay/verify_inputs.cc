@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <string_view>
-#include <tuple>
 
 namespace coopdyn {
 
@@ -30,9 +28,8 @@ std::optional<Nanoseconds> StepLength(RunReader& reader, std::uint64_t step) {
 
 /// Such decide when a step runs, not what it gives.
 bool IsPace(const RunInput& input) {
-  constexpr std::array<std::string_view, 6> kPace{"run",      "pause",     "step",
-                                                  "set_mode", "set_speed", "set_participants"};
-  return std::find(kPace.begin(), kPace.end(), input.action) != kPace.end();
+  return std::holds_alternative<RunEdit>(input.what) && As<edit::SetStep>(input.what) == nullptr &&
+         As<edit::StopAll>(input.what) == nullptr && As<edit::UnloadController>(input.what) == nullptr;
 }
 
 std::vector<RunInput> InputsOf(RunReader& reader, std::uint64_t first, std::uint64_t last) {
@@ -41,10 +38,11 @@ std::vector<RunInput> InputsOf(RunReader& reader, std::uint64_t first, std::uint
   return inputs;
 }
 
-/// "set_step 20000 us after step 30".
+/// "set_step 0.02 after step 30".
 std::string Worded(const RunInput* input) {
   if (input == nullptr) return "none";
-  return fmt::format("{}{}{} after step {}", input->action, input->detail.empty() ? "" : " ", input->detail,
+  const InputText text = Encode(*input);
+  return fmt::format("{}{}{} after step {}", text.action, text.detail.empty() ? "" : " ", text.detail,
                      input->step);
 }
 
@@ -95,9 +93,8 @@ std::optional<Difference> FindStepLength(RunReader& one, RunReader& other, std::
 std::string InputsThatDiffer(RunReader& one, RunReader& other, std::uint64_t first, std::uint64_t last) {
   const std::vector<RunInput> ours = InputsOf(one, first, last), theirs = InputsOf(other, first, last);
   const auto [a, b] = std::mismatch(
-      ours.begin(), ours.end(), theirs.begin(), theirs.end(), [](const RunInput& x, const RunInput& y) {
-        return std::tie(x.step, x.action, x.detail) == std::tie(y.step, y.action, y.detail);
-      });
+      ours.begin(), ours.end(), theirs.begin(), theirs.end(),
+      [](const RunInput& x, const RunInput& y) { return x.step == y.step && Encode(x) == Encode(y); });
   const RunInput* mine = a == ours.end() ? nullptr : &*a;
   const RunInput* yours = b == theirs.end() ? nullptr : &*b;
   if (mine == nullptr && yours == nullptr) return {};

@@ -5,20 +5,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "server/state/run_control.h"
+#include "server/state/run_input.h"
 #include "server/state/saved_state.h"
 
 namespace coopdyn {
-
-/// An input of the run besides the commands and broadcasts, which stand in the frames.
-struct RunInput {
-  std::uint64_t step = 0;  // of the frame after which it came: it acts from the next step on
-  std::string action;  // as the command is called: set_mode, release_robot, …; deadline; controller_stopped
-  std::string detail;  // lockstep; robot3; …
-};
 
 class RunJournal {
  public:

@@ -63,7 +63,7 @@ class InfoCommandTest : public testing::Test {
         if (step == 4) writer->AddKeyframe(state);
       }
     }
-    writer->AddInput({2, "pause", ""});
+    writer->AddInput({2, edit::Pause{}});
     writer->AddEvent({1, 0.01, "note", "look here"});
     writer->AddEvent({2, 0.02, "warning", "robot1 has left the floor"});
     EXPECT_TRUE(writer->Commit());

@@ -69,9 +69,9 @@ class GlobalModuleTest : public testing::Test {
     for (Edit& each : edits_.TakeAll()) {
       EditResult result = next_result_;
       if (result.error == Error::kOk) {
-        if (const auto* set = std::get_if<edit::SetJournal>(&each.action)) SetJournal(set->journal);
-        if (std::holds_alternative<edit::Save>(each.action)) result.saved = State();
-        const auto* note = std::get_if<edit::Note>(&each.action);
+        if (const auto* set = As<edit::SetJournal>(each.action)) SetJournal(set->journal);
+        if (As<edit::Save>(each.action) != nullptr) result.saved = State();
+        const auto* note = As<edit::Note>(each.action);
         if (note != nullptr && journal_ != nullptr) {
           const FramePtr frame = world_.frames.Latest();
           journal_->Note({frame->step, frame->time_s(), "note", note->text});
@@ -116,7 +116,7 @@ class GlobalModuleTest : public testing::Test {
 
   template <typename T>
   const T& LastEdit() {
-    return std::get<T>(applied_.back());
+    return *As<T>(applied_.back());
   }
 
   const TempFolder temp_folder_;

@@ -51,7 +51,7 @@ class SavedStatesTest : public SimulationModuleTest {
     state->frame = world_.frames.Latest();
     next_result_.saved = state;
     EXPECT_EQ(Ask("save " + name).error, 0);
-    EXPECT_TRUE(std::holds_alternative<edit::Save>(applied_.back()));
+    EXPECT_NE(As<edit::Save>(applied_.back()), nullptr);
     next_result_.saved = nullptr;
     return state;
   }

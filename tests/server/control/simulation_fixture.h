@@ -59,19 +59,19 @@ class SimulationModuleTest : public testing::Test {
   void ApplyEdits() {
     for (Edit& each : edits_.TakeAll()) {
       EditResult result = next_result_;
-      if (const auto* load = std::get_if<edit::Load>(&each.action); load && result.error == Error::kOk) {
+      if (const auto* load = As<edit::Load>(each.action); load && result.error == Error::kOk) {
         world_.Load(load->scenario, Mode::kLockstep);
       }
-      if (std::holds_alternative<edit::Reset>(each.action)) {
+      if (As<edit::Reset>(each.action) != nullptr) {
         world_.Load(SmallScenario(2), Mode::kLockstep, StepEnd::kReset);
       }
-      if (auto* participants = std::get_if<edit::SetParticipants>(&each.action)) {
+      if (const auto* participants = As<edit::SetParticipants>(each.action)) {
         const Verdict verdict = world_.board.SetParticipants(participants->names, 0);
         result.error = verdict.error;
         result.text = verdict.text;
       }
-      if (auto* step = std::get_if<edit::Step>(&each.action); step && result.error == Error::kOk) {
-        world_.board.WaitSteps(step->steps, step->done);
+      if (const auto* step = As<edit::Step>(each.action); step && result.error == Error::kOk) {
+        world_.board.WaitSteps(step->steps, each.stepped);
         applied_.push_back(std::move(each.action));
         continue;
       }
@@ -91,7 +91,7 @@ class SimulationModuleTest : public testing::Test {
   }
   template <typename T>
   const T& LastEdit() {
-    return std::get<T>(applied_.back());
+    return *As<T>(applied_.back());
   }
   json::object Status(const std::string& line = "get_status") {
     return json::parse(Ask(line).text).as_object();

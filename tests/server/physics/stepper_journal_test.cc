@@ -65,7 +65,7 @@ TEST_F(StepperRestoreTest, EditsAreInputsOfTheStepAfterWhichTheyCame) {
   Do(edit::Run{});
   Do(edit::UnloadController{"robot2"});
   Do(edit::Save{});
-  EXPECT_THAT(journal_.Take(), ElementsAre("input 1 set_mode free", "input 1 set_step 5000 us",
+  EXPECT_THAT(journal_.Take(), ElementsAre("input 1 set_mode free", "input 1 set_step 0.005",
                                            HasSubstr("input 1 set_speed 2"), "input 1 set_mode lockstep",
                                            "input 1 set_participants robot1 robot3", "input 1 stop_all",
                                            "input 1 pause", "input 1 run", "input 1 release_robot robot2"));
@@ -77,7 +77,7 @@ TEST_F(StepperRestoreTest, RefusedEditsAreNoInputs) {
   journal_.Take();
   EXPECT_NE(Do(edit::UnloadController{"nobody"}).error, Error::kOk);
   EXPECT_NE(Do(edit::SetParticipants{{"nobody"}}).error, Error::kOk);
-  EXPECT_NE(Do(edit::Step{1, nullptr}).error, Error::kOk);
+  EXPECT_NE(Do(edit::Step{1}).error, Error::kOk);
   EXPECT_NE(Do(edit::Seek{}).error, Error::kOk);
   EXPECT_THAT(journal_.Take(), IsEmpty());
 }

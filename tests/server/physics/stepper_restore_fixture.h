@@ -34,8 +34,9 @@ class Journal final : public RunJournal {
     log.push_back(line);
   }
   void Input(RunInput input) override {
-    log.push_back("input " + std::to_string(input.step) + " " + input.action +
-                  (input.detail.empty() ? "" : " " + input.detail));
+    const InputText text = Encode(input);
+    log.push_back("input " + std::to_string(input.step) + " " + text.action +
+                  (text.detail.empty() ? "" : " " + text.detail));
   }
   void Note(Event event) override { log.push_back("note " + std::to_string(event.step) + " " + event.level); }
   std::vector<std::string> Take() { return std::exchange(log, {}); }

@@ -119,7 +119,7 @@ TEST_F(StepperTest, ResetGivesTheHashesOfAFreshStart) {
     EXPECT_EQ(Do(edit::Reset{}).frame->step, 0u);
     StepDone done;
     auto ran = Expect(done);
-    edits_.Push({edit::Step{20, done}, nullptr});
+    edits_.Push({edit::Step{20}, nullptr, done});
     hashes.push_back(StateHash(*ran.get().frame));
   }
   EXPECT_EQ(hashes[0], hashes[1]);
@@ -141,7 +141,7 @@ TEST_F(StepperTest, PausedNothingRunsButTheAllowedSteps) {
   EXPECT_EQ(Do(edit::SetSpeed{0}).frame->step, 0u);
   StepDone done;
   auto ran = Expect(done);
-  edits_.Push({edit::Step{7, done}, nullptr});
+  edits_.Push({edit::Step{7}, nullptr, done});
   EXPECT_EQ(ran.get().frame->step, 7u);
   EXPECT_EQ(Do(edit::StopAll{}).frame->step, 7u);
   EXPECT_EQ(control_.status().state, RunState::kPaused);
@@ -154,7 +154,7 @@ TEST_F(StepperTest, PauseEndsStepNWhichTellsHowManyHaveRun) {
   StartThread();
   StepDone done;
   auto ended = Expect(done);
-  edits_.Push({edit::Step{1'000'000, done}, nullptr});
+  edits_.Push({edit::Step{1'000'000}, nullptr, done});
   for (int k = 0; k < 3; ++k) {
     board_.Command(board_.FindSlot("robot1"), ana_, {1, 1}, {}, [](const StepResult&) {});
     Command("robot2", bob_, {1, 1});
@@ -172,7 +172,7 @@ TEST_F(StepperTest, PauseEndsStepNWhichTellsHowManyHaveRun) {
 TEST_F(StepperTest, StepIsRefusedUnlessPaused) {
   Begin(kTwoRobots, Mode::kLockstep);
   StartThread();
-  EXPECT_EQ(Do(edit::Step{1, [](const StepResult&) {}}).error, Error::kNotPossible);
+  EXPECT_EQ(Do(edit::Step{1}).error, Error::kNotPossible);
 }
 
 TEST_F(StepperTest, ALoadThatCannotBeBuiltChangesNothing) {

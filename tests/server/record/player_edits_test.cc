@@ -11,7 +11,7 @@ class PlayerEditsTest : public PlayerFixture {
   /// Pushes `step` and returns where its end will be put.
   std::shared_ptr<std::optional<StepResult>> PushStep(int steps) {
     auto result = std::make_shared<std::optional<StepResult>>();
-    edits_.Push({edit::Step{steps, [result](const StepResult& end) { *result = end; }}, nullptr});
+    edits_.Push({edit::Step{steps}, nullptr, [result](const StepResult& end) { *result = end; }});
     return result;
   }
   static Nanoseconds TimeOf(int step) { return step * SampleRun::kStep; }
@@ -122,7 +122,7 @@ TEST_F(PlayerEditsTest, StepsAddUp) {
 
 TEST_F(PlayerEditsTest, StepWhilePlayingIsRefused) {
   Record({});
-  const auto answer = Do(edit::Step{1, [](const StepResult&) { FAIL(); }});
+  const auto answer = Do(edit::Step{1});
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->error, Error::kNotPossible);
   EXPECT_EQ(answer->text, "step works only while paused: send pause first");
@@ -204,7 +204,7 @@ TEST_F(PlayerEditsTest, RestoreEndsThePlayback) {
   edits_.Push({edit::Run{}, nullptr});
   RunUntil(now_);
   ASSERT_TRUE(ended_by_);
-  EXPECT_EQ(std::get<edit::Restore>(ended_by_->action).state->frame->step, 4u);
+  EXPECT_EQ(As<edit::Restore>(ended_by_->action)->state->frame->step, 4u);
   EXPECT_FALSE(control_.playback());
   EXPECT_EQ((*step)->end, StepEnd::kLoad);
   EXPECT_EQ(edits_.TakeAll().size(), 1u) << "what came after it is for the live run";
@@ -224,7 +224,7 @@ TEST_F(PlayerEditsTest, WhatComesAfterARestoreStaysInOrderForTheLiveRun) {
   RunUntil(now_);
   ASSERT_TRUE(ended_by_);
   std::vector<std::string> notes;
-  for (const Edit& edit : edits_.TakeAll()) notes.push_back(std::get<edit::Note>(edit.action).text);
+  for (const Edit& edit : edits_.TakeAll()) notes.push_back(As<edit::Note>(edit.action)->text);
   EXPECT_EQ(notes, (std::vector<std::string>{"early", "late"}));
 }
 

@@ -35,7 +35,7 @@ TEST_F(RecorderTest, InRealTimeAFullQueueLosesStepsAndTheNextIsAKeyframe) {
   Steps(recorder, 2, 11, Mode::kRealtime);
   EXPECT_EQ(recorder.status().lost, 6U);
   EXPECT_FALSE(recorder.WantsKeyframe(12));  // there is no room for it yet
-  recorder.Input({11, "stop_all", ""});      // is never lost
+  recorder.Input({11, edit::StopAll{}});     // is never lost
   clock_.OpenGate();
   while (!recorder.WantsKeyframe(12)) std::this_thread::yield();
   Step(recorder, 12, Mode::kRealtime);

@@ -12,7 +12,7 @@ TEST_F(RecorderTest, ARunIsRecordedFromBeginToClose) {
   EXPECT_EQ(recorder.Check(), "");
   recorder.Begin(maker_.Start());
   Steps(recorder, 1, 100, Mode::kLockstep);
-  recorder.Input({100, "stop_all", ""});
+  recorder.Input({100, edit::StopAll{}});
   recorder.Note({100, 1.0, "note", "here it is"});
   recorder.Close();
   EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step"), 101);

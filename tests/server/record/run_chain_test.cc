@@ -35,7 +35,7 @@ class RunChainTest : public ::testing::Test {
         EXPECT_TRUE(writer_->AddKeyframe(state));
       }
       if (step % 6 == 0) {
-        EXPECT_TRUE(writer_->AddInput({step, "release_robot", "robot1"}));
+        EXPECT_TRUE(writer_->AddInput({step, edit::UnloadController{"robot1"}}));
       }
       if (step % 7 == 0) {
         EXPECT_TRUE(writer_->AddEvent({step, 0.01 * static_cast<double>(step), "note", "\u00fcber"}));
@@ -139,7 +139,7 @@ TEST_F(RunChainTest, AGrowingFileIsFollowed) {
   std::string ends;
   EXPECT_FALSE(chain->CheckRest(ends));
   EXPECT_EQ(ends, "");
-  EXPECT_TRUE(writer_->AddInput({30, "set_mode", "free"}));
+  EXPECT_TRUE(writer_->AddInput({30, edit::SetMode{Mode::kFree}}));
   EXPECT_TRUE(writer_->AddEvent({30, 0.3, "info", "free now"}));
   EXPECT_TRUE(writer_->Commit());
   EXPECT_FALSE(chain->CheckRest(ends));

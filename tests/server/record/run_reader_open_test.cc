@@ -69,7 +69,7 @@ TEST_F(RunReaderOpenTest, InputsThatCameSinceAreSeen) {
   const auto writer = sample_.Write(file_, {.close = false});
   Open(file_);
   EXPECT_EQ(reader_->Inputs(0, 100).size(), 2u);
-  writer->AddInput({20, "pause", ""});
+  writer->AddInput({20, edit::Pause{}});
   ASSERT_TRUE(writer->Commit());
   EXPECT_EQ(reader_->Inputs(0, 100).size(), 3u);
   EXPECT_EQ(reader_->Inputs(0, 100).size(), 3u);

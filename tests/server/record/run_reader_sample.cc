@@ -106,8 +106,8 @@ std::unique_ptr<RunWriter> SampleRun::Write(const std::string& file, const Optio
     writer->AddStep(*FrameAt(step));
     if (found_again || step % options.keyframe_every == 0) writer->AddKeyframe(StateAt(step));
   }
-  writer->AddInput({3, "set_mode", "free"});
-  writer->AddInput({9, "deadline", "robot2 hold"});
+  writer->AddInput({3, edit::SetMode{Mode::kFree}});
+  writer->AddInput({9, DeadlineFired{"robot2", LossPolicy::kHold}});
   writer->AddEvent({4, 0.04, "note", "here it turns"});
   writer->AddEvent({5, 0.05, "warning", "robot1 has left the floor"});
   EXPECT_TRUE(writer->Commit()) << writer->error();

@@ -161,8 +161,8 @@ TEST_F(RunReaderTest, GivesInputsAndEvents) {
   Record();
   const std::vector<RunInput> inputs = reader_->Inputs(0, 20);
   ASSERT_EQ(inputs.size(), 2u);
-  EXPECT_EQ(inputs[0].action, "set_mode");
-  EXPECT_EQ(inputs[1].detail, "robot2 hold");
+  EXPECT_EQ(Encode(inputs[0]), (InputText{"set_mode", "free"}));
+  EXPECT_EQ(Encode(inputs[1]), (InputText{"deadline", "robot2 hold"}));
   EXPECT_EQ(reader_->Inputs(4, 8).size(), 0u);
   EXPECT_EQ(reader_->Inputs(9, 9).size(), 1u);
   const std::vector<Event> events = reader_->Events();

@@ -76,7 +76,7 @@ TEST_F(RunWriterTest, SetpointsOfLoadedControllersAreKeptIfChosen) {
 TEST_F(RunWriterTest, ARobotThatLostItsControllerIsRecordedLikeAnyOther) {
   maker_.SetScene(DrivenScene());
   const auto writer = MakeWriter(file_, *maker_.Start(), {});
-  ASSERT_TRUE(writer->AddInput({0, "release_robot", "robot1"}));
+  ASSERT_TRUE(writer->AddInput({0, edit::UnloadController{"robot1"}}));
   ASSERT_TRUE(writer->AddStep(*maker_.Make(1)));
   Close(*writer);
   const std::vector<CommandRecord> commands = RunFile(file_).Commands(1);

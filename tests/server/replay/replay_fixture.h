@@ -102,8 +102,8 @@ class LiveRun {
   void Step(int count = 1) {
     auto done = std::make_shared<std::promise<void>>();
     std::future<void> ran = done->get_future();
-    edits_.Push({edit::Step{count, [done](const StepResult&) { done->set_value(); }},
-                 [](const EditResult& refused) { ADD_FAILURE() << refused.text; }});
+    edits_.Push({edit::Step{count}, [](const EditResult& refused) { ADD_FAILURE() << refused.text; },
+                 [done](const StepResult&) { done->set_value(); }});
     bell_.Ring();
     ran.wait();
   }

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Everything that may be asked of whoever steps, or plays a recording. Plain values; any thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "server/model/scenario.h"
+#include "server/state/saved_state.h"
+
+namespace coopdyn {
+
+class RunJournal;
+
+namespace edit {
+
+// How the run goes on. Each one that succeeds is an input of the run (RunInput).
+struct Run {};
+struct Pause {};
+/// Allows `steps` more steps while paused (error 5 otherwise).
+struct Step {
+  int steps = 1;
+};
+struct SetMode {
+  Mode mode;
+};
+struct SetStep {
+  Nanoseconds step;
+};
+struct SetSpeed {
+  double factor;  // ≤ 0: no limit
+};
+struct SetParticipants {
+  std::vector<std::string> names;
+};
+struct StopAll {};
+/// Takes the loaded controller of `robot` away; clients may drive it from then on.
+struct UnloadController {
+  std::string robot;
+};
+
+// What stands in the world: the next frame does not follow from the one before, and a journal begins anew.
+struct Reset {
+  std::optional<std::uint64_t> seed;  // empty: the same
+};
+/// Replaces the scenario. If its physics cannot be built nothing changes and the reply's text has the
+/// diagnostics.
+struct Load {
+  std::shared_ptr<const Scenario> scenario;
+};
+/// Goes on from `state`, also if another scenario was in force; ends a playback.
+struct Restore {
+  SavedStatePtr state;
+};
+
+// What a playback shows.
+/// The step at or before `time`; the nearest end if it lies outside.
+struct Seek {
+  Nanoseconds time = 0;
+};
+/// Stands that many recorded steps further on (below 0: back).
+struct Skip {
+  int steps = 1;
+};
+struct SetPlaySpeed {
+  double factor = 1;  // −4…64, not 0
+};
+struct SetLoop {
+  bool loop = false;
+};
+
+// What is kept of the run, which goes on as it is.
+/// From now on every step goes to `journal`, whose Begin() is called with this edit; null: to none. A journal
+/// outlives the edit that takes it away.
+struct SetJournal {
+  RunJournal* journal = nullptr;
+};
+/// An event of level `note`.
+struct Note {
+  std::string text;
+};
+/// The result has all that decides how the run goes on from here.
+struct Save {};
+
+}  // namespace edit
+
+using RunEdit = std::variant<edit::Run, edit::Pause, edit::Step, edit::SetMode, edit::SetStep, edit::SetSpeed,
+                             edit::SetParticipants, edit::StopAll, edit::UnloadController>;
+using WorldEdit = std::variant<edit::Reset, edit::Load, edit::Restore>;
+using PlaybackEdit = std::variant<edit::Seek, edit::Skip, edit::SetPlaySpeed, edit::SetLoop>;
+using RecordEdit = std::variant<edit::SetJournal, edit::Note, edit::Save>;
+
+using EditAction = std::variant<RunEdit, WorldEdit, PlaybackEdit, RecordEdit>;
+
+/// The `T` in a variant of variants; null if it holds something else.
+template <typename T, typename... Kinds>
+const T* As(const std::variant<Kinds...>& variant) {
+  const auto same = [](const auto& value) -> const T* {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, T>) return &value;
+    return nullptr;
+  };
+  return std::visit([&same](const auto& kind) { return std::visit(same, kind); }, variant);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "server/state/run_input.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+#include <utility>
+
+#include "protocol/codec.h"
+#include "protocol/command_ids.h"
+#include "protocol/module_tables.h"
+#include "server/base/clock.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::string_view kDeadline = "deadline", kDisconnect = "disconnect",
+                           kStopped = "controller_stopped";
+
+std::string Number(double value) {
+  std::string text;
+  AppendDouble(value, text);
+  return text;
+}
+
+std::string Joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+InputText Text(const edit::Run&) {
+  return {"run", ""};
+}
+InputText Text(const edit::Pause&) {
+  return {"pause", ""};
+}
+InputText Text(const edit::Step& step) {
+  return {"step", std::to_string(step.steps)};
+}
+InputText Text(const edit::SetMode& set) {
+  return {"set_mode", ToString(set.mode)};
+}
+InputText Text(const edit::SetStep& set) {
+  return {"set_step", Number(ToSeconds(set.step))};
+}
+InputText Text(const edit::SetSpeed& set) {
+  return {"set_speed", Number(set.factor)};
+}
+InputText Text(const edit::SetParticipants& set) {
+  return {"set_participants", Joined(set.names)};
+}
+InputText Text(const edit::StopAll&) {
+  return {"stop_all", ""};
+}
+InputText Text(const edit::UnloadController& unload) {
+  return {"release_robot", unload.robot};
+}
+InputText Text(const DeadlineFired& fired) {
+  return {std::string(kDeadline), fired.robot + " " + ToString(fired.policy)};
+}
+InputText Text(const ClientLost& lost) {
+  return {std::string(kDisconnect), lost.robot + " " + ToString(lost.policy)};
+}
+InputText Text(const ControllerStopped& stopped) {
+  return {std::string(kStopped), stopped.robot + " " + stopped.why};
+}
+
+std::optional<LossPolicy> PolicyOf(std::string_view word) {
+  for (const LossPolicy policy : {LossPolicy::kHold, LossPolicy::kStop, LossPolicy::kDrop}) {
+    if (word == ToString(policy)) return policy;
+  }
+  return std::nullopt;
+}
+
+/// What befell the robot that `detail` names first.
+std::optional<RobotEvent> DecodeEvent(std::string_view action, std::string_view detail) {
+  const std::size_t blank = detail.find(' ');
+  if (blank == 0 || blank == std::string_view::npos) return std::nullopt;
+  std::string robot(detail.substr(0, blank));
+  const std::string_view rest = detail.substr(blank + 1);
+  if (action == kStopped) return ControllerStopped{std::move(robot), std::string(rest)};
+  const std::optional<LossPolicy> policy = PolicyOf(rest);
+  if (!policy) return std::nullopt;
+  if (action == kDeadline) return DeadlineFired{std::move(robot), *policy};
+  return ClientLost{std::move(robot), *policy};
+}
+
+/// What the line `action detail` asks for, sent to /simulation.
+std::optional<RunEdit> DecodeEdit(std::string_view action, std::string_view detail) {
+  static const CommandTable table = SimulationTable();
+  if (table.Find(action) == nullptr) return std::nullopt;
+  const std::string line = std::string(action) + " " + std::string(detail) + "\n";
+  const Decoded decoded = DecodeText(line, table, false);
+  if (decoded.status != DecodeStatus::kMessage || decoded.consumed != line.size()) return std::nullopt;
+  std::string ignored;
+  return RunEditOf(decoded.message, ignored);
+}
+
+std::optional<RunEdit> SetStepTo(double step_s, std::string& error) {
+  const double microseconds = std::round(step_s * 1e6);
+  const bool in_range = step_s >= ToSeconds(kMinStep) && step_s <= ToSeconds(kMaxStep);
+  if (!in_range) {
+    error = fmt::format("a step lasts 0.0005 to 0.1 s, not {:.6g}: set_step 0.01", step_s);
+    return std::nullopt;
+  }
+  if (std::abs(step_s * 1e6 - microseconds) > 1e-3) {
+    error = fmt::format("a step lasts whole microseconds: set_step {:.6f}", microseconds * 1e-6);
+    return std::nullopt;
+  }
+  return edit::SetStep{static_cast<Nanoseconds>(microseconds) * 1000};
+}
+
+}  // namespace
+
+InputText Encode(const RunInput& input) {
+  return std::visit(
+      [](const auto& kind) { return std::visit([](const auto& what) { return Text(what); }, kind); },
+      input.what);
+}
+
+std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action, std::string_view detail) {
+  if (action == kDeadline || action == kDisconnect || action == kStopped) {
+    std::optional<RobotEvent> event = DecodeEvent(action, detail);
+    return event ? std::optional(RunInput{step, *std::move(event)}) : std::nullopt;
+  }
+  std::optional<RunEdit> edit = DecodeEdit(action, detail);
+  return edit ? std::optional(RunInput{step, *std::move(edit)}) : std::nullopt;
+}
+
+std::optional<RunEdit> RunEditOf(const Message& request, std::string& error) {
+  switch (request.command) {
+    case command::kRun:
+      return edit::Run{};
+    case command::kPause:
+      return edit::Pause{};
+    case command::kStep:
+      return edit::Step{request.params[0]};
+    case command::kSetMode:
+      return edit::SetMode{static_cast<Mode>(request.params[0])};
+    case command::kSetStep:
+      return SetStepTo(request.data[0], error);
+    case command::kSetSpeed:
+      return edit::SetSpeed{request.data[0]};
+    case command::kSetParticipants:
+      return edit::SetParticipants{SplitWords(request.text)};
+    case command::kStopAll:
+      return edit::StopAll{};
+    case command::kReleaseRobot:
+      return edit::UnloadController{request.text.substr(request.text.starts_with('/') ? 1 : 0)};
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// What a run depends on besides its files, its seed, commands and broadcasts; and the one text form of it:
+// what a client would write to /simulation, or what befell a robot. Pure; any thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "protocol/message.h"
+#include "server/model/scenario.h"
+#include "server/state/edits.h"
+
+namespace coopdyn {
+
+/// The robot's client missed its deadline.
+struct DeadlineFired {
+  std::string robot;
+  LossPolicy policy = LossPolicy::kHold;  // that acts; not kWait
+};
+/// The robot's client was lost.
+struct ClientLost {
+  std::string robot;
+  LossPolicy policy = LossPolicy::kHold;  // that acts; not kWait
+};
+/// The robot's loaded controller drives it no more.
+struct ControllerStopped {
+  std::string robot;
+  std::string why;
+};
+using RobotEvent = std::variant<DeadlineFired, ClientLost, ControllerStopped>;
+
+struct RunInput {
+  std::uint64_t step = 0;  // of the frame after which it came: it acts from the next step on
+  std::variant<RunEdit, RobotEvent> what;
+};
+
+/// An input as a recording has it: `set_mode` `lockstep`, `deadline` `robot3 stop`.
+struct InputText {
+  std::string action, detail;
+  bool operator==(const InputText&) const = default;
+};
+InputText Encode(const RunInput& input);
+/// The reverse, for the bytes of any file; nothing if they are no input.
+std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action, std::string_view detail);
+
+/// What a request to /simulation, one that its table allows, asks of the run. Nothing if it is another
+/// command; or, with `error`, if a value cannot be (error 4).
+std::optional<RunEdit> RunEditOf(const Message& request, std::string& error);
+
+}  // namespace coopdyn
