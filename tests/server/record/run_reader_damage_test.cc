@@ -75,6 +75,14 @@ class RunReaderDamageTest : public testing::Test {
 
 #define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
+TEST_F(RunReaderDamageTest, AnInputThatIsNoneIsDamage) {
+  ASSERT_EQ(RefusalAfter("UPDATE input SET detail = 'backwards' WHERE action = 'set_mode'"), "");
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(reader_->Inputs(0, 20).empty());
+    EXPECT_NE(reader_->error().find("is damaged"), std::string::npos) << reader_->error();
+  }
+}
+
 TEST_F(RunReaderDamageTest, SaysThatThereIsNoSuchFile) {
   EXPECT_SAYS(Refusal(), "there is no such file");
   EXPECT_FALSE(fs::exists(file_));
