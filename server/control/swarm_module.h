@@ -114,7 +114,7 @@ class SwarmModule final : public PeerModule<TeamPeer> {
   std::vector<int> robot_of_slot_;      // SlotId → index into scene_, −1: none
   std::vector<std::uint32_t> marks_;    // by robot of scene_: named by the request number mark_
   std::uint32_t mark_ = 0;
-  std::vector<Setpoint> setpoints_;  // of the present request
+  std::vector<Setpoint> setpoints_;  // of the present request, two a robot
   StepInbox inbox_;
 };
 

@@ -39,14 +39,18 @@ std::string SwarmModule::LostText(std::span<const std::string> lost) {
 std::size_t SwarmModule::MakeSetpoints(const Peer& peer, const Message& request) {
   setpoints_.clear();
   if (request.data.empty()) return 0;
-  setpoints_.reserve(peer.rows.size());
+  setpoints_.reserve(2 * peer.rows.size());
   std::size_t limited = 0;
   const bool wheels = request.text == "wheels";
   for (std::size_t i = 0; i < peer.rows.size(); ++i) {
-    const DriveModel& drive = scene_->robots[static_cast<std::size_t>(peer.rows[i])].entry.model->drive;
+    const DriveModel* of = scene_->robots[static_cast<std::size_t>(peer.rows[i])].entry.model->drive();
+    if (of == nullptr) continue;  // the board refuses it
+    const DriveModel& drive = *of;
     const double a = request.data[2 * i], b = request.data[2 * i + 1];
     double factor = 1;
-    setpoints_.push_back(wheels ? LimitWheels(drive, {a, b}, factor) : WheelsFor(drive, a, b, factor));
+    const auto setpoints =
+        SetpointsFor(wheels ? LimitWheels(drive, {a, b}, factor) : WheelsFor(drive, a, b, factor));
+    setpoints_.insert(setpoints_.end(), setpoints.begin(), setpoints.end());
     if (factor != 1) ++limited;
   }
   return limited;

@@ -140,10 +140,16 @@ void TeamReadings::FillOne(Kind kind, const Frame& frame, int robot, std::span<d
       FillNeighbours(frame, robot, columns);
       return;
     case Kind::kWheels: {
-      const RobotState& state =
-          frame.robots[static_cast<std::size_t>(frame.scene->robots[static_cast<std::size_t>(robot)].slot)];
-      std::copy(state.wheel_angle_rad.begin(), state.wheel_angle_rad.end(), columns.begin());
-      std::copy(state.wheel_speed_rad_s.begin(), state.wheel_speed_rad_s.end(), columns.begin() + 2);
+      const int first = frame.scene->FindDrive(robot);
+      if (first < 0) {
+        std::ranges::fill(columns, 0);
+        return;
+      }
+      for (std::size_t side = 0; side < 2; ++side) {
+        const ChannelState& wheel = frame.channels[static_cast<std::size_t>(first) + side];
+        columns[side] = wheel.position;
+        columns[2 + side] = wheel.velocity;
+      }
       return;
     }
   }

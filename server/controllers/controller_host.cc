@@ -99,7 +99,8 @@ void ControllerHost::List(const Scene& scene) {
     driven.robot = static_cast<int>(i);
     driven.name = robot.entry.name;
     driven.controller = robot.entry.controller.name;
-    driven.drive = robot.entry.model->drive;
+    driven.drive = *robot.entry.model->drive();
+    driven.wheels = static_cast<std::size_t>(scene.FindDrive(driven.robot));
     driven_.push_back(std::move(driven));
   }
 }
@@ -196,8 +197,8 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
   const Areas* areas = set_ ? &set_->areas() : nullptr;
   for (Driven& driven : driven_) {
     if (driven.status == Status::kUnloaded || driven.robot < 0) continue;
-    Setpoint& setpoint = setpoints[static_cast<std::size_t>(driven.robot)];
-    setpoint = {};
+    const std::span<Setpoint> wheels = setpoints.subspan(driven.wheels, 2);
+    std::ranges::fill(wheels, Setpoint{});
     if (driven.status != Status::kDrives) continue;
     // The child has looked already; since then somebody may have written there, and may still do.
     const RobotResult& result = areas->result(driven.slot);
@@ -218,7 +219,7 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
       continue;
     }
     double factor = 1;
-    setpoint = WheelsFor(driven.drive, forward_m_s, turn_rad_s, factor);
+    std::ranges::copy(SetpointsFor(WheelsFor(driven.drive, forward_m_s, turn_rad_s, factor)), wheels.begin());
     if (sent.message.count > 0) messages.push_back(sent);
   }
   if (stopped) ListItems();

@@ -60,6 +60,7 @@ class ControllerHost final : public ControllerDriver {
     int robot = 0;  // index into the scene; -1: it is not there any more
     std::string name, controller;
     DriveModel drive;
+    std::size_t wheels = 0;  // the first channel of its drive in the scene
     Status status = Status::kDrives;
     std::string why;                                 // it is stopped
     std::uint32_t slot = 0;                          // its number in the set

@@ -165,9 +165,9 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     setup[i].file = robots[i].file;
     setup[i].id = robot.id.value;
     setup[i].radius_m = model.footprint_radius_m;
-    setup[i].wheel_radius_m = model.drive.wheel_radius_m;
-    setup[i].track_m = model.drive.track_m;
-    setup[i].max_wheel_speed_rad_s = model.drive.max_wheel_speed_rad_s;
+    setup[i].wheel_radius_m = model.drive()->wheel_radius_m;
+    setup[i].track_m = model.drive()->track_m;
+    setup[i].max_wheel_speed_rad_s = model.drive()->max_wheel_speed_rad_s;
     setup[i].distance_count = model.distance_sensors.size();
     setup[i].restore = kNoState;
     std::memcpy(areas_->in.At<char>(setup[i].name), robot.entry.name.c_str(), robot.entry.name.size() + 1);

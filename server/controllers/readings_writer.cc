@@ -68,10 +68,10 @@ void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted
   }
   if ((wanted.readings & COOPDYN_POSE) != 0) WritePose(frame, wanted.robot, readings);
   if ((wanted.readings & COOPDYN_WHEELS) != 0) {
-    const RobotState& state = frame.robots[static_cast<std::size_t>(wanted.robot)];
+    const auto first = static_cast<std::size_t>(frame.scene->FindDrive(wanted.robot));
     for (std::size_t side = 0; side < 2; ++side) {
-      readings.wheel_angle_rad[side] = state.wheel_angle_rad[side];
-      readings.wheel_speed_rad_s[side] = state.wheel_speed_rad_s[side];
+      readings.wheel_angle_rad[side] = frame.channels[first + side].position;
+      readings.wheel_speed_rad_s[side] = frame.channels[first + side].velocity;
     }
   }
 }

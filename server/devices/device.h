@@ -17,9 +17,9 @@ namespace coopdyn {
 
 /// What an actuator command means.
 struct Actuation {
-  Setpoint wheel_speed_rad_s{};  // left, right; within the limits
-  std::optional<int> steps;      // as asked for; empty: one
-  std::string limited;           // `limited to …` if the command was beyond the limits, else empty
+  std::vector<Setpoint> setpoints;  // of the module's channels, within their limits
+  std::optional<int> steps;         // as asked for; empty: one
+  std::string limited;              // `limited to …` if the command was beyond the limits, else empty
 };
 
 class Device {

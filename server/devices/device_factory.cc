@@ -21,7 +21,10 @@ DeviceFactory::DeviceFactory()
 
 std::unique_ptr<Device> DeviceFactory::Make(const ModuleModel& module,
                                             std::shared_ptr<const RobotModel> model) const {
-  if (module.type == "motors") return std::make_unique<MotorsDevice>(motors_, model->drive);
+  if (module.type == "motors") {
+    const ActuatorModel& drive = *model->drive_actuator();
+    return std::make_unique<MotorsDevice>(motors_, *model->drive(), model->FirstChannel(drive));
+  }
   if (module.type == "distance") return std::make_unique<DistanceDevice>(distance_, std::move(model));
   if (module.type == "target") return std::make_unique<TargetDevice>(target_);
   if (module.type == "pose") return std::make_unique<PoseDevice>(pose_);

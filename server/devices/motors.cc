@@ -3,41 +3,45 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <span>
+#include <utility>
+
 #include "server/model/drive.h"
 
 namespace coopdyn {
 
 std::optional<Actuation> MotorsDevice::Actuate(const Message& request) const {
-  Actuation actuation;
-  if (!request.params.empty()) actuation.steps = request.params.front();
+  WheelSpeeds wheels_rad_s{};
   double factor = 1;
+  std::string limited;
   switch (request.command) {
     case command::kSetWheelSpeeds:
-      actuation.wheel_speed_rad_s = LimitWheels(drive_, {request.data[0], request.data[1]}, factor);
-      if (factor != 1) {
-        actuation.limited = fmt::format("limited to {:.6g} {:.6g} rad/s", actuation.wheel_speed_rad_s[0],
-                                        actuation.wheel_speed_rad_s[1]);
-      }
-      return actuation;
+      wheels_rad_s = LimitWheels(drive_, {request.data[0], request.data[1]}, factor);
+      if (factor != 1)
+        limited = fmt::format("limited to {:.6g} {:.6g} rad/s", wheels_rad_s[0], wheels_rad_s[1]);
+      break;
     case command::kSetVelocity:
-      actuation.wheel_speed_rad_s = WheelsFor(drive_, request.data[0], request.data[1], factor);
+      wheels_rad_s = WheelsFor(drive_, request.data[0], request.data[1], factor);
       if (factor != 1) {
-        actuation.limited = fmt::format("limited to {:.6g} m/s {:.6g} rad/s", request.data[0] * factor,
-                                        request.data[1] * factor);
+        limited = fmt::format("limited to {:.6g} m/s {:.6g} rad/s", request.data[0] * factor,
+                              request.data[1] * factor);
       }
-      return actuation;
+      break;
     case command::kStop:
-      return actuation;
+      break;
     default:
       return std::nullopt;
   }
+  const auto setpoints = SetpointsFor(wheels_rad_s);
+  Actuation actuation{{setpoints.begin(), setpoints.end()}, std::nullopt, std::move(limited)};
+  if (!request.params.empty()) actuation.steps = request.params.front();
+  return actuation;
 }
 
 void MotorsDevice::AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const {
-  const SceneRobot& place = frame.scene->robots[static_cast<std::size_t>(robot)];
-  const RobotState& state = frame.robots[static_cast<std::size_t>(place.slot)];
-  data.insert(data.end(), {state.wheel_angle_rad[0], state.wheel_angle_rad[1], state.wheel_speed_rad_s[0],
-                           state.wheel_speed_rad_s[1]});
+  const std::span<const ChannelState> wheels = ChannelsOf(frame, robot).subspan(first_channel_, 2);
+  for (const ChannelState& wheel : wheels) data.push_back(wheel.position);
+  for (const ChannelState& wheel : wheels) data.push_back(wheel.velocity);
 }
 
 Message MotorsDevice::Read(const Message& request, const Frame& frame, int robot) const {

@@ -15,7 +15,9 @@ namespace coopdyn {
 class MotorsDevice final : public Device {
  public:
   /// `table` outlives it.
-  MotorsDevice(const CommandTable& table, const DriveModel& drive) : table_(table), drive_(drive) {}
+  /// `first_channel`: of the left wheel among the robot's; the right one follows.
+  MotorsDevice(const CommandTable& table, const DriveModel& drive, std::size_t first_channel)
+      : table_(table), drive_(drive), first_channel_(first_channel) {}
 
   const CommandTable& table() const override { return table_; }
   command::Id first_reading() const override { return command::kGetWheels; }
@@ -27,6 +29,7 @@ class MotorsDevice final : public Device {
  private:
   const CommandTable& table_;
   const DriveModel drive_;
+  const std::size_t first_channel_;
 };
 
 }  // namespace coopdyn

@@ -19,6 +19,11 @@ namespace coopdyn {
 /// Left, right, rad/s.
 using WheelSpeeds = std::array<double, 2>;
 
+/// The set-points of a drive's two channels.
+inline std::array<Setpoint, 2> SetpointsFor(const WheelSpeeds& wheel_speed_rad_s) {
+  return {Setpoint{wheel_speed_rad_s[0]}, Setpoint{wheel_speed_rad_s[1]}};
+}
+
 /// Scales both speeds by one factor into the limits, and `factor` with them. @pre finite
 inline WheelSpeeds LimitWheels(const DriveModel& drive, WheelSpeeds wheel_speed_rad_s, double& factor) {
   const double fastest = std::max(std::abs(wheel_speed_rad_s[0]), std::abs(wheel_speed_rad_s[1]));

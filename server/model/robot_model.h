@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The fixed description of a robot type, read from SDF once per process. Constant once read; any thread.
-// Frame R is the robot's: origin on the floor under the axle's middle, x forward, y left, z up.
+// Frame R is the model's: x forward, y left, z up, its origin where the model says; at rest z = 0 is the
+// floor.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "server/geometry/shape.h"
@@ -37,18 +41,40 @@ struct JointModel {
   int parent = 0;  // index into links
   int child = 0;
   Vector3 p_RJ = Vector3::Zero();
-  Vector3 axis_R = Vector3::UnitY();  // positive speed of a wheel drives forward
+  Vector3 axis_R = Vector3::UnitY();
   double max_effort_nm = std::numeric_limits<double>::infinity();
 };
 
-/// Two motorised wheels on one axle.
+/// Two motorised wheels on one axle, which crosses R's z axis. A positive speed of a wheel drives forward.
 struct DriveModel {
-  int left_joint = 0;  // index into joints
-  int right_joint = 1;
   double wheel_radius_m = 0;
   double track_m = 0;  // between the wheels' contact points
   double max_wheel_speed_rad_s = 0;
   double max_torque_nm = 0;
+};
+
+/// What an actuator does with a joint; the numbers are those of the wire.
+enum class ControlMode : std::uint8_t { kIdle = 0, kPosition = 1, kDirect = 2, kVelocity = 3, kEffort = 4 };
+
+/// What is wanted of one channel: a joint axis. rad, rad/s or N m; of a sliding joint m, m/s or N.
+struct Setpoint {
+  double reference = 0;
+  ControlMode mode = ControlMode::kVelocity;
+
+  /// Whether it asks for motion, or a force.
+  bool drives() const {
+    return reference != 0 && (mode == ControlMode::kVelocity || mode == ControlMode::kEffort);
+  }
+  /// The same at rest: nothing drives, positions are held.
+  Setpoint stopped() const { return {drives() ? 0 : reference, mode}; }
+  bool operator==(const Setpoint&) const = default;
+};
+
+/// What moves joints on command. Its module is a slot of the command board.
+struct ActuatorModel {
+  std::string module;       // its module's name; empty: it has none, and its joints are at rest
+  std::vector<int> joints;  // index into joints: one channel each; of a drive the left and the right wheel
+  std::variant<DriveModel> kind;
 };
 
 /// One distance sensor: a sector sampled by several rays in the horizontal plane of its mount; the smallest
@@ -93,7 +119,7 @@ struct RobotModel {
   std::string text;              // the SDF as read
   std::vector<LinkModel> links;  // links[0] is the chassis
   std::vector<JointModel> joints;
-  DriveModel drive;
+  std::vector<ActuatorModel> actuators;
   std::vector<DistanceSensorModel> distance_sensors;  // by increasing bearing (right to left)
   TargetSensorModel target_sensor;
   NeighboursModel neighbours;
@@ -101,9 +127,17 @@ struct RobotModel {
   double footprint_radius_m = 0;     // of the smallest vertical cylinder about R's z axis that holds it
   double height_m = 0;
 
-  bool has_actuators() const { return !actuator_modules().empty(); }
   /// The names of the modules that drive the robot.
   std::vector<std::string> actuator_modules() const;
+  bool has_actuators() const { return !actuator_modules().empty(); }
+  /// Where the channels of one of its actuators begin among those of the robot.
+  std::size_t FirstChannel(const ActuatorModel& actuator) const;
+  /// Its two-wheel drive; null if it has none.
+  const ActuatorModel* drive_actuator() const;
+  const DriveModel* drive() const {
+    const ActuatorModel* actuator = drive_actuator();
+    return actuator == nullptr ? nullptr : &std::get<DriveModel>(actuator->kind);
+  }
 };
 
 }  // namespace coopdyn

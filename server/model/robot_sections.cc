@@ -88,7 +88,8 @@ void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
     entry.fidelity = static_cast<Fidelity>(*fidelity);
   }
   entry.controller = ReadController(reader, library_, beside_);
-  if (!entry.controller.empty() && entry.model != nullptr && !entry.model->has_actuators()) {
+  if (!entry.controller.empty() && entry.model != nullptr &&
+      (entry.model->drive() == nullptr || entry.model->drive_actuator()->module.empty())) {
     reader.ErrorAt("controller", "a " + entry.model->type + " has no motors that a controller could drive");
   }
   if (const auto sockets = reader.YesNo("sockets")) entry.sockets = *sockets;

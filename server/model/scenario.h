@@ -59,7 +59,7 @@ struct RobotEntry {
   RobotId id;
   std::string name;
   std::shared_ptr<const RobotModel> model;
-  Pose X_WR;  // of the point on the floor under the axle
+  Pose X_WR;  // of the model's frame
   Color color{0.2, 0.4, 0.9};
   bool sync = true;
   std::vector<std::string> waits_for;  // names of actuator modules; empty: all of them

@@ -153,13 +153,12 @@ class ExtensionReader {
                          "' needs <limit><velocity>: its top speed in rad/s, above 0");
       }
     }
-    robot_.drive = {.left_joint = *left,
-                    .right_joint = *right,
-                    .wheel_radius_m = *left_radius,
-                    .track_m = contact_y_[0] - contact_y_[1],
-                    .max_wheel_speed_rad_s = std::min(max_speeds_[static_cast<std::size_t>(*left)],
-                                                      max_speeds_[static_cast<std::size_t>(*right)]),
-                    .max_torque_nm = std::min(left_joint.max_effort_nm, right_joint.max_effort_nm)};
+    const DriveModel drive{.wheel_radius_m = *left_radius,
+                           .track_m = contact_y_[0] - contact_y_[1],
+                           .max_wheel_speed_rad_s = std::min(max_speeds_[static_cast<std::size_t>(*left)],
+                                                             max_speeds_[static_cast<std::size_t>(*right)]),
+                           .max_torque_nm = std::min(left_joint.max_effort_nm, right_joint.max_effort_nm)};
+    robot_.actuators.push_back({"", {*left, *right}, drive});
   }
 
   SectorDefaults ReadSectorAttributes(XmlAttributes& attributes, SectorDefaults values) {
@@ -282,8 +281,12 @@ class ExtensionReader {
       if (module.type == *type) attributes.Error("there are two modules of type '" + *type + "': keep one");
     }
     robot_.modules.push_back({*type, name});
-    if (*type == "motors" && robot_.drive.wheel_radius_m <= 0 && !diagnostics_.has_errors()) {
-      attributes.Error("a module 'motors' needs <coopdyn:drive> before it");
+    if (*type == "motors") {
+      if (!robot_.actuators.empty()) {
+        robot_.actuators.front().module = name;
+      } else if (!diagnostics_.has_errors()) {
+        attributes.Error("a module 'motors' needs <coopdyn:drive> before it");
+      }
     }
     if (*type == "distance" && robot_.distance_sensors.empty() && !diagnostics_.has_errors()) {
       attributes.Error("a module 'distance' needs <coopdyn:distance_sensors> before it");

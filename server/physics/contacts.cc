@@ -34,7 +34,7 @@ bool TryClosedForm(const PlacedPart& a, const PlacedPart& b, double margin_m, Co
   if (cylinder == nullptr) return false;
   ClosedForm form;
   if (const Box* box = std::get_if<Box>(&b.part->shape)) {
-    if (a.part->is_wheel) {
+    if (a.part->wheel >= 0) {
       form = WheelOnBox(cylinder->radius_m, a.place(), *box, b.place(), margin_m);
       list = WheelList(form, 0);
       return form.applies;
@@ -108,7 +108,7 @@ ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_
     return AsList({true, ContactPoint{{place.p[0], place.p[1], -depth}, Vector3::UnitZ(), depth}});
   }
   const Cylinder* cylinder = std::get_if<Cylinder>(&a.part->shape);
-  if (cylinder != nullptr && a.part->is_wheel) {
+  if (cylinder != nullptr && a.part->wheel >= 0) {
     const ClosedForm form = WheelOnFloor(cylinder->radius_m, place, margin_m);
     if (form.applies) return WheelList(form, 0);
   }
@@ -136,7 +136,7 @@ void FindFloorContacts(Collider& collider, const Actor& a, double margin_m,
                        std::vector<FoundContact>& found) {
   const Mechanism& mechanism = *a.owner.mechanism;
   for (std::size_t i = 0; i < mechanism.parts.size(); ++i) {
-    if (mechanism.one_body() && mechanism.planar() && !mechanism.parts[i].is_wheel) continue;
+    if (mechanism.one_body() && mechanism.planar() && mechanism.parts[i].wheel < 0) continue;
     const PlacedPart part = a.Place(i);
     const ContactList list = CollideFloor(collider, part, margin_m);
     for (const ContactPoint& point : list.all()) found.push_back({point, part.part, nullptr, list.wheel});

@@ -28,9 +28,8 @@ void Engine::ForAll(std::size_t count, const Work& work) {
 Engine::Engine(const Scene& scene, std::uint64_t solver_seed, WorkerPool* pool)
     : pool_(pool), things_(MakeThings(scene)), broad_phase_(things_) {
   SetSolverSeed(solver_seed);
-  state_.robots.resize(scene.robots.size());
+  state_.channels.resize(scene.channels.size());
   state_.bodies = things_.start;
-  setpoints_.resize(scene.robots.size());
   plans_.resize(scene.robots.size());
   for (std::size_t i = 0; i < dynamic_count(); ++i) {
     first_bodies_.push_back(static_cast<std::size_t>(things_.owners[i].first_body));
@@ -45,11 +44,11 @@ Engine::Engine(const Scene& scene, std::uint64_t solver_seed, WorkerPool* pool)
   }
 }
 
-void Engine::Step(Nanoseconds step, int substeps, std::span<const std::array<double, 2>> setpoints) {
-  for (std::size_t i = 0; i < setpoints_.size(); ++i) {
-    setpoints_[i] = i < setpoints.size() ? setpoints[i] : std::array<double, 2>{};
-    state_.robots[i].setpoint_rad_s = setpoints_[i];
-    state_.robots[i].wheel_speed_rad_s = {};
+void Engine::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
+  for (std::size_t i = 0; i < state_.channels.size(); ++i) {
+    ChannelState& channel = state_.channels[i];
+    channel.setpoint = i < setpoints.size() ? setpoints[i] : Setpoint{};
+    channel.velocity = 0;
   }
   share_ = 1.0 / substeps;
   for (int i = 0; i < substeps; ++i) Substep(step / substeps);
@@ -85,7 +84,7 @@ void Engine::PlanRobot(std::size_t robot, double dt_s) {
   const std::size_t owner = things_.first_robot + robot;
   const Owner& info = things_.owners[owner];
   const BodyState& body = FirstBody(owner);
-  if (body.sleep_counter == kAsleep && !IsZero(setpoints_[robot])) {
+  if (body.sleep_counter == kAsleep && IsDriven(ChannelsOf(info))) {
     for (BodyState& part : BodiesOf(static_cast<std::uint32_t>(owner))) part.sleep_counter = 0;
   }
   moves_[owner] = body.sleep_counter < kAsleep;
@@ -94,7 +93,8 @@ void Engine::PlanRobot(std::size_t robot, double dt_s) {
     double speed_m_s = body.v_WB.norm();
     DrivePlan& plan = plans_[robot];
     if (info.mechanism->drive) {
-      plan = PlanDrive(*info.mechanism->drive, body, info.rest_z_m, setpoints_[robot], dt_s);
+      const OneBodyDrive& drive = *info.mechanism->drive;
+      plan = PlanDrive(drive, body, info.rest_z_m, drive.SpeedsOf(ChannelsOf(info)), dt_s);
       speed_m_s = std::max(speed_m_s, std::abs(plan.forward_m_s));
     } else {
       plan.closed = false;
@@ -134,10 +134,9 @@ void Engine::AdvanceClosed(double dt_s) {
       if (!stays || !body.v_WB.isZero(0) || !body.w_WB.isZero(0)) {
         Advance(*owner.mechanism->drive, plan, owner.rest_z_m, dt_s, body);
       }
-      RobotState& robot = state_.robots[i];
-      for (std::size_t side = 0; side < 2; ++side) {
-        robot.wheel_angle_rad[side] += plan.wheels_rad_s[side] * dt_s;
-        robot.wheel_speed_rad_s[side] += plan.wheels_rad_s[side] * share_;
+      const std::span<ChannelState> wheels = owner.mechanism->drive->ChannelsOf(ChannelsOf(owner));
+      for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) {
+        Turn(wheels[wheel], plan.wheels_rad_s[wheel], dt_s);
       }
     }
   });
@@ -159,7 +158,7 @@ void Engine::CountRest(Nanoseconds dt) {
   for (std::size_t i = things_.first_robot; i < dynamic_count(); ++i) {
     if (!moves_[i] || in_ode_[i]) continue;
     BodyState& body = state_.bodies[first_bodies_[i]];
-    if (!IsZero(setpoints_[i - things_.first_robot]) || !AtRest(static_cast<std::uint32_t>(i))) {
+    if (!AtRest(static_cast<std::uint32_t>(i))) {
       body.sleep_counter = 0;
       continue;
     }
@@ -170,7 +169,7 @@ void Engine::CountRest(Nanoseconds dt) {
 
 bool Engine::AtRest(std::uint32_t owner) const {
   const Owner& info = things_.owners[owner];
-  if (info.robot >= 0 && !IsZero(setpoints_[static_cast<std::size_t>(info.robot)])) return false;
+  if (IsDriven(ChannelsOf(info))) return false;
   for (std::size_t k = 0; k < info.body_count(); ++k) {
     if (!IsSlow(state_.bodies[first_bodies_[owner] + k])) return false;
   }
@@ -191,16 +190,12 @@ void Engine::SetSolverSeed(std::uint64_t seed) {
 
 void Engine::Restore(const Frame& frame) {
   state_.bodies = frame.bodies;
-  state_.robots = frame.robots;
+  state_.channels = frame.channels;
   state_.solver_seed = frame.solver_seed;
   for (std::size_t i = 0; i < dynamic_count(); ++i) {
     Owner& owner = things_.owners[i];
     owner.frozen = FirstBody(i).frozen();
-    if (owner.robot >= 0) {
-      state_.robots[static_cast<std::size_t>(owner.robot)].frozen = owner.frozen;
-    } else {
-      broad_phase_.MoveObject(i, FirstBody(i));
-    }
+    if (owner.robot < 0) broad_phase_.MoveObject(i, FirstBody(i));
   }
 }
 

@@ -3,7 +3,6 @@
 // Whoever holds the world uses it; no locks. Only server/physics includes this file.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -13,17 +12,17 @@
 
 #include "server/base/worker_pool.h"
 #include "server/physics/broad_phase.h"
-#include "server/physics/drive_motion.h"
 #include "server/physics/islands.h"
 #include "server/physics/lane.h"
+#include "server/physics/wheel_drive.h"
 #include "server/physics/world.h"
 
 namespace coopdyn {
 
 /// All that the next step depends on, besides the scene and the set-points.
 struct WorldState {
-  std::vector<BodyState> bodies;   // as Frame::bodies
-  std::vector<RobotState> robots;  // as Frame::robots
+  std::vector<BodyState> bodies;       // as Frame::bodies
+  std::vector<ChannelState> channels;  // as Frame::channels
   std::uint64_t solver_seed = 0;
 };
 
@@ -35,7 +34,7 @@ class Engine {
   const WorldState& state() const { return state_; }
   const Things& things() const { return things_; }
 
-  void Step(Nanoseconds step, int substeps, std::span<const std::array<double, 2>> setpoints);
+  void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints);
   void Restore(const Frame& frame);
   void SetSolverSeed(std::uint64_t seed);
   std::vector<FrozenBody>& frozen() { return frozen_; }
@@ -70,7 +69,12 @@ class Engine {
   void SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s);
   void LoadBatch(const Batch& batch, Lane& lane, double dt_s);
   void ReadBatch(Batch& batch, const Lane& lane, double dt_s);
-  void ReadWheels(std::uint32_t owner, const Lane& lane, double dt_s);
+  void ReadChannels(std::uint32_t owner, const Lane& lane, double dt_s);
+  /// A channel has turned at this rate in a substep.
+  void Turn(ChannelState& channel, double rate, double dt_s) const {
+    channel.position += rate * dt_s;
+    channel.velocity += rate * share_;
+  }
 
   void AdvanceClosed(double dt_s);
   /// Counts how long everybody has been at rest, and lets whole islands sleep.
@@ -84,6 +88,12 @@ class Engine {
   template <typename Work>
   void ForAll(std::size_t count, const Work& work);
 
+  std::span<ChannelState> ChannelsOf(const Owner& owner) {
+    return std::span(state_.channels).subspan(owner.first_channel, owner.channel_count);
+  }
+  std::span<const ChannelState> ChannelsOf(const Owner& owner) const {
+    return std::span(state_.channels).subspan(owner.first_channel, owner.channel_count);
+  }
   Actor ActorOf(std::uint32_t owner) const { return things_.ActorOf(owner, state_.bodies); }
   const BodyState& FirstBody(std::size_t owner) const { return state_.bodies[first_bodies_[owner]]; }
   std::span<BodyState> BodiesOf(std::uint32_t owner) {
@@ -99,9 +109,7 @@ class Engine {
   WorldState state_;
   std::vector<FrozenBody> frozen_;
 
-  // Of the present step, by robot.
-  std::vector<std::array<double, 2>> setpoints_;
-  double share_ = 1;  // of a substep in the step
+  double share_ = 1;  // of a substep in the present step
   // Of the present substep.
   std::vector<std::size_t> first_bodies_;  // by dynamic owner; never changes
   std::vector<std::uint8_t> moves_;        // by dynamic owner: neither frozen nor asleep

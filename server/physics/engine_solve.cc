@@ -214,9 +214,7 @@ void Engine::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt
 void Engine::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
   for (const std::uint32_t owner : batch.owners) {
     if (!moves_[owner]) continue;
-    const int robot = things_.owners[owner].robot;
-    lane.Load(owner, ActorOf(owner),
-              robot < 0 ? std::array<double, 2>{} : setpoints_[static_cast<std::size_t>(robot)]);
+    lane.Load(owner, ActorOf(owner), ChannelsOf(things_.owners[owner]));
   }
   std::vector<FoundContact>& floor = lane.scratch();
   for (const std::uint32_t owner : batch.owners) {
@@ -250,34 +248,25 @@ void Engine::ReadBatch(Batch& batch, const Lane& lane, double dt_s) {
       bodies[k].sleep_counter = counter;
     }
     if (info.mechanism->one_body() && info.mechanism->planar()) Flatten(bodies.front(), info.rest_z_m);
-    if (info.robot >= 0) ReadWheels(owner, lane, dt_s);
+    if (info.channel_count > 0) ReadChannels(owner, lane, dt_s);
   }
 }
 
-void Engine::ReadWheels(std::uint32_t owner, const Lane& lane, double dt_s) {
+void Engine::ReadChannels(std::uint32_t owner, const Lane& lane, double dt_s) {
   const Owner& info = things_.owners[owner];
-  const std::size_t robot = static_cast<std::size_t>(info.robot);
-  std::array<double, 2> rates_rad_s{};
+  const std::span<ChannelState> channels = ChannelsOf(info);
   if (!info.mechanism->one_body()) {
-    rates_rad_s = lane.HingeRates(owner);
+    for (const Hinge& hinge : info.mechanism->hinges) {
+      if (hinge.channel < 0) continue;
+      ChannelState& channel = channels[static_cast<std::size_t>(hinge.channel)];
+      Turn(channel, lane.HingeRate(owner, hinge), dt_s);
+      channel.effort = lane.HingeEffort(owner, hinge);
+    }
   } else if (info.mechanism->drive) {
     const OneBodyDrive& drive = *info.mechanism->drive;
-    rates_rad_s = setpoints_[robot];
-    if (drive.stalls) {
-      // The wheels grip: they turn as the floor passes under them.
-      const BodyState& body = FirstBody(owner);
-      const Vector3 ahead(body.R_WB[0], body.R_WB[3], body.R_WB[6]);
-      for (std::size_t side = 0; side < 2; ++side) {
-        const double b = side == 0 ? drive.wheels.half_track_m : -drive.wheels.half_track_m;
-        const Vector3 arm = body.orientation() * (Vector3(0, b, 0) - drive.p_RB);
-        rates_rad_s[side] = (body.v_WB + body.w_WB.cross(arm)).dot(ahead) / drive.wheels.radius_m;
-      }
-    }
-  }
-  RobotState& state = state_.robots[robot];
-  for (std::size_t side = 0; side < 2; ++side) {
-    state.wheel_angle_rad[side] += rates_rad_s[side] * dt_s;
-    state.wheel_speed_rad_s[side] += rates_rad_s[side] * share_;
+    const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(owner), drive.SpeedsOf(channels));
+    const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
+    for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
   }
 }
 
@@ -286,7 +275,6 @@ void Engine::Freeze(std::uint32_t owner, std::string why, Batch& batch) {
   info.frozen = true;
   moves_[owner] = 0;
   Hold(owner, BodyState::kFrozen);
-  if (info.robot >= 0) state_.robots[static_cast<std::size_t>(info.robot)].frozen = true;
   batch.frozen.emplace_back(owner, std::move(why));
 }
 

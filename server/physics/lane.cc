@@ -119,9 +119,15 @@ Lane::Slot Lane::MakeSlot(const Mechanism* mechanism) {
                    slot.bodies[static_cast<std::size_t>(of.parent)]);  // so that its rate is the child's
       dJointSetHingeAnchor(hinge, of.p_R.x(), of.p_R.y(), of.p_R.z());
       dJointSetHingeAxis(hinge, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
-      if (of.side < 0) continue;
-      slot.motors[static_cast<std::size_t>(of.side)] = hinge;
+      if (of.channel < 0) continue;
+      const auto channel = static_cast<std::size_t>(of.channel);
+      if (slot.motors.size() <= channel) slot.motors.resize(channel + 1);
+      slot.motors[channel] = hinge;
       dJointSetHingeParam(hinge, dParamFMax, of.max_torque_nm);
+    }
+    slot.forces = std::make_unique<dJointFeedback[]>(slot.motors.size());
+    for (std::size_t i = 0; i < slot.motors.size(); ++i) {
+      if (slot.motors[i] != nullptr) dJointSetFeedback(slot.motors[i], &slot.forces[i]);
     }
   }
   for (dBodyID body : slot.bodies) dBodyDisable(body);
@@ -142,7 +148,7 @@ void Lane::Reserve(std::span<const std::uint32_t> owners) {
   Build();
 }
 
-void Lane::Load(std::uint32_t owner, const Actor& actor, const std::array<double, 2>& wheels_rad_s) {
+void Lane::Load(std::uint32_t owner, const Actor& actor, std::span<const ChannelState> channels) {
   const Mechanism& mechanism = *actor.owner.mechanism;
   Pool& pool = pools_[mechanism.pool];
   Slot& slot = pool.slots[pool.used++];
@@ -152,9 +158,10 @@ void Lane::Load(std::uint32_t owner, const Actor& actor, const std::array<double
     SetMass(slot.bodies.front(), mechanism.bodies.front(), mechanism.one_body() && mechanism.planar());
     slot.loaded = &mechanism;
   }
-  slot.wheels_rad_s = wheels_rad_s;
-  for (std::size_t side = 0; side < 2; ++side) {
-    if (slot.motors[side] != nullptr) dJointSetHingeParam(slot.motors[side], dParamVel, wheels_rad_s[side]);
+  slot.channels = channels;
+  for (std::size_t i = 0; i < slot.motors.size(); ++i) {
+    if (slot.motors[i] != nullptr)
+      dJointSetHingeParam(slot.motors[i], dParamVel, channels[i].setpoint.reference);
   }
   for (std::size_t k = 0; k < slot.bodies.size(); ++k) {
     Write(slot.bodies[k], actor.bodies[k]);
@@ -185,13 +192,16 @@ BodyState Lane::Read(std::uint32_t owner, std::size_t index) const {
   return state;
 }
 
-std::array<double, 2> Lane::HingeRates(std::uint32_t owner) const {
-  std::array<double, 2> rates_rad_s{};
-  for (std::size_t side = 0; side < 2; ++side) {
-    dJointID hinge = slot_of_[owner]->motors[side];
-    if (hinge != nullptr) rates_rad_s[side] = dJointGetHingeAngleRate(hinge);
-  }
-  return rates_rad_s;
+double Lane::HingeRate(std::uint32_t owner, const Hinge& hinge) const {
+  return dJointGetHingeAngleRate(slot_of_[owner]->motors[static_cast<std::size_t>(hinge.channel)]);
+}
+
+double Lane::HingeEffort(std::uint32_t owner, const Hinge& hinge) const {
+  const auto channel = static_cast<std::size_t>(hinge.channel);
+  dVector3 axis;
+  dJointGetHingeAxis(slot_of_[owner]->motors[channel], axis);
+  const dJointFeedback& force = slot_of_[owner]->forces[channel];
+  return axis[0] * force.t1[0] + axis[1] * force.t1[1] + axis[2] * force.t1[2];
 }
 
 void Lane::Unload() {

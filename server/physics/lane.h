@@ -5,8 +5,8 @@
 // time. Only server/physics includes this file.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -36,8 +36,9 @@ class Lane {
 
   /// Makes room for these owners together. Before they are loaded.
   void Reserve(std::span<const std::uint32_t> owners);
-  /// Lends `owner` bodies in the state of `actor`; `wheels_rad_s`: of its motors.
-  void Load(std::uint32_t owner, const Actor& actor, const std::array<double, 2>& wheels_rad_s);
+  /// Lends `owner` bodies in the state of `actor`; `channels`: of it, with what its motors are to do. They
+  /// outlive the loan.
+  void Load(std::uint32_t owner, const Actor& actor, std::span<const ChannelState> channels);
   /// Makes contact joints between A and B (-1: the floor). An owner that is not loaded counts as static.
   /// Friction: the slippier of the two decides (the smaller coefficient). Nothing bounces.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
@@ -46,8 +47,10 @@ class Lane {
   void Step(Solver solver, double dt_s);
   /// The exact state of body `body` of a loaded owner; its sleep counter is 0.
   BodyState Read(std::uint32_t owner, std::size_t body) const;
-  /// Speeds of the motorised hinges of a loaded owner, rad/s.
-  std::array<double, 2> HingeRates(std::uint32_t owner) const;
+  /// Speed of a motorised hinge of a loaded owner, rad/s.
+  double HingeRate(std::uint32_t owner, const Hinge& hinge) const;
+  /// Torque of its motor in the last step, N m.
+  double HingeEffort(std::uint32_t owner, const Hinge& hinge) const;
   /// Takes all bodies back.
   void Unload();
   /// A new world after ODE threw: its memory is not to be trusted.
@@ -57,9 +60,10 @@ class Lane {
   /// Bodies and hinges that can stand for one owner.
   struct Slot {
     std::vector<dBodyID> bodies;
-    std::array<dJointID, 2> motors{};
-    const Mechanism* loaded = nullptr;  // whose masses they have
-    std::array<double, 2> wheels_rad_s{};
+    std::vector<dJointID> motors;              // by channel; null: none
+    std::unique_ptr<dJointFeedback[]> forces;  // of `motors`
+    const Mechanism* loaded = nullptr;         // whose masses they have
+    std::span<const ChannelState> channels;    // of the owner that it is lent to
   };
   struct Pool {
     const Mechanism* mechanism = nullptr;  // of several bodies; null: single ones

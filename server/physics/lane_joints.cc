@@ -76,7 +76,7 @@ void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_
   const Part& wheel = *(found.wheel == 0 ? found.a : found.b);
   const Part* ground = found.wheel == 0 ? found.b : found.a;
   const OneBodyDrive& drive = *robot.owner.mechanism->drive;
-  const std::size_t side = static_cast<std::size_t>(wheel.side);
+  const std::size_t side = static_cast<std::size_t>(wheel.wheel);
   ContactPoint point = found.point;
   point.n_W *= sign;  // towards the robot
   // The rolling direction at mid-step: the robot turns on while it rolls.
@@ -88,7 +88,7 @@ void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_
   dContact contact{};
   contact.surface.mode = dContactFDir1 | dContactMotion1 | dContactMu2;
   Copy(contact.fdir1, axle.cross(point.n_W).normalized());
-  contact.surface.motion1 = slot_of_[index]->wheels_rad_s[side] * drive.wheels.radius_m;
+  contact.surface.motion1 = drive.SpeedsOf(slot_of_[index]->channels)[side] * drive.wheels.radius_m;
   if (robot.owner.mechanism->planar()) {
     // It always stands as at rest. One wheel's row holds it sideways for both.
     contact.surface.mu = drive.drive_n[side];

@@ -3,22 +3,13 @@
 // Constant once made and shared by all robots alike. Only server/physics includes this file.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "server/physics/part.h"
-#include "server/state/scene.h"
+#include "server/physics/wheel_drive.h"
 
 namespace coopdyn {
-
-/// The two wheels of a drive, equal and opposite each other.
-struct WheelPair {
-  double radius_m = 0;
-  double half_track_m = 0;           // from R's z axis to the middle of each tread
-  std::array<double, 2> friction{};  // of the treads: left, right
-};
 
 /// A rigid body, with its place when the mechanism stands at the origin.
 struct RigidBody {
@@ -32,25 +23,8 @@ struct Hinge {
   int parent = 0, child = 0;  // index into bodies
   Vector3 p_R = Vector3::Zero();
   Vector3 axis_R = Vector3::UnitY();
-  int side = -1;  // of the wheel that it drives; -1: none
+  int channel = -1;  // of the robot's channels, if a motor drives it
   double max_torque_nm = 0;
-};
-
-/// What the wheels of a robot of one body can do.
-struct OneBodyDrive {
-  /// It can stand upright by itself (planar: always does), so that the closed form may hold.
-  bool stands = false;
-  double mass_kg = 0;
-  Vector3 p_RB = Vector3::Zero();  // centre of mass
-  WheelPair wheels;
-  std::array<double, 2> load_n{};   // that each wheel carries at rest
-  std::array<double, 2> drive_n{};  // the most that each wheel pushes along its rolling direction
-  double sideways_n = 0;            // the most that both wheels hold against sideways forces
-  double yaw_inertia_kg_m2 = 0;     // about the middle of the axle
-  double max_torque_nm = 0;         // of each motor
-  bool stalls = false;  // the motors give in before the wheels slip: a held robot's wheels stand still
-  // Beyond these accelerations it slides sideways or lifts a wheel.
-  double max_along_m_s2 = 0, max_across_m_s2 = 0;
 };
 
 /// A robot's body 0 is its chassis; of fidelity rolling and planar it is all there is, with the axes of R and
@@ -76,9 +50,6 @@ struct Mechanism {
   bool one_body() const { return model != nullptr && fidelity != Fidelity::kFull; }
   bool planar() const { return fidelity == Fidelity::kPlanar; }
 };
-
-/// The wheels of `model` as fidelity rolling and planar need them; else why they do not fit.
-std::optional<WheelPair> FindWheels(const RobotModel& model, std::string& why);
 
 /// `model` on a floor with this friction. @pre masses and inertias are positive.
 Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_friction, double gravity_m_s2);

@@ -7,13 +7,15 @@
 
 namespace coopdyn {
 
+// What is this near the floor when the robot stands on it carries it.
+inline constexpr double kSupportGap_m = 2e-4;
+
 /// One collision shape of a mechanism.
 struct Part {
   Shape shape;
-  int body = 0;                    // of the mechanism
-  double friction = 1;             // Coulomb
-  bool is_wheel = false;           // a cylinder about a driven axle: rolls on one contact at its tread
-  int side = -1;                   // of a wheel: 0 left, 1 right
+  int body = 0;         // of the mechanism
+  double friction = 1;  // Coulomb
+  int wheel = -1;       // of the drive: a cylinder about a driven axle rolls on one contact at its tread
   Vector3 p_BG = Vector3::Zero();  // in its body
   Matrix3 R_BG = Matrix3::Identity();
 };

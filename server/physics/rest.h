@@ -3,8 +3,9 @@
 // so a saved state would not continue alike; these are in the frame. Only server/physics includes this file.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include "server/state/frame.h"
 
@@ -25,8 +26,10 @@ inline bool IsSlow(const BodyState& body) {
          body.w_WB.squaredNorm() <= kRestTurnRate_rad_s * kRestTurnRate_rad_s;
 }
 
-inline bool IsZero(const std::array<double, 2>& setpoint) {
-  return setpoint[0] == 0 && setpoint[1] == 0;
+/// Whether a motor is to move one of these channels.
+inline bool IsDriven(std::span<const ChannelState> channels) {
+  return std::any_of(channels.begin(), channels.end(),
+                     [](const ChannelState& channel) { return channel.setpoint.drives(); });
 }
 
 }  // namespace coopdyn

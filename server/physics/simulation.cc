@@ -54,6 +54,7 @@ std::shared_ptr<Frame> Simulation::MakeFrame() {
   frame->seed = seed_;
   frame->scene = scene_;
   world_->Fill(*frame);
+  frame->commanded.assign(scene_->actuators.size(), 0);
   frame->messages = messages_;
   return frame;
 }
@@ -89,7 +90,8 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
   messages_ = from.messages;
   world_->Restore(from);
   const std::shared_ptr<Frame> frame = MakeFrame();
-  frame->robots = from.robots;
+  frame->channels = from.channels;
+  frame->commanded = from.commanded;
   frame_ = frame;
   return helpers_.controllers == nullptr ? "" : RestoreControllers(state.controllers, stopped);
 }
@@ -144,10 +146,8 @@ const FramePtr& Simulation::Step(Nanoseconds length, const StepInputs& inputs) {
   time_ += length;
   step_length_ = length;
   const std::shared_ptr<Frame> frame = MakeFrame();
-  for (std::size_t i = 0; i < inputs.setpoints.size(); ++i) {
-    frame->robots[i].setpoint_rad_s = inputs.setpoints[i];
-    frame->robots[i].commanded = i < inputs.commanded.size() && inputs.commanded[i] != 0;
-  }
+  frame->commanded.assign(inputs.commanded.begin(), inputs.commanded.end());
+  frame->commanded.resize(scene_->actuators.size());
   frame_ = frame;
   times_.physics += stepped - began;
   times_.publish += clock_.Now() - stepped;

@@ -29,10 +29,10 @@ struct StepHelpers {
 
 /// What clients want of one step.
 struct StepInputs {
-  std::span<Setpoint> setpoints;          // by the scene's order; loaded controllers overwrite theirs
+  std::span<Setpoint> setpoints;          // by the scene's channels; loaded controllers overwrite theirs
   std::span<const SentMessage> messages;  // broadcasts, by increasing robot
   std::span<const std::uint8_t> commanded =
-      {};  // by the scene's order: a client's command comes in force; or empty
+      {};  // by the scene's actuators: a client's command comes in force; or empty
 };
 
 class Simulation {

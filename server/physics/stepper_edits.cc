@@ -24,8 +24,8 @@ std::vector<std::string> FrozenNames(const Frame& frame) {
     if (dynamic && frame.bodies[static_cast<std::size_t>(object.body)].frozen())
       names.push_back(object.object.name);
   }
-  for (std::size_t i = 0; i < frame.robots.size(); ++i) {
-    if (frame.robots[i].frozen) names.push_back(frame.scene->robots[i].entry.name);
+  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) {
+    if (IsFrozen(frame, static_cast<int>(i))) names.push_back(frame.scene->robots[i].entry.name);
   }
   return names;
 }
@@ -210,7 +210,7 @@ void Stepper::TakeDrives(const SavedState& state, Nanoseconds now) {
   }
   std::vector<Setpoint> setpoints = state.setpoints;
   if (setpoints.empty()) {
-    for (const RobotState& robot : state.frame->robots) setpoints.push_back(robot.setpoint_rad_s);
+    for (const ChannelState& channel : state.frame->channels) setpoints.push_back(channel.setpoint);
   }
   boards_.commands.SetInForce(setpoints);
 }

@@ -71,6 +71,8 @@ class Builder {
     owner.first_body = static_cast<int>(things_.start.size());
     owner.p_BR = robot.X_BR.p;
     owner.up_B = robot.X_BR.q * Vector3::UnitZ();
+    owner.first_channel = static_cast<std::size_t>(robot.first_channel);
+    owner.channel_count = static_cast<std::size_t>(robot.channel_count);
     if (robot.one_body()) {
       const bool planar = entry.fidelity == Fidelity::kPlanar;
       owner.rest_z_m = owner.mechanism->bodies.front().X_RB.p.z() + (planar ? entry.X_WR.p.z() : 0);

@@ -20,9 +20,10 @@ struct Owner {
   SourceLine where;
   int robot = -1;  // index into Scene::robots; -1: an object
   const Mechanism* mechanism = nullptr;
-  int first_body = 0;   // of Frame::bodies; static: none
-  BodyState fixed{};    // of a static object: where it stands
-  bool frozen = false;  // held in place: nothing is joined to its bodies
+  int first_body = 0;                                // of Frame::bodies; static: none
+  BodyState fixed{};                                 // of a static object: where it stands
+  bool frozen = false;                               // held in place: nothing is joined to its bodies
+  std::size_t first_channel = 0, channel_count = 0;  // of Frame::channels; of objects none
 
   // Robots only.
   Vector3 p_BR = Vector3::Zero();   // R's origin in the first body

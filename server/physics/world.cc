@@ -32,7 +32,7 @@ std::unique_ptr<PhysicsWorld> PhysicsWorld::Build(std::shared_ptr<const Scene> s
 PhysicsWorld::PhysicsWorld(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 PhysicsWorld::~PhysicsWorld() = default;
 
-void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const std::array<double, 2>> setpoints) {
+void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
   EnsureOde();
   impl_->engine.Step(step, substeps, setpoints);
 }
@@ -40,7 +40,7 @@ void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const std::arr
 void PhysicsWorld::Fill(Frame& frame) const {
   const WorldState& state = impl_->engine.state();
   frame.bodies = state.bodies;
-  frame.robots = state.robots;
+  frame.channels = state.channels;
   frame.solver_seed = state.solver_seed;
 }
 

@@ -3,7 +3,6 @@
 // inside.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -30,12 +29,11 @@ class PhysicsWorld {
                                              Diagnostics& diagnostics, WorkerPool* pool = nullptr);
   ~PhysicsWorld();
 
-  /// Advances by `step` in `substeps` equal parts. `setpoints`: wheel speeds left, right (rad/s) of each
-  /// robot of the scene. Frozen bodies are held. Deterministic: depends on the state and the arguments alone.
-  void Step(Nanoseconds step, int substeps, std::span<const std::array<double, 2>> setpoints);
+  /// Advances by `step` in `substeps` equal parts. `setpoints`: of the scene's channels. Frozen bodies are
+  /// held. Deterministic: depends on the state and the arguments alone.
+  void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints);
 
-  /// Writes bodies, robots (without set-points latched before the first step: zeros) and solver_seed into
-  /// `frame`.
+  /// Writes bodies, channels (set-points before the first step: zeros) and solver_seed into `frame`.
   void Fill(Frame& frame) const;
   /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits. Whoever
   /// changes poses in it sets the sleep counters of what may be affected to 0: sleepers look at nothing.

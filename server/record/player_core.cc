@@ -26,8 +26,8 @@ std::vector<std::string> FrozenNames(const Frame& frame) {
       names.push_back(object.object.name);
     }
   }
-  for (std::size_t i = 0; i < frame.robots.size(); ++i) {
-    if (frame.robots[i].frozen) names.push_back(frame.scene->robots[i].entry.name);
+  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) {
+    if (IsFrozen(frame, static_cast<int>(i))) names.push_back(frame.scene->robots[i].entry.name);
   }
   return names;
 }

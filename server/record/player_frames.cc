@@ -48,29 +48,26 @@ std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
   frame->recorded_hash = now->hash;
   frame->scene = scene;
   frame->bodies.assign(now->bodies.begin(), now->bodies.end());
-  RobotState unknown;  // until the rest of it is known: what was not recorded is no number
-  unknown.wheel_angle_rad.fill(std::numeric_limits<double>::quiet_NaN());
-  unknown.wheel_speed_rad_s.fill(std::numeric_limits<double>::quiet_NaN());
-  frame->robots.assign(scene->robots.size(), unknown);
-  const std::span<const RobotState> driven = inputs_.robots();
-  for (std::size_t i = 0; i < frame->robots.size(); ++i) {
-    RobotState& robot = frame->robots[i];
-    if (i < now->robots.size()) {
-      robot.wheel_angle_rad = now->robots[i].wheel_angle_rad;
-      robot.wheel_speed_rad_s = now->robots[i].wheel_speed_rad_s;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // what was not recorded is no number
+  frame->channels.assign(scene->channels.size(), {kUnknown, kUnknown, kUnknown, {}});
+  frame->commanded.assign(scene->actuators.size(), 0);
+  const std::span<const PlayInputs::Driven> driven = inputs_.robots();
+  for (std::size_t i = 0; i < scene->robots.size(); ++i) {
+    const int first = scene->FindDrive(static_cast<int>(i));
+    for (std::size_t side = 0; first >= 0 && side < 2; ++side) {
+      ChannelState& channel = frame->channels[static_cast<std::size_t>(first) + side];
+      if (i < now->robots.size()) {
+        channel.position = now->robots[i].angle_rad[side];
+        channel.velocity = now->robots[i].speed_rad_s[side];
+      }
+      if (i < driven.size()) channel.setpoint.reference = driven[i].setpoint[side];
     }
-    if (i < driven.size()) {
-      robot.setpoint_rad_s = driven[i].setpoint_rad_s;
-      robot.commanded = driven[i].commanded;
-    }
-    const auto first = static_cast<std::size_t>(scene->robots[i].first_body);
-    const auto count = static_cast<std::size_t>(scene->robots[i].body_count);
-    for (std::size_t body = first; body < std::min(first + count, frame->bodies.size()); ++body) {
-      robot.frozen |= frame->bodies[body].frozen();
+    if (i < driven.size() && driven[i].commanded) {
+      frame->commanded[static_cast<std::size_t>(scene->robots[i].first_actuator)] = 1;
     }
   }
   for (const SentMessage& sent : inputs_.Messages()) {
-    if (sent.robot < frame->robots.size()) frame->messages.push_back(sent);
+    if (sent.robot < scene->robots.size()) frame->messages.push_back(sent);
   }
   if (!AddVelocities(*now, *frame)) return nullptr;
   newest_ = std::move(now);

@@ -31,7 +31,7 @@ bool PlayInputs::Load(std::uint64_t step) {
   newest_ = step_ = keyframe_->frame->step;
   next_ = 0;
   robots_.clear();
-  robot_count_ = keyframe_->frame->robots.size();
+  robot_count_ = keyframe_->frame->scene->robots.size();
   message_steps_ = 0;
   for (const SceneRobot& robot : keyframe_->frame->scene->robots) {
     const NeighboursModel& neighbours = robot.entry.model->neighbours;
@@ -61,22 +61,23 @@ bool PlayInputs::ReadOn(std::uint64_t step, bool& gap) {
 void PlayInputs::Replay(std::uint64_t step) {
   if (robots_.empty() || step < step_) {
     const Frame& start = *keyframe_->frame;
-    robots_.assign(start.robots.size(), {});
+    robots_.assign(start.scene->robots.size(), {});
     for (std::size_t i = 0; i < robots_.size(); ++i) {
-      robots_[i].setpoint_rad_s = start.robots[i].setpoint_rad_s;
-      robots_[i].commanded = start.robots[i].commanded;
+      const SceneRobot& robot = start.scene->robots[i];
+      robots_[i] = {WheelSetpoints(start, i),
+                    start.commanded[static_cast<std::size_t>(robot.first_actuator)] != 0};
     }
     step_ = start.step;
     next_ = 0;
   }
   if (step > step_) {
-    for (RobotState& robot : robots_) robot.commanded = false;
+    for (Driven& robot : robots_) robot.commanded = false;
   }
   for (; next_ < inputs_.size() && inputs_[next_].step <= step; ++next_) {
     robots_.resize(inputs_[next_].robots);
     for (const CommandRecord& command : inputs_[next_].commands) {
       if (command.robot >= robots_.size()) continue;
-      robots_[command.robot].setpoint_rad_s = command.setpoint;
+      robots_[command.robot].setpoint = command.setpoint;
       robots_[command.robot].commanded = command.by_client && inputs_[next_].step == step;
     }
   }

@@ -21,7 +21,11 @@ class PlayInputs {
 
   // Of the step gone to.
   /// Set-points in force, and whether a client's came in force with it; as scene->robots.
-  std::span<const RobotState> robots() const { return robots_; }
+  struct Driven {
+    WheelSpeeds setpoint{};
+    bool commanded = false;
+  };
+  std::span<const Driven> robots() const { return robots_; }
   /// Sent in the last Frame::kMessageSteps steps as far as a robot may still hear them, this one's included.
   std::vector<SentMessage> Messages() const;
   /// The newest keyframe at or before it: seed, solver seed; the exact state if the step is its own.
@@ -43,12 +47,12 @@ class PlayInputs {
 
   RunReader& reader_;
   SavedStatePtr keyframe_;
-  std::uint64_t limit_ = 0;          // so far from the keyframe a newer one is looked for
-  std::uint64_t newest_ = 0;         // steps after the keyframe are read up to here
-  std::vector<Inputs> inputs_;       // of these, those that have any
-  std::uint64_t step_ = 0;           // gone to
-  std::size_t next_ = 0;             // index of the first inputs after step_
-  std::vector<RobotState> robots_;   // set-points alone
+  std::uint64_t limit_ = 0;     // so far from the keyframe a newer one is looked for
+  std::uint64_t newest_ = 0;    // steps after the keyframe are read up to here
+  std::vector<Inputs> inputs_;  // of these, those that have any
+  std::uint64_t step_ = 0;      // gone to
+  std::size_t next_ = 0;        // index of the first inputs after step_
+  std::vector<Driven> robots_;
   std::size_t robot_count_ = 0;      // in the scene of newest_
   std::uint64_t message_steps_ = 0;  // the longest delay of a robot that hears
 };

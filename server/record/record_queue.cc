@@ -16,8 +16,8 @@ constexpr std::chrono::milliseconds kStalledNap{20};
 constexpr std::size_t kMostForSmall = 2;
 
 std::size_t BytesOf(const Frame& frame) {
-  return sizeof(Frame) + frame.bodies.size() * sizeof(BodyState) + frame.robots.size() * sizeof(RobotState) +
-         frame.messages.size() * sizeof(SentMessage);
+  return sizeof(Frame) + frame.bodies.size() * sizeof(BodyState) +
+         frame.channels.size() * sizeof(ChannelState) + frame.messages.size() * sizeof(SentMessage);
 }
 
 }  // namespace

@@ -129,27 +129,46 @@ bool DecodeMessages(std::span<const std::byte> blob, std::uint64_t step, std::ve
   return reader.ok();
 }
 
-void EncodeWheels(std::span<const RobotState> robots, std::vector<std::byte>& blob) {
+WheelStates WheelsOf(const Frame& frame, std::size_t robot) {
+  WheelStates wheels;
+  const int first = frame.scene->FindDrive(static_cast<int>(robot));
+  for (std::size_t side = 0; first >= 0 && side < 2; ++side) {
+    const ChannelState& channel = frame.channels[static_cast<std::size_t>(first) + side];
+    wheels.angle_rad[side] = channel.position;
+    wheels.speed_rad_s[side] = channel.velocity;
+  }
+  return wheels;
+}
+
+WheelSpeeds WheelSetpoints(const Frame& frame, std::size_t robot) {
+  const int first = frame.scene->FindDrive(static_cast<int>(robot));
+  if (first < 0) return {};
+  const ChannelState* wheels = &frame.channels[static_cast<std::size_t>(first)];
+  return {wheels[0].setpoint.reference, wheels[1].setpoint.reference};
+}
+
+void EncodeWheels(const Frame& frame, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
-  for (const RobotState& robot : robots) {
-    for (const double angle_rad : robot.wheel_angle_rad) writer.PutLow(EncodeAngle(angle_rad), 5);
-    for (const double speed_rad_s : robot.wheel_speed_rad_s) writer.Put(static_cast<float>(speed_rad_s));
+  for (std::size_t robot = 0; robot < frame.scene->robots.size(); ++robot) {
+    const WheelStates wheels = WheelsOf(frame, robot);
+    for (const double angle_rad : wheels.angle_rad) writer.PutLow(EncodeAngle(angle_rad), 5);
+    for (const double speed_rad_s : wheels.speed_rad_s) writer.Put(static_cast<float>(speed_rad_s));
   }
 }
 
-bool DecodeWheels(std::span<const std::byte> blob, std::span<RobotState> robots) {
+bool DecodeWheels(std::span<const std::byte> blob, std::span<WheelStates> robots) {
   if (blob.size() != robots.size() * kWheelsBytes) return false;
   ByteReader reader(blob);
-  for (RobotState& robot : robots) {
-    for (double& angle_rad : robot.wheel_angle_rad) angle_rad = DecodeAngle(reader.GetLow(5));
-    for (double& speed_rad_s : robot.wheel_speed_rad_s) speed_rad_s = reader.Get<float>();
+  for (WheelStates& robot : robots) {
+    for (double& angle_rad : robot.angle_rad) angle_rad = DecodeAngle(reader.GetLow(5));
+    for (double& speed_rad_s : robot.speed_rad_s) speed_rad_s = reader.Get<float>();
   }
   return true;
 }
 
 void EncodeDistances(const Frame& frame, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
-  for (std::size_t robot = 0; robot < frame.robots.size(); ++robot) {
+  for (std::size_t robot = 0; robot < frame.scene->robots.size(); ++robot) {
     for (const double range_m : Distances(frame, static_cast<int>(robot))) {
       writer.Put(static_cast<float>(range_m));
     }
@@ -161,7 +180,7 @@ void EncodeTargets(const Frame& frame, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
   const auto targets = static_cast<int>(frame.scene->targets.size());
   if (targets == 0) return;
-  for (std::size_t robot = 0; robot < frame.robots.size(); ++robot) {
+  for (std::size_t robot = 0; robot < frame.scene->robots.size(); ++robot) {
     const std::vector<Sighting> seen = SeenTargets(frame, static_cast<int>(robot));
     auto next = seen.begin();
     for (int target = 0; target < targets; ++target) {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "server/state/command_board.h"
+#include "server/model/drive.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -35,11 +35,18 @@ std::optional<RecordWhat> ParseRecordWhat(const std::string& words, std::string&
 /// Everything up to 50 robots, beyond that poses and controllers.
 RecordWhat DefaultRecordWhat(std::size_t robots);
 
+/// The wheels of a robot's drive: left, right; zeros without a drive.
+struct WheelStates {
+  std::array<double, 2> angle_rad{}, speed_rad_s{};
+};
+WheelStates WheelsOf(const Frame& frame, std::size_t robot);
+WheelSpeeds WheelSetpoints(const Frame& frame, std::size_t robot);
+
 /// A set-point that comes in force with a step.
 struct CommandRecord {
   std::uint32_t robot = 0;  // index into scene->robots
   bool by_client = false;   // a client sent it for this step; else: a loaded controller, a policy, stop_all
-  Setpoint setpoint{};      // rad/s
+  WheelSpeeds setpoint{};   // rad/s
 };
 /// By increasing robot: u32 robot with bit 31 = by_client, f64 left, f64 right; each.
 void EncodeCommands(std::span<const CommandRecord> commands, std::vector<std::byte>& blob);
@@ -50,8 +57,8 @@ void EncodeMessages(std::span<const SentMessage> messages, std::vector<std::byte
 bool DecodeMessages(std::span<const std::byte> blob, std::uint64_t step, std::vector<SentMessage>& messages);
 
 /// Of each robot: angle left, right as 40-bit two's complement in 1e-5 rad, speed left, right as f32 rad/s.
-void EncodeWheels(std::span<const RobotState> robots, std::vector<std::byte>& blob);
-bool DecodeWheels(std::span<const std::byte> blob, std::span<RobotState> robots);
+void EncodeWheels(const Frame& frame, std::vector<std::byte>& blob);
+bool DecodeWheels(std::span<const std::byte> blob, std::span<WheelStates> robots);
 
 /// Of each robot in order, its readings as f32: ranges in m, right to left, inf = nothing in range.
 void EncodeDistances(const Frame& frame, std::vector<std::byte>& blob);
@@ -67,7 +74,7 @@ struct RecordedStep {
   std::vector<CommandRecord> commands;    // that came in force with this step
   std::vector<SentMessage> messages;      // sent with this step
   std::vector<BodyState> bodies;          // as recorded poses; empty: not recorded (--record-every)
-  std::vector<RobotState> robots;         // wheels only; empty: not recorded
+  std::vector<WheelStates> robots;        // empty: not recorded
   std::vector<float> distances, targets;  // as encoded; empty: not recorded
 };
 

@@ -58,7 +58,7 @@ bool RecordingFiles::HasRoom() const {
 std::unique_ptr<RunWriter> RecordingFiles::Make(const SavedState& state, int number, std::string& error) {
   RunWriterOptions options;
   options.overwrite = options_.overwrite && !has_made_;
-  const RecordWhat what = options_.what.value_or(DefaultRecordWhat(state.frame->robots.size()));
+  const RecordWhat what = options_.what.value_or(DefaultRecordWhat(state.frame->scene->robots.size()));
   options.header = HeaderOf(*state.frame, state.mode, what, options_.pose_every);
   options.header.version = options_.version;
   options.header.command = options_.command;

@@ -18,13 +18,10 @@ constexpr std::int64_t kStepsInMemory = 500;
 
 enum Column { kStep, kTime, kHash, kScene, kCommands, kMessages, kWheels, kDistances, kTargets, kPoses };
 
-bool AreFinite(const std::vector<RobotState>& robots) {
-  for (const RobotState& robot : robots) {
-    for (const double speed_rad_s : robot.wheel_speed_rad_s) {
-      if (!std::isfinite(speed_rad_s)) return false;
-    }
-  }
-  return true;
+bool AreFinite(const std::vector<WheelStates>& robots) {
+  return std::all_of(robots.begin(), robots.end(), [](const WheelStates& robot) {
+    return std::isfinite(robot.speed_rad_s[0]) && std::isfinite(robot.speed_rad_s[1]);
+  });
 }
 
 std::size_t DistanceSensors(const Scene& scene) {

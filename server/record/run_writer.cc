@@ -55,7 +55,7 @@ std::uint64_t SizeOf(const std::string& file) {
   return ::stat(file.c_str(), &found) == 0 ? static_cast<std::uint64_t>(found.st_size) : 0;
 }
 
-bool SameBits(const Setpoint& a, const Setpoint& b) {
+bool SameBits(const WheelSpeeds& a, const WheelSpeeds& b) {
   using Bits = std::array<std::uint64_t, 2>;
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
@@ -243,16 +243,17 @@ bool RunWriter::AddStep(const Frame& frame) {
 void RunWriter::FindCommands(const Frame& frame, bool new_scene) {
   const bool is_first = now_.scene_number == 1 && new_scene;  // what is in force came before
   commands_.clear();
-  now_.in_force.resize(frame.robots.size());
-  for (std::size_t i = 0; i < frame.robots.size(); ++i) {
-    const RobotState& robot = frame.robots[i];
+  now_.in_force.resize(frame.scene->robots.size());
+  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) {
+    const WheelSpeeds setpoint = WheelSetpoints(frame, i);
+    const auto actuator = static_cast<std::size_t>(frame.scene->robots[i].first_actuator);
+    const bool commanded = frame.commanded[actuator] != 0;
     // A client drives it, so its controller is gone: what it gets from now on nobody can compute.
-    if (robot.commanded && !is_first) now_.is_recomputed[i] = false;
-    const bool changed = !SameBits(robot.setpoint_rad_s, now_.in_force[i]);
-    now_.in_force[i] = robot.setpoint_rad_s;
-    if (new_scene || robot.commanded || (changed && !now_.is_recomputed[i])) {
-      commands_.push_back(
-          {static_cast<std::uint32_t>(i), robot.commanded && !is_first, robot.setpoint_rad_s});
+    if (commanded && !is_first) now_.is_recomputed[i] = false;
+    const bool changed = !SameBits(setpoint, now_.in_force[i]);
+    now_.in_force[i] = setpoint;
+    if (new_scene || commanded || (changed && !now_.is_recomputed[i])) {
+      commands_.push_back({static_cast<std::uint32_t>(i), commanded && !is_first, setpoint});
     }
   }
 }
@@ -265,7 +266,7 @@ bool RunWriter::IsShown(Nanoseconds time) const {
 void RunWriter::EncodeShown(const Frame& frame) {
   const RecordWhat& what = options_.header.what;
   EncodePoses(frame.bodies, poses_);
-  if (what.wheels) EncodeWheels(frame.robots, wheels_);
+  if (what.wheels) EncodeWheels(frame, wheels_);
   if (what.distances) EncodeDistances(frame, distances_);
   if (what.targets) EncodeTargets(frame, targets_);
 }

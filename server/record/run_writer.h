@@ -101,8 +101,8 @@ class RunWriter {
     TableEnds ends;
     std::shared_ptr<const Scene> scene;
     std::int64_t scene_number = 0;
-    std::vector<Setpoint> in_force;   // of scene->robots
-    std::vector<bool> is_recomputed;  // likewise: its controller's set-points are left out
+    std::vector<WheelSpeeds> in_force;  // of scene->robots
+    std::vector<bool> is_recomputed;    // likewise: its controller's set-points are left out
     std::uint64_t steps = 0, lost = 0, lost_after = 0, last_step = 0;
     Nanoseconds end = 0;
     Nanoseconds shown = -1;  // time of the last step with poses

@@ -13,10 +13,10 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kSceneVersion = 1;
+constexpr std::uint8_t kSceneVersion = 2;
 constexpr std::uint8_t kNothing = 255;  // instead of an optional word
 // Least bytes of each, so that a count cannot ask for more memory than there are bytes.
-constexpr std::size_t kObjectBytes = 100, kRobotBytes = 150, kTargetBytes = 60;
+constexpr std::size_t kObjectBytes = 100, kRobotBytes = 146, kTargetBytes = 60;
 
 // --- parts
 // ---------------------------------------------------------------------------------------------------
@@ -298,7 +298,6 @@ void PutRobot(const SceneRobot& robot, ByteWriter& writer) {
   PutEntry(robot.entry, writer);
   writer.Put(static_cast<std::int32_t>(robot.first_body));
   writer.Put(static_cast<std::int32_t>(robot.body_count));
-  writer.Put(static_cast<std::int32_t>(robot.slot));
   PutPose(robot.X_BR, writer);
   PutBool(robot.axes_of_R, writer);
 }
@@ -309,7 +308,6 @@ SceneRobot GetRobot(ByteReader& reader, const Scenario& scenario, const FindMode
   robot.entry = GetEntry(reader, scenario, model);
   robot.first_body = reader.Get<std::int32_t>();
   robot.body_count = reader.Get<std::int32_t>();
-  robot.slot = reader.Get<std::int32_t>();
   robot.X_BR = GetPose(reader);
   robot.axes_of_R = GetBool(reader);
   return robot;
@@ -331,10 +329,9 @@ bool Fits(const Scene& scene) {
     if (!increases(thing.id.value) || (is_static ? thing.body != -1 : !take(thing.body))) return false;
   }
   last = 0;
-  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
-    const SceneRobot& robot = scene.robots[i];
+  for (const SceneRobot& robot : scene.robots) {
     const std::size_t bodies = robot.one_body() ? 1 : robot.entry.model->links.size();
-    if (!increases(robot.id.value) || robot.slot != static_cast<int>(i)) return false;
+    if (!increases(robot.id.value)) return false;
     if (robot.body_count != static_cast<int>(bodies) || robot.first_body < 0) return false;
     if (static_cast<std::size_t>(robot.first_body) + bodies > taken.size()) return false;
     for (int body = 0; body < robot.body_count; ++body) {
@@ -381,7 +378,9 @@ std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
   for (std::size_t i = 0; reader.ok() && i < objects; ++i) scene->objects.push_back(GetObject(reader));
   const std::size_t robots = reader.GetCount(kRobotBytes);
   for (std::size_t i = 0; reader.ok() && i < robots; ++i) {
-    scene->robots.push_back(GetRobot(reader, *scenario, model));
+    SceneRobot robot = GetRobot(reader, *scenario, model);
+    if (robot.entry.model == nullptr) return nullptr;
+    AddRobot(*scene, std::move(robot));
   }
   const std::size_t targets = reader.GetCount(kTargetBytes);
   for (std::size_t i = 0; reader.ok() && i < targets; ++i) scene->targets.push_back(GetTarget(reader));

@@ -40,8 +40,8 @@ SpaceNeeded EstimateSpace(const Frame& frame, const RecordWhat& what, Nanosecond
   const double shown_share = pose_every > frame.step_length
                                  ? static_cast<double>(frame.step_length) / static_cast<double>(pose_every)
                                  : 1;
-  const auto keyframe_bytes =
-      static_cast<double>(frame.bodies.size() * sizeof(BodyState) + frame.robots.size() * sizeof(RobotState));
+  const auto keyframe_bytes = static_cast<double>(frame.bodies.size() * sizeof(BodyState) +
+                                                  frame.channels.size() * sizeof(ChannelState));
   const double per_step = FileBytesPerRow(shown_bytes, page_size) * shown_share +
                           FileBytesPerRow(StepRowBytes(frame, what, false), page_size) * (1 - shown_share) +
                           keyframe_bytes / kStepsPerKeyframe;

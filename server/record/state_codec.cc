@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/record/state_codec.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -11,11 +12,10 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kStateVersion = 1;
+constexpr std::uint8_t kStateVersion = 2;
 constexpr std::size_t kBodyBytes = (3 + 4 + 9 + 3 + 3) * 8 + 8;
-constexpr std::size_t kMotionBytes = 3 * 2 * 8 + 1;
+constexpr std::size_t kSetpointBytes = 1 + 8, kChannelBytes = 2 * 8 + kSetpointBytes;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
-constexpr std::uint8_t kFrozenBit = 1, kCommandedBit = 2;
 
 void PutBody(const BodyState& body, ByteWriter& writer) {
   writer.PutAll(body.p_WB);
@@ -46,23 +46,32 @@ BodyState GetBody(ByteReader& reader) {
   return body;
 }
 
-void PutRobot(const RobotState& robot, ByteWriter& writer) {
-  writer.PutAll(robot.wheel_angle_rad);
-  writer.PutAll(robot.wheel_speed_rad_s);
-  writer.PutAll(robot.setpoint_rad_s);
-  const int flags = (robot.frozen ? kFrozenBit : 0) | (robot.commanded ? kCommandedBit : 0);
-  writer.Put(static_cast<std::uint8_t>(flags));
+void PutSetpoint(const Setpoint& setpoint, ByteWriter& writer) {
+  writer.Put(static_cast<std::uint8_t>(setpoint.mode));
+  writer.Put(setpoint.reference);
 }
 
-RobotState GetRobot(ByteReader& reader) {
-  RobotState robot;
-  GetFinite(reader, robot.wheel_angle_rad);
-  GetFinite(reader, robot.wheel_speed_rad_s);
-  GetFinite(reader, robot.setpoint_rad_s);
-  const auto flags = reader.Get<std::uint8_t>();
-  robot.frozen = (flags & kFrozenBit) != 0;
-  robot.commanded = (flags & kCommandedBit) != 0;
-  return robot;
+Setpoint GetSetpoint(ByteReader& reader) {
+  const auto mode = reader.Get<std::uint8_t>();
+  const auto reference = reader.Get<double>();
+  if (mode > static_cast<std::uint8_t>(ControlMode::kEffort) || !std::isfinite(reference)) reader.Fail();
+  return {reference, static_cast<ControlMode>(mode)};
+}
+
+void PutChannel(const ChannelState& channel, ByteWriter& writer) {
+  writer.Put(channel.position);
+  writer.Put(channel.velocity);
+  PutSetpoint(channel.setpoint, writer);
+}
+
+ChannelState GetChannel(ByteReader& reader) {
+  ChannelState channel;
+  std::array<double, 2> motion{};
+  GetFinite(reader, motion);
+  channel.position = motion[0];
+  channel.velocity = motion[1];
+  channel.setpoint = GetSetpoint(reader);
+  return channel;
 }
 
 void PutMessage(const SentMessage& sent, ByteWriter& writer) {
@@ -72,12 +81,12 @@ void PutMessage(const SentMessage& sent, ByteWriter& writer) {
   for (std::uint32_t i = 0; i < sent.message.count; ++i) writer.Put(sent.message.values[i]);
 }
 
-SentMessage GetMessage(ByteReader& reader, const Frame& frame) {
+SentMessage GetMessage(ByteReader& reader, const Frame& frame, const Scene& scene) {
   SentMessage sent;
   sent.robot = reader.Get<std::uint32_t>();
   sent.step = reader.Get<std::uint64_t>();
   sent.message.count = reader.Get<std::uint32_t>();
-  const bool is_of_frame = sent.robot < frame.robots.size() && sent.step <= frame.step;
+  const bool is_of_frame = sent.robot < scene.robots.size() && sent.step <= frame.step;
   if (!is_of_frame || sent.message.count > RobotMessage::kMaxValues) {
     reader.Fail();
     return {};
@@ -101,7 +110,7 @@ bool GetMode(ByteReader& reader, Mode& mode) {
 std::vector<std::byte> EncodeState(const SavedState& state) {
   const Frame& frame = *state.frame;
   std::vector<std::byte> bytes;
-  bytes.reserve(128 + frame.bodies.size() * kBodyBytes + frame.robots.size() * kMotionBytes +
+  bytes.reserve(128 + frame.bodies.size() * kBodyBytes + frame.channels.size() * kChannelBytes +
                 frame.messages.size() * sizeof(SentMessage) + state.controllers.size());
   ByteWriter writer(bytes);
   writer.Put(kStateVersion);
@@ -116,15 +125,17 @@ std::vector<std::byte> EncodeState(const SavedState& state) {
   writer.Put(frame.solver_seed);
   writer.Put(static_cast<std::uint32_t>(frame.bodies.size()));
   for (const BodyState& body : frame.bodies) PutBody(body, writer);
-  writer.Put(static_cast<std::uint32_t>(frame.robots.size()));
-  for (const RobotState& robot : frame.robots) PutRobot(robot, writer);
+  writer.Put(static_cast<std::uint32_t>(frame.channels.size()));
+  for (const ChannelState& channel : frame.channels) PutChannel(channel, writer);
+  writer.Put(static_cast<std::uint32_t>(frame.commanded.size()));
+  for (const std::uint8_t commanded : frame.commanded) writer.Put(commanded);
   writer.Put(static_cast<std::uint32_t>(frame.messages.size()));
   for (const SentMessage& sent : frame.messages) PutMessage(sent, writer);
   writer.Put(static_cast<std::uint32_t>(state.controllers.size()));
   writer.PutBytes(state.controllers);
   writer.Put(state.step_length.value_or(0));
   writer.Put(static_cast<std::uint32_t>(state.setpoints.size()));
-  for (const auto& setpoint : state.setpoints) writer.PutAll(setpoint);
+  for (const Setpoint& setpoint : state.setpoints) PutSetpoint(setpoint, writer);
   return bytes;
 }
 
@@ -145,20 +156,23 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
   if (reader.GetCount(kBodyBytes) != scene->body_ids.size()) return nullptr;
   frame->bodies.resize(scene->body_ids.size());
   for (BodyState& body : frame->bodies) body = GetBody(reader);
-  if (reader.GetCount(kMotionBytes) != scene->robots.size()) return nullptr;
-  frame->robots.resize(scene->robots.size());
-  for (RobotState& robot : frame->robots) robot = GetRobot(reader);
+  if (reader.GetCount(kChannelBytes) != scene->channels.size()) return nullptr;
+  frame->channels.resize(scene->channels.size());
+  for (ChannelState& channel : frame->channels) channel = GetChannel(reader);
+  if (reader.GetCount(1) != scene->actuators.size()) return nullptr;
+  frame->commanded.resize(scene->actuators.size());
+  for (std::uint8_t& commanded : frame->commanded) commanded = reader.Get<std::uint8_t>() != 0 ? 1 : 0;
   const std::size_t messages = reader.GetCount(kMessageBytes);
   for (std::size_t i = 0; reader.ok() && i < messages; ++i) {
-    frame->messages.push_back(GetMessage(reader, *frame));
+    frame->messages.push_back(GetMessage(reader, *frame, *scene));
   }
   const std::span<const std::byte> controllers = reader.GetBytes(reader.GetCount(1));
   const auto step_length = reader.Get<Nanoseconds>();
   if (step_length != 0) state->step_length = step_length;
   if (step_length != 0 && !IsStepLength(step_length)) return nullptr;
-  state->setpoints.resize(reader.GetCount(2 * 8));
-  for (auto& setpoint : state->setpoints) GetFinite(reader, setpoint);
-  if (!state->setpoints.empty() && state->setpoints.size() != scene->robots.size()) return nullptr;
+  state->setpoints.resize(reader.GetCount(kSetpointBytes));
+  for (Setpoint& setpoint : state->setpoints) setpoint = GetSetpoint(reader);
+  if (!state->setpoints.empty() && state->setpoints.size() != scene->channels.size()) return nullptr;
   if (!reader.finished()) return nullptr;
   state->controllers.assign(controllers.begin(), controllers.end());
   frame->scene = std::move(scene);

@@ -22,7 +22,7 @@ std::size_t StepRowBytes(const Frame& frame, const RecordWhat& what, bool shown)
   std::size_t bytes = kFixedBytes;
   if (!shown) return bytes;
   bytes += 1 + frame.bodies.size() * kPoseBytes;
-  const std::size_t robots = frame.robots.size();
+  const std::size_t robots = frame.scene->robots.size();
   if (what.wheels) bytes += robots * kWheelsBytes;
   if (what.targets) bytes += robots * frame.scene->targets.size() * 2 * sizeof(float);
   if (what.distances) {

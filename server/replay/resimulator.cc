@@ -150,8 +150,10 @@ bool Resimulator::Restore(const SavedStatePtr& state, std::uint64_t scene_number
   mode_ = state->mode;
   paused_ = state->paused;
   in_force_.clear();
-  for (const RobotState& robot : state->frame->robots) in_force_.push_back(robot.setpoint_rad_s);
-  commanded_.assign(in_force_.size(), 0);
+  for (std::size_t i = 0; i < scene->robots.size(); ++i)
+    in_force_.push_back(WheelSetpoints(*state->frame, i));
+  commanded_.assign(scene->actuators.size(), 0);
+  latched_.assign(scene->channels.size(), {});
   ListComputed();
   return true;
 }
@@ -212,7 +214,8 @@ bool Resimulator::Step(const RecordedStep& step) {
       return false;
     }
     in_force_[command.robot] = command.setpoint;
-    commanded_[command.robot] = command.by_client ? 1 : 0;
+    const int actuator = simulation_->scene().robots[command.robot].first_actuator;
+    commanded_[static_cast<std::size_t>(actuator)] = command.by_client ? 1 : 0;
   }
   messages_.clear();
   for (const SentMessage& message : step.messages) {
@@ -223,7 +226,10 @@ bool Resimulator::Step(const RecordedStep& step) {
     // The others are sent again by their controllers.
     if (computed_[message.robot] == 0) messages_.push_back(message);
   }
-  latched_ = in_force_;
+  for (std::size_t i = 0; i < in_force_.size(); ++i) {
+    const int first = simulation_->scene().FindDrive(static_cast<int>(i));
+    if (first >= 0) std::ranges::copy(SetpointsFor(in_force_[i]), latched_.begin() + first);
+  }
   simulation_->Step(length, {latched_, messages_, commanded_});
   paused_ = false;
   if (host_ != nullptr) {

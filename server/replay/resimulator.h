@@ -43,7 +43,7 @@ class Resimulator {
   SavedState Save() const;
   /// By robot: the set-points in force as the recording has them. Those of robots with computed() are there
   /// only if RecordWhat::controllers was on.
-  std::span<const Setpoint> recorded_setpoints() const { return in_force_; }
+  std::span<const WheelSpeeds> recorded_setpoints() const { return in_force_; }
   /// By robot: 1 if a loaded controller drives it here.
   std::span<const std::uint8_t> computed() const { return computed_; }
   /// The controllers are those of the run, not RecordedControllers.
@@ -78,8 +78,10 @@ class Resimulator {
   bool paused_ = false;
   std::vector<RunInput> inputs_;
   std::size_t next_input_ = 0;
-  std::vector<Setpoint> in_force_, latched_;  // by robot
-  std::vector<std::uint8_t> commanded_, computed_;
+  std::vector<WheelSpeeds> in_force_;    // by robot
+  std::vector<Setpoint> latched_;        // by channel
+  std::vector<std::uint8_t> commanded_;  // by actuator
+  std::vector<std::uint8_t> computed_;   // by robot
   std::vector<SentMessage> messages_;
   std::string error_, warning_;
   int stopped_here_ = 0;  // controllers that did not stop in the run

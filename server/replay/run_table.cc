@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr PoseValues kNowhere{kNan, kNan, kNan, kNan, kNan, kNan, kNan};
-constexpr Setpoint kUnknown{kNan, kNan};
+constexpr WheelSpeeds kUnknown{kNan, kNan};
 
 PoseValues ToValues(const Pose& X) {
   return {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()};
@@ -96,8 +96,16 @@ bool FillFrame(const RecordedStep& recorded, std::shared_ptr<const Scene> scene,
   frame.step_length = header.step_length;
   frame.seed = header.seed;
   frame.bodies = recorded.bodies;
-  frame.robots = recorded.robots;
-  frame.robots.resize(scene->robots.size());
+  frame.channels.assign(scene->channels.size(), {});
+  for (std::size_t i = 0; i < recorded.robots.size(); ++i) {
+    const int first = scene->FindDrive(static_cast<int>(i));
+    for (std::size_t side = 0; first >= 0 && side < 2; ++side) {
+      ChannelState& channel = frame.channels[static_cast<std::size_t>(first) + side];
+      channel.position = recorded.robots[i].angle_rad[side];
+      channel.velocity = recorded.robots[i].speed_rad_s[side];
+    }
+  }
+  frame.commanded.assign(scene->actuators.size(), 0);
   frame.recorded_hash = recorded.hash;
   frame.scene = std::move(scene);
   return true;
@@ -132,7 +140,7 @@ struct RunTable::Impl {
   std::map<std::uint64_t, Places> places_of;  // by scene number
 
   // While rows are read:
-  std::vector<Setpoint> in_force;  // of the columns
+  std::vector<WheelSpeeds> in_force;  // of the columns
   Frame frame;
   RunRow row;
 };
@@ -212,7 +220,7 @@ void RunTable::Impl::TakeSetpoints(const SavedState& state) {
   const Frame& exact = *state.frame;
   for (std::size_t i = 0; i < columns.robots.size(); ++i) {
     const int place = exact.scene->FindRobot(columns.robots[i].name);
-    if (place >= 0) in_force[i] = exact.robots[static_cast<std::size_t>(place)].setpoint_rad_s;
+    if (place >= 0) in_force[i] = WheelSetpoints(exact, static_cast<std::size_t>(place));
   }
 }
 
@@ -247,7 +255,7 @@ void RunTable::Impl::MakeRobot(const RecordedStep& recorded, const Places& place
   const Pose X_WR = RobotPose(frame, static_cast<int>(place));
   values.X_WR = ToValues(X_WR);
   values.heading_rad = WrapAngle(Heading(X_WR.q));
-  if (!recorded.robots.empty()) values.wheels_rad = recorded.robots[place].wheel_angle_rad;
+  if (!recorded.robots.empty()) values.wheels_rad = recorded.robots[place].angle_rad;
   if (HasSetpoints(robot)) values.setpoints_rad_s = in_force[column];
   if (recorded.distances.size() == places.distances) {
     const std::size_t count = robot.entry.model->distance_sensors.size();

@@ -42,7 +42,7 @@ struct CommandRow {
   std::size_t robot = 0;  // its column
   std::uint64_t step = 0;
   double time_s = 0;
-  Setpoint setpoint{};  // rad/s
+  WheelSpeeds setpoint{};  // rad/s
 };
 
 class RunTable {

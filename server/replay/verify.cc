@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint64_t kMaxFollowed = 2000;
 constexpr std::uint64_t kTellEvery = 16;
 
-bool SameSetpoint(const Setpoint& a, const Setpoint& b) {
+bool SameSetpoint(const WheelSpeeds& a, const WheelSpeeds& b) {
   using Bits = std::array<std::uint64_t, 2>;
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
@@ -134,7 +134,7 @@ class Verifier {
       failed_ = *row;
       return Part(Locate(0, false));
     }
-    std::vector<Setpoint> recorded(run_.recorded_setpoints().begin(), run_.recorded_setpoints().end());
+    std::vector<WheelSpeeds> recorded(run_.recorded_setpoints().begin(), run_.recorded_setpoints().end());
     for (const CommandRecord& command : row->commands) recorded[command.robot] = command.setpoint;
     std::optional<Difference> difference = FindSetpoint(recorded, frame);
     if (!difference) return CheckKeyframeRows(step, report_.steps);
@@ -217,7 +217,7 @@ class Verifier {
   /// A command that no recorder writes: one that changes nothing and comes from nobody, or a client's to a
   /// robot that a controller drives.
   std::optional<Difference> FindImpossible(const RecordedStep& step) const {
-    const std::span<const Setpoint> in_force = run_.recorded_setpoints();
+    const std::span<const WheelSpeeds> in_force = run_.recorded_setpoints();
     for (const CommandRecord& command : step.commands) {
       if (command.robot >= in_force.size()) continue;  // Step() says so
       const bool driven = run_.computed()[command.robot] != 0;

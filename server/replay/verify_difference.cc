@@ -100,20 +100,20 @@ std::optional<Difference> FindBody(const Frame& recorded, const Frame& repeated)
 }
 
 std::optional<Difference> FindWheel(const Frame& recorded, const Frame& repeated) {
-  for (std::size_t i = 0; i < recorded.robots.size(); ++i) {
-    const RobotState &a = recorded.robots[i], &b = repeated.robots[i];
+  for (std::size_t i = 0; i < recorded.scene->robots.size(); ++i) {
+    const WheelStates a = WheelsOf(recorded, i), b = WheelsOf(repeated, i);
     Difference difference = DifferenceAt(repeated, repeated.scene->robots[i].entry.name, "");
     for (std::size_t side = 0; side < 2; ++side) {
       const std::string name = side == 0 ? "left" : "right";
       difference.field = "wheel_angle_" + name + "_rad";
-      if (Differs(a.wheel_angle_rad[side], b.wheel_angle_rad[side], difference)) return difference;
+      if (Differs(a.angle_rad[side], b.angle_rad[side], difference)) return difference;
       difference.field = "wheel_speed_" + name + "_rad_s";
-      if (Differs(a.wheel_speed_rad_s[side], b.wheel_speed_rad_s[side], difference)) return difference;
+      if (Differs(a.speed_rad_s[side], b.speed_rad_s[side], difference)) return difference;
     }
-    difference.field = "frozen";
-    if (Differs(int{a.frozen}, int{b.frozen}, difference)) return difference;
     difference.field = "commanded";
-    if (Differs(int{a.commanded}, int{b.commanded}, difference)) return difference;
+    const auto actuator = static_cast<std::size_t>(recorded.scene->robots[i].first_actuator);
+    if (Differs(int{recorded.commanded[actuator]}, int{repeated.commanded[actuator]}, difference))
+      return difference;
   }
   return std::nullopt;
 }
@@ -168,11 +168,11 @@ Difference DifferenceAt(const Frame& frame, std::string what, std::string field)
   return difference;
 }
 
-std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const Frame& repeated,
+std::optional<Difference> FindSetpoint(std::span<const WheelSpeeds> recorded, const Frame& repeated,
                                        std::span<const std::uint8_t> computed) {
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     if (!computed.empty() && computed[i] == 0) continue;
-    const std::array<double, 2>& ours = repeated.robots[i].setpoint_rad_s;
+    const WheelSpeeds ours = WheelSetpoints(repeated, i);
     if (SameBits(recorded[i][0], ours[0]) && SameBits(recorded[i][1], ours[1])) continue;
     Difference difference = DifferenceAt(repeated, repeated.scene->robots[i].entry.name, "");
     for (std::size_t side = 0; side < 2; ++side) {
@@ -222,8 +222,9 @@ std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Fr
 }
 
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated) {
-  std::vector<Setpoint> setpoints;
-  for (const RobotState& robot : recorded.robots) setpoints.push_back(robot.setpoint_rad_s);
+  std::vector<WheelSpeeds> setpoints;
+  for (std::size_t i = 0; i < recorded.scene->robots.size(); ++i)
+    setpoints.push_back(WheelSetpoints(recorded, i));
   if (auto found = FindSetpoint(setpoints, repeated)) return found;
   if (auto found = FindBody(recorded, repeated)) return found;
   Difference difference = DifferenceAt(repeated, "solver", "seed");

@@ -17,7 +17,7 @@ Difference DifferenceAt(const Frame& frame, std::string what, std::string field)
 
 /// The first set-point, by robot, that differs in any bit from that in force in `repeated`. `computed`: only
 /// robots with 1 in it; empty: all.
-std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const Frame& repeated,
+std::optional<Difference> FindSetpoint(std::span<const WheelSpeeds> recorded, const Frame& repeated,
                                        std::span<const std::uint8_t> computed = {});
 /// The first broadcast sent with the step of `repeated` that differs.
 std::optional<Difference> FindMessage(std::span<const SentMessage> recorded, const Frame& repeated);

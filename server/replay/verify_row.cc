@@ -22,8 +22,8 @@ bool SamePose(const BodyState& a, const BodyState& b) {
   return a.p_WB == b.p_WB && a.q_WB == b.q_WB && a.frozen() == b.frozen();
 }
 
-bool SameWheels(const RobotState& a, const RobotState& b) {
-  return a.wheel_angle_rad == b.wheel_angle_rad && a.wheel_speed_rad_s == b.wheel_speed_rad_s;
+bool SameWheels(const WheelStates& a, const WheelStates& b) {
+  return a.angle_rad == b.angle_rad && a.speed_rad_s == b.speed_rad_s;
 }
 
 }  // namespace
@@ -53,18 +53,18 @@ std::optional<Difference> RowCheck::Find(const RecordedStep& step, const Frame& 
 }
 
 std::optional<Difference> RowCheck::FindWheels(const RecordedStep& step, const Frame& repeated) {
-  if (step.robots.size() != repeated.robots.size()) return std::nullopt;
+  if (step.robots.size() != repeated.scene->robots.size()) return std::nullopt;
   blob_.clear();
-  EncodeWheels(repeated.robots, blob_);
-  robots_.resize(repeated.robots.size());
+  EncodeWheels(repeated, blob_);
+  robots_.resize(step.robots.size());
   DecodeWheels(blob_, robots_);
   const auto [ours, theirs] = std::mismatch(robots_.begin(), robots_.end(), step.robots.begin(), SameWheels);
   if (ours == robots_.end()) return std::nullopt;
   const auto robot = static_cast<std::size_t>(ours - robots_.begin());
   Difference difference = DifferenceAt(repeated, repeated.scene->robots[robot].entry.name, "wheels");
-  const auto worded = [](const RobotState& state) {
-    return fmt::format("{:.5f} {:.5f} rad, {} {} rad/s", state.wheel_angle_rad[0], state.wheel_angle_rad[1],
-                       state.wheel_speed_rad_s[0], state.wheel_speed_rad_s[1]);
+  const auto worded = [](const WheelStates& state) {
+    return fmt::format("{:.5f} {:.5f} rad, {} {} rad/s", state.angle_rad[0], state.angle_rad[1],
+                       state.speed_rad_s[0], state.speed_rad_s[1]);
   };
   difference.recorded = worded(*theirs);
   difference.repeated = worded(*ours);

@@ -31,7 +31,7 @@ class RowCheck {
   // Buffers that steps share.
   std::vector<std::byte> blob_;
   std::vector<BodyState> bodies_;
-  std::vector<RobotState> robots_;
+  std::vector<WheelStates> robots_;
   std::vector<float> floats_;
 };
 

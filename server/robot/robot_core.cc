@@ -9,7 +9,6 @@ RobotCore::RobotCore(const RobotEntry& entry, const RobotServices& services, Ste
     : name_(entry.name),
       type_(entry.model->type),
       services_(services),
-      slot_(services.board.FindSlot(entry.name)),
       inbox_(services.board, services.frames, std::move(post)) {
   for (const ModuleModel& module : entry.model->modules) {
     std::unique_ptr<Device> device = services.devices.Make(module, entry.model);

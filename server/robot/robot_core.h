@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the modules of one robot share: its place in a frame, its slot on the board, its devices, the inbox of
+// What the modules of one robot share: its place in a frame, its devices, the inbox of
 // steps. The robot's thread only, once it is built.
 #pragma once
 
@@ -20,7 +20,6 @@ class RobotCore {
 
   const std::string& name() const { return name_; }
   const std::string& type() const { return type_; }
-  SlotId slot() const { return slot_; }
   const RobotServices& services() const { return services_; }
   StepInbox& inbox() { return inbox_; }
   /// In the model's order, and their names.
@@ -33,7 +32,6 @@ class RobotCore {
  private:
   const std::string name_, type_;
   const RobotServices& services_;
-  const SlotId slot_;
   std::vector<std::unique_ptr<Device>> devices_;
   std::vector<std::string> module_names_;
   std::shared_ptr<const Scene> scene_;  // in which index_ holds

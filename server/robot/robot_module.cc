@@ -12,7 +12,8 @@ RobotModule::RobotModule(RobotCore& robot, std::size_t index)
                  "/" + robot.name() + "/" + robot.module_names()[index], robot.devices()[index]->table(),
                  robot.inbox()),
       robot_(robot),
-      device_(*robot.devices()[index]) {}
+      device_(*robot.devices()[index]),
+      slot_(robot.services().board.FindSlot(robot.name(), robot.module_names()[index])) {}
 
 RobotModule::~RobotModule() {
   StopListening();
@@ -46,13 +47,13 @@ std::optional<Message> RobotModule::Answer(Peer& peer, const Message& request) {
 std::optional<Message> RobotModule::Drive(Peer& peer, const Message& request, Actuation actuation) {
   if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
   peer.text = std::move(actuation.limited);
-  return Settle(peer, board().Command(robot_.slot(), peer.client.client, actuation.wheel_speed_rad_s,
-                                      actuation.steps, Waiter(peer)));
+  return Settle(
+      peer, board().Command(slot_, peer.client.client, actuation.setpoints, actuation.steps, Waiter(peer)));
 }
 
 Message RobotModule::Send(Peer& peer, const Message& request, const RobotMessage& message) {
   if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
-  const Verdict verdict = board().Send(robot_.slot(), peer.client.client, message);
+  const Verdict verdict = board().Send(slot_, peer.client.client, message);
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   return Done(request);
 }
@@ -65,7 +66,7 @@ std::optional<Message> RobotModule::Ready(Peer& peer, const Message& request) {
     return std::nullopt;
   }
   if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
-  return Settle(peer, board().Ready(robot_.slot(), peer.client.client, steps, std::move(done)));
+  return Settle(peer, board().Ready(slot_, peer.client.client, steps, std::move(done)));
 }
 
 std::optional<Message> RobotModule::Settle(Peer& peer, const Verdict& verdict) {
@@ -80,7 +81,7 @@ Message RobotModule::Hello(Peer& peer, const Message& request) {
   const Client& client = peer.client.client;
   if (device_.is_actuator()) {
     if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
-    const Verdict verdict = board().Hello(robot_.slot(), client);
+    const Verdict verdict = board().Hello(slot_, client);
     if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
     if (verdict.displaced != 0) CloseClient(verdict.displaced, "taken over by " + client.name);
   }
@@ -98,17 +99,14 @@ Message RobotModule::ClaimOrRelease(Peer& peer, const Message& request) {
   }
   if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
   const Client& client = peer.client.client;
-  const Verdict verdict = request.command == command::kClaim ? board().Claim(robot_.slot(), client)
-                                                             : board().Release(robot_.slot(), client);
+  const Verdict verdict =
+      request.command == command::kClaim ? board().Claim(slot_, client) : board().Release(slot_, client);
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   return Done(request);
 }
 
 std::string RobotModule::NewOwner() {
-  for (CommandBoard::Owner& entry : board().Owners()) {
-    if (entry.robot == robot_.name()) return std::move(entry.name);
-  }
-  return {};
+  return board().OwnerOf(slot_);
 }
 
 Message RobotModule::Read(const Message& request, const Frame& frame) {
@@ -126,11 +124,11 @@ void RobotModule::AppendReading(std::size_t attachable, const Frame& frame, std:
 }
 
 void RobotModule::InputEnded(ClientId client) {
-  if (device_.is_actuator()) board().InputEnded(robot_.slot(), client);
+  if (device_.is_actuator()) board().InputEnded(slot_, client);
 }
 
 void RobotModule::Closed(ClientId client) {
-  if (device_.is_actuator()) board().Closed(robot_.slot(), client);
+  if (device_.is_actuator()) board().Closed(slot_, client);
 }
 
 }  // namespace coopdyn

@@ -44,6 +44,7 @@ class RobotModule final : public PeerModule<ModulePeer> {
 
   RobotCore& robot_;
   const Device& device_;
+  const SlotId slot_;  // its own; of a module without actuators its robot's first
 };
 
 }  // namespace coopdyn

@@ -33,6 +33,31 @@ std::string CommandBoard::Who(std::size_t index) const {
   return slot.owner_name.empty() ? slot.owner_peer : slot.owner_name;
 }
 
+std::string CommandBoard::NameOf(std::size_t index) const {
+  const std::size_t robot = drives_[index].robot;
+  const bool several = first_slots_[robot + 1] - first_slots_[robot] > 1;
+  return several ? slots_[index].robot + "/" + slots_[index].module : slots_[index].robot;
+}
+
+bool CommandBoard::Drives(std::size_t index) const {
+  const auto first = in_force_.begin() + drives_[index].first_channel;
+  return std::any_of(first, first + drives_[index].channel_count,
+                     [](const Setpoint& setpoint) { return setpoint.drives(); });
+}
+
+void CommandBoard::Stop(std::size_t index) {
+  for (Setpoint& setpoint : Of(index, in_force_)) setpoint = setpoint.stopped();
+}
+
+void CommandBoard::StopPending(std::size_t index) {
+  Stop(index);
+  Drive& drive = drives_[index];
+  if (!drive.pending) return;
+  if (!drive.has_setpoint) std::ranges::copy(Of(index, in_force_), Of(index, commanded_).begin());
+  for (Setpoint& setpoint : Of(index, commanded_)) setpoint = setpoint.stopped();
+  drive.has_setpoint = true;
+}
+
 bool CommandBoard::NoteChange(std::size_t index, bool was_awaited) {
   const bool is_awaited = IsAwaited(drives_[index]);
   if (was_awaited == is_awaited) return false;
@@ -120,11 +145,12 @@ void CommandBoard::ReplacePending(std::size_t index, const Client& client, Compl
   ClearPending(index);
 }
 
-void CommandBoard::SetPending(std::size_t index, const Client& client, const Setpoint* setpoint, int steps) {
+void CommandBoard::SetPending(std::size_t index, const Client& client, std::span<const Setpoint> setpoints,
+                              int steps) {
   Drive& drive = drives_[index];
   drive.excused = drive.dropped = drive.abandoned = false;
-  if (setpoint != nullptr) {
-    drive.commanded = *setpoint;
+  if (!setpoints.empty()) {
+    std::ranges::copy(setpoints, Of(index, commanded_).begin());
     drive.has_setpoint = true;
   } else if (!drive.pending) {
     drive.has_setpoint = false;
@@ -145,11 +171,11 @@ void CommandBoard::ApplyPolicy(std::size_t index, LossPolicy policy) {
       drive.excused = true;
       return;
     case LossPolicy::kStop:
-      drive.in_force = {};
+      Stop(index);
       drive.excused = true;
       return;
     case LossPolicy::kDrop:
-      drive.in_force = {};
+      Stop(index);
       drive.dropped = true;
       return;
   }
@@ -185,25 +211,40 @@ void CommandBoard::ApplyLoss(std::size_t index) {
 }
 
 void CommandBoard::StopAbandoned(std::size_t index) {
-  Drive& drive = drives_[index];
-  drive.abandoned = false;
-  if (drive.in_force == Setpoint{}) return;
-  drive.in_force = {};
+  drives_[index].abandoned = false;
+  if (!Drives(index)) return;
+  Stop(index);
   NoteLoss(index, LossPolicy::kStop);
 }
 
 void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy) {
   const Slot& slot = slots_[index];
-  losses_.push_back({index, slot.former_name.empty() ? slot.former_peer : slot.former_name, policy});
+  losses_.push_back(
+      {drives_[index].robot, slot.former_name.empty() ? slot.former_peer : slot.former_name, policy});
 }
 
 // --- one robot
 // ----------------------------------------------------------------------------------------------
 
-SlotId CommandBoard::FindSlot(const std::string& robot) const {
-  const MutexLock lock(mutex_);
+SlotId CommandBoard::SlotOf(const std::string& robot, const std::string& module) const {
   const auto found = by_name_.find(robot);
-  return found == by_name_.end() ? 0 : slots_[found->second].id;
+  if (found == by_name_.end()) return 0;
+  const std::size_t first = first_slots_[found->second];
+  for (std::size_t i = first; !module.empty() && i < first_slots_[found->second + 1]; ++i) {
+    if (slots_[i].module == module) return slots_[i].id;
+  }
+  return slots_[first].id;
+}
+
+SlotId CommandBoard::FindSlot(const std::string& robot, const std::string& module) const {
+  const MutexLock lock(mutex_);
+  return SlotOf(robot, module);
+}
+
+std::string CommandBoard::OwnerOf(SlotId slot) const {
+  const MutexLock lock(mutex_);
+  const std::size_t index = Find(slot);
+  return index == kNoSlot ? "" : Who(index);
 }
 
 std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
@@ -211,13 +252,13 @@ std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
   std::vector<SlotId> slots;
   slots.reserve(scene.robots.size());
   for (const SceneRobot& robot : scene.robots) {
-    const auto found = by_name_.find(robot.entry.name);
-    slots.push_back(found == by_name_.end() ? 0 : slots_[found->second].id);
+    const ActuatorModel* drive = robot.entry.model->drive_actuator();
+    slots.push_back(SlotOf(robot.entry.name, drive == nullptr ? "" : drive->module));
   }
   return slots;
 }
 
-Verdict CommandBoard::Place(SlotId id, const Client& client, const Setpoint* setpoint,
+Verdict CommandBoard::Place(SlotId id, const Client& client, std::span<const Setpoint> setpoints,
                             std::optional<int> steps, StepDone done) {
   Completions completions;
   Verdict verdict;
@@ -231,7 +272,7 @@ Verdict CommandBoard::Place(SlotId id, const Client& client, const Setpoint* set
     const bool was_awaited = IsAwaited(drives_[index]);
     TakeOwnership(index, client);
     ReplacePending(index, client, completions);
-    SetPending(index, client, setpoint, steps.value_or(1));
+    SetPending(index, client, setpoints, steps.value_or(1));
     verdict = Fine();
     verdict.answer_now = !steps.has_value() && mode_ != Mode::kLockstep;
     drives_[index].has_done = !verdict.answer_now;
@@ -243,14 +284,14 @@ Verdict CommandBoard::Place(SlotId id, const Client& client, const Setpoint* set
   return verdict;
 }
 
-Verdict CommandBoard::Command(SlotId slot, const Client& client, const Setpoint& setpoint,
+Verdict CommandBoard::Command(SlotId slot, const Client& client, std::span<const Setpoint> setpoints,
                               std::optional<int> steps, StepDone done) {
-  return Place(slot, client, &setpoint, steps, std::move(done));
+  return Place(slot, client, setpoints, steps, std::move(done));
 }
 
 Verdict CommandBoard::Ready(SlotId slot, const Client& client, int steps, StepDone done) {
   if (WaitInPlayback(steps, done)) return {Error::kOk, {}, false, Mode::kRealtime, 0};
-  return Place(slot, client, nullptr, steps, std::move(done));
+  return Place(slot, client, {}, steps, std::move(done));
 }
 
 Verdict CommandBoard::Claim(SlotId id, const Client& client) {
@@ -318,10 +359,11 @@ void CommandBoard::Closed(SlotId id, ClientId client) {
 
 Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& message) {
   const MutexLock lock(mutex_);
-  const std::size_t index = Find(id);
-  if (index == kNoSlot) return Gone();
+  const std::size_t found = Find(id);
+  if (found == kNoSlot) return Gone();
   if (stopping_) return Refusal(Error::kNotPossible, "the daemon is stopping");
   if (playing_) return Refusal(Error::kNotPossible, kPlayingText);
+  const std::size_t index = first_slots_[drives_[found].robot];
   Slot& slot = slots_[index];
   if (drives_[index].driven) {
     return Refusal(Error::kOwned, slot.robot + " is owned by " + Who(index) + ", which sends for it: " +
@@ -337,7 +379,7 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
   }
   if (slot.message == kNoMessage) {
     slot.message = static_cast<std::uint32_t>(messages_.size());
-    messages_.push_back({static_cast<std::uint32_t>(index), 0, message});
+    messages_.push_back({drives_[index].robot, 0, message});
   } else {
     messages_[slot.message].message = message;
   }
@@ -383,13 +425,21 @@ void CommandBoard::RemoveObserver(std::uint64_t key) {
 std::vector<CommandBoard::Owner> CommandBoard::Owners() const {
   const MutexLock lock(mutex_);
   std::vector<Owner> owners;
-  owners.reserve(slots_.size());
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    const Drive& drive = drives_[i];
-    const bool is_free = drive.owner == 0 && !drive.driven && !playing_;
-    owners.push_back({slots_[i].robot, drive.owner, Who(i), drive.participates && !drive.dropped,
-                      drive.dropped, slots_[i].owner_is_team, drive.driven,
-                      is_free && drive.in_force != Setpoint{}});
+  for (std::size_t robot = 0; robot + 1 < first_slots_.size(); ++robot) {
+    const std::size_t first = first_slots_[robot], end = first_slots_[robot + 1];
+    std::size_t shown = first;
+    while (shown + 1 < end && drives_[shown].owner == 0) ++shown;
+    if (drives_[shown].owner == 0) shown = first;
+    const Drive& drive = drives_[shown];
+    Owner owner{slots_[shown].robot, drive.owner, Who(shown)};
+    owner.is_team = slots_[shown].owner_is_team;
+    owner.driven = drive.driven;
+    for (std::size_t i = first; i < end; ++i) {
+      owner.participates |= drives_[i].participates && !drives_[i].dropped;
+      owner.dropped |= drives_[i].dropped;
+      owner.still_moving |= drives_[i].owner == 0 && !drives_[i].driven && !playing_ && Drives(i);
+    }
+    owners.push_back(std::move(owner));
   }
   return owners;
 }
@@ -405,7 +455,7 @@ std::vector<Awaited> CommandBoard::Awaiting(Nanoseconds now, std::size_t max, st
     if (!IsAwaited(drives_[i])) continue;
     const bool no_client = drives_[i].owner == 0;
     if (no_client && cure.empty()) cure = CureForNoClient();
-    awaiting.push_back({slots_[i].robot, no_client ? "no client" : "no command from " + Who(i),
+    awaiting.push_back({NameOf(i), no_client ? "no client" : "no command from " + Who(i),
                         ToSeconds(now - waiting_since_), no_client ? cure : ""});
   }
   return awaiting;

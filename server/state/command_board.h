@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Who drives which robot, with what, for how many steps; and who waits for a step. The lockstep contract of
-// DESIGN §4 lives here, free of sockets and threads: robot and control threads write commands, the stepping
-// thread latches them and gets back whom to answer. One lock; callbacks are never called with it held.
+// Who drives which robot, with what, for how many steps; and who waits for a step. The contract of lockstep
+// (docs/protocol.md) lives here, free of sockets and threads: robot and control threads write commands, the
+// stepping thread latches them and gets back whom to answer. One lock; callbacks are never called with it
+// held.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -28,9 +28,6 @@ inline constexpr const char* kPlayingText = "playing a recording: branch of /pla
 /// Names an actuator module for the life of the daemon (kept over reset, and over a load that keeps the
 /// robot). 0: none.
 using SlotId = std::uint32_t;
-/// Wheel speeds left, right, rad/s, after scaling.
-using Setpoint = std::array<double, 2>;
-
 /// A connection as the board knows it.
 struct Client {
   ClientId id = 0;
@@ -80,7 +77,7 @@ struct Awaited {
 /// What one connection wants of many robots in one step: all of it is accepted, or nothing happens.
 struct TeamStep {
   std::span<const SlotId> slots;
-  std::span<const Setpoint> setpoints;  // of `slots`; empty: they keep theirs
+  std::span<const Setpoint> setpoints;  // of the channels of `slots`, slot by slot; empty: they keep theirs
   std::span<const SlotId> others = {};  // more of the client's robots: they keep their set-points
 };
 
@@ -101,15 +98,18 @@ class CommandBoard {
  public:
   // --- robot threads and the control thread
   // --------------------------------------------------------------------
-  /// The slot of `robot`'s drive; 0 if there is no such robot.
-  SlotId FindSlot(const std::string& robot) const;
-  /// The slots of the robots of `scene` in its order, by their names.
+  /// The slot of module `module` of `robot`; if it is no actuator module, or empty, the robot's first slot. 0
+  /// if there is no such robot.
+  SlotId FindSlot(const std::string& robot, const std::string& module = {}) const;
+  /// The slot of the two-wheel drive of each robot of `scene`, found by name; of one without, its first slot.
   std::vector<SlotId> FindSlots(const Scene& scene) const;
+  /// Who owns a slot: client name, else peer, or `controller diffuse`; empty: nobody.
+  std::string OwnerOf(SlotId slot) const;
   /// An actuator command: the client becomes owner if there is none. `steps` empty: one step, answered at
   /// once unless in lockstep; given (≥ 1): it stands for that many steps and is answered after the last, in
-  /// every mode. If the verdict says answer_now, `done` is never called.
-  Verdict Command(SlotId slot, const Client& client, const Setpoint& setpoint, std::optional<int> steps,
-                  StepDone done);
+  /// every mode. If the verdict says answer_now, `done` is never called. `setpoints`: of the slot's channels.
+  Verdict Command(SlotId slot, const Client& client, std::span<const Setpoint> setpoints,
+                  std::optional<int> steps, StepDone done);
   /// `ready` on an actuator module: keeps the set-points; answered after `steps` steps in every mode.
   Verdict Ready(SlotId slot, const Client& client, int steps, StepDone done);
   Verdict Claim(SlotId slot, const Client& client);
@@ -169,7 +169,7 @@ class CommandBoard {
     bool driven = false;        // by a loaded controller
     bool still_moving = false;  // nobody drives it, and its set-points in force are not zero
   };
-  /// All slots in the scene's order.
+  /// Of all robots in the scene's order: who owns the first of its actuator modules that is owned.
   std::vector<Owner> Owners() const;
   /// Up to `max` awaited robots, the count of all in `total`. Empty unless in lockstep and not ready.
   std::vector<Awaited> Awaiting(Nanoseconds now, std::size_t max, std::size_t* total) const;
@@ -183,9 +183,9 @@ class CommandBoard {
   Mode mode() const;
   /// Names of the robots to wait for; empty: as in the scenario. Unknown names: error 10, nothing changes.
   Verdict SetParticipants(std::span<const std::string> names, Nanoseconds now);
-  /// Set-points to go on from, by the scene's order; after the Configure() of a restore.
+  /// Set-points to go on from, by the scene's channels; after the Configure() of a restore.
   void SetInForce(std::span<const Setpoint> setpoints);
-  /// Set-points in force by the scene's order; those of loaded controllers mean nothing.
+  /// Set-points in force, by the scene's channels; those of loaded controllers mean nothing.
   std::vector<Setpoint> InForce() const;
   /// While a recording is played nobody drives: commands, claims and broadcasts get error 5, `ready` is
   /// answered after the next frame shown.
@@ -201,9 +201,9 @@ class CommandBoard {
   /// Every participant is ready for the next step.
   bool AllReady() const;
   /// Takes the pending set-points in force for step number `step`, which is to run now; the result is by the
-  /// scene's robot order, valid until Configure(). What is written into it is for this step only.
+  /// scene's channels, valid until Configure(). What is written into it is for this step only.
   std::span<Setpoint> Latch(std::uint64_t step);
-  /// By the scene's order: 1 if a client's command came in force with the step latched last.
+  /// By the scene's actuators: 1 if a client's command came in force with the step latched last.
   std::span<const std::uint8_t> LatchedCommands() const { return latched_commands_; }
   /// The broadcasts of the step latched last, by increasing robot; valid until the next Latch().
   std::span<const SentMessage> LatchedMessages() const { return latched_messages_; }
@@ -223,14 +223,15 @@ class CommandBoard {
  private:
   /// What every step looks at, small so that thousands stay in the cache.
   struct Drive {
-    Setpoint in_force{};
-    Setpoint commanded{};  // of what is pending
-    ClientId owner = 0;    // connection; 0: nobody, or a controller
+    std::uint32_t robot = 0;          // index into the scene
+    std::uint32_t first_channel = 0;  // of in_force_ and commanded_
+    std::uint32_t channel_count = 0;
+    ClientId owner = 0;  // connection; 0: nobody, or a controller
     ClientId pending_from = 0;
     std::uint64_t batch = 0;  // the Waiter that what is pending belongs to; 0: none
     std::int32_t steps_left = 0;
     bool pending = false;       // a command or `ready` for the next step is there
-    bool has_setpoint = false;  // it brings `commanded`; else what is in force is kept
+    bool has_setpoint = false;  // it brings commanded_; else what is in force is kept
     bool latched = false;       // it was there when the step that runs now began
     bool has_done = false;      // somebody waits for its end: Slot::done
     bool loses_client = false;  // on_disconnect acts once what is pending has run
@@ -238,14 +239,14 @@ class CommandBoard {
     bool participates = false;  // by scenario or set_participants
     bool excused =
         false;  // late or without client, by policy hold or stop: not waited for until its next command
-    bool dropped = false;  // by policy drop: takes no part until its next command
-    bool driven = false;   // by a loaded controller
-    bool has_actuators = false;
+    bool dropped = false;     // by policy drop: takes no part until its next command
+    bool driven = false;      // by a loaded controller
+    bool has_module = false;  // else nobody can command it
   };
   /// The rest.
   struct Slot {
     SlotId id = 0;
-    std::string robot, type;
+    std::string robot, type, module;
     std::string owner_name, owner_peer;
     bool owner_is_team = false;
     std::string controller;                // while driven
@@ -256,6 +257,7 @@ class CommandBoard {
     LossPolicy on_deadline = LossPolicy::kHold;
     std::optional<LossPolicy> on_disconnect;
     bool participates_by_scene = false;
+    bool is_awaited = false;             // its robot's entry does not leave it out of `waits_for`
     bool may_participate = false;        // by its entry, were it not for the controller
     std::uint32_t message = kNoMessage;  // index into messages_
   };
@@ -282,6 +284,7 @@ class CommandBoard {
   static constexpr std::size_t kNoSlot = static_cast<std::size_t>(-1);
   static constexpr std::uint32_t kNoMessage = static_cast<std::uint32_t>(-1);
 
+  SlotId SlotOf(const std::string& robot, const std::string& module) const REQUIRES(mutex_);
   /// Index of a slot; kNoSlot if the robot is gone.
   std::size_t Find(SlotId id) const REQUIRES(mutex_);
   static Verdict Gone();
@@ -295,12 +298,21 @@ class CommandBoard {
   void Disown(std::size_t index) REQUIRES(mutex_);
   /// Clears what another client has pending, which then gets kReplaced.
   void ReplacePending(std::size_t index, const Client& client, Completions& completions) REQUIRES(mutex_);
-  /// Something new is pending from `client`; `setpoint` null: what is in force is kept.
-  void SetPending(std::size_t index, const Client& client, const Setpoint* setpoint, int steps)
+  /// Something new is pending from `client`; no `setpoints`: what is in force is kept.
+  void SetPending(std::size_t index, const Client& client, std::span<const Setpoint> setpoints, int steps)
       REQUIRES(mutex_);
   void ClearPending(std::size_t index) REQUIRES(mutex_);
-  Verdict Place(SlotId id, const Client& client, const Setpoint* setpoint, std::optional<int> steps,
-                StepDone done) EXCLUDES(mutex_);
+  Verdict Place(SlotId id, const Client& client, std::span<const Setpoint> setpoints,
+                std::optional<int> steps, StepDone done) EXCLUDES(mutex_);
+  /// The channels of a slot among those of all.
+  std::span<Setpoint> Of(std::size_t index, std::vector<Setpoint>& channels) const REQUIRES(mutex_) {
+    return std::span(channels).subspan(drives_[index].first_channel, drives_[index].channel_count);
+  }
+  bool Drives(std::size_t index) const REQUIRES(mutex_);
+  /// What is in force of its channels drives no more.
+  void Stop(std::size_t index) REQUIRES(mutex_);
+  /// What is pending, too.
+  void StopPending(std::size_t index) REQUIRES(mutex_);
   void ApplyPolicy(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
   /// The owner sends no more: the robot is free, what it sent still runs.
   void EndInput(std::size_t index) REQUIRES(mutex_);
@@ -318,6 +330,8 @@ class CommandBoard {
     return drive.participates && !drive.dropped && !drive.excused && !drive.pending;
   }
   std::string Who(std::size_t index) const REQUIRES(mutex_);
+  /// Its robot, or, if that has several actuator modules, `robot1/arm`.
+  std::string NameOf(std::size_t index) const REQUIRES(mutex_);
   void EndAllWaits(StepEnd end, Completions& completions) REQUIRES(mutex_);
   void CountAwaited() REQUIRES(mutex_);
   /// Corrects the count of awaited robots after a change of a slot; true if that made the last one ready.
@@ -330,18 +344,21 @@ class CommandBoard {
   Verdict Fine() const REQUIRES(mutex_) { return {Error::kOk, {}, true, mode_, 0}; }
 
   mutable Mutex mutex_;
-  std::vector<Drive> drives_ GUARDED_BY(mutex_);          // the scene's robots in order
-  std::vector<Slot> slots_ GUARDED_BY(mutex_);            // likewise
-  std::vector<Setpoint> latched_;                         // stepping thread only
-  std::vector<std::uint8_t> latched_commands_;            // stepping thread only
-  std::vector<SentMessage> latched_messages_;             // stepping thread only
-  std::vector<LostClient> latched_losses_;                // stepping thread only
-  std::vector<LostClient> losses_ GUARDED_BY(mutex_);     // since the last Latch()
-  std::vector<SentMessage> messages_ GUARDED_BY(mutex_);  // for the next step, in order of arrival
+  std::vector<Drive> drives_ GUARDED_BY(mutex_);             // the scene's actuators in order
+  std::vector<Slot> slots_ GUARDED_BY(mutex_);               // likewise
+  std::vector<Setpoint> in_force_ GUARDED_BY(mutex_);        // by the scene's channels
+  std::vector<Setpoint> commanded_ GUARDED_BY(mutex_);       // likewise; of what is pending
+  std::vector<std::size_t> first_slots_ GUARDED_BY(mutex_);  // by robot, and one more at the end
+  std::vector<Setpoint> latched_;                            // stepping thread only
+  std::vector<std::uint8_t> latched_commands_;               // stepping thread only
+  std::vector<SentMessage> latched_messages_;                // stepping thread only
+  std::vector<LostClient> latched_losses_;                   // stepping thread only
+  std::vector<LostClient> losses_ GUARDED_BY(mutex_);        // since the last Latch()
+  std::vector<SentMessage> messages_ GUARDED_BY(mutex_);     // for the next step, in order of arrival
   std::vector<Waiter> waiters_ GUARDED_BY(mutex_);
   std::vector<Observer> observers_ GUARDED_BY(mutex_);
   std::vector<std::size_t> slot_index_ GUARDED_BY(mutex_);  // SlotId → index into slots_, or kNoSlot
-  std::unordered_map<std::string, std::size_t> by_name_ GUARDED_BY(mutex_);  // robot → index into slots_
+  std::unordered_map<std::string, std::size_t> by_name_ GUARDED_BY(mutex_);  // robot → its index in the scene
   Mode mode_ GUARDED_BY(mutex_) = Mode::kRealtime;
   std::size_t awaited_ GUARDED_BY(mutex_) = 0;        // participants that are not ready
   std::size_t calls_at_once_ GUARDED_BY(mutex_) = 0;  // the most that one step had to answer

@@ -32,7 +32,7 @@ void CommandBoard::CountAwaited() {
 }
 
 void CommandBoard::ClearMessages() {
-  for (const SentMessage& sent : messages_) slots_[sent.robot].message = kNoMessage;
+  for (const SentMessage& sent : messages_) slots_[first_slots_[sent.robot]].message = kNoMessage;
   messages_.clear();
 }
 
@@ -47,49 +47,65 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
     const std::vector<Slot> old = std::exchange(slots_, {});
     const std::vector<Drive> old_drives = std::exchange(drives_, {});
     const auto old_names = std::exchange(by_name_, {});
-    slots_.reserve(scene.robots.size());
-    drives_.reserve(scene.robots.size());
+    const std::vector<std::size_t> old_first = std::exchange(first_slots_, {});
+    slots_.reserve(scene.actuators.size());
+    drives_.reserve(scene.actuators.size());
     has_deadlines_ = false;
-    for (const SceneRobot& robot : scene.robots) {
+    for (const SceneActuator& actuator : scene.actuators) {
       Slot slot;
       Drive drive;
-      const RobotEntry& entry = robot.entry;
+      const auto robot = static_cast<std::size_t>(actuator.robot);
+      const RobotEntry& entry = scene.robots[robot].entry;
+      const std::vector<std::string> awaited = entry.awaited_modules();
+      const bool is_awaited = std::ranges::find(awaited, actuator.module) != awaited.end();
       slot.robot = entry.name;
       slot.type = entry.model->type;
+      slot.module = actuator.module;
+      drive.robot = static_cast<std::uint32_t>(robot);
+      drive.first_channel = static_cast<std::uint32_t>(actuator.first_channel);
+      drive.channel_count = static_cast<std::uint32_t>(actuator.channel_count);
       slot.controller = entry.controller.name;
       slot.deadline_s = entry.deadline_s;
       slot.on_deadline = entry.on_deadline;
       slot.on_disconnect = entry.on_disconnect;
-      slot.participates_by_scene = entry.participates();
-      drive.has_actuators = entry.model->has_actuators();
-      slot.may_participate = entry.sync && !entry.awaited_modules().empty();
+      slot.participates_by_scene = entry.participates() && is_awaited;
+      slot.may_participate = entry.sync && is_awaited;
+      slot.is_awaited = is_awaited;
+      drive.has_module = !actuator.module.empty();
       drive.driven = !entry.controller.empty();
       drive.participates = slot.participates_by_scene;
       has_deadlines_ |= slot.deadline_s.has_value();
-      const auto before = old_names.find(slot.robot);
-      if (before != old_names.end() && old[before->second].type == slot.type) {
-        const Slot& same = old[before->second];
+      if (first_slots_.size() == robot) first_slots_.push_back(slots_.size());
+      const auto named = old_names.find(slot.robot);
+      const std::size_t before =
+          named == old_names.end() ? kNoSlot : old_first[named->second] + slots_.size() - first_slots_.back();
+      if (before < old.size() && old[before].robot == slot.robot && old[before].type == slot.type &&
+          old[before].module == slot.module) {
+        const Slot& same = old[before];
         slot.id = same.id;
         if (!drive.driven) {
-          drive.owner = old_drives[before->second].owner;
+          drive.owner = old_drives[before].owner;
           slot.owner_name = same.owner_name;
           slot.owner_peer = same.owner_peer;
           slot.owner_is_team = same.owner_is_team;
           slot.former = same.former;
           slot.former_name = same.former_name;
           slot.former_peer = same.former_peer;
-          if (end == StepEnd::kReset) drive.participates = old_drives[before->second].participates;
+          if (end == StepEnd::kReset) drive.participates = old_drives[before].participates;
         }
       } else {
         slot.id = next_slot_++;
       }
-      by_name_.emplace(slot.robot, slots_.size());
+      by_name_.emplace(slot.robot, robot);
       slots_.push_back(std::move(slot));
       drives_.push_back(drive);
     }
+    first_slots_.push_back(slots_.size());
+    in_force_.assign(scene.channels.size(), {});
+    commanded_ = in_force_;
+    latched_ = in_force_;
     slot_index_.assign(next_slot_, kNoSlot);
     for (std::size_t i = 0; i < slots_.size(); ++i) slot_index_[slots_[i].id] = i;
-    latched_.assign(slots_.size(), Setpoint{});
     latched_commands_.assign(slots_.size(), 0);
     latched_messages_.clear();
     losses_.clear();
@@ -120,26 +136,27 @@ Mode CommandBoard::mode() const {
 
 std::string CommandBoard::NamesOfRobots() const {
   constexpr std::size_t kNamed = 8;
+  const std::size_t robots = by_name_.size();
   std::string names = "there are";
-  for (std::size_t i = 0; i < std::min(kNamed, slots_.size()); ++i) {
-    names += (i == 0 ? " " : ", ") + slots_[i].robot;
+  for (std::size_t i = 0; i < std::min(kNamed, robots); ++i) {
+    names += (i == 0 ? " " : ", ") + slots_[first_slots_[i]].robot;
   }
-  if (slots_.size() > kNamed)
-    names += " and " + std::to_string(slots_.size() - kNamed) + " more (list shows all)";
+  if (robots > kNamed) names += " and " + std::to_string(robots - kNamed) + " more (list shows all)";
   return slots_.empty() ? "there are no robots" : names;
 }
 
 Verdict CommandBoard::SetParticipants(std::span<const std::string> names, Nanoseconds now) {
   const MutexLock lock(mutex_);
-  std::vector<bool> chosen(slots_.size(), false);
+  std::vector<bool> chosen(by_name_.size(), false);
   for (const std::string& name : names) {
     const auto found = by_name_.find(name);
     if (found == by_name_.end()) {
       return {Error::kNoSuchName, "no robot is called " + name + ": " + NamesOfRobots(), true, mode_, 0};
     }
-    const Drive& drive = drives_[found->second];
-    if (drive.driven || !drive.has_actuators) {
-      const std::string why = drive.driven ? " is driven by " + Who(found->second) : " has no actuators";
+    const std::size_t first = first_slots_[found->second];
+    const Drive& drive = drives_[first];
+    if (drive.driven || !drive.has_module) {
+      const std::string why = drive.driven ? " is driven by " + Who(first) : " has no actuators";
       return {Error::kNotPossible, name + why + ": only robots that clients drive can be waited for", true,
               mode_, 0};
     }
@@ -148,7 +165,7 @@ Verdict CommandBoard::SetParticipants(std::span<const std::string> names, Nanose
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     Drive& drive = drives_[i];
     const bool by_scene = drive.driven ? false : slots_[i].participates_by_scene;
-    drive.participates = names.empty() ? by_scene : chosen[i];
+    drive.participates = names.empty() ? by_scene : chosen[drive.robot] && slots_[i].is_awaited;
     drive.dropped = false;
   }
   waiting_since_ = now;
@@ -160,19 +177,21 @@ void CommandBoard::SetDriven(std::size_t robot, const std::string& name, Nanosec
   Completions completions;
   {
     const MutexLock lock(mutex_);
-    if (robot >= drives_.size()) return;
+    if (robot + 1 >= first_slots_.size()) return;
     completions = MakeCompletions();
-    ReplacePending(robot, Client{}, completions);
-    Disown(robot);
-    Drive& drive = drives_[robot];
-    Slot& slot = slots_[robot];
-    drive.in_force = {};
-    drive.excused = drive.dropped = drive.loses_client = drive.abandoned = false;
-    drive.driven = !name.empty();
-    drive.participates = !drive.driven && slot.may_participate;
-    slot.participates_by_scene = drive.participates;
-    slot.controller = name;
-    slot.former = 0;
+    for (std::size_t i = first_slots_[robot]; i < first_slots_[robot + 1]; ++i) {
+      ReplacePending(i, Client{}, completions);
+      Disown(i);
+      Drive& drive = drives_[i];
+      Slot& slot = slots_[i];
+      Stop(i);
+      drive.excused = drive.dropped = drive.loses_client = drive.abandoned = false;
+      drive.driven = !name.empty();
+      drive.participates = !drive.driven && slot.may_participate;
+      slot.participates_by_scene = drive.participates;
+      slot.controller = name;
+      slot.former = 0;
+    }
     waiting_since_ = now;
     CountAwaited();
   }
@@ -181,17 +200,12 @@ void CommandBoard::SetDriven(std::size_t robot, const std::string& name, Nanosec
 
 void CommandBoard::SetInForce(std::span<const Setpoint> setpoints) {
   const MutexLock lock(mutex_);
-  for (std::size_t i = 0; i < drives_.size() && i < setpoints.size(); ++i) {
-    drives_[i].in_force = setpoints[i];
-  }
+  if (setpoints.size() == in_force_.size()) std::ranges::copy(setpoints, in_force_.begin());
 }
 
 std::vector<Setpoint> CommandBoard::InForce() const {
   const MutexLock lock(mutex_);
-  std::vector<Setpoint> setpoints;
-  setpoints.reserve(drives_.size());
-  for (const Drive& drive : drives_) setpoints.push_back(drive.in_force);
-  return setpoints;
+  return in_force_;
 }
 
 void CommandBoard::SetPlaying(bool playing) {
@@ -216,12 +230,7 @@ void CommandBoard::EndSteps() {
 
 void CommandBoard::StopAll() {
   const MutexLock lock(mutex_);
-  for (Drive& drive : drives_) {
-    drive.in_force = {};
-    if (!drive.pending) continue;
-    drive.commanded = {};
-    drive.has_setpoint = true;
-  }
+  for (std::size_t i = 0; i < drives_.size(); ++i) StopPending(i);
   ClearMessages();
 }
 
@@ -236,11 +245,11 @@ std::span<Setpoint> CommandBoard::Latch(std::uint64_t step) {
     Drive& drive = drives_[i];
     latched_commands_[i] = static_cast<std::uint8_t>(drive.pending && drive.has_setpoint && !drive.latched);
     if (drive.pending) {
-      if (drive.has_setpoint) drive.in_force = drive.commanded;
+      if (drive.has_setpoint) std::ranges::copy(Of(i, commanded_), Of(i, in_force_).begin());
       drive.latched = true;
     }
-    latched_[i] = drive.in_force;
   }
+  std::ranges::copy(in_force_, latched_.begin());
   for (Waiter& waiter : waiters_) waiter.latched = true;
   latched_messages_.clear();
   if (!messages_.empty()) {
@@ -307,7 +316,7 @@ std::vector<FiredDeadline> CommandBoard::FireDeadlines(Nanoseconds now) {
     if (!IsAwaited(drives_[i]) || !slot.deadline_s || now < DeadlineOf(*slot.deadline_s, waiting_since_))
       continue;
     ApplyPolicy(i, slot.on_deadline);
-    fired.push_back({slot.robot, slot.on_deadline});
+    if (fired.empty() || fired.back().robot != slot.robot) fired.push_back({slot.robot, slot.on_deadline});
   }
   CountAwaited();
   return fired;

@@ -25,21 +25,25 @@ Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int st
     completions = MakeCompletions();
     const std::uint64_t batch = next_batch_++;
     Waiter waiter{batch, 0, steps, false, std::move(done), 0};
-    const auto place = [&](std::size_t index, const Setpoint* setpoint) REQUIRES(mutex_) {
+    const auto place = [&](std::size_t index, std::span<const Setpoint> setpoints) REQUIRES(mutex_) {
       const bool was_awaited = IsAwaited(drives_[index]);
       TakeOwnership(index, client);
       ReplacePending(index, client, completions);
-      SetPending(index, client, setpoint, steps);
+      SetPending(index, client, setpoints, steps);
       drives_[index].batch = batch;
       ++waiter.members;
       became_ready |= NoteChange(index, was_awaited);
     };
-    for (std::size_t i = 0; i < step.slots.size(); ++i) {
-      place(Find(step.slots[i]), step.setpoints.empty() ? nullptr : &step.setpoints[i]);
+    std::span<const Setpoint> left = step.setpoints;
+    for (const SlotId id : step.slots) {
+      const std::size_t index = Find(id),
+                        count = std::min<std::size_t>(drives_[index].channel_count, left.size());
+      place(index, left.first(count));
+      left = left.subspan(count);
     }
     for (const SlotId id : step.others) {
       const std::size_t index = Find(id);
-      if (index != kNoSlot && IsOf(index, client.id)) place(index, nullptr);
+      if (index != kNoSlot && IsOf(index, client.id)) place(index, {});
     }
     waiters_.push_back(std::move(waiter));
     verdict = Fine();
@@ -51,7 +55,7 @@ Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int st
 }
 
 std::optional<Verdict> CommandBoard::TeamObjection(std::size_t index, const Client& client) const {
-  if (!drives_[index].has_actuators) {
+  if (!drives_[index].has_module) {
     return Verdict{Error::kNotPossible, slots_[index].robot + " has no actuators: it can only be read", true,
                    mode_, 0};
   }
@@ -106,11 +110,7 @@ void CommandBoard::StopTeam(std::span<const SlotId> slots, const Client& client)
   for (const SlotId id : slots) {
     const std::size_t index = Find(id);
     if (index == kNoSlot || !IsOf(index, client.id)) continue;
-    Drive& drive = drives_[index];
-    drive.in_force = {};
-    if (!drive.pending) continue;
-    drive.commanded = {};
-    drive.has_setpoint = true;
+    StopPending(index);
   }
 }
 

@@ -41,8 +41,8 @@ class ControllerDriver {
   /// of all robots that have one, and forgets the others.
   virtual void Configure(const FramePtr& frame) = 0;
   /// What the controllers make of `frame`, for the next step: overwrites the set-points of the robots they
-  /// drive (a stopped one: zeros) and appends their broadcasts by increasing robot. `setpoints` and `robot`
-  /// are by the scene's order.
+  /// drive (a stopped one: zeros) and appends their broadcasts by increasing robot. `setpoints` are by the
+  /// scene's channels.
   virtual void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
                     std::vector<SentMessage>& messages) = 0;
   /// The caller takes no further step at once: what is held for that, such as its core, is let go.

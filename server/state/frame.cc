@@ -20,20 +20,28 @@ Pose LinkPose(const Frame& frame, int index, int link) {
   const LinkModel& link_model = model.links[static_cast<std::size_t>(link)];
   if (robot.one_body()) {
     const Pose X_WR = RobotPose(frame, index);
-    const JointModel* axle = nullptr;
-    double angle_rad = 0;
-    for (std::size_t side = 0; side < 2; ++side) {
-      const int driven = side == 0 ? model.drive.left_joint : model.drive.right_joint;
-      if (driven < 0 || static_cast<std::size_t>(driven) >= model.joints.size()) continue;
-      if (model.joints[static_cast<std::size_t>(driven)].child != link) continue;
-      axle = &model.joints[static_cast<std::size_t>(driven)];
-      angle_rad = frame.robots[static_cast<std::size_t>(index)].wheel_angle_rad[side];
+    for (int i = robot.first_channel; i < robot.first_channel + robot.channel_count; ++i) {
+      const Channel& channel = frame.scene->channels[static_cast<std::size_t>(i)];
+      const JointModel& joint = model.joints[static_cast<std::size_t>(channel.joint)];
+      const double angle_rad = frame.channels[static_cast<std::size_t>(i)].position;
+      if (joint.child != link || !(std::abs(angle_rad) > 0)) continue;
+      const Quaternion turn(Eigen::AngleAxisd(angle_rad, joint.axis_R.normalized()));
+      return X_WR * Pose{joint.p_RJ - turn * joint.p_RJ, turn} * link_model.X_RL;
     }
-    if (axle == nullptr || !(std::abs(angle_rad) > 0)) return X_WR * link_model.X_RL;
-    const Quaternion turn(Eigen::AngleAxisd(angle_rad, axle->axis_R.normalized()));
-    return X_WR * Pose{axle->p_RJ - turn * axle->p_RJ, turn} * link_model.X_RL;
+    return X_WR * link_model.X_RL;
   }
   return BodyPose(frame, robot.first_body + link) * link_model.X_LI.Inverse();
+}
+
+std::span<const ChannelState> ChannelsOf(const Frame& frame, int index) {
+  const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(index)];
+  return std::span(frame.channels)
+      .subspan(static_cast<std::size_t>(robot.first_channel), static_cast<std::size_t>(robot.channel_count));
+}
+
+bool IsFrozen(const Frame& frame, int index) {
+  const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(index)];
+  return frame.bodies[static_cast<std::size_t>(robot.first_body)].frozen();
 }
 
 Pose RobotPose(const Frame& frame, int index) {

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,14 +32,14 @@ struct BodyState {
   Quaternion orientation() const { return {q_WB[0], q_WB[1], q_WB[2], q_WB[3]}; }
 };
 
-/// A robot's drive.
-struct RobotState {
-  // Of the wheels; nan in a playback of what was recorded without them.
-  std::array<double, 2> wheel_angle_rad{};    // left, right; since the start, not wrapped
-  std::array<double, 2> wheel_speed_rad_s{};  // as turned in the last step
-  std::array<double, 2> setpoint_rad_s{};     // latched for the step that made this frame, after scaling
-  bool frozen = false;                        // its body exploded and is held where it was last sane
-  bool commanded = false;                     // a client's command came in force with this step
+/// A driven joint axis; rad, rad/s, N m, or m, m/s, N. Position and velocity are nan in a playback of what
+/// was recorded without them.
+struct ChannelState {
+  double position = 0;  // since the start, not wrapped
+  double velocity = 0;  // mean of the last step
+  double effort =
+      std::numeric_limits<double>::quiet_NaN();  // of its motor in the last substep; nan: not measured
+  Setpoint setpoint;                             // latched for the step that made this frame
 };
 
 /// What a robot broadcasts in one step: up to 8 numbers. count 0: nothing.
@@ -69,8 +71,10 @@ struct Frame {
   std::uint64_t seed = 1;         // of noise and placement
   std::uint64_t solver_seed = 0;  // dRandGetSeed after the step
   std::shared_ptr<const Scene> scene;
-  std::vector<BodyState> bodies;   // by increasing body id; scene->body_ids
-  std::vector<RobotState> robots;  // as scene->robots
+  std::vector<BodyState> bodies;       // by increasing body id; scene->body_ids
+  std::vector<ChannelState> channels;  // as scene->channels
+  std::vector<std::uint8_t>
+      commanded;  // as scene->actuators: 1 if a client's command came in force with this step
   /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
   std::vector<SentMessage> messages;
   /// In playback: the hash of the state that was recorded, of which these poses are roundings.
@@ -93,7 +97,11 @@ std::uint64_t StateHash(const Frame& frame);
 /// 16 lower-case hex digits.
 std::string HashText(std::uint64_t hash);
 
-/// Pose of robot `index`'s frame R (on the floor under the axle) in the world.
+/// The channels of robot `index`.
+std::span<const ChannelState> ChannelsOf(const Frame& frame, int index);
+/// Whether robot `index` exploded and is held where it was last sane.
+bool IsFrozen(const Frame& frame, int index);
+/// Pose of robot `index`'s frame R in the world.
 Pose RobotPose(const Frame& frame, int index);
 /// Pose of link `link` of robot `index` in the world.
 Pose LinkPose(const Frame& frame, int index, int link);

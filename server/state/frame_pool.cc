@@ -13,7 +13,8 @@ class FramePool::Store {
  public:
   struct Buffers {
     std::vector<BodyState> bodies;
-    std::vector<RobotState> robots;
+    std::vector<ChannelState> channels;
+    std::vector<std::uint8_t> commanded;
     std::vector<SentMessage> messages;
   };
 
@@ -27,7 +28,8 @@ class FramePool::Store {
 
   void Give(Buffers buffers) EXCLUDES(mutex_) {
     buffers.bodies.clear();
-    buffers.robots.clear();
+    buffers.channels.clear();
+    buffers.commanded.clear();
     buffers.messages.clear();
     const MutexLock lock(mutex_);
     if (free_.size() < kMost) free_.push_back(std::move(buffers));
@@ -47,11 +49,13 @@ std::shared_ptr<Frame> FramePool::Take() {
   std::shared_ptr<Frame> frame(new Frame, [store = store_](Frame* old) {
     const std::unique_ptr<Frame> owned(old);
     owned->cache.reset();  // it may refer to what goes back
-    store->Give({std::move(owned->bodies), std::move(owned->robots), std::move(owned->messages)});
+    store->Give({std::move(owned->bodies), std::move(owned->channels), std::move(owned->commanded),
+                 std::move(owned->messages)});
   });
   Store::Buffers buffers = store_->Take();
   frame->bodies = std::move(buffers.bodies);
-  frame->robots = std::move(buffers.robots);
+  frame->channels = std::move(buffers.channels);
+  frame->commanded = std::move(buffers.commanded);
   frame->messages = std::move(buffers.messages);
   return frame;
 }

@@ -3,7 +3,6 @@
 // takes. Immutable once published; any thread.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -21,9 +20,9 @@ struct SavedState {
   Mode mode = Mode::kRealtime;         // in force then
   bool paused = false;
   // What edits after the frame's step have changed; a recording has them as inputs instead.
-  std::optional<Nanoseconds> step_length;        // of steps to come; empty: as in the frame
-  std::vector<std::array<double, 2>> setpoints;  // of clients' robots, by the scene's order; empty: likewise
-  std::string warning = {};                      // lines: what is to be told when it is put in force
+  std::optional<Nanoseconds> step_length;  // of steps to come; empty: as in the frame
+  std::vector<Setpoint> setpoints;         // in force, by the scene's channels; empty: likewise
+  std::string warning = {};                // lines: what is to be told when it is put in force
 };
 
 using SavedStatePtr = std::shared_ptr<const SavedState>;

@@ -34,6 +34,37 @@ int Scene::FindRobot(std::string_view name) const {
   return found == robots.end() ? -1 : static_cast<int>(found - robots.begin());
 }
 
+int Scene::FindActuator(int robot, std::string_view module) const {
+  const SceneRobot& of = robots[static_cast<std::size_t>(robot)];
+  for (int i = of.first_actuator; i < of.first_actuator + of.actuator_count; ++i) {
+    const SceneActuator& actuator = actuators[static_cast<std::size_t>(i)];
+    if (!actuator.module.empty() && actuator.module == module) return i;
+  }
+  return -1;
+}
+
+int Scene::FindDrive(int robot) const {
+  const SceneRobot& of = robots[static_cast<std::size_t>(robot)];
+  const RobotModel& model = *of.entry.model;
+  const ActuatorModel* drive = model.drive_actuator();
+  return drive == nullptr ? -1 : of.first_channel + static_cast<int>(model.FirstChannel(*drive));
+}
+
+void AddRobot(Scene& scene, SceneRobot robot) {
+  const int index = static_cast<int>(scene.robots.size());
+  robot.first_channel = static_cast<int>(scene.channels.size());
+  robot.first_actuator = static_cast<int>(scene.actuators.size());
+  for (const ActuatorModel& actuator : robot.entry.model->actuators) {
+    scene.actuators.push_back({index, actuator.module, static_cast<int>(scene.channels.size()),
+                               static_cast<int>(actuator.joints.size())});
+    for (const int joint : actuator.joints) scene.channels.push_back({index, joint});
+  }
+  if (robot.entry.model->actuators.empty()) scene.actuators.push_back({index, "", robot.first_channel, 0});
+  robot.channel_count = static_cast<int>(scene.channels.size()) - robot.first_channel;
+  robot.actuator_count = static_cast<int>(scene.actuators.size()) - robot.first_actuator;
+  scene.robots.push_back(std::move(robot));
+}
+
 std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario) {
   auto scene = std::make_shared<Scene>();
   scene->floor = scenario->floor;
@@ -49,12 +80,16 @@ std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario)
   for (const RobotEntry& entry : scenario->robots) {
     const int index = static_cast<int>(scene->robots.size());
     const int links = static_cast<int>(entry.model->links.size());
-    SceneRobot robot{RobotId{static_cast<std::uint32_t>(index + 1)}, entry, bodies,
-                     entry.fidelity == Fidelity::kFull ? links : 1,  index, PlaceOfR(entry)};
-    robot.axes_of_R = robot.X_BR.q.vec().isZero(0);
+    SceneRobot robot;
+    robot.id = RobotId{static_cast<std::uint32_t>(index + 1)};
+    robot.entry = entry;
     robot.entry.id = robot.id;
+    robot.first_body = bodies;
+    robot.body_count = entry.fidelity == Fidelity::kFull ? links : 1;
+    robot.X_BR = PlaceOfR(entry);
+    robot.axes_of_R = robot.X_BR.q.vec().isZero(0);
     bodies += robot.body_count;
-    scene->robots.push_back(std::move(robot));
+    AddRobot(*scene, std::move(robot));
   }
   for (int body = 0; body < bodies; ++body) {
     scene->body_ids.push_back(BodyId{static_cast<std::uint32_t>(body + 1)});

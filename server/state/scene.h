@@ -27,28 +27,55 @@ struct SceneRobot {
   // planar: one body for all links, at their common centre of mass, with the axes of R.
   int first_body = 0;
   int body_count = 0;
-  int slot = -1;          // index of its drive's set-points in Frame::robots; its own index
-  Pose X_BR;              // R in its first body
-  bool axes_of_R = true;  // X_BR does not turn
+  int first_channel = 0;  // of Scene::channels
+  int channel_count = 0;
+  int first_actuator = 0;  // of Scene::actuators
+  int actuator_count = 0;  // at least 1
+  Pose X_BR;               // R in its first body
+  bool axes_of_R = true;   // X_BR does not turn
 
   bool one_body() const { return entry.fidelity != Fidelity::kFull; }
+};
+
+/// A joint axis that is driven: its place in Frame::channels.
+struct Channel {
+  int robot = 0;  // index into Scene::robots
+  int joint = 0;  // index into the model's joints
+};
+
+/// An actuator module: what one command drives. A robot without any has one without channels, by which it
+/// broadcasts.
+struct SceneActuator {
+  int robot = 0;       // index into Scene::robots
+  std::string module;  // empty: nobody can command it
+  int first_channel = 0;
+  int channel_count = 0;
 };
 
 struct Scene {
   std::shared_ptr<const Scenario> scenario;
   Floor floor;
   std::vector<SceneObject> objects;
-  std::vector<SceneRobot> robots;  // by increasing id
-  std::vector<Target> targets;     // by increasing id
-  std::vector<BodyId> body_ids;    // of Frame::bodies, increasing
-  SceneCacheSlot cache;            // of sensing
+  std::vector<SceneRobot> robots;        // by increasing id
+  std::vector<Target> targets;           // by increasing id
+  std::vector<BodyId> body_ids;          // of Frame::bodies, increasing
+  std::vector<Channel> channels;         // of Frame::channels: robot by robot, actuator by actuator
+  std::vector<SceneActuator> actuators;  // robot by robot
+  SceneCacheSlot cache;                  // of sensing
 
   /// Index of the robot called `name`; -1 if there is none.
   int FindRobot(std::string_view name) const;
+  /// Index of the actuator whose module is `module` of robot `robot`; -1 if there is none.
+  int FindActuator(int robot, std::string_view module) const;
+  /// Index of the first channel of the robot's two-wheel drive; -1 if it has none.
+  int FindDrive(int robot) const;
 };
 
 /// Centre of mass of all links of `model` in R, in the initial pose.
 Vector3 CenterOfMass(const RobotModel& model);
+
+/// Appends `robot` with its actuators and channels.
+void AddRobot(Scene& scene, SceneRobot robot);
 
 /// The scene of `scenario` at its start. Bodies: dynamic objects in file order, then the robots'.
 std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario);

@@ -15,7 +15,7 @@ namespace coopdyn {
 
 namespace {
 
-/// XXH3-64 over 8-byte words, each little-endian on any machine.
+/// XXH3-64 over bytes and 8-byte words, each little-endian on any machine.
 class WordHasher {
  public:
   WordHasher() { XXH3_64bits_reset(&state_); }
@@ -36,6 +36,10 @@ class WordHasher {
         }
       }
     }
+  }
+  void AddByte(unsigned char byte) {
+    if (size_ == buffer_.size()) Flush();
+    buffer_[size_++] = byte;
   }
   std::uint64_t Digest() {
     Flush();
@@ -70,7 +74,10 @@ std::uint64_t StateHash(const Frame& frame) {
     hasher.Add(std::uint64_t{frame.scene->body_ids[i].value});
     hasher.AddWords(&frame.bodies[i], kBodyWords);
   }
-  for (const RobotState& robot : frame.robots) hasher.AddWords(robot.setpoint_rad_s.data(), 2);
+  for (const ChannelState& channel : frame.channels) {
+    hasher.AddByte(static_cast<unsigned char>(channel.setpoint.mode));
+    hasher.AddWords(&channel.setpoint.reference, 1);
+  }
   hasher.Add(frame.solver_seed);
   return hasher.Digest();
 }

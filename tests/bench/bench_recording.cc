@@ -123,7 +123,8 @@ std::string MeasureResets(const RecordingBench& options, RobotLibrary& library, 
   const SteadyClock clock;
   const auto simulation = Simulation::Build(MakeScene(scenario), 1, 1, {}, clock, diagnostics);
   if (simulation == nullptr) return diagnostics.ToString();
-  std::vector<Setpoint> setpoints(scenario->robots.size(), Setpoint{3, 4});
+  std::vector<Setpoint> setpoints;
+  for (std::size_t i = 0; i < scenario->robots.size(); ++i) setpoints.insert(setpoints.end(), {{3}, {4}});
   std::vector<double> took_ms;
   double resident_kb = 0;
   for (int i = 0; i < options.resets; ++i) {

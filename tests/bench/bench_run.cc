@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "server/controllers/controller_host.h"
+#include "server/model/drive.h"
 #include "server/physics/stepper.h"
 #include "server/sensing/readings.h"
 #include "tests/bench/bench_daemon.h"
@@ -31,9 +32,10 @@ void DriveAtRandom(const Scene& scene, std::uint64_t seed, CommandBoard& command
   for (std::size_t i = 0; i < slots.size(); ++i) {
     const RobotEntry& entry = scene.robots[i].entry;
     const double left = NextRandom(seed), right = NextRandom(seed);
-    if (!entry.controller.empty() || !entry.model->has_actuators()) continue;
-    const double fastest = kFastest_m_s / entry.model->drive.wheel_radius_m;
-    commands.Command(slots[i], client, {left * fastest, right * fastest}, std::nullopt, nullptr);
+    if (!entry.controller.empty() || entry.model->drive() == nullptr) continue;
+    const double fastest = kFastest_m_s / entry.model->drive()->wheel_radius_m;
+    commands.Command(slots[i], client, SetpointsFor({left * fastest, right * fastest}), std::nullopt,
+                     nullptr);
   }
 }
 

@@ -79,7 +79,7 @@ void ServeOne(int listener, int spin_us) {
     body.resize(4 + size);
     if (!ReceiveExactly(fd, body.data() + 4, size, 0)) break;
     const Message request = DecodeBinary(body).message;
-    const std::array<std::array<double, 2>, 1> setpoints{{{request.data[0], request.data[1]}}};
+    const std::array<Setpoint, 2> setpoints{{{request.data[0]}, {request.data[1]}}};
     world->Step(kDefaultStep, 1, setpoints);
     const auto frame = std::make_shared<Frame>();
     frame->scene = scene;

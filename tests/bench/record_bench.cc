@@ -29,17 +29,17 @@ class Swarm {
     Diagnostics diagnostics;
     const auto scene = MakeScene(SwarmScenario(BenchModel("minibot"), Fidelity::kRolling, robots));
     auto world = PhysicsWorld::Build(scene, 1, diagnostics);
-    std::vector<std::array<double, 2>> setpoints(static_cast<std::size_t>(robots));
+    std::vector<Setpoint> setpoints(2 * static_cast<std::size_t>(robots));
     std::mt19937 random(1);
-    for (auto& setpoint : setpoints) {
-      setpoint = {1 + static_cast<double>(random() % 100) / 100, 1.5};
+    for (Setpoint& setpoint : setpoints) {
+      setpoint = {1 + static_cast<double>(random() % 100) / 100};
     }
     for (int step = 0; step < kFrames; ++step) {
       world->Step(kDefaultStep, 1, setpoints);
       auto frame = std::make_shared<Frame>();
       frame->scene = scene;
       world->Fill(*frame);
-      for (std::size_t i = 0; i < setpoints.size(); ++i) frame->robots[i].setpoint_rad_s = setpoints[i];
+      for (std::size_t i = 0; i < setpoints.size(); ++i) frame->channels[i].setpoint = setpoints[i];
       frames_.push_back(std::move(frame));
     }
   }

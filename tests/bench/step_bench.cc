@@ -20,7 +20,7 @@ class Driven {
   explicit Driven(int robots) : scene_(MakeScene(BenchScenario(robots))) {
     Diagnostics diagnostics;
     world_ = PhysicsWorld::Build(scene_, 1, diagnostics);
-    for (int i = 0; i < robots; ++i) setpoints_.push_back({3.0 + 0.1 * (i % 7), 3.5});
+    for (int i = 0; i < robots; ++i) setpoints_.insert(setpoints_.end(), {{3.0 + 0.1 * (i % 7)}, {3.5}});
   }
 
   void Step() { world_->Step(kDefaultStep, 1, setpoints_); }
@@ -36,7 +36,7 @@ class Driven {
  private:
   std::shared_ptr<const Scene> scene_;
   std::unique_ptr<PhysicsWorld> world_;
-  std::vector<std::array<double, 2>> setpoints_;
+  std::vector<Setpoint> setpoints_;
   std::uint64_t step_ = 0;
 };
 
@@ -52,14 +52,15 @@ class Swarm {
     Diagnostics diagnostics;
     scene_ = MakeScene(scenario);
     world_ = PhysicsWorld::Build(scene_, 1, diagnostics);
-    setpoints_.resize(static_cast<std::size_t>(robots));
+    setpoints_.resize(2 * static_cast<std::size_t>(robots));
     frame_.scene = scene_;
   }
 
   void Step() {
-    for (std::size_t i = step_++ % kTurnEvery; i < setpoints_.size(); i += kTurnEvery) {
+    for (std::size_t i = step_++ % kTurnEvery; 2 * i < setpoints_.size(); i += kTurnEvery) {
       const double turn = Uniform(-1, 1);
-      setpoints_[i] = {(0.05 - turn * 0.07) / 0.03, (0.05 + turn * 0.07) / 0.03};
+      setpoints_[2 * i] = {(0.05 - turn * 0.07) / 0.03};
+      setpoints_[2 * i + 1] = {(0.05 + turn * 0.07) / 0.03};
     }
     world_->Step(kDefaultStep, 1, setpoints_);
     world_->Fill(frame_);
@@ -74,7 +75,7 @@ class Swarm {
   std::mt19937 random_{1};
   std::shared_ptr<const Scene> scene_;
   std::unique_ptr<PhysicsWorld> world_;
-  std::vector<std::array<double, 2>> setpoints_;
+  std::vector<Setpoint> setpoints_;
   Frame frame_;
   std::size_t step_ = 0;
 };

@@ -52,7 +52,7 @@ void DecodeColumns(std::span<const std::byte> bytes) {
   std::vector<float> values;
   if (coopdyn::DecodeFloats(bytes, values)) Require(values.size() * sizeof(float) == bytes.size());
   for (const std::size_t robots : {0, 1, 3}) {
-    std::vector<coopdyn::RobotState> states(robots);
+    std::vector<coopdyn::WheelStates> states(robots);
     coopdyn::DecodeWheels(bytes, states);
   }
   std::vector<coopdyn::BodyState> bodies(bytes.size() / coopdyn::kPoseBytes);

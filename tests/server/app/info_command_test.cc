@@ -46,8 +46,9 @@ class InfoCommandTest : public testing::Test {
       frame->time = static_cast<Nanoseconds>(step) * kDefaultStep;
       frame->scene = scene;
       frame->bodies.resize(scene->body_ids.size());
-      frame->robots.resize(scene->robots.size());
-      frame->robots[0].setpoint_rad_s = {static_cast<double>(step), 0};
+      frame->channels.resize(scene->channels.size());
+      frame->commanded.resize(scene->actuators.size());
+      frame->channels[0].setpoint = {static_cast<double>(step)};
       state.frame = frame;
       last_hash_ = HashText(StateHash(*frame));
       if (step == 0) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/model/drive.h"
 #include "server/model/readers.h"
 #include "server/physics/world.h"
 #include "tests/source_dir.h"
@@ -30,11 +31,11 @@ class MinibotDriveTest : public ::testing::TestWithParam<Fidelity> {
 
   /// Drives with `v_m_s` and `w_rad_s` for `seconds`; the pose then.
   Pose Drive(double v_m_s, double w_rad_s, double seconds) {
-    const DriveModel& drive = frame_.scene->robots[0].entry.model->drive;
-    const std::array<double, 2> wheels = {(v_m_s - w_rad_s * drive.track_m / 2) / drive.wheel_radius_m,
-                                          (v_m_s + w_rad_s * drive.track_m / 2) / drive.wheel_radius_m};
+    const DriveModel& drive = *frame_.scene->robots[0].entry.model->drive();
+    const auto wheels = SetpointsFor({(v_m_s - w_rad_s * drive.track_m / 2) / drive.wheel_radius_m,
+                                      (v_m_s + w_rad_s * drive.track_m / 2) / drive.wheel_radius_m});
     for (int step = 0; step < std::lround(seconds / kStep_s); ++step) {
-      world_->Step(kDefaultStep, 1, std::span(&wheels, 1));
+      world_->Step(kDefaultStep, 1, wheels);
       world_->Fill(frame_);
       const Pose X_WR = RobotPose(frame_, 0);
       turned_rad_ += WrapAngle(Heading(X_WR.q) - heading_rad_);

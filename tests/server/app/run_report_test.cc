@@ -30,7 +30,7 @@ class RunReportTest : public ::testing::Test {
         ReadScenario("[SWARM_1]\ntype minibot\ncount 3\n", "ants.scenario", library, false, diagnostics);
     auto frame = std::make_shared<Frame>();
     frame->scene = MakeScene(scenario);
-    frame->robots.resize(3);
+    frame->channels.resize(6);
     frame->bodies.resize(frame->scene->body_ids.size());
     frame->step = 1200;
     frame->time = 1200 * kDefaultStep;

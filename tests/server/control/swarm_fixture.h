@@ -13,6 +13,7 @@
 #include "server/control/swarm_module.h"
 #include "tests/server/devices/fake_client.h"
 #include "tests/server/devices/small_world.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 
@@ -67,7 +68,7 @@ class SwarmModuleTest : public testing::Test {
   Message Ask(const std::string& line) { return client_->Ask(line); }
   void Name(const std::string& name) { EXPECT_EQ(Ask("hello " + name).error, 0); }
   std::vector<double> LastSetpoints(int robot) {
-    const auto& setpoint = world_.frames.Latest()->robots[static_cast<std::size_t>(robot)].setpoint_rad_s;
+    const WheelSpeeds setpoint = SetpointOf(*world_.frames.Latest(), robot);
     return {setpoint[0], setpoint[1]};
   }
   SlotId slot(const std::string& robot) { return world_.board.FindSlot(robot); }

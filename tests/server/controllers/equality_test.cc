@@ -61,7 +61,8 @@ TEST(ControllerEqualityTest, ConfigureStartsAfresh) {
 }
 
 TEST(ControllerEqualityTest, ARobotWithoutControllerKeepsItsSetPoint) {
-  for (const auto& setpoints : RunMixed(false, 1).setpoints) EXPECT_EQ(setpoints[0], (Setpoint{0.25, 0.5}));
+  for (const auto& setpoints : RunMixed(false, 1).setpoints)
+    EXPECT_EQ(setpoints[0], (WheelSpeeds{0.25, 0.5}));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TEST(ControllerCheckTest, ConfigureUsesTheProcessOfTheCheck) {
   driven.host().Check(swarm.scenario(), diagnostics);
   driven.Start();
   EXPECT_TRUE(driven.run().stopped.empty());
-  EXPECT_NE(driven.Steps(1).setpoints[0][0], Setpoint{});
+  EXPECT_NE(driven.Steps(1).setpoints[0][0], WheelSpeeds{});
 }
 
 TEST(ControllerCheckTest, ACheckOfAnotherScenarioLeavesTheRunAlone) {
@@ -82,9 +82,9 @@ TEST(ControllerHostTest, AnUnloadedRobotIsLeftAlone) {
   driven.Steps(1);
   driven.host().Unload(0);
   driven.Steps(1);
-  EXPECT_NE(driven.run().setpoints[0][0], (Setpoint{0.25, 0.5}));
-  EXPECT_EQ(driven.run().setpoints[1][0], (Setpoint{0.25, 0.5}));
-  EXPECT_NE(driven.run().setpoints[1][1], (Setpoint{0.25, 0.5}));
+  EXPECT_NE(driven.run().setpoints[0][0], (WheelSpeeds{0.25, 0.5}));
+  EXPECT_EQ(driven.run().setpoints[1][0], (WheelSpeeds{0.25, 0.5}));
+  EXPECT_NE(driven.run().setpoints[1][1], (WheelSpeeds{0.25, 0.5}));
 }
 
 TEST(ControllerHostTest, TheSlowestControllerIsNamedWithItsTime) {
@@ -218,7 +218,7 @@ TEST(ControllerStateTest, WhatBelongsToAnotherSceneIsRefused) {
   for (std::size_t size = 0; size < saved.size(); size += 7) {
     EXPECT_FALSE(one.Restore(one.frame(), std::span(saved).first(size)));
   }
-  EXPECT_NE(other.Steps(1).setpoints[0][0], Setpoint{});
+  EXPECT_NE(other.Steps(1).setpoints[0][0], WheelSpeeds{});
 }
 
 }  // namespace

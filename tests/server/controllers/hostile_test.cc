@@ -64,7 +64,7 @@ TEST_P(HostileStepTest, StopsThatRobotOnly) {
     EXPECT_EQ(record.stopped[0].robot, "robot8");
     EXPECT_THAT(record.stopped[0].why, HasSubstr("controller hostile "));
     EXPECT_THAT(record.stopped[0].why, HasSubstr(GetParam().why));
-    EXPECT_EQ(record.setpoints[19][kVictim], Setpoint{});
+    EXPECT_EQ(record.setpoints[19][kVictim], WheelSpeeds{});
   }
 }
 
@@ -162,8 +162,8 @@ TEST(HostileTest, OneThatCrashesOnAllRobotsIsGivenUpAfterSome) {
     const Record record = RunFor(swarm, TestOptions(false, 2), 10);
     ASSERT_EQ(record.stopped.size(), 100u);
     EXPECT_THAT(record.stopped.back().why, HasSubstr("is stopped on all robots: on 16 it crashed"));
-    for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(record.setpoints[9][i], Setpoint{});
-    EXPECT_NE(record.setpoints[9][100], Setpoint{});
+    for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(record.setpoints[9][i], WheelSpeeds{});
+    EXPECT_NE(record.setpoints[9][100], WheelSpeeds{});
   }
 }
 
@@ -175,7 +175,7 @@ TEST(HostileTest, ACrashInRestoreStopsThatRobotToo) {
     const Record record = RunFor(swarm, TestOptions());
     ASSERT_EQ(record.stopped.size(), 2u);
     EXPECT_NE(record.stopped[0].robot, record.stopped[1].robot);
-    EXPECT_NE(record.setpoints[19][0], Setpoint{});
+    EXPECT_NE(record.setpoints[19][0], WheelSpeeds{});
   }
 }
 
@@ -213,7 +213,7 @@ TEST(HostileTest, CrashesOverAndOverWithNobodyToBlameStopAllInTheEnd) {
   EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("could not go on: its process crashed (segmentation"));
   EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("9 times and no controller was to blame"));
   driven.Steps(3);
-  EXPECT_EQ(driven.run().setpoints.back(), std::vector<Setpoint>(40));
+  EXPECT_EQ(driven.run().setpoints.back(), std::vector<WheelSpeeds>(40));
 }
 
 TEST(HostileTest, CrashesFarApartWithNobodyToBlameAreGotOver) {
@@ -268,7 +268,7 @@ TEST(HostileTest, AnInterruptEndsTheWaitForOneThatHangs) {
     driven.Steps(1);
   }
   EXPECT_FALSE(driven.run().stopped.empty());
-  EXPECT_EQ(driven.run().setpoints[2][kVictim], Setpoint{});
+  EXPECT_EQ(driven.run().setpoints[2][kVictim], WheelSpeeds{});
 }
 
 TEST(HostileTest, WhatEndsWithTheDaemonHasNotFailed) {

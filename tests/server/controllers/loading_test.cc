@@ -33,8 +33,8 @@ TEST_P(LoadingTest, ItsRobotsStopAndTheOthersDrive) {
   EXPECT_EQ(driven.run().stopped[1].robot, "robot3");
   EXPECT_THAT(driven.run().stopped[0].why, HasSubstr(std::string("controller ") + GetParam().plugin + " "));
   EXPECT_THAT(driven.run().stopped[0].why, HasSubstr(GetParam().why));
-  EXPECT_EQ(driven.run().setpoints[2][0], Setpoint{});
-  EXPECT_NE(driven.run().setpoints[2][1], Setpoint{});
+  EXPECT_EQ(driven.run().setpoints[2][0], WheelSpeeds{});
+  EXPECT_NE(driven.run().setpoints[2][1], WheelSpeeds{});
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -101,7 +101,7 @@ TEST(LoadingTest, AControllerChangedOnDiskIsNotMixedWithTheOldOne) {
   driven.Steps(3);
   ASSERT_EQ(driven.run().stopped.size(), 1u);
   EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("was changed on disk"));
-  EXPECT_NE(driven.run().setpoints[5][1], Setpoint{});
+  EXPECT_NE(driven.run().setpoints[5][1], WheelSpeeds{});
   driven.Start();  // a reset takes the new one
   driven.Steps(1);
   EXPECT_FALSE(driven.run().messages.empty());

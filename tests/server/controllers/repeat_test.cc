@@ -67,8 +67,8 @@ struct Held {
 void ExpectFlat(Driven& driven, int times, const std::function<void()>& again) {
   again();
   driven.Steps(kSteps);
-  const std::vector<std::vector<Setpoint>> expected(driven.run().setpoints.end() - kSteps,
-                                                    driven.run().setpoints.end());
+  const std::vector<std::vector<WheelSpeeds>> expected(driven.run().setpoints.end() - kSteps,
+                                                       driven.run().setpoints.end());
   const auto held = [&] {
     Held now{OpenFiles(), Children(), MemoryOf("self"), 0};
     const int child = driven.host().child_pid();

@@ -14,8 +14,8 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr Setpoint kStands{0, 0};
-constexpr Setpoint kByOthers{0.25, 0.5};  // what Driven::Step() offers
+constexpr WheelSpeeds kStands{0, 0};
+constexpr WheelSpeeds kByOthers{0.25, 0.5};  // what Driven::Step() offers
 
 /// robot1 and robot3 have a controller, robot2 and robot4 have none.
 Swarm Mixed() {
@@ -33,7 +33,7 @@ class StopTest : public testing::TestWithParam<bool> {
     untouched_.Steps(5);
   }
   ControllerHost& host() { return driven_.host(); }
-  const std::vector<Setpoint>& last() const { return driven_.run().setpoints.back(); }
+  const std::vector<WheelSpeeds>& last() const { return driven_.run().setpoints.back(); }
 
   Driven driven_, untouched_;
 };

@@ -13,6 +13,7 @@
 
 #include "server/controllers/controller_host.h"
 #include "server/state/frame.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 
@@ -34,9 +35,9 @@ inline std::shared_ptr<RobotModel> DiscModel(int sensors = 8) {
     sensor.max_range_m = 0.5;
     model->distance_sensors.push_back(sensor);
   }
-  model->drive.wheel_radius_m = 0.03;
-  model->drive.track_m = 0.14;
-  model->drive.max_wheel_speed_rad_s = 10;
+  model->joints.resize(2);
+  model->actuators = {
+      {"motors", {0, 1}, DriveModel{.wheel_radius_m = 0.03, .track_m = 0.14, .max_wheel_speed_rad_s = 10}}};
   model->neighbours.range_m = 1.5;
   model->neighbours.message_range_m = 1.5;
   model->footprint_radius_m = 0.085;
@@ -82,7 +83,8 @@ class Swarm {
     frame->scene = MakeScene(std::make_shared<Scenario>(scenario_));
     frame->seed = seed;
     frame->bodies.resize(frame->scene->body_ids.size());
-    frame->robots.resize(size());
+    frame->channels.resize(frame->scene->channels.size());
+    frame->commanded.resize(size());
     for (std::size_t i = 0; i < size(); ++i) {
       Put(scenario_.robots[i].X_WR,
           frame->bodies[static_cast<std::size_t>(frame->scene->robots[i].first_body)]);
@@ -91,7 +93,7 @@ class Swarm {
   }
 
   /// The frame after `frame` if the wheels turn so.
-  FramePtr Next(const FramePtr& frame, const std::vector<Setpoint>& setpoints,
+  FramePtr Next(const FramePtr& frame, const std::vector<WheelSpeeds>& setpoints,
                 std::vector<SentMessage> messages) const {
     auto next = std::make_shared<Frame>();
     next->scene = frame->scene;
@@ -99,11 +101,12 @@ class Swarm {
     next->step = frame->step + 1;
     next->time = frame->time + frame->step_length;
     next->bodies = frame->bodies;
-    next->robots = frame->robots;
+    next->channels = frame->channels;
+    next->commanded = frame->commanded;
     next->messages = std::move(messages);
     const double step_s = ToSeconds(frame->step_length);
     for (std::size_t i = 0; i < size(); ++i) {
-      const DriveModel& drive = model_->drive;
+      const DriveModel& drive = *model_->drive();
       const double left = setpoints[i][0] * drive.wheel_radius_m,
                    right = setpoints[i][1] * drive.wheel_radius_m;
       Pose X_WR = RobotPose(*frame, static_cast<int>(i));
@@ -127,7 +130,7 @@ class Swarm {
 
 /// What came of a run.
 struct Record {
-  std::vector<std::vector<Setpoint>> setpoints;  // by step, then robot
+  std::vector<std::vector<WheelSpeeds>> setpoints;  // by step, then robot
   std::vector<SentMessage> messages;
   std::vector<StoppedController> stopped;
 };
@@ -150,9 +153,10 @@ class Driven {
   }
   /// One more step; a robot without controller keeps (0.25, 0.5).
   void Step() {
-    std::vector<Setpoint> setpoints(swarm_.size(), Setpoint{0.25, 0.5});
+    std::vector<Setpoint> channels = ByChannel(std::vector<WheelSpeeds>(swarm_.size(), {0.25, 0.5}));
     std::vector<SentMessage> messages;
-    host_.Step(frame_, setpoints, messages);
+    host_.Step(frame_, channels, messages);
+    std::vector<WheelSpeeds> setpoints = ByRobot(channels);
     frame_ = swarm_.Next(frame_, setpoints, messages);
     run_.setpoints.push_back(std::move(setpoints));
     run_.messages.insert(run_.messages.end(), messages.begin(), messages.end());

@@ -58,7 +58,7 @@ TEST_F(DeviceTest, LimitIsToldInTheUnitsGiven) {
 
 TEST_F(DeviceTest, StopMeansNoSpeedAndStepsAreTaken) {
   const auto actuation = Make("motors")->Actuate(Request(command::kStop, {}, {7}));
-  EXPECT_EQ(actuation->wheel_speed_rad_s, (Setpoint{0, 0}));
+  EXPECT_EQ(actuation->setpoints, std::vector<Setpoint>(2));
   EXPECT_EQ(actuation->steps, 7);
 }
 

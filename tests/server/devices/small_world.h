@@ -26,9 +26,8 @@ inline std::shared_ptr<const RobotModel> SmallModel(const std::string& type = "s
   chassis.collisions.push_back(
       {Cylinder{0.15, 0.2}, {Vector3(0, 0, 0.1), Quaternion::Identity()}, {}, 1, false});
   model->links = {chassis};
-  model->drive.wheel_radius_m = 0.1;
-  model->drive.track_m = 0.4;
-  model->drive.max_wheel_speed_rad_s = 10;
+  model->actuators = {
+      {"motors", {0, 1}, DriveModel{.wheel_radius_m = 0.1, .track_m = 0.4, .max_wheel_speed_rad_s = 10}}};
   for (const double bearing_rad : {-1.0, 0.0, 1.0}) {
     DistanceSensorModel sensor;
     sensor.bearing_rad = bearing_rad;
@@ -109,10 +108,13 @@ class SmallWorld {
       body.p_WB = scene_->robots[i].entry.X_WR.p + Vector3(0.05 + 0.01 * static_cast<double>(step_), 0, 0.1);
       body.v_WB = Vector3(1, 0, 0);
       frame->bodies.push_back(body);
-      RobotState robot;
-      if (i < setpoints.size()) robot.setpoint_rad_s = robot.wheel_speed_rad_s = setpoints[i];
-      frame->robots.push_back(robot);
     }
+    frame->channels.resize(scene_->channels.size());
+    for (std::size_t i = 0; i < setpoints.size(); ++i) {
+      frame->channels[i].setpoint = setpoints[i];
+      frame->channels[i].velocity = setpoints[i].reference;
+    }
+    frame->commanded.resize(scene_->actuators.size());
     return frame;
   }
 

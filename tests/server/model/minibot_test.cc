@@ -24,9 +24,9 @@ TEST(MinibotTest, HasTheFootBotsMeasures) {
   for (const LinkModel& link : robot.links) mass += link.mass_kg;
   EXPECT_NEAR(mass, 1.6, 1e-12);
   EXPECT_NEAR(robot.footprint_radius_m, 0.085, 1e-9);
-  EXPECT_NEAR(robot.drive.track_m, 0.14, 1e-12);
+  EXPECT_NEAR(robot.drive()->track_m, 0.14, 1e-12);
   EXPECT_NEAR(robot.height_m, 0.12, 1e-12);
-  EXPECT_NEAR(robot.drive.wheel_radius_m * robot.drive.max_wheel_speed_rad_s, 0.51, 1e-12);
+  EXPECT_NEAR(robot.drive()->wheel_radius_m * robot.drive()->max_wheel_speed_rad_s, 0.51, 1e-12);
 }
 
 TEST(MinibotTest, ProximitySensorsStandAllRoundOnTheChassis) {
@@ -68,8 +68,9 @@ TEST(MinibotTest, MotorsNeitherTipNorSlip) {
     moment += link.mass_kg * height;
     if (link.name != "chassis") rolling += link.inertia_kg_m2.maxCoeff();
   }
-  const double radius = robot.drive.wheel_radius_m;
-  const double acceleration = 2 * robot.drive.max_torque_nm / radius / (mass + rolling / (radius * radius));
+  const double radius = robot.drive()->wheel_radius_m;
+  const double acceleration =
+      2 * robot.drive()->max_torque_nm / radius / (mass + rolling / (radius * radius));
   EXPECT_LT(acceleration, kCaster_m / (moment / mass) * kGravity / 4);
   EXPECT_LT(mass * acceleration, 0.7 * mass * kGravity / 2);
 }

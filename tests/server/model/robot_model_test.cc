@@ -67,10 +67,10 @@ TEST(CoopbotTest, LoadsWithoutDiagnostics) {
 TEST(CoopbotTest, WheelsTouchTheFloorUnderTheAxle) {
   const auto robot = Coopbot();
   ASSERT_NE(robot, nullptr);
-  EXPECT_DOUBLE_EQ(robot->drive.wheel_radius_m, 0.075);
-  EXPECT_DOUBLE_EQ(robot->drive.track_m, 0.28);
-  for (const auto& [joint, y] :
-       {std::pair(robot->drive.left_joint, 0.14), std::pair(robot->drive.right_joint, -0.14)}) {
+  EXPECT_DOUBLE_EQ(robot->drive()->wheel_radius_m, 0.075);
+  EXPECT_DOUBLE_EQ(robot->drive()->track_m, 0.28);
+  for (const auto& [joint, y] : {std::pair(robot->drive_actuator()->joints[0], 0.14),
+                                 std::pair(robot->drive_actuator()->joints[1], -0.14)}) {
     const JointModel& wheel = robot->joints[static_cast<std::size_t>(joint)];
     EXPECT_LT((wheel.p_RJ - Vector3(0, y, 0.075)).norm(), 1e-12);
     EXPECT_LT((wheel.axis_R - Vector3(0, 1, 0)).norm(), 1e-12);
@@ -129,7 +129,7 @@ TEST(CoopbotTest, StartsWithoutSlippingOrTipping) {
     moment += link.mass_kg * (link.X_RL * link.X_LI.p).z();
   }
   const double height = moment / mass;
-  const double force = 2 * robot->drive.max_torque_nm / robot->drive.wheel_radius_m;
+  const double force = 2 * robot->drive()->max_torque_nm / robot->drive()->wheel_radius_m;
   const double acceleration = force / mass;
   EXPECT_LT(0.5 / acceleration, 0.3);                   // s to 0.5 m/s
   EXPECT_LT(force, 0.6 * mass * 9.81 / 2);              // traction at mu 1, with room

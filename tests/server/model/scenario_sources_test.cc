@@ -78,8 +78,8 @@ class Portrait {
     for (const JointModel& j : model.joints) {
       Add(j.name, j.parent, j.child, j.p_RJ, j.axis_R, j.max_effort_nm);
     }
-    Add(model.drive.left_joint, model.drive.right_joint, model.drive.wheel_radius_m, model.drive.track_m,
-        model.drive.max_wheel_speed_rad_s, model.drive.max_torque_nm);
+    Add(model.drive_actuator()->joints[0], model.drive_actuator()->joints[1], model.drive()->wheel_radius_m,
+        model.drive()->track_m, model.drive()->max_wheel_speed_rad_s, model.drive()->max_torque_nm);
     for (const DistanceSensorModel& s : model.distance_sensors) {
       Add(s.X_RS, s.bearing_rad, s.opening_rad, s.rays, s.max_range_m, s.noise_stddev_m);
     }

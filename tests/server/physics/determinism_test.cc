@@ -8,6 +8,7 @@
 
 #include "server/physics/rest.h"
 #include "tests/server/physics/physics_scene.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -98,14 +99,14 @@ TEST(Determinism, RestoreBringsWheelAnglesAndSetPointsBack) {
   const auto frame = scene.Capture();
   scene.Run(50);
   scene.Restore(*frame);
-  EXPECT_EQ(scene.Capture()->robots[0].wheel_angle_rad, frame->robots[0].wheel_angle_rad);
-  EXPECT_EQ(scene.Capture()->robots[0].setpoint_rad_s, (std::array<double, 2>{3, 4}));
+  EXPECT_EQ(AnglesOf(*scene.Capture(), 0), AnglesOf(*frame, 0));
+  EXPECT_EQ(SetpointOf(*scene.Capture(), 0), (std::array<double, 2>{3, 4}));
 }
 
 TEST(Determinism, BeforeTheFirstStepSetPointsAreZero) {
   PhysicsScene scene;
   scene.AddRobot(0, 0).SetWheels(0, 3, 4);
-  EXPECT_EQ(scene.Capture()->robots[0].setpoint_rad_s, (std::array<double, 2>{0, 0}));
+  EXPECT_EQ(SetpointOf(*scene.Capture(), 0), (std::array<double, 2>{0, 0}));
 }
 
 /// All fidelities at once: crowds, single robots, parked ones, and things of every shape.

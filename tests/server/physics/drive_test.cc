@@ -57,14 +57,14 @@ TEST(Drive, WheelsReportAngleAndSpeedAsTurned) {
   PhysicsScene scene;
   scene.AddRobot(0, 0).SetWheels(0, 3, 4);
   scene.RunFor(1);
-  const RobotState before = scene.Capture()->robots[0];
+  const auto before_rad = AnglesOf(*scene.Capture(), 0);
   scene.RunFor(2);
-  const RobotState& after = scene.Capture()->robots[0];
-  EXPECT_NEAR(after.wheel_speed_rad_s[0], 3, 1e-3);
-  EXPECT_NEAR(after.wheel_speed_rad_s[1], 4, 1e-3);
-  EXPECT_NEAR(after.wheel_angle_rad[0] - before.wheel_angle_rad[0], 6, 1e-2);
-  EXPECT_NEAR(after.wheel_angle_rad[1] - before.wheel_angle_rad[1], 8, 1e-2);
-  EXPECT_EQ(after.setpoint_rad_s, (std::array<double, 2>{3, 4}));
+  const auto after = scene.Capture();
+  EXPECT_NEAR(SpeedsOf(*after, 0)[0], 3, 1e-3);
+  EXPECT_NEAR(SpeedsOf(*after, 0)[1], 4, 1e-3);
+  EXPECT_NEAR(AnglesOf(*after, 0)[0] - before_rad[0], 6, 1e-2);
+  EXPECT_NEAR(AnglesOf(*after, 0)[1] - before_rad[1], 8, 1e-2);
+  EXPECT_EQ(SetpointOf(*after, 0), (WheelSpeeds{3, 4}));
 }
 
 TEST(Drive, MotorTorqueBoundsTheAcceleration) {
@@ -123,7 +123,7 @@ TEST(Drive, TheShippedRobotDrivesAsItsModelSays) {
   PhysicsScene scene;
   scene.robot_model = ReadRobotModel(SourceDir() + "/robots/coopbot/model.sdf", diagnostics);
   ASSERT_TRUE(scene.robot_model) << diagnostics.ToString();
-  const DriveModel& drive = scene.robot_model->drive;
+  const DriveModel& drive = *scene.robot_model->drive();
   scene.AddRobot(0, 0);
   scene.RunFor(60);
   EXPECT_LT(scene.robot(0).p.norm(), 1e-3);

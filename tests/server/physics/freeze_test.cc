@@ -43,8 +43,8 @@ TEST(Freeze, TooFastBodyIsHeldAndReportedByName) {
   EXPECT_TRUE(test.scene.world().TakeFrozen().empty());
   test.scene.Run(100);
   EXPECT_LT((test.scene.robot(1).p - test.before.p).norm(), 1e-9);
-  EXPECT_TRUE(test.scene.Capture()->robots[1].frozen);
-  EXPECT_FALSE(test.scene.Capture()->robots[0].frozen);
+  EXPECT_TRUE(IsFrozen(*test.scene.Capture(), 1));
+  EXPECT_FALSE(IsFrozen(*test.scene.Capture(), 0));
 }
 
 TEST(Freeze, TheRestGoesOnBitByBit) {
@@ -98,7 +98,7 @@ TEST(Freeze, RestoringAFrameKeepsItFrozenAndAnEarlierOneFreesIt) {
   Exploding fresh({0, 0, 0});
   scene.Restore(*fresh.scene.Capture());
   scene.Run(50);
-  EXPECT_FALSE(scene.Capture()->robots[1].frozen);
+  EXPECT_FALSE(IsFrozen(*scene.Capture(), 1));
   EXPECT_GT(scene.robot(1).p.x(), 0.3);
 }
 

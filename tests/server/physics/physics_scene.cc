@@ -62,7 +62,8 @@ std::shared_ptr<const RobotModel> MakeRobot(const Dimensions& of) {
                   Wheel("right_wheel", -left_m, of.tyre, of.wheel_mass_kg, of.wheel_inertia_kg_m2)};
   model->joints = {Hinge("left", 1, left_m, wheel_radius_m, of.max_torque_nm),
                    Hinge("right", 2, -left_m, wheel_radius_m, of.max_torque_nm)};
-  model->drive = {0, 1, wheel_radius_m, of.track_m, of.max_wheel_speed_rad_s, of.max_torque_nm};
+  model->actuators = {
+      {"motors", {0, 1}, DriveModel{wheel_radius_m, of.track_m, of.max_wheel_speed_rad_s, of.max_torque_nm}}};
   model->modules = {{"motors", "motors"}};
   model->footprint_radius_m = of.hull.radius_m;
   model->height_m = of.height_m;
@@ -157,14 +158,14 @@ void PhysicsScene::SetWheels(int robot, double left_rad_s, double right_rad_s) {
 }
 
 void PhysicsScene::SetVelocity(int robot, double linear_m_s, double angular_rad_s) {
-  const DriveModel& drive = scenario_.robots.at(static_cast<std::size_t>(robot)).model->drive;
+  const DriveModel& drive = *scenario_.robots.at(static_cast<std::size_t>(robot)).model->drive();
   const double turn = angular_rad_s * drive.track_m / 2;
   SetWheels(robot, (linear_m_s - turn) / drive.wheel_radius_m, (linear_m_s + turn) / drive.wheel_radius_m);
 }
 
 void PhysicsScene::Run(int steps) {
   for (int i = 0; i < steps; ++i) {
-    world().Step(step_length, substeps > 0 ? substeps : DefaultSubsteps(step_length), setpoints_);
+    world().Step(step_length, substeps > 0 ? substeps : DefaultSubsteps(step_length), ByChannel(setpoints_));
     ++step_;
     time_ += step_length;
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/physics/world.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 
@@ -71,7 +72,7 @@ class PhysicsScene {
   std::shared_ptr<const Scene> scene_;
   std::unique_ptr<PhysicsWorld> world_;
   Diagnostics diagnostics_;
-  std::vector<std::array<double, 2>> setpoints_;
+  std::vector<WheelSpeeds> setpoints_;
   std::uint64_t step_ = 0;
   Nanoseconds time_ = 0;
   std::shared_ptr<Frame> frame_;

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "tests/server/physics/physics_scene.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -94,10 +95,10 @@ TEST_P(Push, LeavingAWallIsAsFreeAsEver) {
 TEST_P(Push, AWheelSpeedIsThatOfTheMotion) {
   scene.AddRobot(0, 0).Add(Box{Vector3(0.1, 20, 0.5)}, At(1.5, 0, 0.25)).SetVelocity(0, 0.3, 0);
   scene.RunFor(2);
-  EXPECT_NEAR(scene.Capture()->robots[0].wheel_speed_rad_s[0], 4, 1e-3);
+  EXPECT_NEAR(SpeedsOf(*scene.Capture(), 0)[0], 4, 1e-3);
   scene.RunFor(5);  // the motors stall at the wall before the wheels would slip
-  EXPECT_NEAR(scene.Capture()->robots[0].wheel_speed_rad_s[0], 0, 0.01);
-  EXPECT_NEAR(scene.Capture()->robots[0].wheel_angle_rad[1], (scene.robot(0).p.x()) / 0.075, 0.2);
+  EXPECT_NEAR(SpeedsOf(*scene.Capture(), 0)[0], 0, 0.01);
+  EXPECT_NEAR(AnglesOf(*scene.Capture(), 0)[1], (scene.robot(0).p.x()) / 0.075, 0.2);
 }
 
 std::string PushName(const testing::TestParamInfo<std::tuple<Fidelity, int>>& info) {
@@ -157,7 +158,7 @@ TEST(Rolling, SlidesOnIceAsFarAsFrictionLetsIt) {
   scene.RunFor(1);
   // Half of the weight is on the wheels: 0.05 · 9.81 / 2 m/s² for one second; the wheels spin.
   EXPECT_NEAR(scene.Capture()->bodies[0].v_WB.x(), 0.05 * 9.81 / 2, 0.01);
-  EXPECT_NEAR(scene.Capture()->robots[0].wheel_speed_rad_s[0], 1 / 0.075, 1e-9);
+  EXPECT_NEAR(SpeedsOf(*scene.Capture(), 0)[0], 1 / 0.075, 1e-9);
 }
 
 TEST(Rolling, MotorTorqueBoundsTheAcceleration) {

@@ -28,11 +28,11 @@ std::uint64_t WholeHash(const Frame& frame) {
   digest.Add(StateHash(frame));
   digest.Add(frame.seed);
   digest.Add(static_cast<std::uint64_t>(frame.step_length));
-  for (const RobotState& robot : frame.robots) {
-    for (const double value : robot.wheel_angle_rad) digest.Add(value);
-    for (const double value : robot.wheel_speed_rad_s) digest.Add(value);
-    digest.Add(std::uint64_t{robot.frozen} + 2 * std::uint64_t{robot.commanded});
+  for (const ChannelState& channel : frame.channels) {
+    digest.Add(channel.position);
+    digest.Add(channel.velocity);
   }
+  for (const std::uint8_t commanded : frame.commanded) digest.Add(std::uint64_t{commanded});
   for (const SentMessage& sent : frame.messages) {
     digest.Add(std::uint64_t{sent.robot});
     digest.Add(sent.step);

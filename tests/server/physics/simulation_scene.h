@@ -14,6 +14,7 @@
 #include "server/base/clock.h"
 #include "server/physics/simulation.h"
 #include "tests/server/physics/physics_scene.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 
@@ -68,19 +69,20 @@ class SteppedSimulation {
   const FramePtr& Step(Nanoseconds length = kDefaultStep) {
     const std::uint64_t step = simulation_->frame()->step;
     const std::size_t robots = simulation_->scene().robots.size();
-    std::vector<Setpoint> setpoints(robots);
+    std::vector<WheelSpeeds> wheels(robots);
     std::vector<SentMessage> sent;
     std::vector<std::uint8_t> commanded(robots);
     for (std::size_t i = 0; i < robots; ++i) {
       const bool parked = i + 1 == robots || (step / 60 + i) % 4 == 0;
       if (!parked) {
-        setpoints[i] = {static_cast<double>((step / 10 + i) % 4 + 1),
-                        static_cast<double>((step / 10 + 3 * i) % 5)};
+        wheels[i] = {static_cast<double>((step / 10 + i) % 4 + 1),
+                     static_cast<double>((step / 10 + 3 * i) % 5)};
       }
       commanded[i] = (step + i) % 7 == 0;
       if ((step + i) % 5 != 0) continue;
       sent.push_back({static_cast<std::uint32_t>(i), step + 1, {1, {static_cast<double>(step)}}});
     }
+    std::vector<Setpoint> setpoints = ByChannel(wheels);
     return simulation_->Step(length, {setpoints, sent, commanded});
   }
   void Steps(int count) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/server/physics/stepper_boards.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -24,7 +25,7 @@ class Driver final : public ControllerDriver {
   void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
             std::vector<SentMessage>& messages) override {
     seen.push_back(frame->step);
-    setpoints[0] = {2, 2};
+    setpoints[0] = setpoints[1] = {2};
     RobotMessage message;
     message.count = 1;
     message.values[0] = static_cast<double>(frame->step + 1);
@@ -105,8 +106,8 @@ TEST_F(StepperControllersTest, ADrivenRobotMovesAsItsControllerSays) {
   EXPECT_EQ(driver_.configured, 1);
   for (int k = 0; k < 3; ++k) Step();
   EXPECT_EQ(driver_.seen, (std::vector<std::uint64_t>{0, 1, 2}));
-  EXPECT_EQ(frames_.Latest()->robots[0].setpoint_rad_s, (Setpoint{2, 2}));
-  EXPECT_EQ(frames_.Latest()->robots[1].setpoint_rad_s, (Setpoint{0, 0}));
+  EXPECT_EQ(SetpointOf(*frames_.Latest(), 0), (WheelSpeeds{2, 2}));
+  EXPECT_EQ(SetpointOf(*frames_.Latest(), 1), (WheelSpeeds{0, 0}));
 }
 
 TEST_F(StepperControllersTest, LockstepDoesNotWaitForADrivenRobot) {

@@ -61,11 +61,12 @@ class Counting final : public ControllerDriver {
   void Step(const FramePtr& frame, std::span<Setpoint> setpoints, std::vector<SentMessage>&) override {
     ++count_;
     if (frame->step == fails_after) told_ = !(stopped_ = true);
-    for (std::size_t i = 0; i < setpoints.size(); ++i) {
+    for (std::size_t i = 0; 2 * i < setpoints.size(); ++i) {
       if (frame->scene->robots[i].entry.controller.empty() || unloaded_.contains(static_cast<int>(i)))
         continue;
       const double speed = stopped_ ? 0 : 0.5 * (count_ % 8);
-      setpoints[i] = {speed, 2 - speed};
+      setpoints[2 * i] = {speed};
+      setpoints[2 * i + 1] = {2 - speed};
     }
   }
   void Unload(int robot) override { unloaded_.insert(robot); }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "tests/server/physics/stepper_restore_fixture.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -56,7 +57,8 @@ TEST_F(StepperRestoreTest, WhatExplodedBeforeAResetIsRemembered) {
   frame->seed = state.frame->seed;
   frame->scene = state.frame->scene;
   frame->bodies = state.frame->bodies;
-  frame->robots = state.frame->robots;
+  frame->channels = state.frame->channels;
+  frame->commanded = state.frame->commanded;
   frame->bodies[0].v_WB = {0, 500, 0};
   state.frame = frame;
   Do(edit::Restore{std::make_shared<SavedState>(state)});
@@ -111,15 +113,15 @@ TEST_F(StepperRestoreTest, WhoWaitsIsToldOfTheReset) {
 TEST_F(StepperRestoreTest, SetPointsInForceAreRestored) {
   Begin();
   Steps(5);
-  const Setpoint in_force = now().robots[0].setpoint_rad_s;
-  ASSERT_NE(in_force, Setpoint{});
+  const WheelSpeeds in_force = SetpointOf(now(), 0);
+  ASSERT_NE(in_force, WheelSpeeds{});
   const SavedStatePtr saved = Save();
   Do(edit::Reset{});
   Keep();
-  EXPECT_EQ(now().robots[0].setpoint_rad_s, Setpoint{});
+  EXPECT_EQ(SetpointOf(now(), 0), WheelSpeeds{});
   Do(edit::Restore{saved});
   Keep();
-  EXPECT_EQ(now().robots[0].setpoint_rad_s, in_force);
+  EXPECT_EQ(SetpointOf(now(), 0), in_force);
 }
 
 TEST_F(StepperRestoreTest, WhatEditsHaveChangedSinceTheStepIsSavedToo) {
@@ -129,7 +131,7 @@ TEST_F(StepperRestoreTest, WhatEditsHaveChangedSinceTheStepIsSavedToo) {
   Do(edit::SetStep{4'000'000});
   const SavedStatePtr saved = Save();
   const std::uint64_t next = Keep();
-  EXPECT_EQ(now().robots[0].setpoint_rad_s, Setpoint{});
+  EXPECT_EQ(SetpointOf(now(), 0), WheelSpeeds{});
   const Nanoseconds time = now().time;
   Do(edit::SetStep{kDefaultStep});
   Steps(3);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "tests/server/physics/stepper_boards.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -63,11 +64,11 @@ class StepperTest : public StepperBoards {
     return result.get();
   }
 
-  StepResult Command(const char* robot, const Client& client, Setpoint setpoint,
+  StepResult Command(const char* robot, const Client& client, const WheelSpeeds& setpoint,
                      std::optional<int> steps = {}) {
     StepDone done;
     auto result = Expect(done);
-    board_.Command(board_.FindSlot(robot), client, setpoint, steps, done);
+    board_.Command(board_.FindSlot(robot), client, SetpointsFor(setpoint), steps, done);
     return result.get();
   }
 
@@ -92,7 +93,7 @@ TEST_F(StepperTest, ACommandForManyStepsIsCarriedOnByThePhysicsThread) {
   const StepResult result = Command("robot2", bob_, {3, 3}, 50);
   EXPECT_EQ(result.frame->step, 50u);
   EXPECT_EQ(result.frame->time, 50 * kDefaultStep);
-  EXPECT_EQ(result.frame->robots[0].setpoint_rad_s, (Setpoint{3, 3}));
+  EXPECT_EQ(SetpointOf(*result.frame, 0), (WheelSpeeds{3, 3}));
 }
 
 TEST_F(StepperTest, TheSameCommandsGiveTheSameHashWhoeverRunsTheSteps) {

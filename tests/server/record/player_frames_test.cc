@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/server/record/player_fixture.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -19,10 +20,10 @@ class PlayerFramesTest : public PlayerFixture {
   /// What the run's frame `step` had in force is in `frame`.
   void ExpectInputsOf(std::uint64_t step, const Frame& frame) {
     const FramePtr run = sample_.FrameAt(step);
-    for (std::size_t i = 0; i < run->robots.size(); ++i) {
-      EXPECT_EQ(frame.robots[i].setpoint_rad_s, run->robots[i].setpoint_rad_s) << step;
-      EXPECT_EQ(frame.robots[i].commanded, run->robots[i].commanded) << step;
+    for (int i = 0; i < static_cast<int>(run->scene->robots.size()); ++i) {
+      EXPECT_EQ(SetpointOf(frame, i), SetpointOf(*run, i)) << step;
     }
+    EXPECT_EQ(frame.commanded, run->commanded) << step;
     ASSERT_EQ(frame.messages.size(), run->messages.size()) << step;
     for (std::size_t i = 0; i < run->messages.size(); ++i) {
       EXPECT_EQ(frame.messages[i].step, step);
@@ -49,8 +50,8 @@ TEST_F(PlayerFramesTest, HasWhatWasRecorded) {
     EXPECT_LT((frame->bodies[i].p_WB - run->bodies[i].p_WB).norm(), 2e-6);
     EXPECT_LT(frame->bodies[i].orientation().angularDistance(run->bodies[i].orientation()), 3e-6);
   }
-  EXPECT_NEAR(frame->robots[0].wheel_angle_rad[1], 1.8, 1e-5);
-  EXPECT_EQ(frame->robots[0].wheel_speed_rad_s[1], 20);
+  EXPECT_NEAR(AnglesOf(*frame, 0)[1], 1.8, 1e-5);
+  EXPECT_EQ(SpeedsOf(*frame, 0)[1], 20);
 }
 
 TEST_F(PlayerFramesTest, WheelsThatWereNotRecordedAreNoNumbers) {
@@ -58,9 +59,9 @@ TEST_F(PlayerFramesTest, WheelsThatWereNotRecordedAreNoNumbers) {
   for (const std::uint64_t step : {0, 9}) {
     const auto frame = maker_->Make(step);
     ASSERT_NE(frame, nullptr) << reader_->error();
-    for (const RobotState& robot : frame->robots) {
-      for (const double angle_rad : robot.wheel_angle_rad) EXPECT_TRUE(std::isnan(angle_rad));
-      for (const double speed_rad_s : robot.wheel_speed_rad_s) EXPECT_TRUE(std::isnan(speed_rad_s));
+    for (const ChannelState& channel : frame->channels) {
+      EXPECT_TRUE(std::isnan(channel.position));
+      EXPECT_TRUE(std::isnan(channel.velocity));
     }
   }
 }

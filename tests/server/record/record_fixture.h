@@ -116,13 +116,10 @@ class FrameMaker {
     frame->solver_seed = random_();
     frame->scene = scene_;
     for (std::size_t i = 0; i < scene_->body_ids.size(); ++i) frame->bodies.push_back(Body());
-    for (std::size_t i = 0; i < scene_->robots.size(); ++i) {
-      RobotState robot;
-      robot.wheel_angle_rad = {Uniform(-100, 100), Uniform(-100, 100)};
-      robot.wheel_speed_rad_s = {Uniform(-5, 5), Uniform(-5, 5)};
-      robot.setpoint_rad_s = {Uniform(-5, 5), Uniform(-5, 5)};
-      frame->robots.push_back(robot);
+    for (std::size_t i = 0; i < scene_->channels.size(); ++i) {
+      frame->channels.push_back({Uniform(-100, 100), Uniform(-5, 5), 0, {Uniform(-5, 5)}});
     }
+    frame->commanded.resize(scene_->actuators.size());
     return frame;
   }
 

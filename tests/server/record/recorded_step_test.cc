@@ -8,6 +8,7 @@
 
 #include "record_fixture.h"
 #include "server/sensing/readings.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -115,31 +116,31 @@ TEST(RecordedStepTest, MessagesThatDoNotAddUpAreRefused) {
 TEST(RecordedStepTest, WheelsAreWithinTheirUnits) {
   FrameMaker maker(RecordScene());
   const auto frame = maker.Make(1);
-  frame->robots[0].wheel_angle_rad = {5.4e6, -5.4e6};  // 30 h at 50 rad/s
+  SetTurned(*frame, 0, {5.4e6, -5.4e6}, {1, 2});  // 30 h at 50 rad/s
   std::vector<std::byte> blob;
-  EncodeWheels(frame->robots, blob);
-  EXPECT_EQ(blob.size(), 18 * frame->robots.size());
-  std::vector<RobotState> read(frame->robots.size());
+  EncodeWheels(*frame, blob);
+  std::vector<WheelStates> read(frame->scene->robots.size());
+  EXPECT_EQ(blob.size(), 18 * read.size());
   ASSERT_TRUE(DecodeWheels(blob, read));
   for (std::size_t i = 0; i < read.size(); ++i) {
     for (std::size_t side = 0; side < 2; ++side) {
-      EXPECT_NEAR(read[i].wheel_angle_rad[side], frame->robots[i].wheel_angle_rad[side], 0.5e-5 + 1e-9);
-      EXPECT_EQ(read[i].wheel_speed_rad_s[side],
-                static_cast<float>(frame->robots[i].wheel_speed_rad_s[side]));
+      EXPECT_NEAR(read[i].angle_rad[side], AnglesOf(*frame, static_cast<int>(i))[side], 0.5e-5 + 1e-9);
+      EXPECT_EQ(read[i].speed_rad_s[side], static_cast<float>(SpeedsOf(*frame, static_cast<int>(i))[side]));
     }
   }
   EXPECT_FALSE(DecodeWheels(std::span(blob).first(blob.size() - 1), read));
 }
 
 TEST(RecordedStepTest, AnglesBeyondTheUnitsAreHeld) {
-  std::vector<RobotState> robots(1);
-  robots[0].wheel_angle_rad = {1e12, -std::numeric_limits<double>::infinity()};
+  FrameMaker maker(RecordScene());
+  const auto frame = maker.Make(1);
+  SetTurned(*frame, 0, {1e12, -std::numeric_limits<double>::infinity()}, {1, 2});
   std::vector<std::byte> blob;
-  EncodeWheels(robots, blob);
-  std::vector<RobotState> read(1);
+  EncodeWheels(*frame, blob);
+  std::vector<WheelStates> read(frame->scene->robots.size());
   ASSERT_TRUE(DecodeWheels(blob, read));
-  EXPECT_NEAR(read[0].wheel_angle_rad[0], 5497558.13887, 1e-6);
-  EXPECT_NEAR(read[0].wheel_angle_rad[1], -5497558.13887, 1e-6);
+  EXPECT_NEAR(read[0].angle_rad[0], 5497558.13887, 1e-6);
+  EXPECT_NEAR(read[0].angle_rad[1], -5497558.13887, 1e-6);
 }
 
 /// What `encode` writes of a frame, read again.

@@ -64,8 +64,8 @@ class RecorderTest : public testing::Test {
   /// The queue has room for that many steps.
   RecorderOptions WithRoomFor(std::size_t steps) {
     const auto frame = maker_.Make(0);
-    const std::size_t bytes =
-        sizeof(Frame) + frame->bodies.size() * sizeof(BodyState) + frame->robots.size() * sizeof(RobotState);
+    const std::size_t bytes = sizeof(Frame) + frame->bodies.size() * sizeof(BodyState) +
+                              frame->channels.size() * sizeof(ChannelState);
     RecorderOptions options = Options();
     options.max_queue_bytes = steps * bytes + bytes / 2;
     return options;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/server/record/run_reader_sample.h"
+#include "tests/server/state/wheels.h"
 #include "tests/source_dir.h"
 
 #include <gtest/gtest.h>
@@ -62,18 +63,16 @@ FramePtr SampleRun::FrameAt(std::uint64_t step) const {
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R = q.toRotationMatrix();
     std::copy(R.data(), R.data() + 9, body.R_WB.begin());
   }
-  frame->robots.resize(scene_->robots.size());
-  if (!frame->robots.empty()) {
-    const std::uint64_t commanded = step - step % 3;
-    frame->robots[0].setpoint_rad_s = {0.01 * static_cast<double>(commanded),
-                                       -0.01 * static_cast<double>(commanded)};
-    frame->robots[0].commanded = step > 0 && step % 3 == 0;
-    for (RobotState& robot : frame->robots) {
-      robot.wheel_angle_rad = {0.1 * k, 0.2 * k};
-      robot.wheel_speed_rad_s = {10, 20};
-    }
+  frame->channels.resize(scene_->channels.size());
+  frame->commanded.resize(scene_->actuators.size());
+  const int robots = static_cast<int>(scene_->robots.size());
+  for (int robot = 0; robot < robots; ++robot) SetTurned(*frame, robot, {0.1 * k, 0.2 * k}, {10, 20});
+  if (robots > 0) {
+    const double commanded = 0.01 * static_cast<double>(step - step % 3);
+    SetSetpoint(*frame, 0, {commanded, -commanded});
+    frame->commanded[0] = step > 0 && step % 3 == 0 ? 1 : 0;
   }
-  if (frame->robots.size() > 1 && step > 0 && step % 5 == 0) {
+  if (robots > 1 && step > 0 && step % 5 == 0) {
     frame->messages.push_back({1, step, {1, {k}}});
   }
   return frame;

@@ -75,11 +75,11 @@ TEST_F(RunReaderTest, ReadsAStepAsItWasRecorded) {
     EXPECT_LT((step->bodies[i].p_WB - frame->bodies[i].p_WB).norm(), 2e-6);
   }
   ASSERT_EQ(step->robots.size(), 2u);
-  EXPECT_NEAR(step->robots[1].wheel_angle_rad[1], 1.2, 1e-5);
-  EXPECT_EQ(step->robots[1].wheel_speed_rad_s[0], 10);
+  EXPECT_NEAR(step->robots[1].angle_rad[1], 1.2, 1e-5);
+  EXPECT_EQ(step->robots[1].speed_rad_s[0], 10);
   ASSERT_EQ(step->commands.size(), 1u);
   EXPECT_TRUE(step->commands[0].by_client);
-  EXPECT_EQ(step->commands[0].setpoint, (Setpoint{0.06, -0.06}));
+  EXPECT_EQ(step->commands[0].setpoint, (WheelSpeeds{0.06, -0.06}));
   EXPECT_EQ(step->distances.size(), frame->scene->robots[0].entry.model->distance_sensors.size() +
                                         frame->scene->robots[1].entry.model->distance_sensors.size());
   EXPECT_EQ(step->targets.size(), 4u);

@@ -2,6 +2,7 @@
 // Which set-points of a step a run file keeps.
 #include "run_writer_fixture.h"
 #include "server/record/state_codec.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -15,7 +16,7 @@ TEST_F(RunWriterTest, TheFirstRowHasAllSetpointsAndIsAKeyframe) {
   for (std::uint32_t i = 0; i < 3; ++i) {
     EXPECT_EQ(commands[i].robot, i);
     EXPECT_FALSE(commands[i].by_client);
-    EXPECT_TRUE(SameBits(commands[i].setpoint, start->frame->robots[i].setpoint_rad_s));
+    EXPECT_TRUE(SameBits(commands[i].setpoint, SetpointOf(*start->frame, static_cast<int>(i))));
   }
   EXPECT_EQ(file.Blob("SELECT state FROM keyframe WHERE step = 40"), EncodeState(*start));
 }
@@ -23,12 +24,11 @@ TEST_F(RunWriterTest, TheFirstRowHasAllSetpointsAndIsAKeyframe) {
 TEST_F(RunWriterTest, OnlySetpointsThatChangeOrComeFromAClientAreCommands) {
   const SavedStatePtr start = maker_.Start();
   const auto one = maker_.Make(1);
-  one->robots = start->frame->robots;
-  one->robots[1].setpoint_rad_s[0] += 1;
-  one->robots[2].commanded = true;  // sent again, the same
+  one->channels = start->frame->channels;
+  one->channels[2].setpoint.reference += 1;
+  one->commanded[2] = 1;  // sent again, the same
   const auto two = maker_.Make(2);
-  two->robots = one->robots;
-  two->robots[2].commanded = false;
+  two->channels = one->channels;
   Record(*start, {one, two});
   RunFile file(file_);
   const std::vector<CommandRecord> commands = file.Commands(1);
@@ -42,9 +42,9 @@ TEST_F(RunWriterTest, OnlySetpointsThatChangeOrComeFromAClientAreCommands) {
 
 TEST_F(RunWriterTest, ZeroThatChangesItsSignIsACommand) {
   const auto zero = maker_.Make(0), minus = maker_.Make(1);
-  for (RobotState& robot : zero->robots) robot.setpoint_rad_s = {0, 0};
-  minus->robots = zero->robots;
-  minus->robots[1].setpoint_rad_s = {-0.0, 0};
+  for (ChannelState& channel : zero->channels) channel.setpoint = {};
+  minus->channels = zero->channels;
+  minus->channels[2].setpoint = {-0.0};
   SavedState state;
   state.frame = zero;
   Record(state, {minus});

@@ -56,9 +56,8 @@ TEST_F(ExportCsvTest, RowsAreTheFramesAsFarAsTheyAreRecorded) {
       EXPECT_NEAR(table.Number(i, name + "x_m"), X_WR.p.x(), 2e-6);
       EXPECT_NEAR(table.Number(i, name + "y_m"), X_WR.p.y(), 2e-6);
       EXPECT_NEAR(table.Number(i, name + "heading_rad"), Heading(X_WR.q), 4e-6);
-      const RobotState& state = frame.robots[static_cast<std::size_t>(robot)];
-      EXPECT_NEAR(table.Number(i, name + "left_rad"), state.wheel_angle_rad[0], 0.5001e-5);
-      EXPECT_NEAR(table.Number(i, name + "right_rad"), state.wheel_angle_rad[1], 0.5001e-5);
+      EXPECT_NEAR(table.Number(i, name + "left_rad"), AnglesOf(frame, robot)[0], 0.5001e-5);
+      EXPECT_NEAR(table.Number(i, name + "right_rad"), AnglesOf(frame, robot)[1], 0.5001e-5);
       const auto distances = Distances(frame, robot);
       for (std::size_t k = 0; k < distances.size(); ++k) {
         EXPECT_EQ(table.Number(i, name + "d" + std::to_string(k + 1) + "_m"),
@@ -83,7 +82,7 @@ TEST_F(ExportCsvTest, SetPointsAreThoseInForceAlsoWhenTheRangeBeginsBetweenKeyfr
     const Table table = Exported({.from_s = from_s, .overwrite = true});
     for (std::size_t i = 0; i < table.rows.size(); ++i) {
       const auto step = static_cast<std::uint64_t>(table.Number(i, "step"));
-      const Setpoint expected = step < 10 ? Setpoint{} : ExportTest::SetpointAt(step, 1);
+      const WheelSpeeds expected = step < 10 ? WheelSpeeds{} : ExportTest::SetpointAt(step, 1);
       EXPECT_EQ(table.Number(i, "robot2.left_rad_s"), expected[0]) << "step " << step << " from " << from_s;
       EXPECT_EQ(table.Number(i, "robot2.right_rad_s"), expected[1]) << "step " << step;
     }

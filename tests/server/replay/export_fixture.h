@@ -24,6 +24,7 @@
 #include "server/record/run_reader.h"
 #include "server/replay/export_options.h"
 #include "tests/server/base/temp_folder.h"
+#include "tests/server/state/wheels.h"
 #include "tests/source_dir.h"
 
 namespace coopdyn {
@@ -96,7 +97,7 @@ class ExportTest : public testing::Test {
   }
 
   /// The set-points of the robots from step `step` on: a client changes them every tenth step.
-  static Setpoint SetpointAt(std::uint64_t step, std::size_t robot) {
+  static WheelSpeeds SetpointAt(std::uint64_t step, std::size_t robot) {
     const double phase = static_cast<double>(step / 10);
     return {4 + phase / 3 + static_cast<double>(robot), 4 - phase / 7};
   }
@@ -126,12 +127,13 @@ class ExportTest : public testing::Test {
     };
     recorder.Begin(save());
     std::vector<FramePtr> frames{run->frame()};
-    std::vector<Setpoint> setpoints(run->scene().robots.size());
+    std::vector<WheelSpeeds> wheels(run->scene().robots.size());
     for (int i = 0; i < make.steps; ++i) {
       const std::uint64_t step = run->frame()->step + 1;
-      const std::vector<std::uint8_t> commanded(setpoints.size(), Commands(step) ? 1 : 0);
-      for (std::size_t k = 0; Commands(step) && k < setpoints.size(); ++k) setpoints[k] = SetpointAt(step, k);
+      const std::vector<std::uint8_t> commanded(wheels.size(), Commands(step) ? 1 : 0);
+      for (std::size_t k = 0; Commands(step) && k < wheels.size(); ++k) wheels[k] = SetpointAt(step, k);
       const bool keyframe = recorder.WantsKeyframe(step);
+      std::vector<Setpoint> setpoints = ByChannel(wheels);
       run->Step(kDefaultStep, {setpoints, {}, commanded});
       recorder.Step(run->frame(), Mode::kLockstep, keyframe, run->Save().controllers);
       frames.push_back(run->frame());

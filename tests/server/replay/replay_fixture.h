@@ -89,8 +89,9 @@ class LiveRun {
   FramePtr frame() const { return frames_.Latest(); }
   /// For the next step.
   void Command(const std::string& robot, double left_rad_s, double right_rad_s) {
-    const Verdict verdict = board_.Command(board_.FindSlot(robot), client_, {left_rad_s, right_rad_s},
-                                           std::nullopt, [](const StepResult&) {});
+    const Verdict verdict =
+        board_.Command(board_.FindSlot(robot), client_, SetpointsFor({left_rad_s, right_rad_s}), std::nullopt,
+                       [](const StepResult&) {});
     EXPECT_EQ(verdict.error, Error::kOk) << verdict.text;
   }
   void Send(const std::string& robot, const std::vector<double>& values) {

@@ -19,6 +19,7 @@
 
 #include "server/physics/simulation.h"
 #include "tests/server/replay/replay_fixture.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -33,7 +34,7 @@ class OldHash {
       Add(std::uint64_t{frame.scene->body_ids[i].value});
       Add(frame.bodies[i]);
     }
-    for (const RobotState& robot : frame.robots) Add(robot.setpoint_rad_s);
+    for (const ChannelState& channel : frame.channels) Add(channel.setpoint.reference);
     Add(frame.solver_seed);
   }
   std::uint64_t value() const { return XXH3_64bits(bytes_.data(), bytes_.size()); }
@@ -102,13 +103,13 @@ std::vector<SameBitsCase> Runs() {
       {"PlanarCrowd", Crowd("planar"), 3, 400, 10 * kMs, 1, "b20efa864cf1815a"},
       {"MixedCrowd", Crowd("mixed"), 4, 400, 10 * kMs, 1, "37855510ad5cfeb0"},
       {"MixedCrowdOnTwoThreads", Crowd("mixed"), 4, 400, 10 * kMs, 2, "37855510ad5cfeb0"},
-      {"FullThings", Things("full"), 5, 300, 10 * kMs, 1, ""},
-      {"RollingThings", Things("rolling"), 6, 300, 10 * kMs, 1, ""},
-      {"PlanarThings", Things("planar"), 7, 300, 10 * kMs, 1, ""},
-      {"MixedThings", Things("mixed"), 8, 300, 10 * kMs, 1, ""},
-      {"FullLongSteps", Things("full"), 9, 60, 50 * kMs, 1, ""},
+      {"FullThings", Things("full"), 5, 300, 10 * kMs, 1, "8b56bb1e54080bb8"},
+      {"RollingThings", Things("rolling"), 6, 300, 10 * kMs, 1, "64d106d9a744340d"},
+      {"PlanarThings", Things("planar"), 7, 300, 10 * kMs, 1, "8f6a613a32272756"},
+      {"MixedThings", Things("mixed"), 8, 300, 10 * kMs, 1, "60c8338842aa40fa"},
+      {"FullLongSteps", Things("full"), 9, 60, 50 * kMs, 1, "17b3c3f5590dd502"},
       {"RollingLongSteps", Crowd("rolling"), 10, 60, 50 * kMs, 1, "ded0e5b995245ee8"},
-      {"PlanarShortSteps", Things("planar"), 11, 600, 2 * kMs, 1, ""},
+      {"PlanarShortSteps", Things("planar"), 11, 600, 2 * kMs, 1, "41b74c8b343a12f8"},
       {"MixedShortSteps", Crowd("mixed"), 12, 600, 2 * kMs, 1, "f4efdad9cddd3808"},
       {"Fig4", Shipped("fig4"), 13, 500, 10 * kMs, 1, "837c28dd92f9363c"},
       {"BoxMaze", Shipped("box_maze"), 14, 500, 10 * kMs, 1, "4b558f6d41c63799"},
@@ -125,12 +126,12 @@ class SameBitsTest : public ::testing::TestWithParam<SameBitsCase> {};
 /// Drives the robots that no controller drives: they start, turn and stop by step and index.
 FramePtr Step(Simulation& simulation, Nanoseconds length) {
   const std::uint64_t step = simulation.frame()->step;
-  std::vector<Setpoint> setpoints(simulation.scene().robots.size());
-  for (std::size_t i = 0; i < setpoints.size(); ++i) {
+  std::vector<WheelSpeeds> wheels(simulation.scene().robots.size());
+  for (std::size_t i = 0; i < wheels.size(); ++i) {
     if (step > 150 || (step / 40 + i) % 4 == 0) continue;
-    setpoints[i] = {static_cast<double>((step / 25 + i) % 5 + 1),
-                    static_cast<double>((step / 25 + 3 * i) % 6)};
+    wheels[i] = {static_cast<double>((step / 25 + i) % 5 + 1), static_cast<double>((step / 25 + 3 * i) % 6)};
   }
+  std::vector<Setpoint> setpoints = ByChannel(wheels);
   return simulation.Step(length, {setpoints, {}, {}});
 }
 

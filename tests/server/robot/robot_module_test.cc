@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/server/robot/robot_fixture.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -122,7 +123,7 @@ TEST_F(RobotModuleTest, ActuatorCommandInLockstepIsAnsweredAfterTheStep) {
   ASSERT_EQ(client->received.size(), 1u);
   EXPECT_THAT(client->received[0].params, ElementsAre(1));
   EXPECT_THAT(client->received[0].data, ElementsAre(0.01, 1));
-  EXPECT_DOUBLE_EQ(world_.frames.Latest()->robots[0].setpoint_rad_s[0], 2);
+  EXPECT_DOUBLE_EQ(SetpointOf(*world_.frames.Latest(), 0)[0], 2);
 }
 
 TEST_F(RobotModuleTest, ActuatorCommandInRealTimeIsAnsweredAtOnce) {
@@ -183,7 +184,7 @@ TEST_F(RobotModuleTest, ReadyOnMotorsKeepsTheSetPointsAndClaims) {
   two->Send("ready");
   thread_.Run();
   EXPECT_EQ(StepOf(one->received.back()), 2);
-  EXPECT_DOUBLE_EQ(world_.frames.Latest()->robots[0].setpoint_rad_s[0], 2);
+  EXPECT_DOUBLE_EQ(SetpointOf(*world_.frames.Latest(), 0)[0], 2);
   EXPECT_EQ(world_.board.Owners()[1].id, two->id());
   EXPECT_EQ(other->Ask("ready").error, 6);
 }
@@ -241,7 +242,7 @@ TEST_F(RobotModuleTest, HelloTakesTheMotorsOverFromTheSameNameOnly) {
   world_.Step();
   thread_.Run();
   EXPECT_FALSE(fresh->is_waiting());
-  EXPECT_DOUBLE_EQ(world_.frames.Latest()->robots[0].setpoint_rad_s[0], 5);
+  EXPECT_DOUBLE_EQ(SetpointOf(*world_.frames.Latest(), 0)[0], 5);
 }
 
 TEST_F(RobotModuleTest, HelloTakesOneNameAndAToken) {
@@ -307,7 +308,7 @@ TEST_F(RobotModuleTest, KeptRobotDrivesOnAfterALoadThatMovesItsPlace) {
   world_.Load(scenario, Mode::kRealtime);
   EXPECT_EQ(two->Ask("set_velocity 0.3 0").error, 0);
   world_.Step();
-  EXPECT_DOUBLE_EQ(world_.frames.Latest()->robots[0].setpoint_rad_s[0], 3);
+  EXPECT_DOUBLE_EQ(SetpointOf(*world_.frames.Latest(), 0)[0], 3);
   EXPECT_DOUBLE_EQ(pose->Ask("get_pose").data[1], 10);
 }
 
@@ -334,7 +335,7 @@ TEST_F(RobotModuleTest, EndOfInputFreesTheRobotButWhatWasSentStillRuns) {
   two->Send("ready");
   thread_.Run();
   EXPECT_EQ(one->received.at(1).error, 0);
-  EXPECT_DOUBLE_EQ(world_.frames.Latest()->robots[0].setpoint_rad_s[0], 3);
+  EXPECT_DOUBLE_EQ(SetpointOf(*world_.frames.Latest(), 0)[0], 3);
   EXPECT_EQ(world_.board.Owners()[0].id, 0u);
   EXPECT_EQ(heir->Ask("claim").error, 0);
   EXPECT_EQ(one->Ask("set_velocity 0.3 0").error, 6);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/server/robot/robot_fixture.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -150,7 +151,7 @@ TEST_F(RobotModuleTest, AClientThatIsGoneIsNotAnsweredButItsCommandsCount) {
   EXPECT_FALSE(client->is_waiting());
   EXPECT_TRUE(client->received.back().data.empty());
   EXPECT_EQ(world_.frames.Latest()->cache, nullptr) << "nothing has been measured";
-  EXPECT_EQ(world_.frames.Latest()->robots[0].setpoint_rad_s[0], 2.0);
+  EXPECT_EQ(SetpointOf(*world_.frames.Latest(), 0)[0], 2.0);
 }
 
 TEST_F(RobotModuleTest, PushesOfAStepPrecedeEveryReplyThatReportsIt) {

@@ -164,8 +164,8 @@ class RandomWorld {
   /// Wheels turned, and a little out of place where they are bodies of their own.
   std::unique_ptr<Frame> MakeFrame(Fidelity fidelity) {
     auto frame = world_.MakeFrame(fidelity);
-    for (RobotState& robot : frame->robots) {
-      robot.wheel_angle_rad = {random_.Uniform(-9, 9), random_.OneIn(3) ? 0 : random_.Uniform(-9, 9)};
+    for (std::size_t i = 0; i < frame->channels.size(); ++i) {
+      frame->channels[i].position = i % 2 == 1 && random_.OneIn(3) ? 0 : random_.Uniform(-9, 9);
     }
     for (BodyState& body : frame->bodies) {
       if (!random_.OneIn(4)) continue;
@@ -198,7 +198,7 @@ void CompareAll(Fidelity fidelity, unsigned first_seed) {
   for (unsigned seed = first_seed; seed < first_seed + 30; ++seed) {
     RandomWorld world(seed);
     const auto frame = world.MakeFrame(fidelity);
-    for (int robot = 0; robot < static_cast<int>(frame->robots.size()); ++robot) {
+    for (int robot = 0; robot < static_cast<int>(frame->scene->robots.size()); ++robot) {
       const auto ranges_m = Distances(*frame, robot);
       const std::vector<double> expected_m = ReferenceDistances(*frame, robot);
       ASSERT_EQ(ranges_m.size(), expected_m.size());

@@ -42,7 +42,7 @@ class Swarm {
     frame->scene = first_->scene;
     frame->step = seed;
     frame->bodies = first_->bodies;
-    frame->robots = first_->robots;
+    frame->channels = first_->channels;
     std::mt19937 engine(seed);
     std::uniform_real_distribution<> shift(-0.4, 0.4);
     for (BodyState& body : frame->bodies) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/state/command_board.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 inline constexpr Nanoseconds kSecond = kNanosecondsPerSecond;
@@ -38,13 +39,9 @@ class CommandBoardTest : public testing::Test {
   }
 
   void UseEntries(std::vector<RobotEntry> entries, StepEnd end = StepEnd::kLoad) {
-    auto scene = std::make_shared<Scene>();
-    for (RobotEntry& entry : entries) {
-      SceneRobot robot;
-      robot.entry = std::move(entry);
-      scene->robots.push_back(std::move(robot));
-    }
-    scene_ = scene;
+    auto scenario = std::make_shared<Scenario>();
+    scenario->robots = std::move(entries);
+    scene_ = MakeScene(std::move(scenario));
     board_.SetMode(Mode::kLockstep, now_);
     board_.Configure(*scene_, end, MakeFrame(0), now_);
   }
@@ -57,9 +54,8 @@ class CommandBoardTest : public testing::Test {
   }
 
   /// One whole step; returns the set-points that it used.
-  std::vector<Setpoint> RunStep() {
-    const std::span<const Setpoint> latched = board_.Latch(step_ + 1);
-    std::vector<Setpoint> result(latched.begin(), latched.end());
+  std::vector<WheelSpeeds> RunStep() {
+    std::vector<WheelSpeeds> result = ByRobot(board_.Latch(step_ + 1));
     board_.FinishStep(MakeFrame(++step_), now_);
     return result;
   }
@@ -74,7 +70,8 @@ class CommandBoardTest : public testing::Test {
   std::shared_ptr<RobotModel> model_ = [] {
     auto model = std::make_shared<RobotModel>();
     model->type = "test";
-    model->modules = {{"motors", "motors"}};
+    model->links.resize(1);
+    model->actuators = {{"motors", {0, 1}, DriveModel{}}};
     return model;
   }();
   CommandBoard board_;

@@ -16,10 +16,10 @@ class DeadlineTest : public CommandBoardTest, public testing::WithParamInterface
     late.deadline_s = 0.5;
     late.on_deadline = GetParam();
     UseEntries({MakeRobot("robot1"), late});
-    board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
-    board_.Command(slot("robot2"), bob_, {2, 2}, {}, Note("bob"));
+    board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
+    board_.Command(slot("robot2"), bob_, Wheels(2, 2), {}, Note("bob"));
     RunStep();
-    board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+    board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   }
 };
 
@@ -31,14 +31,14 @@ TEST_P(DeadlineTest, LetsTheOthersGoOnUntilItsNextCommand) {
   EXPECT_EQ(fired[0].robot, "robot2");
   EXPECT_TRUE(board_.AllReady());
   EXPECT_EQ(board_.NextDeadline(), std::numeric_limits<Nanoseconds>::max());
-  const Setpoint expected = GetParam() == LossPolicy::kHold ? Setpoint{2, 2} : Setpoint{0, 0};
+  const WheelSpeeds expected = GetParam() == LossPolicy::kHold ? WheelSpeeds{2, 2} : WheelSpeeds{0, 0};
   EXPECT_EQ(RunStep()[1], expected);
 
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   EXPECT_TRUE(board_.AllReady());
-  board_.Command(slot("robot2"), bob_, {3, 3}, {}, Note("bob"));
-  EXPECT_EQ(RunStep()[1], (Setpoint{3, 3}));
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot2"), bob_, Wheels(3, 3), {}, Note("bob"));
+  EXPECT_EQ(RunStep()[1], (WheelSpeeds{3, 3}));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   EXPECT_FALSE(board_.AllReady());  // it takes part again
 }
 
@@ -52,10 +52,10 @@ class DisconnectTest : public CommandBoardTest {
     RobotEntry lost = MakeRobot("robot2");
     lost.on_disconnect = policy;
     UseEntries({MakeRobot("robot1"), lost});
-    board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
-    board_.Command(slot("robot2"), bob_, {2, 2}, {}, Note("bob"));
+    board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
+    board_.Command(slot("robot2"), bob_, Wheels(2, 2), {}, Note("bob"));
     RunStep();
-    board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+    board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
     board_.InputEnded(slot("robot2"), bob_.id);
     EXPECT_FALSE(board_.AllReady());  // the policy acts only when the backlog is done
     board_.Closed(slot("robot2"), bob_.id);
@@ -71,13 +71,13 @@ TEST_F(DisconnectTest, ByDefaultTheWorldWaits) {
 TEST_F(DisconnectTest, HoldKeepsTheSetpoints) {
   Lose(LossPolicy::kHold);
   EXPECT_TRUE(board_.AllReady());
-  EXPECT_EQ(RunStep()[1], (Setpoint{2, 2}));
+  EXPECT_EQ(RunStep()[1], (WheelSpeeds{2, 2}));
 }
 
 TEST_F(DisconnectTest, StopStopsTheRobot) {
   Lose(LossPolicy::kStop);
   EXPECT_TRUE(board_.AllReady());
-  EXPECT_EQ(RunStep()[1], (Setpoint{0, 0}));
+  EXPECT_EQ(RunStep()[1], (WheelSpeeds{0, 0}));
 }
 
 TEST_F(DisconnectTest, DropTakesTheRobotOut) {
@@ -93,10 +93,10 @@ TEST_F(DisconnectTest, StopActsAfterTheCommandThatIsStillPending) {
   board_.SetMode(Mode::kRealtime, now_);
   Client ended = ana_;
   ended.input_ended = true;
-  board_.Command(slot("robot1"), ended, {4, 4}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ended, Wheels(4, 4), {}, Note("ana"));
   board_.Closed(slot("robot1"), ana_.id);
-  EXPECT_EQ(RunStep()[0], (Setpoint{4, 4}));
-  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{4, 4}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{0, 0}));
 }
 
 /// Robot 1 drives at (2, 2) in a mode, and its client, with or without a name, is lost.
@@ -105,7 +105,7 @@ class DefaultLossTest : public CommandBoardTest {
   void Drive(Mode mode, const Client& client) {
     UseRobots({"robot1"});
     board_.SetMode(mode, now_);
-    board_.Command(slot("robot1"), client, {2, 2}, {}, Note("client"));
+    board_.Command(slot("robot1"), client, Wheels(2, 2), {}, Note("client"));
     RunStep();
   }
   void Lose(Mode mode, const Client& client) {
@@ -119,26 +119,26 @@ class DefaultLossTest : public CommandBoardTest {
 TEST_F(DefaultLossTest, InRealtimeAndFreeARobotStopsWithTheProgramThatSaidHello) {
   for (const Mode mode : {Mode::kRealtime, Mode::kFree}) {
     Lose(mode, ana_);
-    EXPECT_EQ(RunStep()[0], (Setpoint{0, 0})) << ToString(mode);
+    EXPECT_EQ(RunStep()[0], (WheelSpeeds{0, 0})) << ToString(mode);
   }
 }
 
 TEST_F(DefaultLossTest, OneThatEndsWithoutAnEndOfItsInputStopsItToo) {
   Drive(Mode::kRealtime, ana_);
   board_.Closed(slot("robot1"), ana_.id);
-  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{0, 0}));
 }
 
 TEST_F(DefaultLossTest, WithoutHelloTheSetpointsStay) {
   Lose(Mode::kRealtime, nameless_);
-  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{2, 2}));
 }
 
 TEST_F(DefaultLossTest, AClientThatReleasedItsRobotLeavesTheSetpoints) {
   Drive(Mode::kRealtime, ana_);
   board_.Release(slot("robot1"), ana_);
   board_.Closed(slot("robot1"), ana_.id);
-  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{2, 2}));
 }
 
 TEST_F(DefaultLossTest, AnExplicitWaitLeavesTheSetpointsInRealtime) {
@@ -146,19 +146,19 @@ TEST_F(DefaultLossTest, AnExplicitWaitLeavesTheSetpointsInRealtime) {
   waits.on_disconnect = LossPolicy::kWait;
   UseEntries({waits});
   board_.SetMode(Mode::kRealtime, now_);
-  board_.Command(slot("robot1"), ana_, {2, 2}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(2, 2), {}, Note("ana"));
   RunStep();
   board_.Closed(slot("robot1"), ana_.id);
-  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{2, 2}));
 }
 
 TEST_F(DefaultLossTest, ItStopsWhenWhatTheClientSentHasRun) {
   Drive(Mode::kRealtime, ana_);
-  board_.Command(slot("robot1"), ana_, {3, 3}, 2, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(3, 3), 2, Note("ana"));
   board_.Closed(slot("robot1"), ana_.id);
-  EXPECT_EQ(RunStep()[0], (Setpoint{3, 3}));
-  EXPECT_EQ(RunStep()[0], (Setpoint{3, 3}));
-  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{3, 3}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{3, 3}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{0, 0}));
 }
 
 TEST_F(DefaultLossTest, LockstepWaitsForARobotThatStoppedInRealtime) {
@@ -170,22 +170,22 @@ TEST_F(DefaultLossTest, LockstepWaitsForARobotThatStoppedInRealtime) {
 TEST_F(DefaultLossTest, LostInLockstepItStopsWhenTheModeIsSwitched) {
   Lose(Mode::kLockstep, ana_);
   board_.SetMode(Mode::kRealtime, now_);
-  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{0, 0}));
 }
 
 TEST_F(DefaultLossTest, LostInLockstepItKeepsWhatSomebodyElseCommandsMeanwhile) {
   Lose(Mode::kLockstep, ana_);
-  board_.Command(slot("robot1"), nameless_, {1, 1}, {}, Note("nameless"));
+  board_.Command(slot("robot1"), nameless_, Wheels(1, 1), {}, Note("nameless"));
   RunStep();
   board_.SetMode(Mode::kRealtime, now_);
-  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{1, 1}));
 }
 
 TEST_F(DefaultLossTest, ANewOwnerOfTheSameNameKeepsTheRobotMoving) {
   Drive(Mode::kRealtime, ana_);
   board_.Hello(slot("robot1"), {7, "ana", "127.0.0.1:7"});
   board_.Closed(slot("robot1"), ana_.id);
-  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{2, 2}));
 }
 
 TEST_F(DefaultLossTest, TheStopIsAnInputOfTheNextStep) {
@@ -201,7 +201,7 @@ TEST_F(DefaultLossTest, TheStopIsAnInputOfTheNextStep) {
 
 TEST_F(DefaultLossTest, AClientThatStoppedItsRobotItselfChangesNothing) {
   Drive(Mode::kRealtime, ana_);
-  board_.Command(slot("robot1"), ana_, {0, 0}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(0, 0), {}, Note("ana"));
   board_.Closed(slot("robot1"), ana_.id);
   RunStep();
   RunStep();

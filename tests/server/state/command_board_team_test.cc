@@ -119,13 +119,13 @@ TEST_F(TeamTest, ReleaseKeepsTheSetpoints) {
   EXPECT_EQ(board_.ReleaseAll(slots({"robot2"}), team_).error, Error::kOk);
   EXPECT_EQ(board_.Team(team_.id), slots({"robot1", "robot3"}));
   EXPECT_EQ(board_.Claim(slot("robot2"), ana_).error, Error::kOk);
-  EXPECT_EQ(RunStep()[1], (Setpoint{2, 2}));
+  EXPECT_EQ(RunStep()[1], (WheelSpeeds{2, 2}));
   EXPECT_EQ(board_.ReleaseAll(slots({"robot1", "robot2"}), team_).error, Error::kOwned);
   EXPECT_EQ(board_.Team(team_.id), slots({"robot1", "robot3"}));
 }
 
 TEST_F(TeamTest, StopTeamZeroesOnlyItsOwnRobotsAlsoWhatIsStillPending) {
-  board_.Command(slot("robot3"), ana_, {3, 3}, {}, Note("ana"));
+  board_.Command(slot("robot3"), ana_, Wheels(3, 3), {}, Note("ana"));
   StepAll({"robot1", "robot2"}, {{1, 1}, {2, 2}});
   board_.StopTeam(all(), team_);
   EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{0, 0}, {0, 0}, {3, 3}}));
@@ -161,7 +161,7 @@ TEST_F(TeamTest, TheNewOwnersFirstStepReplacesTheOldBatch) {
   board_.ClaimAll(slots({"robot1"}), other_team_);
   board_.StepAll({slots({"robot1"}), {}, {}}, other_team_, 1, Note("herd"));
   EXPECT_THAT(answers_["team"], IsEmpty());  // robot2 still has its command
-  board_.Command(slot("robot2"), bob_, {5, 5}, {}, Note("bob"));
+  board_.Command(slot("robot2"), bob_, Wheels(5, 5), {}, Note("bob"));
   ASSERT_EQ(answers_["team"].size(), 1u);
   EXPECT_EQ(answers_["team"][0].end, StepEnd::kReplaced);
   EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{0, 0}, {5, 5}, {0, 0}}));
@@ -209,7 +209,7 @@ TEST_F(TeamTest, InRealtimeALostTeamThatSaidHelloStopsAndOneWithoutNameDrivesOn)
     board_.InputEndedAll(team.id);
     board_.ClosedAll(team.id);
     const bool stops = !team.name.empty();
-    EXPECT_EQ(RunStep()[2], (stops ? Setpoint{0, 0} : Setpoint{3, 3}));
+    EXPECT_EQ(RunStep()[2], (stops ? WheelSpeeds{0, 0} : WheelSpeeds{3, 3}));
     EXPECT_EQ(board_.LatchedLosses().size(), stops ? 2u : 0u);
   }
 }
@@ -253,7 +253,7 @@ class DrivenTest : public TeamTest {
 TEST_F(DrivenTest, AControllerOwnsItsRobot) {
   const std::string says = "owned by controller diffuse";
   EXPECT_THAT(board_.Claim(slot("robot2"), ana_).text, HasSubstr(says));
-  const Verdict verdict = board_.Command(slot("robot2"), ana_, {1, 1}, {}, Note("ana"));
+  const Verdict verdict = board_.Command(slot("robot2"), ana_, Wheels(1, 1), {}, Note("ana"));
   EXPECT_EQ(verdict.error, Error::kOwned);
   EXPECT_THAT(verdict.text, HasSubstr(says));
   EXPECT_THAT(board_.Ready(slot("robot2"), ana_, 1, Note("ana")).text, HasSubstr(says));
@@ -276,8 +276,8 @@ TEST_F(DrivenTest, OnceItsControllerIsUnloadedClientsDriveItAndItIsWaitedFor) {
   EXPECT_EQ(board_.Owners()[1].name, "");
   board_.Ready(slot("robot1"), ana_, 1, Note("ana"));
   EXPECT_FALSE(board_.AllReady());
-  EXPECT_EQ(board_.Command(slot("robot2"), bob_, {2, 2}, {}, Note("bob")).error, Error::kOk);
-  EXPECT_EQ(RunStep()[1], (Setpoint{2, 2}));
+  EXPECT_EQ(board_.Command(slot("robot2"), bob_, Wheels(2, 2), {}, Note("bob")).error, Error::kOk);
+  EXPECT_EQ(RunStep()[1], (WheelSpeeds{2, 2}));
 }
 
 TEST_F(DrivenTest, UnloadedWithSyncNoItIsNotWaitedFor) {
@@ -290,18 +290,18 @@ TEST_F(DrivenTest, UnloadedWithSyncNoItIsNotWaitedFor) {
 }
 
 TEST_F(DrivenTest, AControllerThatComesEndsWhatAClientWanted) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, 5, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), 5, Note("ana"));
   RunStep();
   board_.SetDriven(0, "flock", now_);
   ASSERT_EQ(answers_["ana"].size(), 1u);
   EXPECT_EQ(answers_["ana"][0].end, StepEnd::kReplaced);
   EXPECT_EQ(board_.Owners()[0].name, "controller flock");
   EXPECT_TRUE(board_.AllReady());
-  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{0, 0}));
 }
 
 TEST_F(DrivenTest, ALostClientChangesNothingOfARobotThatAControllerDrivesNow) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   RunStep();
   board_.Closed(slot("robot1"), ana_.id);
   board_.SetDriven(0, "diffuse", now_);

@@ -9,17 +9,17 @@ namespace {
 
 TEST_F(CommandBoardTest, AStepNeedsEveryParticipant) {
   EXPECT_FALSE(board_.AllReady());
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   EXPECT_FALSE(board_.AllReady());
-  board_.Command(slot("robot2"), bob_, {2, 2}, {}, Note("bob"));
+  board_.Command(slot("robot2"), bob_, Wheels(2, 2), {}, Note("bob"));
   EXPECT_TRUE(board_.AllReady());
 }
 
 TEST_F(CommandBoardTest, InLockstepTheReplyComesAfterTheStep) {
-  EXPECT_FALSE(board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana")).answer_now);
+  EXPECT_FALSE(board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana")).answer_now);
   board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
   EXPECT_TRUE(answers_.empty());
-  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{1, 1}));
   ASSERT_EQ(answers_["ana"].size(), 1u);
   EXPECT_EQ(answers_["ana"][0].end, StepEnd::kRan);
   EXPECT_EQ(answers_["ana"][0].frame->step, 1u);
@@ -28,23 +28,23 @@ TEST_F(CommandBoardTest, InLockstepTheReplyComesAfterTheStep) {
 
 TEST_F(CommandBoardTest, InRealtimeACommandIsAnsweredAtOnceAndReadyAfterTheStep) {
   board_.SetMode(Mode::kRealtime, now_);
-  EXPECT_TRUE(board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("command")).answer_now);
+  EXPECT_TRUE(board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("command")).answer_now);
   EXPECT_FALSE(board_.Ready(slot("robot1"), ana_, 1, Note("ready")).answer_now);
-  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));  // ready did not undo the command
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{1, 1}));  // ready did not undo the command
   EXPECT_EQ(answers_["command"].size(), 0u);
   EXPECT_EQ(answers_["ready"].size(), 1u);
 }
 
 TEST_F(CommandBoardTest, ReadyKeepsTheSetpoints) {
-  board_.Command(slot("robot1"), ana_, {3, 4}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(3, 4), {}, Note("ana"));
   board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
   RunStep();
   board_.Ready(slot("robot1"), ana_, 1, Note("ana"));
-  EXPECT_EQ(RunStep()[0], (Setpoint{3, 4}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{3, 4}));
 }
 
 TEST_F(CommandBoardTest, ACommandForThreeStepsIsAnsweredAfterTheThird) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, 3, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), 3, Note("ana"));
   board_.Ready(slot("robot2"), bob_, 3, Note("bob"));
   for (int k = 0; k < 2; ++k) {
     EXPECT_TRUE(board_.AllReady());
@@ -59,7 +59,7 @@ TEST_F(CommandBoardTest, ACommandForThreeStepsIsAnsweredAfterTheThird) {
 
 TEST_F(CommandBoardTest, AGivenNumberOfStepsIsWaitedForInRealtimeToo) {
   board_.SetMode(Mode::kRealtime, now_);
-  EXPECT_FALSE(board_.Command(slot("robot1"), ana_, {1, 1}, 2, Note("ana")).answer_now);
+  EXPECT_FALSE(board_.Command(slot("robot1"), ana_, Wheels(1, 1), 2, Note("ana")).answer_now);
   RunStep();
   EXPECT_TRUE(answers_.empty());
   RunStep();
@@ -68,25 +68,25 @@ TEST_F(CommandBoardTest, AGivenNumberOfStepsIsWaitedForInRealtimeToo) {
 
 TEST_F(CommandBoardTest, ACommandDuringAStepCountsForTheNextOne) {
   board_.SetMode(Mode::kRealtime, now_);
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   board_.Latch(step_ + 1);
-  board_.Command(slot("robot1"), ana_, {2, 2}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(2, 2), {}, Note("ana"));
   board_.FinishStep(MakeFrame(++step_), now_);
-  EXPECT_EQ(RunStep()[0], (Setpoint{2, 2}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{2, 2}));
 }
 
 TEST_F(CommandBoardTest, ASecondCommanderIsRefusedAndTheOwnerNamed) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
-  const Verdict verdict = board_.Command(slot("robot1"), bob_, {2, 2}, {}, Note("bob"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
+  const Verdict verdict = board_.Command(slot("robot1"), bob_, Wheels(2, 2), {}, Note("bob"));
   EXPECT_EQ(verdict.error, Error::kOwned);
   EXPECT_NE(verdict.text.find("ana"), std::string::npos);
   board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
-  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{1, 1}));
 }
 
 TEST_F(CommandBoardTest, ARefusedCommandMakesNobodyReady) {
   board_.Claim(slot("robot1"), ana_);
-  board_.Command(slot("robot1"), bob_, {2, 2}, {}, Note("bob"));
+  board_.Command(slot("robot1"), bob_, Wheels(2, 2), {}, Note("bob"));
   board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
   EXPECT_FALSE(board_.AllReady());
 }
@@ -95,8 +95,8 @@ TEST_F(CommandBoardTest, HelloOfTheSameNameTakesOver) {
   board_.Claim(slot("robot1"), ana_);
   const Client again{7, "ana", "127.0.0.1:7"};
   EXPECT_EQ(board_.Hello(slot("robot1"), again).displaced, ana_.id);
-  EXPECT_EQ(board_.Command(slot("robot1"), again, {1, 1}, {}, Note("again")).error, Error::kOk);
-  EXPECT_EQ(board_.Command(slot("robot1"), ana_, {2, 2}, {}, Note("old")).error, Error::kOwned);
+  EXPECT_EQ(board_.Command(slot("robot1"), again, Wheels(1, 1), {}, Note("again")).error, Error::kOk);
+  EXPECT_EQ(board_.Command(slot("robot1"), ana_, Wheels(2, 2), {}, Note("old")).error, Error::kOwned);
 }
 
 TEST_F(CommandBoardTest, HelloOfAnotherNameTakesNothing) {
@@ -106,39 +106,39 @@ TEST_F(CommandBoardTest, HelloOfAnotherNameTakesNothing) {
 }
 
 TEST_F(CommandBoardTest, ANewOwnersFirstCommandReplacesTheRestOfAnNStepCommand) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, 10, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), 10, Note("ana"));
   board_.Ready(slot("robot2"), bob_, 10, Note("bob"));
   RunStep();
   board_.InputEnded(slot("robot1"), ana_.id);
   const Client cy{3, "cy", "127.0.0.1:3"};
-  board_.Command(slot("robot1"), cy, {5, 5}, {}, Note("cy"));
+  board_.Command(slot("robot1"), cy, Wheels(5, 5), {}, Note("cy"));
   ASSERT_EQ(answers_["ana"].size(), 1u);
   EXPECT_EQ(answers_["ana"][0].end, StepEnd::kReplaced);
-  EXPECT_EQ(RunStep()[0], (Setpoint{5, 5}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{5, 5}));
   EXPECT_EQ(answers_["cy"].size(), 1u);
 }
 
 TEST_F(CommandBoardTest, EndOfInputFreesTheModuleAtOnceButWhatIsPendingRuns) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   board_.InputEnded(slot("robot1"), ana_.id);
   EXPECT_EQ(board_.Owners()[0].id, 0u);
   board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
   EXPECT_TRUE(board_.AllReady());
-  EXPECT_EQ(RunStep()[0], (Setpoint{1, 1}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{1, 1}));
   EXPECT_EQ(answers_["ana"].size(), 1u);
 }
 
 TEST_F(CommandBoardTest, RequestsReadBeforeTheEndOfInputStillRunButOwnNothing) {
   Client ended = ana_;
   ended.input_ended = true;
-  EXPECT_EQ(board_.Command(slot("robot1"), ended, {1, 1}, {}, Note("ana")).error, Error::kOk);
+  EXPECT_EQ(board_.Command(slot("robot1"), ended, Wheels(1, 1), {}, Note("ana")).error, Error::kOk);
   EXPECT_EQ(board_.Owners()[0].id, 0u);
   EXPECT_EQ(board_.Claim(slot("robot1"), bob_).error, Error::kOk);
-  EXPECT_EQ(board_.Command(slot("robot1"), ended, {1, 1}, {}, Note("ana")).error, Error::kOwned);
+  EXPECT_EQ(board_.Command(slot("robot1"), ended, Wheels(1, 1), {}, Note("ana")).error, Error::kOwned);
 }
 
 TEST_F(CommandBoardTest, AParticipantWithoutAClientIsWaitedFor) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   now_ = kSecond + kSecond / 5;
   std::size_t total = 0;
   const std::vector<Awaited> awaited = board_.Awaiting(now_, 20, &total);
@@ -178,9 +178,9 @@ TEST_F(CommandBoardTest, ObserversComeBeforeTheRepliesOfTheirStep) {
 TEST_F(CommandBoardTest, TheHookIsCalledByWhoeverMakesTheLastRobotReady) {
   int calls = 0;
   board_.set_all_ready_hook([&] { ++calls; });
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   EXPECT_EQ(calls, 0);
-  board_.Command(slot("robot2"), bob_, {1, 1}, {}, Note("bob"));
+  board_.Command(slot("robot2"), bob_, Wheels(1, 1), {}, Note("bob"));
   EXPECT_EQ(calls, 1);
 }
 
@@ -188,7 +188,7 @@ TEST_F(CommandBoardTest, SyncNoIsNotWaitedFor) {
   RobotEntry free_robot = MakeRobot("robot2");
   free_robot.sync = false;
   UseEntries({MakeRobot("robot1"), free_robot});
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   EXPECT_TRUE(board_.AllReady());
 }
 
@@ -212,15 +212,15 @@ TEST_F(CommandBoardTest, AnUnknownParticipantChangesNothing) {
 }
 
 TEST_F(CommandBoardTest, StopAllReplacesCommandsThatHaveNotRunAndTheyAreAnsweredAsUsual) {
-  board_.Command(slot("robot1"), ana_, {9, 9}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(9, 9), {}, Note("ana"));
   board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
   board_.StopAll();
-  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{0, 0}));
   EXPECT_EQ(answers_["ana"][0].end, StepEnd::kRan);
 }
 
 TEST_F(CommandBoardTest, ResetEndsAllWaitsAndKeepsOwners) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   board_.WaitSteps(3, Note("spectator"));
   const SlotId before = slot("robot1");
   UseRobots({"robot1", "robot2"}, StepEnd::kReset);
@@ -228,7 +228,7 @@ TEST_F(CommandBoardTest, ResetEndsAllWaitsAndKeepsOwners) {
   EXPECT_EQ(answers_["spectator"][0].end, StepEnd::kReset);
   EXPECT_EQ(slot("robot1"), before);
   EXPECT_EQ(board_.Owners()[0].id, ana_.id);
-  EXPECT_EQ(RunStep()[0], (Setpoint{0, 0}));
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{0, 0}));
 }
 
 TEST_F(CommandBoardTest, ResetKeepsTheChosenParticipants) {
@@ -245,11 +245,11 @@ TEST_F(CommandBoardTest, ALoadKeepsRobotsOfTheSameNameAndForgetsOthers) {
   UseRobots({"robot3", "robot1"});
   EXPECT_EQ(slot("robot1"), first);
   EXPECT_EQ(board_.Owners()[1].id, ana_.id);
-  EXPECT_EQ(board_.Command(second, bob_, {1, 1}, {}, Note("bob")).error, Error::kNotPossible);
+  EXPECT_EQ(board_.Command(second, bob_, Wheels(1, 1), {}, Note("bob")).error, Error::kNotPossible);
 }
 
 TEST_F(CommandBoardTest, AModeSwitchLetsWaitingRequestsWait) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   board_.SetMode(Mode::kRealtime, now_);
   EXPECT_TRUE(answers_.empty());
   RunStep();
@@ -293,12 +293,12 @@ TEST_F(CommandBoardTest, EndStepsEndsStepNAloneAndTellsHowManyHaveRun) {
 }
 
 TEST_F(CommandBoardTest, StoppingEndsAllWaitsAndLaterOnesAtOnce) {
-  board_.Command(slot("robot1"), ana_, {1, 1}, {}, Note("ana"));
+  board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
   board_.Stop(MakeFrame(0));
   EXPECT_EQ(answers_["ana"][0].end, StepEnd::kStopping);
   board_.WaitSteps(1, Note("late"));
   EXPECT_EQ(answers_["late"][0].end, StepEnd::kStopping);
-  EXPECT_EQ(board_.Command(slot("robot2"), bob_, {1, 1}, {}, Note("bob")).error, Error::kNotPossible);
+  EXPECT_EQ(board_.Command(slot("robot2"), bob_, Wheels(1, 1), {}, Note("bob")).error, Error::kNotPossible);
 }
 
 }  // namespace

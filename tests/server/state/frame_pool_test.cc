@@ -24,13 +24,15 @@ TEST(FramePoolTest, GivesEmptyFrames) {
   auto frame = pool.Take();
   frame->step = 7;
   frame->bodies.resize(3);
-  frame->robots.resize(2);
+  frame->channels.resize(2);
+  frame->commanded.resize(1);
   frame->messages.resize(1);
   frame.reset();
   frame = pool.Take();
   EXPECT_EQ(frame->step, 0u);
   EXPECT_TRUE(frame->bodies.empty());
-  EXPECT_TRUE(frame->robots.empty());
+  EXPECT_TRUE(frame->channels.empty());
+  EXPECT_TRUE(frame->commanded.empty());
   EXPECT_TRUE(frame->messages.empty());
 }
 

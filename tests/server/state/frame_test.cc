@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "server/state/frame_board.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -43,7 +44,7 @@ class FramePoses : public testing::Test {
     frame.scene = MakeScene(scenario);
     frame.bodies = {BodyAt(X_WO, {}), BodyAt(X_WR * model->links[0].X_RL, model->links[0].X_LI),
                     BodyAt(X_WR * model->links[1].X_RL, model->links[1].X_LI)};
-    frame.robots.resize(1);
+    frame.channels.resize(frame.scene->channels.size());
   }
   const Pose X_WO{{4, 5, 6}, FromRollPitchYaw(0.3, -0.2, 2)};
   const Pose X_WR{{1, 2, 3}, FromRollPitchYaw(0.1, 0.2, 1)};
@@ -75,7 +76,7 @@ class OneBodyPoses : public testing::Test {
     }
     model->joints = {{"left", 0, 1, {0, 0.1, 0.05}, Vector3::UnitY(), 1},
                      {"right", 0, 2, {0, -0.1, 0.05}, Vector3::UnitY(), 1}};
-    model->drive = {0, 1, 0.05, 0.2, 10, 1};
+    model->actuators = {{"motors", {0, 1}, DriveModel{0.05, 0.2, 10, 1}}};
     auto scenario = std::make_shared<Scenario>();
     RobotEntry entry;
     entry.model = model;
@@ -84,7 +85,7 @@ class OneBodyPoses : public testing::Test {
     frame.scene = MakeScene(scenario);
     for (int i = 0; i < 2; ++i)
       frame.bodies.push_back(BodyAt(X_WR, {{0.03, 0, 0.0875}, Quaternion::Identity()}));
-    frame.robots.resize(2);
+    frame.channels.resize(frame.scene->channels.size());
   }
   const Pose X_WR{{1, 2, 3}, FromRollPitchYaw(0.1, 0.2, 1)};
   Frame frame;
@@ -102,7 +103,7 @@ TEST_F(OneBodyPoses, LinksStandWhereTheModelSaysAndWheelsTurnAboutTheirAxles) {
   for (int k = 0; k < 3; ++k) {
     ExpectSame(LinkPose(frame, 0, k), X_WR * model.links[static_cast<std::size_t>(k)].X_RL);
   }
-  frame.robots[0].wheel_angle_rad = {0.4, -20};
+  SetTurned(frame, 0, {0.4, -20}, {});
   ExpectSame(LinkPose(frame, 0, 0), X_WR * model.links[0].X_RL);
   // Forward about +y, seen in the wheel: about its own axis, which is the axle.
   ExpectSame(LinkPose(frame, 0, 1),
@@ -113,7 +114,8 @@ TEST_F(OneBodyPoses, LinksStandWhereTheModelSaysAndWheelsTurnAboutTheirAxles) {
 
 TEST_F(OneBodyPoses, AWheelOfUnknownAngleStandsAsInTheModel) {
   const Pose X_WL = LinkPose(frame, 0, 1);
-  frame.robots[0].wheel_angle_rad.fill(std::numeric_limits<double>::quiet_NaN());
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  SetTurned(frame, 0, {kNan, kNan}, {});
   ExpectSame(LinkPose(frame, 0, 1), X_WL);
 }
 
@@ -144,8 +146,8 @@ TEST(FrameBoard, ReaderNeverSeesTimeGoBackNorHalfAFrame) {
     for (std::uint64_t k = 1; k <= kFrames; ++k) {
       auto frame = std::make_shared<Frame>();
       frame->step = k;
-      frame->robots.resize(50);
-      for (RobotState& robot : frame->robots) robot.wheel_angle_rad[0] = static_cast<double>(k);
+      frame->channels.resize(50);
+      for (ChannelState& channel : frame->channels) channel.position = static_cast<double>(k);
       board.Publish(std::move(frame));
     }
   });
@@ -155,8 +157,8 @@ TEST(FrameBoard, ReaderNeverSeesTimeGoBackNorHalfAFrame) {
     if (frame == nullptr) continue;
     EXPECT_GE(frame->step, last);
     last = frame->step;
-    for (const RobotState& robot : frame->robots) {
-      ASSERT_EQ(robot.wheel_angle_rad[0], static_cast<double>(frame->step));
+    for (const ChannelState& channel : frame->channels) {
+      ASSERT_EQ(channel.position, static_cast<double>(frame->step));
     }
   }
   writer.join();

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "server/state/frame.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -32,7 +33,7 @@ struct Bytes {
   }
 };
 
-std::unique_ptr<Frame> TestFrame(std::size_t bodies, std::size_t robots) {
+std::unique_ptr<Frame> TestFrame(std::size_t bodies, std::size_t channels) {
   auto frame = std::make_unique<Frame>();
   auto scene = std::make_shared<Scene>();
   frame->step = 7;
@@ -50,9 +51,9 @@ std::unique_ptr<Frame> TestFrame(std::size_t bodies, std::size_t robots) {
     body.w_WB = {8 * x, 9, -0.0};
     body.sleep_counter = i;
   }
-  frame->robots.resize(robots);
-  for (std::size_t i = 0; i < robots; ++i)
-    frame->robots[i].setpoint_rad_s = {0.5 + static_cast<double>(i), -1};
+  for (std::size_t i = 0; i < channels; ++i) {
+    frame->channels.push_back({1, 2, 3, {0.5 + static_cast<double>(i), ControlMode::kPosition}});
+  }
   frame->scene = scene;
   return frame;
 }
@@ -74,7 +75,7 @@ TEST_P(HashOfSize, IsXxh3OverTheStatedWords) {
     for (int k = 0; k < 3; ++k) bytes << b.w_WB[k];
     bytes << b.sleep_counter;
   }
-  for (const RobotState& robot : frame->robots) bytes << robot.setpoint_rad_s[0] << robot.setpoint_rad_s[1];
+  for (const ChannelState& channel : frame->channels) bytes << char{1} << channel.setpoint.reference;
   bytes << frame->solver_seed;
   EXPECT_EQ(StateHash(*frame), XXH3_64bits(bytes.text.data(), bytes.text.size()));
 }
@@ -93,7 +94,8 @@ TEST(Hash, EveryPartOfTheStateCounts) {
       [](Frame& f) { f.bodies[1].v_WB.z() += 1e-14; },
       [](Frame& f) { f.bodies[1].w_WB.z() = 0.0; },  // was −0: raw bits count
       [](Frame& f) { ++f.bodies[1].sleep_counter; },
-      [](Frame& f) { f.robots[0].setpoint_rad_s[1] += 1e-15; }};
+      [](Frame& f) { f.channels[0].setpoint.reference += 1e-15; },
+      [](Frame& f) { f.channels[0].setpoint.mode = ControlMode::kDirect; }};
   const std::uint64_t hash = StateHash(*TestFrame(3, 1));
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const auto frame = TestFrame(3, 1);
@@ -105,7 +107,7 @@ TEST(Hash, EveryPartOfTheStateCounts) {
 TEST(Hash, RevisionAndReadingsDoNotCount) {
   const auto frame = TestFrame(3, 1);
   frame->revision = 5;
-  frame->robots[0].wheel_angle_rad = {1, 2};
+  AnglesOf(*frame, 0) = {1, 2};
   EXPECT_EQ(StateHash(*frame), StateHash(*TestFrame(3, 1)));
 }
 
