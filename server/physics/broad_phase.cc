@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/drive_motion.h"
+#include "server/physics/wheel_drive.h"
 
 namespace coopdyn {
 

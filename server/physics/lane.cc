@@ -89,7 +89,8 @@ void Lane::Build() {
   loaded_.clear();
   std::fill(slot_of_.begin(), slot_of_.end(), nullptr);
   // Always pool by pool, so that the order of bodies in ODE does not depend on how a lane has grown.
-  pools_.assign(things_.pools.size(), {});
+  pools_.clear();
+  pools_.resize(things_.pools.size());
   for (std::size_t pool = 0; pool < pools_.size(); ++pool) {
     pools_[pool].mechanism = things_.pools[pool];
     for (std::size_t i = 0; i < sizes_[pool]; ++i)

@@ -115,12 +115,15 @@ VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, cons
     if (ours != nullptr) theirs = ExactFrame(other, at.step, services, why, report.warning);
   }
   if (theirs != nullptr) {
-    if (ours->bodies.size() != theirs->bodies.size() || ours->robots.size() != theirs->robots.size()) {
+    if (ours->bodies.size() != theirs->bodies.size() ||
+        ours->scene->robots.size() != theirs->scene->robots.size() ||
+        ours->channels.size() != theirs->channels.size()) {
       report.error = fmt::format(
           "{} and {} are different runs from the start on: {} moving bodies and {} robots (scenario {}), {} "
           "and {} (scenario {})",
-          one.file(), other.file(), ours->bodies.size(), ours->robots.size(), one.header().scenario_name,
-          theirs->bodies.size(), theirs->robots.size(), other.header().scenario_name);
+          one.file(), other.file(), ours->bodies.size(), ours->scene->robots.size(),
+          one.header().scenario_name, theirs->bodies.size(), theirs->scene->robots.size(),
+          other.header().scenario_name);
       return report;
     }
     difference.time = ours->time;

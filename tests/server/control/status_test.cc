@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/server/control/simulation_fixture.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -59,7 +60,7 @@ TEST_F(SimulationModuleTest, StatusTellsEverything) {
 TEST_F(SimulationModuleTest, StatusTellsWhichRobotsMoveThoughNobodyDrivesThem) {
   world_.Load(SmallScenario(2), Mode::kRealtime);
   const SlotId robot = world_.board.FindSlot("robot1");
-  world_.board.Command(robot, {42, "", "peer:42", false}, {1, 1}, {}, nullptr);
+  world_.board.Command(robot, {42, "", "peer:42", false}, Wheels(1, 1), {}, nullptr);
   world_.Step();
   const auto moving = [this](std::size_t index) {
     return Status().at("robots").as_array().at(index).at("still_moving").as_bool();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/server/control/swarm_fixture.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -141,7 +142,7 @@ TEST_F(SwarmModuleTest, ResetAndLoadEndTheWaitWithError5) {
 
 TEST_F(SwarmModuleTest, StopTeamStopsAllOfTheTeamAtOnce) {
   Ask("claim ant");
-  world_.board.Command(slot("loner"), ana_, {4, 4}, {}, nobody_);
+  world_.board.Command(slot("loner"), ana_, Wheels(4, 4), {}, nobody_);
   Ask("step_all wheels 1 1 2 2 3 3");
   EXPECT_EQ(Ask("stop_team").error, 0);
   world_.Step();

@@ -138,7 +138,7 @@ TEST(SimulationFreezeTest, ARestartForgetsWhatWasFrozen) {
   EXPECT_EQ(simulation->Restore(AboutToExplode(simulation), 1), "");
   simulation.Steps(5);
   ASSERT_GE(simulation->TakeFrozen().size(), 2u);
-  IsFrozen(*ASSERT_TRUE(simulation->frame(), 2));
+  ASSERT_TRUE(IsFrozen(*simulation->frame(), 2));
   simulation->Restart(1, 2);
   EXPECT_EQ(WholeHashes(simulation, kSteps), Fresh(scene));
   EXPECT_TRUE(simulation->TakeFrozen().empty());
@@ -155,7 +155,7 @@ TEST(SimulationFreezeTest, WhatIsFrozenStaysSoWhenRestored) {
     const std::unique_ptr<SteppedSimulation> owned(other == &run ? nullptr : other);
     (*other)->TakeFrozen();
     EXPECT_EQ((*other)->Restore(saved, 1), "");
-    EXPECT_TRUE((*IsFrozen(*other)->frame(), 2));
+    EXPECT_TRUE(IsFrozen(*(*other)->frame(), 2));
     EXPECT_EQ(WholeHashes(*other, 100), expected);
     EXPECT_TRUE((*other)->TakeFrozen().empty()) << "it is no news";
   }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/server/physics/stepper_boards.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 
@@ -134,9 +135,9 @@ class StepperRestoreTest : public StepperBoards {
   /// A step in which robot1 and robot3 are commanded as their step number says; returns the hash after it.
   std::uint64_t Step() {
     const double wave = static_cast<double>(now().step % 7);
-    board_.Command(board_.FindSlot("robot1"), ana_, {wave, 2}, {}, [](const StepResult&) {});
+    board_.Command(board_.FindSlot("robot1"), ana_, Wheels(wave, 2), {}, [](const StepResult&) {});
     if (now().step % 3 == 0) {
-      board_.Command(board_.FindSlot("robot3"), bob_, {1, wave}, {}, [](const StepResult&) {});
+      board_.Command(board_.FindSlot("robot3"), bob_, Wheels(1, wave), {}, [](const StepResult&) {});
     } else {
       board_.Ready(board_.FindSlot("robot3"), bob_, 1, [](const StepResult&) {});
     }

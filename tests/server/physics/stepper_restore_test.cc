@@ -101,7 +101,7 @@ TEST_F(StepperRestoreTest, WhoWaitsIsToldOfTheReset) {
     EXPECT_EQ(result.frame->step, 0u);
   };
   for (const EditAction& anew : {EditAction(edit::Restore{saved}), EditAction(edit::Reset{})}) {
-    board_.Command(board_.FindSlot("robot1"), ana_, {1, 1}, {}, note);
+    board_.Command(board_.FindSlot("robot1"), ana_, Wheels(1, 1), {}, note);
     board_.Ready(board_.FindSlot("robot3"), bob_, 5, note);
     board_.WaitSteps(9, note);
     Do(anew);
@@ -280,7 +280,7 @@ TEST_F(StepperRestoreTest, AStateOfAnotherScenarioIsPutInForce) {
   const SavedStatePtr saved = Save();
   const auto hashes = Steps(20);
   Do(edit::Load{Read("[ROBOT_1]\ntype coopbot\nname alone\nposition 0 0\n")});
-  ASSERT_EQ(now().robots.size(), 1u);
+  ASSERT_EQ(now().scene->robots.size(), 1u);
   EXPECT_EQ(Do(edit::Restore{saved}).error, Error::kOk);
   EXPECT_EQ(now().step, 12u);
   EXPECT_EQ(Steps(20), hashes);

@@ -89,7 +89,7 @@ TEST_F(StepperTest, TheLastReadyRobotsThreadRunsTheStepItself) {
 TEST_F(StepperTest, ACommandForManyStepsIsCarriedOnByThePhysicsThread) {
   Begin(kTwoRobots, Mode::kLockstep);
   StartThread();
-  board_.Command(board_.FindSlot("robot1"), ana_, {3, 3}, 50, [](const StepResult&) {});
+  board_.Command(board_.FindSlot("robot1"), ana_, Wheels(3, 3), 50, [](const StepResult&) {});
   const StepResult result = Command("robot2", bob_, {3, 3}, 50);
   EXPECT_EQ(result.frame->step, 50u);
   EXPECT_EQ(result.frame->time, 50 * kDefaultStep);
@@ -102,7 +102,7 @@ TEST_F(StepperTest, TheSameCommandsGiveTheSameHashWhoeverRunsTheSteps) {
     Begin(kTwoRobots, Mode::kLockstep);
     if (thread) StartThread();
     for (int k = 0; k < 50; ++k) {
-      board_.Command(board_.FindSlot("robot1"), ana_, {0.1 * k, 2}, {}, [](const StepResult&) {});
+      board_.Command(board_.FindSlot("robot1"), ana_, Wheels(0.1 * k, 2), {}, [](const StepResult&) {});
       Command("robot2", bob_, {2, 0.1 * k});
     }
     hashes.push_back(StateHash(*frames_.Latest()));
@@ -157,7 +157,7 @@ TEST_F(StepperTest, PauseEndsStepNWhichTellsHowManyHaveRun) {
   auto ended = Expect(done);
   edits_.Push({edit::Step{1'000'000}, nullptr, done});
   for (int k = 0; k < 3; ++k) {
-    board_.Command(board_.FindSlot("robot1"), ana_, {1, 1}, {}, [](const StepResult&) {});
+    board_.Command(board_.FindSlot("robot1"), ana_, Wheels(1, 1), {}, [](const StepResult&) {});
     Command("robot2", bob_, {1, 1});
   }
   Do(edit::Pause{});
@@ -165,8 +165,8 @@ TEST_F(StepperTest, PauseEndsStepNWhichTellsHowManyHaveRun) {
   EXPECT_EQ(result.end, StepEnd::kPaused);
   EXPECT_EQ(result.ran, 3);
   EXPECT_EQ(result.asked, 1'000'000);
-  board_.Command(board_.FindSlot("robot1"), ana_, {1, 1}, {}, [](const StepResult&) {});
-  board_.Command(board_.FindSlot("robot2"), bob_, {1, 1}, {}, [](const StepResult&) {});
+  board_.Command(board_.FindSlot("robot1"), ana_, Wheels(1, 1), {}, [](const StepResult&) {});
+  board_.Command(board_.FindSlot("robot2"), bob_, Wheels(1, 1), {}, [](const StepResult&) {});
   EXPECT_EQ(Do(edit::StopAll{}).frame->step, 3u) << "nothing more runs";
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What edits do to a playback, and which are refused.
 #include "tests/server/record/player_fixture.h"
+#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -209,7 +210,7 @@ TEST_F(PlayerEditsTest, RestoreEndsThePlayback) {
   EXPECT_EQ((*step)->end, StepEnd::kLoad);
   EXPECT_EQ(edits_.TakeAll().size(), 1u) << "what came after it is for the live run";
   const Client ana{1, "ana", "a"};
-  const Verdict verdict = board_.Command(board_.FindSlot("robot1"), ana, {1, 1}, {}, nullptr);
+  const Verdict verdict = board_.Command(board_.FindSlot("robot1"), ana, Wheels(1, 1), {}, nullptr);
   EXPECT_EQ(verdict.error, Error::kOk) << "robots can be driven again";
 }
 
@@ -246,7 +247,7 @@ TEST_F(PlayerEditsTest, PauseEndsStepNAndTellsHowManyWereShown) {
 TEST_F(PlayerEditsTest, NobodyDrives) {
   RecordPaused();
   const Client ana{1, "ana", "a"};
-  const Verdict verdict = board_.Command(board_.FindSlot("robot1"), ana, {1, 1}, {}, nullptr);
+  const Verdict verdict = board_.Command(board_.FindSlot("robot1"), ana, Wheels(1, 1), {}, nullptr);
   EXPECT_EQ(verdict.error, Error::kNotPossible);
   EXPECT_EQ(verdict.text, kPlayingText);
 }

@@ -22,9 +22,10 @@ class TeamTest : public CommandBoardTest {
     return list;
   }
   std::vector<SlotId> all() { return slots({"robot1", "robot2", "robot3"}); }
-  Verdict StepAll(const std::vector<std::string>& names, const std::vector<Setpoint>& setpoints,
+  Verdict StepAll(const std::vector<std::string>& names, const std::vector<WheelSpeeds>& wheels,
                   const std::vector<std::string>& others = {}) {
     const std::vector<SlotId> named = slots(names), rest = slots(others);
+    const std::vector<Setpoint> setpoints = ByChannel(wheels);
     return board_.StepAll({named, setpoints, rest}, team_, 1, Note("team"));
   }
 
@@ -37,7 +38,7 @@ TEST_F(TeamTest, OneBatchMakesAllItsRobotsReadyAndIsAnsweredOnce) {
   EXPECT_EQ(verdict.error, Error::kOk);
   EXPECT_FALSE(verdict.answer_now);
   EXPECT_TRUE(board_.AllReady());
-  EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{1, 1}, {2, 2}, {3, 3}}));
+  EXPECT_EQ(RunStep(), (std::vector<WheelSpeeds>{{1, 1}, {2, 2}, {3, 3}}));
   ASSERT_EQ(answers_["team"].size(), 1u);
   EXPECT_EQ(answers_["team"][0].end, StepEnd::kRan);
   EXPECT_EQ(answers_["team"][0].frame->step, 1u);
@@ -56,7 +57,7 @@ TEST_F(TeamTest, WithoutSetpointsTheyAreKept) {
   StepAll({"robot1", "robot2", "robot3"}, {{1, 1}, {2, 2}, {3, 3}});
   RunStep();
   StepAll({"robot1", "robot2", "robot3"}, {});
-  EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{1, 1}, {2, 2}, {3, 3}}));
+  EXPECT_EQ(RunStep(), (std::vector<WheelSpeeds>{{1, 1}, {2, 2}, {3, 3}}));
 }
 
 TEST_F(TeamTest, OwnedRobotsThatAreNotNamedKeepTheirsAndCountAsReady) {
@@ -64,7 +65,7 @@ TEST_F(TeamTest, OwnedRobotsThatAreNotNamedKeepTheirsAndCountAsReady) {
   RunStep();
   StepAll({"robot2"}, {{9, 9}}, {"robot1", "robot3"});
   EXPECT_TRUE(board_.AllReady());
-  EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{1, 1}, {9, 9}, {3, 3}}));
+  EXPECT_EQ(RunStep(), (std::vector<WheelSpeeds>{{1, 1}, {9, 9}, {3, 3}}));
 }
 
 TEST_F(TeamTest, OthersThatAreNotTheClientsAreLeftAlone) {
@@ -80,7 +81,7 @@ TEST_F(TeamTest, ANamedRobotOfSomebodyElseRefusesTheWholeBatch) {
   EXPECT_EQ(verdict.error, Error::kOwned);
   EXPECT_THAT(verdict.text, HasSubstr("robot3 is driven by ana"));
   EXPECT_THAT(board_.Team(team_.id), IsEmpty());
-  EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{0, 0}, {0, 0}, {0, 0}}));
+  EXPECT_EQ(RunStep(), (std::vector<WheelSpeeds>{{0, 0}, {0, 0}, {0, 0}}));
   EXPECT_THAT(answers_["team"], IsEmpty());
 }
 
@@ -128,7 +129,7 @@ TEST_F(TeamTest, StopTeamZeroesOnlyItsOwnRobotsAlsoWhatIsStillPending) {
   board_.Command(slot("robot3"), ana_, Wheels(3, 3), {}, Note("ana"));
   StepAll({"robot1", "robot2"}, {{1, 1}, {2, 2}});
   board_.StopTeam(all(), team_);
-  EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{0, 0}, {0, 0}, {3, 3}}));
+  EXPECT_EQ(RunStep(), (std::vector<WheelSpeeds>{{0, 0}, {0, 0}, {3, 3}}));
   EXPECT_EQ(answers_["team"].size(), 1u);
 }
 
@@ -164,7 +165,7 @@ TEST_F(TeamTest, TheNewOwnersFirstStepReplacesTheOldBatch) {
   board_.Command(slot("robot2"), bob_, Wheels(5, 5), {}, Note("bob"));
   ASSERT_EQ(answers_["team"].size(), 1u);
   EXPECT_EQ(answers_["team"][0].end, StepEnd::kReplaced);
-  EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{0, 0}, {5, 5}, {0, 0}}));
+  EXPECT_EQ(RunStep(), (std::vector<WheelSpeeds>{{0, 0}, {5, 5}, {0, 0}}));
   EXPECT_EQ(answers_["herd"].size(), 1u);
   EXPECT_EQ(answers_["team"].size(), 1u);
 }
@@ -176,12 +177,12 @@ TEST_F(TeamTest, EndOfInputFreesTheTeamAndItsRequestsStillRun) {
   EXPECT_EQ(board_.Team(team_.id), all());  // what its last requests still mean
   Client ended = team_;
   ended.input_ended = true;
-  const std::vector<Setpoint> setpoints{{1, 1}, {2, 2}, {3, 3}};
+  const std::vector<Setpoint> setpoints = ByChannel(std::vector<WheelSpeeds>{{1, 1}, {2, 2}, {3, 3}});
   EXPECT_EQ(board_.StepAll({all(), setpoints, {}}, ended, 1, Note("team")).error, Error::kOk);
   EXPECT_EQ(board_.Owners()[0].id, 0u);
   board_.ClosedAll(team_.id);
   EXPECT_THAT(board_.Team(team_.id), IsEmpty());
-  EXPECT_EQ(RunStep(), setpoints);
+  EXPECT_EQ(ByChannel(RunStep()), setpoints);
 }
 
 TEST_F(TeamTest, OnDisconnectActsForEachRobotOnceTheBatchHasRun) {
@@ -191,9 +192,9 @@ TEST_F(TeamTest, OnDisconnectActsForEachRobotOnceTheBatchHasRun) {
   UseEntries({stops, drops, MakeRobot("robot3")});
   StepAll({"robot1", "robot2", "robot3"}, {{1, 1}, {2, 2}, {3, 3}});
   board_.ClosedAll(team_.id);
-  EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{1, 1}, {2, 2}, {3, 3}}));
+  EXPECT_EQ(RunStep(), (std::vector<WheelSpeeds>{{1, 1}, {2, 2}, {3, 3}}));
   EXPECT_EQ(board_.Awaiting(now_, 9, nullptr).size(), 1u);
-  EXPECT_EQ(RunStep(), (std::vector<Setpoint>{{0, 0}, {0, 0}, {3, 3}}));
+  EXPECT_EQ(RunStep(), (std::vector<WheelSpeeds>{{0, 0}, {0, 0}, {3, 3}}));
   EXPECT_TRUE(board_.Owners()[1].dropped);
 }
 
@@ -203,7 +204,7 @@ TEST_F(TeamTest, InRealtimeALostTeamThatSaidHelloStopsAndOneWithoutNameDrivesOn)
     UseRobots({"robot1", "robot2", "robot3"});
     board_.SetMode(Mode::kRealtime, now_);
     const std::vector<SlotId> two = slots({"robot1", "robot3"});
-    const std::vector<Setpoint> setpoints{{1, 1}, {3, 3}};
+    const std::vector<Setpoint> setpoints = ByChannel(std::vector<WheelSpeeds>{{1, 1}, {3, 3}});
     board_.StepAll({two, setpoints, {}}, team, 1, Note("team"));
     RunStep();
     board_.InputEndedAll(team.id);

@@ -24,11 +24,11 @@ struct Bytes {
   std::string text;
   template <typename T>
   Bytes& operator<<(T value) {
-    static_assert(sizeof(T) == 8);
-    char raw[8];
-    std::memcpy(raw, &value, 8);
-    if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + 8);
-    text.append(raw, 8);
+    static_assert(sizeof(T) == 8 || sizeof(T) == 1);
+    char raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + sizeof(T));
+    text.append(raw, sizeof(T));
     return *this;
   }
 };
