@@ -66,13 +66,13 @@ TEST_F(NewControllerTest, ItBuildsWithoutWarningsAndDrivesTheRobotOfItsScenario)
   auto frame = std::make_shared<Frame>();
   frame->scene = MakeScene(scenario);
   frame->bodies.resize(frame->scene->body_ids.size());
-  frame->robots.resize(1);
+  frame->channels.resize(frame->scene->channels.size());
   host.Configure(frame);
   for (const StoppedController& stopped : host.TakeStopped()) ADD_FAILURE() << stopped.why;
-  std::vector<Setpoint> setpoints(1);
+  std::vector<Setpoint> setpoints(2);
   std::vector<SentMessage> messages;
   host.Step(frame, setpoints, messages);
-  EXPECT_GT(setpoints[0][0], 0);
+  EXPECT_GT(setpoints[0].reference, 0);
 }
 
 TEST_F(NewControllerTest, ItOverwritesNothing) {

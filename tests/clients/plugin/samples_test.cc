@@ -17,7 +17,7 @@ double Distance(const Frame& frame, int one, int other) {
 /// Smallest distance of two robots' middles.
 double Nearest(const Frame& frame) {
   double nearest = 1e9;
-  const int count = static_cast<int>(frame.robots.size());
+  const int count = static_cast<int>(frame.scene->robots.size());
   for (int i = 0; i < count; ++i) {
     for (int k = i + 1; k < count; ++k) nearest = std::min(nearest, Distance(frame, i, k));
   }
@@ -27,7 +27,7 @@ double Nearest(const Frame& frame) {
 /// Mean distance of the robots from their common middle.
 double Spread(const Frame& frame) {
   Vector3 middle = Vector3::Zero();
-  const int count = static_cast<int>(frame.robots.size());
+  const int count = static_cast<int>(frame.scene->robots.size());
   for (int i = 0; i < count; ++i) middle += RobotPose(frame, i).p / count;
   double spread = 0;
   for (int i = 0; i < count; ++i) spread += (RobotPose(frame, i).p - middle).norm() / count;
@@ -37,7 +37,7 @@ double Spread(const Frame& frame) {
 /// Length of the mean of the unit vectors of all headings: 1 if all are the same.
 double Order(const Frame& frame) {
   double x = 0, y = 0;
-  const int count = static_cast<int>(frame.robots.size());
+  const int count = static_cast<int>(frame.scene->robots.size());
   for (int i = 0; i < count; ++i) {
     const double heading = Heading(RobotPose(frame, i).q);
     x += std::cos(heading) / count;
@@ -109,14 +109,14 @@ TEST(SamplesTest, AttractorReachesTheTargetAndStops) {
   driven.Steps(2000);
   const Vector3 p_WR = RobotPose(*driven.frame(), 0).p;
   EXPECT_NEAR((p_WR - Vector3(3, 0.5, 0)).norm(), 0.4, 0.02);
-  EXPECT_EQ(driven.run().setpoints.back()[0], Setpoint{});
+  EXPECT_EQ(driven.run().setpoints.back()[0], WheelSpeeds{});
 }
 
 TEST(SamplesTest, AttractorWaitsForItsColour) {
   Driven driven = SwarmOf("attractor", 1, {{"red", 0}, {"blue", 1}});
   driven.Start();
   driven.Steps(10);
-  EXPECT_EQ(driven.run().setpoints.back()[0], Setpoint{});
+  EXPECT_EQ(driven.run().setpoints.back()[0], WheelSpeeds{});
 }
 
 TEST(SamplesTest, AllDescribeTheirOptions) {

@@ -26,8 +26,8 @@ class DeviceTest : public testing::Test {
 TEST_F(DeviceTest, VelocityBecomesWheelSpeeds) {
   const auto actuation = Make("motors")->Actuate(Request(command::kSetVelocity, {0.2, 0.5}));
   ASSERT_TRUE(actuation);
-  EXPECT_NEAR(actuation->wheel_speed_rad_s[0], (0.2 - 0.5 * 0.2) / 0.1, 1e-12);
-  EXPECT_NEAR(actuation->wheel_speed_rad_s[1], (0.2 + 0.5 * 0.2) / 0.1, 1e-12);
+  EXPECT_NEAR(actuation->setpoints[0].reference, (0.2 - 0.5 * 0.2) / 0.1, 1e-12);
+  EXPECT_NEAR(actuation->setpoints[1].reference, (0.2 + 0.5 * 0.2) / 0.1, 1e-12);
   EXPECT_EQ(actuation->limited, "");
   EXPECT_FALSE(actuation->steps);
 }
@@ -37,7 +37,7 @@ TEST_F(DeviceTest, LimitScalesBothWheelsAndKeepsTheCurvature) {
   for (const double v : {-3.0, 0.0, 0.5, 2.0, 1e300, 1e308}) {
     for (const double w : {-20.0, 0.0, 7.0, 1e307}) {
       const auto actuation = motors->Actuate(Request(command::kSetVelocity, {v, w}));
-      const auto [left, right] = actuation->wheel_speed_rad_s;
+      const double left = actuation->setpoints[0].reference, right = actuation->setpoints[1].reference;
       EXPECT_LE(std::max(std::abs(left), std::abs(right)), 10.0);
       const double linear = (left + right) / 2 * 0.1;
       const double angular = (right - left) * 0.1 / 0.4;

@@ -98,7 +98,7 @@ TEST_F(RunWriterTest, ARowHasHashPosesAndReadings) {
     EXPECT_EQ(file.Blob("SELECT " + column + " FROM step WHERE step = 1"), expected) << column;
   };
   expect_column("poses", [&](auto& bytes) { EncodePoses(frame->bodies, bytes); });
-  expect_column("wheels", [&](auto& bytes) { EncodeWheels(frame->robots, bytes); });
+  expect_column("wheels", [&](auto& bytes) { EncodeWheels(*frame, bytes); });
   expect_column("distances", [&](auto& bytes) { EncodeDistances(*frame, bytes); });
   expect_column("targets", [&](auto& bytes) { EncodeTargets(*frame, bytes); });
 }

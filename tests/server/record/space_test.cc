@@ -17,7 +17,7 @@ TEST(SpaceTest, TheEstimateIsThatOfTheFile) {
     const auto writer = MakeWriter(file, *start, what, pose_every);
     for (std::uint64_t step = 1; step <= 3000; ++step) {
       const auto frame = maker.Make(step);
-      frame->robots = start->frame->robots;
+      frame->channels = start->frame->channels;
       ASSERT_TRUE(writer->AddStep(*frame));
       if (step % 500 != 0) continue;
       SavedState state;

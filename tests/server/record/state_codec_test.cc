@@ -137,7 +137,7 @@ TEST(StateCodecTest, MutatedStatesAreRefusedOrWhole) {
     if (read == nullptr) continue;
     ++taken;
     EXPECT_EQ(read->frame->bodies.size(), maker.scene()->body_ids.size());
-    EXPECT_EQ(read->frame->robots.size(), 3U);
+    EXPECT_EQ(read->frame->channels.size(), 6U);
     for (const SentMessage& sent : read->frame->messages) {
       EXPECT_LT(sent.robot, 3U);
       EXPECT_LE(sent.message.count, RobotMessage::kMaxValues);

@@ -16,7 +16,7 @@ TEST(StepRowTest, TheBytesOfARowAreThoseThatAreWritten) {
   constexpr std::uint64_t kSteps = 2000;
   for (std::uint64_t step = 1; step <= kSteps; ++step) {
     const auto frame = maker.Make(step);
-    frame->robots = start->frame->robots;  // no commands
+    frame->channels = start->frame->channels;  // no commands
     ASSERT_TRUE(writer->AddStep(*frame));
   }
   std::string remark;

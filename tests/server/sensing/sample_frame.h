@@ -105,7 +105,7 @@ class SampleWorld {
     frame->seed = 7;
     frame->step = 100;
     frame->bodies.resize(frame->scene->body_ids.size());
-    frame->robots.resize(frame->scene->robots.size());
+    frame->channels.resize(frame->scene->channels.size());
     const auto place = [&frame](int body, const Pose& X_WB) {
       BodyState& state = frame->bodies[static_cast<std::size_t>(body)];
       state.p_WB = X_WB.p;

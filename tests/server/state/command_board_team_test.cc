@@ -99,7 +99,9 @@ TEST_F(TeamTest, ClaimTakesAllOrNone) {
 
 TEST_F(TeamTest, ClaimFreeTakesWhatNobodyDrives) {
   RobotEntry still = MakeRobot("robot4");
-  still.model = std::make_shared<RobotModel>();
+  const auto model = std::make_shared<RobotModel>();
+  model->links.resize(1);
+  still.model = model;
   UseEntries({MakeRobot("robot1"), MakeRobot("robot2"), MakeDriven("robot3"), still});
   board_.Claim(slot("robot1"), ana_);
   EXPECT_EQ(board_.ClaimFree(team_).error, Error::kOk);
@@ -108,7 +110,9 @@ TEST_F(TeamTest, ClaimFreeTakesWhatNobodyDrives) {
 
 TEST_F(TeamTest, ARobotWithoutActuatorsCannotBeClaimed) {
   RobotEntry still = MakeRobot("robot2");
-  still.model = std::make_shared<RobotModel>();
+  const auto model = std::make_shared<RobotModel>();
+  model->links.resize(1);
+  still.model = model;
   UseEntries({MakeRobot("robot1"), still});
   EXPECT_EQ(board_.ClaimAll(slots({"robot1", "robot2"}), team_).error, Error::kNotPossible);
   EXPECT_THAT(board_.Team(team_.id), IsEmpty());
