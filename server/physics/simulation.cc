@@ -54,7 +54,6 @@ std::shared_ptr<Frame> Simulation::MakeFrame() {
   frame->seed = seed_;
   frame->scene = scene_;
   world_->Fill(*frame);
-  frame->commanded.assign(scene_->actuators.size(), 0);
   frame->messages = messages_;
   return frame;
 }

@@ -41,6 +41,7 @@ void PhysicsWorld::Fill(Frame& frame) const {
   const WorldState& state = impl_->engine.state();
   frame.bodies = state.bodies;
   frame.channels = state.channels;
+  frame.commanded.assign(impl_->scene->actuators.size(), 0);
   frame.solver_seed = state.solver_seed;
 }
 

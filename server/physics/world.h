@@ -33,7 +33,8 @@ class PhysicsWorld {
   /// held. Deterministic: depends on the state and the arguments alone.
   void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints);
 
-  /// Writes bodies, channels (set-points before the first step: zeros) and solver_seed into `frame`.
+  /// Writes bodies, channels (set-points before the first step: zeros) and solver_seed into `frame`; no
+  /// actuator is commanded.
   void Fill(Frame& frame) const;
   /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits. Whoever
   /// changes poses in it sets the sleep counters of what may be affected to 0: sleepers look at nothing.
