@@ -10,6 +10,7 @@
 
 #include "server/app/commands.h"
 #include "server/app/controller_child.h"
+#include "server/app/describe_command.h"
 #include "server/app/export_command.h"
 #include "server/app/info_command.h"
 #include "server/app/new_controller.h"
@@ -50,6 +51,7 @@ void AddBench(CLI::App& app, std::function<int()>& chosen) {
 void AddMoreCommands(CLI::App& app, std::function<int()>& chosen) {
   AddControllerChild(app, chosen);
   AddNewController(app, chosen);
+  AddDescribe(app, chosen);
   AddVerify(app, chosen);
   AddExport(app, chosen);
   AddInfo(app, chosen);

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/describe_command.h"
+
+#include <tinyxml2.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <set>
+#include <sstream>
+#include <system_error>
+
+#include "protocol/common_commands.h"
+#include "protocol/module_tables.h"
+#include "protocol/usage.h"
+#include "server/app/commands.h"
+#include "server/app/print.h"
+#include "server/model/readers.h"
+#include "server/model/summary.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+using tinyxml2::XMLElement;
+namespace fs = std::filesystem;
+
+/// A row of a table in Markdown.
+std::string TableRow(const std::vector<std::string>& cells) {
+  std::string row = "|";
+  for (const std::string& cell : cells) row += " " + cell + " |";
+  return row + "\n";
+}
+
+std::string TableHead(const std::vector<std::string>& names) {
+  return "\n" + TableRow(names) + TableRow(std::vector<std::string>(names.size(), "---"));
+}
+
+std::string CodeSpan(const std::string& text) {
+  return "`" + text + "`";
+}
+
+/// At most five significant digits: pages tell what files say, not how doubles round.
+std::string ShortNumber(double value) {
+  return fmt::format("{:.5g}", value + 0.0);
+}
+
+std::string Degrees(double angle_rad) {
+  return ShortNumber(std::round(angle_rad * 180 / std::numbers::pi * 1e3) / 1e3);
+}
+
+std::string PositionText(const Vector3& p) {
+  return ShortNumber(p.x()) + " " + ShortNumber(p.y()) + " " + ShortNumber(p.z());
+}
+
+/// The comment that a file begins with. Lines that it indents are commands.
+std::string LeadingComment(const std::string& text) {
+  std::string comment;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line) && line.starts_with("#");) {
+    const std::string rest = line.substr(std::min<std::size_t>(line.size(), 2));
+    comment += rest.starts_with("  ") ? "\n    " + std::string(Trim(rest)) + "\n" : rest + "\n";
+  }
+  return comment;
+}
+
+// Modules.
+
+bool IsGlobal(const CommandTable& table) {
+  for (const char* name : {"simulation", "swarm", "recorder", "playback"}) {
+    if (table.module() == name) return true;
+  }
+  return false;
+}
+
+/// The commands of a module that are not those of every module.
+std::vector<CommandSpec> OwnCommands(const CommandTable& table) {
+  std::vector<CommandSpec> own;
+  const std::vector<CommandSpec> common = CommonCommands({});
+  for (const CommandSpec& spec : table.commands()) {
+    const auto id = static_cast<std::size_t>(spec.id);
+    if (id >= common.size() || Usage(spec) != Usage(common[id])) own.push_back(spec);
+  }
+  return own;
+}
+
+std::string TextOf(const CommandSpec& spec) {
+  if (spec.text == TextUse::kNone) return "–";
+  if (spec.text == TextUse::kOrNumber) return "or " + spec.text_name;
+  return spec.text_optional || spec.text == TextUse::kFirst ? "[" + spec.text_name + "]" : spec.text_name;
+}
+
+std::string ModulePage(const CommandTable& table) {
+  const std::string socket = (IsGlobal(table) ? "/" : "/ROBOT/") + table.module();
+  std::string page = "# Module " + table.module() + "\n\nIts socket is " + CodeSpan(socket) +
+                     ". Values in `[ ]` may be left out; `…` means any number of them. Each reply ends with "
+                     "`time_s` and `step`.\n";
+  std::string readings;
+  for (const CommandSpec& spec : OwnCommands(table)) {
+    page += "\n## " + spec.name + "\n\n" + spec.help + "\n\n    " + Usage(spec) + "\n";
+    page += TableHead({"command " + std::to_string(spec.id), "text", "params", "data"});
+    page += TableRow({"request", TextOf(spec), ValuesCell(spec.params, true), ValuesCell(spec.data, true)});
+    page += TableRow({"reply", spec.reply_text.empty() ? "–" : spec.reply_text, ValuesCell(spec.reply_params),
+                      ValuesCell(spec.reply_data)});
+    page += "\nFor example " + CodeSpan(ExampleLine(spec)) + "\n";
+    if (IsSubscribable(spec)) readings += (readings.empty() ? "" : ", ") + CodeSpan(spec.name);
+  }
+  page += "\n## Like every module\n";
+  for (const CommandSpec& spec : CommonCommands({})) {
+    page += (page.ends_with('\n') ? "\n" : ", ") + CodeSpan(spec.name);
+  }
+  return page + "\n\n[protocol.md](../../protocol.md#every-module) describes these. `subscribe` here takes " +
+         (readings.empty() ? "nothing" : readings) + ".\n";
+}
+
+// Robots.
+
+/// `radius 0.18, height 0.15`
+std::string Attributes(const XMLElement& element) {
+  std::string text;
+  for (const auto* one = element.FirstAttribute(); one != nullptr; one = one->Next()) {
+    text += std::string(text.empty() ? "" : ", ") + one->Name() + " " + one->Value();
+  }
+  return text.empty() ? "–" : text;
+}
+
+/// The texts of the elements `path` below `element`; – where there is none.
+std::string TextAt(const XMLElement* element, std::initializer_list<const char*> path) {
+  for (const char* name : path) {
+    if (element != nullptr) element = element->FirstChildElement(name);
+  }
+  return element == nullptr || element->GetText() == nullptr ? "–" : element->GetText();
+}
+
+std::string JointRows(const XMLElement& model) {
+  std::string rows;
+  for (const auto* joint = model.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    rows +=
+        TableRow({joint->Attribute("name"), TextAt(joint, {"parent"}), TextAt(joint, {"child"}),
+                  TextAt(joint, {"axis", "limit", "effort"}), TextAt(joint, {"axis", "limit", "velocity"})});
+  }
+  return rows;
+}
+
+std::string ModuleRow(const XMLElement& module) {
+  const std::string type = module.Attribute("type");
+  const char* name = module.Attribute("name");
+  for (const CommandTable& table : AllModuleTables()) {
+    if (table.module() != type) continue;
+    std::string commands;
+    for (const CommandSpec& spec : OwnCommands(table)) commands += CodeSpan(spec.name) + " ";
+    return TableRow({CodeSpan("/ROBOT/" + (name == nullptr ? type : name)),
+                     "[" + type + "](../modules/" + type + ".md)", std::string(Trim(commands))});
+  }
+  return {};
+}
+
+/// Our own elements of the model: what they say is what a robot has, so new kinds need nothing here.
+std::string DeviceRows(const XMLElement& model) {
+  constexpr std::size_t kPrefix = std::string_view("coopdyn:").size();
+  std::string rows;
+  for (const auto* device = model.FirstChildElement(); device != nullptr;
+       device = device->NextSiblingElement()) {
+    const std::string name = device->Name();
+    if (!name.starts_with("coopdyn:") || name == "coopdyn:module") continue;
+    rows += TableRow({CodeSpan(name.substr(kPrefix)), Attributes(*device)});
+    int number = 0;
+    for (const auto* part = device->FirstChildElement(); part != nullptr; part = part->NextSiblingElement()) {
+      rows += TableRow({CodeSpan(std::string(part->Name()).substr(kPrefix)) + " " + std::to_string(++number),
+                        Attributes(*part)});
+    }
+  }
+  return rows;
+}
+
+std::string RobotPage(const RobotModel& robot) {
+  const double mass_kg =
+      std::accumulate(robot.links.begin(), robot.links.end(), 0.0,
+                      [](double sum, const LinkModel& link) { return sum + link.mass_kg; });
+  tinyxml2::XMLDocument document;
+  document.Parse(robot.text.data(), robot.text.size());
+  const XMLElement& model = *document.RootElement()->FirstChildElement("model");
+
+  std::string page = "# Robot " + robot.type + "\n\nIn a scenario:\n\n    [ROBOT_1]\n    type      " +
+                     robot.type + "\n    name      robot1\n    position  0 0\n";
+  page += TableHead({"body", ""});
+  page += TableRow({"mass", ShortNumber(mass_kg) + " kg"});
+  page += TableRow({"radius of its footprint", ShortNumber(robot.footprint_radius_m) + " m"});
+  page += TableRow({"height", ShortNumber(robot.height_m) + " m"});
+  for (const LinkModel& link : robot.links) {
+    page += TableRow({"link " + CodeSpan(link.name), ShortNumber(link.mass_kg) + " kg"});
+  }
+  page += "\n## Joints\n" + TableHead({"joint", "parent", "child", "torque N m", "top speed rad/s"}) +
+          JointRows(model);
+  page += "\n## Modules\n" + TableHead({"socket", "type", "commands"});
+  for (const auto* module = model.FirstChildElement("coopdyn:module"); module != nullptr;
+       module = module->NextSiblingElement("coopdyn:module")) {
+    page += ModuleRow(*module);
+  }
+  page +=
+      "\n## Drive and sensors\n\nAs the model says it: lengths in m, angles in degrees where the name says "
+      "so. "
+      "[formats.md](../../formats.md#robots) explains each word.\n";
+  return page + TableHead({"element", "attributes"}) + DeviceRows(model);
+}
+
+// Scenarios.
+
+std::string ShapeText(const Shape& shape) {
+  if (const auto* box = std::get_if<Box>(&shape)) return "box " + PositionText(box->size_m);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    return "cylinder " + ShortNumber(2 * cylinder->radius_m) + " " + ShortNumber(cylinder->length_m);
+  }
+  return "sphere " + ShortNumber(2 * std::get<Sphere>(shape).radius_m);
+}
+
+std::string ScenarioPage(const Scenario& scenario) {
+  constexpr std::size_t kMostRows = 100;
+  std::string page = "# Scenario " + scenario.name + "\n\n" + LeadingComment(scenario.text);
+  if (!scenario.world.text.empty()) {
+    page += "\nThe world, " + fs::path(scenario.world.file).filename().string() + ": " +
+            LeadingComment(scenario.world.text);
+  }
+  page += "\n    coopdyn serve " + scenario.name + "\n\nIn short: " + Summary(scenario) + ".\n";
+
+  page += "\n## Robots\n" + TableHead({"name", "type", "position m", "heading °", "driven by", "fidelity"});
+  const auto row = [&page](const std::string& name, const RobotEntry& robot, const std::string& position,
+                           const std::string& heading) {
+    page += TableRow({name, "[" + robot.model->type + "](../robots/" + robot.model->type + ".md)", position,
+                      heading, robot.controller.empty() ? "clients" : "controller " + robot.controller.name,
+                      ToString(robot.fidelity)});
+  };
+  std::set<std::size_t> in_swarms;
+  for (const SwarmEntry& swarm : scenario.swarms) {
+    row(swarm.name + "_1 … " + swarm.name + "_" + std::to_string(swarm.count), scenario.robots[swarm.first],
+        "by seed", "by seed");
+    for (std::size_t i = 0; i < swarm.count; ++i) in_swarms.insert(swarm.first + i);
+  }
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    const RobotEntry& robot = scenario.robots[i];
+    if (!in_swarms.contains(i))
+      row(robot.name, robot, PositionText(robot.X_WR.p), Degrees(Heading(robot.X_WR.q)));
+  }
+  if (!scenario.targets.empty()) {
+    page += "\n## Targets\n" + TableHead({"id", "colour", "position m"});
+    for (const Target& target : scenario.targets) {
+      page += TableRow({std::to_string(target.id.value), target.color_name, PositionText(target.p_WT)});
+    }
+  }
+  if (!scenario.objects.empty()) {
+    page += "\n## Things\n" + TableHead({"name", "shape and size m", "centre m", "heading °", "mass"});
+  }
+  for (std::size_t i = 0; i < std::min(kMostRows, scenario.objects.size()); ++i) {
+    const WorldObject& object = scenario.objects[i];
+    page += TableRow({object.name, ShapeText(object.shape), PositionText(object.X_WO.p),
+                      Degrees(Heading(object.X_WO.q)),
+                      object.is_static() ? "never moves" : ShortNumber(object.mass_kg) + " kg"});
+  }
+  if (scenario.objects.size() > kMostRows) {
+    page += "\nand " + std::to_string(scenario.objects.size() - kMostRows) + " more\n";
+  }
+  return page;
+}
+
+// The command.
+
+/// What to describe.
+struct Wanted {
+  std::string kind, name;
+  std::vector<std::string> scenario_folders;
+};
+
+std::vector<std::string> RobotNames(const SearchPath& path) {
+  std::set<std::string> names;
+  for (const fs::path& folder : path.folders) {
+    std::error_code error;
+    for (fs::directory_iterator it(folder / "robots", error), end; !error && it != end; it.increment(error)) {
+      if (fs::is_regular_file(it->path() / "model.sdf", error)) names.insert(it->path().filename().string());
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> ModuleNames() {
+  std::vector<std::string> names;
+  for (const CommandTable& table : AllModuleTables()) names.push_back(table.module());
+  return names;
+}
+
+std::vector<std::string> PageNames(const std::string& kind, const SearchPath& path) {
+  if (kind == "robot") return RobotNames(path);
+  return kind == "module" ? ModuleNames() : path.ScenarioNames();
+}
+
+/// A list of all pages, each with its link in docs/reference.
+std::string Index(const SearchPath& path) {
+  std::string page = "# Reference\n\nWhat `coopdyn describe KIND NAME` prints.\n";
+  for (const char* kind : {"robot", "module", "scenario"}) {
+    page += "\n## " + std::string(kind) + "s\n\n";
+    for (const std::string& name : PageNames(kind, path)) {
+      page += "- [" + name + "](" + kind + "s/" + name + ".md)\n";
+    }
+  }
+  return page;
+}
+
+/// Empty with `diagnostics` if there is no such page.
+std::string Page(const Wanted& wanted, const SearchPath& path, Diagnostics& diagnostics) {
+  RobotLibrary robots(path);
+  if (wanted.kind == "robot") {
+    const auto robot = robots.Get(wanted.name, {"coopdyn describe", 0}, diagnostics);
+    return robot == nullptr ? "" : RobotPage(*robot);
+  }
+  if (wanted.kind == "scenario") {
+    const auto scenario = LoadScenario(wanted.name, robots, diagnostics);
+    return scenario == nullptr ? "" : ScenarioPage(*scenario);
+  }
+  for (const CommandTable& table : AllModuleTables()) {
+    if (table.module() == wanted.name) return ModulePage(table);
+  }
+  diagnostics.Error({"coopdyn describe", 0},
+                    "there is no module '" + wanted.name + "'" + DidYouMean(wanted.name, ModuleNames()));
+  return {};
+}
+
+int Describe(const Wanted& wanted) {
+  SearchPath path;
+  for (const std::string& folder : DataFolders(wanted.scenario_folders)) path.folders.emplace_back(folder);
+  if (wanted.kind.empty()) {
+    PrintLines(Index(path));
+    return kExitOk;
+  }
+  if (wanted.name.empty()) {
+    PrintError("coopdyn: describe: write which {}: {}\n", wanted.kind,
+               JoinNames(PageNames(wanted.kind, path)));
+    return kExitWrongUse;
+  }
+  Diagnostics diagnostics;
+  const std::string page = Page(wanted, path, diagnostics);
+  PrintErrorLines(diagnostics.ToString());
+  PrintLines(page);
+  return page.empty() ? kExitErrors : kExitOk;
+}
+
+}  // namespace
+
+void AddDescribe(CLI::App& app, std::function<int()>& chosen) {
+  const auto wanted = std::make_shared<Wanted>();
+  CLI::App* sub = app.add_subcommand("describe", "Print a page about a robot, a module or a scenario");
+  sub->footer(
+      "Prints Markdown; without words, a list of all pages.\n"
+      "Examples: coopdyn describe robot minibot\n"
+      "          coopdyn describe module motors\n"
+      "          coopdyn describe scenario formation");
+  sub->add_option("kind", wanted->kind, "robot, module or scenario")
+      ->check(CLI::IsMember({"robot", "module", "scenario"}));
+  sub->add_option("name", wanted->name, "Which one");
+  sub->add_option("--scenarios", wanted->scenario_folders, "A folder with scenarios, worlds and robots");
+  sub->callback([&chosen, wanted] { chosen = [wanted] { return Describe(*wanted); }; });
+}
+
+}  // namespace coopdyn
