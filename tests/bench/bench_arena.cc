@@ -18,6 +18,10 @@ std::string ArenaText(const ArenaOptions& options) {
                      fmt::format("[SWARM_1]\ntype {}\nname bot\ncount {}\nfidelity {}\narea 0 0 {} {}\n",
                                  options.robot, options.robots, ToString(options.fidelity), inner_m, inner_m);
   if (!options.controller.empty()) text += "controller " + options.controller + "\n";
+  if (options.boxes > 0) {
+    text += fmt::format("[BOX]\ntype box\nsize 0.2 0.2 0.15\nmass 0.5\ncount {}\narea 0 0 {} {}\n",
+                        options.boxes, inner_m, inner_m);
+  }
   return text;
 }
 

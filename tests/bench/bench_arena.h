@@ -20,6 +20,7 @@ struct ArenaOptions {
   Fidelity fidelity = Fidelity::kRolling;
   std::string controller = {};  // `NAME option=value …`; empty: none
   double density_m2 = 1;        // robots per square metre between the walls
+  int boxes = 0;                // of 0.5 kg among them, which robots push
   std::uint64_t seed = 1;
 };
 

@@ -174,6 +174,7 @@ std::string BenchJson(const SwarmBenchOptions& options, const SwarmBenchResult& 
   add("controller", text(arena.controller.empty() ? "none" : arena.controller));
   add("controllers", text(options.controllers_in_process ? "in-process" : "child"));
   add("density", arena.density_m2);
+  add("boxes", arena.boxes);
   add("threads", options.threads);
   add("seed", arena.seed);
   add("seconds", options.seconds);
@@ -267,6 +268,9 @@ void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen) {
       ->capture_default_str();
   sub->add_option("--density", arena.density_m2, "Robots per square metre")
       ->check(NumberIn(kLeast, 1000))
+      ->capture_default_str();
+  sub->add_option("--boxes", arena.boxes, "Boxes of 0.5 kg among the robots, which they push")
+      ->check(CLI::Range(0, 100000))
       ->capture_default_str();
   sub->add_option("--seed", arena.seed, "Of places, controllers and noise")
       ->check(CLI::Validator(CheckWhole, ""))

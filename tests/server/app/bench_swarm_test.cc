@@ -183,6 +183,7 @@ TEST(BenchSwarmTest, JsonHasTheDocumentedKeys) {
                           "controller",
                           "controllers",
                           "density",
+                          "boxes",
                           "threads",
                           "seed",
                           "seconds",
