@@ -49,29 +49,27 @@ std::vector<CommandSpec> CommonCommands(std::span<const CommandSpec> own) {
        .example = "ping (1 2) 0.5"},
       {.id = command::kDescribe,
        .name = "describe",
-       .help = "Tells the commands of this module.",
+       .help = "Returns the commands of this module.",
        .reply_text = "JSON",
        .example = "describe"},
       {.id = command::kReady,
        .name = "ready",
-       .help =
-           "Keeps the set-points for the next step, or for a number of steps, and is answered after the last "
-           "of them.",
+       .help = "Keeps the set-points for the next step, or for a number of steps. The reply comes after the "
+               "last of them.",
        .params = {StepsParam()},
        .reply_params = StepReplyParams(),
        .reply_data = StepReplyData(),
        .example = "ready 10"},
       {.id = command::kGetTime,
        .name = "get_time",
-       .help = "Tells mode, time and step; with the readings chosen by attach.",
+       .help = "Returns mode, time and step, and the readings chosen by attach.",
        .reply_params = StepReplyParams(),
        .reply_data = StepReplyData(),
        .example = "get_time"},
       {.id = command::kSubscribe,
        .name = "subscribe",
-       .help = "Has a reading sent unasked, each step or each `every` steps, with the command -reading; "
-               "without a "
-               "reading the module's first.",
+       .help = "Sends a reading each step, or every n steps, as a message with the command -reading. "
+               "Without a reading: the module's first.",
        .params = {{.name = "every", .unit = "steps", .optional = true, .min = 1}, reading},
        .example = "subscribe 10"},
       {.id = command::kUnsubscribe,
@@ -81,9 +79,8 @@ std::vector<CommandSpec> CommonCommands(std::span<const CommandSpec> own) {
        .example = "unsubscribe"},
       {.id = command::kHello,
        .name = "hello",
-       .help = "Names this client, so that a new connection of the same name takes over; with the token if "
-               "one is "
-               "needed.",
+       .help = "Names this client, with the token if one is needed. A new connection of the same name takes "
+               "over from an old one.",
        .text = TextUse::kRest,
        .text_name = "NAME [TOKEN]",
        .example = "hello ana"},
@@ -93,13 +90,12 @@ std::vector<CommandSpec> CommonCommands(std::span<const CommandSpec> own) {
        .example = "claim"},
       {.id = command::kRelease,
        .name = "release",
-       .help = "Gives an actuator module up, so that others may own it.",
+       .help = "Gives up an actuator module, so that others may own it.",
        .example = "release"},
       {.id = command::kAttach,
        .name = "attach",
-       .help =
-           "Chooses modules of the robot whose first readings later replies to actuator commands, ready and "
-           "get_time carry; none without names.",
+       .help = "Chooses modules of the robot. Later replies to actuator commands, ready and get_time carry "
+               "their first readings. Without names: none.",
        .text = TextUse::kRest,
        .text_name = "MODULE…",
        .example = "attach distance pose",

@@ -17,12 +17,12 @@ std::vector<std::pair<std::string, std::int32_t>> OffOn() {
 }  // namespace
 
 CommandTable SimulationTable() {
-  CommandSpec status = Order(command::kGetStatus, "get_status", "Tells the state of the whole simulation.");
+  CommandSpec status = Order(command::kGetStatus, "get_status", "Returns the state of the whole simulation.");
   status.reply_text = "JSON";
   status.params = {{.name = "first", .unit = "", .optional = true, .min = 1},
                    {.name = "count", .unit = "", .optional = true, .min = 0}};
   CommandSpec save =
-      Order(command::kSaveState, "save", "Keeps the present state under a name, to go on from it later.");
+      Order(command::kSaveState, "save", "Saves the present state under a name, to go on from it later.");
   CommandSpec restore =
       Order(command::kRestoreState, "restore", "Goes on from a saved state; `start` is where the run began.");
   for (CommandSpec* spec : {&save, &restore}) {
@@ -32,17 +32,17 @@ CommandTable SimulationTable() {
   save.example = "save before_turn";
   restore.example = "restore before_turn";
   CommandSpec saved = Reading(command::kGetSaved, "get_saved",
-                              "Tells which states are saved, and their times.", {Repeated("time", "s")});
+                              "Returns the names and times of the saved states.", {Repeated("time", "s")});
   saved.reply_text = "their names, in the same order, separated by spaces";
   return CommandTable(
       "simulation",
       {
           std::move(status),
           Order(command::kRun, "run", "Lets time go on."),
-          Order(command::kPause, "pause", "Holds time."),
+          Order(command::kPause, "pause", "Stops time."),
           {.id = command::kStep,
            .name = "step",
-           .help = "Allows that many more steps while paused, and is answered after the last of them.",
+           .help = "Runs this many steps while paused. The reply comes after the last of them.",
            .params = {{.name = "steps", .unit = "", .min = 1, .max = kMaxSteps}},
            .example = "step 10"},
           {.id = command::kReset,
@@ -102,12 +102,11 @@ CommandTable SwarmTable() {
     spec.reply_text = "the names of the team, separated by spaces";
     return spec;
   };
-  CommandSpec claim =
-      team(command::kClaim, "claim",
-           "Takes robots or whole swarms with all their actuators, or none; without names all "
-           "that nobody drives.");
+  CommandSpec claim = team(command::kClaim, "claim",
+                           "Takes robots or whole swarms, with all their actuators, into the team, or none "
+                           "of them. Without names: all robots that nobody drives.");
   CommandSpec release =
-      team(command::kRelease, "release", "Gives robots or whole swarms of this team up; without names all.");
+      team(command::kRelease, "release", "Gives up robots or whole swarms of this team. Without names: all.");
   for (CommandSpec* spec : {&claim, &release}) {
     spec->text = TextUse::kRest;
     spec->text_name = "NAME…";
@@ -125,9 +124,9 @@ CommandTable SwarmTable() {
           std::move(release),
           {.id = command::kStepAll,
            .name = "step_all",
-           .help =
-               "Sets the speeds of robots of the team (none named: all; others are claimed), or with wheels "
-               "left and right rad/s; without data keeps them; answered after the next step.",
+           .help = "Sets the speeds of robots of the team, as velocities or as wheel speeds (left and right "
+                   "rad/s). No robots named: all; free robots join the team. Without data they keep their "
+                   "speeds. The reply comes after the next step.",
            .text = TextUse::kFirst,
            .text_name = "velocities or wheels",
            .params = {robot},
@@ -138,9 +137,8 @@ CommandTable SwarmTable() {
            .example = "step_all (1 2) 0.2 0.5 0.1 0"},
           {.id = command::kSelectReadings,
            .name = "select_readings",
-           .help =
-               "Chooses the columns of step_all and read_all among pose, distances, targets, neighbours (of "
-               "the nearest, 8 if not said) and wheels; without words pose distances.",
+           .help = "Chooses the columns of step_all and read_all: pose, distances, targets, neighbours (of "
+                   "the nearest, 8 by default), wheels. Without words: pose distances.",
            .text = TextUse::kRest,
            .text_name = "READING…",
            .params = {{.name = "nearest", .unit = "", .optional = true, .min = 1}},
@@ -150,33 +148,33 @@ CommandTable SwarmTable() {
            .text_optional = true},
           {.id = command::kReadAll,
            .name = "read_all",
-           .help = "Tells the same as step_all, at once, of the team or of any robots.",
+           .help = "Returns what step_all returns, at once, for the team or for any robots.",
            .params = {robot},
            .reply_params = table_shape,
            .reply_data = {Repeated("reading")},
            .example = "read_all 1 2"},
-          team(command::kGetTeam, "get_team", "Tells which robots this connection owns."),
+          team(command::kGetTeam, "get_team", "Returns the robots that this connection owns."),
           Order(command::kStopTeam, "stop_team", "Stops all robots of the team."),
       });
 }
 
 CommandTable RecorderTable() {
   CommandSpec recording =
-      Reading(command::kGetRecording, "get_recording", "Tells what is being recorded.",
+      Reading(command::kGetRecording, "get_recording", "Returns what is being recorded.",
               {Value("begin", "s"), Value("end", "s"), Value("steps"), Value("lost"), Value("bytes")});
   recording.reply_params = {{.name = "recording", .unit = "", .enums = OffOn()}};
   recording.reply_text = "the name of the recording";
   CommandSpec stop =
-      Order(command::kStopRecording, "stop", "Ends the recording; answered when its file is closed.");
+      Order(command::kStopRecording, "stop", "Ends the recording. The reply comes when its file is closed.");
   stop.reply_text = "its name, and where the page has it";
-  CommandSpec list = Order(command::kListRuns, "list", "Tells which recordings are there.");
+  CommandSpec list = Order(command::kListRuns, "list", "Lists the recordings.");
   list.reply_text = "JSON";
   return CommandTable("recorder",
                       {
                           std::move(recording),
                           {.id = command::kStartRecording,
                            .name = "start",
-                           .help = "Records the run from here on; without a name under run-DATE-TIME.",
+                           .help = "Records the run from here on. Without a name: as run-DATE-TIME.",
                            .text = TextUse::kRest,
                            .text_name = "NAME",
                            .reply_text = "the name of the recording",
@@ -195,7 +193,7 @@ CommandTable RecorderTable() {
 
 CommandTable PlaybackTable() {
   CommandSpec playback =
-      Reading(command::kGetPlayback, "get_playback", "Tells which recording is played, and what is shown.",
+      Reading(command::kGetPlayback, "get_playback", "Returns which recording is played, and what is shown.",
               {Value("begin", "s"), Value("end", "s"), Value("time", "s"), Value("speed")});
   playback.reply_params = {{.name = "playing", .unit = "", .enums = OffOn()},
                            {.name = "loop", .unit = "", .enums = OffOn()},
@@ -215,20 +213,21 @@ CommandTable PlaybackTable() {
            .help = "Lets the recording go on, at this speed if one is given.",
            .data = {Optional("speed")},
            .example = "play 2"},
-          Order(command::kPausePlayback, "pause", "Holds the recording."),
+          Order(command::kPausePlayback, "pause", "Stops the recording where it is."),
           {.id = command::kSetPlaySpeed,
            .name = "set_speed",
-           .help = "Sets how fast the recording goes, -4 to 64 times, below 0 backwards.",
+           .help = "Sets how fast the recording goes: -4 to 64, negative = backwards.",
            .data = {Value("factor")},
            .example = "set_speed -1"},
           {.id = command::kSkip,
            .name = "step",
-           .help = "Goes on by a number of recorded steps (default 1), or back if below 0, and stands.",
+           .help = "Shows the recorded step that is this many steps ahead (default 1; negative = back), and "
+                   "stops there.",
            .params = {Optional("steps")},
            .example = "step -10"},
           {.id = command::kSetLoop,
            .name = "set_loop",
-           .help = "Chooses whether the recording begins again at its end.",
+           .help = "Chooses whether the recording starts again at its end.",
            .params = {{.name = "loop", .unit = "", .enums = OffOn()}},
            .example = "set_loop on"},
           {.id = command::kBranch,

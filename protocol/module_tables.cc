@@ -32,11 +32,11 @@ CommandTable MotorsTable() {
                {Value("left", "rad/s"), Value("right", "rad/s")}, "set_wheel_speeds 2 2"),
       Actuator(command::kSetVelocity, "set_velocity", "Sets forward speed and turn rate (left is positive).",
                {Value("linear", "m/s"), Value("angular", "rad/s")}, "set_velocity 0.2 0.5"),
-      Reading(command::kGetWheels, "get_wheels", "Tells angle and speed of the wheels.",
+      Reading(command::kGetWheels, "get_wheels", "Returns angle and speed of the wheels.",
               {Value("left_angle", "rad"), Value("right_angle", "rad"), Value("left_speed", "rad/s"),
                Value("right_speed", "rad/s")}),
       Reading(command::kGetLimits, "get_limits",
-              "Tells the limit of the wheel speeds and the sizes of the drive.",
+              "Returns the limit of the wheel speeds and the dimensions of the drive.",
               {Value("max_wheel_speed", "rad/s"), Value("wheel_radius", "m"), Value("track", "m")}),
       Actuator(command::kStop, "stop", "Stops both wheels.", {}, "stop"),
   };
@@ -49,31 +49,31 @@ CommandTable DistanceTable() {
       "distance",
       {
           Reading(command::kGetDistances, "get_distances",
-                  "Tells one range per sensor, right to left, from the surface of the chassis; inf = nothing "
-                  "in range.",
+                  "Returns one range per sensor, right to left, from the surface of the chassis; inf = "
+                  "nothing in range.",
                   {Repeated("range", "m")}),
           Reading(command::kGetGeometry, "get_geometry",
-                  "Tells of each sensor, right to left, where it looks, how wide and how far.",
+                  "Returns for each sensor, right to left, its direction, its opening and its range.",
                   {Repeated("bearing", "rad"), Repeated("opening", "rad"), Repeated("max_range", "m")}),
       });
 }
 
 CommandTable TargetTable() {
   CommandSpec targets =
-      Reading(command::kGetTargets, "get_targets", "Tells distance and bearing of every target.",
+      Reading(command::kGetTargets, "get_targets", "Returns distance and bearing of every target.",
               {Repeated("distance", "m"), Repeated("bearing", "rad")});
   targets.reply_params = {Repeated("id")};
   targets.reply_text = "their colours, in the same order, separated by spaces";
   CommandSpec target{.id = command::kGetTarget,
                      .name = "get_target",
-                     .help = "Tells distance and bearing of one target, or of the nearest of a colour.",
+                     .help = "Returns distance and bearing of one target, or of the nearest of a colour.",
                      .text = TextUse::kOrNumber,
                      .text_name = "COLOUR",
                      .params = {{.name = "id", .unit = "", .min = 1}},
                      .reply_data = {Value("distance", "m"), Value("bearing", "rad")},
                      .example = "get_target red"};
   CommandSpec robots =
-      Reading(command::kGetRobots, "get_robots", "Tells distance and bearing of every other robot.",
+      Reading(command::kGetRobots, "get_robots", "Returns distance and bearing of every other robot.",
               {Repeated("distance", "m"), Repeated("bearing", "rad")});
   robots.reply_params = {Repeated("id")};
   robots.reply_text = "their names, likewise";
@@ -85,11 +85,11 @@ CommandTable PoseTable() {
       "pose",
       {
           Reading(command::kGetPose, "get_pose",
-                  "Tells where the robot is and how it moves, in the world frame.",
+                  "Returns where the robot is and how it moves, in the world frame.",
                   {Value("x", "m"), Value("y", "m"), Value("heading", "rad"), Value("forward", "m/s"),
                    Value("turn", "rad/s")}),
           Reading(command::kGetPose3d, "get_pose_3d",
-                  "Tells position, quaternion and both velocities, in the world frame (ground truth).",
+                  "Returns position, quaternion and both velocities, in the world frame (ground truth).",
                   {Value("x", "m"), Value("y", "m"), Value("z", "m"), Value("qw"), Value("qx"), Value("qy"),
                    Value("qz"), Value("vx", "m/s"), Value("vy", "m/s"), Value("vz", "m/s"),
                    Value("wx", "rad/s"), Value("wy", "rad/s"), Value("wz", "rad/s")}),
@@ -99,28 +99,29 @@ CommandTable PoseTable() {
 CommandTable NeighboursTable() {
   CommandSpec neighbours =
       Reading(command::kGetNeighbours, "get_neighbours",
-              "Tells distance and bearing of every robot within range, obstacles or not.",
+              "Returns distance and bearing of every robot within range, also behind obstacles.",
               {Repeated("distance", "m"), Repeated("bearing", "rad")});
   neighbours.reply_params = {Repeated("id")};
   neighbours.reply_text = "their names, in the same order, separated by spaces";
   CommandSpec send{.id = command::kSendMessage,
                    .name = "send_message",
-                   .help = "Broadcasts one to eight numbers in the next step; the last one before it counts.",
+                   .help =
+                       "Broadcasts one to eight numbers in the next step. A later message before that step "
+                       "replaces this one.",
                    .data = {Value("value1")},
                    .example = "send_message 1 0.5"};
   for (int i = 2; i <= 8; ++i) {
     send.data.push_back({.name = "value" + std::to_string(i), .unit = "", .optional = true});
   }
-  CommandSpec messages =
-      Reading(command::kGetMessages, "get_messages",
-              "Tells what is heard now, per message: distance m, bearing rad of the sender, "
-              "then the numbers it sent.",
-              {Repeated("value")});
+  CommandSpec messages = Reading(command::kGetMessages, "get_messages",
+                                 "Returns the messages heard in this step, each as distance m and bearing "
+                                 "rad of the sender, then its numbers.",
+                                 {Repeated("value")});
   messages.reply_params = {Repeated("sender"), Repeated("count")};
   CommandSpec link =
       Reading(command::kGetLink, "get_link",
-              "Tells how far this robot sees others and is heard, which part of the messages is "
-              "lost, and how late they come.",
+              "Returns how far this robot sees others and is heard, which part of the messages is lost, and "
+              "their delay.",
               {Value("range", "m"), Value("message_range", "m"), Value("loss"), Value("delay", "s")});
   return CommandTable("neighbours",
                       {std::move(neighbours), std::move(send), std::move(messages), std::move(link)});
