@@ -103,8 +103,8 @@ CommandTable SwarmTable() {
     return spec;
   };
   CommandSpec claim = team(command::kClaim, "claim",
-                           "Takes robots or whole swarms, with all their actuators, into the team, or none "
-                           "of them. Without names: all robots that nobody drives.");
+                           "Takes robots or whole swarms into the team, with all their actuators: all of the "
+                           "named ones or none. Without names: all that nobody drives.");
   CommandSpec release =
       team(command::kRelease, "release", "Gives up robots or whole swarms of this team. Without names: all.");
   for (CommandSpec* spec : {&claim, &release}) {
