@@ -21,7 +21,6 @@
 #include <sstream>
 
 #include "clients/cpp/arguments.h"
-#include "clients/cpp/codes.h"
 
 namespace coopdyn::client {
 namespace {

@@ -11,10 +11,16 @@
 #include <vector>
 
 #include "clients/cpp/address.h"
-#include "clients/cpp/codes.h"
 #include "protocol/message.h"
 
 namespace coopdyn::client {
+
+inline constexpr const char* kLoad = "load";                    // what an error says that ends a wait
+inline constexpr const char* kPlaying = "playing a recording";  // how an error begins
+inline constexpr int kLockstep = 1;                             // a mode
+inline constexpr double kRequestTimeout_s = 10;                 // for what is answered at once
+inline constexpr double kLoadTimeout_s = 60;                    // for what builds a world or closes a file
+inline constexpr double kFarewell_s = 0.2;                      // for the daemon to read what is sent last
 
 /// What a module is asked, and how long to wait for its reply.
 struct Request {

@@ -7,6 +7,9 @@
 
 namespace coopdyn::client {
 
+/// Error codes that this library acts on.
+inline constexpr int kNotPossible = 5, kOwned = 6, kNoSuchName = 10, kTimedOut = 11;
+
 /// Thrown by everything in this library. `code` is a number of the protocol (6: owned by another client, 10:
 /// no such name, 11: timed out …) or kNoConnection; what() says what was wrong and what to do instead.
 class Error : public std::runtime_error {

@@ -12,8 +12,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "clients/cpp/codes.h"
-
 namespace coopdyn::client {
 namespace {
 

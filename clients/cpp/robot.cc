@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "clients/cpp/arguments.h"
-#include "clients/cpp/codes.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/session.h"
 #include "clients/cpp/words.h"

@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "clients/cpp/codes.h"
 #include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
 
@@ -68,8 +67,9 @@ std::vector<std::string> Session::RobotNames() {
   while (true) {  // one status lists only a part of them
     const auto first = static_cast<std::int32_t>(names.size() + 1);
     const Json status = Json::Parse(Control({command::kGetStatus, {first, kStatusRobots}}).text);
-    for (const Json& robot : status["robots"].items()) names.push_back(robot["name"].text());
-    if (status["robots"].size() == 0 || static_cast<double>(names.size()) >= status["robot_count"].number())
+    const std::vector<Json>& robots = status["robots"].items();
+    for (const Json& robot : robots) names.push_back(robot["name"].text());
+    if (robots.size() < kStatusRobots || static_cast<double>(names.size()) >= status["robot_count"].number())
       return names;
   }
 }

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "clients/cpp/arguments.h"
-#include "clients/cpp/codes.h"
 #include "clients/cpp/session.h"
 #include "protocol/command_ids.h"
 
