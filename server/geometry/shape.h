@@ -14,16 +14,19 @@ using Quaternion = Eigen::Quaterniond;
 
 struct Box {
   Vector3 size_m;  // full lengths along x, y, z
+  bool operator==(const Box&) const = default;
 };
 
 /// Axis along z.
 struct Cylinder {
   double radius_m = 0;
   double length_m = 0;
+  bool operator==(const Cylinder&) const = default;
 };
 
 struct Sphere {
   double radius_m = 0;
+  bool operator==(const Sphere&) const = default;
 };
 
 using Shape = std::variant<Box, Cylinder, Sphere>;

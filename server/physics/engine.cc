@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/physics/rest.h"
 
@@ -26,22 +27,36 @@ void Engine::ForAll(std::size_t count, const Work& work) {
 }
 
 Engine::Engine(const Scene& scene, std::uint64_t solver_seed, WorkerPool* pool)
-    : pool_(pool), things_(MakeThings(scene)), broad_phase_(things_) {
+    : pool_(pool), things_(MakeThings(scene)) {
   SetSolverSeed(solver_seed);
   state_.channels.resize(scene.channels.size());
   state_.bodies = things_.start;
-  plans_.resize(scene.robots.size());
-  for (std::size_t i = 0; i < dynamic_count(); ++i) {
-    first_bodies_.push_back(static_cast<std::size_t>(things_.owners[i].first_body));
-  }
-  for (auto* flags : {&moves_, &near_, &in_ode_, &rested_}) flags->resize(dynamic_count());
-  travel_m_.resize(dynamic_count());
-  batch_of_.resize(dynamic_count());
-  islands_.Resize(dynamic_count());
   const Lane::Settings settings{scene.scenario->simulation.gravity_m_s2, scene.floor.friction};
   for (int i = 0; i < (pool == nullptr ? 1 : pool->threads()); ++i) {
     lanes_.push_back(std::make_unique<Lane>(things_, settings));
   }
+  Fit();
+}
+
+void Engine::Rebuild(const Scene& scene, const Frame& frame) {
+  const Things before = std::exchange(things_, {});
+  things_ = MakeThings(scene, &before);
+  for (const std::unique_ptr<Lane>& lane : lanes_) lane->Fit();
+  Fit();
+  Restore(frame);
+}
+
+void Engine::Fit() {
+  broad_phase_.emplace(things_);
+  first_bodies_.clear();
+  for (std::size_t i = 0; i < dynamic_count(); ++i) {
+    first_bodies_.push_back(static_cast<std::size_t>(things_.owners[i].first_body));
+  }
+  plans_.resize(things_.first_static - things_.first_robot);
+  for (auto* flags : {&moves_, &near_, &in_ode_, &rested_}) flags->resize(dynamic_count());
+  travel_m_.resize(dynamic_count());
+  batch_of_.resize(dynamic_count());
+  islands_.Resize(dynamic_count());
 }
 
 void Engine::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
@@ -103,11 +118,11 @@ void Engine::PlanRobot(std::size_t robot, double dt_s) {
     travel_m = std::min(kFarthest_m, dt_s * speed_m_s);
   }
   travel_m_[owner] = travel_m;
-  broad_phase_.spaces()[robot] = SpaceOf(info, body, travel_m);
+  broad_phase_->spaces()[robot] = SpaceOf(info, body, travel_m);
 }
 
 void Engine::Sort() {
-  pairs_ = broad_phase_.FindPairs(moves_);
+  pairs_ = broad_phase_->FindPairs(moves_);
   std::fill(near_.begin(), near_.end(), std::uint8_t{0});
   const std::size_t count = dynamic_count(), base = things_.first_robot;
   for (const auto& [a, b] : pairs_) {
@@ -195,7 +210,7 @@ void Engine::Restore(const Frame& frame) {
   for (std::size_t i = 0; i < dynamic_count(); ++i) {
     Owner& owner = things_.owners[i];
     owner.frozen = FirstBody(i).frozen();
-    if (owner.robot < 0) broad_phase_.MoveObject(i, FirstBody(i));
+    if (owner.robot < 0) broad_phase_->MoveObject(i, FirstBody(i));
   }
 }
 

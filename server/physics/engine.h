@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -36,6 +37,8 @@ class Engine {
 
   void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints);
   void Restore(const Frame& frame);
+  /// As PhysicsWorld::Rebuild(). @pre `scene` outlives it
+  void Rebuild(const Scene& scene, const Frame& frame);
   void SetSolverSeed(std::uint64_t seed);
   std::vector<FrozenBody>& frozen() { return frozen_; }
 
@@ -47,6 +50,8 @@ class Engine {
     std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: owner and why
   };
 
+  /// Makes what depends on the number of things. @pre things_
+  void Fit();
   void Substep(Nanoseconds dt);
   /// Where every robot wants to go, and the space it needs for that.
   void PlanAll(double dt_s);
@@ -103,7 +108,7 @@ class Engine {
 
   WorkerPool* const pool_;
   Things things_;
-  BroadPhase broad_phase_;
+  std::optional<BroadPhase> broad_phase_;  // always there
   Islands islands_;
   std::vector<std::unique_ptr<Lane>> lanes_;  // one a thread; the first also has the large islands
   WorldState state_;
@@ -111,7 +116,7 @@ class Engine {
 
   double share_ = 1;  // of a substep in the present step
   // Of the present substep.
-  std::vector<std::size_t> first_bodies_;  // by dynamic owner; never changes
+  std::vector<std::size_t> first_bodies_;  // by dynamic owner
   std::vector<std::uint8_t> moves_;        // by dynamic owner: neither frozen nor asleep
   std::vector<std::uint8_t> near_;         // by dynamic owner: in a pair
   std::vector<std::uint8_t> in_ode_;       // by dynamic owner

@@ -179,7 +179,7 @@ void Engine::SolveAll(double dt_s) {
     }
   }
   for (const std::uint32_t i : active_) {
-    if (i < things_.first_robot) broad_phase_.MoveObject(i, FirstBody(i));
+    if (i < things_.first_robot) broad_phase_->MoveObject(i, FirstBody(i));
   }
 }
 

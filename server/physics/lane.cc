@@ -69,6 +69,19 @@ void Lane::Reset() {
   Build();
 }
 
+void Lane::Fit() {
+  slot_of_.assign(things_.first_static, nullptr);
+  const bool same = std::ranges::equal(pools_, things_.pools, {}, &Pool::mechanism);
+  if (!same) {
+    sizes_.assign(things_.pools.size(), 0);
+    if (broken_) KeepForever(threading_.release());
+    Build();
+    return;
+  }
+  // Another mechanism may lie where the one lay whose masses they have.
+  for (Slot& slot : pools_.front().slots) slot.loaded = nullptr;
+}
+
 void Lane::Build() {
   EnsureOde();
   contacts_.reset();
@@ -138,7 +151,7 @@ Lane::Slot Lane::MakeSlot(const Mechanism* mechanism) {
 void Lane::Reserve(std::span<const std::uint32_t> owners) {
   std::vector<std::size_t> needed(pools_.size());
   bool grows = false;
-  for (const std::uint32_t owner : owners) ++needed[things_.owners[owner].mechanism->pool];
+  for (const std::uint32_t owner : owners) ++needed[things_.owners[owner].pool];
   for (std::size_t pool = 0; pool < needed.size(); ++pool) {
     if (needed[pool] <= sizes_[pool]) continue;
     sizes_[pool] = std::max(needed[pool], 2 * sizes_[pool]);
@@ -151,7 +164,7 @@ void Lane::Reserve(std::span<const std::uint32_t> owners) {
 
 void Lane::Load(std::uint32_t owner, const Actor& actor, std::span<const ChannelState> channels) {
   const Mechanism& mechanism = *actor.owner.mechanism;
-  Pool& pool = pools_[mechanism.pool];
+  Pool& pool = pools_[actor.owner.pool];
   Slot& slot = pool.slots[pool.used++];
   slot_of_[owner] = &slot;
   loaded_.push_back(owner);

@@ -55,6 +55,8 @@ class Lane {
   void Unload();
   /// A new world after ODE threw: its memory is not to be trusted.
   void Reset();
+  /// The things have changed. @pre nothing is loaded
+  void Fit();
 
  private:
   /// Bodies and hinges that can stand for one owner.
@@ -87,7 +89,7 @@ class Lane {
   OdeWorldPtr world_;
   OdeGroupPtr contacts_;
   std::vector<Pool> pools_;
-  std::vector<std::size_t> sizes_;  // of pools, to be built
+  std::vector<std::size_t> sizes_;  // of pools, to be built; as many as Things::pools
   std::vector<Slot*> slot_of_;      // by dynamic owner; null: not loaded
   std::vector<std::uint32_t> loaded_;
   /// Set when ODE threw in the middle of a step: then its threading object may not be freed (it asserts that

@@ -36,8 +36,6 @@ struct Mechanism {
   int joint_rows = 0;  // constraint rows of its hinges and motors
   int floor_rows = 0;  // of its contacts when it stands
 
-  std::size_t pool = 0;  // of Things::pools: what kind of bodies it needs in ODE
-
   // Robots only.
   const RobotModel* model = nullptr;
   Fidelity fidelity = Fidelity::kFull;

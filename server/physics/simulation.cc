@@ -28,18 +28,8 @@ std::unique_ptr<Simulation> Simulation::Build(std::shared_ptr<const Scene> scene
 Simulation::Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<PhysicsWorld> world,
                        std::uint64_t seed, std::uint64_t epoch, const StepHelpers& helpers,
                        const Clock& clock)
-    : helpers_(helpers),
-      clock_(clock),
-      scene_(std::move(scene)),
-      world_(std::move(world)),
-      seed_(seed),
-      epoch_(epoch) {
-  for (const SceneRobot& robot : scene_->robots) {
-    has_controllers_ |= !robot.entry.controller.empty();
-    const NeighboursModel& neighbours = robot.entry.model->neighbours;
-    const bool hears = neighbours.message_range_m > 0;
-    if (hears) message_steps_ = std::max(message_steps_, static_cast<std::uint64_t>(neighbours.delay_steps));
-  }
+    : helpers_(helpers), clock_(clock), world_(std::move(world)), seed_(seed), epoch_(epoch) {
+  Use(std::move(scene));
   start_ = frame_ = MakeFrame();
 }
 
@@ -58,6 +48,27 @@ std::shared_ptr<Frame> Simulation::MakeFrame() {
   return frame;
 }
 
+void Simulation::Use(std::shared_ptr<const Scene> scene) {
+  scene_ = std::move(scene);
+  has_controllers_ = false;
+  message_steps_ = 0;
+  for (const SceneRobot& robot : scene_->robots) {
+    has_controllers_ |= !robot.entry.controller.empty();
+    const NeighboursModel& neighbours = robot.entry.model->neighbours;
+    const bool hears = neighbours.message_range_m > 0;
+    if (hears) message_steps_ = std::max(message_steps_, static_cast<std::uint64_t>(neighbours.delay_steps));
+  }
+}
+
+void Simulation::Take(const Frame& frame) {
+  if (frame.scene == scene_) {
+    world_->Restore(frame);
+  } else {
+    world_->Rebuild(frame.scene, frame);
+    Use(frame.scene);
+  }
+}
+
 void Simulation::SetStepLength(Nanoseconds length) {
   step_length_ = length;
   if (step_ == 0 && frame_->step_length != length) frame_ = MakeFrame();
@@ -73,6 +84,7 @@ void Simulation::Restart(std::uint64_t seed, std::uint64_t epoch) {
   step_ = 0;
   time_ = 0;
   messages_.clear();
+  if (start_->scene != scene_) Take(*start_);
   world_->Restart(*start_, seed);
   frame_ = MakeFrame();
   StartControllers();
@@ -87,7 +99,7 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
   time_ = from.time;
   step_length_ = from.step_length;
   messages_ = from.messages;
-  world_->Restore(from);
+  Take(from);
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->channels = from.channels;
   frame->commanded = from.commanded;

@@ -56,9 +56,10 @@ class Simulation {
   /// Back to the start, with this seed of noise and solver: the same bits as a fresh Build(). Controllers as
   /// after StartControllers().
   void Restart(std::uint64_t seed, std::uint64_t epoch);
-  /// Goes on from `state`, whose frame has this scene, bit for bit; controllers included. Else why those
-  /// cannot: nothing is to be stepped then before another Restore() or Restart(), unless those that do not
-  /// drive any more are noted: `stopped` is ControllerDriver::TakeStopped() of then. Empty: all went well.
+  /// Goes on from `state`, whose frame has a scene of this scenario, bit for bit; controllers included. Else
+  /// why those cannot: nothing is to be stepped then before another Restore() or Restart(), unless those that
+  /// do not drive any more are noted: `stopped` is ControllerDriver::TakeStopped() of then. Empty: all went
+  /// well.
   [[nodiscard]] std::string Restore(const SavedState& state, std::uint64_t epoch,
                                     std::vector<StoppedController>* stopped = nullptr);
   /// What Restore() takes; `mode` and `paused` are the caller's to fill in.
@@ -74,13 +75,17 @@ class Simulation {
   Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<PhysicsWorld> world, std::uint64_t seed,
              std::uint64_t epoch, const StepHelpers& helpers, const Clock& clock);
   std::shared_ptr<Frame> MakeFrame();
+  /// What is derived from the scene.
+  void Use(std::shared_ptr<const Scene> scene);
+  /// `frame`, of a scene of this scenario, tells what stands where from now on.
+  void Take(const Frame& frame);
   std::string RestoreControllers(std::span<const std::byte> saved, std::vector<StoppedController>* told);
   /// Broadcasts that nobody can hear any more are dropped, those of the coming step added.
   void TakeMessages(std::span<const SentMessage> sent);
 
   const StepHelpers helpers_;
   const Clock& clock_;
-  const std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Scene> scene_;
   std::unique_ptr<PhysicsWorld> world_;
   FramePtr start_;  // frame 0 of the first seed
   FramePtr frame_;

@@ -111,7 +111,7 @@ EditResult Stepper::Apply(const edit::Restore& restore) {
   const SavedState& state = *restore.state;
   const bool live = simulation_ != nullptr;
   const SavedState present = live ? simulation_->Save() : SavedState();
-  if (live && &simulation_->scene() == state.frame->scene.get()) {
+  if (live && simulation_->scene().scenario == state.frame->scene->scenario) {
     if (const std::string why = simulation_->Restore(state, NextEpoch()); !why.empty()) {
       return RefuseRestore(why, present);
     }

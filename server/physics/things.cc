@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "server/physics/things.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace coopdyn {
 
 namespace {
 
-const char* KindOf(const Shape& shape) {
+const char* WordFor(const Shape& shape) {
   constexpr const char* kKinds[] = {"box", "cylinder", "sphere"};
   return kKinds[shape.index()];
 }
@@ -26,7 +27,7 @@ BodyState StateAt(const Pose& X_WB) {
 
 class Builder {
  public:
-  explicit Builder(const Scene& scene) : scene_(scene) {}
+  Builder(const Scene& scene, const Things* before) : scene_(scene), before_(before) {}
 
   Things Build() {
     for (const SceneObject& object : scene_.objects) {
@@ -35,6 +36,7 @@ class Builder {
     things_.first_robot = things_.owners.size();
     for (std::size_t i = 0; i < scene_.robots.size(); ++i) AddRobot(static_cast<int>(i));
     things_.first_static = things_.owners.size();
+    last_object_ = nullptr;
     for (const SceneObject& object : scene_.objects) {
       if (object.body < 0) AddObject(object.object);
     }
@@ -42,17 +44,18 @@ class Builder {
   }
 
  private:
-  const Mechanism* Keep(Mechanism mechanism) {
-    if (!mechanism.hinges.empty() || mechanism.bodies.size() > 1) mechanism.pool = things_.pools.size();
-    things_.mechanisms.push_back(std::make_unique<Mechanism>(std::move(mechanism)));
-    const Mechanism* kept = things_.mechanisms.back().get();
-    if (kept->pool > 0) things_.pools.push_back(kept);
-    return kept;
+  /// Objects that are alike share their mechanism; most stand one after another.
+  const Mechanism* ObjectOf(const WorldObject& object) {
+    const bool alike = last_object_ != nullptr && last_object_->shape == object.shape &&
+                       last_object_->friction == object.friction && last_object_->mass_kg == object.mass_kg;
+    if (!alike) things_.mechanisms.push_back(std::make_shared<const Mechanism>(MakeObject(object)));
+    last_object_ = &object;
+    return things_.mechanisms.back().get();
   }
 
   void AddObject(const WorldObject& object) {
-    Owner owner{KindOf(object.shape), object.name, object.where};
-    owner.mechanism = Keep(MakeObject(object));
+    Owner owner{WordFor(object.shape), object.name, object.where};
+    owner.mechanism = ObjectOf(object);
     owner.first_body = static_cast<int>(things_.start.size());
     if (object.is_static()) {
       owner.fixed = StateAt(object.X_WO);
@@ -67,7 +70,9 @@ class Builder {
     const RobotEntry& entry = robot.entry;
     Owner owner{"robot", entry.name, entry.where};
     owner.robot = index;
-    owner.mechanism = RobotOf(*entry.model, entry.fidelity);
+    const Kind& kind = KindOf(*entry.model, entry.fidelity);
+    owner.mechanism = kind.mechanism;
+    owner.pool = kind.pool;
     owner.first_body = static_cast<int>(things_.start.size());
     owner.p_BR = robot.X_BR.p;
     owner.up_B = robot.X_BR.q * Vector3::UnitZ();
@@ -83,25 +88,45 @@ class Builder {
     things_.owners.push_back(std::move(owner));
   }
 
-  /// Robots of one type and fidelity share their mechanism.
-  const Mechanism* RobotOf(const RobotModel& model, Fidelity fidelity) {
-    for (const Mechanism* made : robots_) {
-      if (made->model == &model && made->fidelity == fidelity) return made;
+  /// What robots of one type and fidelity share. More than one body need a pool of their own in ODE.
+  struct Kind {
+    const Mechanism* mechanism = nullptr;
+    std::size_t pool = 0;
+  };
+  const Kind& KindOf(const RobotModel& model, Fidelity fidelity) {
+    const auto is_it = [&](const auto& made) { return made->model == &model && made->fidelity == fidelity; };
+    const auto known = std::ranges::find_if(kinds_, is_it, &Kind::mechanism);
+    if (known != kinds_.end()) return *known;
+    const double gravity_m_s2 = scene_.scenario->simulation.gravity_m_s2;
+    std::shared_ptr<const Mechanism> mechanism;
+    if (before_ != nullptr) {
+      const auto made = std::ranges::find_if(before_->mechanisms, is_it);
+      if (made != before_->mechanisms.end()) mechanism = *made;
     }
-    robots_.push_back(
-        Keep(MakeRobot(model, fidelity, scene_.floor.friction, scene_.scenario->simulation.gravity_m_s2)));
-    return robots_.back();
+    if (mechanism == nullptr) {
+      mechanism =
+          std::make_shared<const Mechanism>(MakeRobot(model, fidelity, scene_.floor.friction, gravity_m_s2));
+    }
+    Kind kind{mechanism.get()};
+    if (!kind.mechanism->hinges.empty() || kind.mechanism->bodies.size() > 1) {
+      kind.pool = things_.pools.size();
+      things_.pools.push_back(kind.mechanism);
+    }
+    things_.mechanisms.push_back(std::move(mechanism));
+    return kinds_.emplace_back(kind);
   }
 
   const Scene& scene_;
+  const Things* const before_;
   Things things_;
-  std::vector<const Mechanism*> robots_;
+  const WorldObject* last_object_ = nullptr;
+  std::vector<Kind> kinds_;
 };
 
 }  // namespace
 
-Things MakeThings(const Scene& scene) {
-  return Builder(scene).Build();
+Things MakeThings(const Scene& scene, const Things* before) {
+  return Builder(scene, before).Build();
 }
 
 }  // namespace coopdyn

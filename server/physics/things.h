@@ -20,6 +20,7 @@ struct Owner {
   SourceLine where;
   int robot = -1;  // index into Scene::robots; -1: an object
   const Mechanism* mechanism = nullptr;
+  std::size_t pool = 0;                              // of Things::pools: what kind of bodies it needs in ODE
   int first_body = 0;                                // of Frame::bodies; static: none
   BodyState fixed{};                                 // of a static object: where it stands
   bool frozen = false;                               // held in place: nothing is joined to its bodies
@@ -46,7 +47,8 @@ struct Actor {
 };
 
 struct Things {
-  std::vector<std::unique_ptr<Mechanism>> mechanisms;
+  std::vector<std::shared_ptr<const Mechanism>>
+      mechanisms;             // each of a robot type once; shared with things before
   std::vector<Owner> owners;  // dynamic objects, then robots from `first_robot` on, then static objects
   std::size_t first_robot = 0;
   std::size_t first_static = 0;
@@ -61,7 +63,8 @@ struct Things {
   }
 };
 
-/// The things of `scene`, which outlives them. @pre all masses and inertias are positive.
-Things MakeThings(const Scene& scene);
+/// The things of `scene`, which outlives them. `before` (null: none): of a scene with the same floor and
+/// gravity, whose mechanisms they take over. @pre all masses and inertias are positive.
+Things MakeThings(const Scene& scene, const Things* before = nullptr);
 
 }  // namespace coopdyn

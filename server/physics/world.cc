@@ -13,7 +13,7 @@ struct PhysicsWorld::Impl {
   Impl(std::shared_ptr<const Scene> keep, const Scene& kept, std::uint64_t seed, WorkerPool* pool)
       : scene(std::move(keep)), engine(kept, seed, pool) {}
 
-  const std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Scene> scene;
   Engine engine;
 };
 
@@ -43,6 +43,12 @@ void PhysicsWorld::Fill(Frame& frame) const {
   frame.channels = state.channels;
   frame.commanded.assign(impl_->scene->actuators.size(), 0);
   frame.solver_seed = state.solver_seed;
+}
+
+void PhysicsWorld::Rebuild(std::shared_ptr<const Scene> scene, const Frame& frame) {
+  EnsureOde();
+  impl_->engine.Rebuild(*scene, frame);
+  impl_->scene = std::move(scene);  // the engine has let go of the one before
 }
 
 void PhysicsWorld::Restore(const Frame& frame) {

@@ -36,6 +36,11 @@ class PhysicsWorld {
   /// Writes bodies, channels (set-points before the first step: zeros) and solver_seed into `frame`; no
   /// actuator is commanded.
   void Fill(Frame& frame) const;
+  /// The world of `scene` from now on, in the exact state of `frame`, which has this scene: the next steps
+  /// give the same bits as a fresh Build() with Restore(). What both scenes have is kept, so one thing more
+  /// or less among thousands costs a small part of Build(). Floor and gravity are those of before. @pre the
+  /// robots have passed Build() in some scene.
+  void Rebuild(std::shared_ptr<const Scene> scene, const Frame& frame);
   /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits. Whoever
   /// changes poses in it sets the sleep counters of what may be affected to 0: sleepers look at nothing.
   void Restore(const Frame& frame);

@@ -134,7 +134,7 @@ bool Resimulator::Build(const std::shared_ptr<const Scene>& scene, std::uint64_t
 
 bool Resimulator::Restore(const SavedStatePtr& state, std::uint64_t scene_number) {
   const std::shared_ptr<const Scene>& scene = state->frame->scene;
-  const bool same = simulation_ != nullptr && &simulation_->scene() == scene.get();
+  const bool same = simulation_ != nullptr && simulation_->scene().scenario == scene->scenario;
   if (!same && !Build(scene, state->frame->seed)) return false;
   std::string why = simulation_->Restore(*state, kEpoch);
   if (!why.empty()) {

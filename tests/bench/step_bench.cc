@@ -101,6 +101,45 @@ void BM_Swarm(benchmark::State& state, Fidelity fidelity) {
   PerRobot(state);
 }
 
+/// A swarm with objects around, and the same with one object less.
+struct Changing {
+  explicit Changing(int robots) {
+    const auto scenario = SwarmScenario(BenchModel("minibot"), Fidelity::kRolling, robots);
+    for (int i = 0; i < robots / 10; ++i) {
+      WorldObject object;
+      object.shape = Box{Vector3(0.1, 0.1, 0.1)};
+      object.X_WO.p = {-5 - 0.2 * (i % 100), -5 - 0.2 * (i / 100), 0.05};
+      scenario->objects.push_back(object);
+    }
+    whole.scene = MakeScene(scenario);
+    const auto scene = std::make_shared<Scene>(*whole.scene);
+    scene->objects.pop_back();
+    less.scene = scene;
+    Diagnostics diagnostics;
+    world = PhysicsWorld::Build(whole.scene, 1, diagnostics);
+    world->Fill(whole);
+    world->Fill(less);
+  }
+  Frame whole, less;
+  std::unique_ptr<PhysicsWorld> world;
+};
+
+void BM_Rebuild(benchmark::State& state) {
+  Changing changing(static_cast<int>(state.range(0)));
+  bool whole = false;
+  for (auto _ : state) {
+    const Frame& frame = whole ? changing.whole : changing.less;
+    changing.world->Rebuild(frame.scene, frame);
+    whole = !whole;
+  }
+}
+
+void BM_Build(benchmark::State& state) {
+  const Changing changing(static_cast<int>(state.range(0)));
+  Diagnostics diagnostics;
+  for (auto _ : state) benchmark::DoNotOptimize(PhysicsWorld::Build(changing.whole.scene, 1, diagnostics));
+}
+
 void BM_PhysicsAndFrame(benchmark::State& state) {
   Driven driven(static_cast<int>(state.range(0)));
   for (auto _ : state) {
@@ -139,6 +178,8 @@ void BM_Render(benchmark::State& state) {
   }
 }
 
+BENCHMARK(BM_Rebuild)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_Build)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BM_Physics)->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(BM_Swarm, full, Fidelity::kFull)->Arg(10)->Arg(100)->Arg(1000)->Arg(5000);
 BENCHMARK_CAPTURE(BM_Swarm, rolling, Fidelity::kRolling)->Arg(10)->Arg(100)->Arg(1000)->Arg(5000);
