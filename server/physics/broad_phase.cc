@@ -42,14 +42,14 @@ Aabb2 Around(const Circle& c) {
 
 }  // namespace
 
-RobotSpace SpaceOf(const Owner& owner, const BodyState& body, double margin_m) {
-  const Mechanism& robot = *owner.mechanism;
+RobotSpace SpaceOf(const Thing& thing, const BodyState& body, double margin_m) {
+  const Mechanism& robot = *thing.mechanism;
   const std::array<double, 9>& R = body.R_WB;
-  const Vector3& p = owner.p_BR;
+  const Vector3& p = thing.p_BR;
   const Vector3 p_WR = body.p_WB + Vector3(R[0] * p.x() + R[1] * p.y() + R[2] * p.z(),
                                            R[3] * p.x() + R[4] * p.y() + R[5] * p.z(),
                                            R[6] * p.x() + R[7] * p.y() + R[8] * p.z());
-  const double rise = R[6] * owner.up_B.x() + R[7] * owner.up_B.y() + R[8] * owner.up_B.z();
+  const double rise = R[6] * thing.up_B.x() + R[7] * thing.up_B.y() + R[8] * thing.up_B.z();
   if (rise > 0.9995) {
     const double lean_m = rise > 1 - kRestTilt_rad * kRestTilt_rad ? 1e-4 : kLean_m;
     return {{p_WR.x(), p_WR.y(), robot.radius_m + margin_m + lean_m},
@@ -77,28 +77,28 @@ bool BroadPhase::Objects::BesideInHeight(std::size_t object, double min_z, doubl
   return part.p[2] - part.half_m.z() <= max_z && part.p[2] + part.half_m.z() >= min_z;
 }
 
-BroadPhase::BroadPhase(const Things& things) : things_(things) {
-  for (std::size_t i = 0; i < things.first_robot; ++i) objects_.Add(things.ActorOf(i, things.start));
-  for (std::size_t i = things.first_static; i < things.owners.size(); ++i) {
-    statics_.Add(things.ActorOf(i, things.start));
+BroadPhase::BroadPhase(const Things& things, std::span<const BodyState> bodies) : things_(things) {
+  for (std::size_t i = 0; i < things.first_robot; ++i) objects_.Add(things.ActorOf(i, bodies));
+  for (std::size_t i = things.first_static; i < things.all.size(); ++i) {
+    statics_.Add(things.ActorOf(i, bodies));
   }
   objects_.grid.Build(objects_.boxes, kCell_m);
   statics_.grid.Build(statics_.boxes, kCell_m);
   spaces_.resize(things.first_static - things.first_robot);
 }
 
-void BroadPhase::MoveObject(std::size_t owner, const BodyState& body) {
-  objects_.Move(owner, PlacedPart(*objects_.parts[owner].part, body));
+void BroadPhase::MoveObject(std::size_t thing, const BodyState& body) {
+  objects_.Move(thing, PlacedPart(*objects_.parts[thing].part, body));
   objects_moved_ = true;
 }
 
-void BroadPhase::FindNear(std::size_t owner, const Objects& objects, std::size_t first,
+void BroadPhase::FindNear(std::size_t thing, const Objects& objects, std::size_t first,
                           std::vector<Pair>& pairs) const {
-  const RobotSpace& space = spaces_[owner - things_.first_robot];
+  const RobotSpace& space = spaces_[thing - things_.first_robot];
   objects.grid.VisitOverlaps(objects.boxes, Around(space.circle), [&](std::uint32_t item) {
     if (!objects.BesideInHeight(item, space.min_z, space.max_z)) return true;
     if (!Reaches(space.circle, objects.parts[item])) return true;
-    const std::uint32_t a = static_cast<std::uint32_t>(owner), b = static_cast<std::uint32_t>(first + item);
+    const std::uint32_t a = static_cast<std::uint32_t>(thing), b = static_cast<std::uint32_t>(first + item);
     pairs.emplace_back(std::min(a, b), std::max(a, b));
     return true;
   });
@@ -119,10 +119,10 @@ void BroadPhase::FindObjects(std::span<const std::uint8_t> moves) {
              !objects_.BesideInHeight(a, part.p[2] - part.half_m.z(), part.p[2] + part.half_m.z());
     });
   }
-  for (std::size_t owner = count; owner < moves.size(); ++owner) {
+  for (std::size_t thing = count; thing < moves.size(); ++thing) {
     const std::size_t first = pairs_.size();
-    FindNear(owner, objects_, 0, pairs_);
-    if (moves[owner] || pairs_.size() == first) continue;
+    FindNear(thing, objects_, 0, pairs_);
+    if (moves[thing] || pairs_.size() == first) continue;
     pairs_.erase(std::remove_if(pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.end(),
                                 [&](const Pair& pair) { return !moves[pair.first]; }),
                  pairs_.end());
@@ -131,16 +131,16 @@ void BroadPhase::FindObjects(std::span<const std::uint8_t> moves) {
 
 void BroadPhase::FindStatics(std::span<const std::uint8_t> moves) {
   if (statics_.boxes.empty()) return;
-  for (std::size_t owner = 0; owner < moves.size(); ++owner) {
-    if (!moves[owner]) continue;
+  for (std::size_t thing = 0; thing < moves.size(); ++thing) {
+    if (!moves[thing]) continue;
     const std::size_t first = pairs_.size();
-    if (owner >= things_.first_robot) {
-      FindNear(owner, statics_, things_.first_static, pairs_);
+    if (thing >= things_.first_robot) {
+      FindNear(thing, statics_, things_.first_static, pairs_);
     } else {
-      const PlacedPart& part = objects_.parts[owner];
-      statics_.grid.VisitOverlaps(statics_.boxes, objects_.boxes[owner], [&](std::uint32_t item) {
+      const PlacedPart& part = objects_.parts[thing];
+      statics_.grid.VisitOverlaps(statics_.boxes, objects_.boxes[thing], [&](std::uint32_t item) {
         if (statics_.BesideInHeight(item, part.p[2] - part.half_m.z(), part.p[2] + part.half_m.z())) {
-          pairs_.emplace_back(static_cast<std::uint32_t>(owner),
+          pairs_.emplace_back(static_cast<std::uint32_t>(thing),
                               static_cast<std::uint32_t>(things_.first_static + item));
         }
         return true;

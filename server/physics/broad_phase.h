@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which owners may touch. Robots are discs in the plane (CircleGrid), things are boxes in a uniform grid each
+// Which things may touch. Robots are discs in the plane (CircleGrid), things are boxes in a uniform grid each
 // for those that move and those that do not. One thread. Only server/physics includes this file.
 #pragma once
 
@@ -20,23 +20,23 @@ struct RobotSpace {
   double min_z = 0, max_z = 0;
 };
 
-/// The space of robot `owner` whose first body is at `body`, widened by `margin_m`.
-RobotSpace SpaceOf(const Owner& owner, const BodyState& body, double margin_m);
+/// The space of robot `thing` whose first body is at `body`, widened by `margin_m`.
+RobotSpace SpaceOf(const Thing& thing, const BodyState& body, double margin_m);
 
 class BroadPhase {
  public:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-  /// Fills the grids of objects, the dynamic ones at their start. @pre `things` outlives it.
-  explicit BroadPhase(const Things& things);
+  /// Fills the grids of objects; `bodies`: as Frame::bodies. @pre `things` outlives it.
+  BroadPhase(const Things& things, std::span<const BodyState> bodies);
 
   /// The robots' spaces, by robot; to be brought up to date before FindPairs().
   std::vector<RobotSpace>& spaces() { return spaces_; }
-  /// Tells that dynamic object `owner` is now at `body`.
-  void MoveObject(std::size_t owner, const BodyState& body);
+  /// Tells that dynamic object `thing` is now at `body`.
+  void MoveObject(std::size_t thing, const BodyState& body);
 
-  /// Finds all pairs of owners (a < b) that may touch, but not those of two that do not move (`moves`, by
-  /// dynamic owner): first among the dynamic ones, then with static ones, each in increasing order. Valid
+  /// Finds all pairs of things (a < b) that may touch, but not those of two that do not move (`moves`, by
+  /// dynamic thing): first among the dynamic ones, then with static ones, each in increasing order. Valid
   /// until the next call.
   const std::vector<Pair>& FindPairs(std::span<const std::uint8_t> moves);
 
@@ -50,8 +50,8 @@ class BroadPhase {
     void Move(std::size_t object, const PlacedPart& part);
     bool BesideInHeight(std::size_t object, double min_z, double max_z) const;
   };
-  /// Appends to `pairs` what of `objects` may touch robot `owner`; the first of them is owner `first`.
-  void FindNear(std::size_t owner, const Objects& objects, std::size_t first, std::vector<Pair>& pairs) const;
+  /// Appends to `pairs` what of `objects` may touch robot `thing`; the first of them is thing `first`.
+  void FindNear(std::size_t thing, const Objects& objects, std::size_t first, std::vector<Pair>& pairs) const;
   void FindObjects(std::span<const std::uint8_t> moves);
   void FindStatics(std::span<const std::uint8_t> moves);
 

@@ -61,7 +61,7 @@ struct Shell {
   double z = 0, half_z = 0;
 };
 std::optional<Shell> ShellOf(const Actor& actor) {
-  const Mechanism& mechanism = *actor.owner.mechanism;
+  const Mechanism& mechanism = *actor.thing.mechanism;
   if (mechanism.shell < 0 && mechanism.parts.size() != 1) return std::nullopt;
   Shell shell{mechanism.shell < 0 ? 0 : static_cast<std::size_t>(mechanism.shell)};
   const Part& part = mechanism.parts[shell.part];
@@ -134,7 +134,7 @@ void FindContacts(Collider& collider, const Actor& a, const Actor& b, double mar
 
 void FindFloorContacts(Collider& collider, const Actor& a, double margin_m,
                        std::vector<FoundContact>& found) {
-  const Mechanism& mechanism = *a.owner.mechanism;
+  const Mechanism& mechanism = *a.thing.mechanism;
   for (std::size_t i = 0; i < mechanism.parts.size(); ++i) {
     if (mechanism.one_body() && mechanism.planar() && mechanism.parts[i].wheel < 0) continue;
     const PlacedPart part = a.Place(i);

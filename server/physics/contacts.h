@@ -16,7 +16,7 @@ ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b
 /// Contacts of A with the floor.
 ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_m);
 
-/// A contact of two owners.
+/// A contact of two things.
 struct FoundContact {
   ContactPoint point;
   const Part* a = nullptr;

@@ -27,10 +27,10 @@ void Engine::ForAll(std::size_t count, const Work& work) {
 }
 
 Engine::Engine(const Scene& scene, std::uint64_t solver_seed, WorkerPool* pool)
-    : pool_(pool), things_(MakeThings(scene)) {
+    : scene_(&scene), pool_(pool), things_(MakeThings(scene)) {
   SetSolverSeed(solver_seed);
   state_.channels.resize(scene.channels.size());
-  state_.bodies = things_.start;
+  state_.bodies = things_.bodies;
   const Lane::Settings settings{scene.scenario->simulation.gravity_m_s2, scene.floor.friction};
   for (int i = 0; i < (pool == nullptr ? 1 : pool->threads()); ++i) {
     lanes_.push_back(std::make_unique<Lane>(things_, settings));
@@ -39,18 +39,19 @@ Engine::Engine(const Scene& scene, std::uint64_t solver_seed, WorkerPool* pool)
 }
 
 void Engine::Rebuild(const Scene& scene, const Frame& frame) {
-  const Things before = std::exchange(things_, {});
-  things_ = MakeThings(scene, &before);
+  scene_ = &scene;
+  things_ = MakeThings(scene, things_);
+  state_.bodies = frame.bodies;
   for (const std::unique_ptr<Lane>& lane : lanes_) lane->Fit();
   Fit();
   Restore(frame);
 }
 
 void Engine::Fit() {
-  broad_phase_.emplace(things_);
+  broad_phase_.emplace(things_, state_.bodies);
   first_bodies_.clear();
   for (std::size_t i = 0; i < dynamic_count(); ++i) {
-    first_bodies_.push_back(static_cast<std::size_t>(things_.owners[i].first_body));
+    first_bodies_.push_back(static_cast<std::size_t>(things_.all[i].first_body));
   }
   plans_.resize(things_.first_static - things_.first_robot);
   for (auto* flags : {&moves_, &near_, &in_ode_, &rested_}) flags->resize(dynamic_count());
@@ -96,15 +97,15 @@ void Engine::PlanAll(double dt_s) {
 }
 
 void Engine::PlanRobot(std::size_t robot, double dt_s) {
-  const std::size_t owner = things_.first_robot + robot;
-  const Owner& info = things_.owners[owner];
-  const BodyState& body = FirstBody(owner);
+  const std::size_t thing = things_.first_robot + robot;
+  const Thing& info = things_.all[thing];
+  const BodyState& body = FirstBody(thing);
   if (body.sleep_counter == kAsleep && IsDriven(ChannelsOf(info))) {
-    for (BodyState& part : BodiesOf(static_cast<std::uint32_t>(owner))) part.sleep_counter = 0;
+    for (BodyState& part : BodiesOf(static_cast<std::uint32_t>(thing))) part.sleep_counter = 0;
   }
-  moves_[owner] = body.sleep_counter < kAsleep;
+  moves_[thing] = body.sleep_counter < kAsleep;
   double travel_m = 0;
-  if (moves_[owner]) {
+  if (moves_[thing]) {
     double speed_m_s = body.v_WB.norm();
     DrivePlan& plan = plans_[robot];
     if (info.mechanism->drive) {
@@ -117,7 +118,7 @@ void Engine::PlanRobot(std::size_t robot, double dt_s) {
     constexpr double kFarthest_m = 0.1;
     travel_m = std::min(kFarthest_m, dt_s * speed_m_s);
   }
-  travel_m_[owner] = travel_m;
+  travel_m_[thing] = travel_m;
   broad_phase_->spaces()[robot] = SpaceOf(info, body, travel_m);
 }
 
@@ -142,14 +143,14 @@ void Engine::AdvanceClosed(double dt_s) {
   ForAll(plans_.size(), [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
       if (!moves_[base + i] || in_ode_[base + i] || !plans_[i].closed) continue;
-      const Owner& owner = things_.owners[base + i];
+      const Thing& thing = things_.all[base + i];
       BodyState& body = state_.bodies[first_bodies_[base + i]];
       const DrivePlan& plan = plans_[i];
       const bool stays = plan.forward_m_s == 0 && plan.turn_rad_s == 0;
       if (!stays || !body.v_WB.isZero(0) || !body.w_WB.isZero(0)) {
-        Advance(*owner.mechanism->drive, plan, owner.rest_z_m, dt_s, body);
+        Advance(*thing.mechanism->drive, plan, thing.rest_z_m, dt_s, body);
       }
-      const std::span<ChannelState> wheels = owner.mechanism->drive->ChannelsOf(ChannelsOf(owner));
+      const std::span<ChannelState> wheels = thing.mechanism->drive->ChannelsOf(ChannelsOf(thing));
       for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) {
         Turn(wheels[wheel], plan.wheels_rad_s[wheel], dt_s);
       }
@@ -182,17 +183,17 @@ void Engine::CountRest(Nanoseconds dt) {
   }
 }
 
-bool Engine::AtRest(std::uint32_t owner) const {
-  const Owner& info = things_.owners[owner];
+bool Engine::AtRest(std::uint32_t thing) const {
+  const Thing& info = things_.all[thing];
   if (IsDriven(ChannelsOf(info))) return false;
   for (std::size_t k = 0; k < info.body_count(); ++k) {
-    if (!IsSlow(state_.bodies[first_bodies_[owner] + k])) return false;
+    if (!IsSlow(state_.bodies[first_bodies_[thing] + k])) return false;
   }
   return true;
 }
 
-void Engine::Hold(std::uint32_t owner, std::uint64_t counter) {
-  for (BodyState& body : BodiesOf(owner)) {
+void Engine::Hold(std::uint32_t thing, std::uint64_t counter) {
+  for (BodyState& body : BodiesOf(thing)) {
     body.v_WB.setZero();
     body.w_WB.setZero();
     body.sleep_counter = counter;
@@ -208,9 +209,9 @@ void Engine::Restore(const Frame& frame) {
   state_.channels = frame.channels;
   state_.solver_seed = frame.solver_seed;
   for (std::size_t i = 0; i < dynamic_count(); ++i) {
-    Owner& owner = things_.owners[i];
-    owner.frozen = FirstBody(i).frozen();
-    if (owner.robot < 0) broad_phase_->MoveObject(i, FirstBody(i));
+    Thing& thing = things_.all[i];
+    thing.frozen = FirstBody(i).frozen();
+    if (thing.robot < 0) broad_phase_->MoveObject(i, FirstBody(i));
   }
 }
 

@@ -45,9 +45,9 @@ class Engine {
  private:
   /// Islands that are solved together in one lane.
   struct Batch {
-    std::vector<std::uint32_t> owners;                          // island by island
+    std::vector<std::uint32_t> members;                         // things, island by island
     std::vector<std::uint32_t> pairs;                           // index into pairs_, in order
-    std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: owner and why
+    std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: thing and why
   };
 
   /// Makes what depends on the number of things. @pre things_
@@ -59,11 +59,11 @@ class Engine {
   /// Decides who is handed to ODE.
   void Sort();
 
-  /// Finds all contacts between owners in this substep, and wakes who sleeps and is touched.
+  /// Finds all contacts between things in this substep, and wakes who sleeps and is touched.
   void Touch(double dt_s);
   /// Contacts of the pairs of Sort(); true if none of them touches a sleeper.
   bool FindPairContacts(double dt_s);
-  void Wake(std::uint32_t owner, double dt_s);
+  void Wake(std::uint32_t thing, double dt_s);
   std::span<const FoundContact> ContactsOf(std::size_t pair) const;
   /// Groups who is handed to ODE into islands, and islands into batches.
   void MakeIslands();
@@ -74,7 +74,7 @@ class Engine {
   void SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s);
   void LoadBatch(const Batch& batch, Lane& lane, double dt_s);
   void ReadBatch(Batch& batch, const Lane& lane, double dt_s);
-  void ReadChannels(std::uint32_t owner, const Lane& lane, double dt_s);
+  void ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s);
   /// A channel has turned at this rate in a substep.
   void Turn(ChannelState& channel, double rate, double dt_s) const {
     channel.position += rate * dt_s;
@@ -84,28 +84,29 @@ class Engine {
   void AdvanceClosed(double dt_s);
   /// Counts how long everybody has been at rest, and lets whole islands sleep.
   void CountRest(Nanoseconds dt);
-  bool AtRest(std::uint32_t owner) const;
-  void Freeze(std::uint32_t owner, std::string why, Batch& batch);
+  bool AtRest(std::uint32_t thing) const;
+  void Freeze(std::uint32_t thing, std::string why, Batch& batch);
   /// Puts its bodies to rest where they are.
-  void Hold(std::uint32_t owner, std::uint64_t counter);
+  void Hold(std::uint32_t thing, std::uint64_t counter);
 
   /// Calls work(first, end) for parts of [0, count), on all threads if that pays.
   template <typename Work>
   void ForAll(std::size_t count, const Work& work);
 
-  std::span<ChannelState> ChannelsOf(const Owner& owner) {
-    return std::span(state_.channels).subspan(owner.first_channel, owner.channel_count);
+  std::span<ChannelState> ChannelsOf(const Thing& thing) {
+    return std::span(state_.channels).subspan(thing.first_channel, thing.channel_count);
   }
-  std::span<const ChannelState> ChannelsOf(const Owner& owner) const {
-    return std::span(state_.channels).subspan(owner.first_channel, owner.channel_count);
+  std::span<const ChannelState> ChannelsOf(const Thing& thing) const {
+    return std::span(state_.channels).subspan(thing.first_channel, thing.channel_count);
   }
-  Actor ActorOf(std::uint32_t owner) const { return things_.ActorOf(owner, state_.bodies); }
-  const BodyState& FirstBody(std::size_t owner) const { return state_.bodies[first_bodies_[owner]]; }
-  std::span<BodyState> BodiesOf(std::uint32_t owner) {
-    return std::span(state_.bodies).subspan(first_bodies_[owner], things_.owners[owner].body_count());
+  Actor ActorOf(std::uint32_t thing) const { return things_.ActorOf(thing, state_.bodies); }
+  const BodyState& FirstBody(std::size_t thing) const { return state_.bodies[first_bodies_[thing]]; }
+  std::span<BodyState> BodiesOf(std::uint32_t thing) {
+    return std::span(state_.bodies).subspan(first_bodies_[thing], things_.all[thing].body_count());
   }
   std::size_t dynamic_count() const { return things_.first_static; }
 
+  const Scene* scene_;
   WorkerPool* const pool_;
   Things things_;
   std::optional<BroadPhase> broad_phase_;  // always there
@@ -116,14 +117,14 @@ class Engine {
 
   double share_ = 1;  // of a substep in the present step
   // Of the present substep.
-  std::vector<std::size_t> first_bodies_;  // by dynamic owner
-  std::vector<std::uint8_t> moves_;        // by dynamic owner: neither frozen nor asleep
-  std::vector<std::uint8_t> near_;         // by dynamic owner: in a pair
-  std::vector<std::uint8_t> in_ode_;       // by dynamic owner
-  std::vector<std::uint8_t> rested_;       // by dynamic owner: of an island's root: all its members
-  std::vector<double> travel_m_;           // by dynamic owner: how far it may come
+  std::vector<std::size_t> first_bodies_;  // by dynamic thing
+  std::vector<std::uint8_t> moves_;        // by dynamic thing: neither frozen nor asleep
+  std::vector<std::uint8_t> near_;         // by dynamic thing: in a pair
+  std::vector<std::uint8_t> in_ode_;       // by dynamic thing
+  std::vector<std::uint8_t> rested_;       // by dynamic thing: of an island's root: all its members
+  std::vector<double> travel_m_;           // by dynamic thing: how far it may come
   std::vector<DrivePlan> plans_;           // by robot
-  std::vector<std::uint32_t> active_;      // owners handed to ODE, increasing
+  std::vector<std::uint32_t> active_;      // things handed to ODE, increasing
   std::span<const BroadPhase::Pair> pairs_;
   std::vector<FoundContact> found_;
   std::vector<std::size_t> found_ends_;  // by pair: where its contacts end in found_

@@ -16,8 +16,8 @@ namespace {
 
 // A robot is held at its height rather than dropped and caught: its floor contacts exist from this gap on.
 constexpr double kFloorGap_m = 2e-3;
-// Owners of a batch: enough that a call of ODE pays, few enough to stay in the cache.
-constexpr std::size_t kBatchOwners = 8;
+// Things of a batch: enough that a call of ODE pays, few enough to stay in the cache.
+constexpr std::size_t kBatchThings = 8;
 
 /// Puts a planar robot back into its plane, upright.
 void Flatten(BodyState& body, double rest_z_m) {
@@ -37,8 +37,8 @@ int RowsOf(const FoundContact& contact) {
   return friction > 0 ? 3 : 1;
 }
 
-double FloorGap(const Owner& owner, const BodyState& body, double dt_s) {
-  return owner.robot >= 0 ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : 0;
+double FloorGap(const Thing& thing, const BodyState& body, double dt_s) {
+  return thing.robot >= 0 ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : 0;
 }
 
 }  // namespace
@@ -73,10 +73,10 @@ std::span<const FoundContact> Engine::ContactsOf(std::size_t pair) const {
   return std::span(found_).subspan(first, found_ends_[pair] - first);
 }
 
-void Engine::Wake(std::uint32_t owner, double dt_s) {
-  for (BodyState& body : BodiesOf(owner)) body.sleep_counter = 0;
-  moves_[owner] = 1;
-  const int robot = things_.owners[owner].robot;
+void Engine::Wake(std::uint32_t thing, double dt_s) {
+  for (BodyState& body : BodiesOf(thing)) body.sleep_counter = 0;
+  moves_[thing] = 1;
+  const int robot = things_.all[thing].robot;
   if (robot >= 0) PlanRobot(static_cast<std::size_t>(robot), dt_s);
 }
 
@@ -84,7 +84,7 @@ void Engine::MakeIslands() {
   const std::size_t count = dynamic_count();
   std::vector<FoundContact> floor;
   for (const std::uint32_t i : active_) {
-    const Mechanism& mechanism = *things_.owners[i].mechanism;
+    const Mechanism& mechanism = *things_.all[i].mechanism;
     int rows = mechanism.joint_rows + mechanism.floor_rows;
     if (i >= things_.first_robot) {
       rows += kRobotSurcharge;
@@ -112,7 +112,7 @@ void Engine::MakeIslands() {
 Engine::Batch& Engine::NextBatch() {
   if (batch_count_ == batches_.size()) batches_.emplace_back();
   Batch& batch = batches_[batch_count_++];
-  batch.owners.clear();
+  batch.members.clear();
   batch.pairs.clear();
   batch.frozen.clear();
   return batch;
@@ -125,7 +125,7 @@ void Engine::MakeBatches() {
   for (const std::uint32_t root : islands_.roots()) {
     std::size_t at = 0;
     if (islands_.RowsOf(root) <= kMaxDirectRows) {
-      if (open == 0 || batches_[open].owners.size() >= kBatchOwners) {
+      if (open == 0 || batches_[open].members.size() >= kBatchThings) {
         open = batch_count_;
         NextBatch();
       }
@@ -133,7 +133,7 @@ void Engine::MakeBatches() {
     }
     batch_of_[root] = static_cast<std::uint32_t>(at);
     for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
-      batches_[at].owners.push_back(i);
+      batches_[at].members.push_back(i);
     }
   }
   const std::size_t count = dynamic_count();
@@ -147,7 +147,7 @@ void Engine::MakeBatches() {
 
 void Engine::SolveAll(double dt_s) {
   Batch& large = batches_.front();
-  if (!large.owners.empty()) {
+  if (!large.members.empty()) {
     // The iterative solver draws from ODE's only random generator, so it works alone.
     dRandSetSeed(static_cast<unsigned long>(state_.solver_seed));
     SolveBatch(large, *lanes_.front(), Lane::Solver::kIterative, dt_s);
@@ -174,8 +174,8 @@ void Engine::SolveAll(double dt_s) {
     });
   }
   for (std::size_t k = 0; k < batch_count_; ++k) {
-    for (auto& [owner, why] : batches_[k].frozen) {
-      frozen_.push_back({things_.owners[owner].name, std::move(why)});
+    for (auto& [thing, why] : batches_[k].frozen) {
+      frozen_.push_back({NameOf(*scene_, things_.all[thing]), std::move(why)});
     }
   }
   for (const std::uint32_t i : active_) {
@@ -185,7 +185,7 @@ void Engine::SolveAll(double dt_s) {
 
 void Engine::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s) {
   EnsureOde();
-  lane.Reserve(batch.owners);
+  lane.Reserve(batch.members);
   while (true) {
     try {
       LoadBatch(batch, lane, dt_s);
@@ -195,12 +195,12 @@ void Engine::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt
       lane.Reset();
       std::uint32_t fastest = Islands::kNone;
       double most = -1;
-      for (const std::uint32_t owner : batch.owners) {
-        if (!moves_[owner]) continue;
-        for (const BodyState& body : BodiesOf(owner)) {
+      for (const std::uint32_t thing : batch.members) {
+        if (!moves_[thing]) continue;
+        for (const BodyState& body : BodiesOf(thing)) {
           if (Violence(body) <= most) continue;
           most = Violence(body);
-          fastest = owner;
+          fastest = thing;
         }
       }
       if (fastest == Islands::kNone) return;
@@ -212,17 +212,17 @@ void Engine::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt
 }
 
 void Engine::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
-  for (const std::uint32_t owner : batch.owners) {
-    if (!moves_[owner]) continue;
-    lane.Load(owner, ActorOf(owner), ChannelsOf(things_.owners[owner]));
+  for (const std::uint32_t thing : batch.members) {
+    if (!moves_[thing]) continue;
+    lane.Load(thing, ActorOf(thing), ChannelsOf(things_.all[thing]));
   }
   std::vector<FoundContact>& floor = lane.scratch();
-  for (const std::uint32_t owner : batch.owners) {
-    if (!moves_[owner]) continue;
-    const Actor actor = ActorOf(owner);
+  for (const std::uint32_t thing : batch.members) {
+    if (!moves_[thing]) continue;
+    const Actor actor = ActorOf(thing);
     floor.clear();
-    FindFloorContacts(lane.collider(), actor, FloorGap(actor.owner, actor.bodies[0], dt_s), floor);
-    lane.Join(floor, actor, owner, nullptr, 0, dt_s);
+    FindFloorContacts(lane.collider(), actor, FloorGap(actor.thing, actor.bodies[0], dt_s), floor);
+    lane.Join(floor, actor, thing, nullptr, 0, dt_s);
   }
   for (const std::uint32_t pair : batch.pairs) {
     const auto [a, b] = pairs_[pair];
@@ -232,50 +232,50 @@ void Engine::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
 }
 
 void Engine::ReadBatch(Batch& batch, const Lane& lane, double dt_s) {
-  for (const std::uint32_t owner : batch.owners) {
-    if (!moves_[owner]) continue;
-    const Owner& info = things_.owners[owner];
-    const std::span<BodyState> bodies = BodiesOf(owner);
+  for (const std::uint32_t thing : batch.members) {
+    if (!moves_[thing]) continue;
+    const Thing& info = things_.all[thing];
+    const std::span<BodyState> bodies = BodiesOf(thing);
     std::optional<std::string> why;
-    for (std::size_t k = 0; k < bodies.size() && !why; ++k) why = WhyInsane(lane.Read(owner, k));
+    for (std::size_t k = 0; k < bodies.size() && !why; ++k) why = WhyInsane(lane.Read(thing, k));
     if (why) {
-      Freeze(owner, *why, batch);
+      Freeze(thing, *why, batch);
       continue;
     }
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       const std::uint64_t counter = bodies[k].sleep_counter;
-      bodies[k] = lane.Read(owner, k);
+      bodies[k] = lane.Read(thing, k);
       bodies[k].sleep_counter = counter;
     }
     if (info.mechanism->one_body() && info.mechanism->planar()) Flatten(bodies.front(), info.rest_z_m);
-    if (info.channel_count > 0) ReadChannels(owner, lane, dt_s);
+    if (info.channel_count > 0) ReadChannels(thing, lane, dt_s);
   }
 }
 
-void Engine::ReadChannels(std::uint32_t owner, const Lane& lane, double dt_s) {
-  const Owner& info = things_.owners[owner];
+void Engine::ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s) {
+  const Thing& info = things_.all[thing];
   const std::span<ChannelState> channels = ChannelsOf(info);
   if (!info.mechanism->one_body()) {
     for (const Hinge& hinge : info.mechanism->hinges) {
       if (hinge.channel < 0) continue;
       ChannelState& channel = channels[static_cast<std::size_t>(hinge.channel)];
-      Turn(channel, lane.HingeRate(owner, hinge), dt_s);
-      channel.effort = lane.HingeEffort(owner, hinge);
+      Turn(channel, lane.HingeRate(thing, hinge), dt_s);
+      channel.effort = lane.HingeEffort(thing, hinge);
     }
   } else if (info.mechanism->drive) {
     const OneBodyDrive& drive = *info.mechanism->drive;
-    const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(owner), drive.SpeedsOf(channels));
+    const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(thing), drive.SpeedsOf(channels));
     const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
     for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
   }
 }
 
-void Engine::Freeze(std::uint32_t owner, std::string why, Batch& batch) {
-  Owner& info = things_.owners[owner];
+void Engine::Freeze(std::uint32_t thing, std::string why, Batch& batch) {
+  Thing& info = things_.all[thing];
   info.frozen = true;
-  moves_[owner] = 0;
-  Hold(owner, BodyState::kFrozen);
-  batch.frozen.emplace_back(owner, std::move(why));
+  moves_[thing] = 0;
+  Hold(thing, BodyState::kFrozen);
+  batch.frozen.emplace_back(thing, std::move(why));
 }
 
 }  // namespace coopdyn

@@ -12,13 +12,13 @@ void Islands::Resize(std::size_t count) {
   next_.assign(count, kNone);
 }
 
-std::uint32_t Islands::RootOf(std::uint32_t owner) {
-  while (parents_[owner] >= 0) {
-    const std::uint32_t parent = static_cast<std::uint32_t>(parents_[owner]);
-    if (parents_[parent] >= 0) parents_[owner] = parents_[parent];
-    owner = parent;
+std::uint32_t Islands::RootOf(std::uint32_t thing) {
+  while (parents_[thing] >= 0) {
+    const std::uint32_t parent = static_cast<std::uint32_t>(parents_[thing]);
+    if (parents_[parent] >= 0) parents_[thing] = parents_[parent];
+    thing = parent;
   }
-  return owner;
+  return thing;
 }
 
 void Islands::Join(std::uint32_t a, std::uint32_t b) {
@@ -32,17 +32,17 @@ void Islands::Join(std::uint32_t a, std::uint32_t b) {
 
 void Islands::List(std::span<const std::uint32_t> active) {
   roots_.clear();
-  for (const std::uint32_t owner : active) first_[owner] = kNone;
-  for (const std::uint32_t owner : active) {
-    const std::uint32_t root = RootOf(owner);
-    next_[owner] = kNone;
+  for (const std::uint32_t thing : active) first_[thing] = kNone;
+  for (const std::uint32_t thing : active) {
+    const std::uint32_t root = RootOf(thing);
+    next_[thing] = kNone;
     if (first_[root] == kNone) {
       roots_.push_back(root);
-      first_[root] = owner;
+      first_[root] = thing;
     } else {
-      next_[last_[root]] = owner;
+      next_[last_[root]] = thing;
     }
-    last_[root] = owner;
+    last_[root] = thing;
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Groups of owners that push each other in this substep, and which solver each group gets.
+// Groups of things that push each other in this substep, and which solver each group gets.
 // Only server/physics includes this file.
 #pragma once
 
@@ -18,29 +18,29 @@ inline constexpr int kMaxDirectRows = 120;
 inline constexpr int kRobotSurcharge = 12;
 inline constexpr int kQuickIterations = 40;
 
-/// Union-find over the moving owners. Reused from substep to substep.
+/// Union-find over the moving things. Reused from substep to substep.
 class Islands {
  public:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  /// For owners 0 … count − 1.
+  /// For things 0 … count − 1.
   void Resize(std::size_t count);
-  /// Begins with `owner` alone, with `rows` of its own.
-  void Begin(std::uint32_t owner, int rows) { parents_[owner] = -1 - rows; }
-  void AddRows(std::uint32_t owner, int rows) { parents_[RootOf(owner)] -= rows; }
+  /// Begins with `thing` alone, with `rows` of its own.
+  void Begin(std::uint32_t thing, int rows) { parents_[thing] = -1 - rows; }
+  void AddRows(std::uint32_t thing, int rows) { parents_[RootOf(thing)] -= rows; }
   void Join(std::uint32_t a, std::uint32_t b);
-  /// Rows, surcharges included, of the group that holds `owner`.
-  int RowsOf(std::uint32_t owner) { return -parents_[RootOf(owner)] - 1; }
+  /// Rows, surcharges included, of the group that holds `thing`.
+  int RowsOf(std::uint32_t thing) { return -parents_[RootOf(thing)] - 1; }
   /// One member of the group stands for it.
-  std::uint32_t RootOf(std::uint32_t owner);
+  std::uint32_t RootOf(std::uint32_t thing);
 
   /// After the last Join(): lists the groups that `active` (increasing) makes up, by their first member.
   void List(std::span<const std::uint32_t> active);
-  /// Roots of the groups, and each group's members, increasing: from FirstOf(root) on by NextOf(owner), until
+  /// Roots of the groups, and each group's members, increasing: from FirstOf(root) on by NextOf(thing), until
   /// kNone.
   std::span<const std::uint32_t> roots() const { return roots_; }
   std::uint32_t FirstOf(std::uint32_t root) const { return first_[root]; }
-  std::uint32_t NextOf(std::uint32_t owner) const { return next_[owner]; }
+  std::uint32_t NextOf(std::uint32_t thing) const { return next_[thing]; }
 
  private:
   // Of a root: −1 − its rows; of others: the index of a member nearer to the root.

@@ -148,10 +148,10 @@ Lane::Slot Lane::MakeSlot(const Mechanism* mechanism) {
   return slot;
 }
 
-void Lane::Reserve(std::span<const std::uint32_t> owners) {
+void Lane::Reserve(std::span<const std::uint32_t> members) {
   std::vector<std::size_t> needed(pools_.size());
   bool grows = false;
-  for (const std::uint32_t owner : owners) ++needed[things_.owners[owner].pool];
+  for (const std::uint32_t thing : members) ++needed[things_.all[thing].pool];
   for (std::size_t pool = 0; pool < needed.size(); ++pool) {
     if (needed[pool] <= sizes_[pool]) continue;
     sizes_[pool] = std::max(needed[pool], 2 * sizes_[pool]);
@@ -162,12 +162,12 @@ void Lane::Reserve(std::span<const std::uint32_t> owners) {
   Build();
 }
 
-void Lane::Load(std::uint32_t owner, const Actor& actor, std::span<const ChannelState> channels) {
-  const Mechanism& mechanism = *actor.owner.mechanism;
-  Pool& pool = pools_[actor.owner.pool];
+void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels) {
+  const Mechanism& mechanism = *actor.thing.mechanism;
+  Pool& pool = pools_[actor.thing.pool];
   Slot& slot = pool.slots[pool.used++];
-  slot_of_[owner] = &slot;
-  loaded_.push_back(owner);
+  slot_of_[thing] = &slot;
+  loaded_.push_back(thing);
   if (slot.loaded != &mechanism) {
     SetMass(slot.bodies.front(), mechanism.bodies.front(), mechanism.one_body() && mechanism.planar());
     slot.loaded = &mechanism;
@@ -194,8 +194,8 @@ void Lane::Step(Solver solver, double dt_s) {
   dJointGroupEmpty(contacts_.get());
 }
 
-BodyState Lane::Read(std::uint32_t owner, std::size_t index) const {
-  dBodyID body = slot_of_[owner]->bodies[index];
+BodyState Lane::Read(std::uint32_t thing, std::size_t index) const {
+  dBodyID body = slot_of_[thing]->bodies[index];
   BodyState state;
   const dReal* R = dBodyGetRotation(body);
   std::copy_n(dBodyGetPosition(body), 3, state.p_WB.data());
@@ -206,22 +206,22 @@ BodyState Lane::Read(std::uint32_t owner, std::size_t index) const {
   return state;
 }
 
-double Lane::HingeRate(std::uint32_t owner, const Hinge& hinge) const {
-  return dJointGetHingeAngleRate(slot_of_[owner]->motors[static_cast<std::size_t>(hinge.channel)]);
+double Lane::HingeRate(std::uint32_t thing, const Hinge& hinge) const {
+  return dJointGetHingeAngleRate(slot_of_[thing]->motors[static_cast<std::size_t>(hinge.channel)]);
 }
 
-double Lane::HingeEffort(std::uint32_t owner, const Hinge& hinge) const {
+double Lane::HingeEffort(std::uint32_t thing, const Hinge& hinge) const {
   const auto channel = static_cast<std::size_t>(hinge.channel);
   dVector3 axis;
-  dJointGetHingeAxis(slot_of_[owner]->motors[channel], axis);
-  const dJointFeedback& force = slot_of_[owner]->forces[channel];
+  dJointGetHingeAxis(slot_of_[thing]->motors[channel], axis);
+  const dJointFeedback& force = slot_of_[thing]->forces[channel];
   return axis[0] * force.t1[0] + axis[1] * force.t1[1] + axis[2] * force.t1[2];
 }
 
 void Lane::Unload() {
-  for (const std::uint32_t owner : loaded_) {
-    for (dBodyID body : slot_of_[owner]->bodies) dBodyDisable(body);
-    slot_of_[owner] = nullptr;
+  for (const std::uint32_t thing : loaded_) {
+    for (dBodyID body : slot_of_[thing]->bodies) dBodyDisable(body);
+    slot_of_[thing] = nullptr;
   }
   loaded_.clear();
   for (Pool& pool : pools_) pool.used = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A small world of ODE that solves one batch of islands at a time: bodies are lent to owners for a substep,
+// A small world of ODE that solves one batch of islands at a time: bodies are lent to things for a substep,
 // loaded with their exact state, and read back. So ODE remembers nothing from one substep to the next, its
 // memory stays in the cache however large the swarm, and several lanes may work at once. One thread at a
 // time. Only server/physics includes this file.
@@ -34,23 +34,23 @@ class Lane {
   /// Room for contacts, for whoever uses the lane.
   std::vector<FoundContact>& scratch() { return scratch_; }
 
-  /// Makes room for these owners together. Before they are loaded.
-  void Reserve(std::span<const std::uint32_t> owners);
-  /// Lends `owner` bodies in the state of `actor`; `channels`: of it, with what its motors are to do. They
+  /// Makes room for these things together. Before they are loaded.
+  void Reserve(std::span<const std::uint32_t> members);
+  /// Lends `thing` bodies in the state of `actor`; `channels`: of it, with what its motors are to do. They
   /// outlive the loan.
-  void Load(std::uint32_t owner, const Actor& actor, std::span<const ChannelState> channels);
-  /// Makes contact joints between A and B (-1: the floor). An owner that is not loaded counts as static.
+  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels);
+  /// Makes contact joints between A and B (-1: the floor). An thing that is not loaded counts as static.
   /// Friction: the slippier of the two decides (the smaller coefficient). Nothing bounces.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
             std::uint32_t index_b, double dt_s);
   /// Advances what is loaded. Throws OdeError; then the lane must be Reset().
   void Step(Solver solver, double dt_s);
-  /// The exact state of body `body` of a loaded owner; its sleep counter is 0.
-  BodyState Read(std::uint32_t owner, std::size_t body) const;
-  /// Speed of a motorised hinge of a loaded owner, rad/s.
-  double HingeRate(std::uint32_t owner, const Hinge& hinge) const;
+  /// The exact state of body `body` of a loaded thing; its sleep counter is 0.
+  BodyState Read(std::uint32_t thing, std::size_t body) const;
+  /// Speed of a motorised hinge of a loaded thing, rad/s.
+  double HingeRate(std::uint32_t thing, const Hinge& hinge) const;
   /// Torque of its motor in the last step, N m.
-  double HingeEffort(std::uint32_t owner, const Hinge& hinge) const;
+  double HingeEffort(std::uint32_t thing, const Hinge& hinge) const;
   /// Takes all bodies back.
   void Unload();
   /// A new world after ODE threw: its memory is not to be trusted.
@@ -59,13 +59,13 @@ class Lane {
   void Fit();
 
  private:
-  /// Bodies and hinges that can stand for one owner.
+  /// Bodies and hinges that can stand for one thing.
   struct Slot {
     std::vector<dBodyID> bodies;
     std::vector<dJointID> motors;              // by channel; null: none
     std::unique_ptr<dJointFeedback[]> forces;  // of `motors`
     const Mechanism* loaded = nullptr;         // whose masses they have
-    std::span<const ChannelState> channels;    // of the owner that it is lent to
+    std::span<const ChannelState> channels;    // of the thing that it is lent to
   };
   struct Pool {
     const Mechanism* mechanism = nullptr;  // of several bodies; null: single ones
@@ -74,7 +74,7 @@ class Lane {
   };
   void Build();
   Slot MakeSlot(const Mechanism* mechanism);
-  dBodyID BodyOf(std::uint32_t owner, const Part& part) const;
+  dBodyID BodyOf(std::uint32_t thing, const Part& part) const;
   void JoinParts(const FoundContact& found, const Actor& actor_a, const Actor* actor_b, dBodyID a, dBodyID b,
                  bool flat, double dt_s);
   void JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_t index, dBodyID body,
@@ -90,7 +90,7 @@ class Lane {
   OdeGroupPtr contacts_;
   std::vector<Pool> pools_;
   std::vector<std::size_t> sizes_;  // of pools, to be built; as many as Things::pools
-  std::vector<Slot*> slot_of_;      // by dynamic owner; null: not loaded
+  std::vector<Slot*> slot_of_;      // by dynamic thing; null: not loaded
   std::vector<std::uint32_t> loaded_;
   /// Set when ODE threw in the middle of a step: then its threading object may not be freed (it asserts that
   /// its jobs are done) and is kept until the process ends.

@@ -28,9 +28,9 @@ Vector3 PointVelocity(const Actor* actor, const Part* part, const Vector3& p) {
 
 }  // namespace
 
-dBodyID Lane::BodyOf(std::uint32_t owner, const Part& part) const {
-  if (owner >= slot_of_.size() || slot_of_[owner] == nullptr) return nullptr;
-  return slot_of_[owner]->bodies[static_cast<std::size_t>(part.body)];
+dBodyID Lane::BodyOf(std::uint32_t thing, const Part& part) const {
+  if (thing >= slot_of_.size() || slot_of_[thing] == nullptr) return nullptr;
+  return slot_of_[thing]->bodies[static_cast<std::size_t>(part.body)];
 }
 
 void Lane::Attach(dContact& contact, const ContactPoint& point, dBodyID a, dBodyID b, double dt_s) {
@@ -75,7 +75,7 @@ void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_
                      dBodyID other, int sign, double dt_s) {
   const Part& wheel = *(found.wheel == 0 ? found.a : found.b);
   const Part* ground = found.wheel == 0 ? found.b : found.a;
-  const OneBodyDrive& drive = *robot.owner.mechanism->drive;
+  const OneBodyDrive& drive = *robot.thing.mechanism->drive;
   const std::size_t side = static_cast<std::size_t>(wheel.wheel);
   ContactPoint point = found.point;
   point.n_W *= sign;  // towards the robot
@@ -89,7 +89,7 @@ void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_
   contact.surface.mode = dContactFDir1 | dContactMotion1 | dContactMu2;
   Copy(contact.fdir1, axle.cross(point.n_W).normalized());
   contact.surface.motion1 = drive.SpeedsOf(slot_of_[index]->channels)[side] * drive.wheels.radius_m;
-  if (robot.owner.mechanism->planar()) {
+  if (robot.thing.mechanism->planar()) {
     // It always stands as at rest. One wheel's row holds it sideways for both.
     contact.surface.mu = drive.drive_n[side];
     contact.surface.mu2 = side == 0 ? drive.sideways_n : 0;
@@ -110,19 +110,19 @@ void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_
 
 void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
                 std::uint32_t index_b, double dt_s) {
-  const auto is_one = [](const Actor& actor) { return actor.owner.mechanism->one_body(); };
+  const auto is_one = [](const Actor& actor) { return actor.thing.mechanism->one_body(); };
   // Robots side by side, or along a wall, do not lift each other: friction acts in the plane only. Else a
   // crowd would climb up on itself, by what is an artefact of stepping.
-  const bool flat = b != nullptr && a.owner.robot >= 0 && (b->owner.robot >= 0 || b->owner.body_count() == 0);
+  const bool flat = b != nullptr && a.thing.robot >= 0 && (b->thing.robot >= 0 || b->thing.body_count() == 0);
   for (const FoundContact& contact : found) {
     dBodyID body_a = BodyOf(index_a, *contact.a);
     dBodyID body_b = b == nullptr ? nullptr : BodyOf(index_b, *contact.b);
     if (body_a == nullptr && body_b == nullptr) continue;
     const bool a_rolls = contact.wheel == 0 && is_one(a) && body_a != nullptr;
     const bool b_rolls = contact.wheel == 1 && is_one(*b) && body_b != nullptr;
-    if (a_rolls && a.owner.mechanism->drive) {
+    if (a_rolls && a.thing.mechanism->drive) {
       JoinWheel(contact, a, index_a, body_a, body_b, 1, dt_s);
-    } else if (b_rolls && b->owner.mechanism->drive) {
+    } else if (b_rolls && b->thing.mechanism->drive) {
       JoinWheel(contact, *b, index_b, body_b, body_a, -1, dt_s);
     } else {
       JoinParts(contact, a, b, body_a, body_b, flat, dt_s);

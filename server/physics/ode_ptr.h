@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Owners of ODE's objects. Only server/physics includes this file.
+// Things of ODE's objects. Only server/physics includes this file.
 #pragma once
 
 #include <ode/ode.h>

@@ -20,10 +20,6 @@ std::string Metres(double length_m) {
   return text;
 }
 
-std::string NameOf(const Owner& owner) {
-  return owner.kind + " " + owner.name;
-}
-
 double Depth(Collider& collider, const PlacedPart& a, const PlacedPart& b) {
   double depth = 0;
   const ContactList contacts = Collide(collider, a, b, 0);
@@ -82,32 +78,32 @@ void CheckModels(const Scene& scene, Diagnostics& diagnostics) {
   }
 }
 
-void CheckStart(const Things& things, Diagnostics& diagnostics) {
-  BroadPhase broad_phase(things);
+void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnostics) {
+  BroadPhase broad_phase(things, things.bodies);
   Collider collider;
   for (std::size_t i = 0; i < things.first_static; ++i) {
-    const Actor actor = things.ActorOf(i, things.start);
-    const Owner& owner = actor.owner;
-    if (owner.robot >= 0) {
-      broad_phase.spaces()[static_cast<std::size_t>(owner.robot)] = SpaceOf(owner, *actor.bodies, 0);
+    const Actor actor = things.ActorOf(i, things.bodies);
+    const Thing& thing = actor.thing;
+    if (thing.robot >= 0) {
+      broad_phase.spaces()[static_cast<std::size_t>(thing.robot)] = SpaceOf(thing, *actor.bodies, 0);
     }
     const double below = DepthBelowFloor(actor);
     if (below > kTolerance_m) {
-      diagnostics.Error(owner.where,
-                        NameOf(owner) + " starts " + Metres(below) + " below the floor (z = 0): move it up");
+      diagnostics.Error(WhereOf(scene, thing), TitleOf(scene, thing) + " starts " + Metres(below) +
+                                                   " below the floor (z = 0): move it up");
     }
   }
   const std::vector<std::uint8_t> all(things.first_static, 1);
   for (const auto& [a, b] : broad_phase.FindPairs(all)) {
     const double depth =
-        DepthOfPair(collider, things.ActorOf(a, things.start), things.ActorOf(b, things.start));
+        DepthOfPair(collider, things.ActorOf(a, things.bodies), things.ActorOf(b, things.bodies));
     if (depth <= kTolerance_m) continue;
     // Of two that move, the later one is to be moved; static things stay.
     const bool static_b = b >= things.first_static;
-    const Owner& moved = things.owners[static_b ? a : b];
-    const Owner& other = things.owners[static_b ? b : a];
-    diagnostics.Error(moved.where,
-                      NameOf(moved) + " starts " + Metres(depth) + " inside " + other.name + ": move it");
+    const Thing& moved = things.all[static_b ? a : b];
+    const Thing& other = things.all[static_b ? b : a];
+    diagnostics.Error(WhereOf(scene, moved), TitleOf(scene, moved) + " starts " + Metres(depth) + " inside " +
+                                                 NameOf(scene, other) + ": move it");
   }
 }
 

@@ -12,6 +12,6 @@ struct Things;
 /// Reports robots whose model cannot be simulated (a link without mass). Call before MakeThings().
 void CheckModels(const Scene& scene, Diagnostics& diagnostics);
 /// Reports every dynamic thing that starts more than 1 mm inside another or below the floor, and by how much.
-void CheckStart(const Things& things, Diagnostics& diagnostics);
+void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

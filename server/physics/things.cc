@@ -8,11 +8,6 @@ namespace coopdyn {
 
 namespace {
 
-const char* WordFor(const Shape& shape) {
-  constexpr const char* kKinds[] = {"box", "cylinder", "sphere"};
-  return kKinds[shape.index()];
-}
-
 BodyState StateAt(const Pose& X_WB) {
   BodyState state;
   state.p_WB = X_WB.p;
@@ -30,16 +25,13 @@ class Builder {
   Builder(const Scene& scene, const Things* before) : scene_(scene), before_(before) {}
 
   Things Build() {
-    for (const SceneObject& object : scene_.objects) {
-      if (object.body >= 0) AddObject(object.object);
-    }
-    things_.first_robot = things_.owners.size();
+    things_.all.reserve(scene_.objects.size() + scene_.robots.size());
+    AddObjects(false);
+    things_.first_robot = things_.all.size();
     for (std::size_t i = 0; i < scene_.robots.size(); ++i) AddRobot(static_cast<int>(i));
-    things_.first_static = things_.owners.size();
+    things_.first_static = things_.all.size();
     last_object_ = nullptr;
-    for (const SceneObject& object : scene_.objects) {
-      if (object.body < 0) AddObject(object.object);
-    }
+    AddObjects(true);
     return std::move(things_);
   }
 
@@ -53,39 +45,47 @@ class Builder {
     return things_.mechanisms.back().get();
   }
 
-  void AddObject(const WorldObject& object) {
-    Owner owner{WordFor(object.shape), object.name, object.where};
-    owner.mechanism = ObjectOf(object);
-    owner.first_body = static_cast<int>(things_.start.size());
-    if (object.is_static()) {
-      owner.fixed = StateAt(object.X_WO);
-    } else {
-      things_.start.push_back(StateAt(object.X_WO));
+  void AddObjects(bool is_static) {
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
+      const WorldObject& object = scene_.objects[i].object;
+      if ((scene_.objects[i].body < 0) != is_static) continue;
+      Thing thing;
+      thing.object = static_cast<int>(i);
+      thing.mechanism = ObjectOf(object);
+      thing.first_body = bodies_;
+      if (is_static) {
+        thing.fixed = StateAt(object.X_WO);
+      } else {
+        AddBody(object.X_WO, {});
+      }
+      things_.all.push_back(thing);
     }
-    things_.owners.push_back(std::move(owner));
+  }
+
+  void AddBody(const Pose& X_WR, const Pose& X_RB) {
+    ++bodies_;
+    if (before_ == nullptr) things_.bodies.push_back(StateAt(X_WR * X_RB));
   }
 
   void AddRobot(int index) {
     const SceneRobot& robot = scene_.robots[static_cast<std::size_t>(index)];
     const RobotEntry& entry = robot.entry;
-    Owner owner{"robot", entry.name, entry.where};
-    owner.robot = index;
+    Thing thing;
+    thing.robot = index;
     const Kind& kind = KindOf(*entry.model, entry.fidelity);
-    owner.mechanism = kind.mechanism;
-    owner.pool = kind.pool;
-    owner.first_body = static_cast<int>(things_.start.size());
-    owner.p_BR = robot.X_BR.p;
-    owner.up_B = robot.X_BR.q * Vector3::UnitZ();
-    owner.first_channel = static_cast<std::size_t>(robot.first_channel);
-    owner.channel_count = static_cast<std::size_t>(robot.channel_count);
+    thing.mechanism = kind.mechanism;
+    thing.pool = kind.pool;
+    thing.first_body = bodies_;
+    thing.p_BR = robot.X_BR.p;
+    thing.up_B = robot.X_BR.q * Vector3::UnitZ();
+    thing.first_channel = static_cast<std::size_t>(robot.first_channel);
+    thing.channel_count = static_cast<std::size_t>(robot.channel_count);
     if (robot.one_body()) {
       const bool planar = entry.fidelity == Fidelity::kPlanar;
-      owner.rest_z_m = owner.mechanism->bodies.front().X_RB.p.z() + (planar ? entry.X_WR.p.z() : 0);
+      thing.rest_z_m = thing.mechanism->bodies.front().X_RB.p.z() + (planar ? entry.X_WR.p.z() : 0);
     }
-    for (const RigidBody& body : owner.mechanism->bodies) {
-      things_.start.push_back(StateAt(entry.X_WR * body.X_RB));
-    }
-    things_.owners.push_back(std::move(owner));
+    for (const RigidBody& body : thing.mechanism->bodies) AddBody(entry.X_WR, body.X_RB);
+    things_.all.push_back(thing);
   }
 
   /// What robots of one type and fidelity share. More than one body need a pool of their own in ODE.
@@ -119,14 +119,36 @@ class Builder {
   const Scene& scene_;
   const Things* const before_;
   Things things_;
+  int bodies_ = 0;
   const WorldObject* last_object_ = nullptr;
   std::vector<Kind> kinds_;
 };
 
 }  // namespace
 
-Things MakeThings(const Scene& scene, const Things* before) {
-  return Builder(scene, before).Build();
+Things MakeThings(const Scene& scene) {
+  return Builder(scene, nullptr).Build();
+}
+
+Things MakeThings(const Scene& scene, const Things& before) {
+  return Builder(scene, &before).Build();
+}
+
+std::string TitleOf(const Scene& scene, const Thing& thing) {
+  constexpr const char* kShapes[] = {"box", "cylinder", "sphere"};
+  if (thing.robot >= 0) return "robot " + NameOf(scene, thing);
+  const Shape& shape = scene.objects[static_cast<std::size_t>(thing.object)].object.shape;
+  return std::string(kShapes[shape.index()]) + " " + NameOf(scene, thing);
+}
+
+const std::string& NameOf(const Scene& scene, const Thing& thing) {
+  if (thing.robot >= 0) return scene.robots[static_cast<std::size_t>(thing.robot)].entry.name;
+  return scene.objects[static_cast<std::size_t>(thing.object)].object.name;
+}
+
+const SourceLine& WhereOf(const Scene& scene, const Thing& thing) {
+  if (thing.robot >= 0) return scene.robots[static_cast<std::size_t>(thing.robot)].entry.where;
+  return scene.objects[static_cast<std::size_t>(thing.object)].object.where;
 }
 
 }  // namespace coopdyn

@@ -14,11 +14,9 @@
 namespace coopdyn {
 
 /// A robot or an object. Its own parts do not collide with each other.
-struct Owner {
-  std::string kind;  // robot, box, cylinder, sphere
-  std::string name;
-  SourceLine where;
-  int robot = -1;  // index into Scene::robots; -1: an object
+struct Thing {
+  int robot = -1;   // index into Scene::robots; -1: an object
+  int object = -1;  // index into Scene::objects; -1: a robot
   const Mechanism* mechanism = nullptr;
   std::size_t pool = 0;                              // of Things::pools: what kind of bodies it needs in ODE
   int first_body = 0;                                // of Frame::bodies; static: none
@@ -34,37 +32,43 @@ struct Owner {
   std::size_t body_count() const { return mechanism->bodies.size(); }
 };
 
-/// An owner and where it is.
+/// An thing and where it is.
 struct Actor {
-  const Owner& owner;
+  const Thing& thing;
   const BodyState* bodies;
 
-  std::span<const Part> parts() const { return owner.mechanism->parts; }
+  std::span<const Part> parts() const { return thing.mechanism->parts; }
   PlacedPart Place(std::size_t part) const {
-    const Part& of = owner.mechanism->parts[part];
+    const Part& of = thing.mechanism->parts[part];
     return {of, bodies[static_cast<std::size_t>(of.body)]};
   }
 };
 
 struct Things {
-  std::vector<std::shared_ptr<const Mechanism>>
-      mechanisms;             // each of a robot type once; shared with things before
-  std::vector<Owner> owners;  // dynamic objects, then robots from `first_robot` on, then static objects
+  std::vector<std::shared_ptr<const Mechanism>> mechanisms;  // Rebuild() takes them over
+  std::vector<Thing> all;  // dynamic objects, then robots from `first_robot` on, then static objects
   std::size_t first_robot = 0;
   std::size_t first_static = 0;
   /// What ODE is asked to move: single bodies (null), and each mechanism of several.
   std::vector<const Mechanism*> pools{nullptr};
-  std::vector<BodyState> start;  // of Frame::bodies
+  std::vector<BodyState> bodies;  // of Frame::bodies: where everything begins
 
-  Actor ActorOf(std::size_t owner, std::span<const BodyState> bodies) const {
-    const Owner& info = owners[owner];
-    if (owner >= first_static) return {info, &info.fixed};
+  Actor ActorOf(std::size_t thing, std::span<const BodyState> bodies) const {
+    const Thing& info = all[thing];
+    if (thing >= first_static) return {info, &info.fixed};
     return {info, bodies.data() + info.first_body};
   }
 };
 
-/// The things of `scene`, which outlives them. `before` (null: none): of a scene with the same floor and
-/// gravity, whose mechanisms they take over. @pre all masses and inertias are positive.
-Things MakeThings(const Scene& scene, const Things* before = nullptr);
+/// The things of `scene`, which outlives them. @pre all masses and inertias are positive.
+Things MakeThings(const Scene& scene);
+/// The same for a scene with the floor and gravity of before: robots of a kind that was there before share
+/// its mechanism, and `bodies` is empty.
+Things MakeThings(const Scene& scene, const Things& before);
+
+/// What a thing is called: `robot robot1`, `box BOX_1`; its name alone; and where the files say so.
+std::string TitleOf(const Scene& scene, const Thing& thing);
+const std::string& NameOf(const Scene& scene, const Thing& thing);
+const SourceLine& WhereOf(const Scene& scene, const Thing& thing);
 
 }  // namespace coopdyn

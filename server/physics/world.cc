@@ -24,7 +24,7 @@ std::unique_ptr<PhysicsWorld> PhysicsWorld::Build(std::shared_ptr<const Scene> s
   if (diagnostics.errors() > errors) return nullptr;
   const Scene& kept = *scene;
   auto impl = std::make_unique<Impl>(std::move(scene), kept, seed, pool);
-  CheckStart(impl->engine.things(), diagnostics);
+  CheckStart(kept, impl->engine.things(), diagnostics);
   if (diagnostics.errors() > errors) return nullptr;
   return std::unique_ptr<PhysicsWorld>(new PhysicsWorld(std::move(impl)));
 }

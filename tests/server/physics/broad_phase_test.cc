@@ -71,17 +71,17 @@ TEST(BroadPhase, EveryContactThatAllPairsFindIsFound) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const RandomScene random(seed);
     const Things& things = random.things;
-    BroadPhase broad_phase(things);
+    BroadPhase broad_phase(things, things.bodies);
     for (std::size_t i = things.first_robot; i < things.first_static; ++i) {
-      const Actor actor = things.ActorOf(i, things.start);
-      broad_phase.spaces()[i - things.first_robot] = SpaceOf(actor.owner, *actor.bodies, 0);
+      const Actor actor = things.ActorOf(i, things.bodies);
+      broad_phase.spaces()[i - things.first_robot] = SpaceOf(actor.thing, *actor.bodies, 0);
     }
     const auto& list = broad_phase.FindPairs(std::vector<std::uint8_t>(things.first_static, 1));
     const std::set<std::pair<std::uint32_t, std::uint32_t>> pairs(list.begin(), list.end());
     EXPECT_EQ(pairs.size(), list.size()) << "a pair came twice";
     for (std::uint32_t a = 0; a < things.first_static; ++a) {
-      for (std::uint32_t b = a + 1; b < things.owners.size(); ++b) {
-        const Actor actor_a = things.ActorOf(a, things.start), actor_b = things.ActorOf(b, things.start);
+      for (std::uint32_t b = a + 1; b < things.all.size(); ++b) {
+        const Actor actor_a = things.ActorOf(a, things.bodies), actor_b = things.ActorOf(b, things.bodies);
         if (!Touch(collider, actor_a, actor_b)) continue;
         ++touching;
         ASSERT_TRUE(pairs.contains({a, b})) << "seed " << seed << " pair " << a << " " << b;
