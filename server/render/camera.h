@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
 #include <optional>
 
 #include "server/state/image_board.h"
@@ -32,8 +34,30 @@ struct ProjectedPoint {
 Matrix4 ViewMatrix(const Camera& camera);
 /// Camera to clip coordinates.
 Matrix4 ProjectionMatrix(const Camera& camera, int width, int height);
-/// World to pixels.
-ProjectedPoint Project(const Camera& camera, int width, int height, const Vector3& p_W);
+
+/// What a camera sees of points and spheres.
+class Frustum {
+ public:
+  Frustum(const Camera& camera, int width, int height);
+
+  /// True if a part of the sphere may be in the picture.
+  bool Sees(const Vector3& center_W, double radius_m) const;
+  /// About how many pixels a length of 1 m at `p_W` covers; large behind the camera.
+  double PixelsPerMetre(const Vector3& p_W) const;
+  Eigen::Vector4d Clip(const Vector3& p_W) const;
+  ProjectedPoint Pixel(const Vector3& p_W) const;
+
+  double near_m() const { return near_m_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  Matrix4 clip_from_W_;
+  std::array<Eigen::Vector4d, 6> planes_;  // inside: plane · (p, 1) ≥ 0
+  double focal_px_ = 1;
+  double near_m_ = 0.05;
+  int width_, height_;
+};
 
 /// The camera that shows all that stands in `scene` at its start (the floor, if that is nothing), from the
 /// front at a slant. It does not move with the robots.

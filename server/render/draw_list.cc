@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "server/render/frustum.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {

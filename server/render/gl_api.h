@@ -1,78 +1,104 @@
 // SPDX-License-Identifier: MIT
-// The GL functions that we use, as loaded by a context: no GL library is linked. Valid on the context's
-// thread.
+// The GL functions that we use, found by their names: no GL library is linked. Valid on the thread of the
+// context that they were found for.
 #pragma once
 
 #include <GL/glcorearb.h>
 
 #include <functional>
 #include <string>
+#include <utility>
 
 namespace coopdyn {
 
-using GlFunction = void (*)();
+/// Finds functions in a library or a context.
+class SymbolLoader {
+ public:
+  /// Becomes a pointer to whatever function it is assigned to.
+  struct Symbol {
+    void* address;
+    template <typename Function>
+    operator Function() const {
+      return reinterpret_cast<Function>(address);
+    }
+  };
+
+  explicit SymbolLoader(std::function<void*(const char* name)> find) : find_(std::move(find)) {}
+
+  Symbol operator()(const char* name) {
+    void* address = find_(name);
+    if (address == nullptr) missing_ += (missing_.empty() ? "" : ", ") + std::string(name);
+    return {address};
+  }
+  /// The names of what was not found; empty if nothing.
+  const std::string& missing() const { return missing_; }
+
+ private:
+  std::function<void*(const char*)> find_;
+  std::string missing_;
+};
 
 struct GlApi {
-  PFNGLGETSTRINGPROC GetString = nullptr;
-  PFNGLGETERRORPROC GetError = nullptr;
-  PFNGLGETINTEGERVPROC GetIntegerv = nullptr;
-  PFNGLVIEWPORTPROC Viewport = nullptr;
-  PFNGLCLEARPROC Clear = nullptr;
-  PFNGLENABLEPROC Enable = nullptr;
-  PFNGLDISABLEPROC Disable = nullptr;
-  PFNGLDEPTHFUNCPROC DepthFunc = nullptr;
-  PFNGLDEPTHMASKPROC DepthMask = nullptr;
-  PFNGLBLENDFUNCPROC BlendFunc = nullptr;
-  PFNGLSTENCILFUNCPROC StencilFunc = nullptr;
-  PFNGLSTENCILOPPROC StencilOp = nullptr;
-  PFNGLPOLYGONOFFSETPROC PolygonOffset = nullptr;
-  PFNGLREADPIXELSPROC ReadPixels = nullptr;
-  PFNGLPIXELSTOREIPROC PixelStorei = nullptr;
+  SymbolLoader load;  // first: it finds the others
 
-  PFNGLGENBUFFERSPROC GenBuffers = nullptr;
-  PFNGLDELETEBUFFERSPROC DeleteBuffers = nullptr;
-  PFNGLBINDBUFFERPROC BindBuffer = nullptr;
-  PFNGLBUFFERDATAPROC BufferData = nullptr;
-  PFNGLGENVERTEXARRAYSPROC GenVertexArrays = nullptr;
-  PFNGLDELETEVERTEXARRAYSPROC DeleteVertexArrays = nullptr;
-  PFNGLBINDVERTEXARRAYPROC BindVertexArray = nullptr;
-  PFNGLENABLEVERTEXATTRIBARRAYPROC EnableVertexAttribArray = nullptr;
-  PFNGLVERTEXATTRIBPOINTERPROC VertexAttribPointer = nullptr;
-  PFNGLVERTEXATTRIBDIVISORPROC VertexAttribDivisor = nullptr;
-  PFNGLDRAWARRAYSPROC DrawArrays = nullptr;
-  PFNGLDRAWELEMENTSINSTANCEDPROC DrawElementsInstanced = nullptr;
+  PFNGLGETSTRINGPROC GetString = load("glGetString");
+  PFNGLGETERRORPROC GetError = load("glGetError");
+  PFNGLGETINTEGERVPROC GetIntegerv = load("glGetIntegerv");
+  PFNGLVIEWPORTPROC Viewport = load("glViewport");
+  PFNGLCLEARPROC Clear = load("glClear");
+  PFNGLENABLEPROC Enable = load("glEnable");
+  PFNGLDISABLEPROC Disable = load("glDisable");
+  PFNGLDEPTHFUNCPROC DepthFunc = load("glDepthFunc");
+  PFNGLDEPTHMASKPROC DepthMask = load("glDepthMask");
+  PFNGLBLENDFUNCPROC BlendFunc = load("glBlendFunc");
+  PFNGLSTENCILFUNCPROC StencilFunc = load("glStencilFunc");
+  PFNGLSTENCILOPPROC StencilOp = load("glStencilOp");
+  PFNGLPOLYGONOFFSETPROC PolygonOffset = load("glPolygonOffset");
+  PFNGLREADPIXELSPROC ReadPixels = load("glReadPixels");
+  PFNGLPIXELSTOREIPROC PixelStorei = load("glPixelStorei");
 
-  PFNGLCREATESHADERPROC CreateShader = nullptr;
-  PFNGLSHADERSOURCEPROC ShaderSource = nullptr;
-  PFNGLCOMPILESHADERPROC CompileShader = nullptr;
-  PFNGLGETSHADERIVPROC GetShaderiv = nullptr;
-  PFNGLGETSHADERINFOLOGPROC GetShaderInfoLog = nullptr;
-  PFNGLDELETESHADERPROC DeleteShader = nullptr;
-  PFNGLCREATEPROGRAMPROC CreateProgram = nullptr;
-  PFNGLATTACHSHADERPROC AttachShader = nullptr;
-  PFNGLLINKPROGRAMPROC LinkProgram = nullptr;
-  PFNGLGETPROGRAMIVPROC GetProgramiv = nullptr;
-  PFNGLGETPROGRAMINFOLOGPROC GetProgramInfoLog = nullptr;
-  PFNGLDELETEPROGRAMPROC DeleteProgram = nullptr;
-  PFNGLUSEPROGRAMPROC UseProgram = nullptr;
-  PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation = nullptr;
-  PFNGLUNIFORM1FPROC Uniform1f = nullptr;
-  PFNGLUNIFORM3FPROC Uniform3f = nullptr;
-  PFNGLUNIFORMMATRIX4FVPROC UniformMatrix4fv = nullptr;
+  PFNGLGENBUFFERSPROC GenBuffers = load("glGenBuffers");
+  PFNGLDELETEBUFFERSPROC DeleteBuffers = load("glDeleteBuffers");
+  PFNGLBINDBUFFERPROC BindBuffer = load("glBindBuffer");
+  PFNGLBUFFERDATAPROC BufferData = load("glBufferData");
+  PFNGLGENVERTEXARRAYSPROC GenVertexArrays = load("glGenVertexArrays");
+  PFNGLDELETEVERTEXARRAYSPROC DeleteVertexArrays = load("glDeleteVertexArrays");
+  PFNGLBINDVERTEXARRAYPROC BindVertexArray = load("glBindVertexArray");
+  PFNGLENABLEVERTEXATTRIBARRAYPROC EnableVertexAttribArray = load("glEnableVertexAttribArray");
+  PFNGLVERTEXATTRIBPOINTERPROC VertexAttribPointer = load("glVertexAttribPointer");
+  PFNGLVERTEXATTRIBDIVISORPROC VertexAttribDivisor = load("glVertexAttribDivisor");
+  PFNGLDRAWARRAYSPROC DrawArrays = load("glDrawArrays");
+  PFNGLDRAWELEMENTSINSTANCEDPROC DrawElementsInstanced = load("glDrawElementsInstanced");
 
-  PFNGLGENFRAMEBUFFERSPROC GenFramebuffers = nullptr;
-  PFNGLDELETEFRAMEBUFFERSPROC DeleteFramebuffers = nullptr;
-  PFNGLBINDFRAMEBUFFERPROC BindFramebuffer = nullptr;
-  PFNGLFRAMEBUFFERRENDERBUFFERPROC FramebufferRenderbuffer = nullptr;
-  PFNGLCHECKFRAMEBUFFERSTATUSPROC CheckFramebufferStatus = nullptr;
-  PFNGLBLITFRAMEBUFFERPROC BlitFramebuffer = nullptr;
-  PFNGLGENRENDERBUFFERSPROC GenRenderbuffers = nullptr;
-  PFNGLDELETERENDERBUFFERSPROC DeleteRenderbuffers = nullptr;
-  PFNGLBINDRENDERBUFFERPROC BindRenderbuffer = nullptr;
-  PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC RenderbufferStorageMultisample = nullptr;
+  PFNGLCREATESHADERPROC CreateShader = load("glCreateShader");
+  PFNGLSHADERSOURCEPROC ShaderSource = load("glShaderSource");
+  PFNGLCOMPILESHADERPROC CompileShader = load("glCompileShader");
+  PFNGLGETSHADERIVPROC GetShaderiv = load("glGetShaderiv");
+  PFNGLGETSHADERINFOLOGPROC GetShaderInfoLog = load("glGetShaderInfoLog");
+  PFNGLDELETESHADERPROC DeleteShader = load("glDeleteShader");
+  PFNGLCREATEPROGRAMPROC CreateProgram = load("glCreateProgram");
+  PFNGLATTACHSHADERPROC AttachShader = load("glAttachShader");
+  PFNGLLINKPROGRAMPROC LinkProgram = load("glLinkProgram");
+  PFNGLGETPROGRAMIVPROC GetProgramiv = load("glGetProgramiv");
+  PFNGLGETPROGRAMINFOLOGPROC GetProgramInfoLog = load("glGetProgramInfoLog");
+  PFNGLDELETEPROGRAMPROC DeleteProgram = load("glDeleteProgram");
+  PFNGLUSEPROGRAMPROC UseProgram = load("glUseProgram");
+  PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation = load("glGetUniformLocation");
+  PFNGLUNIFORM1FPROC Uniform1f = load("glUniform1f");
+  PFNGLUNIFORM3FPROC Uniform3f = load("glUniform3f");
+  PFNGLUNIFORMMATRIX4FVPROC UniformMatrix4fv = load("glUniformMatrix4fv");
 
-  /// Fills the table by `get_function`. Returns the names of what is missing; empty if nothing.
-  std::string Load(const std::function<GlFunction(const char*)>& get_function);
+  PFNGLGENFRAMEBUFFERSPROC GenFramebuffers = load("glGenFramebuffers");
+  PFNGLDELETEFRAMEBUFFERSPROC DeleteFramebuffers = load("glDeleteFramebuffers");
+  PFNGLBINDFRAMEBUFFERPROC BindFramebuffer = load("glBindFramebuffer");
+  PFNGLFRAMEBUFFERRENDERBUFFERPROC FramebufferRenderbuffer = load("glFramebufferRenderbuffer");
+  PFNGLCHECKFRAMEBUFFERSTATUSPROC CheckFramebufferStatus = load("glCheckFramebufferStatus");
+  PFNGLBLITFRAMEBUFFERPROC BlitFramebuffer = load("glBlitFramebuffer");
+  PFNGLGENRENDERBUFFERSPROC GenRenderbuffers = load("glGenRenderbuffers");
+  PFNGLDELETERENDERBUFFERSPROC DeleteRenderbuffers = load("glDeleteRenderbuffers");
+  PFNGLBINDRENDERBUFFERPROC BindRenderbuffer = load("glBindRenderbuffer");
+  PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC RenderbufferStorageMultisample =
+      load("glRenderbufferStorageMultisample");
 };
 
 }  // namespace coopdyn

@@ -4,6 +4,7 @@
 // for neither until then.
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,10 @@ RendererKind RendererFromEnvironment(RendererKind fallback, std::string& error);
 /// the first thread starts: it writes to the environment.
 void SetRendererDefaults();
 
+/// Loads the first of `names` that exists, for good: Mesa leaves thread-local data behind that outlives its
+/// contexts. Null, and `error` says why none could be loaded.
+void* OpenLibrary(std::initializer_list<const char*> names, std::string& error);
+
 /// Used and destroyed on the thread that made it. One at a time per thread.
 class GlContext {
  public:
@@ -31,7 +36,7 @@ class GlContext {
   GlContext(const GlContext&) = delete;
   GlContext& operator=(const GlContext&) = delete;
 
-  const GlApi& gl() const { return gl_; }
+  const GlApi& gl() const { return *gl_; }
   RendererKind kind() const { return kind_; }
 
   /// Makes a context and makes it current. Null with what is missing, and what to install, in `error`.
@@ -39,13 +44,15 @@ class GlContext {
 
  protected:
   explicit GlContext(RendererKind kind) : kind_(kind) {}
-  GlApi gl_;
 
  private:
-  RendererKind kind_;
-};
+  /// Makes a context and makes it current; an error text, empty if it is there.
+  virtual std::string Start() = 0;
+  /// The GL function of this name. @pre it is current.
+  virtual void* Find(const char* name) const = 0;
 
-std::unique_ptr<GlContext> CreateOsmesaContext(std::string& error);
-std::unique_ptr<GlContext> CreateEglContext(std::string& error);
+  RendererKind kind_;
+  std::unique_ptr<GlApi> gl_;
+};
 
 }  // namespace coopdyn

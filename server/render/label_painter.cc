@@ -4,13 +4,28 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/render/stroke_font.h"
+#define STBTT_STATIC
+#define STB_TRUETYPE_IMPLEMENTATION
+#include <stb/stb_truetype.h>
 
 namespace coopdyn {
 
 namespace {
 
-constexpr double kPen = 14;  // width of the strokes, in units of the font
+// DejaVu Sans Condensed Bold, ASCII only: label_font.ttf.
+constexpr unsigned char kFontFile[] = {
+#include "label_font.inc"
+};
+
+const stbtt_fontinfo& Font() {
+  static const stbtt_fontinfo font = [] {
+    stbtt_fontinfo read;
+    stbtt_InitFont(&read, kFontFile, 0);
+    return read;
+  }();
+  return font;
+}
+
 constexpr Color kPlate{0.11, 0.13, 0.17};
 constexpr Color kText{0.98, 0.98, 0.98};
 constexpr std::size_t kMaxLetters = 24;
@@ -25,23 +40,6 @@ void Blend(Picture& picture, int x, int y, const Color& color, double alpha) {
     pixel[i] = static_cast<std::uint8_t>(
         std::lround(pixel[i] + (channels[i] * 255 - pixel[i]) * std::min(alpha, 1.0)));
   }
-}
-
-double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d ab = b - a;
-  const double length2 = ab.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(ab) / length2, 0.0, 1.0) : 0;
-  return (p - a - t * ab).norm();
-}
-
-double DistanceToGlyph(const Glyph& glyph, const Eigen::Vector2d& p) {
-  double nearest = 1e9;
-  for (const Glyph::Stroke& stroke : glyph.strokes) {
-    for (std::size_t i = 0; i + 1 < stroke.size(); ++i) {
-      nearest = std::min(nearest, DistanceToSegment(p, stroke[i], stroke[i + 1]));
-    }
-  }
-  return nearest;
 }
 
 // Covered share of a pixel whose centre lies `inside_px` within a rounded rectangle's edge.
@@ -67,18 +65,16 @@ const LabelPainter::Mask& LabelPainter::MaskOf(char c, double cap_px) {
   const auto [found, is_new] = masks_.try_emplace({c, static_cast<int>(std::lround(10 * cap_px))});
   Mask& mask = found->second;
   if (!is_new) return mask;
-  const Glyph glyph = MakeGlyph(c);
-  const double unit_px = cap_px / kGlyphCapHeight;
-  mask.width = static_cast<int>(std::ceil((glyph.width + 2 * kPen) * unit_px));
-  mask.height = static_cast<int>(std::ceil((kGlyphCapHeight + kGlyphDescent + 2 * kPen) * unit_px));
-  mask.advance_px = (glyph.width + kGlyphGap) * unit_px;
-  for (int y = 0; y < mask.height; ++y) {
-    for (int x = 0; x < mask.width; ++x) {
-      const Eigen::Vector2d p((x + 0.5) / unit_px - kPen, kGlyphCapHeight + kPen - (y + 0.5) / unit_px);
-      const double inside_px = (kPen / 2 - DistanceToGlyph(glyph, p)) * unit_px;
-      mask.cover.push_back(static_cast<float>(EdgeCover(inside_px)));
-    }
-  }
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0, advance = 0, bearing = 0;
+  stbtt_GetCodepointBox(&Font(), 'H', &x0, &y0, &x1, &y1);
+  const auto scale = static_cast<float>(cap_px / y1);
+  stbtt_GetCodepointHMetrics(&Font(), c, &advance, &bearing);
+  stbtt_GetCodepointBitmapBox(&Font(), c, scale, scale, &mask.left, &mask.top, &x1, &y1);
+  mask.width = x1 - mask.left;
+  mask.height = y1 - mask.top;
+  mask.advance_px = static_cast<double>(scale) * advance;
+  mask.cover.resize(static_cast<std::size_t>(mask.width) * static_cast<std::size_t>(mask.height));
+  stbtt_MakeCodepointBitmap(&Font(), mask.cover.data(), mask.width, mask.height, mask.width, scale, scale, c);
   return mask;
 }
 
@@ -92,8 +88,7 @@ void LabelPainter::Paint(Picture& picture, const std::vector<Label>& labels) {
 void LabelPainter::PaintOne(Picture& picture, const Label& label, double cap_px) {
   const std::string text =
       label.text.size() <= kMaxLetters ? label.text : label.text.substr(0, kMaxLetters - 2) + "--";
-  const double pen_px = kPen * cap_px / kGlyphCapHeight;
-  double text_px = -kGlyphGap * cap_px / kGlyphCapHeight;
+  double text_px = 0;
   for (const char c : text) text_px += MaskOf(c, cap_px).advance_px;
 
   const double pad_px = 0.55 * cap_px, stripe_px = std::max(2.0, 0.22 * cap_px);
@@ -115,17 +110,14 @@ void LabelPainter::PaintOne(Picture& picture, const Label& label, double cap_px)
     }
   }
 
-  const int top = static_cast<int>(std::round(plate.top + 0.85 * pad_px - pen_px));
-  double pen_x = plate.left + pad_px - pen_px;
+  const int baseline = static_cast<int>(std::round(plate.top + 0.85 * pad_px + cap_px));
+  double pen_x = plate.left + pad_px;
   for (const char c : text) {
     const Mask& mask = MaskOf(c, cap_px);
-    const int left = static_cast<int>(std::round(pen_x));
-    for (int y = 0; y < mask.height; ++y) {
-      for (int x = 0; x < mask.width; ++x) {
-        const auto index =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) + static_cast<std::size_t>(x);
-        Blend(picture, left + x, top + y, kText, static_cast<double>(mask.cover[index]));
-      }
+    const unsigned char* cover = mask.cover.data();
+    for (int y = baseline + mask.top; y < baseline + mask.top + mask.height; ++y) {
+      const int left = static_cast<int>(std::round(pen_x)) + mask.left;
+      for (int x = left; x < left + mask.width; ++x) Blend(picture, x, y, kText, *cover++ / 255.0);
     }
     pen_x += mask.advance_px;
   }

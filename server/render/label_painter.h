@@ -19,12 +19,12 @@ class LabelPainter {
   void Paint(Picture& picture, const std::vector<Label>& labels);
 
  private:
-  // How much of each pixel the pen covers, 0…1; (0, 0) is the upper left corner, the baseline lies
-  // `ascent_px` below it.
+  /// A character: how much of each pixel it covers, 0…255, from (left, top) as seen from the pen on the
+  /// baseline.
   struct Mask {
-    int width = 0, height = 0;
+    int left = 0, top = 0, width = 0, height = 0;
     double advance_px = 0;
-    std::vector<float> cover;
+    std::vector<unsigned char> cover;
   };
   const Mask& MaskOf(char c, double cap_px);
   void PaintOne(Picture& picture, const Label& label, double cap_px);

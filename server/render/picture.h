@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
+// Pixels, and from them PNG and JPEG, from memory to memory. Any thread.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace coopdyn {
@@ -14,9 +16,12 @@ struct Picture {
   std::vector<std::uint8_t> rgb;
 
   std::uint8_t* at(int x, int y) { return rgb.data() + 3 * (static_cast<std::ptrdiff_t>(y) * width + x); }
-  const std::uint8_t* at(int x, int y) const {
-    return rgb.data() + 3 * (static_cast<std::ptrdiff_t>(y) * width + x);
-  }
+  const std::uint8_t* at(int x, int y) const { return const_cast<Picture*>(this)->at(x, y); }
 };
+
+/// Nothing if memory is short. @pre the picture is not empty.
+std::optional<std::vector<std::uint8_t>> EncodePng(const Picture& picture);
+/// `quality` 1…100.
+std::optional<std::vector<std::uint8_t>> EncodeJpeg(const Picture& picture, int quality);
 
 }  // namespace coopdyn

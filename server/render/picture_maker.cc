@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "server/render/camera.h"
-#include "server/render/image_codec.h"
+#include "server/render/picture.h"
 
 namespace coopdyn {
 

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "server/render/frustum.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -20,7 +19,7 @@ Camera Viewpoint(const Vector3& eye, const Vector3& look) {
 
 TEST(CameraTest, TheLookPointIsInTheMiddle) {
   const Camera camera = Viewpoint({1, -2, 3}, {4, 0, 0.5});
-  const ProjectedPoint p = Project(camera, 640, 480, camera.look_W);
+  const ProjectedPoint p = Frustum(camera, 640, 480).Pixel(camera.look_W);
   EXPECT_NEAR(p.x_px, 320, 1e-9);
   EXPECT_NEAR(p.y_px, 240, 1e-9);
   EXPECT_NEAR(p.depth_m, (camera.look_W - camera.eye_W).norm(), 1e-9);
@@ -28,26 +27,26 @@ TEST(CameraTest, TheLookPointIsInTheMiddle) {
 
 TEST(CameraTest, LeftOfTheWayIsLeftInThePictureAndUpIsUp) {
   const Camera camera = Viewpoint({-5, 0, 1}, {0, 0, 1});
-  EXPECT_LT(Project(camera, 640, 480, {0, 1, 1}).x_px, 320);
-  EXPECT_LT(Project(camera, 640, 480, {0, 0, 2}).y_px, 240);
+  EXPECT_LT(Frustum(camera, 640, 480).Pixel({0, 1, 1}).x_px, 320);
+  EXPECT_LT(Frustum(camera, 640, 480).Pixel({0, 0, 2}).y_px, 240);
 }
 
 TEST(CameraTest, TheFieldOfViewIsTheFullVerticalAngle) {
   Camera camera = Viewpoint({-5, 0, 0}, {0, 0, 0});
   camera.fov_rad = 0.8;
   const double edge_m = 5 * std::tan(0.4);
-  EXPECT_NEAR(Project(camera, 640, 480, {0, 0, edge_m}).y_px, 0, 1e-9);
-  EXPECT_NEAR(Project(camera, 640, 480, {0, -edge_m * 640 / 480, 0}).x_px, 640, 1e-9);
+  EXPECT_NEAR(Frustum(camera, 640, 480).Pixel({0, 0, edge_m}).y_px, 0, 1e-9);
+  EXPECT_NEAR(Frustum(camera, 640, 480).Pixel({0, -edge_m * 640 / 480, 0}).x_px, 640, 1e-9);
 }
 
 TEST(CameraTest, StraightDownHasYUp) {
   const Camera camera = Viewpoint({0, 0, 10}, {0, 0, 0});
-  EXPECT_LT(Project(camera, 640, 480, {0, 1, 0}).y_px, 240);
-  EXPECT_GT(Project(camera, 640, 480, {1, 0, 0}).x_px, 320);
+  EXPECT_LT(Frustum(camera, 640, 480).Pixel({0, 1, 0}).y_px, 240);
+  EXPECT_GT(Frustum(camera, 640, 480).Pixel({1, 0, 0}).x_px, 320);
 }
 
 TEST(CameraTest, WhatIsBehindHasNegativeDepth) {
-  EXPECT_LT(Project(Viewpoint({0, 0, 1}, {1, 0, 1}), 640, 480, {-1, 0, 1}).depth_m, 0);
+  EXPECT_LT(Frustum(Viewpoint({0, 0, 1}, {1, 0, 1}), 640, 480).Pixel({-1, 0, 1}).depth_m, 0);
 }
 
 TEST(CameraTest, TheDefaultFramesAllThatStandsThere) {
@@ -62,7 +61,7 @@ TEST(CameraTest, TheDefaultFramesAllThatStandsThere) {
     double min_x = 1e9, max_x = -1e9, min_y = 1e9, max_y = -1e9;
     for (const Vector3& p : {Vector3(-3, 1, 0), Vector3(5, -2, 0), Vector3(2, 4, 0), Vector3(7, 3, 0),
                              Vector3(7, -3, 0), Vector3(7, 3, 1), Vector3(7, -3, 1)}) {
-      const ProjectedPoint at = Project(camera, width, height, p);
+      const ProjectedPoint at = Frustum(camera, width, height).Pixel(p);
       EXPECT_GT(at.depth_m, 0);
       min_x = std::min(min_x, at.x_px);
       max_x = std::max(max_x, at.x_px);
@@ -82,7 +81,7 @@ TEST(CameraTest, AnEmptyWorldShowsItsFloor) {
   const auto frame = SampleWorld().Floor(6, 4).MakeFrame();
   const Camera camera = DefaultCamera(*frame->scene, 0.8, 640, 480);
   for (const Vector3& corner : {Vector3(3, 2, 0), Vector3(-3, 2, 0), Vector3(3, -2, 0), Vector3(-3, -2, 0)}) {
-    const ProjectedPoint at = Project(camera, 640, 480, corner);
+    const ProjectedPoint at = Frustum(camera, 640, 480).Pixel(corner);
     EXPECT_TRUE(at.x_px > 0 && at.x_px < 640 && at.y_px > 0 && at.y_px < 480);
   }
 }
@@ -129,7 +128,7 @@ TEST(FrustumTest, TellsSizesOnScreen) {
   Camera camera = Viewpoint({0, 0, 0}, {1, 0, 0});
   const Frustum frustum(camera, 640, 480);
   const double px =
-      Project(camera, 640, 480, {5, 0, -0.5}).y_px - Project(camera, 640, 480, {5, 0, 0.5}).y_px;
+      Frustum(camera, 640, 480).Pixel({5, 0, -0.5}).y_px - Frustum(camera, 640, 480).Pixel({5, 0, 0.5}).y_px;
   EXPECT_NEAR(frustum.PixelsPerMetre({5, 0, 0}), px, 1e-9);
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Reads back what image_codec wrote.
+// Reads pictures back.
 #pragma once
 
-#include <cstdio>
-#include <vector>
-// libjpeg needs cstdio before it
-#include <jpeglib.h>
 #include <png.h>
+#include <turbojpeg.h>
+
+#include <memory>
+#include <vector>
 
 #include "server/render/picture.h"
 
@@ -24,24 +24,19 @@ inline Picture DecodePng(const std::vector<std::uint8_t>& bytes) {
   return picture;
 }
 
-/// Ends the test program if `bytes` is no JPEG.
+/// An empty picture if `bytes` is no JPEG.
 inline Picture DecodeJpeg(const std::vector<std::uint8_t>& bytes) {
-  jpeg_decompress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  jpeg.err = jpeg_std_error(&errors);
-  jpeg_create_decompress(&jpeg);
-  jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
-  jpeg_read_header(&jpeg, TRUE);
-  jpeg.out_color_space = JCS_RGB;
-  jpeg_start_decompress(&jpeg);
-  Picture picture{static_cast<int>(jpeg.output_width), static_cast<int>(jpeg.output_height), {}};
-  picture.rgb.resize(3UL * jpeg.output_width * jpeg.output_height);
-  while (jpeg.output_scanline < jpeg.output_height) {
-    JSAMPROW row = picture.at(0, static_cast<int>(jpeg.output_scanline));
-    jpeg_read_scanlines(&jpeg, &row, 1);
-  }
-  jpeg_finish_decompress(&jpeg);
-  jpeg_destroy_decompress(&jpeg);
+  Picture picture;
+  const std::unique_ptr<void, decltype(&tjDestroy)> turbo(tjInitDecompress(), &tjDestroy);
+  int subsampling = 0, colours = 0;
+  const auto size = static_cast<unsigned long>(bytes.size());
+  if (tjDecompressHeader3(turbo.get(), bytes.data(), size, &picture.width, &picture.height, &subsampling,
+                          &colours) != 0)
+    return {};
+  picture.rgb.resize(3UL * static_cast<unsigned>(picture.width) * static_cast<unsigned>(picture.height));
+  if (tjDecompress2(turbo.get(), bytes.data(), size, picture.rgb.data(), picture.width, 0, picture.height,
+                    TJPF_RGB, 0) != 0)
+    return {};
   return picture;
 }
 

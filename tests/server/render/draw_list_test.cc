@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/render/stroke_font.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -110,21 +109,6 @@ TEST(DrawListTest, RaysOnlyIfAskedFor) {
   EXPECT_TRUE(ListFor(*frame, request).rays.empty());
   request.show_rays = true;
   EXPECT_EQ(ListFor(*frame, request).rays.size(), 3U * 6U);  // two triangles each
-}
-
-TEST(StrokeFontTest, EveryLetterOfANameHasAGlyphOfItsOwn) {
-  const Glyph unknown = MakeGlyph('?');
-  for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-")) {
-    const Glyph glyph = MakeGlyph(c);
-    ASSERT_FALSE(glyph.strokes.empty()) << c;
-    EXPECT_FALSE(glyph.strokes == unknown.strokes) << c;
-    for (const auto& stroke : glyph.strokes) {
-      EXPECT_GE(stroke.size(), 2U) << c;
-      for (const auto& p : stroke) {
-        EXPECT_TRUE(p.x() >= -12 && p.x() <= glyph.width + 1 && p.y() >= -kGlyphDescent && p.y() <= 91) << c;
-      }
-    }
-  }
 }
 
 }  // namespace

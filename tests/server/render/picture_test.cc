@@ -9,7 +9,6 @@
 #include <iterator>
 
 #include "server/render/picture_maker.h"
-#include "server/render/shared_library.h"
 #include "tests/server/render/decode.h"
 #include "tests/server/sensing/sample_frame.h"
 
@@ -36,7 +35,7 @@ class Shot {
     return {p[0], p[1], p[2]};
   }
   Pixel At(const Vector3& p_W) const {
-    const ProjectedPoint at = Project(camera_, request_.width, request_.height, p_W);
+    const ProjectedPoint at = Frustum(camera_, request_.width, request_.height).Pixel(p_W);
     return At(static_cast<int>(at.x_px), static_cast<int>(at.y_px));
   }
   const Picture& picture() const { return picture_; }
@@ -244,7 +243,7 @@ TEST(GlContextTest, RenderersHaveNames) {
 
 TEST(GlContextTest, AMissingLibraryIsNamed) {
   std::string error;
-  EXPECT_FALSE(SharedLibrary::Open({"libnothing-of-this-name.so.1"}, error));
+  EXPECT_EQ(OpenLibrary({"libnothing-of-this-name.so.1"}, error), nullptr);
   EXPECT_NE(error.find("libnothing-of-this-name.so.1"), std::string::npos);
 }
 

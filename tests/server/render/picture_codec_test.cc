@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/render/image_codec.h"
+#include "server/render/picture.h"
 
 #include <gtest/gtest.h>
 
