@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// coopdyn check: says everything that is wrong in worlds, scenarios and robot models, physics included.
 #include <filesystem>
+#include <memory>
+#include <vector>
 
 #include "server/app/commands.h"
+#include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/controllers/controller_host.h"
 #include "server/model/readers.h"
@@ -14,6 +16,12 @@
 namespace coopdyn {
 
 namespace {
+
+struct CheckOptions {
+  std::vector<std::string> files;
+  std::string picture;
+  std::vector<std::string> scenario_folders;
+};
 
 /// Says what the controllers that `scenario` names do not take.
 void CheckControllers(const Scenario& scenario, Diagnostics& diagnostics) {
@@ -62,8 +70,6 @@ FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& d
   return frame;
 }
 
-}  // namespace
-
 int Check(const CheckOptions& options) {
   SearchPath path;
   for (const std::string& folder : DataFolders(options.scenario_folders)) path.folders.emplace_back(folder);
@@ -93,6 +99,18 @@ int Check(const CheckOptions& options) {
     }
   }
   return failed ? kExitErrors : kExitOk;
+}
+
+}  // namespace
+
+void AddCheck(CLI::App& app, Chosen& chosen) {
+  const auto given = std::make_shared<CheckOptions>();
+  CLI::App* sub = app.add_subcommand("check", "Say what is wrong in worlds, scenarios and robot models");
+  sub->footer("Example: coopdyn check my.scenario --picture my.png");
+  sub->add_option("file", given->files, "Files, or bare names on the search path")->required();
+  sub->add_option("--picture", given->picture, "Write a picture of the (last) scenario, PNG");
+  sub->add_option("--scenarios", given->scenario_folders, "A folder with scenarios, worlds and robots");
+  sub->callback([&chosen, given] { chosen = [given] { return Check(*given); }; });
 }
 
 }  // namespace coopdyn

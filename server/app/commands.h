@@ -1,19 +1,52 @@
 // SPDX-License-Identifier: MIT
-// What each command of the program does. Each returns the exit code: 0 ok; 1 the reply or a file has errors;
-// 2 wrong use; 3 no daemon there; 4 the run ended but a body was frozen, a controller failed or the recording
-// did; 5 the run was cut short before its duration.
+// The commands of the program, and what their options share. Main thread.
 #pragma once
 
-#include "server/app/options.h"
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
 
 namespace coopdyn {
 
+/// Exit codes: 0 ok; 1 the reply or a file has errors; 2 wrong use; 3 no daemon there; 4 the run ended but a
+/// body was frozen, a controller failed or the recording did; 5 the run was cut short before its duration.
 inline constexpr int kExitOk = 0, kExitErrors = 1, kExitWrongUse = 2, kExitNoDaemon = 3, kExitFaulty = 4,
                      kExitCutShort = 5;
 
-int Serve(ServeOptions options);
-int Check(const CheckOptions& options);
-int Remote(const RemoteOptions& options);
-int Doctor(const RemoteOptions& options);
+/// Parses the arguments and does what they ask for. Prints help to stdout and one line about wrong use to
+/// stderr. Returns the exit code.
+int RunCommandLine(int argc, const char* const* argv);
+
+/// Does what a command asks for and returns the exit code.
+using Chosen = std::function<int()>;
+
+// Each adds its commands to `app`. Parsing one of them sets `chosen`.
+/// serve, and play, which runs the same daemon over a recording. `command_line`: all of it; a recording says
+/// it.
+void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen);
+/// Says everything that is wrong in worlds, scenarios and robot models, physics included.
+void AddCheck(CLI::App& app, Chosen& chosen);
+/// list, status, run, …: one request to a running daemon.
+void AddRemote(CLI::App& app, Chosen& chosen);
+/// Walks from the host's name to a robot that answers; `ok`, or cause and cure, per line.
+void AddDoctor(CLI::App& app, Chosen& chosen);
+/// A folder with a controller to begin with.
+void AddNewController(CLI::App& app, Chosen& chosen);
+/// A page of Markdown about a robot, a module or a scenario, made from the model, the command table or the
+/// scenario itself. docs/reference holds what it prints.
+void AddDescribe(CLI::App& app, Chosen& chosen);
+/// Is a recorded run what it says; or, are two runs the same.
+void AddVerify(CLI::App& app, Chosen& chosen);
+/// A recorded run for other programs.
+void AddExport(CLI::App& app, Chosen& chosen);
+/// What recordings hold.
+void AddInfo(CLI::App& app, Chosen& chosen);
+
+/// A finite number from `least` to `most`; `above`: greater than `least`. (CLI::Range takes nan for a
+/// number.)
+CLI::Validator NumberIn(double least, double most, bool above = false);
+
+/// What is wrong with the words of `app` or of its command, and what to write instead.
+std::string Explained(const CLI::App& app, const CLI::ParseError& error);
 
 }  // namespace coopdyn

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "server/app/daemon.h"
-#include "server/app/serve_options.h"
 #include "server/model/text_file.h"
 #include "server/replay/state_at.h"
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/describe_command.h"
-
 #include <tinyxml2.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -16,6 +13,7 @@
 #include "protocol/module_tables.h"
 #include "protocol/usage.h"
 #include "server/app/commands.h"
+#include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/model/readers.h"
 #include "server/model/summary.h"
@@ -348,7 +346,7 @@ int Describe(const Wanted& wanted) {
 
 }  // namespace
 
-void AddDescribe(CLI::App& app, std::function<int()>& chosen) {
+void AddDescribe(CLI::App& app, Chosen& chosen) {
   const auto wanted = std::make_shared<Wanted>();
   CLI::App* sub = app.add_subcommand("describe", "Print a page about a robot, a module or a scenario");
   sub->footer(

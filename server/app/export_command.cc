@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/export_command.h"
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -11,6 +8,7 @@
 #include <vector>
 
 #include "server/app/commands.h"
+#include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/app/progress_bar.h"
 #include "server/app/shutdown.h"
@@ -150,7 +148,7 @@ int Export(Given given) {
 
 }  // namespace
 
-void AddExport(CLI::App& app, std::function<int()>& chosen) {
+void AddExport(CLI::App& app, Chosen& chosen) {
   const auto given = std::make_shared<Given>();
   CLI::App* sub = app.add_subcommand("export", "Write a recorded run for other programs");
   sub->footer(

@@ -3,7 +3,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <boost/json.hpp>
 #include <memory>
@@ -253,7 +252,7 @@ int Info(const InfoOptions& options, std::ostream& out, std::ostream& errors) {
   return failed ? kExitErrors : kExitOk;
 }
 
-void AddInfo(CLI::App& app, std::function<int()>& chosen) {
+void AddInfo(CLI::App& app, Chosen& chosen) {
   auto given = std::make_shared<InfoOptions>();
   CLI::App* sub = app.add_subcommand("info", "Tell what recordings hold; mends one that a crash has left");
   sub->footer("Example: coopdyn info lesson1.run --events");

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -11,14 +10,7 @@
 
 #include "server/record/run_reader.h"
 
-namespace CLI {
-class App;
-}
-
 namespace coopdyn {
-
-/// Adds the command to `app`.
-void AddInfo(CLI::App& app, std::function<int()>& chosen);
 
 struct InfoOptions {
   std::vector<std::string> files;

@@ -5,32 +5,7 @@
 #include <exception>
 
 #include "server/app/commands.h"
-#include "server/app/options.h"
 #include "server/app/print.h"
-
-namespace {
-
-int Run(int argc, char** argv) {
-  using coopdyn::CommandLine;
-  const CommandLine line = coopdyn::ParseCommandLine(argc, argv);
-  switch (line.action) {
-    case CommandLine::Action::kServe:
-      return coopdyn::Serve(line.serve);
-    case CommandLine::Action::kCheck:
-      return coopdyn::Check(line.check);
-    case CommandLine::Action::kRemote:
-      return coopdyn::Remote(line.remote);
-    case CommandLine::Action::kDoctor:
-      return coopdyn::Doctor(line.remote);
-    case CommandLine::Action::kOther:
-      return line.other();
-    case CommandLine::Action::kExit:
-      break;
-  }
-  return line.exit_code;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
@@ -39,7 +14,7 @@ int main(int argc, char** argv) {
   sigaddset(&report, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &report, nullptr);
   try {
-    return Run(argc, argv);
+    return coopdyn::RunCommandLine(argc, argv);
   } catch (const std::exception& exception) {  // e.g. no more threads, no more memory
     coopdyn::PrintError("coopdyn: the system refuses to go on: {}\n", exception.what());
     return coopdyn::kExitErrors;

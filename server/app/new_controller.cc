@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/new_controller.h"
 
-#include <CLI/CLI.hpp>
 #include <fstream>
 #include <memory>
 #include <system_error>
@@ -80,7 +79,7 @@ int NewController(const std::string& name, const fs::path& folder) {
   return kExitOk;
 }
 
-void AddNewController(CLI::App& app, std::function<int()>& chosen) {
+void AddNewController(CLI::App& app, Chosen& chosen) {
   struct Given {
     std::string name, folder = ".";
   };

@@ -3,18 +3,10 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace coopdyn {
-
-/// Adds the command to `app`.
-void AddNewController(CLI::App& app, std::function<int()>& chosen);
 
 /// Writes folder/name with all files; says on stdout what to do next, or on stderr why it did nothing.
 /// Returns the exit code. Nothing that exists is overwritten.

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: MIT
-// The command line, as values. Flags override COOPDYN_* variables, which override the config file.
+// What `coopdyn serve` and `play` are asked for. Flags override COOPDYN_* variables, which override the
+// config file.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/controllers/controller_set.h"
 #include "server/physics/stepper.h"
 #include "server/record/recorded_step.h"
-
-namespace CLI {
-class App;
-class ParseError;
-}  // namespace CLI
 
 namespace coopdyn {
 
@@ -67,43 +63,17 @@ struct ServeOptions {
   std::string command_line;  // as given; a recording says it
 };
 
-struct CheckOptions {
-  std::vector<std::string> files;
-  std::string picture;
-  std::vector<std::string> scenario_folders;
-};
-
-/// A command that talks to a running daemon.
-struct RemoteOptions {
-  std::string server;  // HOST[:PORT]; empty: this machine, port 10000
-  std::string token;
-  std::string verb;                // list, status, run, …, call
-  std::vector<std::string> words;  // what follows the verb
-};
+/// Runs the daemon until something ends it. Returns the exit code.
+int Serve(ServeOptions options);
 
 /// Threads that share out a step: more than there are cores would only take turns; the results are the same.
 int ThreadsOf(const ServeOptions& options);
+/// RUN and TIME of RUN@TIME, split at the last @; two empty texts if either is missing.
+std::pair<std::string, std::string> SplitMoment(const std::string& from);
 ControllerOptions ControllersOf(const ServeOptions& options);
 bool IsLoopback(const std::string& host);
 /// Whether others than this machine can reach the daemon.
 bool BeyondLoopback(const ServeOptions& options);
-
-/// What the command line asks for.
-struct CommandLine {
-  enum class Action { kServe, kCheck, kRemote, kDoctor, kOther, kExit };
-  Action action = Action::kExit;
-  int exit_code = 0;  // of kExit: help was printed, or the use was wrong
-  ServeOptions serve;
-  CheckOptions check;
-  RemoteOptions remote;
-  std::function<int()> other;  // of kOther: does it and returns the exit code
-};
-
-/// Parses the arguments; prints help to stdout and one line about wrong use to stderr by itself.
-CommandLine ParseCommandLine(int argc, const char* const* argv);
-
-/// What is wrong with the words of `app` or of its command, and what to write instead.
-std::string Explained(const CLI::App& app, const CLI::ParseError& error);
 
 /// Folders to look for files in: the given ones, COOPDYN_PATH, then the data beside the program.
 std::vector<std::string> DataFolders(const std::vector<std::string>& given);

@@ -29,6 +29,11 @@ class ProgressBar {
   Nanoseconds next_;
 };
 
+// The pieces that progress is told with. Pure functions.
+/// "[####....]", 40 characters wide; `share` done: 0…1.
+std::string BarText(double share);
+/// "45 s left", "12 min left" or "3.1 h left".
+std::string LeftText(double seconds);
 /// "[####....]  42 %  12 s left"; `elapsed_s` is what the share took.
 std::string ProgressText(double share, double elapsed_s);
 

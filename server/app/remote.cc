@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// list, status, run, pause, step, reset, reload, load, stop-all, quit, call: one request to a running daemon.
 #include <boost/json.hpp>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <sstream>
 
 #include "protocol/command_ids.h"
@@ -20,10 +20,37 @@ namespace {
 
 namespace json = boost::json;
 
-int Fail(int code, const std::string& text) {
-  PrintErrorLines("coopdyn: " + text + (text.ends_with('\n') ? "" : "\n"));
-  return code;
-}
+struct RemoteOptions {
+  std::string verb;                // list, status, run, …, call
+  std::vector<std::string> words;  // what follows it
+  std::shared_ptr<ServerOptions> at;
+};
+
+struct Verb {
+  const char* name;
+  std::int32_t command;  // of /simulation; 0 of list and call
+  const char* help;
+  const char* example;
+  std::size_t min_words, max_words;
+};
+
+constexpr Verb kVerbs[] = {
+    {"list", 0, "List the names of all modules", "coopdyn list", 0, 0},
+    {"status", command::kGetStatus, "How the run stands", "coopdyn status", 0, 0},
+    {"run", command::kRun, "Let the run go on", "coopdyn run", 0, 0},
+    {"pause", command::kPause, "Pause the run", "coopdyn pause", 0, 0},
+    {"step", command::kStep, "Run N steps while paused", "coopdyn step 10", 0, 1},
+    {"reset", command::kReset, "Back to the start, with another seed if given", "coopdyn reset 7", 0, 1},
+    {"reload", command::kReload, "Read the scenario's file again", "coopdyn reload", 0, 0},
+    {"load", command::kLoadScenario,
+     "Load another scenario: a bare name, a file of this machine, or - (standard input)",
+     "coopdyn load corridor", 1, 1},
+    {"stop-all", command::kStopAll, "Stop all robots", "coopdyn stop-all", 0, 0},
+    {"quit", command::kQuit, "End the daemon", "coopdyn quit", 0, 0},
+    {"call", 0, "Send any command to any module",
+     "coopdyn call /robot1/motors set_velocity 0.2 0.5    coopdyn call /robot1/target get_target \"red\"", 2,
+     1 << 20},
+};
 
 /// A word of the shell as it stands in a line of the text encoding.
 std::string Quoted(const std::string& word) {
@@ -42,119 +69,95 @@ std::string Moment(const Message& reply) {
   return out.str();
 }
 
-/// The number that `word` is; nothing if it is none or not in [low, high].
-std::optional<std::int32_t> WholeNumber(const std::string& word, std::int32_t low) {
+/// The number that `word` is.
+std::int32_t WholeNumber(const std::string& word, std::int32_t least, const std::string& wanted) {
   std::int32_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || value < low) return std::nullopt;
-  return value;
+  if (error == std::errc() && end == word.data() + word.size() && value >= least) return value;
+  throw RemoteError(kExitWrongUse, wanted);
 }
 
-/// How fast time may go in a run or a playback.
-std::string SpeedOf(const json::object& status) {
-  const json::value* speed = status.if_contains("speed");
-  if (speed == nullptr || !speed->is_number()) return "no limit";
-  std::ostringstream out;
-  out << speed->to_number<double>() << " times real time";
-  return out.str();
+// Parts of a status; a key that is missing or has another type reads as nothing.
+double NumberAt(const json::object& object, const char* key) {
+  const json::value* value = object.if_contains(key);
+  return value != nullptr && value->is_number() ? value->to_number<double>() : 0.0;
+}
+std::string WordAt(const json::object& object, const char* key) {
+  const json::value* value = object.if_contains(key);
+  return value != nullptr && value->is_string() ? std::string(value->as_string()) : "-";
+}
+json::array ArrayAt(const json::object& object, const char* key) {
+  const json::value* value = object.if_contains(key);
+  return value != nullptr && value->is_array() ? value->as_array() : json::array();
 }
 
-int PrintStatus(const std::string& text) {
+void PrintRobots(const json::array& robots) {
+  constexpr std::size_t kListed = 40;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (i == kListed)
+      return Print("... and more: coopdyn call /simulation get_status FIRST COUNT tells all\n");
+    const json::object& robot = robots[i].as_object();
+    const std::string owner = WordAt(robot, "owner");
+    const json::value* moving = robot.if_contains("still_moving");
+    const bool moves = moving != nullptr && *moving == true;
+    const std::string free = moves ? "nobody drives it, still moving" : "free";
+    Print("{:<16} {:<10} {}\n", WordAt(robot, "name"), WordAt(robot, "type"),
+          owner == "-" || owner.empty() ? free : "driven by " + owner);
+  }
+}
+
+void PrintStatus(const std::string& text) {
   boost::system::error_code error;
   const json::value parsed = json::parse(text, error);
-  if (error || !parsed.is_object()) return Fail(kExitErrors, "the daemon's status is unreadable");
+  if (error || !parsed.is_object()) throw RemoteError(kExitErrors, "the daemon's status is unreadable");
   const json::object& status = parsed.as_object();
-  const auto number = [&status](const char* key) {
-    const json::value* value = status.if_contains(key);
-    return value != nullptr && value->is_number() ? value->to_number<double>() : 0.0;
-  };
-  const auto word = [](const json::object& object, const char* key) {
-    const json::value* value = object.if_contains(key);
-    return value != nullptr && value->is_string() ? std::string(value->as_string()) : std::string("-");
-  };
-  Print("{}  {}  {}  t = {:.3f} s  step {:.0f}  real-time factor {:.2f}\n", word(status, "scenario"),
-        word(status, "mode"), word(status, "state"), number("time_s"), number("step"), number("rtf"));
+  Print("{}  {}  {}  t = {:.3f} s  step {:.0f}  real-time factor {:.2f}\n", WordAt(status, "scenario"),
+        WordAt(status, "mode"), WordAt(status, "state"), NumberAt(status, "time_s"), NumberAt(status, "step"),
+        NumberAt(status, "rtf"));
   const json::value* playback = status.if_contains("playback");
   const bool plays = playback != nullptr && playback->is_object();
-  Print("speed: {}\n", SpeedOf(plays ? playback->as_object() : status));
-  if (plays) Print("playing {}\n", word(playback->as_object(), "file"));
-  if (const std::string recording = word(status, "recording"); recording != "-") {
-    const std::string stall = word(status, "recording_stalled");
-    const double lost = number("recording_lost");
+  const double speed = NumberAt(plays ? playback->as_object() : status, "speed");  // 0: no limit
+  Print("speed: {}\n", speed == 0 ? "no limit" : fmt::format("{:g} times real time", speed));
+  if (plays) Print("playing {}\n", WordAt(playback->as_object(), "file"));
+  if (const std::string recording = WordAt(status, "recording"); recording != "-") {
+    const std::string stall = WordAt(status, "recording_stalled");
+    const double lost = NumberAt(status, "recording_lost");
     Print("{}{}\n", stall == "-" ? "recording to " + recording : "not recording to " + recording + " for now",
           lost > 0 ? fmt::format(", {:.0f} step{} lost", lost, lost == 1 ? "" : "s") : "");
     if (stall != "-") Print("  {}\n", stall);
   }
-  if (const json::value* awaiting = status.if_contains("awaiting");
-      awaiting != nullptr && awaiting->is_array()) {
-    std::string cure = "-";
-    for (const json::value& one : awaiting->as_array()) {
-      const json::object& awaited = one.as_object();
-      Print("waiting for {} ({}), {:.1f} s\n", word(awaited, "robot"), word(awaited, "why"),
-            awaited.at("seconds").to_number<double>());
-      if (cure == "-") cure = word(awaited, "cure");
-    }
-    if (cure != "-") Print("  {}\n", cure);
+  std::string cure = "-";
+  for (const json::value& one : ArrayAt(status, "awaiting")) {
+    const json::object& awaited = one.as_object();
+    Print("waiting for {} ({}), {:.1f} s\n", WordAt(awaited, "robot"), WordAt(awaited, "why"),
+          NumberAt(awaited, "seconds"));
+    if (cure == "-") cure = WordAt(awaited, "cure");
   }
-  if (const json::value* robots = status.if_contains("robots"); robots != nullptr && robots->is_array()) {
-    constexpr std::size_t kListed = 40;
-    std::size_t listed = 0;
-    for (const json::value& one : robots->as_array()) {
-      if (++listed > kListed) {
-        Print("... and more: coopdyn call /simulation get_status FIRST COUNT tells all\n");
-        break;
-      }
-      const json::object& robot = one.as_object();
-      const std::string owner = word(robot, "owner");
-      const json::value* moving = robot.if_contains("still_moving");
-      const bool moves = moving != nullptr && moving->is_bool() && moving->as_bool();
-      const std::string free = moves ? "nobody drives it, still moving" : "free";
-      Print("{:<16} {:<10} {}\n", word(robot, "name"), word(robot, "type"),
-            owner == "-" || owner.empty() ? free : "driven by " + owner);
-    }
-  }
-  return kExitOk;
+  if (cure != "-") Print("  {}\n", cure);
+  PrintRobots(ArrayAt(status, "robots"));
 }
 
-int List(RemoteConnection& connection) {
-  std::vector<std::string> lines;
-  if (const std::string error = connection.AskNames("list", lines); !error.empty())
-    return Fail(kExitErrors, error);
-  for (const std::string& line : lines) {
+void List(RemoteConnection& connection) {
+  for (const std::string& line : connection.AskNames("list")) {
     std::istringstream words(line);
     std::string registration, name_word, name, ip_word, ip, port_word, port;
     words >> registration >> name_word >> name >> ip_word >> ip >> port_word >> port;
     if (name_word == "name") Print("{:<28} {}:{}\n", name, ip, port);
   }
-  return kExitOk;
 }
 
-/// The request of a verb that is one command of /simulation; an error text if its words are wrong.
-std::string MakeRequest(const RemoteOptions& options, Message& request) {
-  const std::string& verb = options.verb;
+/// The request of a verb that is one command of /simulation.
+Message MakeRequest(const RemoteOptions& options, std::int32_t command) {
+  Message request;
+  request.command = command;
   const std::string first = options.words.empty() ? std::string() : options.words.front();
-  if (verb == "status") {
-    request.command = command::kGetStatus;
-  } else if (verb == "run") {
-    request.command = command::kRun;
-  } else if (verb == "pause") {
-    request.command = command::kPause;
-  } else if (verb == "step") {
-    const auto steps = first.empty() ? std::optional<std::int32_t>(1) : WholeNumber(first, 1);
-    if (!steps) return "step takes a number of steps from 1, e.g. coopdyn step 10";
-    request.command = command::kStep;
-    request.params = {*steps};
-  } else if (verb == "reset") {
-    request.command = command::kReset;
-    if (!first.empty()) {
-      const auto seed = WholeNumber(first, 0);
-      if (!seed) return "reset takes a seed from 0, e.g. coopdyn reset 7";
-      request.params = {*seed};
-    }
-  } else if (verb == "reload") {
-    request.command = command::kReload;
-  } else if (verb == "load") {
-    request.command = command::kLoadScenario;
+  if (command == command::kStep) {
+    request.params = {
+        first.empty() ? 1
+                      : WholeNumber(first, 1, "step takes a number of steps from 1, e.g. coopdyn step 10")};
+  } else if (command == command::kReset && !first.empty()) {
+    request.params = {WholeNumber(first, 0, "reset takes a seed from 0, e.g. coopdyn reset 7")};
+  } else if (command == command::kLoadScenario) {
     request.text = first;
     std::error_code ignored;
     if (IsPipe(first) || std::filesystem::is_regular_file(first, ignored)) {
@@ -162,12 +165,8 @@ std::string MakeRequest(const RemoteOptions& options, Message& request) {
       request.text.assign(std::istreambuf_iterator<char>(file), {});
       request.text += "\n# file: " + std::filesystem::path(first).filename().string() + "\n";
     }
-  } else if (verb == "stop-all") {
-    request.command = command::kStopAll;
-  } else if (verb == "quit") {
-    request.command = command::kQuit;
   }
-  return {};
+  return request;
 }
 
 /// Diagnostics of a file that was sent as a text carry its name again.
@@ -180,64 +179,77 @@ std::string WithFileName(std::string text, const RemoteOptions& options) {
   return text;
 }
 
-int CallModule(RemoteConnection& connection, const RemoteOptions& options) {
-  if (const std::string error = connection.Open(options.words[0]); !error.empty())
-    return Fail(kExitErrors, error);
-  std::string reply;
-  if (!options.token.empty()) {
-    if (const std::string error = connection.CallLine("hello coopdyn-call " + options.token, reply);
-        !error.empty()) {
-      return Fail(kExitErrors, error);
-    }
-  }
+void CallModule(RemoteConnection& connection, const RemoteOptions& options) {
+  connection.Open(options.words[0]);
+  const std::string& token = options.at->token;
+  if (!token.empty()) connection.CallLine("hello coopdyn-call " + token);
   std::string line = options.words[1];
   for (std::size_t i = 2; i < options.words.size(); ++i) line += ' ' + Quoted(options.words[i]);
-  if (const std::string error = connection.CallLine(line, reply); !error.empty())
-    return Fail(kExitErrors, error);
-  if (!reply.starts_with("0 ")) return Fail(kExitErrors, reply);
+  const std::string reply = connection.CallLine(line);
+  if (!reply.starts_with("0 ")) throw RemoteError(kExitErrors, reply);
   PrintLines(reply + "\n");
   // A robot stops when the program that said hello ends; what a single command sets is to stay.
-  if (!options.token.empty()) connection.CallLine("release", reply);
-  return kExitOk;
+  if (!token.empty()) connection.CallLine("release");
+}
+
+/// One command of /simulation.
+void CallSimulation(RemoteConnection& connection, const RemoteOptions& options, const Message& request) {
+  connection.Open("/simulation");
+  if (!options.at->token.empty()) {
+    Message hello;
+    hello.command = command::kHello;
+    hello.text = "coopdyn-call " + options.at->token;
+    if (const Message reply = connection.Call(hello); reply.error != 0) {
+      throw RemoteError(kExitErrors, reply.text);
+    }
+  }
+  const Message reply = connection.Call(request);
+  if (reply.error == static_cast<std::int32_t>(Error::kNotAllowed)) {
+    throw RemoteError(kExitErrors,
+                      "this needs the daemon's token: give it with --token, or in COOPDYN_TOKEN");
+  }
+  if (reply.error != 0) throw RemoteError(kExitErrors, WithFileName(reply.text, options));
+  if (request.command == command::kGetStatus) return PrintStatus(reply.text);
+  Print("{}: ok{}\n", options.verb, Moment(reply));
+  if (request.command == command::kStopAll && !reply.text.empty()) Print("{}\n", reply.text);
+}
+
+int Remote(const RemoteOptions& options, const Verb& verb) {
+  try {
+    const ServerAddress server(options.at->server);
+    const Message request = MakeRequest(options, verb.command);
+    RemoteConnection connection(server);
+    if (options.verb == "list") {
+      List(connection);
+    } else if (options.verb == "call") {
+      CallModule(connection, options);
+    } else {
+      CallSimulation(connection, options, request);
+    }
+    return kExitOk;
+  } catch (const RemoteError& error) {
+    const std::string text = error.what();
+    PrintErrorLines("coopdyn: " + text + (text.ends_with('\n') ? "" : "\n"));
+    return error.code;
+  }
 }
 
 }  // namespace
 
-int Remote(const RemoteOptions& options) {
-  const auto server = ParseServerAddress(options.server);
-  if (!server) {
-    return Fail(kExitWrongUse, "--server is HOST or HOST:PORT, e.g. labserver:10000, not " + options.server);
+void AddRemote(CLI::App& app, Chosen& chosen) {
+  for (const Verb& verb : kVerbs) {
+    CLI::App* sub = app.add_subcommand(verb.name, verb.help);
+    sub->footer(std::string("Example: ") + verb.example);
+    // Numbers may be negative: what is not an option of ours is a word.
+    if (verb.max_words > 0) sub->allow_extras();
+    sub->callback([sub, at = AddServerOptions(*sub), &verb, &chosen] {
+      const RemoteOptions options{verb.name, sub->remaining(), at};
+      if (options.words.size() < verb.min_words || options.words.size() > verb.max_words) {
+        throw CLI::ValidationError(std::string("write e.g. ") + verb.example);
+      }
+      chosen = [options, &verb] { return Remote(options, verb); };
+    });
   }
-  Message request;
-  if (const std::string error = MakeRequest(options, request); !error.empty())
-    return Fail(kExitWrongUse, error);
-  RemoteConnection connection;
-  if (const std::string error = connection.Connect(*server); !error.empty())
-    return Fail(kExitNoDaemon, error);
-  if (options.verb == "list") return List(connection);
-  if (options.verb == "call") return CallModule(connection, options);
-
-  if (const std::string error = connection.Open("/simulation"); !error.empty())
-    return Fail(kExitErrors, error);
-  Message reply;
-  if (!options.token.empty()) {
-    Message hello;
-    hello.command = command::kHello;
-    hello.text = "coopdyn-call " + options.token;
-    if (const std::string error = connection.Call(hello, reply); !error.empty())
-      return Fail(kExitErrors, error);
-    if (reply.error != 0) return Fail(kExitErrors, reply.text);
-  }
-  if (const std::string error = connection.Call(request, reply); !error.empty())
-    return Fail(kExitErrors, error);
-  if (reply.error == static_cast<std::int32_t>(Error::kNotAllowed)) {
-    return Fail(kExitErrors, "this needs the daemon's token: give it with --token, or in COOPDYN_TOKEN");
-  }
-  if (reply.error != 0) return Fail(kExitErrors, WithFileName(reply.text, options));
-  if (options.verb == "status") return PrintStatus(reply.text);
-  Print("{}: ok{}\n", options.verb, Moment(reply));
-  if (options.verb == "stop-all" && !reply.text.empty()) Print("{}\n", reply.text);
-  return kExitOk;
 }
 
 }  // namespace coopdyn

@@ -16,6 +16,7 @@
 #include <memory>
 
 #include "protocol/codec.h"
+#include "server/app/commands.h"
 
 namespace coopdyn {
 
@@ -52,137 +53,142 @@ int ConnectTo(const addrinfo& address) {
 
 }  // namespace
 
-std::optional<ServerAddress> ParseServerAddress(const std::string& text) {
-  ServerAddress address;
-  if (text.empty()) return address;
-  std::string port;
-  if (text.front() == '[') {
-    const std::size_t end = text.find(']');
-    if (end == std::string::npos) return std::nullopt;
-    address.host = text.substr(1, end - 1);
-    if (end + 1 < text.size()) {
-      if (text[end + 1] != ':') return std::nullopt;
-      port = text.substr(end + 2);
-    }
-  } else if (const std::size_t colon = text.find(':');
-             colon != std::string::npos && text.rfind(':') == colon) {
-    address.host = text.substr(0, colon);
-    port = text.substr(colon + 1);
-  } else if (text.find_first_not_of("0123456789") == std::string::npos) {
-    port = text;  // of this machine
-  } else {
-    address.host = text;
-  }
-  if (address.host.empty()) address.host = "127.0.0.1";
-  if (port.empty()) return text.back() == ':' ? std::nullopt : std::optional(address);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
-  if (error != std::errc() || end != port.data() + port.size() || address.port < 1 || address.port > 65535) {
-    return std::nullopt;
-  }
-  return address;
+std::shared_ptr<ServerOptions> AddServerOptions(CLI::App& command) {
+  auto options = std::make_shared<ServerOptions>();
+  command
+      .add_option("--server", options->server,
+                  "HOST[:PORT] of the daemon (default: this machine, port 10000)")
+      ->envname("COOPDYN_SERVER");
+  command.add_option("--token", options->token, "The daemon's token, from another machine")
+      ->envname("COOPDYN_TOKEN");
+  return options;
 }
 
-RemoteConnection::~RemoteConnection() {
-  if (fd_ >= 0) ::close(fd_);
+ServerAddress::ServerAddress(const std::string& text) {
+  const RemoteError wrong(kExitWrongUse, "--server is HOST or HOST:PORT, e.g. labserver:10000, not " + text);
+  const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
+  const std::size_t end = text.starts_with('[') ? text.find(']') : 0;
+  if (end == std::string::npos) throw wrong;
+  const std::size_t colon = text.find(':', end);
+  // "::1" without brackets has no port.
+  const bool has_port =
+      colon != std::string::npos && (end > 0 || text.find(':', colon + 1) == std::string::npos);
+  std::string name = has_port ? text.substr(0, colon) : digits ? "" : text;
+  if (end > 0) {
+    if (name.size() != end + 1) throw wrong;
+    name = name.substr(1, end - 1);
+  }
+  if (!name.empty()) host = name;
+  const std::string number = has_port ? text.substr(colon + 1) : digits ? text : "";
+  if (number.empty() && !has_port) return;
+  const auto [last, error] = std::from_chars(number.data(), number.data() + number.size(), port);
+  if (error != std::errc() || last != number.data() + number.size() || port < 1 || port > 65535) throw wrong;
 }
 
-std::string RemoteConnection::Connect(const ServerAddress& server) {
+RemoteConnection::RemoteConnection(const ServerAddress& server) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   const std::string port = std::to_string(server.port);
   if (const int error = ::getaddrinfo(server.host.c_str(), port.c_str(), &hints, &found); error != 0) {
-    return "there is no host " + server.host + " (" + ::gai_strerror(error) + "): check its name";
+    throw RemoteError(kExitNoDaemon,
+                      "there is no host " + server.host + " (" + ::gai_strerror(error) + "): check its name");
   }
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, &::freeaddrinfo);
   for (const addrinfo* address = found; address != nullptr && fd_ < 0; address = address->ai_next) {
     fd_ = ConnectTo(*address);
   }
   if (fd_ < 0) {
-    return "no daemon answers at " + server.host + ":" + port + " (" + std::strerror(errno) +
-           "): start one with coopdyn serve, or say where it is with --server HOST:PORT";
+    throw RemoteError(kExitNoDaemon,
+                      "no daemon answers at " + server.host + ":" + port + " (" + std::strerror(errno) +
+                          "): start one with coopdyn serve, or say where it is with --server HOST:PORT");
   }
-  return {};
 }
 
-std::string RemoteConnection::Send(const std::string& bytes) {
+RemoteConnection::~RemoteConnection() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+void RemoteConnection::Send(const std::string& bytes) {
   std::size_t sent = 0;
   while (sent < bytes.size()) {
     const ssize_t now = ::send(fd_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
     if (now < 0 && errno == EINTR) continue;
-    if (now <= 0) return std::string("the daemon closed the connection (") + std::strerror(errno) + ")";
+    if (now <= 0) {
+      throw RemoteError(kExitErrors,
+                        std::string("the daemon closed the connection (") + std::strerror(errno) + ")");
+    }
     sent += static_cast<std::size_t>(now);
   }
-  return {};
 }
 
-std::string RemoteConnection::Receive() {
+void RemoteConnection::Receive() {
   std::array<char, 65536> bytes;
-  for (;;) {
-    const ssize_t now = ::recv(fd_, bytes.data(), bytes.size(), 0);
-    if (now < 0 && errno == EINTR) continue;
-    if (now <= 0) return "the daemon closed the connection";
-    buffer_.append(bytes.data(), static_cast<std::size_t>(now));
-    return {};
-  }
+  ssize_t now;
+  do {
+    now = ::recv(fd_, bytes.data(), bytes.size(), 0);
+  } while (now < 0 && errno == EINTR);
+  if (now <= 0) throw RemoteError(kExitErrors, "the daemon closed the connection");
+  buffer_.append(bytes.data(), static_cast<std::size_t>(now));
 }
 
-std::string RemoteConnection::ReadLine(std::string& line) {
+std::string RemoteConnection::ReadLine() {
   std::size_t end;
   while ((end = buffer_.find('\n')) == std::string::npos) {
-    if (buffer_.size() > kMaxReplyBytes) return "the daemon answered something unreadable";
-    if (std::string error = Receive(); !error.empty()) return error;
+    if (buffer_.size() > kMaxReplyBytes) {
+      throw RemoteError(kExitErrors, "the daemon answered something unreadable");
+    }
+    Receive();
   }
-  line = buffer_.substr(0, end);
+  std::string line = buffer_.substr(0, end);
   buffer_.erase(0, end + 1);
-  if (!line.empty() && line.back() == '\r') line.pop_back();
-  return {};
+  if (line.ends_with('\r')) line.pop_back();
+  return line;
 }
 
-std::string RemoteConnection::AskNames(const std::string& line, std::vector<std::string>& answer) {
-  if (std::string error = Send("NAME_SERVER " + line + "\n"); !error.empty()) return error;
-  for (;;) {
-    std::string reply;
-    if (std::string error = ReadLine(reply); !error.empty()) return error;
-    if (reply.starts_with("*** end of message")) return {};
+std::vector<std::string> RemoteConnection::AskNames(const std::string& line) {
+  Send("NAME_SERVER " + line + "\n");
+  std::vector<std::string> answer;
+  for (std::string reply = ReadLine(); !reply.starts_with("*** end of message"); reply = ReadLine()) {
     answer.push_back(std::move(reply));
   }
+  return answer;
 }
 
-std::string RemoteConnection::Open(const std::string& name) {
-  if (std::string error = Send("OPEN " + name + "\n"); !error.empty()) return error;
-  std::string reply;
-  if (std::string error = ReadLine(reply); !error.empty()) return error;
-  return reply == "ok" ? std::string() : reply;
+void RemoteConnection::Open(const std::string& name) {
+  Send("OPEN " + name + "\n");
+  if (const std::string reply = ReadLine(); reply != "ok") throw RemoteError(kExitErrors, reply);
 }
 
-std::string RemoteConnection::Call(const Message& request, Message& reply) {
+Message RemoteConnection::Call(const Message& request) {
   std::string bytes;
   if (!binary_started_) bytes = kBinaryMagic;
   binary_started_ = true;
   EncodeBinary(request, bytes);
-  if (std::string error = Send(bytes); !error.empty()) return error;
+  Send(bytes);
   for (;;) {
     Decoded decoded = DecodeBinary(buffer_, kMaxReplyBytes);
     if (decoded.status == DecodeStatus::kNeedMore) {
-      if (std::string error = Receive(); !error.empty()) return error;
+      Receive();
       continue;
     }
-    if (decoded.status != DecodeStatus::kMessage) return "the daemon answered something unreadable";
+    if (decoded.status != DecodeStatus::kMessage) {
+      throw RemoteError(kExitErrors, "the daemon answered something unreadable");
+    }
     buffer_.erase(0, decoded.consumed);
-    if (decoded.message.command == -1) return decoded.message.text;  // the closing notice
-    if (decoded.message.command != request.command && decoded.message.error == 0) continue;  // a push
-    reply = std::move(decoded.message);
-    return {};
+    if (decoded.message.command == -1) throw RemoteError(kExitErrors, decoded.message.text);  // it closes
+    const bool pushed = decoded.message.command != request.command && decoded.message.error == 0;
+    if (!pushed) return std::move(decoded.message);
   }
 }
 
-std::string RemoteConnection::CallLine(const std::string& line, std::string& reply) {
-  if (std::string error = Send(line + "\n"); !error.empty()) return error;
+std::string RemoteConnection::CallLine(const std::string& line) {
+  Send(line + "\n");
+  std::string reply;
   do {
-    if (std::string error = ReadLine(reply); !error.empty()) return error;
+    reply = ReadLine();
   } while (reply.empty() || reply.front() == '#');
-  return {};
+  return reply;
 }
 
 }  // namespace coopdyn

@@ -2,7 +2,9 @@
 // A plain blocking connection to a running daemon, for the commands that talk to one. One thread.
 #pragma once
 
-#include <optional>
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,37 +12,50 @@
 
 namespace coopdyn {
 
-/// HOST[:PORT] in its parts: "lab:10100", "[::1]:10000", "10.0.0.5"; nothing if the port is not a number.
+/// A command that talks to a daemon ends with this exit code and text.
+struct RemoteError : std::runtime_error {
+  RemoteError(int exit_code, const std::string& text) : std::runtime_error(text), code(exit_code) {}
+  int code;
+};
+
+/// Where the daemon is.
+struct ServerOptions {
+  std::string server;  // HOST[:PORT]; empty: this machine, port 10000
+  std::string token;
+};
+/// Adds --server and --token to a command. The result lives as long as somebody holds it.
+std::shared_ptr<ServerOptions> AddServerOptions(CLI::App& command);
+
+/// "lab:10100", "[::1]:10000", "10.0.0.5", "10100" or "" in its parts. Throws RemoteError.
 struct ServerAddress {
+  explicit ServerAddress(const std::string& text);
   std::string host = "127.0.0.1";
   int port = 10000;
 };
-std::optional<ServerAddress> ParseServerAddress(const std::string& text);
 
-/// Errors are texts that say what is wrong and what to do; empty: all is well.
+/// Each function throws RemoteError with a text that says what is wrong and what to do.
 class RemoteConnection {
  public:
-  RemoteConnection() = default;
+  /// Connects to the name port; gives up after 3 s.
+  explicit RemoteConnection(const ServerAddress& server);
   ~RemoteConnection();
   RemoteConnection(const RemoteConnection&) = delete;
   RemoteConnection& operator=(const RemoteConnection&) = delete;
 
-  /// Connects to the name port; gives up after 3 s.
-  std::string Connect(const ServerAddress& server);
   /// Sends one line to the name server and returns the lines of its answer, without the end line.
-  std::string AskNames(const std::string& line, std::vector<std::string>& answer);
-  /// Turns this connection into one of module `name`. A token is shown by `hello` if not empty.
-  std::string Open(const std::string& name);
+  std::vector<std::string> AskNames(const std::string& line);
+  /// Turns this connection into one of module `name`.
+  void Open(const std::string& name);
   /// Binary from the first Call on: sends `request`, waits for its reply.
-  std::string Call(const Message& request, Message& reply);
+  Message Call(const Message& request);
   /// Text from the first CallLine on: sends `line`, waits for the reply line.
-  std::string CallLine(const std::string& line, std::string& reply);
+  std::string CallLine(const std::string& line);
 
  private:
-  std::string Send(const std::string& bytes);
+  void Send(const std::string& bytes);
   /// Reads some more bytes into buffer_.
-  std::string Receive();
-  std::string ReadLine(std::string& line);
+  void Receive();
+  std::string ReadLine();
 
   int fd_ = -1;
   bool binary_started_ = false;

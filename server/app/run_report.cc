@@ -11,7 +11,7 @@
 
 #include "server/app/commands.h"
 #include "server/app/options.h"
-#include "server/app/progress_text.h"
+#include "server/app/progress_bar.h"
 #include "server/replay/export_file.h"
 
 namespace coopdyn {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-// coopdyn serve: runs the daemon until something ends it.
 #include <unistd.h>
 
 #include <string>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/serve_options.h"
-
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
@@ -9,9 +7,11 @@
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <system_error>
 
-#include "server/app/number_checks.h"
+#include "server/app/commands.h"
+#include "server/app/options.h"
 #include "server/model/section_reader.h"
 #include "server/record/player.h"
 #include "server/replay/export_file.h"
@@ -84,16 +84,30 @@ void CheckWritable(const std::string& option, const std::string& file, const std
                              std::generic_category().message(errno) + ")");
 }
 
+RecordWhat ReadRecordWhat(const std::string& given) {
+  std::string unknown;
+  if (const auto what = ParseRecordWhat(given, unknown)) return *what;
+  throw CLI::ValidationError("--record-what knows no '" + unknown +
+                             "': write some of poses,wheels,distances,targets,controllers, or all");
+}
+
+CLI::Option* AddStopOrContinue(CLI::App* sub, const std::string& name, bool& stop, const std::string& help) {
+  return sub
+      ->add_option_function<std::string>(
+          name, [&stop](const std::string& given) { stop = given == "stop"; }, help)
+      ->check(CLI::IsMember({"continue", "stop"}));
+}
+
 /// How the daemon is reached, and what it shows.
-void AddNetwork(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
+void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
       ->check(CLI::Range(0, 65000))
       ->envname("COOPDYN_PORT")
       ->capture_default_str();
-  sub->add_option("--name-port", raw.name_port, "Another port for the name server")
+  sub->add_option("--name-port", serve.name_port, "Another port for the name server")
       ->check(CLI::Range(0, 65535))
       ->envname("COOPDYN_NAME_PORT");
-  sub->add_option("--http-port", raw.http_port, "Another port for the page")
+  sub->add_option("--http-port", serve.http_port, "Another port for the page")
       ->check(CLI::Range(0, 65535))
       ->envname("COOPDYN_HTTP_PORT");
   sub->add_option("--host", serve.hosts,
@@ -120,11 +134,11 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
       ->envname("COOPDYN_RENDERER")
       ->capture_default_str();
-  sub->add_option("--robot-threads", raw.robot_threads,
+  sub->add_option("--robot-threads", serve.robot_threads,
                   "Threads for the robots' connections (default: one each on many cores, else 1 or 2)")
       ->check(CLI::Range(1, 10000))
       ->envname("COOPDYN_ROBOT_THREADS");
-  sub->add_option("--spin", raw.spin_us, "Poll this many microseconds before sleeping")
+  sub->add_option("--spin", serve.spin_us, "Poll this many microseconds before sleeping")
       ->check(CLI::Range(0, 1000000))
       ->envname("COOPDYN_SPIN");
   sub->add_option("--log-level", serve.log_level, "debug, info, warning, error or off")
@@ -136,29 +150,98 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
   sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
 }
 
-void AddRecording(CLI::App* sub, ServeOptions& serve, RawServe& raw) {
+void AddRecording(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--record", serve.record.file, "Record the run in this file, e.g. lesson1.run")
       ->envname("COOPDYN_RECORD");
-  sub->add_option(
-         "--record-what", raw.record_what,
+  sub->add_option_function<std::string>(
+         "--record-what", [&serve](const std::string& given) { serve.record.what = ReadRecordWhat(given); },
          "Besides poses and commands: wheels, distances, targets, controllers (with commas), all, or "
          "poses (default: all up to 50 robots, beyond that poses,controllers)")
       ->envname("COOPDYN_RECORD_WHAT");
-  sub->add_option("--record-every", raw.record_every_s,
-                  "Poses and readings only so often, s (commands and hashes are recorded with each step)")
-      ->check(NumberAbove0(kMaxDuration_s))
+  sub->add_option_function<double>(
+         "--record-every", [&serve](double given_s) { serve.record.every = std::llround(given_s * 1e9); },
+         "Seconds between recorded poses and readings (commands and hashes are recorded with each step)")
+      ->check(NumberIn(0, kMaxDuration_s, true))
       ->envname("COOPDYN_RECORD_EVERY");
   sub->add_flag("--force", serve.record.force,
                 "Replace the recording that --record names; record though the disk is too small");
-  sub->add_option("--on-record-failure", raw.on_record_failure,
-                  "What to do when the recording fails, e.g. on a full disk: continue or stop")
-      ->check(CLI::IsMember({"continue", "stop"}))
+  AddStopOrContinue(sub, "--on-record-failure", serve.record.stop_on_failure,
+                    "What to do when the recording fails, e.g. on a full disk: continue or stop")
       ->envname("COOPDYN_ON_RECORD_FAILURE");
   sub->add_option("--recordings", serve.record.folder,
                   "Folder of recordings that are started later, and of those that clients may list and copy; "
                   "made if there is none")
       ->envname("COOPDYN_RECORDINGS")
       ->capture_default_str();
+}
+
+/// Of UTF-8.
+std::ptrdiff_t Characters(const std::string& text) {
+  return std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;  // the first byte of each
+  });
+}
+
+/// Others shall not find the token by trying.
+void CheckStrength(const ServeOptions& serve) {
+  constexpr std::ptrdiff_t kStrongToken = 12;
+  const std::ptrdiff_t characters = Characters(serve.token);
+  if (!serve.token.empty() && characters < kStrongToken && !serve.weak_token && !serve.no_net &&
+      BeyondLoopback(serve)) {
+    throw CLI::ValidationError(
+        fmt::format("--token has {} characters, and with --host others can try tokens: write at least {}, or "
+                    "leave --token out (one is made and printed), or add --weak-token",
+                    characters, kStrongToken));
+  }
+}
+
+/// What does not go together.
+void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
+  if (sub.count("--record") > 0 && serve.record.file.empty()) {
+    throw CLI::ValidationError("--record takes the name of a file, e.g. --record lesson1.run");
+  }
+  if (!serve.from.empty()) {
+    if (SplitMoment(serve.from).first.empty()) {
+      throw CLI::ValidationError(
+          "--from takes a recording and a time in seconds: --from lesson1.run@12.5, or lesson1.run@end");
+    }
+    if (serve.run.seed) {
+      throw CLI::ValidationError("--from goes on with the seed of the recording: leave --seed out");
+    }
+    if (sub.count("scenario") > 0) {
+      throw CLI::ValidationError("--from takes the scenario out of the recording: leave " + serve.scenario +
+                                 " out");
+    }
+  }
+  CheckStrength(serve);
+  if (sub.count("--recordings") > 0)
+    MakeRecordingsFolder(serve.record.folder);  // last: nothing else is wrong
+  // These may lie in that folder.
+  CheckWritable("--summary", serve.summary_file, "run.json");
+  CheckWritable("--log-file", serve.log_file, "night.log");
+}
+
+void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
+  const auto given = std::make_shared<ServeOptions>();
+  ServeOptions& serve = *given;
+  serve.command_line = command_line;
+  CLI::App* sub = app.add_subcommand("play", "Play a recording: its robots, pictures and page as in the run");
+  sub->footer("Example: coopdyn play lesson1.run --speed 2 --at 12.5");
+  sub->add_option("run", serve.play.file, "A recording, e.g. lesson1.run")->required();
+  sub->add_option("--speed", serve.play.speed, "Times the wall clock, -4 to 64; below 0: backwards")
+      ->check(CLI::Validator(CheckPlaySpeed, ""));
+  sub->add_option_function<double>(
+         "--at", [&serve](double given_s) { serve.play.start = std::llround(given_s * 1e9); },
+         "Begin at this simulated time, s (default: its begin)")
+      ->check(NumberIn(-kMaxDuration_s, kMaxDuration_s));
+  sub->add_flag("--loop", serve.play.loop, "Begin anew at the end");
+  sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
+  AddNetwork(sub, serve);
+  sub->callback([given, &chosen] {
+    CheckStrength(*given);
+    CheckWritable("--log-file", given->log_file, "night.log");
+    chosen = [given] { return Serve(*given); };
+  });
 }
 
 }  // namespace
@@ -169,7 +252,10 @@ std::pair<std::string, std::string> SplitMoment(const std::string& from) {
   return {from.substr(0, at), from.substr(at + 1)};
 }
 
-void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
+void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
+  const auto given = std::make_shared<ServeOptions>();
+  ServeOptions& serve = *given;
+  serve.command_line = command_line;
   CLI::App* sub = app.add_subcommand("serve", "Run a scenario and serve its robots");
   sub->footer(
       "Example: coopdyn serve classroom --mode lockstep --port 10000\n"
@@ -179,20 +265,24 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
   sub->add_option("scenario", serve.scenario,
                   "A .scenario or .world file, a bare name on the search path, or - (standard input)")
       ->capture_default_str();
-  sub->add_option("--mode", raw.mode, "realtime, lockstep or free")
+  sub->add_option_function<std::string>(
+         "--mode", [&serve](const std::string& word) { serve.run.mode = ParseMode(word); },
+         "realtime, lockstep or free")
       ->check(CLI::IsMember({"realtime", "lockstep", "free"}))
       ->envname("COOPDYN_MODE");
-  sub->add_option("--step", raw.step_s, "Step in seconds, 0.0005 to 0.1")
+  sub->add_option_function<double>(
+         "--step", [&serve](double step_s) { serve.run.step = std::llround(step_s * 1e6) * 1000; },
+         "Step in seconds, 0.0005 to 0.1")
       ->check(CLI::Validator(CheckStep, ""))
       ->envname("COOPDYN_STEP");
-  sub->add_option("--speed", raw.speed, "Times the wall clock; 0 or less: no limit")
+  sub->add_option("--speed", serve.run.speed, "Times the wall clock; 0 or less: no limit")
       ->check(NumberIn(-kMaxSpeed, kMaxSpeed))
       ->envname("COOPDYN_SPEED");
-  sub->add_option("--seed", raw.seed, "Of noise and solver")
+  sub->add_option("--seed", serve.run.seed, "Of noise and solver")
       ->check(CLI::Validator(CheckSeed, ""))
       ->envname("COOPDYN_SEED");
-  sub->add_option("--duration", raw.duration_s, "End the run at this simulated time, s")
-      ->check(NumberAbove0(kMaxDuration_s))
+  sub->add_option("--duration", serve.run.duration_s, "End the run at this simulated time, s")
+      ->check(NumberIn(0, kMaxDuration_s, true))
       ->envname("COOPDYN_DURATION");
   sub->add_flag("--paused", serve.run.paused, "Start paused")->envname("COOPDYN_PAUSED");
   sub->add_flag("--no-net", serve.no_net, "No sockets at all")->envname("COOPDYN_NO_NET");
@@ -203,21 +293,22 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
       ->check(CLI::Range(1, 256))
       ->envname("COOPDYN_THREADS")
       ->capture_default_str();
-  sub->add_option(
-         "--controllers", raw.controllers,
+  sub->add_option_function<std::string>(
+         "--controllers",
+         [&serve](const std::string& where) { serve.controllers_in_process = where == "in-process"; },
          "Where loaded controllers run: child (a process of their own) or in-process (for a debugger)")
       ->check(CLI::IsMember({"child", "in-process"}))
       ->envname("COOPDYN_CONTROLLERS");
-  sub->add_option("--controller-memory", raw.controller_memory_mib,
-                  "MiB that all loaded controllers together may use (default: half of this machine's memory; "
-                  "0: no limit)")
+  sub->add_option_function<std::uint64_t>(
+         "--controller-memory", [&serve](std::uint64_t mib) { serve.controller_memory_bytes = mib << 20; },
+         "MiB that all loaded controllers together may use (default: half of this machine's memory; "
+         "0: no limit)")
       ->check(CLI::Range(0, 1 << 30))
       ->envname("COOPDYN_CONTROLLER_MEMORY");
-  sub->add_option(
-         "--on-controller-failure", raw.on_controller_failure,
-         "When a loaded controller fails: continue (its robot stands, the rest goes on) or stop (the "
-         "run ends); the exit code is 4 either way (default: continue)")
-      ->check(CLI::IsMember({"continue", "stop"}))
+  AddStopOrContinue(
+      sub, "--on-controller-failure", serve.run.stop_on_controller_failure,
+      "When a loaded controller fails: continue (its robot stands, the rest goes on) or stop (the "
+      "run ends); the exit code is 4 either way (default: continue)")
       ->envname("COOPDYN_ON_CONTROLLER_FAILURE");
   sub->add_option("--summary", serve.summary_file,
                   "Write a summary of the run to this file (JSON) at its end, and on SIGUSR1 how it stands")
@@ -225,87 +316,15 @@ void AddServe(CLI::App& app, ServeOptions& serve, RawServe& raw) {
   sub->add_option("--from", serve.from,
                   "Go on from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
                   "RUN@start or RUN@end");
-  AddRecording(sub, serve, raw);
-  AddNetwork(sub, serve, raw);
+  AddRecording(sub, serve);
+  AddNetwork(sub, serve);
   sub->set_config("--config", "", "Read options from this file (name=value lines)")
       ->envname("COOPDYN_CONFIG");
-}
-
-void AddPlay(CLI::App& app, ServeOptions& serve, RawServe& raw) {
-  CLI::App* sub = app.add_subcommand("play", "Play a recording: its robots, pictures and page as in the run");
-  sub->footer("Example: coopdyn play lesson1.run --speed 2 --at 12.5");
-  sub->add_option("run", raw.recording, "A recording, e.g. lesson1.run")->required();
-  sub->add_option("--speed", raw.speed, "Times the wall clock, -4 to 64; below 0: backwards")
-      ->check(CLI::Validator(CheckPlaySpeed, ""));
-  sub->add_option("--at", raw.start_s, "Begin at this simulated time, s (default: its begin)")
-      ->check(NumberIn(-kMaxDuration_s, kMaxDuration_s));
-  sub->add_flag("--loop", serve.play.loop, "Begin anew at the end");
-  sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
-  AddNetwork(sub, serve, raw);
-}
-
-void TakeRaw(const CLI::App& sub, const RawServe& raw, ServeOptions& serve) {
-  const auto given = [&sub](const char* name) {
-    const CLI::Option* option = sub.get_option_no_throw(name);
-    return option != nullptr && option->count() > 0;
-  };
-  const bool plays = sub.get_name() == "play";
-  if (plays) {
-    serve.play.file = raw.recording;
-    if (given("--speed")) serve.play.speed = raw.speed;
-    if (given("--at")) serve.play.start = std::llround(raw.start_s * 1e9);
-  }
-  if (given("--record-what")) {
-    std::string unknown;
-    serve.record.what = ParseRecordWhat(raw.record_what, unknown);
-    if (!serve.record.what) {
-      throw CLI::ValidationError("--record-what knows no '" + unknown +
-                                 "': write some of poses,wheels,distances,targets,controllers, or all");
-    }
-  }
-  if (given("--record-every")) serve.record.every = std::llround(raw.record_every_s * 1e9);
-  serve.run.stop_on_controller_failure = raw.on_controller_failure == "stop";
-  serve.record.stop_on_failure = raw.on_record_failure == "stop";
-  if (given("--record") && serve.record.file.empty()) {
-    throw CLI::ValidationError("--record takes the name of a file, e.g. --record lesson1.run");
-  }
-  if (!serve.from.empty() && SplitMoment(serve.from).first.empty()) {
-    throw CLI::ValidationError(
-        "--from takes a recording and a time in seconds: --from lesson1.run@12.5, or lesson1.run@end");
-  }
-  if (!serve.from.empty() && given("--seed")) {
-    throw CLI::ValidationError("--from goes on with the seed of the recording: leave --seed out");
-  }
-  if (!serve.from.empty() && given("scenario")) {
-    throw CLI::ValidationError("--from takes the scenario out of the recording: leave " + serve.scenario +
-                               " out");
-  }
-  if (given("--mode")) serve.run.mode = ParseMode(raw.mode);
-  serve.controllers_in_process = raw.controllers == "in-process";
-  if (given("--controller-memory")) serve.controller_memory_bytes = raw.controller_memory_mib << 20;
-  constexpr std::ptrdiff_t kStrongToken = 12;
-  const auto characters = std::count_if(serve.token.begin(), serve.token.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;  // of UTF-8, the first byte of each
+  sub->callback([sub, given, &chosen] {
+    CheckServe(*sub, *given);
+    chosen = [given] { return Serve(*given); };
   });
-  if (!serve.token.empty() && characters < kStrongToken && !serve.weak_token && !serve.no_net &&
-      BeyondLoopback(serve)) {
-    throw CLI::ValidationError(
-        fmt::format("--token has {} characters, and with --host others can try tokens: write at least {}, or "
-                    "leave --token out (one is made and printed), or add --weak-token",
-                    characters, kStrongToken));
-  }
-  if (given("--step")) serve.run.step = std::llround(raw.step_s * 1e6) * 1000;
-  if (!plays && given("--speed")) serve.run.speed = raw.speed;
-  if (given("--seed")) serve.run.seed = raw.seed;
-  if (given("--duration")) serve.run.duration_s = raw.duration_s;
-  if (given("--name-port")) serve.name_port = raw.name_port;
-  if (given("--http-port")) serve.http_port = raw.http_port;
-  if (given("--robot-threads")) serve.robot_threads = raw.robot_threads;
-  if (given("--spin")) serve.spin_us = raw.spin_us;
-  if (given("--recordings")) MakeRecordingsFolder(serve.record.folder);  // last: nothing else is wrong
-  // These may lie in that folder.
-  CheckWritable("--summary", serve.summary_file, "run.json");
-  CheckWritable("--log-file", serve.log_file, "night.log");
+  AddPlay(app, command_line, chosen);
 }
 
 }  // namespace coopdyn

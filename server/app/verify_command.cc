@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/verify_command.h"
-
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "server/app/commands.h"
+#include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/app/progress_bar.h"
 #include "server/replay/verify.h"
@@ -66,7 +64,7 @@ int RunVerify(const GivenRuns& given) {
 
 }  // namespace
 
-void AddVerify(CLI::App& app, std::function<int()>& chosen) {
+void AddVerify(CLI::App& app, Chosen& chosen) {
   const auto given = std::make_shared<GivenRuns>();
   CLI::App* sub = app.add_subcommand("verify", "Repeat a recorded run and compare it, or two runs");
   sub->footer(

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "server/web/file_stream.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/write.hpp>
-#include <cerrno>
 
 #include "server/naming/run_names.h"
 #include "server/web/http_routes.h"
@@ -27,19 +23,18 @@ std::string FileNameParameter(const std::string& name) {
 
 }  // namespace
 
-FileStream::FileStream(boost::beast::tcp_stream stream, UniqueFd file, std::uint64_t bytes)
-    : stream_(std::move(stream)), file_(std::move(file)), left_(bytes) {}
+FileStream::FileStream(boost::beast::tcp_stream stream, RunFiles& files, UniqueFd file, std::uint64_t bytes)
+    : stream_(std::move(stream)),
+      files_(files),
+      file_(std::make_shared<const UniqueFd>(std::move(file))),
+      left_(bytes) {}
 
 void FileStream::Start(const std::string& name, bool head_only) {
-  header_ = "HTTP/1.1 200 OK\r\nConnection: close\r\nCache-Control: no-store\r\n";
-  for (const auto& [key, value] : CommonHeaders()) header_ += key + ": " + value + "\r\n";
-  const bool is_run = name.ends_with(".run");
-  header_ +=
-      std::string("Content-Type: ") + (is_run ? "application/vnd.sqlite3" : "application/octet-stream");
-  header_ += "\r\nContent-Disposition: attachment; filename" + FileNameParameter(name);
-  header_ += "\r\nContent-Length: " + std::to_string(left_) + "\r\n\r\n";
+  const char* type = name.ends_with(".run") ? "application/vnd.sqlite3" : "application/octet-stream";
+  header_ =
+      StreamHeader(std::string("Content-Type: ") + type + "\r\nContent-Disposition: attachment; filename" +
+                   FileNameParameter(name) + "\r\nContent-Length: " + std::to_string(left_));
   if (head_only) left_ = 0;
-  posix_fadvise(file_.get(), 0, kPieceBytes, POSIX_FADV_WILLNEED);
   stream_.expires_after(kPieceTime);
   asio::async_write(stream_, asio::buffer(header_),
                     [self = shared_from_this()](error_code failed, std::size_t) {
@@ -50,31 +45,24 @@ void FileStream::Start(const std::string& name, bool head_only) {
 
 void FileStream::SendPiece() {
   if (left_ == 0) return End();
-  piece_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kPieceBytes, left_)));
-  ssize_t count = 0;
-  do {
-    count = ::read(file_.get(), piece_.data(), piece_.size());
-  } while (count < 0 && errno == EINTR);
-  if (count <= 0) return Close();  // it is shorter than it was: the client sees that the length is not right
-  left_ -= static_cast<std::uint64_t>(count);
-  // The kernel fetches the next piece while this one is sent, so that the UI thread need not wait for the
-  // disk.
-  posix_fadvise(file_.get(), ::lseek(file_.get(), 0, SEEK_CUR), kPieceBytes, POSIX_FADV_WILLNEED);
-  stream_.expires_after(kPieceTime);
-  asio::async_write(stream_, asio::buffer(piece_.data(), static_cast<std::size_t>(count)),
-                    [self = shared_from_this()](error_code failed, std::size_t) {
-                      if (failed) return self->Close();
-                      self->SendPiece();
-                    });
+  const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(kPieceBytes, left_));
+  files_.Read(file_, bytes, [self = shared_from_this()](const RunFiles::Piece& piece) {
+    if (piece->empty()) return self->Close();  // it is shorter than it was: the client sees the wrong length
+    self->left_ -= piece->size();
+    self->stream_.expires_after(kPieceTime);
+    asio::async_write(self->stream_, asio::buffer(*piece), [self, piece](error_code failed, std::size_t) {
+      if (failed) return self->Close();
+      self->SendPiece();
+    });
+  });
 }
 
 void FileStream::End() {
   error_code ignored;
   stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
   // Until the client has closed too, so that it gets everything.
-  piece_.resize(1024);
   stream_.expires_after(kPieceTime);
-  stream_.async_read_some(asio::buffer(piece_),
+  stream_.async_read_some(asio::buffer(ignored_),
                           [self = shared_from_this()](error_code, std::size_t) { self->Close(); });
 }
 

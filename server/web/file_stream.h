@@ -4,12 +4,12 @@
 
 #include <utility>
 
+#include <array>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "server/net/unique_fd.h"
 #include "server/web/web_context.h"
@@ -22,7 +22,7 @@ class FileStream : public WebConnection, public std::enable_shared_from_this<Fil
   static constexpr std::chrono::seconds kPieceTime{60};
 
   /// Takes the connection, which ends with the file.
-  FileStream(boost::beast::tcp_stream stream, UniqueFd file, std::uint64_t bytes);
+  FileStream(boost::beast::tcp_stream stream, RunFiles& files, UniqueFd file, std::uint64_t bytes);
 
   /// Sends the header and, unless `head_only`, the file, as `name`.
   void Start(const std::string& name, bool head_only);
@@ -33,10 +33,11 @@ class FileStream : public WebConnection, public std::enable_shared_from_this<Fil
   void End();
 
   boost::beast::tcp_stream stream_;
-  UniqueFd file_;
+  RunFiles& files_;
+  const std::shared_ptr<const UniqueFd> file_;
   std::uint64_t left_;
   std::string header_;
-  std::vector<char> piece_;
+  std::array<char, 1024> ignored_;
 };
 
 }  // namespace coopdyn

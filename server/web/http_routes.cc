@@ -2,12 +2,14 @@
 #include "server/web/http_routes.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "protocol/ascii.h"
+#include "protocol/text_numbers.h"
 #include "server/naming/run_names.h"
 #include "server/web/access.h"
-#include "server/web/image_query.h"
 
 namespace coopdyn {
 namespace {
@@ -29,6 +31,52 @@ HttpRoute Accept(HttpRouteKind kind) {
   HttpRoute route;
   route.kind = kind;
   return route;
+}
+
+std::string ReadPixels(std::string_view key, std::string_view text, int& pixels) {
+  std::int32_t value = 0;
+  if (ReadInt32(text, value) != NumberRead::kOk) {
+    return std::string(key) + " must be a whole number of pixels, e.g. " + std::string(key) + "=640";
+  }
+  pixels = value;
+  return {};
+}
+
+std::string ReadPoint(std::string_view key, std::string_view text, std::optional<Vector3>& point) {
+  Vector3 read;
+  int count = 0;
+  std::string_view rest = text;
+  for (bool more = true; more; ++count) {
+    const auto comma = rest.find(',');
+    more = comma != std::string_view::npos;
+    double value = 0;
+    if (count == 3 || ReadDouble(rest.substr(0, comma), value) != NumberRead::kOk) {
+      count = 0;
+      break;
+    }
+    read[count] = value;
+    rest.remove_prefix(more ? comma + 1 : rest.size());
+  }
+  if (count != 3) {
+    return std::string(key) + " must be three numbers in metres, e.g. " + std::string(key) + "=-3,0,2";
+  }
+  point = read;
+  return {};
+}
+
+std::string ReadFlag(std::string_view key, std::string_view text, bool& flag) {
+  if (text != "0" && text != "1") return std::string(key) + " must be 0 or 1";
+  flag = text == "1";
+  return {};
+}
+
+std::string ReadParameter(std::string_view key, std::string_view text, ImageRequest& request) {
+  if (key == "w") return ReadPixels(key, text, request.width);
+  if (key == "h") return ReadPixels(key, text, request.height);
+  if (key == "eye") return ReadPoint(key, text, request.eye_m);
+  if (key == "look") return ReadPoint(key, text, request.look_m);
+  if (key == "rays") return ReadFlag(key, text, request.show_rays);
+  return "unknown parameter " + Quoted(key) + ": write w, h, eye, look or rays";
 }
 
 HttpRoute AcceptImage(HttpRouteKind kind, ImageFormat format, std::string_view query) {
@@ -93,6 +141,23 @@ std::string RefuseHost(const HttpRequestHead& head, const std::vector<std::strin
 
 }  // namespace
 
+std::string ReadImageQuery(std::string_view query, ImageRequest& request) {
+  while (!query.empty()) {
+    const auto end = query.find('&');
+    const std::string_view pair = query.substr(0, end);
+    query.remove_prefix(end == std::string_view::npos ? query.size() : end + 1);
+    if (pair.empty()) continue;
+    const auto equals = pair.find('=');
+    std::string coded(equals == std::string_view::npos ? "" : pair.substr(equals + 1));
+    std::replace(coded.begin(), coded.end(), '+', ' ');
+    const std::optional<std::string> value = PercentDecode(coded);
+    if (!value) return "badly escaped: " + Quoted(pair);
+    if (std::string error = ReadParameter(pair.substr(0, equals), *value, request); !error.empty())
+      return error;
+  }
+  return CheckImageRequest(request);
+}
+
 HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>& host_names) {
   unsigned status = 0;
   if (std::string error = RefuseHost(head, host_names, status); !error.empty()) {
@@ -126,6 +191,12 @@ HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>&
   const bool found = route.kind != HttpRouteKind::kRefused || route.refusal.status != 404;
   if (found && head.method != "GET" && head.method != "HEAD") return RefuseMethod("GET, HEAD");
   return route;
+}
+
+std::string StreamHeader(std::string_view more) {
+  std::string header = "HTTP/1.1 200 OK\r\nConnection: close\r\nCache-Control: no-store\r\n";
+  for (const auto& [name, value] : CommonHeaders()) header += name + ": " + value + "\r\n";
+  return header.append(more) + "\r\n\r\n";
 }
 
 HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match) {

@@ -58,10 +58,17 @@ struct HttpRoute {
 /// Where `head` leads. `host_names`: WebOptions.
 HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>& host_names);
 
+/// Reads the query of `/snapshot.png?w=640&h=480&eye=x,y,z&look=x,y,z&rays=1` into `request`: an error text,
+/// empty if it is good.
+std::string ReadImageQuery(std::string_view query, ImageRequest& request);
+
 /// The answer with a file; 304 if the client has it.
 HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match);
 
 /// The headers that every answer carries.
 const std::vector<std::pair<std::string, std::string>>& CommonHeaders();
+/// The header of an answer whose end is that of the connection, or that says its length in `more`, lines with
+/// "\r\n" between them.
+std::string StreamHeader(std::string_view more);
 
 }  // namespace coopdyn

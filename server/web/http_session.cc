@@ -12,10 +12,10 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <boost/json.hpp>
 
 #include "server/web/access.h"
 #include "server/web/file_stream.h"
-#include "server/web/json_answers.h"
 #include "server/web/page_bridge.h"
 #include "server/web/page_socket.h"
 #include "server/web/picture_stream.h"
@@ -25,6 +25,7 @@ namespace coopdyn {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
+namespace json = boost::json;
 using boost::system::error_code;
 
 namespace {
@@ -52,6 +53,35 @@ HttpAnswer ErrorAnswer(unsigned status, std::string text) {
   answer.status = status;
   answer.body = std::move(text) + "\n";
   return answer;
+}
+
+HttpAnswer JsonAnswer(std::string body) {
+  HttpAnswer answer;
+  answer.body = std::move(body) + "\n";
+  answer.type = "application/json";
+  answer.headers.emplace_back("Cache-Control", "no-store");
+  return answer;
+}
+
+/// ["classroom","corridor"]
+HttpAnswer AnswerScenarios(const WebContext& context) {
+  const auto names = context.options.scenarios ? context.options.scenarios() : std::vector<std::string>();
+  return JsonAnswer(json::serialize(json::value_from(names)));
+}
+
+/// {"name_port":10000,"version":"0.1.0","modules":[{"name":"/robot1/motors","address":null,"port":10002,"external":false}]};
+/// `address` null: the one under which the page was reached.
+HttpAnswer AnswerModules(const WebContext& context) {
+  json::array modules;
+  for (const NameEntry& entry : context.names.List()) {
+    modules.push_back({{"name", entry.name},
+                       {"address", entry.ip.empty() ? json::value(nullptr) : json::value(entry.ip)},
+                       {"port", entry.port},
+                       {"external", entry.external}});
+  }
+  return JsonAnswer(json::serialize(json::object{{"name_port", context.options.name_port},
+                                                 {"version", context.options.version},
+                                                 {"modules", std::move(modules)}}));
 }
 
 /// What to answer to something that is no HTTP request.
@@ -204,8 +234,7 @@ void HttpSession::AnswerStatus() {
   const std::uint64_t ticket = Await("/simulation");
   context_.status.Ask([self = shared_from_this(), ticket](const Message& reply) {
     if (reply.error != 0) return self->AnswerLater(ticket, ErrorAnswer(503, reply.text));
-    HttpAnswer answer = JsonAnswer(reply.text + "\n");
-    self->AnswerLater(ticket, std::move(answer));
+    self->AnswerLater(ticket, JsonAnswer(reply.text));
   });
 }
 
@@ -247,7 +276,7 @@ void HttpSession::AnswerCall(const std::string& body) {
       [self = weak_from_this(), ticket, wait](const PageReply& reply) {
         const auto session = self.lock();
         if (!session || reply.id.empty()) return;  // a push
-        HttpAnswer answer = JsonAnswer(WritePageReply(reply) + "\n");
+        HttpAnswer answer = JsonAnswer(WritePageReply(reply));
         if (reply.message.error == static_cast<std::int32_t>(Error::kNotAllowed)) {
           answer = ErrorAnswer(403, wait.empty() ? reply.message.text : wait);
         }
@@ -259,7 +288,7 @@ void HttpSession::AnswerCall(const std::string& body) {
 void HttpSession::AnswerRuns() {
   const std::uint64_t ticket = Await("the list of recordings");
   context_.runs.List([self = shared_from_this(), ticket](const WebRunFile& list) {
-    self->AnswerLater(ticket, JsonAnswer(list.text + "\n"));
+    self->AnswerLater(ticket, JsonAnswer(list.text));
   });
 }
 
@@ -282,7 +311,7 @@ void HttpSession::OpenRun(std::uint64_t ticket, const std::string& name, const W
   ++ticket_;
   patience_.cancel();
   const bool head_only = parser_->get().method() == http::verb::head;
-  const auto stream = std::make_shared<FileStream>(std::move(stream_), std::move(file),
+  const auto stream = std::make_shared<FileStream>(std::move(stream_), context_.runs, std::move(file),
                                                    static_cast<std::uint64_t>(about.st_size));
   context_.connections.Add(stream, peer_);
   stream->Start(name, head_only);

@@ -4,6 +4,7 @@
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/websocket/option.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <boost/json.hpp>
 
 #include "protocol/json_text.h"
 #include "server/web/access.h"
@@ -133,11 +134,12 @@ void PageSocket::OnHello(const PageHello& hello) {
   TakeToken(hello.token);
   const bool wrong = !hello.token.empty() && !bridge_.trusted();
   const std::string wait = wrong ? context_.TokenWaitText(bridge_.peer()) : std::string();
-  Send(R"({"type":"hello","version":)" + JsonString(context_.options.version) +
-       (bridge_.trusted() ? R"(,"trusted":true)" : R"(,"trusted":false)") +
-       (wrong ? R"(,"wrong_token":true)" : "") +
-       (wait.empty() ? std::string() : R"(,"token_wait":)" + JsonString(wait)) +
-       (context_.pictures.available() ? R"(,"pictures":true})" : R"(,"pictures":false})"));
+  boost::json::object said{
+      {"type", "hello"}, {"version", context_.options.version}, {"trusted", bridge_.trusted()}};
+  if (wrong) said["wrong_token"] = true;
+  if (!wait.empty()) said["token_wait"] = wait;
+  said["pictures"] = context_.pictures.available();
+  Send(boost::json::serialize(said));
 }
 
 void PageSocket::OnStatus(const std::shared_ptr<const std::string>& status) {

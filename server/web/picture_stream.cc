@@ -15,20 +15,13 @@ namespace {
 
 constexpr std::string_view kBoundary = "coopdyn-picture";
 
-std::string StreamHeader() {
-  std::string header = "HTTP/1.1 200 OK\r\nConnection: close\r\nCache-Control: no-store\r\n";
-  for (const auto& [name, value] : CommonHeaders()) header += name + ": " + value + "\r\n";
-  header += "Content-Type: multipart/x-mixed-replace; boundary=" + std::string(kBoundary) + "\r\n\r\n";
-  return header;
-}
-
 }  // namespace
 
 PictureStream::PictureStream(asio::ip::tcp::socket socket, WebContext& context, ImageRequest image)
     : socket_(std::move(socket)), context_(context), image_(std::move(image)), timer_(context.io) {}
 
 void PictureStream::Start(bool head_only) {
-  part_ = StreamHeader();
+  part_ = StreamHeader("Content-Type: multipart/x-mixed-replace; boundary=" + std::string(kBoundary));
   if (!head_only) part_ += "--" + std::string(kBoundary) + "\r\n";
   asio::async_write(socket_, asio::buffer(part_),
                     [self = shared_from_this(), head_only](error_code failed, std::size_t) {

@@ -28,7 +28,7 @@ struct WebContext {
         names(name_table),
         services(net_services),
         pictures(io_context, frames, images),
-        runs(io_context, options.runs),
+        runs(io_context, options.runs, net_services.logger()),
         status(io_context, name_table),
         connections(options.limits) {}
 

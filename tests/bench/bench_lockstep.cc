@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "server/app/commands.h"
-#include "server/app/number_checks.h"
 #include "server/app/options.h"
 #include "tests/bench/bench_arena.h"
 #include "tests/bench/bench_clients.h"

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "server/app/commands.h"
-#include "server/app/number_checks.h"
 #include "server/app/options.h"
 #include "server/controllers/controller_host.h"
 #include "server/physics/simulation.h"

@@ -13,7 +13,6 @@
 #include <memory>
 
 #include "server/app/commands.h"
-#include "server/app/number_checks.h"
 #include "server/state/frame.h"
 #include "tests/bench/bench_commands.h"
 #include "tests/bench/bench_run.h"

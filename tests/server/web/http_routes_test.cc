@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/web/image_query.h"
 
 namespace coopdyn {
 namespace {

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/options.h"
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
+#include <vector>
 
-#include "server/app/more_commands.h"
+#include "server/app/commands.h"
+#include "server/app/options.h"
 #include "server/app/print.h"
-#include "server/app/serve_options.h"
+#include "server/controllers/controller_child.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
 
 namespace {
-
-constexpr int kWrongUse = 2;
 
 /// Says which commands there are if the first argument is none.
 void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
@@ -77,63 +78,89 @@ void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
   arguments.insert(arguments.begin() + 1, added.begin(), added.end());
 }
 
-struct Verb {
-  const char* name;
-  const char* help;
-  const char* example;
-  int min_words, max_words;
-};
+/// Goes on as the program coopdyn-bench; returns only if there is none.
+int HandOverToBench(std::vector<std::string> words) {
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const std::string program = folder / "coopdyn-bench";
+  words.insert(words.begin(), program);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  ::execv(program.c_str(), arguments.data());
+  PrintError(
+      "coopdyn: coopdyn bench needs the program coopdyn-bench in {}: build it with cmake --build --preset "
+      "release --target coopdyn-bench\n",
+      folder.string());
+  return kExitErrors;
+}
 
-// Commands that talk to a running daemon; what they do is in remote.cc.
-constexpr Verb kVerbs[] = {
-    {"list", "List the names of all modules", "coopdyn list", 0, 0},
-    {"status", "How the run stands", "coopdyn status", 0, 0},
-    {"run", "Let the run go on", "coopdyn run", 0, 0},
-    {"pause", "Pause the run", "coopdyn pause", 0, 0},
-    {"step", "Run N steps while paused", "coopdyn step 10", 0, 1},
-    {"reset", "Back to the start, with another seed if given", "coopdyn reset 7", 0, 1},
-    {"reload", "Read the scenario's file again", "coopdyn reload", 0, 0},
-    {"load", "Load another scenario: a bare name, a file of this machine, or - (standard input)",
-     "coopdyn load corridor", 1, 1},
-    {"stop-all", "Stop all robots", "coopdyn stop-all", 0, 0},
-    {"quit", "End the daemon", "coopdyn quit", 0, 0},
-    {"call", "Send any command to any module",
-     "coopdyn call /robot1/motors set_velocity 0.2 0.5    coopdyn call /robot1/target get_target \"red\"", 2,
-     1 << 20},
-};
+/// What follows `bench` is for that program, --help too.
+void AddBench(CLI::App& app, Chosen& chosen) {
+  CLI::App* bench = app.add_subcommand("bench", "Measure the speed of this machine and build");
+  bench->set_help_flag();
+  bench->prefix_command();
+  bench->callback(
+      [bench, &chosen] { chosen = [words = bench->remaining()] { return HandOverToBench(words); }; });
+}
 
-void AddRemote(CLI::App& app, RemoteOptions& remote) {
-  const auto common = [&remote](CLI::App* sub) {
-    // Not CLI11's envname: it would apply the variable once more for each command that is not given.
-    sub->add_option("--server", remote.server,
-                    "HOST[:PORT] of the daemon (default: COOPDYN_SERVER, else this machine, port 10000)");
-    sub->add_option("--token", remote.token,
-                    "The daemon's token, from another machine (default: COOPDYN_TOKEN)");
-  };
-  for (const Verb& verb : kVerbs) {
-    CLI::App* sub = app.add_subcommand(verb.name, verb.help);
-    sub->footer(std::string("Example: ") + verb.example);
-    common(sub);
-    if (verb.max_words > 0) {
-      // Numbers may be negative: what is not an option of ours is a word.
-      sub->allow_extras();
-      sub->positionals_at_end(false);
-    }
-    sub->callback([&remote, sub, &verb] {
-      remote.verb = verb.name;
-      remote.words = sub->remaining();
-      const auto count = static_cast<int>(remote.words.size());
-      if (count < verb.min_words || count > verb.max_words) {
-        throw CLI::ValidationError(std::string("write e.g. ") + verb.example);
-      }
-    });
-  }
-  CLI::App* doctor = app.add_subcommand("doctor", "Find out why a client cannot connect");
-  doctor->footer("Example: coopdyn doctor --server labserver:10000");
-  common(doctor);
+/// The hidden command with which `serve` starts the process that runs loaded controllers.
+void AddControllerChild(CLI::App& app, Chosen& chosen) {
+  const auto fd = std::make_shared<int>(-1);
+  // Without a group it does not stand in --help.
+  CLI::App* child =
+      app.add_subcommand("controller-child", "Started by serve: runs loaded controllers")->group("");
+  child->add_option("fd", *fd)->required();
+  child->callback([&chosen, fd] { chosen = [fd] { return RunControllerChild(*fd); }; });
 }
 
 }  // namespace
+
+int RunCommandLine(int argc, const char* const* argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  std::string command_line = argv[0];
+  for (const std::string& argument : arguments) command_line += " " + argument;
+  Chosen chosen;
+  CLI::App app("coopdyn, a multi-robot simulator daemon", "coopdyn");
+  app.set_version_flag("--version", std::string("coopdyn ") + kVersion);
+  app.require_subcommand(1);
+  app.footer("Example: coopdyn serve classroom");
+  AddServe(app, command_line, chosen);
+  AddCheck(app, chosen);
+  AddRemote(app, chosen);
+  AddDoctor(app, chosen);
+  AddControllerChild(app, chosen);
+  AddNewController(app, chosen);
+  AddDescribe(app, chosen);
+  AddVerify(app, chosen);
+  AddExport(app, chosen);
+  AddInfo(app, chosen);
+  AddBench(app, chosen);
+  try {
+    CheckCommand(app, arguments);
+    InsertConfig(app, arguments);
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+    app.parse(std::move(arguments));
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    PrintError("coopdyn: {}\n", Explained(app, error));
+    return kExitWrongUse;
+  }
+  return chosen();
+}
+
+CLI::Validator NumberIn(double least, double most, bool above) {
+  const auto check = [=](const std::string& text) -> std::string {
+    double value = 0;
+    const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+    if (!number) return "must be a finite number, not " + text;
+    if (value > most) return "must be at most " + FormatNumber(most) + ", not " + text;
+    if (above ? value > least : value >= least) return {};
+    return (above ? "must be above " : "must be at least ") + FormatNumber(least) + ", not " + text;
+  };
+  const char bracket = above ? '(' : '[';
+  return {check, fmt::format("FLOAT in {}{} - {}]", bracket, FormatNumber(least), FormatNumber(most))};
+}
 
 std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
@@ -161,72 +188,6 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
   }
   return what + " (" + app.get_name() + (chosen.empty() ? "" : " " + command.get_name()) +
          " --help shows how to write it)";
-}
-
-CommandLine ParseCommandLine(int argc, const char* const* argv) {
-  CommandLine line;
-  RawServe raw, raw_play;
-  ServeOptions play;
-  CLI::App app{"coopdyn, a multi-robot simulator daemon"};
-  app.name("coopdyn");
-  app.set_version_flag("--version", std::string("coopdyn ") + kVersion);
-  app.require_subcommand(1);
-  app.footer("Example: coopdyn serve classroom");
-  AddServe(app, line.serve, raw);
-  AddPlay(app, play, raw_play);
-
-  CLI::App* check = app.add_subcommand("check", "Say what is wrong in worlds, scenarios and robot models");
-  check->footer("Example: coopdyn check my.scenario --picture my.png");
-  check->add_option("file", line.check.files, "Files, or bare names on the search path")->required();
-  check->add_option("--picture", line.check.picture, "Write a picture of the (last) scenario, PNG");
-  check->add_option("--scenarios", line.check.scenario_folders, "A folder with scenarios, worlds and robots");
-
-  AddRemote(app, line.remote);
-  AddMoreCommands(app, line.other);
-
-  try {
-    std::vector<std::string> arguments(argv + 1, argv + argc);
-    CheckCommand(app, arguments);
-    InsertConfig(app, arguments);
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
-    app.parse(std::move(arguments));
-  } catch (const CLI::Success& success) {  // --help, --version
-    line.exit_code = app.exit(success);
-    return line;
-  } catch (const CLI::ParseError& error) {
-    PrintError("coopdyn: {}\n", Explained(app, error));
-    line.exit_code = kWrongUse;
-    return line;
-  }
-  const auto variable = [](const char* name, std::string& value) {
-    const char* given = value.empty() ? std::getenv(name) : nullptr;
-    if (given != nullptr) value = given;
-  };
-  variable("COOPDYN_SERVER", line.remote.server);
-  variable("COOPDYN_TOKEN", line.remote.token);
-  const CLI::App* sub = app.get_subcommands().front();
-  if (sub->get_name() == "serve" || sub->get_name() == "play") {
-    const bool plays = sub->get_name() == "play";
-    if (plays) line.serve = std::move(play);
-    try {
-      TakeRaw(*sub, plays ? raw_play : raw, line.serve);
-    } catch (const CLI::ValidationError& error) {
-      PrintError("coopdyn: {}\n", error.what());
-      line.exit_code = kWrongUse;
-      return line;
-    }
-    for (int i = 0; i < argc; ++i) line.serve.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
-    line.action = CommandLine::Action::kServe;
-  } else if (sub->get_name() == "check") {
-    line.action = CommandLine::Action::kCheck;
-  } else if (sub->get_name() == "doctor") {
-    line.action = CommandLine::Action::kDoctor;
-  } else if (line.other) {
-    line.action = CommandLine::Action::kOther;
-  } else {
-    line.action = CommandLine::Action::kRemote;
-  }
-  return line;
 }
 
 std::vector<std::string> DataFolders(const std::vector<std::string>& given) {

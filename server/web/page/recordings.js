@@ -1,6 +1,33 @@
 // SPDX-License-Identifier: MIT
-// The recordings that the daemon keeps, to copy from it.
-import {byId, make, setText, showNumber} from './dom.js';
+// Recordings: the button that makes them, and the list of those that the daemon keeps, to copy from it.
+import {byId, make, say, setOff, setText, showNumber} from './dom.js';
+
+/** The button that begins and ends a recording, and the mark in the strip while one is made. */
+export class Record {
+  #connection;
+  #recording = false;
+
+  constructor(connection) {
+    this.#connection = connection;
+    byId('record').addEventListener('click', () => this.#toggle());
+  }
+
+  update(status) {
+    this.#recording = Boolean(status.recording);
+    setText(byId('recording'), this.#recording ? `● rec ${status.recording}` : '');
+    byId('recording').title = status.recording ?? '';
+    setText(byId('record'), this.#recording ? 'Stop recording' : 'Record');
+    setOff('record', status.playback ? 'A recording is being played, there is no run to record' : '', 'Record the run to a file of the daemon');
+  }
+
+  async #toggle() {
+    const command = this.#recording ? 'stop' : 'start';
+    const reply = await this.#connection.call({module: '/recorder', command});
+    if (reply.error !== 0) return say(`${command}: ${reply.text}`, true);
+    const [name] = reply.text.split(' ');
+    say(command === 'start' ? `recording to ${name}` : `recorded ${name}`);
+  }
+}
 
 const link = (name) => make('a', {href: `runs/${encodeURIComponent(name)}`, download: ''}, name.slice(name.lastIndexOf('.')));
 
@@ -16,6 +43,7 @@ function row({name, seconds, recording, url}) {
     make('span', {}, ...copies));
 }
 
+/** The list of the recordings. */
 export class Runs {
   #recording;  // when the list was last asked for
   #asked = 0;
