@@ -71,8 +71,7 @@ FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& d
 }
 
 int Check(const CheckOptions& options) {
-  SearchPath path;
-  for (const std::string& folder : DataFolders(options.scenario_folders)) path.folders.emplace_back(folder);
+  const SearchPath path = DataPath(options.scenario_folders);
   RobotLibrary robots(path);
   bool failed = false;
   FramePtr last;

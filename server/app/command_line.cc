@@ -190,24 +190,25 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
          " --help shows how to write it)";
 }
 
-std::vector<std::string> DataFolders(const std::vector<std::string>& given) {
-  std::vector<std::string> folders = given;
-  if (const char* path = std::getenv("COOPDYN_PATH")) {
-    std::istringstream stream(path);
+SearchPath DataPath(const std::vector<std::string>& given) {
+  SearchPath path;
+  path.folders.assign(given.begin(), given.end());
+  if (const char* variable = std::getenv("COOPDYN_PATH")) {
+    std::istringstream stream(variable);
     for (std::string folder; std::getline(stream, folder, ':');) {
-      if (!folder.empty()) folders.push_back(folder);
+      if (!folder.empty()) path.folders.emplace_back(folder);
     }
   }
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
   // Controllers that were built with the program.
-  if (std::filesystem::is_directory(program / "controllers", error)) folders.push_back(program.string());
+  if (std::filesystem::is_directory(program / "controllers", error)) path.folders.push_back(program);
   // Installed (bin/ beside share/), or in the build tree (build/<preset>/).
   for (const char* relative : {"../share/coopdyn", "../.."}) {
     const std::filesystem::path folder = std::filesystem::weakly_canonical(program / relative, error);
-    if (std::filesystem::is_directory(folder / "robots", error)) folders.push_back(folder.string());
+    if (std::filesystem::is_directory(folder / "robots", error)) path.folders.push_back(folder);
   }
-  return folders;
+  return path;
 }
 
 }  // namespace coopdyn

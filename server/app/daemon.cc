@@ -26,12 +26,6 @@ constexpr int kExternalPorts = 8000;
 constexpr std::chrono::microseconds kLockstepSpin{50};
 constexpr std::size_t kMaxSpinningRobots = 4;
 
-SearchPath MakeSearchPath(const std::vector<std::string>& given) {
-  SearchPath path;
-  for (const std::string& folder : DataFolders(given)) path.folders.emplace_back(folder);
-  return path;
-}
-
 std::string RandomToken() {
   std::array<unsigned char, 8> bytes{};
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return {};
@@ -96,7 +90,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       logger_(std::move(logger)),
       shutdown_(shutdown),
       token_(TokenOf(options)),
-      models_(MakeSearchPath(options.scenario_folders)),
+      models_(DataPath(options.scenario_folders)),
       net_(logger_, clock_),
       wrong_tokens_(logger_),
       robot_guard_(token_, options.private_robots, &wrong_tokens_),
@@ -185,12 +179,6 @@ std::string Daemon::OpenRobots() {
   return {};
 }
 
-std::string Daemon::OpenModule(const char* name, Endpoint& module, std::unique_ptr<PublishedModule>& port) {
-  port = std::make_unique<PublishedModule>(name, module, control_, net_, names_);
-  if (options_.no_net) return port->Open({}, 0);
-  return port->Open(Addresses(options_.hosts), ports_.Take());
-}
-
 std::string Daemon::OpenGlobalModules() {
   const IoThread::Poster post = control_.poster();
   simulation_ = std::make_unique<SimulationModule>(
@@ -205,11 +193,18 @@ std::string Daemon::OpenGlobalModules() {
       services, run_, branches_, [this](const Scene& scene) { ApplyScene(scene); }, post);
   recorder_ = std::make_unique<RecorderModule>(
       services, recordings_, runs_, [this] { return http(); }, post);
-  std::string error = OpenModule("/simulation", *simulation_, simulation_port_);
-  if (error.empty()) error = OpenModule("/swarm", *swarm_, swarm_port_);
-  if (error.empty()) error = OpenModule("/playback", *playback_, playback_port_);
-  if (error.empty()) error = OpenModule("/recorder", *recorder_, recorder_port_);
-  return error;
+  const std::pair<const char*, Endpoint*> modules[] = {{"/simulation", simulation_.get()},
+                                                       {"/swarm", swarm_.get()},
+                                                       {"/playback", playback_.get()},
+                                                       {"/recorder", recorder_.get()}};
+  for (const auto& [name, module] : modules) {
+    published_.push_back(std::make_unique<PublishedModule>(name, *module, control_, net_, names_));
+    PublishedModule& port = *published_.back();
+    std::string error =
+        options_.no_net ? port.Open({}, 0) : port.Open(Addresses(options_.hosts), ports_.Take());
+    if (!error.empty()) return error;
+  }
+  return {};
 }
 
 std::string Daemon::OpenPage() {
@@ -253,10 +248,7 @@ void Daemon::Stop() {
   recordings_.Close();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
   if (robots_ != nullptr) control_.Call([this] { robots_->Stop(); });
-  recorder_port_.reset();
-  playback_port_.reset();
-  swarm_port_.reset();
-  simulation_port_.reset();
+  while (!published_.empty()) published_.pop_back();
   control_.Call([this] { name_server_.reset(); });
   control_.Stop();
   name_client_.reset();

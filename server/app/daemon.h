@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "server/app/options.h"
 #include "server/app/run_report.h"
@@ -86,8 +87,6 @@ class Daemon final : private ControlActions {
   std::string OpenNames();
   std::string OpenRobots();
   std::string OpenGlobalModules();
-  /// Publishes `module` at the next free port.
-  std::string OpenModule(const char* name, Endpoint& module, std::unique_ptr<PublishedModule>& port);
   std::string OpenPage();
   /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
   void TellYarpServer();
@@ -129,13 +128,10 @@ class Daemon final : private ControlActions {
   IoThread control_;
   std::unique_ptr<RobotHost> robots_;
   std::unique_ptr<SimulationModule> simulation_;
-  std::unique_ptr<PublishedModule> simulation_port_;
   std::unique_ptr<SwarmModule> swarm_;
-  std::unique_ptr<PublishedModule> swarm_port_;
   std::unique_ptr<PlaybackModule> playback_;
-  std::unique_ptr<PublishedModule> playback_port_;
   std::unique_ptr<RecorderModule> recorder_;
-  std::unique_ptr<PublishedModule> recorder_port_;
+  std::vector<std::unique_ptr<PublishedModule>> published_;  // of the four above
   std::unique_ptr<NameServer> name_server_;
   std::unique_ptr<NameClient> name_client_;
   std::map<std::string, int> told_names_;  // to the other name server: name, port

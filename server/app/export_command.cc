@@ -124,8 +124,7 @@ int Export(Given given) {
     return Fail(given.out + " is the recording itself: write another name");
   }
   if (reader->mended()) PrintError("{}: had not been closed; it is mended\n", given.run);
-  SearchPath path;
-  for (const std::string& folder : DataFolders(given.scenario_folders)) path.folders.emplace_back(folder);
+  const SearchPath path = DataPath(given.scenario_folders);
   Diagnostics diagnostics;
   const auto scenario = reader->LoadScenario(path, diagnostics);
   if (scenario == nullptr) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/controllers/controller_set.h"
+#include "server/model/readers.h"
 #include "server/physics/stepper.h"
 #include "server/record/recorded_step.h"
 
@@ -76,7 +77,7 @@ bool IsLoopback(const std::string& host);
 bool BeyondLoopback(const ServeOptions& options);
 
 /// Folders to look for files in: the given ones, COOPDYN_PATH, then the data beside the program.
-std::vector<std::string> DataFolders(const std::vector<std::string>& given);
+SearchPath DataPath(const std::vector<std::string>& given);
 
 inline constexpr const char* kVersion = "0.1.0";
 

@@ -44,8 +44,7 @@ int RunVerify(const GivenRuns& given) {
   WorkerPool pool(given.threads);
   ControllerOptions controllers;
   controllers.threads = given.threads;
-  SearchPath path;
-  for (const std::string& folder : DataFolders(given.scenario_folders)) path.folders.emplace_back(folder);
+  const SearchPath path = DataPath(given.scenario_folders);
   const ReplayServices services{clock, log.logger(), pool, controllers, path};
 
   VerifyReport report;

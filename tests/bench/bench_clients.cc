@@ -139,7 +139,7 @@ std::string DriveEach(const BenchClientOptions& options, pid_t server, client::S
 }
 
 std::string PythonClientFolder() {
-  for (const std::string& folder : DataFolders({})) {
+  for (const fs::path& folder : DataPath({}).folders) {
     for (const char* place : {"clients/python", "python"}) {
       std::error_code ignored;
       if (fs::is_regular_file(fs::path(folder) / place / "coopdyn.py", ignored))

@@ -68,8 +68,8 @@ std::string Contents(const fs::path& file) {
 /// The model of `robot`, its distance sensors replaced by single rays all round.
 std::string ModelWithRays(const std::string& robot, int rays, double range_m) {
   std::string model;
-  for (const std::string& folder : DataFolders({})) {
-    if (model.empty()) model = Contents(fs::path(folder) / "robots" / robot / "model.sdf");
+  for (const fs::path& folder : DataPath({}).folders) {
+    if (model.empty()) model = Contents(folder / "robots" / robot / "model.sdf");
   }
   constexpr std::string_view kBegin = "<coopdyn:distance_sensors", kEnd = "</coopdyn:distance_sensors>";
   const std::size_t begin = model.find(kBegin);

@@ -221,8 +221,7 @@ std::string Json(const RecordingBench& options, const RecordingFigures& f) {
 }
 
 int Measure(const RecordingBench& options) {
-  SearchPath path;
-  for (const std::string& folder : DataFolders({})) path.folders.emplace_back(folder);
+  const SearchPath path = DataPath({});
   RobotLibrary library(path);
   const bool temporary = options.file.empty();
   const std::string file =

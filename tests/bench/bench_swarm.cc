@@ -84,8 +84,7 @@ std::string CheckWhole(const std::string& text) {
 }
 
 int RunCommand(const SwarmBenchOptions& options, const std::vector<std::string>& folders, bool json) {
-  SearchPath path;
-  for (const std::string& folder : DataFolders(folders)) path.folders.emplace_back(folder);
+  const SearchPath path = DataPath(folders);
   RobotLibrary library(path);
   Diagnostics diagnostics;
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
