@@ -326,8 +326,7 @@ std::string Page(const Wanted& wanted, const SearchPath& path, Diagnostics& diag
 }
 
 int Describe(const Wanted& wanted) {
-  SearchPath path;
-  for (const std::string& folder : DataFolders(wanted.scenario_folders)) path.folders.emplace_back(folder);
+  const SearchPath path = DataPath(wanted.scenario_folders);
   if (wanted.kind.empty()) {
     PrintLines(Index(path));
     return kExitOk;
