@@ -181,14 +181,15 @@ std::string Daemon::OpenRobots() {
 
 std::string Daemon::OpenGlobalModules() {
   const IoThread::Poster post = control_.poster();
+  const GlobalServices services{board_, frames_, edits_, roster_, control_guard_, clock_, kVersion};
   simulation_ = std::make_unique<SimulationModule>(
-      SimulationServices{board_, frames_, edits_, run_, names_, roster_, models_, control_guard_, clock_,
-                         *this, kVersion, options_.run.seed,
-                         [this](std::function<void()> load) { loader_.Post(std::move(load)); }},
+      SimulationServices{services, run_, names_, models_, *this,
+                         [this](std::function<void()> load) { loader_.Post(std::move(load)); },
+                         options_.run.seed},
       post);
   swarm_ = std::make_unique<SwarmModule>(
-      SwarmServices{board_, frames_, roster_, robot_guard_, clock_, ThreadsOf(options_), kVersion}, post);
-  const GlobalServices services{board_, frames_, edits_, roster_, control_guard_, clock_, kVersion};
+      GlobalServices{board_, frames_, edits_, roster_, robot_guard_, clock_, kVersion}, ThreadsOf(options_),
+      post);
   playback_ = std::make_unique<PlaybackModule>(
       services, run_, branches_, [this](const Scene& scene) { ApplyScene(scene); }, post);
   recorder_ = std::make_unique<RecorderModule>(

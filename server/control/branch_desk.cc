@@ -9,17 +9,6 @@
 
 namespace coopdyn {
 
-namespace {
-
-EditResult Refusal(std::string text) {
-  EditResult result;
-  result.error = Error::kNotPossible;
-  result.text = std::move(text);
-  return result;
-}
-
-}  // namespace
-
 MakeBranchState BranchStateMaker(ReplayServices services) {
   return [services = std::move(services)](const std::string& file, std::uint64_t step,
                                           std::optional<double> time_s, std::string& error) -> SavedStatePtr {
@@ -51,15 +40,15 @@ BranchDesk::~BranchDesk() = default;
 
 void BranchDesk::Branch(std::optional<double> time_s, Done done) {
   const std::optional<PlaybackStatus> playback = run_.playback();
-  if (!playback) return done(Refusal("nothing is being played: coopdyn play RUN plays a recording"));
-  if (busy_->exchange(true)) return done(Refusal("a branch is under way: wait for its end"));
+  if (!playback) return done({Error::kNotPossible, kNotPlayingText});
+  if (busy_->exchange(true)) return done({Error::kNotPossible, "a branch is under way: wait for its end"});
   thread_.Post([this, file = playback->file, step = playback->step, paused = !playback->playing, time_s,
                 done = std::move(done)] {
     std::string error;
     const SavedStatePtr made = make_(file, step, time_s, error);
     if (made == nullptr) {
       *busy_ = false;
-      return done(Refusal(error));
+      return done({Error::kNotPossible, error});
     }
     logger_->info("goes on live from step {} of {}", made->frame->step, file);
     auto state = std::make_shared<SavedState>(*made);

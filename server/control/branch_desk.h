@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // From a recording that is played to a live run: makes the exact state of a recorded step on a thread of its
-// own, which can take seconds, then hands it to whoever steps.
+// own, which can take seconds, then hands it to the stepping thread.
 #pragma once
 
 #include <atomic>

@@ -54,6 +54,7 @@ class GlobalModule : public PeerModule<ModulePeer> {
   /// What to call, once, from any thread, with the result of something that takes its time: the reply
   /// follows, after `after`.
   std::function<void(const EditResult&)> Later(const Peer& peer, AfterEdit after = nullptr);
+  EditQueue& edits() { return edits_; }
 
  private:
   std::optional<Message> Answer(Peer& peer, const Message& request) override;

@@ -16,8 +16,6 @@ namespace coopdyn {
 
 namespace {
 
-constexpr const char* kNotPlaying = "nothing is being played: coopdyn play RUN plays a recording";
-
 /// Far beyond any run, and well within 64 bits.
 constexpr double kLongest_s = 1e9;
 
@@ -29,15 +27,14 @@ Nanoseconds ToNanoseconds(double time_s) {
 
 PlaybackModule::PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches,
                                ApplyScene apply_scene, StepInbox::Post post)
-    : GlobalModule(services, PlaybackTable(), std::move(post)),
-      edits_(services.edits),
+    : GlobalModule(std::move(services), PlaybackTable(), std::move(post)),
       run_(run),
       branches_(branches),
       apply_scene_(std::move(apply_scene)) {}
 
 Message PlaybackModule::Read(const Message& request, const Frame& /*frame*/) {
   const std::optional<PlaybackStatus> playback = run_.playback();
-  if (!playback) return ErrorReply(request.command, Error::kNotPossible, kNotPlaying);
+  if (!playback) return ErrorReply(request.command, Error::kNotPossible, kNotPlayingText);
   Message reply = ReplyTo(request.command, std::filesystem::path(playback->file).filename().string());
   reply.params = {playback->playing, playback->loop, playback->growing};
   reply.data = {ToSeconds(playback->begin), ToSeconds(playback->end), ToSeconds(playback->time),
@@ -48,7 +45,7 @@ Message PlaybackModule::Read(const Message& request, const Frame& /*frame*/) {
 std::optional<Message> PlaybackModule::Refuse(const Message& request) const {
   if (std::optional<Message> refusal = GlobalModule::Refuse(request)) return refusal;
   const bool own = request.command >= static_cast<command::Id>(kCommonCommandCount);
-  if (own && !run_.playback()) return ErrorReply(request.command, Error::kNotPossible, kNotPlaying);
+  if (own && !run_.playback()) return ErrorReply(request.command, Error::kNotPossible, kNotPlayingText);
   const bool sets_speed = request.command == command::kSetPlaySpeed || request.command == command::kPlay;
   if (sets_speed && !request.data.empty()) {
     const double factor = request.data[0];
@@ -71,7 +68,8 @@ std::optional<Message> PlaybackModule::Change(Peer& peer, const Message& request
     case command::kSeek:
       return Push(peer, edit::Seek{ToNanoseconds(request.data[0])});
     case command::kPlay:
-      return Play(peer, request);
+      if (!request.data.empty()) edits().Push({edit::SetPlaySpeed{request.data[0]}});
+      return Push(peer, edit::Run{});
     case command::kPausePlayback:
       return Push(peer, edit::Pause{});
     case command::kSetPlaySpeed:
@@ -91,11 +89,6 @@ std::optional<Message> PlaybackModule::Change(Peer& peer, const Message& request
       return ErrorReply(request.command, Error::kUnknownCommand,
                         "describe (1) lists the commands of /playback");
   }
-}
-
-std::optional<Message> PlaybackModule::Play(Peer& peer, const Message& request) {
-  if (!request.data.empty()) edits_.Push({edit::SetPlaySpeed{request.data[0]}, nullptr});
-  return Push(peer, edit::Run{});
 }
 
 }  // namespace coopdyn

@@ -26,9 +26,7 @@ class PlaybackModule final : public GlobalModule {
   command::Id first_reading() const override { return command::kGetPlayback; }
   std::optional<Message> Refuse(const Message& request) const override;
   std::optional<Message> Change(Peer& peer, const Message& request) override;
-  std::optional<Message> Play(Peer& peer, const Message& request);
 
-  EditQueue& edits_;
   const RunControl& run_;
   BranchDesk& branches_;
   const ApplyScene apply_scene_;

@@ -4,17 +4,8 @@
 #include <utility>
 
 #include "protocol/module_tables.h"
-#include "server/naming/run_names.h"
 
 namespace coopdyn {
-
-namespace {
-
-EditResult ToEditResult(const RecordingDesk::Result& result, std::string text) {
-  return {result.error, std::move(text), result.frame, nullptr};
-}
-
-}  // namespace
 
 RecorderModule::RecorderModule(GlobalServices services, RecordingDesk& desk, RunFolder& runs,
                                std::function<std::string()> page, StepInbox::Post post)
@@ -44,22 +35,15 @@ std::optional<Message> RecorderModule::ReadLater(Peer& peer, const Message& requ
 }
 
 std::optional<Message> RecorderModule::Change(Peer& peer, const Message& request) {
-  const auto answer = [later = Later(peer)](const RecordingDesk::Result& result) {
-    later(ToEditResult(result, result.text));
-  };
   switch (request.command) {
     case command::kStartRecording:
-      desk_.Start(request.text, answer);
+      desk_.Start(request.text, Later(peer));
       break;
     case command::kStopRecording:
-      desk_.Stop([later = Later(peer), page = page_()](const RecordingDesk::Result& result) {
-        const bool copied = result.error == Error::kOk && result.in_folder;
-        const std::string url = copied ? RunUrl(page, result.text) : "";
-        later(ToEditResult(result, url.empty() ? result.text : result.text + " " + url));
-      });
+      desk_.Stop(page_(), Later(peer));
       break;
     case command::kNote:
-      desk_.Note(request.text, answer);
+      desk_.Note(request.text, Later(peer));
       break;
     default:
       return ErrorReply(request.command, Error::kUnknownCommand,

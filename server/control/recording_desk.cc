@@ -19,10 +19,6 @@ namespace fs = std::filesystem;
 constexpr const char* kNothing = "nothing is being recorded: start begins a recording";
 constexpr const char* kStopping = "the daemon is stopping";
 
-RecordingDesk::Result Refusal(Error error, std::string text) {
-  return {error, std::move(text)};
-}
-
 std::tm Utc(std::time_t time) {
   std::tm parts{};
   ::gmtime_r(&time, &parts);
@@ -51,12 +47,13 @@ RecordingDesk::~RecordingDesk() {
   Close();
 }
 
-std::shared_ptr<Recorder> RecordingDesk::MakeRecorder(const fs::path& file, bool overwrite) {
+std::string RecordingDesk::MakeRecorder(const fs::path& file, bool force,
+                                        std::shared_ptr<Recorder>& recorder) {
   RecorderOptions options;
   options.file = file.string();
   options.what = options_.what;
   options.pose_every = options_.pose_every;
-  options.overwrite = overwrite;
+  options.overwrite = force;
   options.version = options_.version;
   options.command = options_.command;
   options.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", Utc(options_.wall_clock()));
@@ -66,11 +63,8 @@ std::shared_ptr<Recorder> RecordingDesk::MakeRecorder(const fs::path& file, bool
     if (options_.on_failure) options_.on_failure();
   };
   options.on_room = [this](const std::string& text) { AddEvent("info", text); };
-  return std::make_shared<Recorder>(std::move(options), clock_, logger_);
-}
-
-std::string RecordingDesk::CheckFile(const Recorder& recorder, const fs::path& file, bool force) const {
-  if (std::string error = recorder.Check(); !error.empty()) return error;
+  recorder = std::make_shared<Recorder>(std::move(options), clock_, logger_);
+  if (std::string error = recorder->Check(); !error.empty()) return error;
   const FramePtr frame = frames_.Latest();
   const RecordWhat what = options_.what.value_or(DefaultRecordWhat(frame->scene->robots.size()));
   const double said_s = frame->scene->scenario->simulation.duration_s.value_or(0);
@@ -135,9 +129,8 @@ std::string RecordingDesk::StartFile(const std::string& file, bool force) {
   if (std::string objection = RunNameObjection(path.filename().string()); !objection.empty())
     return objection;
   if (std::string error = BeginStart(); !error.empty()) return error;
-  const std::shared_ptr<Recorder> recorder = MakeRecorder(path, force);
-  std::string error = CheckFile(*recorder, path, force);
-  if (!error.empty()) {
+  std::shared_ptr<Recorder> recorder;
+  if (std::string error = MakeRecorder(path, force, recorder); !error.empty()) {
     Set(State::kIdle);
     return error;
   }
@@ -163,25 +156,21 @@ std::string RecordingDesk::DefaultName() const {
 void RecordingDesk::Start(const std::string& name, Done done) {
   const std::string file_name = WithRunExtension(name.empty() ? DefaultName() : name);
   if (std::string objection = RunNameObjection(file_name); !objection.empty()) {
-    return done(Refusal(Error::kOutOfRange, std::move(objection)));
+    return done({Error::kOutOfRange, std::move(objection)});
   }
   if (std::string error = BeginStart(); !error.empty()) {
-    return done(Refusal(Error::kNotPossible, std::move(error)));
+    return done({Error::kNotPossible, std::move(error)});
   }
   const fs::path path = options_.folder / file_name;
   std::error_code ignored;
-  std::string error;
   std::shared_ptr<Recorder> recorder;
-  if (fs::exists(path, ignored)) {
-    error = file_name + " is there already: take another name, e.g. start " +
-            file_name.substr(0, file_name.size() - kRunExtension.size()) + "b";
-  } else {
-    recorder = MakeRecorder(path, false);
-    error = CheckFile(*recorder, path, false);
-  }
+  std::string error =
+      fs::exists(path, ignored)
+          ? file_name + " is there already: take another name, e.g. start " + path.stem().string() + "b"
+          : MakeRecorder(path, false, recorder);
   if (!error.empty()) {
     Set(State::kIdle);
-    return done(Refusal(Error::kNotPossible, std::move(error)));
+    return done({Error::kNotPossible, std::move(error)});
   }
   RunJournal* const journal = recorder.get();
   edits_.Push({edit::SetJournal{journal},
@@ -193,12 +182,12 @@ void RecordingDesk::Start(const std::string& name, Done done) {
                    Set(State::kIdle);
                  }
                  // It may have failed by now.
-                 if (std::shared_ptr<Recorder> broken = TakeToStop(true)) PutAway(std::move(broken), nullptr);
-                 done({result.error, good ? path.filename().string() : result.text, true, result.frame});
+                 if (std::shared_ptr<Recorder> broken = TakeToStop(true)) PutAway(broken, {}, nullptr);
+                 done({result.error, good ? path.filename().string() : result.text, result.frame});
                }});
 }
 
-void RecordingDesk::Stop(Done done) {
+void RecordingDesk::Stop(std::string page, Done done) {
   std::shared_ptr<Recorder> recorder = TakeToStop(false);
   if (recorder == nullptr) {
     std::string text = kNothing;
@@ -206,24 +195,28 @@ void RecordingDesk::Stop(Done done) {
       const MutexLock lock(mutex_);
       if (!failure_.empty()) text = "nothing is being recorded any more: " + failure_;
     }
-    return done(Refusal(Error::kNotPossible, std::move(text)));
+    return done({Error::kNotPossible, std::move(text)});
   }
-  PutAway(std::move(recorder), std::move(done));
+  PutAway(std::move(recorder), std::move(page), std::move(done));
 }
 
-void RecordingDesk::PutAway(std::shared_ptr<Recorder> recorder, Done done) {
-  edits_.Push({edit::SetJournal{nullptr},
-               [this, recorder = std::move(recorder), done = std::move(done)](const EditResult& result) {
+void RecordingDesk::PutAway(std::shared_ptr<Recorder> recorder, std::string page, Done done) {
+  edits_.Push({edit::SetJournal{nullptr}, [this, recorder = std::move(recorder), page = std::move(page),
+                                           done = std::move(done)](const EditResult& result) {
                  // The journal is not in use any more: taken away, or nothing steps any more.
-                 if (result.error != Error::kOk && done) done(Refusal(result.error, result.text));
-                 if (result.error != Error::kOk) return;  // Close() follows
-                 thread_.Post([this, recorder, done, frame = result.frame] {
+                 if (result.error != Error::kOk) {
+                   if (done) done(result);
+                   return;  // Close() follows
+                 }
+                 thread_.Post([this, recorder, page, done, frame = result.frame] {
                    recorder->Close();
                    const fs::path file = recorder->status().file;
                    Set(State::kIdle);
                    logger_->info("recorded {}", file.string());
                    if (!done) return;
-                   done({Error::kOk, file.filename().string(), SameFolder(file, options_.folder), frame});
+                   std::string name = file.filename().string();
+                   const std::string url = SameFolder(file, options_.folder) ? RunUrl(page, name) : "";
+                   done({Error::kOk, url.empty() ? name : name + " " + url, frame});
                  });
                }});
 }
@@ -231,11 +224,9 @@ void RecordingDesk::PutAway(std::shared_ptr<Recorder> recorder, Done done) {
 void RecordingDesk::Note(const std::string& text, Done done) {
   {
     const MutexLock lock(mutex_);
-    if (state_ != State::kRecording) return done(Refusal(Error::kNotPossible, kNothing));
+    if (state_ != State::kRecording) return done({Error::kNotPossible, kNothing});
   }
-  edits_.Push({edit::Note{text}, [done = std::move(done)](const EditResult& result) {
-                 done({result.error, result.text, false, result.frame});
-               }});
+  edits_.Push({edit::Note{text}, std::move(done)});
 }
 
 void RecordingDesk::AddEvent(const char* level, const std::string& text) {
@@ -251,8 +242,8 @@ void RecordingDesk::Fail(const std::string& text) {
     broken_ = true;
     failure_ = text;
   }
-  // Not if it is being started or stopped just now: whoever does that looks.
-  if (std::shared_ptr<Recorder> broken = TakeToStop(true)) PutAway(std::move(broken), nullptr);
+  // Not while it is being started or stopped: Start() and PutAway() look for a failure themselves.
+  if (std::shared_ptr<Recorder> broken = TakeToStop(true)) PutAway(std::move(broken), {}, nullptr);
   if (options_.on_failure) options_.on_failure();
 }
 

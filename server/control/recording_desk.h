@@ -46,15 +46,8 @@ struct RecordingStatus {
 
 class RecordingDesk {
  public:
-  /// What became of a request: on success `text` is the name of the recording.
-  struct Result {
-    Error error = Error::kOk;
-    std::string text;
-    bool in_folder = false;  // so that the page has it
-    FramePtr frame = {};     // the newest after it; null: unchanged
-  };
   /// Called exactly once, on any thread, without locks.
-  using Done = std::function<void(const Result&)>;
+  using Done = std::function<void(const EditResult&)>;
 
   /// All outlive it.
   RecordingDesk(RecordingOptions options, EditQueue& edits, RunControl& run, const FrameBoard& frames,
@@ -68,10 +61,12 @@ class RecordingDesk {
   /// been published, before the stepping thread runs. `force`: what is there is overwritten, and a disk that
   /// is too small is no error.
   std::string StartFile(const std::string& file, bool force) EXCLUDES(mutex_);
-  /// Records to `name` in the folder, empty: `run-YYYYMMDD-HHMMSS`. Overwrites nothing.
+  /// Records to `name` in the folder, empty: `run-YYYYMMDD-HHMMSS`. Overwrites nothing. Answers with the name
+  /// of the file.
   void Start(const std::string& name, Done done) EXCLUDES(mutex_);
-  /// Answers when the file is closed.
-  void Stop(Done done) EXCLUDES(mutex_);
+  /// Answers when the file is closed, with its name and, if it lies in the folder, its address at `page`, the
+  /// URL of the page (empty: none).
+  void Stop(std::string page, Done done) EXCLUDES(mutex_);
   /// Marks the present time with `text`.
   void Note(const std::string& text, Done done) EXCLUDES(mutex_);
   /// Closes the file, if one is open. When the stepping thread has stopped; later calls get error 5.
@@ -86,7 +81,9 @@ class RecordingDesk {
  private:
   enum class State { kIdle, kStarting, kRecording, kStopping, kClosed };
 
-  std::shared_ptr<Recorder> MakeRecorder(const std::filesystem::path& file, bool overwrite);
+  /// Makes `recorder` for `file` and says in the log how much it will write. An error text if it cannot.
+  std::string MakeRecorder(const std::filesystem::path& file, bool force,
+                           std::shared_ptr<Recorder>& recorder);
   /// Takes the right to start; an error text, empty if taken.
   std::string BeginStart() EXCLUDES(mutex_);
   /// Nothing after Close().
@@ -94,11 +91,9 @@ class RecordingDesk {
       EXCLUDES(mutex_);
   /// The recorder, if one is recording, for PutAway(); `if_broken`: and only if it has failed. Else null.
   std::shared_ptr<Recorder> TakeToStop(bool if_broken) EXCLUDES(mutex_);
-  /// An error text if `recorder` cannot write; says in the log how much it will.
-  std::string CheckFile(const Recorder& recorder, const std::filesystem::path& file, bool force) const;
   std::string DefaultName() const;
-  /// Takes the journal away from the stepping thread, then closes it on the desk's.
-  void PutAway(std::shared_ptr<Recorder> recorder, Done done);
+  /// Takes the journal away from the stepping thread, then closes it on the desk's; answers as Stop().
+  void PutAway(std::shared_ptr<Recorder> recorder, std::string page, Done done);
   void Fail(const std::string& text) EXCLUDES(mutex_);
   void AddEvent(const char* level, const std::string& text);
 

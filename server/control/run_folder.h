@@ -37,7 +37,7 @@ struct RunToCopy {
   Error error = Error::kOk;  // no such name; not possible: it is being recorded, …
   std::string text;
   std::filesystem::path file;
-  bool temporary = false;  // whoever gets it removes it
+  bool temporary = false;  // the receiver removes it
 };
 
 class RunFolder {

@@ -5,19 +5,17 @@
 
 #include <algorithm>
 
+#include "protocol/ascii.h"
+
 namespace coopdyn {
 
 namespace {
 
-constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
-constexpr std::string_view kOthers = "0123456789_-";
-
 bool IsGoodName(const std::string& name) {
-  if (name.empty() || name.size() > SavedStates::kMaxName) return false;
-  if (kLetters.find(name.front()) == std::string_view::npos) return false;
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return kLetters.find(c) != std::string_view::npos || kOthers.find(c) != std::string_view::npos;
-  });
+  const auto is_letter = [](char c) { return IsLower(c) || IsUpper(c); };
+  if (name.empty() || name.size() > SavedStates::kMaxName || !is_letter(name.front())) return false;
+  return std::all_of(name.begin(), name.end(),
+                     [&is_letter](char c) { return is_letter(c) || IsDigit(c) || c == '_' || c == '-'; });
 }
 
 }  // namespace

@@ -4,31 +4,99 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <exception>
+#include <memory>
 #include <utility>
 
 #include "protocol/module_tables.h"
-#include "server/control/scenario_request.h"
+#include "server/base/printable.h"
+#include "server/model/text_file.h"
 #include "server/state/run_input.h"
 
 namespace coopdyn {
 
-SimulationModule::SimulationModule(SimulationServices services, StepInbox::Post post)
-    : GlobalModule({services.board, services.frames, services.edits, services.roster, services.guard,
-                    services.clock, services.version},
-                   SimulationTable(), std::move(post)),
-      services_(std::move(services)) {}
+namespace {
 
-std::optional<Message> SimulationModule::Refuse(const Message& request) const {
-  // With params `first, count`: the robots to list.
-  if (request.command == command::kGetStatus && request.error == 0 && request.params.size() == 2 &&
-      request.text.empty() && request.data.empty()) {
-    if (request.params[0] >= 1 && request.params[1] >= 0) return std::nullopt;
-    return ErrorReply(request.command, Error::kOutOfRange,
-                      "get_status takes the number of the first robot, at least 1, and how many, at least 0: "
-                      "params 257 256");
-  }
-  return GlobalModule::Refuse(request);
+struct ScenarioRead {
+  std::shared_ptr<const Scenario> scenario;  // null: error
+  Error error = Error::kOk;
+  std::string text;  // the diagnostics, one a line; warnings if it could be read
+};
+
+constexpr std::size_t kMaxNames = 40;
+
+ScenarioRead NoScenario(Error error, std::string text) {
+  return {nullptr, error, std::move(text)};
 }
+
+ScenarioRead Finish(std::shared_ptr<const Scenario> scenario, const Diagnostics& diagnostics) {
+  std::string text = diagnostics.ToString();
+  if (!text.empty()) text.pop_back();
+  if (scenario == nullptr || diagnostics.has_errors()) return NoScenario(Error::kMalformed, std::move(text));
+  return {std::move(scenario), Error::kOk, std::move(text)};
+}
+
+std::string KnownNames(const RobotLibrary& robots) {
+  std::string list;
+  std::size_t count = 0;
+  for (const std::string& name : robots.path().ScenarioNames()) {
+    if (++count > kMaxNames) return list + ", …";
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  return list.empty() ? "there are none on the search path" : "there are " + list;
+}
+
+/// What `read` gives; what it throws is an error.
+template <typename Function>
+ScenarioRead Guarded(Function read) {
+  try {
+    return read();
+  } catch (const std::exception& exception) {  // e.g. no more memory
+    return NoScenario(Error::kInternal, std::string("the scenario cannot be read: ") + exception.what());
+  }
+}
+
+/// `text`: a bare name on the search path, or the text of a file if it has a line end or a '['. Reads files,
+/// which can take seconds. `seed`: of `--seed`, if it was given.
+ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots,
+                                   std::optional<std::uint64_t> seed) {
+  return Guarded([&] {
+    Diagnostics diagnostics;
+    if (text.find_first_of("\n[") != std::string::npos) {
+      return Finish(ReadScenario(text, "(text)", robots, true, diagnostics, seed), diagnostics);
+    }
+    if (!IsBareName(text)) {
+      return NoScenario(Error::kNoSuchName,
+                        "load_scenario takes a name on the daemon's search path, without folders, or the "
+                        "text of the file; " +
+                            KnownNames(robots));
+    }
+    if (!robots.path().FindScenario(text)) {
+      return NoScenario(Error::kNoSuchName,
+                        "there is no scenario " + Printable(text) + ": " + KnownNames(robots));
+    }
+    return Finish(LoadScenario(text, robots, diagnostics, false, seed), diagnostics);
+  });
+}
+
+/// The file of `current` again, from disk.
+ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
+                               std::optional<std::uint64_t> seed) {
+  return Guarded([&] {
+    if (current.file.empty() || current.file == kPipe) {
+      return NoScenario(Error::kNotPossible,
+                        "this scenario came as a text, there is no file to read again: upload it again, or "
+                        "coopdyn load FILE");
+    }
+    Diagnostics diagnostics;
+    return Finish(LoadScenario(current.file, robots, diagnostics, false, seed), diagnostics);
+  });
+}
+
+}  // namespace
+
+SimulationModule::SimulationModule(SimulationServices services, StepInbox::Post post)
+    : GlobalModule(services, SimulationTable(), std::move(post)), services_(std::move(services)) {}
 
 std::optional<Message> SimulationModule::Change(Peer& peer, const Message& request) {
   switch (request.command) {
@@ -79,7 +147,7 @@ std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request
                     done = std::move(done)] {
     ScenarioRead read = again ? ReadScenarioAgain(*frames.Latest()->scene->scenario, robots, seed)
                               : ReadRequestedScenario(text, robots, seed);
-    if (read.scenario == nullptr) return done(EditResult{read.error, std::move(read.text), nullptr});
+    if (read.scenario == nullptr) return done({read.error, std::move(read.text)});
     edits.Push(
         {edit::Load{std::move(read.scenario)}, [done, warnings = std::move(read.text)](EditResult result) {
            if (result.error == Error::kOk) result.text = warnings;

@@ -2,6 +2,7 @@
 // /simulation: how the run stands and goes on. Free of sockets. The control thread only.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
@@ -9,9 +10,42 @@
 
 #include "server/control/global_module.h"
 #include "server/control/saved_states.h"
-#include "server/control/simulation_services.h"
+#include "server/model/readers.h"
+#include "server/naming/name_table.h"
+#include "server/state/run_control.h"
 
 namespace coopdyn {
+
+/// What only the program as a whole can do. Called on the control thread.
+class ControlActions {
+ public:
+  virtual ~ControlActions() = default;
+  /// The world has been reset, loaded or restored: brings the robots' modules into line with `scene`, before
+  /// the reply is sent.
+  virtual void ApplyScene(const Scene& scene) = 0;
+  /// Closes a connection to `robot` with a notice.
+  virtual void CloseClient(const std::string& robot, ClientId client, const std::string& reason) = 0;
+  /// Begins to end the daemon; returns at once.
+  virtual void Quit() = 0;
+  /// The name of the file that is being recorded, and the page's URL; empty: none.
+  virtual std::string recording() const = 0;
+  /// Steps that the recording had to leave out so far.
+  virtual std::uint64_t recording_lost() const { return 0; }
+  /// Why nothing is recorded for now; empty: it is, or nothing is to be.
+  virtual std::string recording_stall() const { return {}; }
+  virtual std::string http() const = 0;
+};
+
+/// What /simulation acts on. All that it refers to outlives the module.
+struct SimulationServices : GlobalServices {
+  const RunControl& run;
+  NameTable& names;
+  RobotLibrary& robots;  // reads scenarios
+  ControlActions& actions;
+  /// Runs a function on the thread that reads scenarios, which can take seconds.
+  std::function<void(std::function<void()>)> run_loader = {};
+  std::optional<std::uint64_t> seed = std::nullopt;  // `--seed`: of every scenario that is loaded
+};
 
 class SimulationModule final : public GlobalModule {
  public:
@@ -21,13 +55,11 @@ class SimulationModule final : public GlobalModule {
   /// Any thread. `post` runs a function on the control thread.
   SimulationModule(SimulationServices services, StepInbox::Post post);
 
-  /// The text of get_status: robots `first` (from 1) and on, at most `count`.
-  std::string StatusText(const Frame& frame, std::size_t first = 1, std::size_t count = kMaxListed) const;
-
  private:
+  /// The text of get_status: robots `first` (from 1) and on, at most `count`.
+  std::string StatusText(const Frame& frame, std::size_t first, std::size_t count) const;
   Message Read(const Message& request, const Frame& frame) override;
   command::Id first_reading() const override { return command::kGetStatus; }
-  std::optional<Message> Refuse(const Message& request) const override;
   std::optional<Message> Change(Peer& peer, const Message& request) override;
   void OnAnswered(const Message& request, bool done) override;
 

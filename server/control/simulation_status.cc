@@ -1,89 +1,152 @@
 // SPDX-License-Identifier: MIT
-// What /simulation tells: the part of the module that reads.
+// What /simulation tells: get_status is one JSON object (docs/protocol.md). Every object of a list has the
+// same keys; what is absent or not finite is null.
 #include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+#include <filesystem>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
+#include "protocol/command_table.h"
 #include "server/control/simulation_module.h"
-#include "server/control/status_json.h"
 
 namespace coopdyn {
 
 namespace {
 
-StatusInput::Robot DescribeRobot(const SceneRobot& robot, const CommandBoard::Owner* owner,
-                                 const NameTable& names) {
-  StatusInput::Robot line;
-  line.name = robot.entry.name;
-  line.type = robot.entry.model->type;
+namespace json = boost::json;
+using Owner = CommandBoard::Owner;
+
+json::value Number(double value) {
+  return std::isfinite(value) ? json::value(value) : json::value(nullptr);
+}
+
+json::value Text(const std::string& text) {
+  return text.empty() ? json::value(nullptr) : json::value(json::string(text));
+}
+
+/// `owner`: of the robot; null: the board has no such robot.
+json::object RobotJson(const SceneRobot& robot, const Owner* owner, const NameTable& names) {
+  json::array modules;
   for (const ModuleModel& module : robot.entry.model->modules) {
-    const std::string path = "/" + line.name + "/" + module.name;
+    const std::string path = "/" + robot.entry.name + "/" + module.name;
     const std::optional<NameEntry> entry = names.Find(path);
-    line.modules.push_back({path, module.type, entry ? entry->port : 0});
+    modules.push_back({{"name", path}, {"type", module.type}, {"port", entry ? entry->port : 0}});
   }
-  if (owner != nullptr) {
-    if (owner->id != 0 || owner->driven) line.owner = owner->name;
-    line.participates = owner->participates;
-    line.dropped = owner->dropped;
-    line.still_moving = owner->still_moving;
-  }
-  return line;
+  const bool owned = owner != nullptr && (owner->id != 0 || owner->driven);
+  return {{"name", robot.entry.name},
+          {"type", robot.entry.model->type},
+          {"modules", std::move(modules)},
+          {"owner", owned ? Text(owner->name) : nullptr},
+          {"participates", owner != nullptr && owner->participates},
+          {"dropped", owner != nullptr && owner->dropped},
+          {"still_moving", owner != nullptr && owner->still_moving}};
+}
+
+json::value PlaybackJson(const std::optional<PlaybackStatus>& playback) {
+  if (!playback) return nullptr;
+  return json::object{{"file", std::filesystem::path(playback->file).filename().string()},
+                      {"playing", playback->playing},
+                      {"loop", playback->loop},
+                      {"growing", playback->growing},
+                      {"speed", Number(playback->speed)},
+                      {"time_s", Number(ToSeconds(playback->time))},
+                      {"step", playback->step},
+                      {"begin_s", Number(ToSeconds(playback->begin))},
+                      {"end_s", Number(ToSeconds(playback->end))},
+                      {"begin_step", playback->begin_step},
+                      {"end_step", playback->end_step}};
 }
 
 }  // namespace
 
 std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, std::size_t count) const {
   const Scene& scene = *frame.scene;
-  StatusInput status;
-  status.version = services_.version;
-  status.scenario = scene.scenario->name;
-  status.seed = frame.seed;
-  status.run = services_.run.status();
-  status.step = frame.step;
-  status.revision = frame.revision;
-  status.time_s = frame.time_s();
-  status.hash = HashText(StateHash(frame));
-  status.events = services_.run.events();
-  status.recording = services_.actions.recording();
-  status.recording_lost = services_.actions.recording_lost();
-  status.recording_stall = services_.actions.recording_stall();
-  status.http = services_.actions.http();
-  status.awaiting = services_.board.Awaiting(services_.clock.Now(), kMaxAwaited, &status.awaiting_count);
-  status.playback = services_.run.playback();
-  if (status.playback) {
-    status.run.state = status.playback->playing ? RunState::kPlaying : RunState::kPaused;
-  } else if (status.run.state == RunState::kRunning && status.awaiting_count > 0) {
-    status.run.state = RunState::kWaiting;
-  }
-
-  const std::vector<CommandBoard::Owner> owners = services_.board.Owners();
-  std::unordered_map<std::string_view, const CommandBoard::Owner*> owner_of;
+  const std::vector<Owner> owners = services_.board.Owners();
+  std::unordered_map<std::string_view, const Owner*> owner_of;
   std::unordered_set<ClientId> owning;
-  for (const CommandBoard::Owner& owner : owners) {
+  for (const Owner& owner : owners) {
     owner_of.emplace(owner.robot, &owner);
     if (owner.id != 0) owning.insert(owner.id);
   }
-  status.robot_count = scene.robots.size();
-  for (std::size_t i = first - 1; i < scene.robots.size() && status.robots.size() < count; ++i) {
+  json::array robots;
+  for (std::size_t i = first - 1; i < scene.robots.size() && robots.size() < count; ++i) {
     const auto owner = owner_of.find(scene.robots[i].entry.name);
-    status.robots.push_back(
-        DescribeRobot(scene.robots[i], owner == owner_of.end() ? nullptr : owner->second, services_.names));
+    robots.push_back(
+        RobotJson(scene.robots[i], owner == owner_of.end() ? nullptr : owner->second, services_.names));
   }
-  for (ConnectionRoster::Entry& entry : services_.roster.List(kMaxListed, status.client_count)) {
-    const bool is_owner = owning.contains(entry.id);
-    status.clients.push_back({std::move(entry), is_owner});
+  json::array clients;
+  std::size_t client_count = 0;
+  for (const ConnectionRoster::Entry& client : services_.roster.List(kMaxListed, client_count)) {
+    clients.push_back({{"module", client.module},
+                       {"peer", client.peer},
+                       {"name", Text(client.name)},
+                       {"owner", owning.contains(client.id)}});
   }
-  return StatusJson(status);
+  json::array awaiting;
+  std::size_t awaiting_count = 0;
+  for (const Awaited& awaited :
+       services_.board.Awaiting(services_.clock.Now(), kMaxAwaited, &awaiting_count)) {
+    awaiting.push_back({{"robot", awaited.robot},
+                        {"why", awaited.why},
+                        {"seconds", Number(awaited.seconds)},
+                        {"cure", Text(awaited.cure)}});
+  }
+  json::array events;
+  for (const Event& event : services_.run.events()) {
+    events.push_back({{"step", event.step},
+                      {"time_s", Number(event.time_s)},
+                      {"level", event.level},
+                      {"text", event.text}});
+  }
+
+  const RunStatus run = services_.run.status();
+  const std::optional<PlaybackStatus> playback = services_.run.playback();
+  RunState state = run.state;
+  if (playback) {
+    state = playback->playing ? RunState::kPlaying : RunState::kPaused;
+  } else if (state == RunState::kRunning && awaiting_count > 0) {
+    state = RunState::kWaiting;
+  }
+  return json::serialize(json::object{
+      {"version", services_.version},
+      {"protocol", kProtocolVersion},
+      {"scenario", Text(scene.scenario->name)},
+      {"seed", frame.seed},
+      {"mode", ToString(run.mode)},
+      {"state", ToString(state)},
+      {"step", frame.step},
+      {"revision", frame.revision},
+      {"time_s", Number(frame.time_s())},
+      {"step_s", Number(ToSeconds(run.step_length))},
+      {"speed", run.speed > 0 ? Number(run.speed) : nullptr},
+      {"rtf", Number(run.real_time_factor)},
+      {"late_periods", run.late_periods},
+      {"hash", HashText(StateHash(frame))},
+      {"robots", std::move(robots)},
+      {"robot_count", scene.robots.size()},
+      {"clients", std::move(clients)},
+      {"client_count", client_count},
+      {"awaiting", std::move(awaiting)},
+      {"awaiting_count", awaiting_count},
+      {"frozen", json::value_from(run.frozen)},
+      {"recording", Text(services_.actions.recording())},
+      {"recording_lost", services_.actions.recording_lost()},
+      {"recording_stalled", Text(services_.actions.recording_stall())},
+      {"playback", PlaybackJson(playback)},
+      {"http", Text(services_.actions.http())},
+      {"events", std::move(events)},
+  });
 }
 
 Message SimulationModule::Read(const Message& request, const Frame& frame) {
   if (request.command == command::kGetSaved) return ReadSaved(request);
-  Message reply = ReplyTo(request.command);
-  reply.text = request.params.size() == 2 ? StatusText(frame, static_cast<std::size_t>(request.params[0]),
-                                                       static_cast<std::size_t>(request.params[1]))
-                                          : StatusText(frame);
-  return reply;
+  const std::vector<std::int32_t>& params = request.params;
+  const std::size_t first = params.empty() ? 1 : static_cast<std::size_t>(params[0]);
+  const std::size_t count = params.size() < 2 ? kMaxListed : static_cast<std::size_t>(params[1]);
+  return ReplyTo(request.command, StatusText(frame, first, count));
 }
 
 }  // namespace coopdyn

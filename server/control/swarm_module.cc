@@ -5,19 +5,72 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
+#include <unordered_map>
 #include <utility>
 
 #include "protocol/module_tables.h"
-#include "server/control/team_names.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
 
-SwarmModule::SwarmModule(SwarmServices services, StepInbox::Post post)
+namespace {
+
+const SwarmEntry* FindSwarm(const Scenario& scenario, const std::string& word) {
+  const auto found =
+      std::find_if(scenario.swarms.begin(), scenario.swarms.end(),
+                   [&](const SwarmEntry& swarm) { return swarm.name == word || swarm.section == word; });
+  return found == scenario.swarms.end() ? nullptr : &*found;
+}
+
+std::string NoSuch(const Scene& scene, const std::string& word) {
+  constexpr std::size_t kShown = 63;  // no name is longer
+  constexpr std::size_t kListed = 20;
+  std::vector<std::string> known;
+  for (const SwarmEntry& swarm : scene.scenario->swarms) known.push_back(swarm.name);
+  for (const SceneRobot& robot : scene.robots) known.push_back(robot.entry.name);
+  std::string text = "there is no robot and no swarm " + word.substr(0, kShown);
+  if (known.empty()) return text + ": this scenario has none";
+  const std::string near = word.size() > kShown ? "" : Nearest(word, known);
+  if (!near.empty()) return text + ": did you mean " + near + "?";
+  const bool all = known.size() <= kListed;
+  if (!all) known.resize(kListed);
+  return text + ": there are " + (all ? JoinNames(known) : JoinNames(known) + " and more (list shows all)");
+}
+
+/// The robots (indices into the scene, increasing, each once) that the words of `text` name: each is a robot,
+/// or the NAME of a [SWARM_n], or `swarm1` for [SWARM_1]; in a scenario no two are called the same. A leading
+/// / is dropped. `error`: for error 10, if a word is neither.
+std::vector<int> FindNamedRobots(const Scene& scene, std::string_view text, std::string& error) {
+  std::unordered_map<std::string_view, int> index;
+  index.reserve(scene.robots.size());
+  for (const SceneRobot& robot : scene.robots) {
+    index.emplace(robot.entry.name, static_cast<int>(index.size()));
+  }
+  std::set<int> robots;
+  for (std::string word : Words(text)) {
+    if (word.size() > 1 && word.front() == '/') word.erase(0, 1);
+    if (const auto robot = index.find(word); robot != index.end()) {
+      robots.insert(robot->second);
+      continue;
+    }
+    const SwarmEntry* swarm = FindSwarm(*scene.scenario, word);
+    if (swarm == nullptr) return error = NoSuch(scene, word), std::vector<int>();
+    for (std::size_t i = 1; i <= swarm->count; ++i) {
+      const auto member = index.find(swarm->name + "_" + std::to_string(i));
+      if (member != index.end()) robots.insert(member->second);
+    }
+  }
+  return {robots.begin(), robots.end()};
+}
+
+}  // namespace
+
+SwarmModule::SwarmModule(const GlobalServices& services, int threads, StepInbox::Post post)
     : PeerModule({services.board, services.roster, services.guard, services.clock, services.version},
                  "/swarm", table_, inbox_),
       table_(SwarmTable()),
-      pool_(services.threads),
+      pool_(threads),
       inbox_(services.board, services.frames, std::move(post)) {}
 
 SwarmModule::~SwarmModule() {
@@ -77,15 +130,16 @@ Message SwarmModule::Hello(Peer& peer, const Message& request) {
 }
 
 Message SwarmModule::ClaimOrRelease(Peer& peer, const Message& request, const Frame& frame) {
-  const NamedRobots named = FindNamedRobots(*scene_, request.text);
-  if (!named.error.empty()) return ErrorReply(request.command, Error::kNoSuchName, named.error);
+  std::string error;
+  const std::vector<int> named = FindNamedRobots(*scene_, request.text, error);
+  if (!error.empty()) return ErrorReply(request.command, Error::kNoSuchName, error);
   const bool all = Words(request.text).empty();
   const Client& client = peer.client.client;
   Verdict verdict;
   if (request.command == command::kRelease) {
-    verdict = board().ReleaseAll(SlotsOf(all ? peer.team : named.robots), client);
+    verdict = board().ReleaseAll(SlotsOf(all ? peer.team : named), client);
   } else {
-    verdict = all ? board().ClaimFree(client) : board().ClaimAll(SlotsOf(named.robots), client);
+    verdict = all ? board().ClaimFree(client) : board().ClaimAll(SlotsOf(named), client);
     peer.lost.clear();
   }
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);

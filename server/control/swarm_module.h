@@ -12,28 +12,14 @@
 #include <vector>
 
 #include "protocol/command_table.h"
-#include "server/base/clock.h"
 #include "server/base/worker_pool.h"
+#include "server/control/global_module.h"
 #include "server/control/team_readings.h"
-#include "server/devices/connection_roster.h"
 #include "server/devices/peer_module.h"
 #include "server/devices/step_inbox.h"
-#include "server/devices/token_guard.h"
 #include "server/state/command_board.h"
-#include "server/state/frame_board.h"
 
 namespace coopdyn {
-
-/// What /swarm acts on. All that it refers to outlives the module.
-struct SwarmServices {
-  CommandBoard& board;
-  const FrameBoard& frames;
-  ConnectionRoster& roster;
-  const TokenGuard& guard;  // that of the robots' own modules
-  const Clock& clock;
-  int threads = 1;  // that compute readings
-  std::string version;
-};
 
 /// A connection and its team.
 struct TeamPeer : ModulePeer {
@@ -53,8 +39,9 @@ struct TeamPeer : ModulePeer {
 
 class SwarmModule final : public PeerModule<TeamPeer> {
  public:
-  /// Any thread. `post` runs a function on the control thread.
-  SwarmModule(SwarmServices services, StepInbox::Post post);
+  /// Any thread. The guard of `services` is that of the robots' own modules; `threads` compute readings;
+  /// `post` runs a function on the control thread.
+  SwarmModule(const GlobalServices& services, int threads, StepInbox::Post post);
   /// On the control thread, or when it has stopped.
   ~SwarmModule() override;
 

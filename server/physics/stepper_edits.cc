@@ -13,10 +13,6 @@ namespace coopdyn {
 
 namespace {
 
-EditResult Refusal(Error error, std::string text) {
-  return {error, std::move(text), nullptr, nullptr};
-}
-
 std::vector<std::string> FrozenNames(const Frame& frame) {
   std::vector<std::string> names;
   for (const SceneObject& object : frame.scene->objects) {
@@ -58,11 +54,11 @@ EditResult Stepper::ApplyAny(const EditAction& action) {
   if (const auto* run = std::get_if<RunEdit>(&action)) return std::visit(apply, *run);
   if (const auto* world = std::get_if<WorldEdit>(&action)) return std::visit(apply, *world);
   if (const auto* record = std::get_if<RecordEdit>(&action)) return std::visit(apply, *record);
-  return Refusal(Error::kNotPossible, "nothing is being played: coopdyn play RUN plays a recording");
+  return {Error::kNotPossible, kNotPlayingText};
 }
 
 EditResult Stepper::Apply(const edit::Run&) {
-  if (ended_) return Refusal(Error::kNotPossible, "the run has reached its duration: reset starts it again");
+  if (ended_) return {Error::kNotPossible, "the run has reached its duration: reset starts it again"};
   if (paused_) {
     paused_ = false;
     allowed_steps_ = 0;
@@ -79,8 +75,8 @@ EditResult Stepper::Apply(const edit::Pause&) {
 }
 
 EditResult Stepper::Apply(const edit::Step& step) {
-  if (ended_) return Refusal(Error::kNotPossible, "the run has reached its duration: reset starts it again");
-  if (!paused_) return Refusal(Error::kNotPossible, "step works only while paused: send pause first");
+  if (ended_) return {Error::kNotPossible, "the run has reached its duration: reset starts it again"};
+  if (!paused_) return {Error::kNotPossible, "step works only while paused: send pause first"};
   if (allowed_steps_ == 0) RestartPace(clock_.Now());
   allowed_steps_ += step.steps;
   return {};
@@ -97,7 +93,7 @@ EditResult Stepper::Apply(const edit::Load& load) {
   Diagnostics diagnostics;
   const SimulationOptions& said = load.scenario->simulation;
   auto simulation = BuildSimulation(MakeScene(load.scenario), options_.seed.value_or(said.seed), diagnostics);
-  if (simulation == nullptr) return Refusal(Error::kMalformed, diagnostics.ToString());
+  if (simulation == nullptr) return {Error::kMalformed, diagnostics.ToString()};
   simulation_ = std::move(simulation);
   if (!options_.mode) mode_ = said.mode.value_or(mode_);
   TakeOptions(said);
@@ -121,7 +117,7 @@ EditResult Stepper::Apply(const edit::Restore& restore) {
   }
   Diagnostics diagnostics;
   auto simulation = BuildSimulation(state.frame->scene, state.frame->seed, diagnostics);
-  if (simulation == nullptr) return Refusal(Error::kMalformed, diagnostics.ToString());
+  if (simulation == nullptr) return {Error::kMalformed, diagnostics.ToString()};
   if (const std::string why = simulation->Restore(state, NextEpoch()); !why.empty()) {
     return RefuseRestore(why, present);
   }
@@ -227,7 +223,7 @@ EditResult Stepper::RefuseRestore(const std::string& why, const SavedState& pres
       text += LoseControllers(lost, std::move(stopped));
     }
   }
-  return Refusal(Error::kNotPossible, text);
+  return {Error::kNotPossible, text};
 }
 
 std::string Stepper::LoseControllers(const std::string& why, std::vector<StoppedController> stopped) {
@@ -283,7 +279,7 @@ EditResult Stepper::Apply(const edit::SetSpeed& set) {
 
 EditResult Stepper::Apply(const edit::SetParticipants& set) {
   const Verdict verdict = boards_.commands.SetParticipants(set.names, clock_.Now());
-  return {verdict.error, verdict.text, nullptr, nullptr};
+  return {verdict.error, verdict.text};
 }
 
 EditResult Stepper::Apply(const edit::StopAll&) {
@@ -293,7 +289,7 @@ EditResult Stepper::Apply(const edit::StopAll&) {
 
 EditResult Stepper::Apply(const edit::UnloadController& unload) {
   const int robot = simulation_->scene().FindRobot(unload.robot);
-  if (robot < 0) return Refusal(Error::kNoSuchName, "there is no robot " + unload.robot);
+  if (robot < 0) return {Error::kNoSuchName, "there is no robot " + unload.robot};
   if (helpers_.controllers != nullptr) helpers_.controllers->Unload(robot);
   boards_.commands.SetDriven(static_cast<std::size_t>(robot), "", clock_.Now());
   return {};

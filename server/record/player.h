@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Plays a recording: publishes its frames instead of physics, so that modules, pictures and the page show
-// them as they showed the run. On the physics thread. DESIGN §4.11.
+// them as they showed the run. On the physics thread.
 #pragma once
 
 #include <memory>

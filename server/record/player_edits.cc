@@ -10,14 +10,6 @@
 
 namespace coopdyn {
 
-namespace {
-
-EditResult Refusal(Error error, std::string text) {
-  return {error, std::move(text), nullptr, nullptr};
-}
-
-}  // namespace
-
 std::optional<Edit> PlayerCore::ApplyEdits() {
   while (std::optional<Edit> edit = boards_.edits.TakeNext()) {
     // What came after it is for the live run, and stays in the queue.
@@ -41,7 +33,7 @@ EditResult PlayerCore::ApplyAny(Edit& edit) {
   if (const auto* step = As<edit::Step>(action)) return Apply(*step, std::move(edit.stepped));
   if (const auto* reset = As<edit::Reset>(action)) return Apply(*reset);
   if (const auto* set = As<edit::SetJournal>(action); set != nullptr && set->journal == nullptr) return {};
-  return Refusal(Error::kNotPossible, kPlayingText);
+  return {Error::kNotPossible, kPlayingText};
 }
 
 EditResult PlayerCore::Apply(const edit::Run&) {
@@ -67,7 +59,7 @@ EditResult PlayerCore::Apply(const edit::Pause&) {
 }
 
 EditResult PlayerCore::Apply(const edit::Step& step, StepDone done) {
-  if (playing_) return Refusal(Error::kNotPossible, "step works only while paused: send pause first");
+  if (playing_) return {Error::kNotPossible, "step works only while paused: send pause first"};
   if (steps_.empty()) RestartPace(shown_->time);
   // As in a live run: after those that others wait for.
   const std::int64_t asked = std::max(step.steps, 1);
@@ -77,7 +69,7 @@ EditResult PlayerCore::Apply(const edit::Step& step, StepDone done) {
 
 EditResult PlayerCore::Apply(const edit::Reset& reset) {
   if (reset.seed && *reset.seed != shown_->seed) {
-    return Refusal(Error::kNotPossible, "a recording has the seed that it was made with: reset without one");
+    return {Error::kNotPossible, "a recording has the seed that it was made with: reset without one"};
   }
   Look(true);
   return JumpTo(reader_->StepAt(extent_.begin, true));
@@ -98,9 +90,9 @@ EditResult PlayerCore::Apply(const edit::Skip& skip) {
 EditResult PlayerCore::Apply(const edit::SetPlaySpeed& set) {
   const bool fits = set.factor >= kMinPlaySpeed && set.factor <= kMaxPlaySpeed && set.factor != 0;
   if (!fits) {
-    return Refusal(Error::kOutOfRange,
-                   "the speed lies between -4 (backwards) and 64 and is not 0: pause holds "
-                   "the recording");
+    return {Error::kOutOfRange,
+            "the speed lies between -4 (backwards) and 64 and is not 0: pause holds "
+            "the recording"};
   }
   const Nanoseconds due = std::clamp(pace_.DueTime(now_), extent_.begin, extent_.end);
   speed_ = set.factor;
@@ -116,7 +108,7 @@ EditResult PlayerCore::Apply(const edit::SetLoop& set) {
 }
 
 EditResult PlayerCore::JumpTo(std::optional<std::uint64_t> step) {
-  if (!step || !Show(*step, Jump::kYes)) return Refusal(Error::kInternal, reader_->error());
+  if (!step || !Show(*step, Jump::kYes)) return {Error::kInternal, reader_->error()};
   EndSteps(StepEnd::kReset);
   RestartPace(shown_->time);
   return {};

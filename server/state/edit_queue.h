@@ -17,10 +17,13 @@
 
 namespace coopdyn {
 
+/// Why an edit of a playback is refused in a live run (error 5).
+inline constexpr const char* kNotPlayingText = "nothing is being played: coopdyn play RUN plays a recording";
+
 struct EditResult {
   Error error = Error::kOk;
   std::string text;
-  FramePtr frame;                 // the newest after the edit
+  FramePtr frame = nullptr;       // the newest after the edit
   SavedStatePtr saved = nullptr;  // of Save
 };
 

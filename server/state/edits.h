@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Everything that may be asked of whoever steps, or plays a recording. Plain values; any thread.
+// What the stepping thread, or a player, can be asked to do between two steps. Plain values; any thread.
 #pragma once
 
 #include <cstdint>

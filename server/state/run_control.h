@@ -65,7 +65,7 @@ struct StoppedRobot {
 };
 using StoppedRobots = std::map<std::string, StoppedRobot>;  // by the robot's name
 
-/// How a recording is being played; DESIGN §4.11.
+/// How a recording is being played.
 struct PlaybackStatus {
   std::string file;
   Nanoseconds begin = 0, end = 0;  // simulated times of the first and last recorded step

@@ -75,7 +75,7 @@ std::optional<LossPolicy> PolicyOf(std::string_view word) {
   return std::nullopt;
 }
 
-/// What befell the robot that `detail` names first.
+/// What happened to the robot that `detail` names first.
 std::optional<RobotEvent> DecodeEvent(std::string_view action, std::string_view detail) {
   const std::size_t blank = detail.find(' ');
   if (blank == 0 || blank == std::string_view::npos) return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a run depends on besides its files, its seed, commands and broadcasts; and the one text form of it:
-// what a client would write to /simulation, or what befell a robot. Pure; any thread.
+// The inputs of a run that do not stand in its frames, and their one text form: a line that a client could
+// send to /simulation, or what happened to a robot. Pure; any thread.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the stepping thread tells of a run to whoever writes it down; server/record has the one
+// What the stepping thread tells of a run, so that it can be written down; server/record has the one
 // implementation. All calls by the holder of the step baton.
 #pragma once
 

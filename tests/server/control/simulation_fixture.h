@@ -108,18 +108,11 @@ class SimulationModuleTest : public testing::Test {
   RunControl run_;
   FakeActions actions_;
   SmallWorld world_{2};
-  SimulationServices services_{world_.board,
-                               world_.frames,
-                               edits_,
+  SimulationServices services_{{world_.board, world_.frames, edits_, roster_, guard_, clock_, "1.2.3"},
                                run_,
                                names_,
-                               roster_,
                                robots_,
-                               guard_,
-                               clock_,
                                actions_,
-                               "1.2.3",
-                               std::nullopt,
                                [this](std::function<void()> load) { loads_.push_back(std::move(load)); }};
   std::vector<std::function<void()>> loads_;  // given to the thread that reads scenarios
   FakeThread thread_;

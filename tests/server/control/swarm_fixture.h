@@ -59,7 +59,7 @@ class SwarmModuleTest : public testing::Test {
     client_.reset();
     module_.reset();
     guard_.emplace("secret", token_required);
-    module_.emplace(SwarmServices{world_.board, world_.frames, roster_, *guard_, clock_, 1, "1.2.3"},
+    module_.emplace(GlobalServices{world_.board, world_.frames, edits_, roster_, *guard_, clock_, "1.2.3"}, 1,
                     thread_.poster());
     client_.emplace(*module_, 1);
     world_.StepInline();
@@ -74,6 +74,8 @@ class SwarmModuleTest : public testing::Test {
   SlotId slot(const std::string& robot) { return world_.board.FindSlot(robot); }
 
   SmallWorld world_;
+  Doorbell bell_;
+  EditQueue edits_{bell_};
   ManualClock clock_;
   ConnectionRoster roster_;
   std::optional<TokenGuard> guard_;
