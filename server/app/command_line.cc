@@ -14,7 +14,7 @@
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
-#include "server/controllers/controller_child.h"
+#include "server/controllers/child_process.h"
 #include "server/model/values.h"
 
 namespace coopdyn {

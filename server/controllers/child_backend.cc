@@ -6,10 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
-#include <optional>
 #include <utility>
-
-#include "server/controllers/futex.h"
 
 namespace coopdyn {
 
@@ -19,9 +16,9 @@ constexpr Nanoseconds kMillisecond = 1'000'000;
 constexpr Nanoseconds kLongestSlice = 20 * kMillisecond;  // between two looks at how the child is
 constexpr Nanoseconds kEndTime = 200 * kMillisecond;      // for the instances to be destroyed
 constexpr Nanoseconds kLastWait = 100 * kMillisecond;     // for a step when the daemon ends
-constexpr int kMaxUnexplained = 5;
-constexpr int kMaxLosses = 8;    // of the process with nobody to blame,
-constexpr int kCalmSteps = 100;  // with fewer steps in between
+constexpr int kMaxLosses = 8;                             // of the process with nobody to blame,
+constexpr int kCalmSteps = 100;                           // with fewer steps in between
+constexpr std::size_t kFew = 512;  // steps of this many robots are taken in turns with the child on one core
 
 /// By its own word, or by a crash when it had nearly all that it may have: few programs check for NULL.
 bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
@@ -31,8 +28,10 @@ bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
   return crashed && end.memory_bytes >= memory_bytes / 10 * 9;
 }
 
-/// Steps of this many robots are taken in turns with the child on one core.
-constexpr std::size_t kFew = 512;
+/// The item that a worker has in hand, + 1; 0: none.
+std::uint32_t ItemOf(std::uint64_t word) {
+  return static_cast<std::uint32_t>(word);
+}
 
 }  // namespace
 
@@ -41,52 +40,46 @@ ChildBackend::ChildBackend(Areas& areas, Options options, const Clock& clock, Lo
 
 ChildBackend::~ChildBackend() {
   if (!process_) return;
-  Move();
-  InHeader& header = areas_.header();
-  header.operation = Operation::kEnd;
-  header.item_count = 0;
   same_core_->Free();
-  header.go.store(++ticket_, std::memory_order_release);
-  FutexWake(header.go);
-  // When it answers, the controllers are destroyed and unloaded. What a process then takes to end is longer
-  // than all the rest of a reset.
-  const std::atomic<std::uint32_t>& reply = areas_.out.At<OutHeader>(0)->reply;
+  areas_.Order(Operation::kEnd, {}, 1);
+  areas_.header().go.store(++ticket_, std::memory_order_release);
+  FutexWake(areas_.header().go);
+  // After its answer the controllers are destroyed and unloaded. The process itself takes longer to end than
+  // all the rest of a reset.
+  const std::atomic<std::uint32_t>& reply = areas_.out_header().reply;
   for (Nanoseconds waited = 0; waited < kEndTime; waited += kMillisecond) {
     const std::uint32_t seen = reply.load(std::memory_order_acquire);
     if (seen == ticket_) {
       process_->Leave();
       return;
     }
-    if (waited > 0 && process_->Ended()) return;
+    if (waited > 0 && process_->ended()) return;
     FutexWait(reply, seen, kMillisecond);
   }
 }
 
-std::vector<Casualty> ChildBackend::Run() {
-  const InHeader& header = areas_.header();
-  const Operation operation = header.operation;
-  const Place items = header.items;
-  const std::size_t count = header.item_count;
-  loss_.reset();
-  if (process_ && operation == Operation::kStep && Send(operation, items, count, options_.threads)) {
-    if (losses_ > 0 && ++calm_steps_ >= kCalmSteps) losses_ = 0;
-    return {};
-  }
-
-  Order order{operation, {}};
-  const std::uint32_t* listed = areas_.in.At<std::uint32_t>(items);
-  order.items.assign(listed, listed + count);
-  files_.resize(std::max<std::size_t>(files_.size(), header.file_count));
-  robots_.resize(std::max<std::size_t>(robots_.size(), header.robot_count));
-  casualties_.clear();
-  alone_.clear();
-  unexplained_ = 0;
+std::vector<Casualty> ChildBackend::Run(Operation operation, std::span<const std::uint32_t> items) {
+  if (items.empty()) return {};
+  operation_ = operation;
+  open_.assign(items.begin(), items.end());
+  files_.resize(areas_.header().file_count);
+  robot_out_.resize(areas_.header().robot_count);
   for (FileState& file : files_) file.crashes = 0;
-  if (loss_) {
-    NoteDone(order);
-    if (!IsInterrupted()) Judge(order, operation, false);
-  }
-  Finish(order);
+  casualties_.clear();
+  suspected_.clear();
+  trial_ = false;
+  do {
+    const bool runs = process_ != nullptr;
+    const std::optional<Loss> loss = runs ? Send(operation_, open_, trial_ ? 1 : options_.threads) : Start();
+    if (runs && !loss) break;
+    if (loss && IsInterrupted()) {
+      StopAll("was ended with the daemon");
+    } else if (loss) {
+      Judge(*loss);
+    }
+    std::erase_if(open_, [this](std::uint32_t item) { return !IsOpen(item); });
+  } while (!open_.empty());
+  if (operation == Operation::kStep && losses_ > 0 && ++calm_steps_ > kCalmSteps) losses_ = 0;
   return std::exchange(casualties_, {});
 }
 
@@ -94,68 +87,32 @@ void ChildBackend::Rest() {
   if (same_core_) same_core_->Leave();
 }
 
-void ChildBackend::Drop(std::uint32_t robot) {
-  robots_[robot].out = true;
-}
-
-double ChildBackend::child_cpu_s() const {
-  return dead_cpu_s_ + (process_ ? process_->cpu_s() : 0);
-}
-
-void ChildBackend::Move() {
-  if (areas_.left.data() == nullptr) return;
-  const SharedArea left = std::exchange(areas_.left, SharedArea());
-  if (!process_->HandOver(areas_.in.fd(), areas_.out.fd())) return;  // it will be seen to have ended, or hang
-  InHeader& old = *left.At<InHeader>(0);
-  old.operation = Operation::kMove;
-  old.go.store(~ticket_, std::memory_order_release);
-  FutexWake(old.go);
-}
-
-bool ChildBackend::Send(Operation operation, Place items, std::size_t count, int workers) {
-  Move();
-  InHeader& header = areas_.header();
-  header.operation = operation;
-  header.items = items;
-  header.item_count = static_cast<std::uint32_t>(count);
-  header.workers = static_cast<std::uint32_t>(workers);
+std::optional<ChildBackend::Loss> ChildBackend::Send(Operation operation,
+                                                     std::span<const std::uint32_t> items, int workers) {
+  if (items.empty()) return std::nullopt;
+  areas_.Order(operation, items, workers);
   // A few robots' step takes less time than waking another core does.
-  if (operation == Operation::kStep && count <= kFew) {
+  if (operation == Operation::kStep && items.size() <= kFew) {
     same_core_->Take();
   } else {
     same_core_->Free();
   }
-  header.go.store(++ticket_, std::memory_order_release);
-  FutexWake(header.go);
-  return Await(ticket_);
-}
-
-bool ChildBackend::SendList(Operation operation, const std::vector<std::uint32_t>& items, int workers) {
-  std::copy(items.begin(), items.end(), areas_.in.At<std::uint32_t>(areas_.spare_items));
-  return Send(operation, areas_.spare_items, items.size(), workers);
-}
-
-bool ChildBackend::Await(std::uint32_t ticket) {
-  const std::atomic<std::uint32_t>& reply = areas_.out.At<OutHeader>(0)->reply;
+  areas_.header().go.store(++ticket_, std::memory_order_release);
+  FutexWake(areas_.header().go);
+  const std::atomic<std::uint32_t>& reply = areas_.out_header().reply;
   Nanoseconds slice = kMillisecond;
   watch_ = {};
   watched_at_ = -1;
   idle_for_ = 0;
   for (;;) {
     const std::uint32_t seen = reply.load(std::memory_order_acquire);
-    if (seen == ticket) return true;
+    if (seen == ticket_) return std::nullopt;
     FutexWait(reply, seen, slice);
-    if (reply.load(std::memory_order_acquire) == ticket) return true;
+    if (reply.load(std::memory_order_acquire) == ticket_) return std::nullopt;
     // It takes longer than a healthy step of a small swarm: see how the process is.
-    if (process_->Ended()) {
-      Bury(0);
-      return false;
-    }
+    if (process_->ended()) return Bury(0);
     const std::uint64_t stuck = StuckWorkers(clock_.Now());
-    if (stuck != 0 || idle_for_ > (IsInterrupted() ? kLastWait : options_.silence)) {
-      Bury(stuck);
-      return false;
-    }
+    if (stuck != 0 || idle_for_ > (IsInterrupted() ? kLastWait : options_.silence)) return Bury(stuck);
     slice = std::min(2 * slice, kLongestSlice);
   }
 }
@@ -168,8 +125,8 @@ std::uint64_t ChildBackend::StuckWorkers(Nanoseconds now) {
   std::uint64_t stuck = 0;
   bool idle = true;
   for (std::size_t w = 0; w < static_cast<std::size_t>(std::min<int>(options_.threads, kMaxWorkers)); ++w) {
-    const std::uint64_t word = areas_.out.At<OutHeader>(0)->workers[w].word.load(std::memory_order_acquire);
-    const bool works = static_cast<std::uint32_t>(word) != 0;
+    const std::uint64_t word = areas_.out_header().workers[w].word.load(std::memory_order_acquire);
+    const bool works = ItemOf(word) != 0;
     idle = idle && !works;
     WorkerWatch& watch = watch_[w];
     watch.same_for = works && word == watch.word ? watch.same_for + passed : 0;
@@ -180,220 +137,169 @@ std::uint64_t ChildBackend::StuckWorkers(Nanoseconds now) {
   return stuck;
 }
 
-void ChildBackend::Bury(std::uint64_t stuck_workers) {
+ChildBackend::Loss ChildBackend::Bury(std::uint64_t stuck_workers) {
   Loss loss;
-  const bool ended = process_->Ended().has_value();
-  process_->Kill();
-  const ChildEnd end = process_->Wait();
+  loss.hung = !process_->ended();
+  const ChildEnd end = process_->End();
   dead_cpu_s_ += end.cpu_s;
   same_core_.reset();
   process_.reset();
   const InHeader& header = areas_.header();
-  const std::size_t limit = header.operation == Operation::kLoad ? files_.size() : robots_.size();
+  const std::size_t limit = header.operation == Operation::kLoad ? files_.size() : robot_out_.size();
   for (std::size_t w = 0; w < kMaxWorkers; ++w) {
-    const std::uint64_t word = areas_.out.At<OutHeader>(0)->workers[w].word.load(std::memory_order_acquire);
-    const std::uint32_t item = static_cast<std::uint32_t>(word) - 1;
-    if (static_cast<std::uint32_t>(word) == 0 || item >= limit || IsDone(header.operation, item)) continue;
-    // Of a process that hung, what went on meanwhile is not to blame.
-    if (!ended && (stuck_workers >> w & 1) == 0) continue;
+    const std::uint32_t item = ItemOf(areas_.out_header().workers[w].word) - 1;
+    if (item >= limit || IsDone(header.operation, item)) continue;
+    // When one hangs, what the other workers have in hand is not to blame.
+    if (loss.hung && (stuck_workers >> w & 1) == 0) continue;
     loss.suspects.push_back(item);
   }
   std::sort(loss.suspects.begin(), loss.suspects.end());
-  loss.hung = !ended;
-  loss.by_others = ended && end.by_others();
-  if (ended) {
-    loss.why = end.ToString();
-  } else if (stuck_workers != 0) {
-    loss.why = fmt::format("did not return within {:g} s", ToSeconds(options_.deadline));
-  } else {
-    loss.why =
-        fmt::format("gave no answer for {:g} s with no controller at work", ToSeconds(options_.silence));
-  }
-  const std::uint32_t starved = areas_.out.At<OutHeader>(0)->out_of_memory.load(std::memory_order_acquire);
-  if (ended && RanOutOfMemory(end, header.memory_bytes)) {
+  if (loss.hung) {
+    loss.why = stuck_workers != 0 ? fmt::format("did not return within {:g} s", ToSeconds(options_.deadline))
+                                  : fmt::format("gave no answer for {:g} s while no controller was at work",
+                                                ToSeconds(options_.silence));
+  } else if (RanOutOfMemory(end, header.memory_bytes)) {
     loss.why = fmt::format(
         "ran out of memory: all controllers together may use {} MiB (serve --controller-memory MIB allows "
         "more)",
         header.memory_bytes >> 20);
     // Others may have been at work, but it was this one that wanted more.
-    const auto it = std::find(loss.suspects.begin(), loss.suspects.end(), starved - 1);
-    if (starved > 0 && it != loss.suspects.end()) loss.suspects = {starved - 1};
+    const std::uint32_t starved = areas_.out_header().out_of_memory.load(std::memory_order_acquire) - 1;
+    if (std::find(loss.suspects.begin(), loss.suspects.end(), starved) != loss.suspects.end()) {
+      loss.suspects = {starved};
+    }
+  } else {
+    loss.why = end.ToString();
+    loss.by_others = end.by_others();
   }
-  loss_ = std::move(loss);
+  return loss;
 }
 
-void ChildBackend::Finish(const Order& order) {
-  for (;;) {
-    std::vector<std::uint32_t> open;
-    for (const std::uint32_t item : order.items) {
-      if (IsOpen(order, item)) open.push_back(item);
-    }
-    if (open.empty()) return;
-    if (IsInterrupted() && loss_) return StopAll(order, "was ended with the daemon");
-    if (unexplained_ > kMaxUnexplained) {
-      return StopAll(order,
-                     "could not run: its process " + (loss_ ? loss_->why : std::string("does not start")));
-    }
-    if (losses_ > kMaxLosses) {
-      return StopAll(order, fmt::format("could not go on: its process {} {} times and no controller was to "
-                                        "blame; has one of them threads of its own?",
-                                        loss_ ? loss_->why : "ended", std::exchange(losses_, 0)));
-    }
-    if (!process_ && !Revive(order)) continue;
-    if (!alone_.empty()) {
-      const std::uint32_t item = alone_.front();
-      alone_.pop_front();
-      if (!IsOpen(order, item)) continue;
-      const bool done = SendList(order.operation, {item}, 1);
-      NoteDone(order);
-      if (!done) Judge(order, order.operation, true);
-      continue;
-    }
-    const bool done = SendList(order.operation, open, options_.threads);
-    NoteDone(order);
-    if (done) return;
-    Judge(order, order.operation, false);
-  }
-}
-
-bool ChildBackend::Revive(const Order& order) {
+std::optional<ChildBackend::Loss> ChildBackend::Start() {
   InHeader& header = areas_.header();
-  OutHeader& out = *areas_.out.At<OutHeader>(0);
+  OutHeader& out = areas_.out_header();
   header.go.store(ticket_ = 0);
   out.reply.store(0);
   for (WorkerProgress& worker : out.workers) worker.word.store(0);
   out.out_of_memory.store(0);
-  areas_.left = SharedArea();
   try {
     process_ = std::make_unique<ChildProcess>(*options_.launcher, areas_.in.fd(), areas_.out.fd());
     same_core_.emplace(process_->pid());
   } catch (const std::exception& exception) {
-    StopAll(order, std::string("could not run: its process cannot be started: ") + exception.what());
-    return false;
+    StopAll(std::string("could not run: its process cannot be started: ") + exception.what());
+    return std::nullopt;
   }
-  std::vector<std::uint32_t> files, robots;
-  for (std::uint32_t file = 0; file < files_.size(); ++file) {
-    if (files_[file].loaded && !files_[file].out) files.push_back(file);
-  }
-  for (std::uint32_t robot = 0; robot < robots_.size(); ++robot) {
-    if (!robots_[robot].created || robots_[robot].out) continue;
-    robots.push_back(robot);
-    // What it has finished in this operation stays finished; else it starts from the operation before.
-    const bool done = areas_.result(robot).done.load(std::memory_order_acquire) == header.serial;
-    areas_.setup(robot).restore = static_cast<std::int32_t>((done ? header.serial : header.serial - 1) & 1);
-  }
-  if (!files.empty() && !SendList(Operation::kLoad, files, options_.threads)) {
-    Judge(order, Operation::kLoad, true);
-    return false;
-  }
-  for (const std::uint32_t file : files) {
+  // What the areas were laid out for.
+  const auto shape = [this](std::uint32_t file) {
     const FileResult& result = areas_.file_result(file);
-    if (result.refused == 0 && Shape::Of(result) == files_[file].shape) continue;
-    StopFile(order, file, "was changed on disk while it ran: reset starts the new one");
+    return std::array{result.refused, result.readings, result.state_size, result.option_count};
+  };
+  std::vector<std::uint32_t> files, robots;
+  std::vector<std::array<std::uint32_t, 4>> shapes;
+  for (std::uint32_t file = 0; file < files_.size(); ++file) {
+    if (areas_.file_result(file).done == 0 || shape(file)[0] != 0 || files_[file].out) continue;
+    files.push_back(file);
+    shapes.push_back(shape(file));
   }
-  std::erase_if(robots, [this](std::uint32_t robot) { return robots_[robot].out; });
+  if (std::optional<Loss> loss = Send(Operation::kLoad, files, options_.threads)) return loss;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (shape(files[i]) != shapes[i])
+      StopFile(files[i], "was changed on disk while it ran: reset starts the new one");
+  }
+  for (std::uint32_t robot = 0; robot < robot_out_.size(); ++robot) {
+    const RobotResult& result = areas_.result(robot);
+    const std::uint64_t done = result.done.load(std::memory_order_acquire);
+    if (done == 0 || Once(result.failed) != 0 || robot_out_[robot]) continue;
+    robots.push_back(robot);
+    // It goes on from the operation that it finished last, whether that is the present one or not.
+    areas_.setup(robot).restore = static_cast<std::int32_t>(done & 1);
+  }
   header.reviving = 1;
-  const bool created = robots.empty() || SendList(Operation::kCreate, robots, options_.threads);
+  std::optional<Loss> loss = Send(Operation::kCreate, robots, options_.threads);
   header.reviving = 0;
-  if (!created) {
-    Judge(order, Operation::kCreate, true);
-    return false;
-  }
-  return true;
+  return loss;
 }
 
-void ChildBackend::Judge(const Order& order, Operation operation, bool alone) {
-  const Loss loss = *loss_;
-  if (!loss.by_others) {
-    ++losses_;
-    calm_steps_ = 0;
-  }
-  if (loss.suspects.empty()) {
-    ++unexplained_;
-    logger_->warn("the controllers' process {}: a new one goes on from where it was", loss.why);
-    return;
-  }
-  if (loss.by_others && operation != Operation::kStep) {
-    ++unexplained_;  // again, but not for ever
-    return;
-  }
-  // Several were at work, or somebody killed it: who did it will show when they are tried one by one.
-  if (operation == Operation::kStep && !alone && (loss.suspects.size() > 1 || loss.by_others)) {
-    logger_->warn("the controllers' process {}: a new one goes on from where it was", loss.why);
-    alone_.insert(alone_.end(), loss.suspects.begin(), loss.suspects.end());
-    return;
-  }
-  losses_ = 0;
+void ChildBackend::Judge(const Loss& loss) {
+  const Operation operation = areas_.header().operation;
+  std::vector<std::uint32_t> guilty;
   for (const std::uint32_t item : loss.suspects) {
-    if (operation == Operation::kLoad) {
-      StopFile(order, item, loss.why + " while it was loaded");
-    } else {
-      BlameRobot(item, loss);
-    }
+    const bool again = std::find(suspected_.begin(), suspected_.end(), item) != suspected_.end();
+    const bool only_one = loss.suspects.size() == 1 || operation != Operation::kStep;
+    if (only_one && (!loss.by_others || (again && operation == Operation::kStep))) guilty.push_back(item);
   }
+  if (!guilty.empty()) {
+    losses_ = 0;
+    for (const std::uint32_t item : guilty) {
+      if (operation == Operation::kLoad) {
+        StopFile(item, loss.why + " while it was loaded");
+      } else {
+        BlameRobot(item, loss);
+      }
+    }
+    return;
+  }
+  calm_steps_ = 0;
+  if (++losses_ > kMaxLosses) {
+    return StopAll(
+        fmt::format("could not go on: its process {} {} times and no controller was to blame; does "
+                    "one of them start its own threads?",
+                    loss.why, std::exchange(losses_, 0)));
+  }
+  logger_->warn("the controllers' process {}: a new one goes on from where it was", loss.why);
+  // Several were at work, or somebody else killed it: one at a time will show who did it.
+  trial_ = true;
+  if (operation == Operation::kStep)
+    suspected_.insert(suspected_.end(), loss.suspects.begin(), loss.suspects.end());
 }
 
 void ChildBackend::BlameRobot(std::uint32_t robot, const Loss& loss) {
   StopRobot(robot, loss.why);
-  FileState& file = files_[areas_.setup(robot).file];
-  int& count = loss.hung ? file.hangs : file.crashes;
+  const std::uint32_t file = areas_.setup(robot).file;
+  int& count = loss.hung ? files_[file].hangs : files_[file].crashes;
   if (++count < (loss.hung ? kMaxHangs : kMaxCrashes)) return;
-  for (std::uint32_t other = 0; other < robots_.size(); ++other) {
-    if (&files_[areas_.setup(other).file] != &file) continue;
+  for (std::uint32_t other = 0; other < robot_out_.size(); ++other) {
+    if (areas_.setup(other).file != file) continue;
     StopRobot(other, fmt::format("is stopped on all robots: on {} it {}", count, loss.why));
   }
 }
 
-void ChildBackend::StopFile(const Order& order, std::uint32_t file, const std::string& why) {
+void ChildBackend::StopFile(std::uint32_t file, const std::string& why) {
   files_[file].out = true;
-  if (order.operation == Operation::kLoad) {
+  if (operation_ == Operation::kLoad) {
     casualties_.push_back({file, why});
     return;
   }
-  for (std::uint32_t robot = 0; robot < robots_.size(); ++robot) {
+  for (std::uint32_t robot = 0; robot < robot_out_.size(); ++robot) {
     if (areas_.setup(robot).file == file) StopRobot(robot, why);
   }
 }
 
 void ChildBackend::StopRobot(std::uint32_t robot, const std::string& why) {
-  if (robots_[robot].out) return;
-  robots_[robot].out = true;
+  if (robot_out_[robot]) return;
+  robot_out_[robot] = true;
   casualties_.push_back({robot, why});
 }
 
-void ChildBackend::StopAll(const Order& order, const std::string& why) {
-  if (order.operation == Operation::kLoad) {
-    for (const std::uint32_t file : order.items) {
-      if (IsOpen(order, file)) StopFile(order, file, why);
+void ChildBackend::StopAll(const std::string& why) {
+  if (operation_ == Operation::kLoad) {
+    for (const std::uint32_t file : open_) {
+      if (IsOpen(file)) StopFile(file, why);
     }
     return;
   }
-  for (std::uint32_t robot = 0; robot < robots_.size(); ++robot) StopRobot(robot, why);
+  for (std::uint32_t robot = 0; robot < robot_out_.size(); ++robot) StopRobot(robot, why);
 }
 
-void ChildBackend::NoteDone(const Order& order) {
-  for (const std::uint32_t item : order.items) {
-    if (!IsDone(order.operation, item)) continue;
-    if (order.operation == Operation::kLoad) {
-      files_[item].loaded = areas_.file_result(item).refused == 0;
-      files_[item].shape = Shape::Of(areas_.file_result(item));
-    }
-    if (order.operation == Operation::kCreate) robots_[item].created = areas_.result(item).failed == 0;
-    if (order.operation == Operation::kStep && areas_.result(item).failed != 0) robots_[item].created = false;
-  }
-}
-
-bool ChildBackend::IsOpen(const Order& order, std::uint32_t item) const {
-  const bool out = order.operation == Operation::kLoad ? files_[item].out : robots_[item].out;
-  return !out && !IsDone(order.operation, item);
+bool ChildBackend::IsOpen(std::uint32_t item) const {
+  const bool out = operation_ == Operation::kLoad ? files_[item].out : robot_out_[item];
+  return !out && !IsDone(operation_, item);
 }
 
 bool ChildBackend::IsDone(Operation operation, std::uint32_t item) const {
-  const std::uint64_t serial = areas_.header().serial;
-  if (operation == Operation::kLoad) {
-    return areas_.file_result(item).done.load(std::memory_order_acquire) == serial;
-  }
-  return areas_.result(item).done.load(std::memory_order_acquire) == serial;
+  const std::atomic<std::uint64_t>& done =
+      operation == Operation::kLoad ? areas_.file_result(item).done : areas_.result(item).done;
+  return done.load(std::memory_order_acquire) == areas_.header().serial;
 }
 
 }  // namespace coopdyn

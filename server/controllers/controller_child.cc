@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/controllers/controller_child.h"
-
-#include <fcntl.h>
+// The template process and its copies, in which controllers run.
 #include <poll.h>
 #include <pthread.h>
 #include <sys/prctl.h>
@@ -17,44 +15,14 @@
 #include <cstring>
 #include <exception>
 #include <memory>
-#include <stdexcept>
-#include <thread>
-#include <vector>
 
-#include "server/controllers/child_launcher.h"
-#include "server/controllers/futex.h"
+#include "server/controllers/child_process.h"
 #include "server/controllers/runner.h"
 #include "server/controllers/shared_area.h"
 
 namespace coopdyn {
 
 namespace {
-
-/// Ends the process when the other end of `socket` is closed, whatever the controllers are doing: the daemon
-/// is gone. (PR_SET_PDEATHSIG would act at the end of the thread that started us.) `socket` shut down on our
-/// side ends only the wait.
-class ParentWatch {
- public:
-  explicit ParentWatch(int socket) : socket_(socket), thread_([this] { Watch(); }) {}
-  ~ParentWatch() {
-    ending_ = true;
-    shutdown(socket_, SHUT_RDWR);
-  }
-  ParentWatch(const ParentWatch&) = delete;
-  ParentWatch& operator=(const ParentWatch&) = delete;
-
- private:
-  void Watch() {
-    pollfd hangup{socket_, POLLRDHUP, 0};
-    while (poll(&hangup, 1, -1) < 0 && errno == EINTR) {
-    }
-    if (!ending_) _exit(0);
-  }
-
-  const int socket_;
-  std::atomic<bool> ending_{false};
-  std::jthread thread_;  // last: joined first
-};
 
 /// Crashes are reported by the daemon; a core file for each would fill the disk.
 void NoCoreFiles() {
@@ -65,46 +33,8 @@ void NoCoreFiles() {
   setrlimit(RLIMIT_CORE, &limit);
 }
 
-/// What a batch system or a terminal sends to all processes at once is for the daemon, which ends us in
-/// order. Programs that a controller starts are signalled as usual.
-void LeaveSignalsToDaemon() {
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) std::signal(signal, [](int) {});
-}
-
-/// The files that a copy serves: its socket and the areas.
-struct Files {
-  int socket = -1, in = -1, out = -1;
-};
-
-/// Other areas, from the daemon: the files that come with the next byte.
-void TakeAreas(Files& files) {
-  std::array<int, 2> areas{-1, -1};
-  char byte = 0;
-  iovec bytes{&byte, 1};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(areas))> room{};
-  msghdr message{};
-  message.msg_iov = &bytes;
-  message.msg_iovlen = 1;
-  message.msg_control = room.data();
-  message.msg_controllen = room.size();
-  ssize_t got = 0;
-  do {
-    got = recvmsg(files.socket, &message, MSG_CMSG_CLOEXEC);
-  } while (got < 0 && errno == EINTR);
-  const cmsghdr* header = CMSG_FIRSTHDR(&message);
-  if (got != 1 || header == nullptr || header->cmsg_type != SCM_RIGHTS ||
-      header->cmsg_len != CMSG_LEN(sizeof(areas))) {
-    throw std::runtime_error("the daemon sent no areas");
-  }
-  std::memcpy(areas.data(), CMSG_DATA(header), sizeof(areas));
-  close(files.in);
-  close(files.out);
-  files.in = areas[0];
-  files.out = areas[1];
-}
-
-/// Controllers get no more than `bytes` of memory beyond what the process has now, and the system ends this
-/// process rather than another when it has none left itself.
+/// Controllers get no more than `bytes` of memory beyond what the process has now. When the system itself
+/// runs out, it ends this process rather than another.
 void LimitMemory([[maybe_unused]] std::uint64_t bytes) {
   if (std::FILE* file = std::fopen("/proc/self/oom_score_adj", "w"); file != nullptr) {
     std::fputs("1000", file);
@@ -123,45 +53,43 @@ void LimitMemory([[maybe_unused]] std::uint64_t bytes) {
 #endif
 }
 
-[[noreturn]] void Serve(Files files) {
-  const ParentWatch watch(files.socket);
-  SharedArea in(files.in, false), out(files.out, true);
+/// The files of the areas `in` and `out`.
+using Files = std::array<int, 2>;
+
+[[noreturn]] void Serve(const Files& files) {
+  Areas areas{{files[0], false}, {files[1], true}};
   auto runner = std::make_unique<Runner>();
   std::unique_ptr<WorkerPool> pool;
   for (std::uint32_t seen = 0;;) {
-    const InHeader& header = *in.At<InHeader>(0);
-    while (header.go.load(std::memory_order_acquire) == seen) FutexWait(header.go, seen, 0);
-    const std::uint32_t go = header.go.load(std::memory_order_acquire);
-    if (header.operation == Operation::kMove) {
-      TakeAreas(files);
-      in = SharedArea(files.in, false);
-      out = SharedArea(files.out, true);
-      continue;  // the next operation may be there already
-    }
-    seen = go;
+    const std::atomic<std::uint32_t>& go = areas.header().go;
+    while (go.load(std::memory_order_acquire) == seen) FutexWait(go, seen, 0);
+    seen = go.load(std::memory_order_acquire);
+    areas.in.Remap(areas.header().in_bytes);
+    areas.out.Remap(areas.header().out_bytes);
+    const InHeader& header = areas.header();
     if (!pool) {
       pool = std::make_unique<WorkerPool>(static_cast<int>(header.workers));
       LimitMemory(header.memory_bytes);
       Runner::EndWithoutMemory();
     }
     const bool last = header.operation == Operation::kEnd;
-    runner->Run(in.data(), out.data(), *pool);
+    runner->Run(areas, *pool);
     if (last) {
-      // Unloads the controllers. After the answer the next ones may begin, and this process is not waited
-      // for.
+      // Unloads the controllers: after the answer the next set may begin, and nobody waits for this process.
       runner.reset();
       std::fflush(nullptr);
     }
-    std::atomic<std::uint32_t>& reply = out.At<OutHeader>(0)->reply;
+    std::atomic<std::uint32_t>& reply = areas.out_header().reply;
     reply.store(seen, std::memory_order_release);
     FutexWake(reply);
-    // Not by way of our own static objects: that takes longer than a new process does to begin.
-    if (last) _exit(0);
+    if (last) _exit(0);  // to destroy our own static objects takes longer than to start a new process
   }
 }
 
 /// The main program of a copy.
-int RunCopy(const Files& files) {
+int RunCopy(const Files& files, pid_t its_template) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends with the template, whatever the controllers are doing
+  if (getppid() != its_template) return 1;
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -178,67 +106,40 @@ int RunCopy(const Files& files) {
   }
 }
 
-/// Copies that the daemon does not ask for any more.
-class LeftCopies {
- public:
-  /// Lets the end of a copy interrupt AwaitRequest(), and nothing else.
-  LeftCopies() {
-    sigset_t ends;
-    sigemptyset(&ends);
-    sigaddset(&ends, SIGCHLD);
-    sigprocmask(SIG_BLOCK, &ends, &before_);
-    struct sigaction action {};
-    action.sa_handler = [](int) {};
-    sigaction(SIGCHLD, &action, nullptr);
-  }
-  void Add(pid_t pid) { pids_.push_back(pid); }
-  /// Until there is something to read; lets go of those that have ended.
-  void AwaitRequest(int socket) {
-    pollfd request{socket, POLLIN, 0};
-    do {
-      std::erase_if(pids_, [](pid_t pid) { return waitpid(pid, nullptr, WNOHANG) != 0; });
-    } while (ppoll(&request, 1, nullptr, &before_) < 0 && errno == EINTR);
-  }
-
- private:
-  sigset_t before_{};
-  std::vector<pid_t> pids_;
-};
-
-/// The next request with its files, if it has any. False: the daemon is gone.
-bool Receive(int socket, LeftCopies& left, LaunchRequest& request, Files& files) {
-  iovec bytes{&request, sizeof(request)};
+/// The files that come with the next message. False: the daemon is gone.
+bool Receive(int socket, Files& files) {
+  char byte = 0;
+  iovec bytes{&byte, 1};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(files))> room{};
   msghdr message{};
   message.msg_iov = &bytes;
   message.msg_iovlen = 1;
   message.msg_control = room.data();
   message.msg_controllen = room.size();
-  ssize_t got = 0;
-  left.AwaitRequest(socket);
-  do {
-    got = recvmsg(socket, &message, 0);
-  } while (got < 0 && errno == EINTR);
-  if (got != sizeof(request)) return false;
+  if (TEMP_FAILURE_RETRY(recvmsg(socket, &message, 0)) != 1) return false;
   const cmsghdr* header = CMSG_FIRSTHDR(&message);
-  if (header != nullptr && header->cmsg_type == SCM_RIGHTS && header->cmsg_len == CMSG_LEN(sizeof(files))) {
-    std::memcpy(&files, CMSG_DATA(header), sizeof(files));
+  if (header == nullptr || header->cmsg_type != SCM_RIGHTS || header->cmsg_len != CMSG_LEN(sizeof(files))) {
+    return false;
   }
+  std::memcpy(&files, CMSG_DATA(header), sizeof(files));
   return true;
 }
 
-LaunchReply AwaitEnd(pid_t pid) {
-  LaunchReply reply;
+/// Tells the daemon which copies have ended.
+void ReportEnds(int socket) {
+  CopyReport report;
+  report.ended = true;
+  int status = 0;
   rusage usage{};
-  do {
-    reply.pid = wait4(pid, &reply.status, 0, &usage);
-  } while (reply.pid < 0 && errno == EINTR);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  reply.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  reply.memory_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
-  return reply;
+  while ((report.pid = wait4(-1, &status, WNOHANG, &usage)) > 0) {
+    const auto seconds = [](const timeval& time) {
+      return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    };
+    report.end = ChildEnd::Of(status);
+    report.end.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    report.end.memory_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
+    send(socket, &report, sizeof(report), MSG_NOSIGNAL);
+  }
 }
 
 }  // namespace
@@ -252,32 +153,31 @@ int RunControllerChild(int fd) {
     return 2;
   }
   NoCoreFiles();
-  LeaveSignalsToDaemon();
+  // What a batch system or a terminal sends to all processes is for the daemon, which ends us in order.
+  // Programs that a controller starts are signalled as usual: a handler does not outlive exec().
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGCHLD}) std::signal(signal, [](int) {});
   prctl(PR_SET_NAME, "coopdyn-ctrl-0");
-  LeftCopies left;
-  LaunchRequest request;
-  for (Files files; Receive(fd, left, request, files); files = {}) {
-    if (request.kind == LaunchRequest::Kind::kLeave) {
-      left.Add(request.pid);
-      continue;
+  sigset_t ends, before;
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGCHLD);
+  sigprocmask(SIG_BLOCK, &ends, &before);
+  for (;;) {
+    ReportEnds(fd);
+    pollfd request{fd, POLLIN, 0};
+    if (ppoll(&request, 1, nullptr, &before) < 0) continue;  // a copy has ended, or a signal for the daemon
+    Files files{};
+    if (!Receive(fd, files)) return 0;
+    CopyReport report;
+    const pid_t self = getpid();
+    report.pid = fork();
+    report.error = errno;
+    if (report.pid == 0) {
+      close(fd);
+      return RunCopy(files, self);
     }
-    LaunchReply reply;
-    if (request.kind == LaunchRequest::Kind::kAwaitEnd) {
-      reply = AwaitEnd(request.pid);
-    } else {
-      reply.pid = fork();
-      reply.error = errno;
-      if (reply.pid == 0) {
-        close(fd);
-        return RunCopy(files);
-      }
-    }
-    for (const int file : {files.socket, files.in, files.out}) {
-      if (file >= 0) close(file);
-    }
-    if (send(fd, &reply, sizeof(reply), MSG_NOSIGNAL) != sizeof(reply)) break;
+    for (const int file : files) close(file);
+    if (send(fd, &report, sizeof(report), MSG_NOSIGNAL) != sizeof(report)) return 0;
   }
-  return 0;
 }
 
 }  // namespace coopdyn

@@ -2,26 +2,33 @@
 #include "server/controllers/controller_host.h"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "server/controllers/option_values.h"
+#include "server/controllers/runner.h"
 #include "server/model/drive.h"
 
 namespace coopdyn {
 
 namespace {
 
+const ControllerChoice& ChoiceOf(const RobotEntry& entry) {
+  return entry.controller;
+}
+const ControllerChoice& ChoiceOf(const SceneRobot& robot) {
+  return robot.entry.controller;
+}
+
 /// The shared objects that the robots name, each once, in the order of first use.
-template <typename Robots, typename GetChoice>
-std::vector<std::string> FilesOf(const Robots& robots, GetChoice choice_of) {
+template <typename Robots>
+std::vector<std::string> FilesOf(const Robots& robots) {
   std::vector<std::string> files;
   std::set<std::string> known;
   for (const auto& robot : robots) {
-    const ControllerChoice& choice = choice_of(robot);
+    const ControllerChoice& choice = ChoiceOf(robot);
     if (!choice.empty() && !choice.file.empty() && known.insert(choice.file).second)
       files.push_back(choice.file);
   }
@@ -58,21 +65,18 @@ std::unique_ptr<ControllerSet> ControllerHost::SetOf(std::vector<std::string> fi
 }
 
 void ControllerHost::Check(const Scenario& scenario, Diagnostics& diagnostics) {
-  const auto choice_of = [](const RobotEntry& entry) -> const ControllerChoice& { return entry.controller; };
-  std::vector<std::string> files = FilesOf(scenario.robots, choice_of);
+  std::vector<std::string> files = FilesOf(scenario.robots);
   if (files.empty()) return;
   // In this process what is loaded already is taken for what is on disk now, until it is let go.
   stale_ = options_.in_process && set_ && !set_->is_fresh();
   checked_ = SetOf(std::move(files));
-  std::map<std::string, const LoadedController*> loaded;
-  for (const LoadedController& one : checked_->loaded()) loaded[one.file] = &one;
   // All robots of a swarm share a line.
   std::set<std::pair<int, std::string>> said;
   for (const RobotEntry& entry : scenario.robots) {
     const ControllerChoice& choice = entry.controller;
-    const auto found = loaded.find(choice.file);
-    if (choice.empty() || found == loaded.end()) continue;
-    const LoadedController& one = *found->second;
+    const int file = checked_->IndexOf(choice.file);
+    if (choice.empty() || file < 0) continue;
+    const LoadedController& one = checked_->loaded()[static_cast<std::size_t>(file)];
     if (!one.description) {
       const std::string text = "controller " + choice.name + " " + one.why + "; its robots will stand";
       if (said.emplace(choice.where.line, text).second) diagnostics.Warning(choice.where, text);
@@ -112,10 +116,7 @@ void ControllerHost::Configure(const FramePtr& frame) {
 
 void ControllerHost::Create(const FramePtr& frame) {
   scene_ = frame->scene;
-  const auto choice_of = [](const SceneRobot& robot) -> const ControllerChoice& {
-    return robot.entry.controller;
-  };
-  std::vector<std::string> files = FilesOf(scene_->robots, choice_of);
+  std::vector<std::string> files = FilesOf(scene_->robots);
   std::vector<ControlledRobot> robots;
   try {
     if (!files.empty()) set_ = SetOf(std::move(files));
@@ -124,19 +125,18 @@ void ControllerHost::Create(const FramePtr& frame) {
       if (driven.status != Status::kDrives) continue;
       const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(driven.robot)];
       const ControllerChoice& choice = robot.entry.controller;
-      std::uint32_t file = 0;
-      while (set_ && file < set_->loaded().size() && set_->loaded()[file].file != choice.file) ++file;
-      if (!set_ || file == set_->loaded().size()) {
+      const int file = set_ ? set_->IndexOf(choice.file) : -1;
+      if (file < 0) {
         Stop(driven, "was not found");
         continue;
       }
-      const LoadedController& loaded = set_->loaded()[file];
+      const LoadedController& loaded = set_->loaded()[static_cast<std::size_t>(file)];
       if (!loaded.description) {
         Stop(driven, loaded.why);
         continue;
       }
-      if (const std::vector<std::string> faults = CheckOptions(choice, *loaded.description);
-          !faults.empty()) {
+      const std::vector<std::string> faults = CheckOptions(choice, *loaded.description);
+      if (!faults.empty()) {
         Stop(driven, "was not started: " + faults.front());
         continue;
       }
@@ -149,7 +149,8 @@ void ControllerHost::Create(const FramePtr& frame) {
       driven_of_slot_.push_back(i);
       std::span<const std::byte> state;
       if (driven.restored) state = *driven.restored;
-      robots.push_back({file, &robot, OptionValues(choice, *loaded.description), state});
+      robots.push_back(
+          {static_cast<std::uint32_t>(file), &robot, OptionValues(choice, *loaded.description), state});
     }
     if (set_) StopCasualties(set_->Create(robots, frame->seed));
   } catch (const std::exception& exception) {
@@ -194,33 +195,28 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     times_.control += clock_.Now() - sensed;
   }
   bool stopped = false;
-  const Areas* areas = set_ ? &set_->areas() : nullptr;
   for (Driven& driven : driven_) {
     if (driven.status == Status::kUnloaded || driven.robot < 0) continue;
     const std::span<Setpoint> wheels = setpoints.subspan(driven.wheels, 2);
     std::ranges::fill(wheels, Setpoint{});
     if (driven.status != Status::kDrives) continue;
-    // The child has looked already; since then somebody may have written there, and may still do.
-    const RobotResult& result = areas->result(driven.slot);
-    const double forward_m_s = Once(result.forward_m_s), turn_rad_s = Once(result.turn_rad_s);
-    SentMessage sent;
-    sent.robot = static_cast<std::uint32_t>(driven.robot);
-    sent.step = frame->step + 1;
-    sent.message.count = Once(result.message_count);
-    bool sound = std::isfinite(forward_m_s) && std::isfinite(turn_rad_s) &&
-                 sent.message.count <= RobotMessage::kMaxValues;
-    for (std::uint32_t i = 0; sound && i < sent.message.count; ++i) {
-      sent.message.values[i] = Once(result.message[i]);
-      sound = std::isfinite(sent.message.values[i]);
-    }
-    if (!sound) {
+    // The child has checked it already, but a controller may write there at any time.
+    const coopdyn_command command = Once(set_->areas().result(driven.slot).command);
+    if (!Fault(command).empty()) {
       Stop(driven, "had its command overwritten by another controller");
       stopped = true;
       continue;
     }
     double factor = 1;
-    std::ranges::copy(SetpointsFor(WheelsFor(driven.drive, forward_m_s, turn_rad_s, factor)), wheels.begin());
-    if (sent.message.count > 0) messages.push_back(sent);
+    const auto speeds = WheelsFor(driven.drive, command.forward_m_s, command.turn_rad_s, factor);
+    std::ranges::copy(SetpointsFor(speeds), wheels.begin());
+    if (command.message_count == 0) continue;
+    SentMessage sent;
+    sent.robot = static_cast<std::uint32_t>(driven.robot);
+    sent.step = frame->step + 1;
+    sent.message.count = command.message_count;
+    std::copy_n(command.message, command.message_count, sent.message.values.begin());
+    messages.push_back(sent);
   }
   if (stopped) ListItems();
 }

@@ -7,16 +7,23 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <numeric>
 #include <utility>
 
 #include "server/base/printable.h"
 #include "server/controllers/child_backend.h"
+#include "server/controllers/runner.h"
 
 namespace coopdyn {
 
 namespace {
 
 constexpr std::size_t kPage = 4096;
+
+/// Without a slash dlopen() would look elsewhere.
+std::string Path(const std::string& file) {
+  return std::filesystem::absolute(file).string();
+}
 
 /// When `file` was last written, ns; -1: it is not there.
 std::int64_t WrittenAt(const std::string& file) {
@@ -25,6 +32,31 @@ std::int64_t WrittenAt(const std::string& file) {
   return status.st_mtim.tv_sec * kNanosecondsPerSecond + status.st_mtim.tv_nsec;
 }
 
+std::vector<std::uint32_t> FirstNumbers(std::size_t count) {
+  std::vector<std::uint32_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  return numbers;
+}
+
+/// In this process, with as many threads as its pool has.
+class InProcessBackend final : public Backend {
+ public:
+  InProcessBackend(Areas& areas, WorkerPool& pool, int threads)
+      : areas_(areas), pool_(pool), threads_(threads) {}
+  ~InProcessBackend() override { Run(Operation::kEnd, {}); }
+  std::vector<Casualty> Run(Operation operation, std::span<const std::uint32_t> items) override {
+    areas_.Order(operation, items, threads_);
+    runner_.Run(areas_, pool_);
+    return {};
+  }
+
+ private:
+  Areas& areas_;
+  WorkerPool& pool_;
+  const int threads_;
+  Runner runner_;
+};
+
 /// The text that another process has left there, printable.
 std::string TextAt(const char* shared, std::size_t size) {
   std::string text(shared, size);
@@ -32,14 +64,13 @@ std::string TextAt(const char* shared, std::size_t size) {
   return Printable(text);
 }
 
-/// The file's result, which another process has written: nothing in it is trusted to be sound.
-LoadedController Take(std::string file, const FileResult& result) {
-  LoadedController loaded{std::move(file), std::nullopt, ""};
+/// From the file's result, which another process has written: nothing in it is trusted to be sound.
+void Describe(const FileResult& result, LoadedController& loaded) {
   if (Once(result.refused) != 0) {
     loaded.why = "cannot be used: " + TextAt(result.why, sizeof(result.why));
-    return loaded;
+    return;
   }
-  ControllerDescription description;
+  ControllerDescription& description = loaded.description.emplace();
   description.help = TextAt(result.help, sizeof(result.help));
   description.readings = Once(result.readings);
   description.state_size = std::min<std::uint32_t>(Once(result.state_size), COOPDYN_MAX_STATE);
@@ -49,8 +80,6 @@ LoadedController Take(std::string file, const FileResult& result) {
     description.options.push_back({TextAt(option.name, kNameSize), TextAt(option.help, kTextSize),
                                    Once(option.value), Once(option.min), Once(option.max)});
   }
-  loaded.description = std::move(description);
-  return loaded;
 }
 
 }  // namespace
@@ -62,55 +91,42 @@ std::uint64_t DefaultControllerMemory() {
 
 ControllerSet::ControllerSet(std::vector<std::string> files, const ControllerOptions& options,
                              const Clock& clock, const Logger& logger, WorkerPool& pool)
-    : pool_(pool), threads_(std::clamp<int>(options.threads, 1, kMaxWorkers)) {
-  Layout in(kPage), out;
-  InHeader header{};
-  out.Add<OutHeader>(1);
-  header.file_count = static_cast<std::uint32_t>(files.size());
-  header.files = in.Add<FileSetup>(files.size());
-  header.file_results = out.Add<FileResult>(files.size());
-  items_ = in.Add<std::uint32_t>(files.size());
-  const Place spare_items = in.Add<std::uint32_t>(files.size());
-  std::vector<std::string> paths;
-  std::vector<Place> places;
-  for (const std::string& file : files) {
-    written_.push_back(WrittenAt(file));
-    // Without a slash dlopen() would look elsewhere.
-    paths.push_back(std::filesystem::absolute(file).string());
-    places.push_back(in.Add<char>(paths.back().size() + 1));
-  }
-  areas_ = std::make_unique<Areas>();
-  areas_->in = SharedArea(in.end(), SharedArea::Others::kRead);
-  areas_->out = SharedArea(out.end(), SharedArea::Others::kWrite);
-  areas_->spare_items = spare_items;
-  readings_end_ = in.end();
-  InHeader& ours = areas_->header();
-  ours.file_count = header.file_count;
-  ours.share_from_ns = options.share_from;
-  ours.memory_bytes = options.memory_bytes;
-  ours.files = header.files;
-  ours.file_results = header.file_results;
-  std::vector<std::uint32_t> items(files.size());
-  for (std::uint32_t i = 0; i < files.size(); ++i) {
-    items[i] = i;
-    areas_->in.At<FileSetup>(ours.files)[i].path = places[i];
-    std::memcpy(areas_->in.At<char>(places[i]), paths[i].c_str(), paths[i].size() + 1);
-  }
+    : areas_{{kPage, SharedArea::Others::kRead}, {sizeof(OutHeader), SharedArea::Others::kWrite}} {
+  const int threads = std::clamp<int>(options.threads, 1, kMaxWorkers);
   if (options.in_process) {
-    backend_ = std::make_unique<InProcessBackend>(*areas_, pool);
+    backend_ = std::make_unique<InProcessBackend>(areas_, pool, threads);
   } else {
-    auto launcher = options.launcher;
-    if (launcher == nullptr) launcher = std::make_shared<ChildLauncher>(options.program);
-    backend_ = std::make_unique<ChildBackend>(
-        *areas_,
-        ChildBackend::Options{launcher, threads_, options.deadline, options.interrupted, options.silence},
-        clock, logger);
+    backend_ =
+        std::make_unique<ChildBackend>(areas_,
+                                       ChildBackend::Options{options.launcher, threads, options.deadline,
+                                                             options.interrupted, options.silence},
+                                       clock, logger);
   }
-  if (files.empty()) return;
-  Run(Operation::kLoad, items);
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    loaded_.push_back(Take(std::move(files[i]), areas_->file_result(static_cast<std::uint32_t>(i))));
+  const std::size_t count = files.size();
+  Layout in(kPage), out(sizeof(OutHeader));
+  const Place items = in.Add<std::uint32_t>(count), setups = in.Add<FileSetup>(count);
+  const Place results = out.Add<FileResult>(count);
+  std::vector<Place> paths;
+  for (std::string& file : files) {
+    written_.push_back(WrittenAt(file));
+    loaded_.push_back({std::move(file), std::nullopt, ""});
+    paths.push_back(in.Add<char>(Path(loaded_.back().file).size() + 1));
   }
+  readings_end_ = in.end();
+  areas_.Grow(in.end(), out.end());
+  InHeader& header = areas_.header();
+  header.file_count = static_cast<std::uint32_t>(count);
+  header.items = items;
+  header.files = setups;
+  header.file_results = results;
+  header.share_from_ns = options.share_from;
+  header.memory_bytes = options.memory_bytes;
+  for (std::size_t i = 0; i < count; ++i) {
+    areas_.in.At<FileSetup>(setups)[i].path = paths[i];
+    std::strcpy(areas_.in.At<char>(paths[i]), Path(loaded_[i].file).c_str());
+  }
+  Run(Operation::kLoad, FirstNumbers(count));
+  for (std::uint32_t i = 0; i < count; ++i) Describe(areas_.file_result(i), loaded_[i]);
   for (const Casualty& casualty : casualties_) {
     loaded_[casualty.item].description.reset();
     loaded_[casualty.item].why = casualty.why;
@@ -126,19 +142,37 @@ bool ControllerSet::is_fresh() const {
   return true;
 }
 
+int ControllerSet::IndexOf(const std::string& file) const {
+  for (std::size_t i = 0; i < loaded_.size(); ++i) {
+    if (loaded_[i].file == file) return static_cast<int>(i);
+  }
+  return -1;
+}
+
 std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> robots, std::uint64_t seed) {
   const std::size_t count = robots.size();
-  Layout in(readings_end_), out(areas_->out.bytes());
+  Layout in(readings_end_), out(areas_.out.bytes());
+  const Place items = in.Add<std::uint32_t>(std::max(count, loaded_.size()));
   const Place setups = in.Add<RobotSetup>(count);
   const Place readings = in.AddBytes(count * sizeof(RobotReadings), 64);
-  items_ = in.Add<std::uint32_t>(count);
-  areas_->spare_items = in.Add<std::uint32_t>(std::max(count, loaded_.size()));
   const Place results = out.AddBytes(count * sizeof(RobotResult), 64);
   const Place texts = out.Add<char>(count * kTextSize);
   std::vector<RobotSetup> setup(count);
   for (std::size_t i = 0; i < count; ++i) {
     const RobotModel& model = *robots[i].robot->entry.model;
     const std::size_t sensors = model.distance_sensors.size();
+    setup[i].robot = {robots[i].robot->id.value,
+                      nullptr,
+                      model.footprint_radius_m,
+                      model.drive()->wheel_radius_m,
+                      model.drive()->track_m,
+                      model.drive()->max_wheel_speed_rad_s,
+                      sensors,
+                      nullptr,
+                      nullptr,
+                      nullptr};
+    setup[i].file = robots[i].file;
+    setup[i].restore = kNoState;
     setup[i].name = in.Add<char>(robots[i].robot->entry.name.size() + 1);
     for (Place* place :
          {&setup[i].bearing_rad, &setup[i].opening_rad, &setup[i].max_m, &setup[i].distances}) {
@@ -149,105 +183,81 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     for (Place& place : setup[i].states) place = out.AddBytes(size, alignof(std::max_align_t));
   }
   readings_end_ = in.end();
-  areas_->Grow(in.end(), out.end());
+  areas_.Grow(in.end(), out.end());
 
-  InHeader& header = areas_->header();
+  InHeader& header = areas_.header();
   header.robot_count = static_cast<std::uint32_t>(count);
+  header.items = items;
   header.robots = setups;
   header.readings = readings;
   header.robot_results = results;
   header.texts = texts;
   header.seed = seed;
-  std::vector<std::uint32_t> items(count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const SceneRobot& robot = *robots[i].robot;
-    const RobotModel& model = *robot.entry.model;
-    setup[i].file = robots[i].file;
-    setup[i].id = robot.id.value;
-    setup[i].radius_m = model.footprint_radius_m;
-    setup[i].wheel_radius_m = model.drive()->wheel_radius_m;
-    setup[i].track_m = model.drive()->track_m;
-    setup[i].max_wheel_speed_rad_s = model.drive()->max_wheel_speed_rad_s;
-    setup[i].distance_count = model.distance_sensors.size();
-    setup[i].restore = kNoState;
-    std::memcpy(areas_->in.At<char>(setup[i].name), robot.entry.name.c_str(), robot.entry.name.size() + 1);
-    for (std::size_t sensor = 0; sensor < model.distance_sensors.size(); ++sensor) {
-      areas_->in.At<double>(setup[i].bearing_rad)[sensor] = model.distance_sensors[sensor].bearing_rad;
-      areas_->in.At<double>(setup[i].opening_rad)[sensor] = model.distance_sensors[sensor].opening_rad;
-      areas_->in.At<double>(setup[i].max_m)[sensor] = model.distance_sensors[sensor].max_range_m;
+    const RobotEntry& entry = robots[i].robot->entry;
+    std::strcpy(areas_.in.At<char>(setup[i].name), entry.name.c_str());
+    for (std::size_t k = 0; k < entry.model->distance_sensors.size(); ++k) {
+      const DistanceSensorModel& sensor = entry.model->distance_sensors[k];
+      areas_.in.At<double>(setup[i].bearing_rad)[k] = sensor.bearing_rad;
+      areas_.in.At<double>(setup[i].opening_rad)[k] = sensor.opening_rad;
+      areas_.in.At<double>(setup[i].max_m)[k] = sensor.max_range_m;
     }
-    std::copy(robots[i].options.begin(), robots[i].options.end(), areas_->in.At<double>(setup[i].options));
-    if (!robots[i].state.empty()) setup[i].restore = static_cast<std::int32_t>((header.serial + 1) & 1);
-    areas_->setup(i) = setup[i];
+    std::copy(robots[i].options.begin(), robots[i].options.end(), areas_.in.At<double>(setup[i].options));
     if (!robots[i].state.empty()) {
-      std::memcpy(areas_->out.At<std::byte>(setup[i].states[setup[i].restore]), robots[i].state.data(),
-                  robots[i].state.size());
+      setup[i].restore = static_cast<std::int32_t>((header.serial + 1) & 1);
+      std::copy(robots[i].state.begin(), robots[i].state.end(),
+                areas_.out.At<std::byte>(setup[i].states[setup[i].restore]));
     }
-    items[i] = i;
+    areas_.setup(i) = setup[i];
   }
-  Run(Operation::kCreate, items);
-  AddFailures(items);
+  RunRobots(Operation::kCreate, FirstNumbers(count));
   return std::exchange(casualties_, {});
 }
 
 std::span<const Casualty> ControllerSet::Step(const Frame& frame, std::span<const std::uint32_t> items) {
-  InHeader& header = areas_->header();
+  InHeader& header = areas_.header();
   header.seed = frame.seed;
   header.step = frame.step;
   header.time_s = frame.time_s();
   header.step_s = ToSeconds(frame.step_length);
-  Run(Operation::kStep, items);
-  AddFailures(items);
+  RunRobots(Operation::kStep, items);
   return casualties_;
 }
 
 std::span<const std::byte> ControllerSet::StateOf(std::uint32_t robot) const {
-  const RobotSetup& setup = areas_->setup(robot);
-  const std::uint64_t done = areas_->result(robot).done.load(std::memory_order_acquire);
-  return {areas_->out.At<std::byte>(setup.states[done & 1]), loaded_[setup.file].description->state_size};
+  const RobotSetup& setup = areas_.setup(robot);
+  const std::uint64_t done = areas_.result(robot).done.load(std::memory_order_acquire);
+  return {areas_.out.At<std::byte>(setup.states[done & 1]), loaded_[setup.file].description->state_size};
 }
 
 ControllerCost ControllerSet::slowest() const {
   ControllerCost slowest;
   for (std::uint32_t file = 0; file < loaded_.size(); ++file) {
     const auto took =
-        static_cast<Nanoseconds>(areas_->file_result(file).step_ns.load(std::memory_order_relaxed));
+        static_cast<Nanoseconds>(areas_.file_result(file).step_ns.load(std::memory_order_relaxed));
     if (took > slowest.per_step) slowest = {std::filesystem::path(loaded_[file].file).stem().string(), took};
   }
   return slowest;
 }
 
-int ControllerSet::child_pid() const {
-  const auto* child = dynamic_cast<const ChildBackend*>(backend_.get());
-  return child == nullptr ? -1 : child->pid();
-}
-
 void ControllerSet::Run(Operation operation, std::span<const std::uint32_t> items) {
-  InHeader& header = areas_->header();
-  header.operation = operation;
-  ++header.serial;
-  header.items = items_;
-  header.item_count = static_cast<std::uint32_t>(items.size());
-  header.workers = static_cast<std::uint32_t>(threads_);
-  std::copy(items.begin(), items.end(), areas_->in.At<std::uint32_t>(items_));
-  casualties_ = backend_->Run();
+  ++areas_.header().serial;
+  casualties_ = backend_->Run(operation, items);
 }
 
-void ControllerSet::AddFailures(std::span<const std::uint32_t> items) {
-  const InHeader& header = areas_->header();
+void ControllerSet::RunRobots(Operation operation, std::span<const std::uint32_t> items) {
+  Run(operation, items);
   const std::size_t lost = casualties_.size();
-  const RobotResult* results = areas_->out.At<RobotResult>(header.robot_results);
   for (const std::uint32_t item : items) {
-    const RobotResult& result = results[item];
-    const bool done = result.done.load(std::memory_order_acquire) == header.serial;
+    const RobotResult& result = areas_.result(item);
+    const bool done = result.done.load(std::memory_order_acquire) == areas_.header().serial;
     if (done && Once(result.failed) == 0) continue;
     const auto same = [item](const Casualty& casualty) { return casualty.item == item; };
     if (std::any_of(casualties_.begin(), casualties_.begin() + static_cast<std::ptrdiff_t>(lost), same))
       continue;
-    const char* text = areas_->out.At<char>(header.texts) + item * kTextSize;
     casualties_.push_back(
-        {item, done ? TextAt(text, kTextSize)
-                    : std::string("has no result: memory was overwritten, by it or by another")});
+        {item, done ? TextAt(areas_.text(item), kTextSize)
+                    : std::string("has no result: its memory was overwritten, by it or by another")});
   }
   for (const Casualty& casualty : casualties_) backend_->Drop(casualty.item);
 }

@@ -15,8 +15,9 @@
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
 #include "server/controllers/backend.h"
-#include "server/controllers/child_launcher.h"
-#include "server/controllers/plugin.h"
+#include "server/controllers/child_process.h"
+#include "server/controllers/option_values.h"
+#include "server/controllers/shared_area.h"
 #include "server/state/controller_driver.h"
 #include "server/state/frame.h"
 
@@ -34,7 +35,7 @@ struct ControllerOptions {
   Nanoseconds share_from = 200'000;                   // a step that takes longer is shared out to the threads
   const std::atomic<bool>* interrupted = nullptr;     // true: a step that hangs is given up at once
   std::string program = "/proc/self/exe";             // which becomes the child with `controller-child 3`
-  std::shared_ptr<ChildLauncher> launcher = nullptr;  // of the children; null: a set has its own
+  std::shared_ptr<ChildLauncher> launcher = nullptr;  // of the children; null: a host makes its own
 };
 
 /// A loaded shared object, or why it is none.
@@ -61,13 +62,15 @@ class ControllerSet {
 
   /// In the order of the files given.
   const std::vector<LoadedController>& loaded() const { return loaded_; }
+  /// The index of a file among them; -1: it is not.
+  int IndexOf(const std::string& file) const;
   /// No file has been written to since it was loaded.
   bool is_fresh() const;
 
   /// Makes the instances; call once. Returns which could not be made, and why. Robots are numbered as given.
   std::vector<Casualty> Create(std::span<const ControlledRobot> robots, std::uint64_t seed);
   /// The areas, to write readings into before Step(). Places may only be added behind `readings_end()`.
-  Areas& areas() { return *areas_; }
+  Areas& areas() { return areas_; }
   Place readings_end() const { return readings_end_; }
 
   /// The controller that took most of the last step that was timed.
@@ -83,21 +86,19 @@ class ControllerSet {
   void Drop(std::uint32_t robot) { backend_->Drop(robot); }
   double child_cpu_s() const { return backend_->child_cpu_s(); }
   /// Process in which they run; -1: this one, or none now.
-  int child_pid() const;
+  int child_pid() const { return backend_->child_pid(); }
 
  private:
   void Run(Operation operation, std::span<const std::uint32_t> items);
-  /// Adds those that failed without taking their process with them.
-  void AddFailures(std::span<const std::uint32_t> items);
+  /// Runs it on robots; adds those that failed without taking their process with them.
+  void RunRobots(Operation operation, std::span<const std::uint32_t> items);
 
-  WorkerPool& pool_;
-  const int threads_;
   std::vector<LoadedController> loaded_;
   std::vector<std::int64_t> written_;  // when each file was
-  std::unique_ptr<Areas> areas_;       // before the backend, which refers to it
+  Areas areas_;                        // before the backend, which refers to them
   std::unique_ptr<Backend> backend_;
   std::vector<Casualty> casualties_;
-  Place items_ = 0, readings_end_ = 0;
+  Place readings_end_ = 0;
 };
 
 }  // namespace coopdyn

@@ -1,15 +1,28 @@
 // SPDX-License-Identifier: MIT
-// The options of a scenario's controller line against those that the controller describes. Pure.
+// What a controller says about itself, and the options of a scenario's controller line against that. Pure.
 #pragma once
 
+#include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "server/controllers/plugin.h"
 #include "server/model/scenario.h"
 
 namespace coopdyn {
+
+/// An option that a controller takes.
+struct ControllerOption {
+  std::string name, help;
+  double value = 0, min = 0, max = 0;
+};
+
+/// What a controller says about itself.
+struct ControllerDescription {
+  std::string help;
+  std::uint32_t readings = 0;  // of enum coopdyn_reading
+  std::uint32_t state_size = 0;
+  std::vector<ControllerOption> options;
+};
 
 /// What is wrong with the options given, with what to write instead; one text each.
 std::vector<std::string> CheckOptions(const ControllerChoice& choice,

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
-#include <utility>
+#include <string_view>
 
-#include "server/controllers/shared_layout.h"
+#include "server/base/printable.h"
 
 namespace coopdyn {
 
@@ -19,27 +19,26 @@ namespace {
 constexpr std::uint32_t kAllReadings = COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_WHEELS | COOPDYN_TARGETS |
                                        COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
 
-bool IsOptionName(const std::string& name) {
+bool IsOptionName(std::string_view name) {
   return !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&
          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
 }
 
-/// A text of at most `size` - 1 bytes; one that is longer is no name and no line of help.
-std::string TakeText(const char* text, std::size_t size, const std::string& what) {
-  if (text == nullptr) return {};
-  const std::size_t length = strnlen(text, size);
-  if (length == size) throw PluginError(fmt::format("{} is longer than {} bytes", what, size - 1));
-  return {text, length};
+/// Copies a text into a field; one that does not fit is no name and no line of help.
+template <std::size_t kSize>
+void TakeText(char (&to)[kSize], const char* text, const std::string& what) {
+  const std::size_t length = text == nullptr ? 0 : strnlen(text, kSize);
+  if (length == kSize) throw PluginError(fmt::format("{} is longer than {} bytes", what, kSize - 1));
+  CopyText(to, kSize, {text == nullptr ? "" : text, length});
 }
 
-ControllerOption TakeOption(const coopdyn_option& raw, std::size_t index) {
-  ControllerOption option;
-  option.name = TakeText(raw.name, kNameSize, fmt::format("the name of option {}", index + 1));
+void TakeOption(const coopdyn_option& raw, std::size_t index, OptionRecord& option) {
+  TakeText(option.name, raw.name, fmt::format("the name of option {}", index + 1));
   if (!IsOptionName(option.name)) {
     throw PluginError(
         fmt::format("option {} needs a name of a-z, 0-9 and _ that starts with a letter", index + 1));
   }
-  option.help = TakeText(raw.help, kTextSize, "the help of option " + option.name);
+  TakeText(option.help, raw.help, fmt::format("the help of option {}", option.name));
   option.value = raw.value;
   option.min = raw.min;
   option.max = raw.max;
@@ -47,20 +46,16 @@ ControllerOption TakeOption(const coopdyn_option& raw, std::size_t index) {
     throw PluginError(fmt::format("option {}: its value {} must be from min {} to max {}", option.name,
                                   raw.value, raw.min, raw.max));
   }
-  return option;
 }
 
-ControllerDescription TakeDescription(const coopdyn_description* raw) {
+void TakeDescription(const coopdyn_description* raw, FileResult& result) {
   if (raw == nullptr) throw PluginError("describe() returned NULL: return a coopdyn_description");
-  ControllerDescription description;
-  description.help = TakeText(raw->help, kTextSize, "the help in describe()");
-  description.readings = raw->readings;
+  TakeText(result.help, raw->help, "the help in describe()");
   if ((raw->readings & ~kAllReadings) != 0) {
     throw PluginError(
         fmt::format("describe() asks for readings {:#x} that do not exist: add up COOPDYN_DISTANCES, ...",
                     raw->readings & ~kAllReadings));
   }
-  description.state_size = raw->state_size;
   if (raw->state_size > COOPDYN_MAX_STATE) {
     throw PluginError(
         fmt::format("state_size in describe() is {}: at most {} bytes", raw->state_size, COOPDYN_MAX_STATE));
@@ -73,14 +68,15 @@ ControllerDescription TakeDescription(const coopdyn_description* raw) {
     throw PluginError("options in describe() is NULL though option_count is not 0");
   }
   for (std::size_t i = 0; i < raw->option_count; ++i) {
-    ControllerOption option = TakeOption(raw->options[i], i);
-    const auto same = [&option](const ControllerOption& other) { return other.name == option.name; };
-    if (std::any_of(description.options.begin(), description.options.end(), same)) {
-      throw PluginError("option " + option.name + " is described twice");
+    TakeOption(raw->options[i], i, result.options[i]);
+    for (std::size_t k = 0; k < i; ++k) {
+      if (std::strcmp(result.options[k].name, result.options[i].name) != 0) continue;
+      throw PluginError(fmt::format("option {} is described twice", result.options[i].name));
     }
-    description.options.push_back(std::move(option));
   }
-  return description;
+  result.readings = raw->readings;
+  result.state_size = raw->state_size;
+  result.option_count = raw->option_count;
 }
 
 void CheckFunctions(const coopdyn_controller& functions) {
@@ -96,58 +92,52 @@ void CheckFunctions(const coopdyn_controller& functions) {
 
 using Entry = const coopdyn_controller* (*)();
 
-/// The object's own code runs in here.
-void Ask(Entry entry, coopdyn_controller& functions, ControllerDescription& description) {
-  const coopdyn_controller* found = entry();
-  if (found == nullptr) throw PluginError(COOPDYN_CONTROLLER_ENTRY "() returned NULL");
-  if (found->version != COOPDYN_CONTROLLER_VERSION) {
-    throw PluginError(
-        fmt::format("it was built for version {} of controller.h, this daemon has version {}: build it "
-                    "again with the controller.h of this daemon",
-                    found->version, COOPDYN_CONTROLLER_VERSION));
-  }
-  functions = *found;
-  CheckFunctions(functions);
-  description = TakeDescription(functions.describe());
-  if (description.state_size > 0 && (functions.save == nullptr || functions.restore == nullptr)) {
-    throw PluginError("its functions save and restore may be NULL only if state_size is 0");
-  }
-}
-
 }  // namespace
 
-Plugin::Plugin(const std::string& path) {
-  handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+void CopyText(char* to, std::size_t size, const std::string& text) {
+  const std::string printable = Printable(text);
+  const std::size_t length = std::min(size - 1, printable.size());
+  std::memcpy(to, printable.data(), length);
+  to[length] = '\0';
+}
+
+void Plugin::Close::operator()(void* handle) const {
+  dlclose(handle);
+}
+
+Plugin::Plugin(const std::string& path, FileResult& result)
+    : handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
   if (handle_ == nullptr) {
     const char* error = dlerror();
     throw PluginError(fmt::format("it cannot be loaded ({})", error == nullptr ? "no reason given" : error));
   }
+  const auto entry = reinterpret_cast<Entry>(dlsym(handle_.get(), COOPDYN_CONTROLLER_ENTRY));
+  if (entry == nullptr) {
+    throw PluginError("it does not export " COOPDYN_CONTROLLER_ENTRY "(): see controller.h");
+  }
   try {
-    const auto entry = reinterpret_cast<Entry>(dlsym(handle_, COOPDYN_CONTROLLER_ENTRY));
-    if (entry == nullptr) {
-      throw PluginError("it does not export " COOPDYN_CONTROLLER_ENTRY "(): see controller.h");
+    const coopdyn_controller* found = entry();
+    if (found == nullptr) throw PluginError(COOPDYN_CONTROLLER_ENTRY "() returned NULL");
+    if (found->version != COOPDYN_CONTROLLER_VERSION) {
+      throw PluginError(
+          fmt::format("it was built for version {} of controller.h, this daemon has version {}: build it "
+                      "again with the controller.h of this daemon",
+                      found->version, COOPDYN_CONTROLLER_VERSION));
     }
-    Ask(entry, functions_, description_);
+    functions_ = *found;
+    CheckFunctions(functions_);
+    TakeDescription(functions_.describe(), result);
   } catch (const PluginError&) {
-    dlclose(handle_);
     throw;
   } catch (const std::exception& exception) {
-    const std::string what = exception.what();  // it may live in what is closed
-    dlclose(handle_);
-    throw PluginError(fmt::format("its describe() threw an exception ({})", what));
+    throw PluginError(fmt::format("its describe() threw an exception ({})", exception.what()));
   } catch (...) {
-    dlclose(handle_);
     throw PluginError("its describe() threw an exception");
   }
+  state_size_ = result.state_size;
+  if (state_size_ > 0 && (functions_.save == nullptr || functions_.restore == nullptr)) {
+    throw PluginError("its functions save and restore may be NULL only if state_size is 0");
+  }
 }
-
-Plugin::~Plugin() {
-  if (handle_ != nullptr) dlclose(handle_);
-}
-
-Plugin::Plugin(Plugin&& other) noexcept
-    : handle_(std::exchange(other.handle_, nullptr)),
-      functions_(other.functions_),
-      description_(std::move(other.description_)) {}
 
 }  // namespace coopdyn

@@ -1,51 +1,42 @@
 // SPDX-License-Identifier: MIT
-// One shared object with a controller, loaded and looked over. One thread.
+// One shared object with a controller, loaded and checked. One thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "clients/plugin/controller.h"
+#include "server/controllers/shared_layout.h"
 
 namespace coopdyn {
 
-/// Why a shared object cannot be used, in words for whoever wrote it.
+/// Why a shared object cannot be used, in words for its author.
 struct PluginError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// An option that a controller takes.
-struct ControllerOption {
-  std::string name, help;
-  double value = 0, min = 0, max = 0;
-};
-
-/// What a controller says about itself.
-struct ControllerDescription {
-  std::string help;
-  std::uint32_t readings = 0;  // of enum coopdyn_reading
-  std::uint32_t state_size = 0;
-  std::vector<ControllerOption> options;
-};
+/// Copies a text into a field of this size, printable: what a controller says is shown on terminals.
+void CopyText(char* to, std::size_t size, const std::string& text);
 
 class Plugin {
  public:
-  /// Loads `path` and asks for its description. Throws PluginError. Whatever the object does wrong meanwhile
-  /// (a crash in a constructor) happens to this process.
-  explicit Plugin(const std::string& path);
-  ~Plugin();
-  Plugin(Plugin&& other) noexcept;
-  Plugin& operator=(Plugin&&) = delete;
+  /// Loads `path` and writes its description into `result`. Throws PluginError. If the object does anything
+  /// else wrong (a crash in a constructor), it happens to this process.
+  Plugin(const std::string& path, FileResult& result);
 
   const coopdyn_controller& functions() const { return functions_; }
-  const ControllerDescription& description() const { return description_; }
+  std::uint32_t state_size() const { return state_size_; }
 
  private:
-  void* handle_ = nullptr;
+  struct Close {
+    void operator()(void* handle) const;
+  };
+  std::unique_ptr<void, Close> handle_;
   coopdyn_controller functions_{};
-  ControllerDescription description_;
+  std::uint32_t state_size_ = 0;
 };
 
 }  // namespace coopdyn

@@ -17,7 +17,7 @@ constexpr std::size_t kFixedGrain = 4096;  // if there are no lists: hardly any 
 constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
 
 /// As /R/pose: of the point on the floor under the axle's middle.
-void WritePose(const Frame& frame, int robot, RobotReadings& readings) {
+void WritePose(const Frame& frame, int robot, coopdyn_readings& readings) {
   const SceneRobot& scene_robot = frame.scene->robots[static_cast<std::size_t>(robot)];
   const BodyState& chassis = frame.bodies[static_cast<std::size_t>(scene_robot.first_body)];
   const Pose X_WR = RobotPose(frame, robot);
@@ -59,8 +59,8 @@ void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> w
 }
 
 void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted, const Areas& areas) const {
-  RobotReadings& readings = areas.in.At<RobotReadings>(areas.header().readings)[wanted.slot];
-  readings = {};
+  areas.readings(wanted.slot) = {};
+  coopdyn_readings& readings = areas.readings(wanted.slot).felt;
   if ((wanted.readings & COOPDYN_DISTANCES) != 0) {
     const std::span<const double> distances = Distances(frame, wanted.robot);
     readings.distance_count = distances.size();
@@ -106,24 +106,22 @@ void ReadingsWriter::Collect(const Frame& frame, const ReadingsWanted& wanted, L
 void ReadingsWriter::PlaceLists(std::span<const ReadingsWanted> wanted, ControllerSet& set) {
   Areas& areas = set.areas();
   Layout layout(set.readings_end());
-  RobotReadings* readings = areas.in.At<RobotReadings>(areas.header().readings);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    RobotReadings& one = readings[wanted[i].slot];
-    one.target_count = lists_[i].targets.size();
-    one.targets = layout.Add<coopdyn_target>(one.target_count);
-    one.neighbour_count = lists_[i].neighbours.size();
-    one.neighbours = layout.Add<coopdyn_sighting>(one.neighbour_count);
-    one.heard_count = lists_[i].heard.size();
-    one.heard = layout.Add<coopdyn_heard>(one.heard_count);
+    RobotReadings& one = areas.readings(wanted[i].slot);
+    one.felt.target_count = lists_[i].targets.size();
+    one.targets = layout.Add<coopdyn_target>(one.felt.target_count);
+    one.felt.neighbour_count = lists_[i].neighbours.size();
+    one.neighbours = layout.Add<coopdyn_sighting>(one.felt.neighbour_count);
+    one.felt.heard_count = lists_[i].heard.size();
+    one.heard = layout.Add<coopdyn_heard>(one.felt.heard_count);
   }
   // More than is needed now, so that growing is rare.
   if (layout.end() > areas.in.bytes()) areas.Grow(2 * layout.end(), 0);
-  readings = areas.in.At<RobotReadings>(areas.header().readings);
   const auto copy = [&areas](const auto& list, Place place) {
     if (!list.empty()) std::memcpy(areas.in.At<std::byte>(place), list.data(), list.size() * sizeof(list[0]));
   };
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const RobotReadings& one = readings[wanted[i].slot];
+    const RobotReadings& one = areas.readings(wanted[i].slot);
     copy(lists_[i].targets, one.targets);
     copy(lists_[i].neighbours, one.neighbours);
     copy(lists_[i].heard, one.heard);

@@ -2,44 +2,39 @@
 #include "server/controllers/runner.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cfenv>
 #include <cmath>
 #include <cstring>
 #include <exception>
 #include <new>
+#include <span>
+#include <system_error>
 #if defined(__x86_64__)
 #include <xmmintrin.h>
 #endif
 
-#include "server/base/printable.h"
-#include "server/controllers/child_launcher.h"
+#include "server/controllers/child_process.h"
 
 namespace coopdyn {
 
 namespace {
 
 constexpr std::size_t kStepGrain = 16;  // robots that a worker takes at a time
-/// Reading a clock costs more than the step of a simple controller: one step in this many is timed. Odd, so
+/// Reading a clock takes longer than the step of a simple controller: one step in this many is timed. Odd, so
 /// that no rhythm of the controllers hides from it.
 constexpr std::uint64_t kTimedEvery = 61;
 
-/// What this thread has in hand, for whoever gets no memory: a new-handler has no arguments.
+/// What this thread has in hand, for the new-handler, which has no arguments.
 struct InHand {
   std::atomic<std::uint32_t>* out_of_memory = nullptr;
   std::uint32_t item = 0;
 };
 thread_local InHand in_hand;
-
-/// What a controller says is shown on terminals.
-void CopyText(char* to, std::size_t size, const std::string& said) {
-  const std::string text = Printable(said);
-  const std::size_t length = std::min(size - 1, text.size());
-  std::memcpy(to, text.data(), length);
-  to[length] = '\0';
-}
 
 /// Rounding and traps as they were, whatever a controller (or its -ffast-math) does to them.
 class KeepRounding {
@@ -76,7 +71,40 @@ std::string Guarded(const char* name, Function function) {
   }
 }
 
-/// What is wrong with a command; empty: nothing.
+}  // namespace
+
+/// Memory that ends where no byte may be touched: what writes past its end crashes at once.
+class GuardedBuffer {
+ public:
+  /// Room for `bytes`. Throws std::system_error.
+  explicit GuardedBuffer(std::size_t bytes) {
+    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    const std::size_t room = (bytes + page - 1) / page * page;
+    void* start = mmap(nullptr, room + page, PROT_READ | PROT_WRITE,
+                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (start == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "mmap");
+    start_ = {static_cast<std::byte*>(start), Unmap{room + page}};
+    guard_ = start_.get() + room;
+    if (mprotect(guard_, page, PROT_NONE) != 0) {
+      throw std::system_error(errno, std::generic_category(), "mprotect");
+    }
+  }
+
+  /// The last `bytes` of it, aligned to `align` (a power of 2): at most `align` - 1 bytes follow before the
+  /// guard.
+  void* Last(std::size_t bytes, std::size_t align) const {
+    return guard_ - (bytes + align - 1) / align * align;
+  }
+
+ private:
+  struct Unmap {
+    std::size_t bytes;
+    void operator()(std::byte* start) const { munmap(start, bytes); }
+  };
+  std::unique_ptr<std::byte, Unmap> start_;
+  std::byte* guard_ = nullptr;
+};
+
 std::string Fault(const coopdyn_command& command) {
   const auto not_finite = [](const char* what, double value) {
     return fmt::format("returned {} = {}: it must be a finite number", what, value);
@@ -92,8 +120,6 @@ std::string Fault(const coopdyn_command& command) {
   return {};
 }
 
-}  // namespace
-
 /// A robot's controller, and the facts that it may point to as long as it lives.
 struct Runner::Instance {
   const Plugin* plugin = nullptr;
@@ -103,48 +129,43 @@ struct Runner::Instance {
   coopdyn_robot robot{};
 };
 
+struct Runner::Worker {
+  GuardedBuffer command{sizeof(coopdyn_command)};
+  GuardedBuffer state{COOPDYN_MAX_STATE};
+};
+
 Runner::Runner() = default;
 Runner::~Runner() = default;
 
-void Runner::Run(const std::byte* in, std::byte* out, WorkerPool& pool) {
-  in_ = in;
-  out_ = out;
-  const std::size_t count = header().item_count;
-  const std::uint32_t* items = In<std::uint32_t>(header().items);
+void Runner::Run(const Areas& areas, WorkerPool& pool) {
+  areas_ = &areas;
   const std::size_t workers = std::clamp<std::size_t>(header().workers, 1, kMaxWorkers);
   while (workers_.size() < workers) workers_.emplace_back();
   plugins_.resize(std::max<std::size_t>(plugins_.size(), header().file_count));
   instances_.resize(std::max<std::size_t>(instances_.size(), header().robot_count));
+  const std::span items(In<std::uint32_t>(header().items), header().item_count);
   switch (header().operation) {
     case Operation::kLoad:
-      for (std::size_t i = 0; i < count; ++i) {
-        Begin(0, items[i]);
-        Load(items[i]);
-      }
+      for (const std::uint32_t file : items) Load(file);
       break;
     case Operation::kCreate:
-      for (std::size_t i = 0; i < count; ++i) {
-        Begin(0, items[i]);
-        Create(items[i], workers_.front());
-      }
+      for (const std::uint32_t robot : items) Create(robot, workers_.front());
       break;
     case Operation::kStep:
       StepAll(pool);
-      break;
-    case Operation::kMove:  // of the process, not of the controllers
       break;
     case Operation::kEnd:
       End();
       break;
   }
-  Out<OutHeader>(0)->workers[0].word.store(0, std::memory_order_release);
+  areas.out_header().workers[0].word.store(0, std::memory_order_release);
 }
 
 void Runner::Begin(std::size_t worker, std::uint32_t item) const {
-  std::atomic<std::uint64_t>& word = Out<OutHeader>(0)->workers[worker].word;
+  std::atomic<std::uint64_t>& word = areas_->out_header().workers[worker].word;
   const std::uint64_t begun = (word.load(std::memory_order_relaxed) >> 32) + 1;
   word.store(begun << 32 | (item + 1), std::memory_order_release);
-  in_hand = {&Out<OutHeader>(0)->out_of_memory, item};
+  in_hand = {&areas_->out_header().out_of_memory, item};
 }
 
 void Runner::EndWithoutMemory() {
@@ -155,24 +176,12 @@ void Runner::EndWithoutMemory() {
 }
 
 void Runner::Load(std::uint32_t file) {
-  FileResult& result = Out<FileResult>(header().file_results)[file];
+  Begin(0, file);
+  FileResult& result = areas_->file_result(file);
   result.refused = 0;
   try {
     const KeepRounding keep;
-    plugins_[file].emplace(In<char>(In<FileSetup>(header().files)[file].path));
-    const ControllerDescription& description = plugins_[file]->description();
-    CopyText(result.help, sizeof(result.help), description.help);
-    result.readings = description.readings;
-    result.state_size = description.state_size;
-    result.option_count = static_cast<std::uint32_t>(description.options.size());
-    for (std::size_t i = 0; i < description.options.size(); ++i) {
-      const ControllerOption& option = description.options[i];
-      CopyText(result.options[i].name, kNameSize, option.name);
-      CopyText(result.options[i].help, kTextSize, option.help);
-      result.options[i].value = option.value;
-      result.options[i].min = option.min;
-      result.options[i].max = option.max;
-    }
+    plugins_[file].emplace(In<char>(In<FileSetup>(header().files)[file].path), result);
   } catch (const PluginError& error) {
     result.refused = 1;
     CopyText(result.why, sizeof(result.why), error.what());
@@ -181,29 +190,25 @@ void Runner::Load(std::uint32_t file) {
 }
 
 void Runner::Create(std::uint32_t robot, Worker& worker) {
-  const RobotSetup& setup = In<RobotSetup>(header().robots)[robot];
+  Begin(0, robot);
+  const RobotSetup& setup = areas_->setup(robot);
   if (!plugins_[setup.file]) return Fail(robot, "is not loaded");
-  auto instance = std::make_unique<Instance>();
-  instance->plugin = &*plugins_[setup.file];
-  const coopdyn_controller& functions = instance->plugin->functions();
   const auto copy = [&](Place place) {
     const double* values = In<double>(place);
-    return std::vector<double>(values, values + setup.distance_count);
+    return std::vector<double>(values, values + setup.robot.distance_count);
   };
+  auto instance = std::make_unique<Instance>();
+  instance->plugin = &*plugins_[setup.file];
   instance->name = In<char>(setup.name);
   instance->bearing_rad = copy(setup.bearing_rad);
   instance->opening_rad = copy(setup.opening_rad);
   instance->max_m = copy(setup.max_m);
-  instance->robot = {setup.id,
-                     instance->name.c_str(),
-                     setup.radius_m,
-                     setup.wheel_radius_m,
-                     setup.track_m,
-                     setup.max_wheel_speed_rad_s,
-                     setup.distance_count,
-                     instance->bearing_rad.data(),
-                     instance->opening_rad.data(),
-                     instance->max_m.data()};
+  instance->robot = setup.robot;
+  instance->robot.name = instance->name.c_str();
+  instance->robot.distance_bearing_rad = instance->bearing_rad.data();
+  instance->robot.distance_opening_rad = instance->opening_rad.data();
+  instance->robot.distance_max_m = instance->max_m.data();
+  const coopdyn_controller& functions = instance->plugin->functions();
   char error[kTextSize] = "";
   std::string why = Guarded("create", [&] {
     instance->state = functions.create(&instance->robot, In<double>(setup.options), error, sizeof(error));
@@ -213,30 +218,29 @@ void Runner::Create(std::uint32_t robot, Worker& worker) {
     why = "cannot drive it: " + (reason.empty() ? "its create() returned NULL" : reason);
   }
   if (why.empty()) why = Guarded("reset", [&] { functions.reset(instance->state, header().seed); });
-  const bool has_state = instance->plugin->description().state_size > 0;
-  if (why.empty() && setup.restore != kNoState && has_state) {
-    const std::byte* saved = Out<std::byte>(setup.states[setup.restore]);
-    why = Guarded("restore", [&] { functions.restore(instance->state, saved); });
-  }
   if (why.empty() && setup.restore == kNoState) {
     why = Guarded("save", [&] { Save(*instance, setup.states[header().serial & 1], worker); });
+  } else if (why.empty() && instance->plugin->state_size() > 0) {
+    const std::byte* saved = areas_->out.At<std::byte>(setup.states[setup.restore]);
+    why = Guarded("restore", [&] { functions.restore(instance->state, saved); });
   }
   if (!why.empty()) return Fail(robot, why);
   instances_[robot] = std::move(instance);
   if (header().reviving != 0) return;
-  result(robot).failed = 0;
-  result(robot).done.store(header().serial, std::memory_order_release);
+  RobotResult& result = areas_->result(robot);
+  result.failed = 0;
+  result.done.store(header().serial, std::memory_order_release);
 }
 
 void Runner::StepAll(WorkerPool& pool) {
   const std::size_t count = header().item_count;
   const std::size_t workers = std::clamp<std::size_t>(header().workers, 1, kMaxWorkers);
-  // To wake a thread costs more than many a controller's step. It changes nothing but the time it takes.
+  // Waking a thread takes longer than the steps of many controllers. It changes nothing but the time.
   const bool shared = item_time_ * static_cast<Nanoseconds>(count) >= header().share_from_ns;
   const std::size_t parts = shared ? std::min(workers, (count + kStepGrain - 1) / kStepGrain) : 1;
   timed_ = header().serial % kTimedEvery == 0;
   for (std::uint32_t file = 0; timed_ && file < header().file_count; ++file) {
-    Out<FileResult>(header().file_results)[file].step_ns.store(0, std::memory_order_relaxed);
+    areas_->file_result(file).step_ns.store(0, std::memory_order_relaxed);
   }
   const SteadyClock clock;
   const Nanoseconds begun = clock.Now();
@@ -264,7 +268,7 @@ void Runner::StepSome(std::size_t worker) {
       timed_ ? TimedStep(items[i], workers_[worker]) : Step(items[i], workers_[worker]);
     }
   }
-  std::atomic<std::uint64_t>& word = Out<OutHeader>(0)->workers[worker].word;
+  std::atomic<std::uint64_t>& word = areas_->out_header().workers[worker].word;
   word.store(word.load(std::memory_order_relaxed) >> 32 << 32, std::memory_order_release);
 }
 
@@ -272,37 +276,24 @@ void Runner::TimedStep(std::uint32_t robot, Worker& worker) {
   const SteadyClock clock;
   const Nanoseconds begun = clock.Now();
   Step(robot, worker);
-  const std::uint32_t file = In<RobotSetup>(header().robots)[robot].file;
-  Out<FileResult>(header().file_results)[file].step_ns.fetch_add(
-      static_cast<std::uint64_t>(clock.Now() - begun), std::memory_order_relaxed);
+  const std::uint32_t file = areas_->setup(robot).file;
+  areas_->file_result(file).step_ns.fetch_add(static_cast<std::uint64_t>(clock.Now() - begun),
+                                              std::memory_order_relaxed);
 }
 
 void Runner::Step(std::uint32_t robot, Worker& worker) {
   const Instance& instance = *instances_[robot];
-  const RobotSetup& setup = In<RobotSetup>(header().robots)[robot];
-  const RobotReadings& felt = In<RobotReadings>(header().readings)[robot];
-  coopdyn_readings readings;
+  const RobotSetup& setup = areas_->setup(robot);
+  const RobotReadings& sent = areas_->readings(robot);
+  coopdyn_readings readings = sent.felt;
   readings.seed = header().seed;
   readings.step = header().step;
   readings.time_s = header().time_s;
   readings.step_s = header().step_s;
-  readings.distance_count = felt.distance_count;
   readings.distance_m = In<double>(setup.distances);
-  readings.x_m = felt.x_m;
-  readings.y_m = felt.y_m;
-  readings.heading_rad = felt.heading_rad;
-  readings.forward_m_s = felt.forward_m_s;
-  readings.turn_rad_s = felt.turn_rad_s;
-  for (int side = 0; side < 2; ++side) {
-    readings.wheel_angle_rad[side] = felt.wheel_angle_rad[side];
-    readings.wheel_speed_rad_s[side] = felt.wheel_speed_rad_s[side];
-  }
-  readings.target_count = felt.target_count;
-  readings.targets = In<coopdyn_target>(felt.targets);
-  readings.neighbour_count = felt.neighbour_count;
-  readings.neighbours = In<coopdyn_sighting>(felt.neighbours);
-  readings.heard_count = felt.heard_count;
-  readings.heard = In<coopdyn_heard>(felt.heard);
+  readings.targets = In<coopdyn_target>(sent.targets);
+  readings.neighbours = In<coopdyn_sighting>(sent.neighbours);
+  readings.heard = In<coopdyn_heard>(sent.heard);
 
   auto& command =
       *static_cast<coopdyn_command*>(worker.command.Last(sizeof(coopdyn_command), alignof(coopdyn_command)));
@@ -314,28 +305,26 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
     why = Guarded("save", [&] { Save(instance, setup.states[header().serial & 1], worker); });
   }
   if (!why.empty()) return Fail(robot, why);
-  RobotResult& result = this->result(robot);
+  RobotResult& result = areas_->result(robot);
   result.failed = 0;
-  result.forward_m_s = command.forward_m_s;
-  result.turn_rad_s = command.turn_rad_s;
-  result.message_count = command.message_count;
-  for (std::uint32_t i = 0; i < command.message_count; ++i) result.message[i] = command.message[i];
+  result.command = command;
   result.done.store(header().serial, std::memory_order_release);
 }
 
 void Runner::Save(const Instance& instance, Place place, Worker& worker) const {
-  const std::size_t size = instance.plugin->description().state_size;
+  const std::size_t size = instance.plugin->state_size();
   if (size == 0) return;
   void* state = worker.state.Last(size, alignof(std::max_align_t));
   std::memset(state, 0, size);  // what save() leaves out is 0, not another robot's
   instance.plugin->functions().save(instance.state, state);
-  std::memcpy(Out<std::byte>(place), state, size);
+  std::memcpy(areas_->out.At<std::byte>(place), state, size);
 }
 
 void Runner::Fail(std::uint32_t robot, const std::string& why) const {
-  CopyText(Out<char>(header().texts) + robot * kTextSize, kTextSize, why);
-  result(robot).failed = 1;
-  result(robot).done.store(header().serial, std::memory_order_release);
+  CopyText(areas_->text(robot), kTextSize, why);
+  RobotResult& result = areas_->result(robot);
+  result.failed = 1;
+  result.done.store(header().serial, std::memory_order_release);
 }
 
 void Runner::End() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Loads, creates and steps controllers as the `in` area says, and leaves what came of it in the `out` area.
-// It runs in the controllers' process, or with `--controllers in-process` in the daemon: the same code, so
-// the same results. One thread calls Run(); steps are shared out to a pool.
+// Loads, creates and steps controllers as the `in` area says, and leaves the results in the `out` area. It
+// runs in the controllers' process, or with `--controllers in-process` in the daemon: the same code, so the
+// same results. One thread calls Run(); steps are shared out to a pool.
 #pragma once
 
 #include <atomic>
@@ -14,11 +14,13 @@
 
 #include "server/base/clock.h"
 #include "server/base/worker_pool.h"
-#include "server/controllers/guarded_buffer.h"
 #include "server/controllers/plugin.h"
-#include "server/controllers/shared_layout.h"
+#include "server/controllers/shared_area.h"
 
 namespace coopdyn {
+
+/// What is wrong with a command; empty: nothing.
+std::string Fault(const coopdyn_command& command);
 
 class Runner {
  public:
@@ -26,28 +28,20 @@ class Runner {
   /// Does not destroy the instances: kEnd does.
   ~Runner();
 
-  /// Does the operation in the header at `in`. The areas may lie elsewhere in the next call.
-  void Run(const std::byte* in, std::byte* out, WorkerPool& pool);
-  /// From now on this process ends, and says whose controller was at work, when `new` gets no memory.
+  /// Does the operation in the header.
+  void Run(const Areas& areas, WorkerPool& pool);
+  /// From now on, when `new` gets no memory, this process ends and says whose controller was at work.
   static void EndWithoutMemory();
 
  private:
   struct Instance;
-  struct Worker {
-    GuardedBuffer command{sizeof(coopdyn_command)};
-    GuardedBuffer state{COOPDYN_MAX_STATE};
-  };
+  struct Worker;
 
   template <typename T>
   const T* In(Place place) const {
-    return reinterpret_cast<const T*>(in_ + place);
+    return areas_->in.At<T>(place);
   }
-  template <typename T>
-  T* Out(Place place) const {
-    return reinterpret_cast<T*>(out_ + place);
-  }
-  const InHeader& header() const { return *In<InHeader>(0); }
-  RobotResult& result(std::uint32_t robot) const { return Out<RobotResult>(header().robot_results)[robot]; }
+  const InHeader& header() const { return areas_->header(); }
 
   void Load(std::uint32_t file);
   void Create(std::uint32_t robot, Worker& worker);
@@ -56,7 +50,7 @@ class Runner {
   /// Steps items until there are none left.
   void StepSome(std::size_t worker);
   void Step(std::uint32_t robot, Worker& worker);
-  /// Step(), and adds what it took to its file's.
+  /// Step(), and adds its time to its file's.
   void TimedStep(std::uint32_t robot, Worker& worker);
   /// The instance's state into `place`, by way of memory with a guard.
   void Save(const Instance& instance, Place place, Worker& worker) const;
@@ -65,8 +59,7 @@ class Runner {
   void Fail(std::uint32_t robot, const std::string& why) const;
   void Begin(std::size_t worker, std::uint32_t item) const;
 
-  const std::byte* in_ = nullptr;
-  std::byte* out_ = nullptr;
+  const Areas* areas_ = nullptr;                      // in Run()
   std::vector<std::optional<Plugin>> plugins_;        // by file
   std::vector<std::unique_ptr<Instance>> instances_;  // by robot; null: none
   std::vector<Worker> workers_;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // What lies in the two areas that the daemon shares with the controllers' process. `in` is written by the
-// daemon and can only be read by the child; `out` is written by the child, so the daemon trusts nothing in it
-// but its own knowledge of where things lie, and reads each value once. Places are byte offsets from the
-// area's start. Both sides are the same program.
+// daemon, the child can only read it. `out` is written by the child, so the daemon trusts no value in it and
+// reads each once; it knows by itself where things lie. Places are byte offsets from the area's start. Both
+// sides are the same program.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "clients/plugin/controller.h"
 
@@ -21,7 +22,6 @@ enum class Operation : std::uint32_t {
   kLoad,    // items: files
   kCreate,  // items: robots
   kStep,    // items: robots
-  kMove,    // takes other areas from its socket, and waits there; no answer
   kEnd,     // destroys all instances and ends
 };
 
@@ -36,7 +36,7 @@ struct InHeader {
   std::uint64_t serial;  // of the operation; the same again when it is finished after a crash
   std::uint32_t file_count, robot_count, item_count, workers;
   std::uint32_t reviving;  // 1: kCreate leaves results alone, it only brings back what was lost
-  Place items;             // std::uint32_t
+  Place items;             // std::uint32_t; room for as many as there are files or robots
   Place files;             // FileSetup
   Place file_results;      // in `out`: FileResult
   Place robots;            // RobotSetup
@@ -45,8 +45,9 @@ struct InHeader {
   Place readings;          // RobotReadings
   std::uint64_t seed, step;
   double time_s, step_s;
-  std::uint64_t memory_bytes;  // that the controllers may use; 0: no limit
-  std::int64_t share_from_ns;  // a step that takes longer than this is shared out to all workers
+  std::uint64_t in_bytes, out_bytes;  // of the areas
+  std::uint64_t memory_bytes;         // that the controllers may use; 0: no limit
+  std::int64_t share_from_ns;         // a step that takes longer than this is shared out to all workers
 };
 
 struct FileSetup {
@@ -55,24 +56,21 @@ struct FileSetup {
 
 inline constexpr std::int32_t kNoState = -1;
 
-/// What does not change from step to step. Strings end with 0.
+/// What does not change from step to step. Strings end with 0; pointers are null.
 struct RobotSetup {
-  std::uint32_t file, id;
+  coopdyn_robot robot;
+  std::uint32_t file;
+  std::int32_t restore;  // kCreate: which of the states to restore, or kNoState
   Place name;
-  double radius_m, wheel_radius_m, track_m, max_wheel_speed_rad_s;
-  std::uint64_t distance_count;           // of the model
   Place bearing_rad, opening_rad, max_m;  // distance_count doubles each
   Place options;                          // doubles
   Place distances;                        // doubles, written before each step
   Place states[2];                        // in `out`: written in turn, by the serial's parity
-  std::int32_t restore;                   // kCreate: which of the states to restore, or kNoState
 };
 
-/// What a robot feels, as far as its controller asks for it; the rest is 0.
+/// What a robot feels, as far as its controller asks for it; the rest is 0. Pointers are null.
 struct RobotReadings {
-  double x_m, y_m, heading_rad, forward_m_s, turn_rad_s;
-  double wheel_angle_rad[2], wheel_speed_rad_s[2];
-  std::uint64_t distance_count, target_count, neighbour_count, heard_count;
+  coopdyn_readings felt;
   Place targets, neighbours, heard;
 };
 
@@ -107,15 +105,16 @@ struct FileResult {
 struct RobotResult {
   std::atomic<std::uint64_t> done;  // the serial, once the item is complete
   std::uint32_t failed;             // 1: its text says why
-  std::uint32_t message_count;
-  double forward_m_s, turn_rad_s;
-  double message[COOPDYN_MAX_MESSAGE];
+  coopdyn_command command;
 };
 
-/// What another process may change at any moment, read once.
+/// A copy of what another process may change at any moment.
 template <typename T>
 T Once(const T& shared) {
-  return *static_cast<const volatile T*>(&shared);
+  T copy;
+  std::memcpy(&copy, &shared, sizeof(T));
+  std::atomic_signal_fence(std::memory_order_seq_cst);  // the compiler must not read it again
+  return copy;
 }
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);

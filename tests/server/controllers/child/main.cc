@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "server/controllers/controller_child.h"
+#include "server/controllers/child_process.h"
 
 int main(int argc, char** argv) {
   if (argc != 3 || std::strcmp(argv[1], "controller-child") != 0) return 2;
