@@ -18,9 +18,9 @@ The same program runs in every time mode and with one or many robots. In lockste
 kept (the last wins) until `sim.step()`, which sends the commands of all robots of this `sim` and waits for the step.
 In real time it is sent at once, and `sim.step()` waits for the next step.
 
-Everything goes through one port of the daemon (10000 unless told). Units are m, rad, s, m/s, rad/s; headings and
+Everything goes through one port of the daemon (10000 by default). Units are m, rad, s, m/s, rad/s; headings and
 bearings are 0 ahead, left positive, in (-pi, pi]. What goes wrong raises `coopdyn.Error` with `.code` and `.text`. If
-somebody else resets the world or loads a scenario, the next reading, command or step raises `coopdyn.WorldReset`, once.
+another client resets the world or loads a scenario, the next reading, command or step raises `coopdyn.WorldReset`, once.
 Use a `sim` and its robots from one thread. On a command line: `python3 coopdyn.py doctor|hello [SERVER]`.
 """
 from __future__ import annotations
@@ -40,7 +40,7 @@ import struct
 import sys
 import time as _clock
 import urllib.parse
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
 
 __version__ = "0.1.0"
 PROTOCOL = 1
@@ -57,7 +57,7 @@ _GET_TARGETS, _GET_TARGET, _GET_ROBOTS = 30, 31, 32
 _GET_POSE, _GET_POSE_3D = 40, 41
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD, _RELEASE_ROBOT = 108, 190, 191, 192, 193
-_RECORDER, _PLAYBACK = "/recorder", "/playback"
+_SIMULATION, _RECORDER, _PLAYBACK = "/simulation", "/recorder", "/playback"
 _SAVE_STATE, _RESTORE_STATE, _GET_SAVED = 194, 195, 196
 _GET_RECORDING, _START_RECORDING, _STOP_RECORDING, _NOTE, _LIST_RUNS = 120, 121, 122, 123, 124
 _GET_PLAYBACK, _SEEK, _PLAY, _SET_PLAY_SPEED, _SKIP, _SET_LOOP, _BRANCH = 130, 131, 132, 134, 135, 136, 137
@@ -71,8 +71,8 @@ _LOAD_TIMEOUT_S = 60.0  # for what builds a world, closes a file, repeats a part
 _EXPORT_TIMEOUT_S = 600.0  # for a long recording as a MAT file
 _COMMAND_WAIT_S = 0.1  # for the reply to an actuator command in real time
 _CATCH_UP_AFTER_S = 0.1  # some robots have stepped and others have not: see _Session.catch_up
-_NOTICE_AFTER_S = 2.0  # a step that waits longer says once whom for
-_HELD_UP_S = 0.5  # lockstep awaits its robots before every step; a shorter wait holds nobody up
+_NOTICE_AFTER_S = 2.0  # a wait that lasts longer says once which robots the world waits for
+_HELD_UP_S = 0.5  # lockstep waits for its robots before every step; a shorter wait is normal
 _NAMED_ROBOTS = 4
 _LISTED_NAMES = 20
 _PLAYING = "playing a recording"  # how an error begins
@@ -87,7 +87,7 @@ _GLANCE_S = 0.01  # for this long at most, so that it sees errors and closed con
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 _LISTED = 1000  # robots in one status
 _READINGS = ("pose", "distances", "targets", "neighbours", "wheels")  # of a team
-_NEIGHBOURS = 8  # of each robot of a team, unless told
+_NEIGHBOURS = 8  # of each robot of a team, by default
 _MAX_MESSAGE = 8  # numbers in one message between robots
 
 _ERROR_NAMES = {
@@ -142,7 +142,7 @@ _C = TypeVar("_C", bound=type)
 
 
 def _usage(example: str) -> Callable[[_F], _F]:
-    """A call whose arguments do not fit says what to write."""
+    """Turns a call with wrong arguments into an error that says what to write."""
 
     def decorate(function: _F) -> _F:
         @functools.wraps(function)
@@ -388,7 +388,7 @@ class Update(NamedTuple):
 
 
 class Awaited(NamedTuple):
-    """Whom the world waits for, why, and since when [s]."""
+    """A robot that the world waits for, why, and for how long [s]."""
 
     robot: str
     why: str
@@ -468,8 +468,8 @@ def encode(command: int, params: Sequence[int] = (), data: Sequence[float] = (),
     return struct.pack(f"<IiiIII{t}s{m}i{n}d", 20 + t + 4 * m + 8 * n, error, command, t, m, n, raw, *params, *data)
 
 
-def decode(buffer: Union[bytes, bytearray]) -> Tuple[Optional[Message], int]:
-    """The first message of `buffer` and the bytes it took; (None, 0) if more bytes are needed."""
+def decode(buffer: Union[bytes, bytearray], bulk: bool = False) -> Tuple[Optional[Message], int]:
+    """The first message of `buffer` and the bytes it took; (None, 0) if more bytes are needed. `bulk`: data as an array."""
     if len(buffer) < 24:
         return None, 0
     size, error, command, t, m, n = _HEADER.unpack_from(buffer)
@@ -478,9 +478,14 @@ def decode(buffer: Union[bytes, bytearray]) -> Tuple[Optional[Message], int]:
     end = 4 + size
     if len(buffer) < end:
         return None, 0
-    values = struct.unpack_from(f"<{m}i{n}d", buffer, 24 + t)
     text = bytes(buffer[24 : 24 + t]).decode("utf-8", "replace") if t else ""
-    return Message(error, text, command, list(values[:m]), list(values[m:])), end
+    params = list(struct.unpack_from(f"<{m}i", buffer, 24 + t))
+    if not bulk:
+        return Message(error, text, command, params, list(struct.unpack_from(f"<{n}d", buffer, end - 8 * n))), end
+    data = array.array("d", bytes(buffer[end - 8 * n : end]))
+    if sys.byteorder == "big":
+        data.byteswap()
+    return Message(error, text, command, params, data), end  # type: ignore[arg-type]
 
 
 def _list_of(words: Any) -> str:
@@ -551,8 +556,8 @@ def _wait_readable(sockets: Sequence[socket.socket], timeout_s: float) -> bool:
 
 def _dial_local(host: str, port: int) -> Optional[socket.socket]:
     """The unix socket on which a daemon that listens to its own machine only can be reached as on its port, at half the
-    cost; None if there is none. Anybody can take its name when no daemon has it: what listens must be of this user, or
-    root's."""
+    cost; None if there is none. Any user can listen on this name while no daemon does, so the listener must belong to this user
+    or to root."""
     local = sys.platform.startswith("linux") and host in ("127.0.0.1", "localhost", "::1")
     if not local or os.environ.get("COOPDYN_TCP", "0") not in ("", "0"):
         return None
@@ -591,10 +596,11 @@ class _Address:
     def __str__(self) -> str:
         return f"{'[' + self.host + ']' if ':' in self.host else self.host}:{self.port}"
 
-    def hello_text(self, drives: bool) -> str:
+    def hello_text(self, drives: bool, number: int = 1) -> str:
         """What `hello` says. Only what may drive says the plain name: the same name on an actuator module takes it
         over, which a reader must not do."""
-        return f"{self.name if drives else self.name + ':reader'} {self.token}".rstrip()
+        suffix = ":reader" if not drives else "" if number == 1 else f":{number}"
+        return f"{self.name}{suffix} {self.token}".rstrip()
 
     def dial(self, deadline: float) -> socket.socket:
         """A connected socket to the daemon: by its unix socket if it is on this machine and has one (and COOPDYN_TCP is
@@ -610,7 +616,7 @@ class _Address:
         try:
             sock = socket.create_connection((self.host, self.port), max(0.01, deadline - _clock.monotonic()))
         except socket.gaierror:
-            raise Error(-1, f"nobody knows a machine called {self.host!r}; check the name, or write its address") from None
+            raise Error(-1, f"no machine is called {self.host!r}; check the name, or write its address") from None
         except (socket.timeout, TimeoutError):
             raise Error(
                 11,
@@ -702,25 +708,27 @@ class _Address:
 
 
 class _Connection:
-    """One connection to one module. `busy`: a reply is under way; such a connection is never used for something else."""
+    """One connection to one module. `busy`: a reply is under way; such a connection is never used for something else.
+    `bulk`: the data of its replies are arrays. `number`: several connections of this client to one module differ in it."""
 
-    def __init__(self, address: _Address, module: str, drives: bool = False) -> None:
+    def __init__(
+        self, address: _Address, module: str, drives: bool = False, bulk: bool = False, number: int = 1
+    ) -> None:
         self.address = address
         self.module = module
         self.drives = drives
+        self.bulk = bulk
+        self.number = number
         self.sock: Optional[socket.socket] = None
         self.buffer = bytearray()
         self.busy = False
         self.pushes: List[Message] = []
 
-    def hello_text(self) -> str:
-        return self.address.hello_text(self.drives)
-
     def open(self, timeout_s: float) -> None:
         self.close()
         self.sock = self.address.open_module(self.module, _clock.monotonic() + timeout_s)
         try:
-            self.request(_HELLO, text=self.hello_text(), timeout=timeout_s)
+            self.request(_HELLO, text=self.address.hello_text(self.drives, self.number), timeout=timeout_s)
         except BaseException:
             self.close()
             raise
@@ -752,18 +760,17 @@ class _Connection:
         """The reply, if it has come; readings that were pushed before it are put aside. Error -1 if the peer closed."""
         assert self.sock is not None
         while True:
-            if len(self.buffer) >= 24:
-                message, used = decode(self.buffer)
-                if message is not None:
-                    del self.buffer[:used]
-                    if message.command < 0 and message.error == 0:
-                        if message.command == -1:
-                            self.close()
-                            raise _Closed(message.text)
-                        self.pushes.append(message)
-                        continue
-                    self.busy = False
-                    return message
+            message, used = decode(self.buffer, self.bulk)
+            if message is not None:
+                del self.buffer[:used]
+                if message.command < 0 and message.error == 0:
+                    if message.command == -1:
+                        self.close()
+                        raise _Closed(message.text)
+                    self.pushes.append(message)
+                    continue
+                self.busy = False
+                return message
             try:
                 more = self.sock.recv(262144)
             except (BlockingIOError, InterruptedError):
@@ -839,77 +846,6 @@ class _Connection:
         return _checked(reply)
 
 
-class _TeamConnection(_Connection):
-    """The connection of a team: replies of up to megabytes are read at their exact length, their data as one array."""
-
-    def __init__(self, address: _Address, number: int) -> None:
-        super().__init__(address, "/swarm", drives=True)
-        self.number = number
-        self.raw = bytearray(4096)
-        self.have = 0
-        self.want = 24  # bytes of the message that comes, as far as known; or of the last one, which is likely
-
-    def hello_text(self) -> str:
-        name, _, token = self.address.hello_text(True).partition(" ")
-        return f"{name if self.number == 1 else f'{name}:{self.number}'} {token}".rstrip()
-
-    def close(self) -> None:
-        super().close()
-        self.have, self.want = 0, 24
-
-    def try_read(self) -> Optional[Message]:
-        assert self.sock is not None
-        while True:
-            while self.have < 24 or self.have < self.want:
-                try:
-                    got = self.sock.recv_into(memoryview(self.raw)[self.have : max(24, self.want)])
-                except (BlockingIOError, InterruptedError):
-                    return None
-                except OSError:
-                    got = 0
-                if got == 0:
-                    self.close()
-                    raise _Closed("")
-                self.have += got
-                if self.have >= 24:
-                    self._size_up()
-            message = self._take()
-            if message.command < 0 and message.error == 0:
-                if message.command == -1:
-                    self.close()
-                    raise _Closed(message.text)
-                continue  # nothing was subscribed to
-            self.busy = False
-            return message
-
-    def _size_up(self) -> None:
-        """The length of the message of which the header is there."""
-        size, _, _, t, m, n = _HEADER.unpack_from(self.raw)
-        if size != 20 + t + 4 * m + 8 * n:
-            self.close()
-            raise Error(7, "the bytes received are not a coopdyn message")
-        self.want = 4 + size
-        if len(self.raw) < self.want:
-            self.raw.extend(bytes(self.want - len(self.raw)))
-
-    def _take(self) -> Message:
-        _, error, command, t, m, n = _HEADER.unpack_from(self.raw)
-        text = self.raw[24 : 24 + t].decode("utf-8", "replace") if t else ""
-        params = list(struct.unpack_from(f"<{m}i", self.raw, 24 + t))
-        end = self.want
-        data = array.array("d")
-        data.frombytes(memoryview(self.raw)[end - 8 * n : end])
-        if sys.byteorder == "big":
-            data.byteswap()
-        more = self.have - end  # of the next message, if this one was shorter than the last
-        if more:
-            self.raw[:more] = self.raw[end : self.have]
-        self.have = more
-        if more >= 24:
-            self._size_up()
-        return Message(error, text, command, params, data)  # type: ignore[arg-type]
-
-
 class _Closed(Error):
     """The daemon closed the connection; `notice` says why, if it said so."""
 
@@ -976,7 +912,7 @@ def _count(value: Any, what: str) -> int:
 def _play_speed(value: Any) -> float:
     speed = _number(value, "the speed")
     if not -4 <= speed <= 64 or speed == 0:
-        raise Error(4, f"a recording is played at -4 to 64 times its speed, below 0 backwards, not {speed:g}: write "
+        raise Error(4, f"a recording is played at -4 to 64 times its speed (negative: backwards), not {speed:g}: write "
                        "sim.play(2), or sim.pause() to hold it")
     return speed
 
@@ -1079,7 +1015,7 @@ class _Link:
     def __init__(self, session: "_Session", robot: str) -> None:
         self.robot = robot
         self.label = robot  # in errors
-        self.in_team = False  # a team of this sim drives it: for reading only
+        self.in_team = False  # a team of this sim drives it; it can only be read
         self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors", drives=not session.watch)
         self.readers: Dict[str, _Connection] = {}
         self.pushers: Dict[str, _Connection] = {}
@@ -1090,8 +1026,8 @@ class _Link:
         self.unstepped_since = 0  # the step of the first of them
         self.lost: Optional[Error] = None  # why it is not ours any more
         self.commanded = False  # by this program, ever
-        self.unclaimed = False  # only looked at: when it was last asked for a recording was played, or
-        self.another = False  # another had it; then not asked for again before it is commanded
+        self.unclaimed = False  # only read: a recording was played when it was last asked for, or
+        self.another = False  # another program had it; it is asked for again with the next command
         self.attached: List[str] = []
         self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
         self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
@@ -1120,17 +1056,17 @@ class _TeamLink:
 
     def __init__(self, address: _Address, text: str, number: int) -> None:
         self.text = text  # as it was asked for
-        self.connection = _TeamConnection(address, number)
+        self.connection = _Connection(address, "/swarm", drives=True, bulk=True, number=number)
         self.selected: Tuple[str, int] = ("pose distances", _NEIGHBOURS)
         self.names: List[str] = []
         self.ids: List[int] = []
         self.readings: List[str] = []  # in the order of a row
         self.columns: List[int] = []
-        self.stale = False  # who is in it must be asked anew
+        self.stale = False  # who is in it must be asked again
         self.reply: Optional[Message] = None
         self.gone: List[str] = []  # who was taken from it since it stepped last
         self.lost: Optional[Error] = None
-        self.playing = ""  # why nobody can have the robots: a recording is played; then it is for reading
+        self.playing = ""  # a recording is played, so the team can only be read: the text of the error
 
     @property
     def label(self) -> str:
@@ -1146,7 +1082,7 @@ class _TeamLink:
                 self.connection.request(_RELEASE)  # an older team may have been of others
             self.take(session)
             if not self.names:
-                raise Error(10, "there is no robot that nobody drives")
+                raise Error(10, "no robot is free: other programs drive them all")
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:
@@ -1217,7 +1153,7 @@ class _TeamLink:
         return ids
 
     def claim(self, session: "_Session") -> Message:
-        """Again those that it had, not whom its name would mean by now: less who is another's meanwhile."""
+        """Claims again the robots that it had, except those that another team has by now. Its name may mean others today."""
         others = {name for team in session.teams if team is not self and team.lost is None for name in team.names}
         wanted = [name for name in self.names if name not in others]
         while wanted:
@@ -1236,7 +1172,7 @@ class _TeamLink:
         return self.connection.request(_CLAIM, text=self.text)
 
     def named(self, reply: Message) -> None:
-        """Takes over who is in the team. One that has lost all its robots is none any more."""
+        """Notes who is in the team. A team that has lost all its robots is lost itself."""
         before = self.names
         self.ids, self.names, self.stale = reply.params, reply.text.split(), False
         if len(self.names) < len(before):
@@ -1244,7 +1180,7 @@ class _TeamLink:
             self.gone += [name for name in before if name not in left]
         if before and not self.names:
             what = f"team {self.text}" if len(self.text.split()) == 1 else f"the team of {len(before)} robots"
-            again = "" if self.text and len(self.text.split()) != 1 else f": {self.take_again()} takes whom it means now"
+            again = "" if self.text and len(self.text.split()) != 1 else f": {self.take_again()} takes those that it names now"
             self.lost = Error(5, f"{what} has lost all its robots, to other programs or another scenario{again}")
             self.connection.close()
             raise self.lost
@@ -1287,10 +1223,9 @@ class _Session:
     def __init__(self, address: _Address, watch: bool) -> None:
         self.address = address
         self.watch = watch
-        self.simulation = _Connection(address, "/simulation", drives=True)
         self.links: List[_Link] = []
         self.teams: List[_TeamLink] = []
-        self.others: Dict[str, _Connection] = {}  # of call()
+        self.others: Dict[str, _Connection] = {}  # to modules of the whole, and of call()
         self.commands: Dict[str, Dict[str, int]] = {}  # numbers of commands by module and name
         self.mode = 0
         self.time = 0.0
@@ -1358,32 +1293,34 @@ class _Session:
             raise Error(-1, "this sim is closed; connect() again")
 
     # --- requests that are answered at once ---
-    def control(
-        self, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
-        timeout: float = _REQUEST_TIMEOUT_S,
-    ) -> Message:
-        """A request to /simulation."""
+    def connection(self, module: str) -> _Connection:
+        """The one to a module, open; those of the driven robots are not among them."""
         self.require_open()
-        if not self.simulation.alive():
-            self.simulation.open(self.address.timeout)
-        reply = self.simulation.request(command, params, data, text, timeout)
-        for link in self.links:
-            link.carried = None
-        return self.note(reply)
+        if module not in self.others:
+            self.others[module] = _Connection(self.address, module, drives=module == _SIMULATION or not self.watch)
+        if not self.others[module].alive():
+            self.others[module].open(self.address.timeout)
+        return self.others[module]
 
     def tell(
         self, module: str, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
         timeout: float = _REQUEST_TIMEOUT_S,
     ) -> Message:
-        """A request to another module of the whole simulation."""
-        self.require_open()
-        connection = self.others.setdefault(module, _Connection(self.address, module, drives=not self.watch))
-        if not connection.alive():
-            connection.open(self.address.timeout)
-        reply = connection.request(command, params, data, text, timeout)
+        """A request to a module of the whole simulation."""
+        reply = self.connection(module).request(command, params, data, text, timeout)
+        self.forget_carried()
+        return self.note(reply)
+
+    def control(
+        self, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
+        timeout: float = _REQUEST_TIMEOUT_S,
+    ) -> Message:
+        """A request to /simulation."""
+        return self.tell(_SIMULATION, command, params, data, text, timeout)
+
+    def forget_carried(self) -> None:
         for link in self.links:
             link.carried = None
-        return self.note(reply)
 
     def read(
         self, link: _Link, module: str, command: int, params: Sequence[int] = (), text: str = "",
@@ -1486,7 +1423,7 @@ class _Session:
         self.note(link.motors.request(_GET_TIME))  # a branch may have brought another mode
 
     def takes_part(self, link: _Link) -> bool:
-        """The robot steps with this sim. One that was only looked at is taken now if nobody has it."""
+        """True if the robot steps with this sim. One that was only read is claimed now if it is free."""
         if link.motors is None:
             return False
         self.settle(link)
@@ -1500,7 +1437,7 @@ class _Session:
         return not link.unclaimed
 
     def let_go(self, robot: str) -> bool:
-        """Gives up a robot of ours that was only looked at, so that a team can have it."""
+        """Releases a robot of ours that was only read, so that a team can have it."""
         for link in self.links:
             if link.robot == robot and link.motors is not None and not (link.commanded or link.unclaimed or link.lost):
                 self.settle(link)
@@ -1527,7 +1464,10 @@ class _Session:
             link.kept = link.kept or link.sent
             self.open_motors(link)
         else:
-            _ = self.guard(link, _REQUEST_TIMEOUT_S)
+            try:
+                self.note(_checked(connection.receive(_REQUEST_TIMEOUT_S)))
+            except _Closed as e:
+                raise self.lose(link, e) from None
             link.sent = None
 
     def await_command(self, link: _Link) -> bool:
@@ -1548,16 +1488,9 @@ class _Session:
                 return False
             _wait_readable((link.motors.sock,), left)
 
-    def guard(self, link: _Link, timeout: float) -> Message:
-        assert link.motors is not None
-        try:
-            return self.note(_checked(link.motors.receive(timeout)))
-        except _Closed as e:
-            raise self.lose(link, e) from None
-
     def lose(self, link: _Driven, closed: _Closed) -> Error:
         """The connection for commands was closed by the daemon. With a notice (taken over, freed, gone) it is not opened
-        again by itself: that would take the robot back from whoever got it."""
+        again automatically: that would take the robot back from its new driver."""
         link.forget_commands()
         if not closed.notice:
             return Error(-1, f"the connection to {link.label} broke; is the daemon still running?")
@@ -1672,7 +1605,7 @@ class _Session:
         self.teams.append(team)
         return team
 
-    def settle_team(self, team: _TeamLink) -> _TeamConnection:
+    def settle_team(self, team: _TeamLink) -> _Connection:
         """Makes the connection of a team free for a request."""
         self.require_open()
         if team.lost is not None:
@@ -1751,10 +1684,9 @@ class _Session:
         self.teams = [other for other in self.teams if other.lost is None]
         driven = [] if self.watch else [link for link in self.links if self.takes_part(link)]
         if not (driven or teams):
-            if not self.simulation.alive():
-                self.simulation.open(self.address.timeout)
-            waiting[self.simulation] = None
-            self.simulation.send(encode(_READY, (n,)))
+            connection = self.connection(_SIMULATION)
+            waiting[connection] = None
+            connection.send(encode(_READY, (n,)))
         else:
             try:
                 for link in driven:
@@ -1778,10 +1710,8 @@ class _Session:
     def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> int:
         """Takes in the reply of every connection in `waiting`, which is empty then; returns the earliest step that they tell.
         The first error is raised."""
-        start = now = _clock.monotonic()
-        spin_until = start + self.spin_s()
-        deadline = start + timeout if timeout is not None else math.inf
-        notice_at = start + _NOTICE_AFTER_S
+        wait = _Wait(self, timeout, "the step did not come")
+        spin_until = wait.now + self.spin_s()
         stepped: List[_Driven] = []
         earliest = sys.maxsize
         catch_up_at = math.inf
@@ -1789,7 +1719,7 @@ class _Session:
         def glance(count: int) -> bool:
             """True if the reply that is _AT_ONCE further on has come, among the first `count`."""
             ahead = list(itertools.islice(waiting, min(count, _AT_ONCE)))[-1].sock
-            return ahead is not None and _wait_readable((ahead,), min(_GLANCE_S, deadline - start))
+            return ahead is not None and _wait_readable((ahead,), min(_GLANCE_S, wait.deadline - wait.now))
 
         # Else only up to the first that has not come. The request of the last set off the step: its reply comes first.
         every = len(waiting) <= _FEW or not glance(len(waiting) - 1)
@@ -1817,29 +1747,23 @@ class _Session:
                     link.carried = reply
             if not waiting:
                 return earliest
-            now = _clock.monotonic()
-            progress, looked_at_all, every = len(waiting) < before, every, True
-            if now < spin_until or not (progress or looked_at_all):
+            progress, every = len(waiting) < before, True
+            if _clock.monotonic() < spin_until:
                 continue
-            if now >= deadline:
-                raise Error(11, f"the step did not come within {timeout:g} s; {self.whom()}")
-            if now >= notice_at:
-                notice_at = math.inf
-                print(f"coopdyn: {self.whom()}", file=sys.stderr, flush=True)
-            if now >= catch_up_at:
-                catch_up_at = now + _CATCH_UP_AFTER_S
+            wait.check()
+            if wait.now >= catch_up_at:
+                catch_up_at = wait.now + _CATCH_UP_AFTER_S
                 self.catch_up(stepped, waiting)
             if progress and len(waiting) > _FEW:
                 every = not glance(len(waiting))
             else:
-                sockets = [c.sock for c in waiting if c.sock is not None]
-                _wait_readable(sockets, min(deadline, notice_at, catch_up_at, now + 3600) - now)
+                wait.readable(waiting, catch_up_at)
 
     def catch_up(self, stepped: List[_Driven], waiting: Dict[_Connection, Optional[_Driven]]) -> None:
         """After an error or a timeout a command that had not run may still run while its successor is on the way: its
-        robot is then one step behind the others, and each would wait for the other for ever. The world says whether it
-        waits for robots of ours that have stepped already: these go on by one step with what they have. If it waits for one
-        whose reply has not come, too, then that reply is on its way."""
+        robot is then one step behind the others, and they would wait for each other without end. So if the world waits for
+        robots of ours that have stepped already, these make one more step with the commands they have. If it also waits for
+        one whose reply has not come, that reply is on its way and there is nothing to do."""
         status = self.fresh_status()
         awaited = {a["robot"] for a in status.get("awaiting") or []}  # the first of them
         if any(link is not None and link.is_among(awaited) for link in waiting.values()):
@@ -1859,7 +1783,7 @@ class _Session:
 
     def fresh_status(self) -> Dict[str, Any]:
         """The status, asked on a connection of its own: others may be waiting."""
-        connection = _Connection(self.address, "/simulation")
+        connection = _Connection(self.address, _SIMULATION)
         try:
             connection.open(self.address.timeout)
             return json.loads(connection.request(_GET_STATUS, timeout=self.address.timeout).text)
@@ -1996,8 +1920,34 @@ class _Session:
                 connection.close()
         for connection in self.others.values():
             connection.close()
-        self.simulation.close()
         self.closed = True
+
+
+class _Wait:
+    """How long something may take: Error 11, "`what` within 5 s", after `timeout` seconds. While it lasts it says once, on
+    stderr, what the world waits for; with `held_up` only if its steps do not go on."""
+
+    def __init__(self, session: _Session, timeout: Optional[float], what: str, held_up: bool = False) -> None:
+        self.session, self.what, self.held_up = session, what, held_up
+        self.timeout = math.inf if timeout is None else _number(timeout, "timeout [s]")
+        self.now = _clock.monotonic()
+        self.deadline = self.now + self.timeout
+        self.notice_at = self.now + _NOTICE_AFTER_S
+
+    def check(self) -> None:
+        self.now = _clock.monotonic()
+        if self.now >= self.deadline:
+            raise Error(11, f"{self.what} within {self.timeout:g} s; {self.session.whom()}")
+        if self.now >= self.notice_at:
+            whom = self.session.whom(self.held_up)
+            self.notice_at = math.inf if whom else self.now + _NOTICE_AFTER_S
+            if whom:
+                print(f"coopdyn: {whom}", file=sys.stderr, flush=True)
+
+    def readable(self, connections: Iterable[_Connection], until: float = math.inf) -> None:
+        """Waits until one of them has something, or until there is something to check."""
+        sockets = [c.sock for c in connections if c.sock is not None]
+        _wait_readable(sockets, min(self.deadline, self.notice_at, until, self.now + 3600) - self.now)
 
 
 def _await_ends(sockets: List[socket.socket]) -> None:
@@ -2040,16 +1990,16 @@ class Robot:
     def set_velocity(self, v: Union[float, Sequence[float]], w: Optional[float] = None) -> None:
         """Forward speed v [m/s] and turn rate w [rad/s], left is positive, as two numbers or one row of two. Beyond the limits
         both are scaled."""
-        self._session.command(self._current(), _SET_VELOCITY, _pair(v, w, "set_velocity", ("v [m/s]", "w [rad/s]")))
+        self._session.command(self._link, _SET_VELOCITY, _pair(v, w, "set_velocity", ("v [m/s]", "w [rad/s]")))
 
     @_usage("r.set_wheel_speeds(2, 3) or r.set_wheel_speeds([2, 3])")
     def set_wheel_speeds(self, l: Union[float, Sequence[float]], r: Optional[float] = None) -> None:
         """Speeds of the left and right wheel [rad/s], as two numbers or one row of two."""
-        self._session.command(self._current(), _SET_WHEEL_SPEEDS, _pair(l, r, "set_wheel_speeds", ("l [rad/s]", "r [rad/s]")))
+        self._session.command(self._link, _SET_WHEEL_SPEEDS, _pair(l, r, "set_wheel_speeds", ("l [rad/s]", "r [rad/s]")))
 
     def stop(self) -> None:
         """Stops both wheels; like the other commands, in lockstep with the next `sim.step()`."""
-        self._session.command(self._current(), _STOP, ())
+        self._session.command(self._link, _STOP, ())
 
     @_usage("r.send_message([1, 0.5])")
     def send_message(self, values: Sequence[float]) -> None:
@@ -2120,7 +2070,7 @@ class Robot:
     def sense(self, x: Union[str, int, None] = None) -> Reading:
         """All readings of one step, in one round trip; in lockstep, right after `sim.step()`, those that came with
         its reply, without any. `sense("red").target` is the nearest target of that colour (or with that id)."""
-        session, link = self._session, self._current()
+        session, link = self._session, self._link
         session.require_open()
         if link.lost is not None and link.lost.code == 10:
             raise link.lost
@@ -2168,14 +2118,12 @@ class Robot:
     @_usage('r.next("distance") or r.next("distance", timeout=5)')
     def next(self, module: Optional[str] = None, timeout: Optional[float] = None) -> Update:
         """Waits for the next pushed reading, of one module or of any that was subscribed to. Error 11 after `timeout`
-        seconds. If the world is held up for more than 2 s it says once, on stderr, whom for."""
+        seconds. If the world is held up for more than 2 s it says once, on stderr, by which robots."""
         pushers = self._link.pushers
         chosen = [module] if module else list(pushers)
         if not chosen or any(m not in pushers for m in chosen):
             raise Error(5, f'nothing is subscribed to; write r.subscribe("{module or "distance"}") first')
-        start = _clock.monotonic()
-        deadline = start + _number(timeout, "timeout [s]") if timeout is not None else math.inf
-        notice_at = start + _NOTICE_AFTER_S
+        wait = _Wait(self._session, timeout, f"no reading of {_list_of(chosen)}", held_up=True)
         while True:
             for m in chosen:
                 connection = pushers[m]
@@ -2192,16 +2140,8 @@ class Robot:
                     self._session.note(pushed)
                     value = _reading_value(-pushed.command, pushed)
                     return Update(m, pushed.data[-2], int(pushed.data[-1]), value, pushed.text)
-            now = _clock.monotonic()
-            if now >= deadline:
-                raise Error(11, f"no reading of {_list_of(chosen)} within {timeout:g} s; {self._session.whom()}")
-            if now >= notice_at:
-                whom = self._session.whom(held_up=True)
-                notice_at = math.inf if whom else now + _NOTICE_AFTER_S
-                if whom:
-                    print(f"coopdyn: {whom}", file=sys.stderr, flush=True)
-            sockets = [s for s in (pushers[m].sock for m in chosen) if s is not None]
-            _wait_readable(sockets, min(deadline, notice_at, now + 3600) - now)
+            wait.check()
+            wait.readable([pushers[m] for m in chosen])
 
     @_usage('r.call("motors", "set_velocity", data=[0.2, 0])')
     def call(
@@ -2212,9 +2152,6 @@ class Robot:
         return _call(self._session, f"/{self.name}/{module}", command, params, data, text, timeout)
 
     # --- inside ---
-    def _current(self) -> _Link:
-        return self._link
-
     def _get(self, module: str, command: int, params: Sequence[int] = (), text: str = "") -> Any:
         return _reading_value(command, self._session.read(self._link, module, command, params, text))
 
@@ -2317,7 +2254,7 @@ class Team:
     @_usage('team.select("pose", "neighbours", neighbours=4)')
     def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
         """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (the nearest, as many
-        as told) and "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing."""
+        as `neighbours` says) and "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing."""
         words: List[str] = []
         for given in readings:
             words += given.split() if isinstance(given, str) else given if isinstance(given, (list, tuple)) else [given]
@@ -2388,7 +2325,7 @@ class Team:
         return _HEADER.pack(20 + len(raw) + len(data), 0, _STEP_ALL, len(raw), 0, len(data) // 8) + raw + data
 
     def _reading(self, reply: Message) -> TeamReading:
-        """The readings out of a reply. If robots or targets have come or gone, what belongs to a row is asked anew."""
+        """The readings out of a reply. If robots or targets have come or gone, the columns are asked for again."""
         link = self._link
         n, m = reply.params[-2:]
         if n != len(link.names):
@@ -2421,7 +2358,7 @@ class Simulation:
     @_usage('sim.robot("robot1") or sim.robot(1)')
     def robot(self, which: Union[str, int]) -> Robot:
         """Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it. While a
-        recording is played it is only read, and taken after a branch with the first step or command if nobody has it."""
+        recording is played it can only be read; after a branch the first step or command takes it, if it is free."""
         if isinstance(which, str):
             name = which.strip().lstrip("/")
         elif isinstance(which, (list, tuple, dict)) or which is None:
@@ -2442,16 +2379,16 @@ class Simulation:
     @_usage('sim.team("swarm1"), sim.team(["robot1", "robot2"]) or sim.team()')
     def team(self, names: Union[str, Sequence[str], None] = None) -> Team:
         """Takes robots to be driven together, through one connection: the name of a swarm or robot, a list of such, or
-        all that nobody drives. They stand in `names` in the order of the scenario, whatever the list's. Error 6 if
-        another client owns one of them, or this sim has driven one singly; then none is taken. While a recording is
-        played the team reads (all robots, without names), and what drives it is error 5."""
+        all that are free. `names` has them in the order of the scenario. Error 6 if another client owns one of them, or this
+        sim has driven one singly; then none is taken. While a recording is played a team can only read (all robots, without
+        names); driving it is error 5."""
         if names is not None and not isinstance(names, str):
             if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):
                 raise Error(3, f'the robots of a team are named, not {names!r}; write e.g. sim.team("swarm1"), '
-                               'sim.team(["robot1", "robot2"]), or sim.team() for all that nobody drives')
+                               'sim.team(["robot1", "robot2"]), or sim.team() for all that are free')
         words = [] if names is None else names.split() if isinstance(names, str) else [str(name) for name in names]
         if names is not None and not words:
-            raise Error(3, 'no names: write e.g. sim.team("swarm1"), or sim.team() for all robots that nobody drives')
+            raise Error(3, 'no names: write e.g. sim.team("swarm1"), or sim.team() for all robots that are free')
         words = [word.lstrip("/") for word in words]
         for word in words:
             if not word or "/" in word or len(word.split()) != 1:
@@ -2461,9 +2398,9 @@ class Simulation:
     # --- time ---
     @_usage("sim.step(), sim.step(10) or sim.step(timeout=5)")
     def step(self, n: int = 1, timeout: Optional[float] = None) -> None:
-        """Goes on by n steps: sends what the robots of this sim were told and waits until the steps have run, in
-        lockstep; waits for the n-th next step otherwise. Its teams keep their speeds. Error 11 after `timeout` seconds
-        (default: never). Waiting longer than 2 s it says once, on stderr, whom for."""
+        """Advances by n steps. In lockstep: sends the commands of this sim's robots and waits until the steps have run;
+        otherwise waits for the n-th next step. Teams keep their speeds. Error 11 after `timeout` seconds
+        (default: never). After 2 s it says once, on stderr, which robots the world waits for."""
         if timeout is not None:
             timeout = _number(timeout, "timeout [s]")
         n = _count(n, "n")
@@ -2567,13 +2504,13 @@ class Simulation:
 
     @_usage('sim.release_robot("robot1")')
     def release_robot(self, name: str) -> None:
-        """Takes a robot from whoever drives it: closes that program's connection, or unloads its controller."""
+        """Takes a robot from its driver: closes that program's connection, or unloads its controller."""
         self._session.control(_RELEASE_ROBOT, text=_word(name, "the name of a robot"))
 
     # --- states to go on from ---
     @_usage('sim.save_state("before_turn")')
     def save_state(self, name: str) -> None:
-        """Keeps all that decides how the run goes on, under a name; replaces what is kept under that name."""
+        """Saves the whole state of the simulation under a name; an older state of this name is replaced."""
         name = _word(name, "the name of a state")
         if not (name.isascii() and name[0].isalpha() and name.translate({45: "", 95: ""}).isalnum() and len(name) < 64):
             raise Error(4, "the name of a state is a letter, then letters, digits, _ and -, at most 63: write "
@@ -2582,7 +2519,7 @@ class Simulation:
 
     @_usage('sim.restore_state("before_turn")')
     def restore_state(self, name: str) -> None:
-        """Goes on from a saved state, bit for bit; "start" is where the run began."""
+        """Goes on from a saved state, bit for bit the same; "start" is the beginning of the run."""
         self._session.control(_RESTORE_STATE, text=_word(name, "the name of a state"), timeout=_LOAD_TIMEOUT_S)
         self._session.jumped()
 
@@ -2594,8 +2531,8 @@ class Simulation:
     # --- recording ---
     @_usage('sim.record() or sim.record("lesson1")')
     def record(self, name: str = "") -> str:
-        """Records the run from here on, in the daemon's folder; returns the name of the file. Without a name under
-        run-DATE-TIME. Nothing is overwritten: error 5."""
+        """Records the run from now on, in the daemon's folder; returns the name of the file, run-DATE-TIME if none is given.
+        An existing file is never overwritten: error 5."""
         return self._session.tell(_RECORDER, _START_RECORDING, text=_run_name(name) if name != "" else "").text
 
     def stop_recording(self) -> Recorded:
@@ -2606,7 +2543,7 @@ class Simulation:
 
     @_usage('sim.note("half-time")')
     def note(self, text: str) -> None:
-        """Marks this time in the recording; `Run.events` has it."""
+        """Writes a note into the recording at this time; `Run.events` lists it."""
         if text == "":
             raise Error(3, 'no note: write sim.note("half-time")')
         self._session.tell(_RECORDER, _NOTE, text=str(text))
@@ -2628,8 +2565,8 @@ class Simulation:
 
     @_usage('sim.fetch_run("lesson1")')
     def fetch_run(self, name: str, file: Union[str, "os.PathLike[str]"] = "") -> str:
-        """Copies a recording from the daemon to `file` (default: of the same name, here) and returns the file's name. A
-        file called .mat gets the run as MATLAB reads it. What was there is replaced when all has come."""
+        """Copies a recording from the daemon to `file` (default: the same name, in this folder) and returns the file's name.
+        A name that ends with .mat gets a MAT file. An older file is replaced when the new one is complete."""
         name = _run_name(name)
         name = name[:-4] if name.endswith(".run") else name
         file = _path(file, "the name of a file") or f"{name}.run"
@@ -2653,24 +2590,24 @@ class Simulation:
 
     @_usage("sim.seek(12.5)")
     def seek(self, time: float) -> None:
-        """Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside."""
+        """Shows the step at this simulated time [s], or the last one before it; outside the recording its first or last step."""
         self._session.tell(_PLAYBACK, _SEEK, (), (_number(time, "the time [s]"),))
 
     @_usage("sim.play() or sim.play(2)")
     def play(self, speed: Optional[float] = None) -> None:
-        """Lets the recording go on, at this speed if one is given; -4 to 64 times, below 0 backwards."""
+        """Plays the recording, at this speed if one is given: -4 to 64 times, negative plays backwards."""
         self._session.tell(_PLAYBACK, _PLAY, (), () if speed is None else (_play_speed(speed),))
 
     @_usage("sim.set_play_speed(2)")
     def set_play_speed(self, s: float) -> None:
-        """How fast the recording goes, -4 to 64 times, below 0 backwards."""
+        """How fast the recording is played: -4 to 64 times, negative plays backwards."""
         self._session.tell(_PLAYBACK, _SET_PLAY_SPEED, (), (_play_speed(s),))
 
     @_usage("sim.skip() or sim.skip(-10)")
     def skip(self, n: int = 1) -> None:
-        """Goes n recorded steps on, or back if n is below 0, and stands there."""
+        """Goes n recorded steps forward, or back if n is negative, and pauses there."""
         if _whole(n, "n") == 0:
-            raise Error(4, "n is how many steps to go on, or back if below 0, not 0: write sim.skip(1)")
+            raise Error(4, "n is a number of steps, negative to go back, but not 0: write sim.skip(1)")
         self._session.tell(_PLAYBACK, _SKIP, (_whole(n, "n"),))
 
     @_usage("sim.set_loop(True)")
@@ -2682,8 +2619,8 @@ class Simulation:
 
     @_usage("sim.branch() or sim.branch(12.5)")
     def branch(self, time: Optional[float] = None) -> None:
-        """Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s], bit for
-        bit as it did if the inputs are the same."""
+        """Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s]. With the same
+        inputs it repeats the recorded run bit for bit."""
         data = () if time is None else (_number(time, "the time [s]"),)
         self._session.tell(_PLAYBACK, _BRANCH, (), data, timeout=_EXPORT_TIMEOUT_S)
         self._session.jumped()
@@ -2737,7 +2674,7 @@ class Simulation:
         return _call(self._session, name, command, params, data, text, timeout)
 
     def close(self) -> None:
-        """Writes `stop` to the robots of this sim and frees them. Does not wait."""
+        """Stops the robots of this sim and releases them. Does not wait for the step."""
         if not self._session.closed:
             self._session.close()
 
@@ -2855,14 +2792,9 @@ def _call(
     if link is not None and link.motors is not None:
         session.settle(link)
         connection = link.motors
-    elif name == "/simulation":
-        connection = session.simulation
     else:
-        connection = session.others.setdefault(name, _Connection(session.address, name, drives=not session.watch))
-    if link is None and not connection.alive():
-        connection.open(session.address.timeout)
-    for other in session.links:
-        other.carried = None
+        connection = session.connection(name)
+    session.forget_carried()
     waiting: Dict[_Connection, Optional[_Driven]] = {connection: link}
     try:
         connection.send(encode(command, params, numbers, text))
@@ -2873,28 +2805,20 @@ def _call(
                 raise session.world_reset(e.text) from None
             raise  # an error reply: the connection is in order
         raise session.give_up(waiting, e) from None
-    if name in ("/simulation", _PLAYBACK):
+    if name in (_SIMULATION, _PLAYBACK):
         session.reached = 0  # it may have been a reset
     return Reply(reply.text, reply.command, reply.params, reply.data[:-2], reply.data[-2], int(reply.data[-1]))
 
 
 def _await_one(session: _Session, connection: _Connection, timeout: Optional[float]) -> Message:
-    """The reply to a raw message, which may have to wait for a step; says once whom for."""
-    start = _clock.monotonic()
-    deadline = start + _number(timeout, "timeout [s]") if timeout is not None else math.inf
-    notice_at = start + _NOTICE_AFTER_S
+    """The reply to a raw message, which may have to wait for a step."""
+    wait = _Wait(session, timeout, f"no answer from {connection.module}")
     while True:
         reply = connection.try_read()
         if reply is not None:
             return session.note(_checked(reply))
-        now = _clock.monotonic()
-        if now >= deadline:
-            raise Error(11, f"no answer from {connection.module} within {timeout:g} s; {session.whom()}")
-        if now >= notice_at:
-            notice_at = math.inf
-            print(f"coopdyn: {session.whom()}", file=sys.stderr, flush=True)
-        assert connection.sock is not None
-        _wait_readable((connection.sock,), min(deadline, notice_at, now + 3600) - now)
+        wait.check()
+        wait.readable((connection,))
 
 
 @_usage('coopdyn.connect(), coopdyn.connect("labserver") or coopdyn.connect("labserver:10100", watch=True)')
@@ -2911,7 +2835,6 @@ def connect(
     """
     session = _Session(_Address(server, name, token, _number(timeout, "timeout [s]")), watch)
     try:
-        session.simulation.open(session.address.timeout)
         status = json.loads(session.control(_GET_STATUS, timeout=session.address.timeout).text)
         if status.get("protocol", PROTOCOL) != PROTOCOL:
             raise Error(
@@ -2948,7 +2871,7 @@ class Event(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """Where a thing stands in the rows of one scene of a recording. `robot`: its number, -1 if it is none."""
+    """Where a thing stands in the rows of one scene of a recording. `robot`: its number, -1 for an object."""
 
     scene: int
     body: int
@@ -3314,7 +3237,7 @@ def _pose_from(
 
 
 def _open_run(file: str) -> "sqlite3.Connection":
-    """The file as a database that is only read, after a look at what it is."""
+    """Opens the file as a read-only database, after checking that it is a recording."""
     import sqlite3
 
     if not os.path.isfile(file):
@@ -3379,7 +3302,7 @@ def doctor(server: Union[str, int, None] = None, token: Optional[str] = None) ->
         found = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
         say(True, f"name lookup: {address.host} is {_list_of(sorted({str(f[4][0]) for f in found}))}")
     except socket.gaierror:
-        return say(False, f"name lookup: nobody knows a machine called {address.host!r}; write its address")
+        return say(False, f"name lookup: no machine is called {address.host!r}; write its address")
     try:
         address.dial_tcp(_clock.monotonic() + address.timeout).close()
         say(True, f"port: {address.port} is open")

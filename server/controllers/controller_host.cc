@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "server/controllers/option_values.h"
 #include "server/controllers/runner.h"
 #include "server/model/drive.h"
 
@@ -82,7 +81,7 @@ void ControllerHost::Check(const Scenario& scenario, Diagnostics& diagnostics) {
       if (said.emplace(choice.where.line, text).second) diagnostics.Warning(choice.where, text);
       continue;
     }
-    for (const std::string& text : CheckOptions(choice, *one.description)) {
+    for (const std::string& text : one.description->Faults(choice)) {
       if (said.emplace(choice.where.line, text).second) diagnostics.Error(choice.where, text);
     }
   }
@@ -135,7 +134,7 @@ void ControllerHost::Create(const FramePtr& frame) {
         Stop(driven, loaded.why);
         continue;
       }
-      const std::vector<std::string> faults = CheckOptions(choice, *loaded.description);
+      const std::vector<std::string> faults = loaded.description->Faults(choice);
       if (!faults.empty()) {
         Stop(driven, "was not started: " + faults.front());
         continue;
@@ -149,8 +148,7 @@ void ControllerHost::Create(const FramePtr& frame) {
       driven_of_slot_.push_back(i);
       std::span<const std::byte> state;
       if (driven.restored) state = *driven.restored;
-      robots.push_back(
-          {static_cast<std::uint32_t>(file), &robot, OptionValues(choice, *loaded.description), state});
+      robots.push_back({static_cast<std::uint32_t>(file), &robot, loaded.description->Values(choice), state});
     }
     if (set_) StopCasualties(set_->Create(robots, frame->seed));
   } catch (const std::exception& exception) {

@@ -16,7 +16,7 @@
 #include "server/base/worker_pool.h"
 #include "server/controllers/backend.h"
 #include "server/controllers/child_process.h"
-#include "server/controllers/option_values.h"
+#include "server/controllers/description.h"
 #include "server/controllers/shared_area.h"
 #include "server/state/controller_driver.h"
 #include "server/state/frame.h"

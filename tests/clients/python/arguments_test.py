@@ -89,7 +89,7 @@ class Arguments(FakeTestCase):
             (4, lambda: sim.step(20000000), "n must be at most 10000000, not 20000000: write sim.step("),
             (3, lambda: sim.note(""), 'no note: write sim.note("half-time")'),
             (4, lambda: sim.save_state("1st"), 'a letter, then letters, digits, _ and -, at most 63: write sim.save_state("'),
-            (4, lambda: sim.play(65), "at -4 to 64 times its speed, below 0 backwards, not 65: write sim.play(2)"),
+            (4, lambda: sim.play(65), "not 65: write sim.play(2)"),
             (4, lambda: sim.set_play_speed(0), "not 0: write sim.play(2), or sim.pause()"),
             (4, lambda: sim.skip(0), "not 0: write sim.skip(1)"),
             (3, lambda: r.get_target(""), "a target is a colour or an id, not ''; write r.get_target(\"red\")"),

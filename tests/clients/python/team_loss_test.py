@@ -64,7 +64,7 @@ class TakenAway(LossTestCase):
         self.lose()
         self.sim.pause()
         self.assert_error(11, lambda: self.team.step(timeout=0.1))
-        self.assertIn("nobody drives", self.assert_error(10, self.sim.team))
+        self.assertIn("free", self.assert_error(10, self.sim.team))
         self.sim.run()
         self.assertEqual(len(self.sim.team("swarm1").step((0.1, 0), timeout=LONG_S).pose), 5)
 

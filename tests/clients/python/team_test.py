@@ -186,7 +186,7 @@ class Lockstep(TeamTestCase):
         self.assertEqual(team.step((0.1, 0), timeout=60).pose.shape, (2, 3))
         with self.assertRaises(coopdyn.Error) as caught:
             old.step((0.1, 0), timeout=60)
-        self.assertIn("belongs to your team swarm1" if caught.exception.code == 6 else "nobody drives", caught.exception.text)
+        self.assertIn("belongs to your team swarm1" if caught.exception.code == 6 else "free", caught.exception.text)
 
     def test_robots_of_a_large_swarm_are_all_listed(self):
         sim = self.connect(self.start(swarm_of(600, floor=40)))

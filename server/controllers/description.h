@@ -22,13 +22,11 @@ struct ControllerDescription {
   std::uint32_t readings = 0;  // of enum coopdyn_reading
   std::uint32_t state_size = 0;
   std::vector<ControllerOption> options;
+
+  /// What is wrong with the options that a scenario gives, with what to write instead; one text each.
+  std::vector<std::string> Faults(const ControllerChoice& choice) const;
+  /// One value for each option: as given, else as described.
+  std::vector<double> Values(const ControllerChoice& choice) const;
 };
-
-/// What is wrong with the options given, with what to write instead; one text each.
-std::vector<std::string> CheckOptions(const ControllerChoice& choice,
-                                      const ControllerDescription& description);
-
-/// One value for each option described: as given, else as described.
-std::vector<double> OptionValues(const ControllerChoice& choice, const ControllerDescription& description);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/controllers/option_values.h"
+#include "server/controllers/description.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,10 +9,9 @@
 
 namespace coopdyn {
 
-std::vector<std::string> CheckOptions(const ControllerChoice& choice,
-                                      const ControllerDescription& description) {
+std::vector<std::string> ControllerDescription::Faults(const ControllerChoice& choice) const {
   std::vector<std::string> names, faults;
-  for (const ControllerOption& option : description.options) names.push_back(option.name);
+  for (const ControllerOption& option : options) names.push_back(option.name);
   for (const auto& [name, value] : choice.options) {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) {
@@ -20,7 +19,7 @@ std::vector<std::string> CheckOptions(const ControllerChoice& choice,
                                    names.empty() ? ": it takes none" : DidYouMean(name, names)));
       continue;
     }
-    const ControllerOption& option = description.options[static_cast<std::size_t>(found - names.begin())];
+    const ControllerOption& option = options[static_cast<std::size_t>(found - names.begin())];
     // Not `value < min || …`: that would let nan pass.
     if (value >= option.min && value <= option.max) continue;
     faults.push_back(
@@ -31,9 +30,9 @@ std::vector<std::string> CheckOptions(const ControllerChoice& choice,
   return faults;
 }
 
-std::vector<double> OptionValues(const ControllerChoice& choice, const ControllerDescription& description) {
+std::vector<double> ControllerDescription::Values(const ControllerChoice& choice) const {
   std::vector<double> values;
-  for (const ControllerOption& option : description.options) {
+  for (const ControllerOption& option : options) {
     const auto given = std::find_if(choice.options.begin(), choice.options.end(),
                                     [&option](const auto& pair) { return pair.first == option.name; });
     values.push_back(given == choice.options.end() ? option.value : given->second);
