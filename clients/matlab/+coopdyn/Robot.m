@@ -253,8 +253,7 @@ classdef Robot < handle
       if isempty(chosen) || ~all(isfield(r.link.pushers, chosen))
         coopdyn.internal.fail(5, 'nothing is subscribed to; write r.subscribe(''distance'') first');
       end
-      started = tic;
-      notice_s = 2;
+      wait = coopdyn.internal.Wait(r.session.address, options.timeout, ['no reading of ' strjoin(chosen, ', ')], true);
       while true
         for k = 1:numel(chosen)
           c = r.link.pushers.(chosen{k});
@@ -280,19 +279,7 @@ classdef Robot < handle
             return
           end
         end
-        if toc(started) > options.timeout
-          coopdyn.internal.fail(11, sprintf('no reading of %s within %g s; %s', strjoin(chosen, ', '), ...
-                                            options.timeout, coopdyn.internal.whom(r.session.address)));
-        end
-        if toc(started) > notice_s
-          text = coopdyn.internal.whom(r.session.address, true);
-          notice_s = notice_s + 2;
-          if ~isempty(text)
-            notice_s = Inf;
-            fprintf(2, 'coopdyn: %s\n', text);
-          end
-        end
-        pause(0.001);
+        wait.rest();
       end
     end
 

@@ -17,7 +17,6 @@ classdef Simulation < coopdyn.internal.RunCalls
     function sim = Simulation(options)
       address = coopdyn.internal.address(options.server, options.name, options.token, options.timeout);
       session = coopdyn.internal.Session(address, options.watch);
-      session.simulation.open();
       reply = session.control(100, [], [], '', address.timeout);
       try
         status = jsondecode(reply.text);

@@ -209,6 +209,40 @@ classdef Link < handle
       link.await_command(session);
     end
 
+    function [number, bytes] = frame(link, n)
+    % The request that makes n steps: with what was kept, or ready.
+      link.unstepped = 0;
+      link.carried = [];
+      kept = link.kept;
+      if isempty(kept)
+        number = 2;
+        bytes = typecast(int32([24 0 2 0 1 0 n]), 'uint8');
+        return
+      end
+      link.kept = [];
+      number = kept{1};
+      data = kept{2};
+      k = numel(data);
+      bytes = typecast(int32([24 + 8 * k, 0, number, 0, 1, k, n]), 'uint8');
+      if k > 0
+        bytes = [bytes typecast(data, 'uint8')];
+      end
+    end
+
+    function step = stepped(link, session, reply)
+    % Takes in the reply to a step; the step that it tells.
+      if reply.error ~= 0
+        coopdyn.internal.check_reply(reply, [link.robot ': ']);
+      end
+      newest = reply.data(end - 1:end);
+      step = newest(2);
+      session.newest = newest;
+      session.mode = reply.params(1);
+      if session.mode == 1
+        link.carried = reply;
+      end
+    end
+
     function count_unstepped(link, session)
     % Says once that the program never calls sim.step(); not if it lets time go by in another way, as by pause.
       link.unstepped = link.unstepped + 1;

@@ -43,14 +43,14 @@ classdef RunCalls < handle
       else
         name = coopdyn.internal.run_name(name);
       end
-      reply = coopdyn.internal.tell(sim.session, '/recorder', 121, [], [], name);
+      reply = sim.session.tell('/recorder', 121, [], [], name);
       name = reply.text;
     end
 
     function [name, url] = stop_recording(sim)
     %STOP_RECORDING Ends the recording; its name, and where the daemon's page has it ('': there is no page), when its
     %   file is closed.
-      reply = coopdyn.internal.tell(sim.session, '/recorder', 122, [], [], '', 60);
+      reply = sim.session.tell('/recorder', 122, [], [], '', 60);
       at = [strfind(reply.text, ' http://') numel(reply.text) + 1];  % the name may have blanks
       name = reply.text(1:at(1) - 1);
       url = coopdyn.internal.url_here(sim.session.address, strtrim(reply.text(at(1):end)));
@@ -62,12 +62,12 @@ classdef RunCalls < handle
       if ~coopdyn.internal.is_text(text) || isempty(char(text))
         coopdyn.internal.fail(3, ['a note is a text, not ' coopdyn.internal.show(text) ': write sim.note(''half-time'')']);
       end
-      coopdyn.internal.tell(sim.session, '/recorder', 123, [], [], char(text));
+      sim.session.tell('/recorder', 123, [], [], char(text));
     end
 
     function r = recording(sim)
     %RECORDING What is being recorded now: a struct with name, begin_time, end_time [s], steps, lost, bytes; [] if nothing is.
-      reply = coopdyn.internal.tell(sim.session, '/recorder', 120);
+      reply = sim.session.tell('/recorder', 120);
       r = [];
       if reply.params(1)
         d = reply.data;
@@ -78,7 +78,7 @@ classdef RunCalls < handle
     function files = recordings(sim)
     %RECORDINGS The recordings that the daemon has, newest first: a 1 x n struct with name, bytes, seconds (simulated),
     %   steps (nan if it cannot be read), recording, url ('' if it cannot be copied now).
-      reply = coopdyn.internal.tell(sim.session, '/recorder', 124, [], [], '', 60);
+      reply = sim.session.tell('/recorder', 124, [], [], '', 60);
       list = jsondecode(reply.text);
       files = struct('name', {}, 'bytes', {}, 'seconds', {}, 'steps', {}, 'recording', {}, 'url', {});
       for k = 1:numel(list)
@@ -123,7 +123,7 @@ classdef RunCalls < handle
     function p = playback(sim)
     %PLAYBACK Which recording is played, and what is shown: a struct with begin_time, end_time, time [s], speed, playing, loop,
     %   growing (still being recorded) and file. An error in a live run, as for the others.
-      reply = coopdyn.internal.tell(sim.session, '/playback', 130);
+      reply = sim.session.tell('/playback', 130);
       d = reply.data;
       on = logical(reply.params);
       p = struct('begin_time', d(1), 'end_time', d(2), 'time', d(3), 'speed', d(4), 'playing', on(1), 'loop', on(2), ...
@@ -133,7 +133,7 @@ classdef RunCalls < handle
     function seek(sim, time)
     %SEEK Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside.
       coopdyn.internal.need(nargin, 2, 'sim.seek(12.5)');
-      coopdyn.internal.tell(sim.session, '/playback', 131, [], coopdyn.internal.number(time, 'the time [s]'));
+      sim.session.tell('/playback', 131, [], coopdyn.internal.number(time, 'the time [s]'));
     end
 
     function play(sim, speed)
@@ -142,13 +142,13 @@ classdef RunCalls < handle
       if nargin > 1 && ~isempty(speed)
         data = coopdyn.internal.play_speed(speed);
       end
-      coopdyn.internal.tell(sim.session, '/playback', 132, [], data);
+      sim.session.tell('/playback', 132, [], data);
     end
 
     function set_play_speed(sim, s)
     %SET_PLAY_SPEED How fast the recording goes, -4 to 64 times, below 0 backwards.
       coopdyn.internal.need(nargin, 2, 'sim.set_play_speed(2)');
-      coopdyn.internal.tell(sim.session, '/playback', 134, [], coopdyn.internal.play_speed(s));
+      sim.session.tell('/playback', 134, [], coopdyn.internal.play_speed(s));
     end
 
     function skip(sim, n)
@@ -161,7 +161,7 @@ classdef RunCalls < handle
       elseif n == 0
         coopdyn.internal.fail(4, 'n is how many steps to go on, or back if below 0, not 0: write sim.skip(1)');
       end
-      coopdyn.internal.tell(sim.session, '/playback', 135, n);
+      sim.session.tell('/playback', 135, n);
     end
 
     function set_loop(sim, on)
@@ -170,7 +170,7 @@ classdef RunCalls < handle
       if ~(islogical(on) || isnumeric(on)) || numel(on) ~= 1 || ~any(double(on) == [0 1])
         coopdyn.internal.fail(3, ['on is true or false, not ' coopdyn.internal.show(on)]);
       end
-      coopdyn.internal.tell(sim.session, '/playback', 136, double(on));
+      sim.session.tell('/playback', 136, double(on));
     end
 
     function branch(sim, time)
@@ -180,7 +180,7 @@ classdef RunCalls < handle
       if nargin > 1 && ~isempty(time)
         data = coopdyn.internal.number(time, 'the time [s]');
       end
-      coopdyn.internal.tell(sim.session, '/playback', 137, [], data, '', 600);
+      sim.session.tell('/playback', 137, [], data, '', 600);
       coopdyn.internal.jumped(sim.session);
     end
   end

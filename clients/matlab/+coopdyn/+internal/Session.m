@@ -4,10 +4,9 @@ classdef Session < handle
   properties
     address
     watch
-    simulation       % connection to /simulation
     links = {}
     teams = {}
-    others = {}      % connections of call
+    others = {}      % connections to modules of the whole, and of call
     described = {}   % names and numbers of commands, by module: {module, names, ids; ...}
     mode = 0
     newest = [0 0]   % time [s] and step of the newest reply
@@ -20,7 +19,6 @@ classdef Session < handle
     function s = Session(address, watch)
       s.address = address;
       s.watch = logical(watch);
-      s.simulation = coopdyn.internal.Connection(address, '/simulation', true);
     end
 
     function note(s, reply)
@@ -105,19 +103,37 @@ classdef Session < handle
     end
 
     % --- requests that are answered at once
-    function reply = control(s, command, params, data, text, limit)
-    % A request to /simulation.
-      if nargin < 6, limit = 10; end
-      if nargin < 5, text = ''; end
-      if nargin < 4, data = []; end
-      if nargin < 3, params = []; end
+    function c = connection(s, module)
+    % The one to a module, open; those of the driven robots are not among them.
       s.require_open();
-      if ~s.simulation.alive()
-        s.simulation.open();
+      k = 1;
+      while k <= numel(s.others) && ~strcmp(s.others{k}.module, module)
+        k = k + 1;
       end
-      reply = s.simulation.request(command, params, data, text, limit);
+      if k > numel(s.others)
+        s.others{k} = coopdyn.internal.Connection(s.address, module, ~s.watch || strcmp(module, '/simulation'));
+      end
+      c = s.others{k};
+      if ~c.alive()
+        c.open();
+      end
+    end
+
+    function reply = tell(s, module, command, params, data, text, limit)
+    % A request to a module of the whole simulation.
+      if nargin < 7, limit = 10; end
+      if nargin < 6, text = ''; end
+      if nargin < 5, data = []; end
+      if nargin < 4, params = []; end
+      c = s.connection(module);
+      reply = c.request(command, params, data, text, limit);
       s.forget_readings();
       s.note(reply);
+    end
+
+    function reply = control(s, varargin)
+    % A request to /simulation.
+      reply = s.tell('/simulation', varargin{:});
     end
 
     function reply = read(s, link, module, command, params, text, data)
@@ -192,102 +208,48 @@ classdef Session < handle
     % teams may be commanded otherwise: bytes.
       links = s.links;
       if isempty(links) && numel(s.teams) == 1 && nargin > 3
-        % One team alone: the same as below with less to do, if its connection is in order.
-        c = commanded.connection;
-        if ~c.busy && ~isempty(c.socket) && ~s.closed
-          s.step_one_team(commanded, c, bytes, limit);
-          return
-        end
+        driven = commanded;
+        c = driven.connection;
+        ready = true;
+      elseif numel(links) == 1 && isempty(s.teams) && ~s.watch
+        driven = links{1};
+        c = driven.motors;
+        ready = ~isempty(c) && ~driven.unclaimed;
+      else
+        ready = false;
       end
-      if numel(links) == 1 && isempty(s.teams) && ~s.watch
-        % One robot: the same as below with less to do, if its connection is in order.
-        link = links{1};
-        c = link.motors;
-        if ~isempty(c) && ~c.busy && ~isempty(c.socket) && ~link.unclaimed
-          s.step_one(link, c, n, limit);
-          return
+      if ready && ~c.busy && ~isempty(c.socket) && ~s.closed
+        % One alone, and its connection is in order: the same as below with less to do.
+        if nargin > 3
+          s.step_one(driven, c, 110, bytes, limit);
+        else
+          [number, bytes] = driven.frame(n);
+          s.step_one(driven, c, number, bytes, limit);
         end
-      end
-      if nargin < 4
+      elseif nargin < 4
         coopdyn.internal.step_all(s, n, limit);
       else
         coopdyn.internal.step_all(s, n, limit, commanded, bytes);
       end
     end
 
-    function step_one(s, link, c, n, limit)
-      kept = link.kept;
-      if isempty(kept)
-        number = 2;
-        bytes = typecast(int32([24 0 2 0 1 0 n]), 'uint8');
-      else
-        number = kept{1};
-        data = kept{2};
-        k = numel(data);
-        bytes = typecast(int32([24 + 8 * k, 0, number, 0, 1, k, n]), 'uint8');
-        if k > 0
-          bytes = [bytes typecast(data, 'uint8')];
-        end
-        link.kept = [];
-      end
-      if link.unstepped > 0
-        link.unstepped = 0;
-      end
+    function step_one(s, driven, c, number, bytes, limit)
       since = s.reached + 1;
-      earliest = [];
       try
         reply = c.exchange(number, bytes);
         if isempty(reply)
-          link.carried = [];
-          earliest = coopdyn.internal.collect(s, {c}, {link}, limit);
-        elseif reply.error ~= 0
-          coopdyn.internal.check_reply(reply, [link.robot ': ']);
+          step = coopdyn.internal.collect(s, {c}, {driven}, limit);
+        else
+          step = driven.stepped(s, reply);
         end
       catch cause
-        coopdyn.internal.recover(s, {c}, {link}, cause);
+        coopdyn.internal.recover(s, {c}, {driven}, cause);
       end
-      if ~isempty(earliest)
-        s.go_on(earliest, since);
-        return
-      end
-      newest = reply.data(end - 1:end);
-      s.newest = newest;
-      mode = reply.params(1);
-      if mode ~= s.mode
-        s.mode = mode;
-      end
-      if mode == 1
-        link.carried = reply;
+      if step < since
+        s.go_on(step, since);
       else
-        link.carried = [];
+        s.reached = step;
       end
-      if newest(2) < since
-        s.go_on(newest(2), since);
-      else
-        s.reached = newest(2);
-      end
-    end
-
-    function step_one_team(s, team, c, bytes, limit)
-      since = s.reached + 1;
-      earliest = [];
-      try
-        reply = c.exchange(110, bytes);
-        if isempty(reply)
-          earliest = coopdyn.internal.collect(s, {c}, {team}, limit);
-        elseif reply.error ~= 0
-          team.stale = true;  % a robot may have been taken from it
-          coopdyn.internal.check_reply(reply, [team.label ': ']);
-        end
-      catch cause
-        coopdyn.internal.recover(s, {c}, {team}, cause);
-      end
-      if isempty(earliest)
-        s.note(reply);
-        team.reply = reply;
-        earliest = reply.data(end);
-      end
-      s.go_on(earliest, since);
     end
 
     function reply = step_team(s, team, bytes, limit)
@@ -379,7 +341,6 @@ classdef Session < handle
         c = s.others{k};
         c.close();
       end
-      s.simulation.close();
       s.closed = true;
     end
   end

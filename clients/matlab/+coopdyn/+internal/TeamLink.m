@@ -82,8 +82,7 @@ classdef TeamLink < handle
       try
         reply = t.claim(session);
         if isempty(reply.params)
-          answer = session.control(100, [1 1]);
-          status = jsondecode(answer.text);
+          status = session.brief_status();
           if isfield(status, 'playback') && ~isempty(status.playback)
             text = 'playing a recording: sim.branch() goes on live from here';
           end
@@ -184,7 +183,7 @@ classdef TeamLink < handle
           if strcmp(cause.identifier, 'coopdyn:no_such_name')
             break  % another world
           end
-          taken = strcmp(wanted, coopdyn.internal.first_word(cause.message));
+          taken = strcmp(wanted, strtok(cause.message, ' '));
           if ~strcmp(cause.identifier, 'coopdyn:owned') || ~any(taken)
             rethrow(cause);
           end
@@ -222,6 +221,23 @@ classdef TeamLink < handle
         session.raise_if_loaded(struct('identifier', ''));
         coopdyn.internal.fail(5, t.lost);
       end
+    end
+
+    function [number, bytes] = frame(t, n) %#ok<INUSL>
+    % The request that makes n steps with the speeds that it has: ready.
+      number = 2;
+      bytes = typecast(int32([24 0 2 0 1 0 n]), 'uint8');
+    end
+
+    function step = stepped(t, session, reply)
+    % Takes in the reply to a step; the step that it tells.
+      if reply.error ~= 0
+        t.stale = true;  % a robot may have been taken from it
+        coopdyn.internal.check_reply(reply, [t.label ': ']);
+      end
+      session.note(reply);
+      t.reply = reply;
+      step = reply.data(end);
     end
 
     function refresh(t, session)

@@ -5,72 +5,47 @@ function earliest = collect(s, connections, links, limit)
   waiting = 1:numel(connections);
   stepped = [];
   stepped_s = Inf;
-  started = [];
-  noticed = false;
-  checked = 0;
+  wait = [];
   patient = true;  % the next poll may wait a little: one such poll a round
   while true
     left = [];
     for k = waiting
-      c = connections{k};
-      reply = c.poll(patient);
+      reply = connections{k}.poll(patient);
       if isempty(reply)
         patient = false;
         left(end + 1) = k; %#ok<AGROW>
         continue
       end
       link = links{k};
-      if reply.error ~= 0
-        who = '';
-        if ~isempty(link)
-          who = [link.label ': '];
-          if link.is_team
-            link.stale = true;  % a robot may have been taken from it
-          end
-        end
-        coopdyn.internal.check_reply(reply, who);
+      if isempty(link)
+        coopdyn.internal.check_reply(reply, '');
+        s.note(reply);
+        step = reply.data(end);
+      else
+        step = link.stepped(s, reply);
       end
-      s.note(reply);
-      earliest = min(earliest, reply.data(end));
+      earliest = min(earliest, step);
       stepped(end + 1) = k; %#ok<AGROW>
       stepped_s = 0;
-      if ~isempty(started)
-        stepped_s = toc(started);
-      end
-      if ~isempty(link)
-        if link.is_team
-          link.reply = reply;
-        elseif reply.params(1) == 1
-          link.carried = reply;
-        end
+      if ~isempty(wait)
+        stepped_s = wait.now_s;
       end
     end
     waiting = left;
     if isempty(waiting)
       return
     end
-    if isempty(started)
-      started = tic;
+    if isempty(wait)
+      wait = coopdyn.internal.Wait(s.address, limit, 'the step did not come');
     end
-    now_s = toc(started);
-    if now_s > limit
-      coopdyn.internal.fail(11, sprintf('the step did not come within %g s; %s', limit, coopdyn.internal.whom(s.address)));
-    end
-    if now_s > 2 && ~noticed
-      noticed = true;
-      fprintf(2, 'coopdyn: %s\n', coopdyn.internal.whom(s.address));
-    end
-    if now_s - stepped_s > 0.1
-      stepped_s = now_s;
+    wait.rest();
+    patient = wait.patient;
+    if wait.now_s - stepped_s > 0.1
+      stepped_s = wait.now_s;
       behind = catch_up(s, connections, links, stepped, waiting);
       stepped = setdiff(stepped, behind);
       waiting = [waiting behind]; %#ok<AGROW>
     end
-    patient = now_s - checked > 0.5;  % sees a peer that is gone
-    if patient
-      checked = now_s;
-    end
-    pause(0.001);
   end
 end
 

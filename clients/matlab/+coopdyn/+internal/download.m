@@ -1,8 +1,7 @@
 % SPDX-License-Identifier: MIT
 function download(session, path, file, what, limit)
 %DOWNLOAD Copies what the daemon's page has at path to a file, whole or not at all. limit: seconds without an answer.
-  reply = session.control(100, [1 1]);
-  status = jsondecode(reply.text);
+  status = session.brief_status();
   page = coopdyn.internal.url_here(session.address, char(status.http));
   if isempty(page)
     coopdyn.internal.fail(5, 'the daemon was started with --no-http, so there are no pictures and no files');

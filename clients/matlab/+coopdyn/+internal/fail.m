@@ -1,5 +1,13 @@
 % SPDX-License-Identifier: MIT
 function fail(code, text)
-%FAIL Raises the error with the identifier of this code, e.g. coopdyn:owned.
-  error(['coopdyn:' coopdyn.internal.error_name(code)], '%s', text);
+%FAIL Raises the error with the identifier of this code of the protocol, e.g. coopdyn:owned; -1: no connection.
+  names = {'unknown_command', 'wrong_params', 'wrong_data', 'out_of_range', 'not_possible', 'owned', 'malformed', ...
+           'too_large', 'internal', 'no_such_name', 'timed_out', 'not_allowed'};
+  name = 'error';
+  if code == -1
+    name = 'connection';
+  elseif code >= 1 && code <= numel(names)
+    name = names{code};
+  end
+  error(['coopdyn:' name], '%s', text);
 end

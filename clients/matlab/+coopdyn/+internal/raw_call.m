@@ -22,14 +22,7 @@ function reply = raw_call(session, name, command, params, data, text, limit)
     owner.settle(session);
     c = owner.motors;
   else
-    if strcmp(name, '/simulation')
-      c = session.simulation;
-    else
-      c = coopdyn.internal.connection_to(session, name);
-    end
-    if ~c.alive()
-      c.open();
-    end
+    c = session.connection(name);
   end
   try
     c.send(command, coopdyn.internal.encode(command, params, data, text));
@@ -78,26 +71,11 @@ function number = number_of(session, name, command)
 end
 
 function message = await_one(session, c, limit)
-% The reply, which may have to wait for a step; says once whom for.
+% The reply, which may have to wait for a step.
+  wait = coopdyn.internal.Wait(session.address, limit, ['no answer from ' c.module]);
   message = c.poll(true);
-  started = tic;
-  noticed = false;
-  checked = 0;
   while isempty(message)
-    now_s = toc(started);
-    if now_s > limit
-      coopdyn.internal.fail(11, sprintf('no answer from %s within %g s; %s', c.module, limit, ...
-                                        coopdyn.internal.whom(session.address)));
-    end
-    if now_s > 2 && ~noticed
-      noticed = true;
-      fprintf(2, 'coopdyn: %s\n', coopdyn.internal.whom(session.address));
-    end
-    pause(0.001);
-    patient = now_s - checked > 0.5;
-    if patient
-      checked = now_s;
-    end
-    message = c.poll(patient);
+    wait.rest();
+    message = c.poll(wait.patient);
   end
 end

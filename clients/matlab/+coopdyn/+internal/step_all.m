@@ -36,36 +36,22 @@ function step_all(s, n, limit, commanded, bytes)
     end
   end
   if isempty(links)
-    if ~s.simulation.alive()
-      s.simulation.open();
-    end
     links = {[]};
-    connections = {s.simulation};
+    connections = {s.connection('/simulation')};
   end
   since = s.reached + 1;
   try
     for k = 1:numel(links)
       link = links{k};
       c = connections{k};
-      number = 2;
-      data = [];
-      if ~isempty(link) && link.is_team
-        if nargin > 3 && link.number == commanded.number
-          c.send(110, bytes);
-        else
-          c.send(2, coopdyn.internal.encode(2, n, []));
-        end
-        continue
+      if isempty(link)
+        c.send(2, coopdyn.internal.encode(2, n, []));
+      elseif nargin > 3 && link.is_team && link.number == commanded.number
+        c.send(110, bytes);
+      else
+        [number, frame] = link.frame(n);
+        c.send(number, frame);
       end
-      if ~isempty(link)
-        if ~isempty(link.kept)
-          number = link.kept{1};
-          data = link.kept{2};
-          link.kept = [];
-        end
-        link.carried = [];
-      end
-      c.send(number, coopdyn.internal.encode(number, n, data));
     end
     earliest = coopdyn.internal.collect(s, connections, links, limit);
   catch cause

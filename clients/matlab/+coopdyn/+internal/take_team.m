@@ -37,7 +37,7 @@ function team = take_team(session, text)
     team.open(session);
   catch cause
     if strcmp(cause.identifier, 'coopdyn:owned')
-      robot = coopdyn.internal.first_word(cause.message);
+      robot = strtok(cause.message, ' ');
       link = session.looked_at(robot);
       if ~isempty(link)
         link.let_go(session);
