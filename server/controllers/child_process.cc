@@ -58,7 +58,7 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
   return pointers;
 }
 
-/// In a fork of the daemon: becomes the template, or reports over `socket` why it cannot.
+/// In a fork of the daemon: becomes the template.
 [[noreturn]] void BecomeTemplate(int socket, char* const* arguments, char* const* environment) {
   for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_DFL);
   sigset_t none;
@@ -71,10 +71,7 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
   dup2(STDERR_FILENO, STDOUT_FILENO);  // our stdout belongs to the one line `ready ...`
   close_range(kSocketFile + 1, ~0u, 0);
   execve(arguments[0], arguments, environment);
-  CopyReport report;
-  report.error = errno;
-  [[maybe_unused]] const ssize_t sent = send(kSocketFile, &report, sizeof(report), MSG_NOSIGNAL);
-  _exit(1);
+  _exit(127);
 }
 
 /// Asks the template for a copy that serves these files. False: the template is gone.
@@ -133,6 +130,7 @@ std::string ChildEnd::ToString() const {
 
 void ChildLauncher::StartTemplate() {
   if (std::getenv(kMark) != nullptr) Fail(EPERM, "a controllers' process may not start another");
+  if (access(program_.c_str(), X_OK) != 0) Fail(errno, program_);
   std::array<int, 2> sockets{};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets.data()) != 0) Fail(errno, "socketpair");
   std::vector<std::string> arguments = {program_, "controller-child", std::to_string(kSocketFile)};
@@ -174,7 +172,7 @@ pid_t ChildLauncher::Launch(int in_fd, int out_fd) {
     if (SendFiles(socket_, {in_fd, out_fd})) {
       while (const std::optional<CopyReport> report = Receive()) {
         if (report->ended) continue;
-        if (report->pid < 0) Fail(report->error, program_);
+        if (report->pid < 0) Fail(report->error, "fork");
         copies_[report->pid].reset();
         return report->pid;
       }
