@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % A swarm that spreads: every robot goes ahead and turns away from what its sensors feel. In real time and lockstep.
-% Needs robots that nobody drives: coopdyn serve swarm100
+% Needs free robots: coopdyn serve swarm100
 sim  = coopdyn.connect();
 team = sim.team();                            % or sim.team('swarm1')
 r    = sim.robot(team.names{1});

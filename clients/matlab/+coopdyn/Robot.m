@@ -243,7 +243,7 @@ classdef Robot < handle
     function u = next(r, varargin)
     %NEXT Waits for the next pushed reading: module, time, step, value (what the get-command returns), text.
     %   r.next() of any module that was subscribed to, r.next('pose') of one; r.next('timeout', 2) waits 2 s at most.
-    %   If the world is held up for more than 2 s it says once whom for.
+    %   If the world is held up for more than 2 s it says once by which robots.
       chosen = fieldnames(r.link.pushers)';
       if mod(numel(varargin), 2) == 1
         chosen = {char(varargin{1})};

@@ -38,7 +38,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     % --- robots
     function r = robot(sim, which)
     %ROBOT Takes a robot, by name or number (from 1), to be driven by this sim. Error if another client owns it. While a
-    %   recording is played it is only read, and taken after a branch with the first step or command if nobody has it.
+    %   recording is played it can only be read; after a branch the first step or command takes it, if it is free.
       coopdyn.internal.need(nargin, 2, 'sim.robot(''robot1'') or sim.robot(1)');
       if isnumeric(which)
         number = coopdyn.internal.count(which, 'the number of a robot');
@@ -66,16 +66,16 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     function t = team(sim, names)
     %TEAM Takes robots to be driven together, through one connection: the name of a swarm or robot, a cell array of such,
-    %   or without names all that nobody drives; they stand in the order of the scenario, whatever the list's. Error if
-    %   another client owns one of them, or this sim has driven one singly; then none is taken.
+    %   or without names all that are free, in the order of the scenario. Error if another client owns one of them, or this
+    %   sim has driven one singly; then none is taken.
       text = '';
       if nargin > 1
         names = coopdyn.internal.joined(names, ['sim.team(''swarm1''), sim.team({''robot1'', ''robot2''}), or sim.team() ' ...
-          'for all that nobody drives']);
+          'for all that are free']);
         words = strsplit(strtrim(names), ' ');
         words = regexprep(words(~cellfun(@isempty, words)), '^/+', '');
         if isempty(words)
-          coopdyn.internal.fail(3, 'no names: write e.g. sim.team(''swarm1''), or sim.team() for all that nobody drives');
+          coopdyn.internal.fail(3, 'no names: write e.g. sim.team(''swarm1''), or sim.team() for all that are free');
         end
         for k = 1:numel(words)
           if isempty(regexp(words{k}, '^[^\s/]+$', 'once'))
@@ -90,9 +90,9 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     % --- time
     function step(sim, varargin)
-    %STEP Goes on by one step, or by n: sim.step(n). In lockstep sends what the robots of this sim were told and waits
-    %   until the steps have run, teams keeping their speeds; otherwise waits for the n-th next step. sim.step(1, 'timeout', 5): error after 5 s.
-    %   Waiting longer than 2 s it says once whom for.
+    %STEP Advances by one step, or by n: sim.step(n). In lockstep: sends the commands of this sim's robots and waits until
+    %   the steps have run; otherwise waits for the n-th next step. Teams keep their speeds. sim.step(1, 'timeout', 5):
+    %   error after 5 s. After 2 s it says once which robots the world waits for.
       n = 1;
       limit = Inf;
       if nargin > 1
@@ -225,7 +225,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function release_robot(sim, name)
-    %RELEASE_ROBOT Takes a robot from whoever drives it: closes that program's connection, or unloads its controller.
+    %RELEASE_ROBOT Takes a robot from its driver: closes that program's connection, or unloads its controller.
       coopdyn.internal.need(nargin, 2, 'sim.release_robot(''robot1'')');
       sim.session.control(193, [], [], coopdyn.internal.word(name, 'the name of a robot'));
     end
@@ -296,7 +296,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function close(sim)
-    %CLOSE Writes stop to the robots of this sim and frees them. Does not wait.
+    %CLOSE Stops the robots of this sim and releases them. Does not wait for the step.
       if ~sim.session.closed
         sim.session.close();
       end

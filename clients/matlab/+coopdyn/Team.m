@@ -8,10 +8,10 @@ classdef Team < handle
 %       s = team.step(V);
 %     end
 %     team.close();
-%   While a recording is played a team reads, and what drives it is an error.
+%   While a recording is played a team can only read; driving it is an error.
 %   names, ids, n; step, step_wheels, read, select, stop, release, close.
-%   Readings are a struct with time, step, text (says if speeds were limited, who was taken away) and, of those chosen with select, matrices with a row for each robot in the order
-%   of team.names: pose (x, y [m], heading [rad]), distances [m], targets (distance [m], bearing [rad] of each), neighbours
+%   Readings are a struct with time, step, text (says if speeds were limited, who was taken away) and, of those chosen
+%   with select, matrices with a row for each robot in the order of team.names: pose (x, y [m], heading [rad]), distances [m], targets (distance [m], bearing [rad] of each), neighbours
 %   (id, distance, bearing of each; 0, inf, nan: none), wheels (as get_wheels).
   properties (Dependent)
     n      % how many robots
@@ -201,7 +201,7 @@ classdef Team < handle
     end
 
     function s = readings(t, reply)
-    % The matrices out of a reply. If robots or targets have come or gone, what belongs to a row is asked anew.
+    % The matrices out of a reply. If robots or targets have come or gone, the columns are asked for again.
       link = t.link;
       n = reply.params(end - 1);
       m = reply.params(end);

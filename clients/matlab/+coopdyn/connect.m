@@ -9,7 +9,7 @@ function sim = connect(varargin)
 %   token: what the daemon printed, needed from other machines to change the world.
 %   timeout: seconds until connecting gives up.   watch: never drives a robot, only looks on.
 %   Errors have identifiers coopdyn:owned, coopdyn:no_such_name, coopdyn:timed_out, coopdyn:connection ...
-%   If somebody else resets the world or loads a scenario, the next reading, command or step raises coopdyn:reset, once.
+%   If another client resets the world or loads a scenario, the next reading, command or step raises coopdyn:reset, once.
 %   See also coopdyn.Simulation, coopdyn.Robot, coopdyn.doctor.
   server = '';
   if mod(numel(varargin), 2) == 1

@@ -28,7 +28,7 @@ expect_error('coopdyn:wrong_data', @() sim.load_scenario(''), 'a scenario is a t
 expect_error('coopdyn:wrong_data', @() sim.load_scenario(5), 'a scenario is a text, not 5');
 expect_error('coopdyn:wrong_data', @() sim.note(''), 'a note is a text, not '''': write sim.note(''half-time'')');
 expect_error('coopdyn:out_of_range', @() sim.save_state('1st'), 'at most 63: write sim.save_state(''before_turn'')');
-expect_error('coopdyn:out_of_range', @() sim.play(65), 'below 0 backwards, not 65: write sim.play(2)');
+expect_error('coopdyn:out_of_range', @() sim.play(65), 'not 65: write sim.play(2)');
 expect_error('coopdyn:out_of_range', @() sim.set_play_speed(0), 'not 0: write sim.play(2), or sim.pause()');
 expect_error('coopdyn:out_of_range', @() sim.skip(0), 'not 0: write sim.skip(1)');
 expect_error('coopdyn:wrong_params', @() sim.skip('a'), 'n must be a whole number of steps, not ''a''');

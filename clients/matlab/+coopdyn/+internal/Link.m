@@ -6,14 +6,14 @@ classdef Link < handle
     label              % in errors
     names              % of the robots that this drives
     is_team = false
-    in_team = false    % a team of this sim drives it: for reading only
+    in_team = false    % a team of this sim drives it; it can only be read
     motors = []        % the connection that commands go through; [] = it has no motors
     readers = struct() % connections to other modules, by module
     pushers = struct() % connections that readings are pushed on, by module
     drives = false     % open, ours, not lost, and commanded before
     commanded = false  % by this program, ever
-    unclaimed = false  % only looked at: when it was last asked for a recording was played, or
-    another = false    % another had it; then not asked for again before it is commanded
+    unclaimed = false  % only read: a recording was played when it was last asked for, or
+    another = false    % another program had it; it is asked for again with the next command
     kept = []          % struct of command and data, for the next step
     sent = []          % the same of a command whose reply has not come yet
     sent_at = 0        % the newest step when it was sent
@@ -54,7 +54,7 @@ classdef Link < handle
     end
 
     function yes = takes_part(link, session)
-    % The robot steps with this sim. One that was only looked at is taken now if nobody has it.
+    % True if the robot steps with this sim. One that was only read is claimed now if it is free.
       yes = false;
       if isempty(link.motors)
         return
@@ -74,7 +74,7 @@ classdef Link < handle
     end
 
     function let_go(link, session)
-    % Gives up a robot of ours that was only looked at, so that a team can have it.
+    % Releases a robot of ours that was only read, so that a team can have it.
       link.settle(session);
       link.motors.request(8, [], []);
       link.forget_commands();

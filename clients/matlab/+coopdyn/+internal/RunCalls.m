@@ -7,7 +7,7 @@ classdef RunCalls < handle
   methods
     % --- states to go on from
     function save_state(sim, name)
-    %SAVE_STATE Keeps all that decides how the run goes on, under a name; replaces what is kept under that name.
+    %SAVE_STATE Saves the whole state of the simulation under a name; an older state of this name is replaced.
       coopdyn.internal.need(nargin, 2, 'sim.save_state(''before_turn'')');
       name = coopdyn.internal.word(name, 'the name of a state');
       if isempty(regexp(name, '^[A-Za-z][A-Za-z0-9_-]{0,62}$', 'once'))
@@ -18,7 +18,7 @@ classdef RunCalls < handle
     end
 
     function restore_state(sim, name)
-    %RESTORE_STATE Goes on from a saved state, bit for bit; 'start' is where the run began.
+    %RESTORE_STATE Goes on from a saved state, bit for bit the same; 'start' is the beginning of the run.
       coopdyn.internal.need(nargin, 2, 'sim.restore_state(''before_turn'')');
       sim.session.control(195, [], [], coopdyn.internal.word(name, 'the name of a state'), 60);
       coopdyn.internal.jumped(sim.session);
@@ -36,8 +36,8 @@ classdef RunCalls < handle
 
     % --- recording
     function name = record(sim, name)
-    %RECORD Records the run from here on, in the daemon's folder; the name of the file. Without a name under
-    %   run-DATE-TIME. Nothing is overwritten: an error.
+    %RECORD Records the run from now on, in the daemon's folder; returns the name of the file, run-DATE-TIME if none is
+    %   given. An existing file is never overwritten: an error.
       if nargin < 2 || isempty(name)
         name = '';
       else
@@ -48,8 +48,8 @@ classdef RunCalls < handle
     end
 
     function [name, url] = stop_recording(sim)
-    %STOP_RECORDING Ends the recording; its name, and where the daemon's page has it ('': there is no page), when its
-    %   file is closed.
+    %STOP_RECORDING Ends the recording and waits until its file is closed; its name, and its URL on the daemon's page ('':
+    %   there is no page).
       reply = sim.session.tell('/recorder', 122, [], [], '', 60);
       at = [strfind(reply.text, ' http://') numel(reply.text) + 1];  % the name may have blanks
       name = reply.text(1:at(1) - 1);
@@ -57,7 +57,7 @@ classdef RunCalls < handle
     end
 
     function note(sim, text)
-    %NOTE Marks this time in the recording; run.events has it.
+    %NOTE Writes a note into the recording at this time; run.events lists it.
       coopdyn.internal.need(nargin, 2, 'sim.note(''half-time'')');
       if ~coopdyn.internal.is_text(text) || isempty(char(text))
         coopdyn.internal.fail(3, ['a note is a text, not ' coopdyn.internal.show(text) ': write sim.note(''half-time'')']);
@@ -92,9 +92,9 @@ classdef RunCalls < handle
     end
 
     function file = fetch_run(sim, name, file)
-    %FETCH_RUN Copies a recording from the daemon: file = sim.fetch_run('lesson1') makes lesson1.mat here, which
-    %   coopdyn.read_run and load read. With a file called .run the recording itself. What was there is replaced when
-    %   all has come.
+    %FETCH_RUN Copies a recording from the daemon: file = sim.fetch_run('lesson1') makes lesson1.mat in this folder, which
+    %   coopdyn.read_run and load read; a file name that ends with .run gets the recording itself. An older file is
+    %   replaced when the new one is complete.
       coopdyn.internal.need(nargin, 2, 'sim.fetch_run(''lesson1'')');
       name = regexprep(coopdyn.internal.run_name(name), '\.(run|mat)$', '');
       if nargin < 3 || isempty(file)
@@ -131,13 +131,13 @@ classdef RunCalls < handle
     end
 
     function seek(sim, time)
-    %SEEK Shows the step at this simulated time [s], or the one before it; the nearest end if it lies outside.
+    %SEEK Shows the step at this simulated time [s], or the last one before it; outside the recording its first or last step.
       coopdyn.internal.need(nargin, 2, 'sim.seek(12.5)');
       sim.session.tell('/playback', 131, [], coopdyn.internal.number(time, 'the time [s]'));
     end
 
     function play(sim, speed)
-    %PLAY Lets the recording go on, at this speed if one is given; -4 to 64 times, below 0 backwards.
+    %PLAY Plays the recording, at this speed if one is given: -4 to 64 times, negative plays backwards.
       data = [];
       if nargin > 1 && ~isempty(speed)
         data = coopdyn.internal.play_speed(speed);
@@ -146,20 +146,20 @@ classdef RunCalls < handle
     end
 
     function set_play_speed(sim, s)
-    %SET_PLAY_SPEED How fast the recording goes, -4 to 64 times, below 0 backwards.
+    %SET_PLAY_SPEED How fast the recording is played: -4 to 64 times, negative plays backwards.
       coopdyn.internal.need(nargin, 2, 'sim.set_play_speed(2)');
       sim.session.tell('/playback', 134, [], coopdyn.internal.play_speed(s));
     end
 
     function skip(sim, n)
-    %SKIP Goes n recorded steps on (one, without n), or back if n is below 0, and stands there.
+    %SKIP Goes n recorded steps forward (default 1), or back if n is negative, and pauses there.
       if nargin < 2
         n = 1;
       end
       if ~isnumeric(n) || numel(n) ~= 1 || n ~= round(n) || abs(n) > 2147483647
         coopdyn.internal.fail(2, ['n must be a whole number of steps, not ' coopdyn.internal.show(n)]);
       elseif n == 0
-        coopdyn.internal.fail(4, 'n is how many steps to go on, or back if below 0, not 0: write sim.skip(1)');
+        coopdyn.internal.fail(4, 'n is a number of steps, negative to go back, but not 0: write sim.skip(1)');
       end
       sim.session.tell('/playback', 135, n);
     end
@@ -174,8 +174,8 @@ classdef RunCalls < handle
     end
 
     function branch(sim, time)
-    %BRANCH Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s], bit for
-    %   bit as it did if the inputs are the same.
+    %BRANCH Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s]. With the
+    %   same inputs it repeats the recorded run bit for bit.
       data = [];
       if nargin > 1 && ~isempty(time)
         data = coopdyn.internal.number(time, 'the time [s]');

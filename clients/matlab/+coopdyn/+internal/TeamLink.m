@@ -12,11 +12,11 @@ classdef TeamLink < handle
     ids = zeros(1, 0)
     readings = {}                 % in the order of a row
     columns = zeros(1, 0)         % of each
-    stale = false                 % who is in it must be asked anew
+    stale = false                 % who is in it must be asked again
     reply = []                    % to the step that ran last
     gone = {}                     % who was taken from it since it stepped last
     lost = ''                     % why it is not ours any more
-    playing = ''                  % why nobody can have the robots: a recording is played; then it is for reading
+    playing = ''                  % a recording is played, so the team can only be read: the text of the error
     lost_code = 6
   end
   properties (Dependent)
@@ -50,7 +50,7 @@ classdef TeamLink < handle
         end
         t.take(session);
         if isempty(t.names)
-          coopdyn.internal.fail(10, 'there is no robot that nobody drives');
+          coopdyn.internal.fail(10, 'no robot is free: other programs drive them all');
         end
         t.choose(t.selected, t.neighbours);
         session.note(c.request(3, [], []));
@@ -166,7 +166,7 @@ classdef TeamLink < handle
     end
 
     function reply = claim(t, session)
-    % Again those that it had, not whom its name would mean by now: less who is another's meanwhile.
+    % Claims again the robots that it had, except those that another team has by now. Its name may mean others today.
       c = t.connection;
       wanted = t.names;
       for k = 1:numel(session.teams)
@@ -198,7 +198,7 @@ classdef TeamLink < handle
     end
 
     function named(t, reply, session)
-    % Takes over who is in the team. One that has lost all its robots is none any more.
+    % Notes who is in the team. A team that has lost all its robots is lost itself.
       before = t.names;
       t.stale = false;
       t.ids = reply.params;
@@ -215,7 +215,7 @@ classdef TeamLink < handle
           what = t.label;
         end
         t.lost = [what ' has lost all its robots, to other programs or another scenario: ' t.take_again() ...
-          ' takes whom it means now'];
+          ' takes those that it names now'];
         t.lost_code = 5;
         t.connection.close();
         session.raise_if_loaded(struct('identifier', ''));

@@ -51,9 +51,9 @@ end
 
 function again = catch_up(s, connections, links, stepped, waiting)
 % After an error or a timeout a command that had not run may still run while its successor is on the way: its robot
-% is then one step behind the others, and each would wait for the other for ever. The world says whether it waits
-% for robots of ours that have stepped already: these go on by one step with what they have. If it waits for one whose
-% reply has not come, too, then that reply is on its way.
+% is then one step behind the others, and they would wait for each other without end. So if the world waits for robots
+% of ours that have stepped already, these make one more step with the commands they have. If it also waits for one
+% whose reply has not come, that reply is on its way and there is nothing to do.
   again = [];
   status = coopdyn.internal.fresh_status(s.address);
   if isempty(status.awaiting)

@@ -29,7 +29,7 @@ function socket = dial(a)
       coopdyn.internal.fail(11, silent);
     end
     if ~isempty(regexpi(cause.message, 'look(ing)? ?up|resolv|unknown host|no such host', 'once'))
-      coopdyn.internal.fail(-1, ['nobody knows a machine called ''' a.host '''; check the name, or write its address']);
+      coopdyn.internal.fail(-1, ['no machine is called ''' a.host '''; check the name, or write its address']);
     end
     coopdyn.internal.fail(-1, [ ...
       'nothing listens at ' a.text ': start the daemon there (coopdyn serve; for other machines add --host 0.0.0.0), ' ...

@@ -1,7 +1,6 @@
 % SPDX-License-Identifier: MIT
 function [names, ids] = find_team(session, connection, text)
-%FIND_TEAM Who is meant by the names of a team, in a recording that is played: claim finds the names good, but tells no
-%   ids.
+%FIND_TEAM The robots that the names of a team mean in a recording that is played, where claim tells no ids.
   there = coopdyn.internal.robot_names(session);
   known = known_ids(connection, numel(there));
   there = there(1:numel(known));

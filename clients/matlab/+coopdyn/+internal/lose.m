@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function lose(session, link, cause)
-%LOSE The motors connection was closed by the daemon. If the robot was taken over or freed it is not opened again by
-%  itself: that would take it back from whoever got it. Raises what happened.
+%LOSE The daemon closed the motors connection. If the robot was taken over or freed it is not opened again automatically:
+%  that would take it back from its new driver. Raises what happened.
   if ~strcmp(cause.identifier, 'coopdyn:connection')
     rethrow(cause);
   end

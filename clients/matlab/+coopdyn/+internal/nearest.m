@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function text = nearest(name, known)
-%NEAREST What the name is but for its capitals, as part of an error.
+%NEAREST The known name that differs in capitals only, as part of an error.
   text = '';
   found = find(strcmpi(known, name), 1);
   if ~isempty(found)

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function text = whom(address, held_up)
-%WHOM One line that says what the world waits for; with held_up empty if its steps go on: lockstep awaits its robots
-%   before every step, and a wait of less than 0.5 s holds nobody up.
+%WHOM One line that says what the world waits for; with held_up empty if its steps go on: lockstep waits for its robots
+%   before every step, and less than 0.5 s is normal.
   try
     status = coopdyn.internal.fresh_status(address);
   catch cause
