@@ -482,7 +482,9 @@ def decode(buffer: Union[bytes, bytearray], bulk: bool = False) -> Tuple[Optiona
     params = list(struct.unpack_from(f"<{m}i", buffer, 24 + t))
     if not bulk:
         return Message(error, text, command, params, list(struct.unpack_from(f"<{n}d", buffer, end - 8 * n))), end
-    data = array.array("d", bytes(buffer[end - 8 * n : end]))
+    data = array.array("d")
+    with memoryview(buffer) as whole, whole[end - 8 * n : end] as part:
+        data.frombytes(part)
     if sys.byteorder == "big":
         data.byteswap()
     return Message(error, text, command, params, data), end  # type: ignore[arg-type]
@@ -1082,7 +1084,7 @@ class _TeamLink:
                 self.connection.request(_RELEASE)  # an older team may have been of others
             self.take(session)
             if not self.names:
-                raise Error(10, "no robot is free: other programs drive them all")
+                raise Error(10, "no robot is free: other programs or loaded controllers drive them all")
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:
