@@ -25,6 +25,8 @@ inline constexpr Id kGetTargets = 30, kGetTarget = 31, kGetRobots = 32;
 inline constexpr Id kGetPose = 40, kGetPose3d = 41;
 // /R/neighbours
 inline constexpr Id kGetNeighbours = 200, kSendMessage = 201, kGetMessages = 202, kGetLink = 203;
+// /R/compass
+inline constexpr Id kGetCompass = 300;
 // /swarm
 inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetTeam = 113, kStopTeam = 114;
 // /simulation

@@ -71,6 +71,12 @@ const CommandSpec* CommandTable::Find(std::string_view name) const {
   return found == commands_.end() ? nullptr : &*found;
 }
 
+std::int32_t CommandTable::first_reading() const {
+  const auto found = std::find_if(commands_.begin(), commands_.end(), IsSubscribable);
+  assert(found != commands_.end());
+  return found->id;
+}
+
 std::string CommandTable::Nearest(std::string_view name) const {
   constexpr std::size_t kLongest = 64;  // nobody misspells a command into more
   if (name.empty() || name.size() > kLongest) return "";

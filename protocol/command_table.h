@@ -62,6 +62,8 @@ class CommandTable {
   std::span<const CommandSpec> commands() const { return commands_; }
   const CommandSpec* Find(std::int32_t id) const;        // null: unknown
   const CommandSpec* Find(std::string_view name) const;  // null: unknown
+  /// The first get-command of the module's own: what `subscribe` and `attach` take. @pre it has one
+  std::int32_t first_reading() const;
   /// The name most like `name`, for "did you mean"; empty if none is near.
   std::string Nearest(std::string_view name) const;
   /// The text of the reply to `describe`: one JSON object.

@@ -127,6 +127,13 @@ CommandTable NeighboursTable() {
                       {std::move(neighbours), std::move(send), std::move(messages), std::move(link)});
 }
 
+CommandTable CompassTable() {
+  return CommandTable(
+      "compass", {Reading(command::kGetCompass, "get_compass",
+                          "Returns where the robot's front points in the world: 0 along x, left positive.",
+                          {Value("heading", "rad")})});
+}
+
 std::vector<CommandTable> AllModuleTables() {
   std::vector<CommandTable> tables;
   tables.push_back(MotorsTable());
@@ -134,6 +141,7 @@ std::vector<CommandTable> AllModuleTables() {
   tables.push_back(TargetTable());
   tables.push_back(PoseTable());
   tables.push_back(NeighboursTable());
+  tables.push_back(CompassTable());
   tables.push_back(SimulationTable());
   tables.push_back(SwarmTable());
   tables.push_back(RecorderTable());

@@ -16,6 +16,7 @@ CommandTable DistanceTable();    // /R/distance
 CommandTable TargetTable();      // /R/target
 CommandTable PoseTable();        // /R/pose
 CommandTable NeighboursTable();  // /R/neighbours
+CommandTable CompassTable();     // /R/compass
 CommandTable SimulationTable();  // /simulation
 CommandTable SwarmTable();       // /swarm
 CommandTable RecorderTable();    // /recorder

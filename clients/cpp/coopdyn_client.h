@@ -85,6 +85,7 @@ struct Reading {
   std::optional<Target> target;  // the one that sense() was asked for
   std::optional<Pose> pose;
   std::optional<Wheels> wheels;
+  std::optional<double> compass;  // heading [rad]
 };
 /// A raw reply: data without the final two, time [s] and step.
 struct Reply {
@@ -129,6 +130,9 @@ class Robot {
 
   Pose get_pose();
   Pose3d get_pose_3d();
+  /// Where its front points [rad]: 0 along the world's x, left positive. For robots with a module `compass`;
+  /// another compass is read by its module's name.
+  double get_compass(const std::string& module = "compass");
   /// One range per sensor [m], right to left, from the surface of the robot; inf = nothing there.
   std::vector<double> get_distances();
   Geometry get_geometry();

@@ -105,6 +105,10 @@ std::vector<double> Robot::get_distances() {
   return Values(link_->Read("distance", {command::kGetDistances}), 0);
 }
 
+double Robot::get_compass(const std::string& module) {
+  return Values(link_->Read(module, {command::kGetCompass}), 1)[0];
+}
+
 Geometry Robot::get_geometry() {
   const std::vector<double> d = Values(link_->Read("distance", {command::kGetGeometry}), 0);
   Geometry geometry;
@@ -186,6 +190,8 @@ Reading Robot::sense(const std::string& x) {
       reading.pose = ToPose(part);
     } else if (module == "motors" && part.size() >= 4) {
       reading.wheels = Wheels{part[0], part[1], part[2], part[3]};
+    } else if (module == "compass" && !part.empty()) {
+      reading.compass = part[0];
     } else if (module == "target") {
       seen = part;
     }

@@ -177,8 +177,8 @@ Message RobotLink::Read(const std::string& module, Request request) {
     if (e.code() != kNoSuchName || reader->is_open()) throw;
     const std::vector<std::string> names = session.RobotNames();
     if (std::find(names.begin(), names.end(), robot) == names.end()) throw session.NewWorld(kLoad);
-    if (module != "neighbours") throw;
-    throw Error(kNotPossible, robot + " has no module neighbours, its type has none: a robot of type " +
+    if (module != "neighbours" && module != "compass") throw;
+    throw Error(kNotPossible, robot + " has no module " + module + ", its type has none: a robot of type " +
                                   "minibot has one, or add it to the robot's model.sdf (docs/formats.md)");
   }
 }
@@ -187,7 +187,7 @@ void RobotLink::Attach() {
   std::set<std::string> names;
   for (const Module& module : session.address().Modules()) names.insert(module.name);
   std::vector<std::string> readable;
-  for (const char* module : {"motors", "distance", "target", "pose"}) {
+  for (const char* module : {"motors", "distance", "target", "pose", "compass"}) {
     if (names.contains("/" + robot + "/" + module)) readable.emplace_back(module);
   }
   if (readable.empty()) throw Error(kNoSuchName, robot + " has no readings");

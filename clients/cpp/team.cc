@@ -14,13 +14,13 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr const char* kReadings[] = {"pose", "distances", "targets", "neighbours", "wheels"};
-constexpr const char* kReadingWords = "pose, distances, targets, neighbours, wheels";
+constexpr const char* kReadings[] = {"pose", "distances", "targets", "neighbours", "wheels", "compass"};
+constexpr const char* kReadingWords = "pose, distances, targets, neighbours, wheels, compass";
 
 Rows TeamReading::*RowsOf(const std::string& name) {
-  static constexpr Rows TeamReading::*kRows[] = {&TeamReading::pose, &TeamReading::distances,
+  static constexpr Rows TeamReading::*kRows[] = {&TeamReading::pose,    &TeamReading::distances,
                                                  &TeamReading::targets, &TeamReading::neighbours,
-                                                 &TeamReading::wheels};
+                                                 &TeamReading::wheels,  &TeamReading::compass};
   const auto* found = std::find(std::begin(kReadings), std::end(kReadings), name);
   return found == std::end(kReadings) ? nullptr : kRows[found - kReadings];
 }

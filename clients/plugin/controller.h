@@ -31,7 +31,8 @@ enum coopdyn_reading {
   COOPDYN_WHEELS = 4,
   COOPDYN_TARGETS = 8,
   COOPDYN_NEIGHBOURS = 16,
-  COOPDYN_MESSAGES = 32
+  COOPDYN_MESSAGES = 32,
+  COOPDYN_COMPASS = 64
 };
 
 /* An option of a scenario's controller line. */
@@ -97,6 +98,7 @@ typedef struct coopdyn_readings {
   const coopdyn_sighting* neighbours;
   size_t heard_count;
   const coopdyn_heard* heard;
+  double compass_rad; /* COOPDYN_COMPASS: heading in the world; nan: the robot has no compass */
 } coopdyn_readings;
 
 /* What the robot does in the step. All zero when step() is called: it stands and is silent. */

@@ -55,6 +55,7 @@ _SET_WHEEL_SPEEDS, _SET_VELOCITY, _GET_WHEELS, _GET_LIMITS, _STOP = 10, 11, 12, 
 _GET_DISTANCES, _GET_GEOMETRY = 20, 21
 _GET_TARGETS, _GET_TARGET, _GET_ROBOTS = 30, 31, 32
 _GET_POSE, _GET_POSE_3D = 40, 41
+_GET_COMPASS = 300
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD, _RELEASE_ROBOT = 108, 190, 191, 192, 193
 _SIMULATION, _RECORDER, _PLAYBACK = "/simulation", "/recorder", "/playback"
@@ -86,7 +87,7 @@ _AT_ONCE = 256  # this many further on,
 _GLANCE_S = 0.01  # for this long at most, so that it sees errors and closed connections, too
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 _LISTED = 1000  # robots in one status
-_READINGS = ("pose", "distances", "targets", "neighbours", "wheels")  # of a team
+_READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass")  # of a team
 _NEIGHBOURS = 8  # of each robot of a team, by default
 _MAX_MESSAGE = 8  # numbers in one message between robots
 
@@ -291,6 +292,7 @@ class Reading(NamedTuple):
     target: Optional[Target]
     pose: Optional[Pose]
     wheels: Optional[Wheels]
+    compass: Optional[float]
 
 
 class Rows:
@@ -345,8 +347,8 @@ class Rows:
 class TeamReading:
     """All readings of a team in one step, those chosen with `team.select`; a row for each robot in the order of
     `team.names`: `pose` (x, y [m], heading [rad]), `distances` [m], `targets` (distance [m], bearing [rad] of each),
-    `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels). `text` says if speeds were
-    limited, and who was taken from the team."""
+    `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels), `compass` (heading [rad]; nan
+    without one). `text` says if speeds were limited, and who was taken from the team."""
 
     time: float
     step: int
@@ -356,6 +358,7 @@ class TeamReading:
     targets: Rows
     neighbours: Rows
     wheels: Rows
+    compass: Rows
 
     def __init__(self, names: Sequence[str], columns: Sequence[int], reply: Message) -> None:
         data: "array.array[float]" = reply.data  # type: ignore[assignment]
@@ -1004,6 +1007,8 @@ def _reading_value(command: int, message: Message) -> Any:
         return _heard(message.params, data)
     if command == _GET_GEOMETRY:
         return Geometry(data[0::3], data[1::3], data[2::3])
+    if command == _GET_COMPASS:
+        return data[0]
     kinds = {_GET_WHEELS: Wheels, _GET_LIMITS: Limits, _GET_TARGET: Bearing, _GET_POSE: Pose, _GET_POSE_3D: Pose3d}
     return kinds[command](*data) if command in kinds else data
 
@@ -1348,9 +1353,9 @@ class _Session:
                 raise
             if link.robot not in self.robot_names():
                 raise self.world_reset("load") from None
-            if module != "neighbours":
+            if module not in ("neighbours", "compass"):
                 raise
-            raise Error(5, f"{link.robot} has no module neighbours, its type has none: a robot of type minibot has one, "
+            raise Error(5, f"{link.robot} has no module {module}, its type has none: a robot of type minibot has one, "
                            "or add it to the robot's model.sdf (docs/formats.md)") from None
 
     def ask(
@@ -2035,6 +2040,11 @@ class Robot:
         """Position [m], quaternion and both velocities [m/s, rad/s] in the world frame (ground truth)."""
         return self._get("pose", _GET_POSE_3D)
 
+    def get_compass(self, module: str = "compass") -> float:
+        """Where its front points [rad]: 0 along the world's x, left positive. For robots with a module `compass`; another
+        compass is read by its module's name."""
+        return self._get(module, _GET_COMPASS)
+
     def get_distances(self) -> List[float]:
         """One range per sensor [m], right to left, from the surface of the robot; inf = nothing there."""
         return self._get("distance", _GET_DISTANCES)
@@ -2098,6 +2108,7 @@ class Robot:
             _choose(targets, x) if x is not None else None,
             Pose(*parts["pose"]) if "pose" in parts else None,
             Wheels(*parts["motors"]) if "motors" in parts else None,
+            parts["compass"][0] if parts.get("compass") else None,
         )
 
     # --- pushed readings ---
@@ -2159,7 +2170,7 @@ class Robot:
 
     def _attach(self, link: _Link) -> None:
         names = {m.name for m in self._session.address.modules()}
-        readable = [m for m in ("motors", "distance", "target", "pose") if f"/{link.robot}/{m}" in names]
+        readable = [m for m in ("motors", "distance", "target", "pose", "compass") if f"/{link.robot}/{m}" in names]
         if not readable:
             raise Error(10, f"{link.robot} has no readings")
         connection = self._attached_connection(link, readable)
@@ -2256,7 +2267,8 @@ class Team:
     @_usage('team.select("pose", "neighbours", neighbours=4)')
     def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
         """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (the nearest, as many
-        as `neighbours` says) and "wheels"; "pose" and "distances" to begin with. What is not chosen costs nothing."""
+        as `neighbours` says), "wheels" and "compass"; "pose" and "distances" to begin with. What is not chosen costs
+        nothing."""
         words: List[str] = []
         for given in readings:
             words += given.split() if isinstance(given, str) else given if isinstance(given, (list, tuple)) else [given]

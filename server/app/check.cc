@@ -53,7 +53,7 @@ FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& d
     const auto model = ReadRobotModel(file, diagnostics);
     if (model != nullptr) {
       Print("{}: robot {}, {} links, {} joints, {} distance sensors, {} modules\n", file, model->type,
-            model->links.size(), model->joints.size(), model->distance_sensors.size(), model->modules.size());
+            model->links.size(), model->joints.size(), model->sector_count(), model->modules().size());
     }
     return nullptr;
   }

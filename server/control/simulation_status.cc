@@ -30,7 +30,7 @@ json::value Text(const std::string& text) {
 /// `owner`: of the robot; null: the board has no such robot.
 json::object RobotJson(const SceneRobot& robot, const Owner* owner, const NameTable& names) {
   json::array modules;
-  for (const ModuleModel& module : robot.entry.model->modules) {
+  for (const ModuleModel& module : robot.entry.model->modules()) {
     const std::string path = "/" + robot.entry.name + "/" + module.name;
     const std::optional<NameEntry> entry = names.Find(path);
     modules.push_back({{"name", path}, {"type", module.type}, {"port", entry ? entry->port : 0}});

@@ -58,10 +58,13 @@ std::size_t SwarmModule::MakeSetpoints(const Peer& peer, const Message& request)
 
 std::size_t SwarmModule::MostSensors(const Scene& scene, std::span<const int> rows, std::size_t at_least) {
   std::size_t most = at_least;
+  const RobotModel* last = nullptr;  // most robots of a team are of one type
   for (const int robot : rows) {
     if (robot < 0) continue;
-    const RobotModel& model = *scene.robots[static_cast<std::size_t>(robot)].entry.model;
-    most = std::max(most, model.distance_sensors.size());
+    const RobotModel* const model = scene.robots[static_cast<std::size_t>(robot)].entry.model.get();
+    if (model == last) continue;
+    last = model;
+    most = std::max(most, model->sector_count());
   }
   return most;
 }

@@ -21,7 +21,8 @@ constexpr std::size_t kGrain = 64;
 }  // namespace
 
 const std::vector<std::string>& TeamReadings::Words() {
-  static const std::vector<std::string> words = {"pose", "distances", "targets", "neighbours", "wheels"};
+  static const std::vector<std::string> words = {"pose",       "distances", "targets",
+                                                 "neighbours", "wheels",    "compass"};
   return words;
 }
 
@@ -67,6 +68,8 @@ std::size_t TeamReadings::ColumnsOf(Kind kind, const Scene& scene, std::size_t s
       return 3 * static_cast<std::size_t>(nearest_);
     case Kind::kWheels:
       return 4;
+    case Kind::kCompass:
+      return 1;
   }
   return 0;
 }
@@ -138,6 +141,9 @@ void TeamReadings::FillOne(Kind kind, const Frame& frame, int robot, std::span<d
       return;
     case Kind::kNeighbours:
       FillNeighbours(frame, robot, columns);
+      return;
+    case Kind::kCompass:
+      columns[0] = CompassHeading(frame, robot);
       return;
     case Kind::kWheels: {
       const int first = frame.scene->FindDrive(robot);

@@ -37,12 +37,12 @@ class TeamReadings {
   ///   targets     distance m, bearing rad per target by id; inf, nan if unseen
   ///   neighbours  id, distance m, bearing rad of the nearest, nearest first, ties by id; then 0, inf, nan
   ///   wheels      angle left, right rad, speed left, right rad/s
+  ///   compass     heading rad; nan: the robot has none
   void Fill(const Frame& frame, std::span<const int> robots, std::size_t sensors, WorkerPool& pool,
             std::span<double> data) const;
 
  private:
-  enum class Kind { kPose, kDistances, kTargets, kNeighbours, kWheels };
-  static constexpr std::size_t kKinds = 5;
+  enum class Kind { kPose, kDistances, kTargets, kNeighbours, kWheels, kCompass };
   static const std::vector<std::string>& Words();
 
   std::size_t ColumnsOf(Kind kind, const Scene& scene, std::size_t sensors) const;

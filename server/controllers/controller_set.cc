@@ -160,7 +160,7 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
   std::vector<RobotSetup> setup(count);
   for (std::size_t i = 0; i < count; ++i) {
     const RobotModel& model = *robots[i].robot->entry.model;
-    const std::size_t sensors = model.distance_sensors.size();
+    const std::size_t sensors = model.sector_count();
     setup[i].robot = {robots[i].robot->id.value,
                       nullptr,
                       model.footprint_radius_m,
@@ -196,11 +196,11 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
   for (std::uint32_t i = 0; i < count; ++i) {
     const RobotEntry& entry = robots[i].robot->entry;
     std::strcpy(areas_.in.At<char>(setup[i].name), entry.name.c_str());
-    for (std::size_t k = 0; k < entry.model->distance_sensors.size(); ++k) {
-      const DistanceSensorModel& sensor = entry.model->distance_sensors[k];
-      areas_.in.At<double>(setup[i].bearing_rad)[k] = sensor.bearing_rad;
-      areas_.in.At<double>(setup[i].opening_rad)[k] = sensor.opening_rad;
-      areas_.in.At<double>(setup[i].max_m)[k] = sensor.max_range_m;
+    const std::vector<SectorModel> sectors = entry.model->sectors();
+    for (std::size_t k = 0; k < sectors.size(); ++k) {
+      areas_.in.At<double>(setup[i].bearing_rad)[k] = sectors[k].bearing_rad;
+      areas_.in.At<double>(setup[i].opening_rad)[k] = sectors[k].opening_rad;
+      areas_.in.At<double>(setup[i].max_m)[k] = sectors[k].max_range_m;
     }
     std::copy(robots[i].options.begin(), robots[i].options.end(), areas_.in.At<double>(setup[i].options));
     if (!robots[i].state.empty()) {

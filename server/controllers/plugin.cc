@@ -17,7 +17,7 @@ namespace coopdyn {
 namespace {
 
 constexpr std::uint32_t kAllReadings = COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_WHEELS | COOPDYN_TARGETS |
-                                       COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
+                                       COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_COMPASS;
 
 bool IsOptionName(std::string_view name) {
   return !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&

@@ -16,20 +16,6 @@ constexpr std::size_t kListedGrain = 256;  // robots that a thread takes at a ti
 constexpr std::size_t kFixedGrain = 4096;  // if there are no lists: hardly any work
 constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
 
-/// As /R/pose: of the point on the floor under the axle's middle.
-void WritePose(const Frame& frame, int robot, coopdyn_readings& readings) {
-  const SceneRobot& scene_robot = frame.scene->robots[static_cast<std::size_t>(robot)];
-  const BodyState& chassis = frame.bodies[static_cast<std::size_t>(scene_robot.first_body)];
-  const Pose X_WR = RobotPose(frame, robot);
-  const Vector3 v_WR = chassis.v_WB + chassis.w_WB.cross(X_WR.p - chassis.p_WB);
-  readings.x_m = X_WR.p.x();
-  readings.y_m = X_WR.p.y();
-  readings.heading_rad = Heading(X_WR.q);
-  readings.forward_m_s =
-      v_WR.x() * std::cos(readings.heading_rad) + v_WR.y() * std::sin(readings.heading_rad);
-  readings.turn_rad_s = chassis.w_WB.z();
-}
-
 coopdyn_sighting FromSighting(const Sighting& sighting, const Frame& frame) {
   return {frame.scene->robots[static_cast<std::size_t>(sighting.index)].id.value, sighting.distance_m,
           sighting.bearing_rad};
@@ -66,7 +52,15 @@ void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted
     readings.distance_count = distances.size();
     std::copy(distances.begin(), distances.end(), areas.in.At<double>(areas.setup(wanted.slot).distances));
   }
-  if ((wanted.readings & COOPDYN_POSE) != 0) WritePose(frame, wanted.robot, readings);
+  if ((wanted.readings & COOPDYN_POSE) != 0) {
+    const PlaneMotion motion = MotionOf(frame, wanted.robot);
+    readings.x_m = motion.x_m;
+    readings.y_m = motion.y_m;
+    readings.heading_rad = motion.heading_rad;
+    readings.forward_m_s = motion.forward_m_s;
+    readings.turn_rad_s = motion.turn_rad_s;
+  }
+  if ((wanted.readings & COOPDYN_COMPASS) != 0) readings.compass_rad = CompassHeading(frame, wanted.robot);
   if ((wanted.readings & COOPDYN_WHEELS) != 0) {
     const auto first = static_cast<std::size_t>(frame.scene->FindDrive(wanted.robot));
     for (std::size_t side = 0; side < 2; ++side) {

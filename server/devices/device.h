@@ -24,11 +24,16 @@ struct Actuation {
 
 class Device {
  public:
+  /// `table` outlives it.
+  explicit Device(const CommandTable& table) : table_(table) {}
   virtual ~Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
   /// The commands, with those that every module has.
-  virtual const CommandTable& table() const = 0;
+  const CommandTable& table() const { return table_; }
   /// The get-command that `subscribe` and `attach` take.
-  virtual command::Id first_reading() const = 0;
+  command::Id first_reading() const { return table_.first_reading(); }
   /// True if the module drives the robot, and so can be owned.
   virtual bool is_actuator() const { return false; }
   /// Answers a get-command for robot `robot` (index into the scene) from `frame`; without the final time_s
@@ -41,6 +46,9 @@ class Device {
   virtual std::optional<Actuation> Actuate(const Message& /*request*/) const { return std::nullopt; }
   /// What the robot is to broadcast; nothing if `request` is no order to. @pre as for Read().
   virtual std::optional<RobotMessage> Broadcast(const Message& /*request*/) const { return std::nullopt; }
+
+ private:
+  const CommandTable& table_;
 };
 
 }  // namespace coopdyn

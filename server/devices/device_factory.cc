@@ -1,35 +1,66 @@
 // SPDX-License-Identifier: MIT
 #include "server/devices/device_factory.h"
 
-#include <utility>
+#include <algorithm>
+#include <cassert>
+#include <variant>
 
 #include "protocol/module_tables.h"
-#include "server/devices/distance.h"
 #include "server/devices/motors.h"
-#include "server/devices/neighbours.h"
-#include "server/devices/pose.h"
-#include "server/devices/target.h"
+#include "server/devices/sensor_devices.h"
 
 namespace coopdyn {
 
-DeviceFactory::DeviceFactory()
-    : motors_(MotorsTable()),
-      distance_(DistanceTable()),
-      target_(TargetTable()),
-      pose_(PoseTable()),
-      neighbours_(NeighboursTable()) {}
+namespace {
 
-std::unique_ptr<Device> DeviceFactory::Make(const ModuleModel& module,
-                                            std::shared_ptr<const RobotModel> model) const {
-  if (module.type == "motors") {
-    const ActuatorModel& drive = *model->drive_actuator();
-    return std::make_unique<MotorsDevice>(motors_, *model->drive(), model->FirstChannel(drive));
+// The table of the sensors whose modules have more than one command; all others need no line.
+template <typename Kind>
+struct DeviceOf {
+  using Type = SensorDevice;
+};
+template <>
+struct DeviceOf<DistanceModel> {
+  using Type = DistanceDevice;
+};
+template <>
+struct DeviceOf<TargetModel> {
+  using Type = TargetDevice;
+};
+template <>
+struct DeviceOf<PoseModel> {
+  using Type = PoseDevice;
+};
+template <>
+struct DeviceOf<NeighboursModel> {
+  using Type = NeighboursDevice;
+};
+
+}  // namespace
+
+DeviceFactory::DeviceFactory() : tables_(AllModuleTables()) {}
+
+std::unique_ptr<Device> DeviceFactory::Make(const RobotModel& model, std::string_view name) const {
+  if (name.empty()) return nullptr;
+  for (const ActuatorModel& actuator : model.actuators) {
+    if (actuator.module != name) continue;
+    return std::make_unique<MotorsDevice>(TableOf("motors"), std::get<DriveModel>(actuator.kind),
+                                          model.FirstChannel(actuator));
   }
-  if (module.type == "distance") return std::make_unique<DistanceDevice>(distance_, std::move(model));
-  if (module.type == "target") return std::make_unique<TargetDevice>(target_);
-  if (module.type == "pose") return std::make_unique<PoseDevice>(pose_);
-  if (module.type == "neighbours") return std::make_unique<NeighboursDevice>(neighbours_, std::move(model));
+  for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+    const SensorModel& sensor = model.sensors[i];
+    if (sensor.name != name) continue;
+    const auto make = [&]<typename Kind>(const Kind& /*kind*/) -> std::unique_ptr<Device> {
+      return std::make_unique<typename DeviceOf<Kind>::Type>(TableOf(Kind::kType), model, i);
+    };
+    return std::visit(make, sensor.kind);
+  }
   return nullptr;
+}
+
+const CommandTable& DeviceFactory::TableOf(std::string_view type) const {
+  const auto found = std::ranges::find(tables_, type, &CommandTable::module);
+  assert(found != tables_.end());
+  return *found;
 }
 
 }  // namespace coopdyn

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
+#include <vector>
 
 #include "protocol/command_table.h"
 #include "server/devices/device.h"
@@ -13,11 +15,13 @@ namespace coopdyn {
 class DeviceFactory {
  public:
   DeviceFactory();
-  /// The device of `module` of a robot of `model`; null if there is no such type. The factory outlives it.
-  std::unique_ptr<Device> Make(const ModuleModel& module, std::shared_ptr<const RobotModel> model) const;
+  /// The device of the module `name` of robots of `model`; null if they have none. The factory outlives it.
+  std::unique_ptr<Device> Make(const RobotModel& model, std::string_view name) const;
 
  private:
-  const CommandTable motors_, distance_, target_, pose_, neighbours_;
+  const CommandTable& TableOf(std::string_view type) const;
+
+  const std::vector<CommandTable> tables_;
 };
 
 }  // namespace coopdyn

@@ -17,17 +17,14 @@ class MotorsDevice final : public Device {
   /// `table` outlives it.
   /// `first_channel`: of the left wheel among the robot's; the right one follows.
   MotorsDevice(const CommandTable& table, const DriveModel& drive, std::size_t first_channel)
-      : table_(table), drive_(drive), first_channel_(first_channel) {}
+      : Device(table), drive_(drive), first_channel_(first_channel) {}
 
-  const CommandTable& table() const override { return table_; }
-  command::Id first_reading() const override { return command::kGetWheels; }
   bool is_actuator() const override { return true; }
   Message Read(const Message& request, const Frame& frame, int robot) const override;
   void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const override;
   std::optional<Actuation> Actuate(const Message& request) const override;
 
  private:
-  const CommandTable& table_;
   const DriveModel drive_;
   const std::size_t first_channel_;
 };

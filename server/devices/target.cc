@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "server/devices/target.h"
-
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <string_view>
 
 #include "protocol/ascii.h"
+#include "server/devices/sensor_devices.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {
@@ -46,7 +45,7 @@ void AddWord(std::string& text, const std::string& word) {
 
 }  // namespace
 
-Message TargetDevice::ReadTarget(const Message& request, const Frame& frame, int robot) {
+Message TargetDevice::ReadTarget(const Message& request, const Frame& frame, int robot) const {
   const Scene& scene = *frame.scene;
   const std::string color = Lower(request.text);
   const auto is_asked_for = [&](const Target& target) {
@@ -54,7 +53,7 @@ Message TargetDevice::ReadTarget(const Message& request, const Frame& frame, int
                          : target.color_name == color;
   };
   const Sighting* nearest = nullptr;
-  const std::vector<Sighting> seen = SeenTargets(frame, robot);
+  const std::vector<Sighting> seen = SeenTargets(frame, robot, number());
   for (const Sighting& sighting : seen) {
     if (!is_asked_for(TargetOf(frame, sighting))) continue;
     if (nearest == nullptr || sighting.distance_m < nearest->distance_m) nearest = &sighting;
@@ -71,17 +70,12 @@ Message TargetDevice::ReadTarget(const Message& request, const Frame& frame, int
   return reply;
 }
 
-void TargetDevice::AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const {
-  for (const Sighting& sighting : SeenTargets(frame, robot)) {
-    data.insert(data.end(), {sighting.distance_m, sighting.bearing_rad});
-  }
-}
-
 Message TargetDevice::Read(const Message& request, const Frame& frame, int robot) const {
   if (request.command == command::kGetTarget) return ReadTarget(request, frame, robot);
   const bool robots = request.command == command::kGetRobots;
   Message reply = ReplyTo(request.command);
-  for (const Sighting& sighting : robots ? SeenRobots(frame, robot) : SeenTargets(frame, robot)) {
+  for (const Sighting& sighting :
+       robots ? SeenRobots(frame, robot, number()) : SeenTargets(frame, robot, number())) {
     if (robots) {
       const SceneRobot& other = frame.scene->robots[static_cast<std::size_t>(sighting.index)];
       reply.params.push_back(static_cast<std::int32_t>(other.id.value));

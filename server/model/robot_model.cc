@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/robot_model.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace coopdyn {
 
 std::vector<std::string> RobotModel::actuator_modules() const {
@@ -9,6 +12,52 @@ std::vector<std::string> RobotModel::actuator_modules() const {
     if (!actuator.module.empty()) names.push_back(actuator.module);
   }
   return names;
+}
+
+std::vector<ModuleModel> RobotModel::modules() const {
+  std::vector<ModuleModel> modules;
+  for (const std::string& name : actuator_modules()) modules.push_back({"motors", name});
+  for (const SensorModel& sensor : sensors) modules.push_back({sensor.type(), sensor.name});
+  return modules;
+}
+
+void RobotModel::AddSensor(std::string name, SensorKind kind) {
+  const auto place = std::find_if(sensors.begin(), sensors.end(), [&kind](const SensorModel& other) {
+    return other.kind.index() > kind.index();
+  });
+  sensors.insert(place, {std::move(name), std::move(kind)});
+}
+
+std::size_t RobotModel::NumberOf(std::size_t sensor) const {
+  std::size_t number = 0;
+  while (number < sensor && sensors[sensor - number - 1].kind.index() == sensors[sensor].kind.index()) {
+    ++number;
+  }
+  return number;
+}
+
+std::vector<SectorModel> RobotModel::sectors() const {
+  std::vector<SectorModel> all;
+  for (std::size_t i = 0; const DistanceModel* distance = Find<DistanceModel>(i); ++i) {
+    all.insert(all.end(), distance->sectors.begin(), distance->sectors.end());
+  }
+  return all;
+}
+
+std::size_t RobotModel::sector_count() const {
+  std::size_t count = 0;
+  for (std::size_t i = 0; const DistanceModel* distance = Find<DistanceModel>(i); ++i) {
+    count += distance->sectors.size();
+  }
+  return count;
+}
+
+int RobotModel::message_delay_steps() const {
+  int steps = 0;
+  for (std::size_t i = 0; const NeighboursModel* neighbours = Find<NeighboursModel>(i); ++i) {
+    if (neighbours->message_range_m > 0) steps = std::max(steps, neighbours->delay_steps);
+  }
+  return steps;
 }
 
 std::size_t RobotModel::FirstChannel(const ActuatorModel& actuator) const {

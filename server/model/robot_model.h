@@ -77,9 +77,11 @@ struct ActuatorModel {
   std::variant<DriveModel> kind;
 };
 
-/// One distance sensor: a sector sampled by several rays in the horizontal plane of its mount; the smallest
-/// counts.
-struct DistanceSensorModel {
+// The kinds of sensors. kType is the word for such a module in a robot's SDF.
+
+/// One range of a `distance` module: a sector sampled by several rays in the horizontal plane of its mount;
+/// the smallest counts.
+struct SectorModel {
   Pose X_RS;               // x along the sector's middle; its origin lies on the chassis surface
   double bearing_rad = 0;  // of the middle in R; 0 ahead, left positive
   double opening_rad = 0;  // full angle of the sector
@@ -87,19 +89,30 @@ struct DistanceSensorModel {
   double max_range_m = 0;  // from the chassis surface
   double noise_stddev_m = 0;
 };
+struct DistanceModel {
+  static constexpr const char* kType = "distance";
+  std::vector<SectorModel> sectors;  // by increasing bearing (right to left)
+};
 
-/// The vision module: targets and other robots by distance and bearing.
-struct TargetSensorModel {
+/// Vision: targets and other robots by distance and bearing.
+struct TargetModel {
+  static constexpr const char* kType = "target";
   double max_range_m = std::numeric_limits<double>::infinity();
   bool see_through = true;  // targets are seen through obstacles
   double distance_noise_stddev_m = 0;
   double bearing_noise_stddev_rad = 0;
 };
 
-/// The neighbours module: range and bearing to robots nearby, and short broadcasts to them.
+/// Ground truth.
+struct PoseModel {
+  static constexpr const char* kType = "pose";
+};
+
+/// Range and bearing to robots nearby, and short broadcasts to them.
 struct NeighboursModel {
-  double range_m = 0;          // of sight, between the robots' centres, in the plane; 0: no such module
-  double message_range_m = 0;  // of broadcasts
+  static constexpr const char* kType = "neighbours";
+  double range_m = 0;          // of sight, between the robots' centres, in the plane
+  double message_range_m = 0;  // of broadcasts; 0: it hears none
   double loss = 0;             // probability that one receiver misses a message, 0…1
   int delay_steps = 0;         // from sending to hearing, beyond the one step that every message takes
   static constexpr int kMaxDelaySteps = 99;  // frames keep the broadcasts of 100 steps
@@ -107,9 +120,28 @@ struct NeighboursModel {
   double bearing_noise_stddev_rad = 0;
 };
 
+/// The heading of R in the world.
+struct CompassModel {
+  static constexpr const char* kType = "compass";
+  double noise_stddev_rad = 0;
+};
+
+/// In the order of their ports.
+using SensorKind = std::variant<DistanceModel, TargetModel, PoseModel, NeighboursModel, CompassModel>;
+
+/// A sensor, and its module.
+struct SensorModel {
+  std::string name;
+  SensorKind kind;
+
+  const char* type() const {
+    return std::visit([](const auto& one) { return one.kType; }, kind);
+  }
+};
+
 /// A hardware module: its socket is /ROBOT/name.
 struct ModuleModel {
-  std::string type;  // motors, distance, target, pose, neighbours
+  std::string type;  // motors, distance, …
   std::string name;
 };
 
@@ -120,10 +152,7 @@ struct RobotModel {
   std::vector<LinkModel> links;  // links[0] is the chassis
   std::vector<JointModel> joints;
   std::vector<ActuatorModel> actuators;
-  std::vector<DistanceSensorModel> distance_sensors;  // by increasing bearing (right to left)
-  TargetSensorModel target_sensor;
-  NeighboursModel neighbours;
-  std::vector<ModuleModel> modules;  // motors, distance, target, pose, neighbours, others
+  std::vector<SensorModel> sensors;  // kind by kind, in the order of SensorKind; AddSensor() keeps it
   double footprint_radius_m = 0;     // of the smallest vertical cylinder about R's z axis that holds it
   double height_m = 0;
 
@@ -138,6 +167,27 @@ struct RobotModel {
     const ActuatorModel* actuator = drive_actuator();
     return actuator == nullptr ? nullptr : &std::get<DriveModel>(actuator->kind);
   }
+  /// All modules, in the order of their ports.
+  std::vector<ModuleModel> modules() const;
+
+  /// Adds a sensor after the others of its kind.
+  void AddSensor(std::string name, SensorKind kind);
+  /// Sensor `number` of a kind, counted from 0; null if there are fewer.
+  template <typename Kind>
+  const Kind* Find(std::size_t number = 0) const {
+    for (const SensorModel& sensor : sensors) {
+      const Kind* const kind = std::get_if<Kind>(&sensor.kind);
+      if (kind != nullptr && number-- == 0) return kind;
+    }
+    return nullptr;
+  }
+  /// Which of its kind sensors[sensor] is, counted from 0.
+  std::size_t NumberOf(std::size_t sensor) const;
+  /// The sectors of all distance sensors, in their order; and how many these are.
+  std::vector<SectorModel> sectors() const;
+  std::size_t sector_count() const;
+  /// The longest delay of a broadcast that the robot hears.
+  int message_delay_steps() const;
 };
 
 }  // namespace coopdyn

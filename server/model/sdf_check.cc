@@ -4,9 +4,9 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <array>
 #include <sdf/Param.hh>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/model/values.h"
@@ -18,33 +18,34 @@ namespace {
 using tinyxml2::XMLAttribute;
 using tinyxml2::XMLElement;
 
-/// Elements that the reader uses, as `parent/child`.
-constexpr std::array kUsed = {
-    std::string_view("sdf/model"),         std::string_view("model/link"),
-    std::string_view("model/joint"),       std::string_view("model/frame"),
-    std::string_view("frame/pose"),        std::string_view("link/pose"),
-    std::string_view("link/inertial"),     std::string_view("link/collision"),
-    std::string_view("link/visual"),       std::string_view("inertial/pose"),
-    std::string_view("inertial/mass"),     std::string_view("inertial/inertia"),
-    std::string_view("inertia/ixx"),       std::string_view("inertia/iyy"),
-    std::string_view("inertia/izz"),       std::string_view("inertia/ixy"),
-    std::string_view("inertia/ixz"),       std::string_view("inertia/iyz"),
-    std::string_view("collision/pose"),    std::string_view("collision/geometry"),
-    std::string_view("collision/surface"), std::string_view("visual/pose"),
-    std::string_view("visual/geometry"),   std::string_view("visual/material"),
-    std::string_view("geometry/box"),      std::string_view("geometry/cylinder"),
-    std::string_view("geometry/sphere"),   std::string_view("box/size"),
-    std::string_view("cylinder/radius"),   std::string_view("cylinder/length"),
-    std::string_view("sphere/radius"),     std::string_view("surface/friction"),
-    std::string_view("friction/ode"),      std::string_view("ode/mu"),
-    std::string_view("ode/mu2"),           std::string_view("material/diffuse"),
-    std::string_view("material/ambient"),  std::string_view("material/specular"),
-    std::string_view("joint/pose"),        std::string_view("joint/parent"),
-    std::string_view("joint/child"),       std::string_view("joint/axis"),
-    std::string_view("axis/xyz"),          std::string_view("axis/limit"),
-    std::string_view("limit/lower"),       std::string_view("limit/upper"),
-    std::string_view("limit/effort"),      std::string_view("limit/velocity"),
+/// Elements that the reader uses, by the element in which they stand.
+constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
+    {"sdf", "model"},
+    {"model", "link joint frame"},
+    {"frame", "pose"},
+    {"link", "pose inertial collision visual"},
+    {"inertial", "pose mass inertia"},
+    {"inertia", "ixx iyy izz ixy ixz iyz"},
+    {"collision", "pose geometry surface"},
+    {"visual", "pose geometry material"},
+    {"geometry", "box cylinder sphere"},
+    {"box", "size"},
+    {"cylinder", "radius length"},
+    {"sphere", "radius"},
+    {"surface", "friction"},
+    {"friction", "ode"},
+    {"ode", "mu mu2"},
+    {"material", "diffuse ambient specular"},
+    {"joint", "pose parent child axis"},
+    {"axis", "xyz limit"},
+    {"limit", "lower upper effort velocity"},
 };
+
+bool IsUsed(std::string_view parent, const std::string& name) {
+  return std::ranges::any_of(kUsed, [&](const auto& used) {
+    return used.first == parent && std::ranges::count(SplitWords(used.second), name) > 0;
+  });
+}
 
 bool IsForeign(std::string_view name) {
   return name.find(':') != std::string_view::npos;
@@ -84,7 +85,7 @@ class Checker {
       return;
     }
     const std::string path = std::string(parent.Name()) + "/" + name;
-    if (std::find(kUsed.begin(), kUsed.end(), path) != kUsed.end()) {
+    if (IsUsed(parent.Name(), name)) {
       Check(child, description->GetElementDescription(name), depth + 1);
     } else if (std::string_view(parent.Name()) == "geometry") {
       diagnostics_.Error(where,

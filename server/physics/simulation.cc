@@ -54,9 +54,8 @@ void Simulation::Use(std::shared_ptr<const Scene> scene) {
   message_steps_ = 0;
   for (const SceneRobot& robot : scene_->robots) {
     has_controllers_ |= !robot.entry.controller.empty();
-    const NeighboursModel& neighbours = robot.entry.model->neighbours;
-    const bool hears = neighbours.message_range_m > 0;
-    if (hears) message_steps_ = std::max(message_steps_, static_cast<std::uint64_t>(neighbours.delay_steps));
+    message_steps_ = std::max<std::uint64_t>(message_steps_,
+                                             static_cast<unsigned>(robot.entry.model->message_delay_steps()));
   }
 }
 

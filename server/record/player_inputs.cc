@@ -34,10 +34,8 @@ bool PlayInputs::Load(std::uint64_t step) {
   robot_count_ = keyframe_->frame->scene->robots.size();
   message_steps_ = 0;
   for (const SceneRobot& robot : keyframe_->frame->scene->robots) {
-    const NeighboursModel& neighbours = robot.entry.model->neighbours;
-    if (neighbours.message_range_m > 0) {
-      message_steps_ = std::max(message_steps_, static_cast<std::uint64_t>(neighbours.delay_steps));
-    }
+    message_steps_ = std::max<std::uint64_t>(message_steps_,
+                                             static_cast<unsigned>(robot.entry.model->message_delay_steps()));
   }
   limit_ = step - newest_ + 2 * kMostReadOn;
   bool gap = false;

@@ -26,7 +26,7 @@ bool AreFinite(const std::vector<WheelStates>& robots) {
 
 std::size_t DistanceSensors(const Scene& scene) {
   std::size_t sensors = 0;
-  for (const SceneRobot& robot : scene.robots) sensors += robot.entry.model->distance_sensors.size();
+  for (const SceneRobot& robot : scene.robots) sensors += robot.entry.model->sector_count();
   return sensors;
 }
 

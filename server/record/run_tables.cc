@@ -85,7 +85,7 @@ bool WriteRobots(Database& database, std::int64_t number, const Scene& scene) {
     for (const double p_m : robot.X_BR.p) insert.Bind(column++, p_m);
     const Quaternion& q = robot.X_BR.q;
     for (const double component : {q.w(), q.x(), q.y(), q.z()}) insert.Bind(column++, component);
-    insert.Bind(column, static_cast<std::int64_t>(robot.entry.model->distance_sensors.size()));
+    insert.Bind(column, static_cast<std::int64_t>(robot.entry.model->sector_count()));
     if (!insert.Run()) return false;
   }
   return true;

@@ -27,7 +27,7 @@ std::size_t StepRowBytes(const Frame& frame, const RecordWhat& what, bool shown)
   if (what.targets) bytes += robots * frame.scene->targets.size() * 2 * sizeof(float);
   if (what.distances) {
     for (const SceneRobot& robot : frame.scene->robots) {
-      bytes += robot.entry.model->distance_sensors.size() * sizeof(float);
+      bytes += robot.entry.model->sector_count() * sizeof(float);
     }
   }
   return bytes;

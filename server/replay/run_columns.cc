@@ -98,7 +98,7 @@ RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, c
     for (const SceneRobot& robot : scene->robots) {
       if (!robots.insert(robot.entry.name).second) continue;
       const RobotModel& model = *robot.entry.model;
-      columns.robots.push_back({robot.entry.name, model.type, model.distance_sensors.size()});
+      columns.robots.push_back({robot.entry.name, model.type, model.sector_count()});
     }
     for (const SceneObject& object : scene->objects) {
       if (object.body < 0) {

@@ -40,7 +40,7 @@ Places FindPlaces(const RunColumns& columns, std::shared_ptr<const Scene> scene)
   for (std::size_t i = 0; i < scene->robots.size(); ++i) {
     robots.emplace(scene->robots[i].entry.name, static_cast<int>(i));
     places.first_distance.push_back(places.distances);
-    places.distances += scene->robots[i].entry.model->distance_sensors.size();
+    places.distances += scene->robots[i].entry.model->sector_count();
   }
   for (std::size_t i = 0; i < scene->objects.size(); ++i) {
     objects.emplace(scene->objects[i].object.name, static_cast<int>(i));
@@ -258,7 +258,7 @@ void RunTable::Impl::MakeRobot(const RecordedStep& recorded, const Places& place
   if (!recorded.robots.empty()) values.wheels_rad = recorded.robots[place].angle_rad;
   if (HasSetpoints(robot)) values.setpoints_rad_s = in_force[column];
   if (recorded.distances.size() == places.distances) {
-    const std::size_t count = robot.entry.model->distance_sensors.size();
+    const std::size_t count = robot.entry.model->sector_count();
     for (std::size_t i = 0; i < std::min(count, values.distances_m.size()); ++i)
       values.distances_m[i] = static_cast<double>(recorded.distances[places.first_distance[place] + i]);
   }

@@ -91,7 +91,7 @@ std::optional<Difference> RowCheck::FindDistance(const std::vector<float>& recor
   const std::vector<SceneRobot>& robots = repeated.scene->robots;
   std::size_t robot = 0, sensor = *place;
   for (; robot < robots.size(); ++robot) {
-    const std::size_t sensors = robots[robot].entry.model->distance_sensors.size();
+    const std::size_t sensors = robots[robot].entry.model->sector_count();
     if (sensor < sensors) break;
     sensor -= sensors;
   }

@@ -10,14 +10,8 @@ RobotCore::RobotCore(const RobotEntry& entry, const RobotServices& services, Ste
       type_(entry.model->type),
       services_(services),
       inbox_(services.board, services.frames, std::move(post)) {
-  for (const ModuleModel& module : entry.model->modules) {
-    std::unique_ptr<Device> device = services.devices.Make(module, entry.model);
-    if (device == nullptr) {
-      services.net.logger()->warn("{}: module {} is of type {}, which this program does not know; left out",
-                                  name_, module.name, module.type);
-      continue;
-    }
-    devices_.push_back(std::move(device));
+  for (const ModuleModel& module : entry.model->modules()) {
+    devices_.push_back(services.devices.Make(*entry.model, module.name));
     module_names_.push_back(module.name);
   }
 }

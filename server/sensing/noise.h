@@ -15,7 +15,8 @@ enum class NoiseKind : std::uint32_t {
   kRobotBearing,
   kNeighbourDistance,
   kNeighbourBearing,
-  kMessageLoss
+  kMessageLoss,
+  kCompass
 };
 
 /// Names one reading. Two readings that differ in any field have independent noise.
@@ -25,7 +26,7 @@ struct NoiseKey {
   std::uint32_t robot = 0;   // id of the robot that senses
   std::uint32_t sensor = 0;  // id of the sensor, or of the thing seen
   std::uint64_t step = 0;
-  std::uint32_t sample = 0;  // of several values of one reading
+  std::uint32_t sample = 0;  // of several values of one reading; if `sensor` is a thing seen: by which sensor
 };
 
 /// 64 well-mixed bits of `key`.

@@ -3,6 +3,7 @@
 // and kept with the frame; nobody asks, no cost. Any thread.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,18 @@
 
 namespace coopdyn {
 
+/// The model of robot `robot` (index into the scene).
+inline const RobotModel& ModelOf(const Frame& frame, int robot) {
+  return *frame.scene->robots[static_cast<std::size_t>(robot)].entry.model;
+}
+
+/// Appends the reading of a robot's sensor (index into RobotModel::sensors): what the first get-command of
+/// its module answers. Nothing if there is no such sensor.
+void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vector<double>& data);
+
+// The kinds of sensors. `number`: which one of its kind, counted from 0; if the robot's model has fewer the
+// reading is empty.
+
 /// Distance and bearing of a landmark as a robot sees it.
 struct Sighting {
   int index = 0;           // into scene->targets or scene->robots
@@ -18,19 +31,36 @@ struct Sighting {
   double bearing_rad = 0;  // 0 ahead, left positive
 };
 
-/// One range per distance sensor (right to left), m from the chassis surface, inf = nothing in range.
-/// Valid as long as the frame lives.
+/// One range per sector (right to left), m from the chassis surface, inf = nothing in range. Valid as long as
+/// the frame lives.
+std::span<const double> Distances(const Frame& frame, int robot, std::size_t number);
+/// The ranges of all distance sensors of `robot`, one after the other.
 std::span<const double> Distances(const Frame& frame, int robot);
 /// Targets seen by `robot`, by increasing id.
-std::vector<Sighting> SeenTargets(const Frame& frame, int robot);
+std::vector<Sighting> SeenTargets(const Frame& frame, int robot, std::size_t number = 0);
 /// Other robots seen by `robot`, by increasing id.
-std::vector<Sighting> SeenRobots(const Frame& frame, int robot);
+std::vector<Sighting> SeenRobots(const Frame& frame, int robot, std::size_t number = 0);
 
-/// Others within the range of `robot`'s neighbours module, by increasing id. Seen through obstacles.
-/// Empty if its model has no such module.
-std::vector<Sighting> Neighbours(const Frame& frame, int robot);
-/// The same, appended to `seen`.
-void AppendNeighbours(const Frame& frame, int robot, std::vector<Sighting>& seen);
+/// Velocities in the world.
+struct Twist {
+  Vector3 v_W, w_W;  // m/s, rad/s
+};
+/// The twist of R's origin: that of the chassis' centre of mass, carried over by its rotation.
+Twist OriginTwist(const Frame& frame, int robot, const Pose& X_WR);
+/// Ground truth in the plane, in the world: of R's origin.
+struct PlaneMotion {
+  double x_m, y_m, heading_rad;
+  double forward_m_s;  // along the heading
+  double turn_rad_s;   // about the vertical
+};
+PlaneMotion MotionOf(const Frame& frame, int robot);
+
+/// The heading of R's x axis in the world, rad, 0 along the world's x, left positive, in (−π, π]; nan if the
+/// robot has no such compass.
+double CompassHeading(const Frame& frame, int robot, std::size_t number = 0);
+
+/// Others within the range of a neighbours module, by increasing id. Seen through obstacles.
+std::vector<Sighting> Neighbours(const Frame& frame, int robot, std::size_t number = 0);
 
 /// A broadcast that `robot` hears in this frame.
 struct HeardMessage {
@@ -39,12 +69,10 @@ struct HeardMessage {
   const RobotMessage* message = nullptr;  // lives as long as the frame
 };
 /// What `robot` hears in this frame, by increasing id of the sender: messages that were sent
-/// model.neighbours.delay_steps steps before this one, from within the message range as the robots stand in
+/// NeighboursModel::delay_steps steps before this one, from within the message range as the robots stand in
 /// this frame, and not lost; delay, range and loss are those of the receiver's model. Loss is a function of
 /// (seed, sender, receiver, step).
-std::vector<HeardMessage> HeardMessages(const Frame& frame, int robot);
-/// The same, appended to `heard`.
-void AppendHeard(const Frame& frame, int robot, std::vector<HeardMessage>& heard);
+std::vector<HeardMessage> HeardMessages(const Frame& frame, int robot, std::size_t number = 0);
 
 /// Computes the distances of `robots` (indices into the scene) now, in parallel; Distances() then costs
 /// nothing. The values do not depend on the number of threads.

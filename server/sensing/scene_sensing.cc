@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <map>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 #include "server/sensing/sensing_cache.h"
 
@@ -21,10 +23,25 @@ const SceneSensing& SceneSensing::Of(const Scene& scene) {
       scene.cache.Get([&scene] { return std::make_unique<const SceneSensing>(scene); }));
 }
 
+SceneSensing::RobotType::RobotType(const RobotModel& model) : hull(model) {
+  for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+    const auto keep = [&]<typename Kind>(const Kind& kind) {
+      if constexpr (IsKept<Kind>) {
+        kept.push_back({i, values, static_cast<std::uint32_t>(ValueCount(kind)), {}});
+        values += kept.back().count;
+        if constexpr (std::is_same_v<Kind, DistanceModel>) {
+          distance_sensors = kept.size();
+          ranges = values;
+        }
+      }
+    };
+    std::visit(keep, model.sensors[i].kind);
+  }
+}
+
 SceneSensing::SceneSensing(const Scene& scene) {
   std::map<const RobotModel*, std::uint32_t> indices;  // looked up, never walked through
   std::vector<const RobotModel*> models;               // of types_
-  std::uint32_t first = 0;
   for (const SceneRobot& robot : scene.robots) {
     const RobotModel& model = *robot.entry.model;
     const auto [found, is_new] = indices.emplace(&model, static_cast<std::uint32_t>(types_.size()));
@@ -32,11 +49,10 @@ SceneSensing::SceneSensing(const Scene& scene) {
       types_.emplace_back(model);
       models.push_back(&model);
     }
-    types_of_robots_.push_back(found->second);
-    first_ranges_.push_back(first);
-    first += static_cast<std::uint32_t>(model.distance_sensors.size());
+    places_.push_back({found->second, kept_sensors_, kept_values_});
+    kept_sensors_ += static_cast<std::uint32_t>(types_[found->second].kept.size());
+    kept_values_ += types_[found->second].values;
   }
-  first_ranges_.push_back(first);
   for (const RobotType& type : types_) {
     max_hull_radius_m_ = std::max(max_hull_radius_m_, type.hull.whole_radius_m());
   }
@@ -45,7 +61,12 @@ SceneSensing::SceneSensing(const Scene& scene) {
     upright_radius_m = std::max(upright_radius_m, type.hull.upright_radius_m());
   }
   for (std::size_t i = 0; i < types_.size(); ++i) {
-    types_[i].fans = SensorFan::MakeAll(*models[i], upright_radius_m);
+    for (KeptSensor& sensor : types_[i].kept) {
+      const auto make_fans = [&]<typename Kind>(const Kind& kind) {
+        if constexpr (IsKept<Kind>) sensor.fans = SensorFan::MakeAll(kind, upright_radius_m);
+      };
+      std::visit(make_fans, models[i]->sensors[sensor.sensor].kind);
+    }
   }
   std::vector<RayItem> items;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {

@@ -19,6 +19,14 @@ namespace coopdyn {
 
 struct FrameBuffers;
 
+/// A sensor whose values a frame keeps, since computing them costs more than looking them up.
+struct KeptSensor {
+  std::size_t sensor = 0;   // index into RobotModel::sensors
+  std::uint32_t first = 0;  // of its values among those of its robot
+  std::uint32_t count = 0;
+  std::vector<SensorFan> fans;
+};
+
 class SceneSensing final : public SceneCache {
  public:
   /// That of `scene`, made now if this is the first call.
@@ -30,16 +38,24 @@ class SceneSensing final : public SceneCache {
   SceneSensing& operator=(const SceneSensing&) = delete;
 
   struct RobotType {
-    explicit RobotType(const RobotModel& model) : hull(model) {}
+    explicit RobotType(const RobotModel& model);
 
     RobotHull hull;
-    std::vector<SensorFan> fans;
+    std::vector<KeptSensor> kept;      // the distance sensors first
+    std::size_t distance_sensors = 0;  // of them
+    std::uint32_t ranges = 0;          // of these
+    std::uint32_t values = 0;          // of all kept
   };
-  const RobotType& type(int robot) const { return types_[types_of_robots_[static_cast<std::size_t>(robot)]]; }
+  const RobotType& type(int robot) const { return types_[place(robot).type]; }
 
-  /// Index of the first distance of `robot` among those of all robots; robot = their number: the sum.
-  std::uint32_t first_range(int robot) const { return first_ranges_[static_cast<std::size_t>(robot)]; }
-  std::size_t robots() const { return types_of_robots_.size(); }
+  /// Where the kept sensors of a robot and their values begin among those of all robots.
+  struct Place {
+    std::uint32_t type = 0, first_kept = 0, first_value = 0;
+  };
+  const Place& place(int robot) const { return places_[static_cast<std::size_t>(robot)]; }
+  std::size_t robots() const { return places_.size(); }
+  std::size_t kept_sensors() const { return kept_sensors_; }
+  std::size_t kept_values() const { return kept_values_; }
   /// The largest radius of a hull that is whole.
   double max_hull_radius_m() const { return max_hull_radius_m_; }
   const RayGrid& static_grid() const { return static_grid_; }
@@ -52,7 +68,8 @@ class SceneSensing final : public SceneCache {
 
  private:
   std::vector<RobotType> types_;
-  std::vector<std::uint32_t> types_of_robots_, first_ranges_;
+  std::vector<Place> places_;  // by robot
+  std::uint32_t kept_sensors_ = 0, kept_values_ = 0;
   double max_hull_radius_m_ = 0;
   RayGrid static_grid_;
   std::vector<int> movable_;

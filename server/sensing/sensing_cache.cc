@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
-#include "server/sensing/fan_cast.h"
-#include "server/sensing/noise.h"
+#include "server/sensing/readings.h"
 
 namespace coopdyn {
 
@@ -15,11 +15,6 @@ namespace {
 // Values of FrameBuffers::progress.
 constexpr std::uint8_t kNobody = 0, kInTheMaking = 1, kReady = 2;
 
-double AddNoise(double range_m, const DistanceSensorModel& sensor, const NoiseKey& key) {
-  if (range_m == kNoHit || sensor.noise_stddev_m <= 0) return range_m;
-  return std::clamp(range_m + sensor.noise_stddev_m * GaussianNoise(key), 0.0, sensor.max_range_m);
-}
-
 }  // namespace
 
 RayItem MakeRayItem(const Shape& shape, const Pose& X_WG) {
@@ -27,8 +22,8 @@ RayItem MakeRayItem(const Shape& shape, const Pose& X_WG) {
 }
 
 FrameBuffers::FrameBuffers(const SceneSensing& scene)
-    : progress(std::make_unique<std::atomic<std::uint8_t>[]>(scene.robots())),
-      ranges_m(scene.first_range(static_cast<int>(scene.robots()))) {}
+    : progress(std::make_unique<std::atomic<std::uint8_t>[]>(scene.kept_sensors())),
+      values(scene.kept_values()) {}
 
 const SensingCache& SensingCache::Of(const Frame& frame, WorkerPool* pool) {
   std::call_once(frame.cache_once, [&] { frame.cache = std::make_unique<SensingCache>(frame, pool); });
@@ -37,7 +32,7 @@ const SensingCache& SensingCache::Of(const Frame& frame, WorkerPool* pool) {
 
 SensingCache::SensingCache(const Frame& frame, WorkerPool* pool)
     : frame_(frame), scene_(SceneSensing::Of(*frame.scene)), buffers_(scene_.TakeBuffers()) {
-  for (std::size_t i = 0; i < scene_.robots(); ++i) {
+  for (std::size_t i = 0; i < scene_.kept_sensors(); ++i) {
     buffers_->progress[i].store(kNobody, std::memory_order_relaxed);
   }
   buffers_->field.Build(frame, scene_, pool);
@@ -60,11 +55,31 @@ const RayGrid& SensingCache::movable_grid() const {
   return buffers_->movable_grid;
 }
 
+std::span<const double> SensingCache::Values(int robot, std::size_t kept) const {
+  Make(robot, kept);
+  const KeptSensor& sensor = scene_.type(robot).kept[kept];
+  return std::span<const double>(buffers_->values)
+      .subspan(scene_.place(robot).first_value + sensor.first, sensor.count);
+}
+
 std::span<const double> SensingCache::Distances(int robot) const {
-  std::atomic<std::uint8_t>& progress = buffers_->progress[static_cast<std::size_t>(robot)];
+  const SceneSensing::RobotType& type = scene_.type(robot);
+  for (std::size_t kept = 0; kept < type.distance_sensors; ++kept) Make(robot, kept);
+  return std::span<const double>(buffers_->values).subspan(scene_.place(robot).first_value, type.ranges);
+}
+
+void SensingCache::Make(int robot, std::size_t kept) const {
+  const SceneSensing::Place& place = scene_.place(robot);
+  std::atomic<std::uint8_t>& progress = buffers_->progress[place.first_kept + kept];
   std::uint8_t now = progress.load(std::memory_order_acquire);
   if (now == kNobody && progress.compare_exchange_strong(now, kInTheMaking, std::memory_order_acquire)) {
-    MakeRanges(robot);
+    const KeptSensor& sensor = scene_.type(robot).kept[kept];
+    const std::span<double> values =
+        std::span(buffers_->values).subspan(place.first_value + sensor.first, sensor.count);
+    const auto compute = [&]<typename Kind>(const Kind& kind) {
+      if constexpr (IsKept<Kind>) Compute(kind, sensor, *this, robot, values);
+    };
+    std::visit(compute, ModelOf(frame_, robot).sensors[sensor.sensor].kind);
     progress.store(kReady, std::memory_order_release);
     progress.notify_all();
     now = kReady;
@@ -72,28 +87,6 @@ std::span<const double> SensingCache::Distances(int robot) const {
   while (now != kReady) {
     progress.wait(now, std::memory_order_acquire);
     now = progress.load(std::memory_order_acquire);
-  }
-  const std::uint32_t first = scene_.first_range(robot);
-  return std::span<const double>(buffers_->ranges_m).subspan(first, scene_.first_range(robot + 1) - first);
-}
-
-void SensingCache::MakeRanges(int robot) const {
-  double* ranges_m = buffers_->ranges_m.data() + scene_.first_range(robot);
-  const SceneRobot& scene_robot = frame_.scene->robots[static_cast<std::size_t>(robot)];
-  const std::vector<DistanceSensorModel>& sensors = scene_robot.entry.model->distance_sensors;
-  std::fill(ranges_m, ranges_m + sensors.size(), kNoHit);
-  for (const SensorFan& fan : scene_.type(robot).fans) {
-    FanCast cast(*this, robot, fan);
-    if (!cast.Run()) continue;
-    for (std::size_t k = 0; k < fan.rays().size(); ++k) {
-      double& range_m = ranges_m[fan.rays()[k].sensor];
-      range_m = std::min(range_m, cast.distance_m(k));
-    }
-  }
-  NoiseKey key{frame_.seed, NoiseKind::kDistance, scene_robot.id.value, 0, frame_.step, 0};
-  for (std::size_t k = 0; k < sensors.size(); ++k) {
-    ++key.sensor;
-    ranges_m[k] = AddNoise(ranges_m[k], sensors[k], key);
   }
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // What sensing derives from one frame: the field of robots at the first use of anything, the grid of movable
-// objects and each robot's ranges at their first use. Lives in Frame::cache. Any thread; whoever needs a part
-// first makes it, others wait for that part only.
+// objects and each kept sensor's values at their first use. Lives in Frame::cache. Any thread; whoever needs
+// a part first makes it, others wait for that part only.
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -18,6 +19,18 @@
 
 namespace coopdyn {
 
+class SensingCache;
+
+// The kinds of sensors whose values are kept have three functions each: ValueCount(), SensorFan::MakeAll()
+// and Compute(). All others are computed each time they are read.
+inline std::size_t ValueCount(const DistanceModel& model) {
+  return model.sectors.size();
+}
+void Compute(const DistanceModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
+             std::span<double> ranges_m);
+template <typename Kind>
+concept IsKept = requires(const Kind& kind) { ValueCount(kind); };
+
 RayItem MakeRayItem(const Shape& shape, const Pose& X_WG);
 
 /// The memory behind a cache, used again by later frames of the scene.
@@ -27,8 +40,8 @@ struct FrameBuffers {
   RobotField field;
   std::vector<RayItem> movable_items;
   RayGrid movable_grid;
-  std::unique_ptr<std::atomic<std::uint8_t>[]> progress;  // of each robot's ranges
-  std::vector<double> ranges_m;                           // a robot's part is guarded by its progress
+  std::unique_ptr<std::atomic<std::uint8_t>[]> progress;  // of each kept sensor
+  std::vector<double> values;                             // a sensor's part is guarded by its progress
 };
 
 class SensingCache final : public FrameCache {
@@ -46,7 +59,9 @@ class SensingCache final : public FrameCache {
   const RobotField& field() const { return buffers_->field; }
   const RayGrid& movable_grid() const;
 
-  /// Ranges with noise, right to left.
+  /// The values of kept sensor `kept` (index into RobotType::kept) of `robot`.
+  std::span<const double> Values(int robot, std::size_t kept) const;
+  /// Those of all its distance sensors.
   std::span<const double> Distances(int robot) const;
 
   /// The nearest thing at `max_range_m` (finite) or nearer on `ray_W`, the floor and `ignored_robot` left
@@ -54,7 +69,8 @@ class SensingCache final : public FrameCache {
   ThingHit Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const;
 
  private:
-  void MakeRanges(int robot) const;
+  /// Computes the values unless they are there.
+  void Make(int robot, std::size_t kept) const;
 
   const Frame& frame_;
   const SceneSensing& scene_;

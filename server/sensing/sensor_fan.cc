@@ -10,17 +10,16 @@
 
 namespace coopdyn {
 
-std::vector<SensorFan> SensorFan::MakeAll(const RobotModel& model, double thing_radius_m) {
+std::vector<SensorFan> SensorFan::MakeAll(const DistanceModel& model, double thing_radius_m) {
   std::vector<FanRay> rays;
-  for (std::size_t k = 0; k < model.distance_sensors.size(); ++k) {
-    const DistanceSensorModel& sensor = model.distance_sensors[k];
-    for (int i = 0; i < sensor.rays; ++i) {
+  for (std::size_t k = 0; k < model.sectors.size(); ++k) {
+    const SectorModel& sector = model.sectors[k];
+    for (int i = 0; i < sector.rays; ++i) {
       // Spread evenly from the right edge of the sector to its left one.
       const double angle_rad =
-          sensor.rays > 1 ? sensor.opening_rad * (static_cast<double>(i) / (sensor.rays - 1) - 0.5) : 0;
-      rays.push_back({sensor.X_RS.p, sensor.X_RS.q * Vector3(std::cos(angle_rad), std::sin(angle_rad), 0),
-                      std::nextafter(sensor.max_range_m, kNoHit), static_cast<std::uint32_t>(k),
-                      static_cast<std::uint32_t>(rays.size())});
+          sector.rays > 1 ? sector.opening_rad * (static_cast<double>(i) / (sector.rays - 1) - 0.5) : 0;
+      rays.push_back({sector.X_RS.p, sector.X_RS.q * Vector3(std::cos(angle_rad), std::sin(angle_rad), 0),
+                      std::nextafter(sector.max_range_m, kNoHit), static_cast<std::uint32_t>(k)});
     }
   }
   std::vector<SensorFan> fans;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The rays of a robot type's distance sensors in the robot's frame R, and a map of where they go, worked out
+// The rays of a distance sensor in the robot's frame R, and a map of where they go, worked out
 // once. Constant once made; any thread.
 #pragma once
 
@@ -18,8 +18,7 @@ struct FanRay {
   Vector3 p_RO = Vector3::Zero();  // its origin
   Vector3 d_R = Vector3::UnitX();  // its direction, unit
   double limit_m = 0;              // a hit nearer than this is within the sensor's range
-  std::uint32_t sensor = 0;        // index into RobotModel::distance_sensors
-  std::uint32_t index = 0;         // among all rays of the model, by sensor, right to left
+  std::uint32_t sector = 0;        // index into DistanceModel::sectors
 };
 
 /// Up to kMaxRays rays, cast together. Sets of them are bits.
@@ -27,8 +26,8 @@ class SensorFan {
  public:
   static constexpr std::size_t kMaxRays = 64;
 
-  /// All rays of `model`, with maps for things of up to `thing_radius_m`.
-  static std::vector<SensorFan> MakeAll(const RobotModel& model, double thing_radius_m);
+  /// All rays of `model`, by sector, right to left; with maps for things of up to `thing_radius_m`.
+  static std::vector<SensorFan> MakeAll(const DistanceModel& model, double thing_radius_m);
 
   const std::vector<FanRay>& rays() const { return rays_; }
   /// All of them.

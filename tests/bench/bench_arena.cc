@@ -45,12 +45,15 @@ std::string WalledSquare(double inner_m, double height_m) {
 std::shared_ptr<const RobotModel> WithSensors(const RobotModel& model, std::optional<int> rays,
                                               std::optional<double> range_m) {
   auto changed = std::make_shared<RobotModel>(model);
-  std::vector<DistanceSensorModel>& sensors = changed->distance_sensors;
-  if (rays && *rays == 0) {
-    sensors.clear();
-    std::erase_if(changed->modules, [](const ModuleModel& module) { return module.type == "distance"; });
-  } else if (rays && !sensors.empty()) {
-    const DistanceSensorModel first = sensors.front();
+  const auto is_distance = [](const SensorModel& sensor) {
+    return std::holds_alternative<DistanceModel>(sensor.kind);
+  };
+  if (rays && *rays == 0) std::erase_if(changed->sensors, is_distance);
+  const auto found = std::ranges::find_if(changed->sensors, is_distance);
+  if (found == changed->sensors.end()) return changed;
+  std::vector<SectorModel>& sensors = std::get<DistanceModel>(found->kind).sectors;
+  if (rays) {
+    const SectorModel first = sensors.front();
     // The sector from the first sensor's right edge to the last one's left edge, or the whole circle.
     const std::size_t count = sensors.size();
     const double gap = count > 1 ? sensors[1].bearing_rad - sensors[0].bearing_rad : first.opening_rad;
@@ -71,7 +74,7 @@ std::shared_ptr<const RobotModel> WithSensors(const RobotModel& model, std::opti
     std::stable_sort(sensors.begin(), sensors.end(),
                      [](const auto& a, const auto& b) { return a.bearing_rad < b.bearing_rad; });
   }
-  for (DistanceSensorModel& sensor : sensors) sensor.max_range_m = range_m.value_or(sensor.max_range_m);
+  for (SectorModel& sensor : sensors) sensor.max_range_m = range_m.value_or(sensor.max_range_m);
   return changed;
 }
 
@@ -80,7 +83,7 @@ std::shared_ptr<const Scenario> MakeArena(const ArenaOptions& options, RobotLibr
   const auto read = ReadScenario(ArenaText(options), "bench.scenario", library, false, diagnostics);
   if (read == nullptr || (!options.rays && !options.range_m)) return read;
   const RobotModel& model = *read->robots.front().model;
-  if (model.distance_sensors.empty()) {
+  if (model.sector_count() == 0) {
     diagnostics.Error({"bench.scenario", 0}, "a " + model.type +
                                                  " has no distance sensors to take the place of: leave "
                                                  "--rays and --range out");

@@ -126,9 +126,9 @@ std::optional<SwarmBenchResult> RunSwarmBench(const SwarmBenchOptions& options, 
   const double resident_before_kb = Resident_kb();
   const auto scenario = MakeArena(options.arena, library, diagnostics);
   if (scenario == nullptr) return std::nullopt;
-  const std::vector<DistanceSensorModel>& sensors = scenario->robots.front().model->distance_sensors;
+  const std::vector<SectorModel> sensors = scenario->robots.front().model->sectors();
   SwarmBenchResult result;
-  for (const DistanceSensorModel& sensor : sensors) result.rays += sensor.rays;
+  for (const SectorModel& sensor : sensors) result.rays += sensor.rays;
   if (!sensors.empty()) result.range_m = sensors.front().max_range_m;
   BenchRunOptions run_options{.seconds = options.seconds,
                               .threads = options.threads,

@@ -13,15 +13,17 @@
 
 #include "bench_scene.h"
 #include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
 
 namespace coopdyn {
 namespace {
 
 /// `model` with `rays` sensors of one ray each all round, that reach `range_m`.
 RobotModel WithRays(RobotModel model, int rays, double range_m) {
-  DistanceSensorModel sensor = model.distance_sensors.front();
+  std::vector<SectorModel>& sectors = SensorOf<DistanceModel>(model).sectors;
+  SectorModel sensor = sectors.front();
   const Vector3 p = sensor.X_RS.p;
-  model.distance_sensors.clear();
+  sectors.clear();
   for (int i = 0; i < rays; ++i) {
     sensor.bearing_rad = 2 * std::numbers::pi * (i + 0.5) / rays - std::numbers::pi;
     sensor.X_RS.q = FromRollPitchYaw(0, 0, sensor.bearing_rad);
@@ -29,7 +31,7 @@ RobotModel WithRays(RobotModel model, int rays, double range_m) {
     sensor.opening_rad = 0;
     sensor.rays = 1;
     sensor.max_range_m = range_m;
-    model.distance_sensors.push_back(sensor);
+    sectors.push_back(sensor);
   }
   return model;
 }
@@ -152,12 +154,9 @@ void BM_Field(benchmark::State& state) {
 /// Everybody's neighbours within 1 m.
 void BM_Neighbours(benchmark::State& state) {
   Crowd crowd(*BenchModel("minibot"), static_cast<int>(state.range(0)), Fidelity::kRolling);
-  std::vector<Sighting> seen;
   for (auto _ : state) {
     std::unique_ptr<Frame> frame = crowd.Take();
-    seen.clear();
-    for (const int robot : crowd.all()) AppendNeighbours(*frame, robot, seen);
-    benchmark::DoNotOptimize(seen.data());
+    for (const int robot : crowd.all()) benchmark::DoNotOptimize(Neighbours(*frame, robot).data());
     crowd.Give(std::move(frame));
   }
   PerRobot(state, crowd.all().size());

@@ -24,7 +24,7 @@ std::shared_ptr<const coopdyn::Scenario> MakeScenario() {
   auto model = std::make_shared<RobotModel>();
   model->type = "r";
   model->links.resize(1);
-  model->distance_sensors.resize(2);
+  model->AddSensor("distance", DistanceModel{std::vector<SectorModel>(2)});
   auto scenario = std::make_shared<coopdyn::Scenario>();
   scenario->robots.resize(1);
   scenario->robots[0].name = "robot1";

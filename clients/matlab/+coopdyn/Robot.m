@@ -2,8 +2,8 @@
 classdef Robot < handle
 %ROBOT One robot of a simulation. Readings are always those of the newest step.
 %   Commands: set_velocity, set_wheel_speeds, stop, send_message. Readings: get_pose, get_pose_3d, get_distances,
-%   get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages, get_wheels, get_limits; sense: all
-%   of one step at once.
+%   get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages, get_compass, get_wheels,
+%   get_limits; sense: all of one step at once.
 %   Units: m, rad, m/s, rad/s; bearings 0 ahead, left positive. Rows are 1 x n.
   properties (SetAccess = private)
     name
@@ -92,6 +92,15 @@ classdef Robot < handle
       p = r.get('pose', 41, [], '');
     end
 
+    function heading = get_compass(r, module)
+    %GET_COMPASS Where its front points [rad]: 0 along the world's x, left positive. For robots with a module compass;
+    %   another compass is read by its module's name: r.get_compass('left_compass').
+      if nargin < 2
+        module = 'compass';
+      end
+      heading = r.get(char(module), 300, [], '');
+    end
+
     function d = get_distances(r)
     %GET_DISTANCES One range per sensor [m], right to left, from the surface of the robot; inf = nothing there.
       d = r.get('distance', 20, [], '');
@@ -148,7 +157,7 @@ classdef Robot < handle
     end
 
     function s = sense(r, x)
-    %SENSE All readings of one step in one round trip: time, step, distances, targets, target, pose, wheels.
+    %SENSE All readings of one step in one round trip: time, step, distances, targets, target, pose, wheels, compass.
     %   s = r.sense('red'): s.target is the nearest target of that colour (or with that id); error if there is none.
     %   In lockstep, right after sim.step(), the readings that came with its reply, without any round trip.
       link = r.link;
@@ -171,6 +180,7 @@ classdef Robot < handle
       seen = distances;
       pose = [];
       wheels = [];
+      compass = [];
       at = 0;
       for k = 1:numel(attached)
         n = params(k + 1);
@@ -184,6 +194,8 @@ classdef Robot < handle
           case 'motors'
             wheels = struct('left_angle', part(1), 'right_angle', part(2), 'left_speed', part(3), ...
                             'right_speed', part(4));
+          case 'compass'
+            compass = part;
           case 'target'
             seen = part;
         end
@@ -210,7 +222,7 @@ classdef Robot < handle
         target = coopdyn.internal.choose_target(targets, x);
       end
       s = struct('time', data(end - 1), 'step', step, 'distances', distances, 'targets', [], 'target', target, ...
-                 'pose', pose, 'wheels', wheels);
+                 'pose', pose, 'wheels', wheels, 'compass', compass);
       s.targets = targets;
     end
 
@@ -302,7 +314,7 @@ classdef Robot < handle
     function attach(r)
       names = coopdyn.internal.ask_names(r.session.address);
       names = {names.name};
-      readable = {'motors', 'distance', 'target', 'pose'};
+      readable = {'motors', 'distance', 'target', 'pose', 'compass'};
       readable = readable(cellfun(@(m) any(strcmp(names, ['/' r.name '/' m])), readable));
       if isempty(readable)
         coopdyn.internal.fail(10, [r.name ' has no readings']);

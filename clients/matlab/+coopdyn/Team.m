@@ -11,8 +11,9 @@ classdef Team < handle
 %   While a recording is played a team can only read; driving it is an error.
 %   names, ids, n; step, step_wheels, read, select, stop, release, close.
 %   Readings are a struct with time, step, text (says if speeds were limited, who was taken away) and, of those chosen
-%   with select, matrices with a row for each robot in the order of team.names: pose (x, y [m], heading [rad]), distances [m], targets (distance [m], bearing [rad] of each), neighbours
-%   (id, distance, bearing of each; 0, inf, nan: none), wheels (as get_wheels).
+%   with select, matrices with a row for each robot in the order of team.names: pose (x, y [m], heading [rad]), distances
+%   [m], targets (distance [m], bearing [rad] of each), neighbours (id, distance, bearing of each; 0, inf, nan: none),
+%   wheels (as get_wheels), compass (heading [rad]; nan without one).
   properties (Dependent)
     n      % how many robots
     names  % their names, in the order of the rows
@@ -72,10 +73,10 @@ classdef Team < handle
     end
 
     function select(t, varargin)
-    %SELECT Chooses what step and read return, among 'pose', 'distances', 'targets', 'neighbours' and 'wheels'; pose and
-    %   distances to begin with. What is not chosen costs nothing. team.select('pose', 'neighbours', 4): the 4 nearest
+    %SELECT Chooses what step and read return, among 'pose', 'distances', 'targets', 'neighbours', 'wheels' and 'compass';
+    %   pose and distances to begin with. What is not chosen costs nothing. team.select('pose', 'neighbours', 4): the 4 nearest
     %   (otherwise 8).
-      known = {'pose', 'distances', 'targets', 'neighbours', 'wheels'};
+      known = {'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass'};
       words = {};
       nearest = 8;
       for k = 1:numel(varargin)

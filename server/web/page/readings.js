@@ -4,7 +4,7 @@
 import {make, setText, showNumber} from './dom.js';
 
 const PERIOD_MS = 200;
-const order = ['pose', 'motors', 'distance', 'target'];
+const order = ['pose', 'motors', 'distance', 'target', 'compass'];
 const degrees = (rad) => (typeof rad === 'number' ? (rad * 180) / Math.PI : rad);
 
 /** As wide as "9.99", so that the next ones do not move: figure spaces are as wide as digits. */
@@ -21,6 +21,8 @@ function describeReading(module, data, colours) {
       ];
     case 'motors':
       return [['wheels', `${showNumber(data[2], 1)}, ${showNumber(data[3], 1)} rad/s`]];
+    case 'compass':
+      return [['compass', `${showNumber(degrees(data[0]), 0)}°`]];
     case 'distance':
       return [['distances', data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
     case 'target': {

@@ -203,7 +203,7 @@ TEST(TeamOfTheDaemon, RowsAreWhatTheRobotsSay) {
   auto sim = connect(daemon.server());
   auto team = sim.team("swarm1");
   ASSERT_EQ(team.n(), 100u);
-  team.select({"pose", "distances", "wheels", "neighbours"}, 2);
+  team.select({"pose", "distances", "wheels", "neighbours", "compass"}, 2);
   TeamReading s;
   for (int k = 0; k < 20; ++k) s = team.step(std::array{0.1, 0.2}, 60);
   EXPECT_EQ(s.step, 20);
@@ -214,6 +214,9 @@ TEST(TeamOfTheDaemon, RowsAreWhatTheRobotsSay) {
     EXPECT_EQ(Row(s.pose, i), (std::vector<double>{pose.x, pose.y, pose.heading}));
     EXPECT_EQ(Row(s.distances, i), r.get_distances());
     EXPECT_EQ(s.wheels[i][2], r.get_wheels().left_speed);
+    EXPECT_EQ(s.compass[i][0], pose.heading);
+    EXPECT_EQ(r.get_compass(), pose.heading);
+    EXPECT_EQ(r.sense().compass, pose.heading);
     const std::vector<OtherRobot> others = r.get_neighbours();
     const auto nearest = std::min_element(
         others.begin(), others.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });

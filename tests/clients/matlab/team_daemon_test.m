@@ -6,7 +6,7 @@ team = sim.team('swarm1');
 assert(team.n == 100 && strcmp(team.names{100}, 'mini_100') && team.ids(100) == 100);
 names = sim.robots();
 assert(isequal(names, team.names));
-team.select('pose', 'distances', 'wheels', 'neighbours', 2);
+team.select('pose', 'distances', 'wheels', 'neighbours', 2, 'compass');
 for k = 1:20
   s = team.step([0.1 0.2], 'timeout', 60);
   assert(s.step == k);
@@ -19,6 +19,8 @@ for i = [1 57 100]
   assert(isequal(s.distances(i, :), r.get_distances()));
   w = r.get_wheels();
   assert(s.wheels(i, 3) == w.left_speed);
+  assert(s.compass(i) == p.heading && r.get_compass() == p.heading && r.get_compass('compass') == p.heading);
+  assert(r.sense().compass == p.heading);
 end
 s = team.step([0.1 * ones(100, 1), linspace(-0.5, 0.5, 100)'], 'timeout', 60);
 s = team.step([9 0], 'timeout', 60);

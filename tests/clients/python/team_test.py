@@ -56,13 +56,16 @@ class Lockstep(TeamTestCase):
     def test_rows_are_what_the_robots_say(self):
         sim = self.connect(self.start(swarm_of(5)))
         team = sim.team()
-        team.select("wheels", "pose", "targets", "distances", "neighbours", neighbours=3)
+        team.select("wheels", "pose", "targets", "distances", "neighbours", "compass", neighbours=3)
         s = team.step((0.1, 0.3), timeout=60)
         for i, name in enumerate(team.names):
             r = sim.robot(name)
             self.assertEqual(s.pose[i], tuple(r.get_pose())[:3])
             self.assertEqual(s.distances[i], tuple(r.get_distances()))
             self.assertEqual(s.wheels[i], tuple(r.get_wheels()))
+            self.assertEqual(s.compass[i], (r.get_compass(),))
+            self.assertEqual(r.get_compass(), r.get_pose().heading)
+            self.assertEqual(r.sense().compass, r.get_compass())
             self.assertEqual(s.targets[i], tuple(r.get_target("red")))
             nearest = sorted(r.get_neighbours(), key=lambda o: o.distance)[:3]
             seen = [x for o in nearest for x in (o.id, o.distance, o.bearing)] + [0, math.inf, math.nan] * (3 - len(nearest))

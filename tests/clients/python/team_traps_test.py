@@ -342,6 +342,8 @@ class ModuleNeighbours(FakeTestCase):
         r = self.connect(self.start()).robot(1)
         for call in (r.get_neighbours, r.get_messages, lambda: r.send_message([1])):
             self.assert_error(5, call, "robot1 has no module neighbours", "minibot")
+        self.assert_error(5, r.get_compass, "robot1 has no module compass", "minibot")
+        self.assertIsNone(r.sense().compass)
 
     def test_messages_are_checked_before_anything_is_written(self):
         daemon = self.start()

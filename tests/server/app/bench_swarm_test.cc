@@ -71,9 +71,10 @@ TEST(BenchArenaTest, SeedGivesThePlaces) {
 
 TEST(BenchArenaTest, RaysAreSpreadOverTheModelsSector) {
   const auto minibot = Arena({.robots = 1, .rays = 8, .range_m = 0.5})->robots.at(0).model;
-  ASSERT_EQ(minibot->distance_sensors.size(), 8u);
+  const std::vector<SectorModel> sectors = minibot->sectors();
+  ASSERT_EQ(sectors.size(), 8u);
   for (std::size_t i = 0; i < 8; ++i) {
-    const DistanceSensorModel& sensor = minibot->distance_sensors[i];
+    const SectorModel& sensor = sectors[i];
     EXPECT_NEAR(sensor.bearing_rad, (-157.5 + 45 * static_cast<double>(i)) * kDegree, 1e-9);
     EXPECT_EQ(sensor.rays, 1);
     EXPECT_EQ(sensor.max_range_m, 0.5);
@@ -85,24 +86,24 @@ TEST(BenchArenaTest, RaysAreSpreadOverTheModelsSector) {
   // Eleven sectors of 20 degrees, -110 to 110.
   const auto coopbot =
       Arena({.robots = 1, .robot = "coopbot", .rays = 22, .density_m2 = 0.1})->robots.at(0).model;
-  ASSERT_EQ(coopbot->distance_sensors.size(), 22u);
-  EXPECT_NEAR(coopbot->distance_sensors.front().bearing_rad, -105 * kDegree, 1e-9);
-  EXPECT_NEAR(coopbot->distance_sensors.back().bearing_rad, 105 * kDegree, 1e-9);
+  ASSERT_EQ(coopbot->sector_count(), 22u);
+  EXPECT_NEAR(coopbot->sectors().front().bearing_rad, -105 * kDegree, 1e-9);
+  EXPECT_NEAR(coopbot->sectors().back().bearing_rad, 105 * kDegree, 1e-9);
 }
 
 TEST(BenchArenaTest, AsManyRaysAsTheModelHasAreTheModels) {
   const auto own = Arena({.robots = 1})->robots.at(0).model;
   const auto same = WithSensors(*own, 24, std::nullopt);
   for (std::size_t i = 0; i < 24; ++i) {
-    EXPECT_NEAR(same->distance_sensors[i].bearing_rad, own->distance_sensors[i].bearing_rad, 1e-12);
-    EXPECT_EQ(same->distance_sensors[i].max_range_m, own->distance_sensors[i].max_range_m);
+    EXPECT_NEAR(same->sectors()[i].bearing_rad, own->sectors()[i].bearing_rad, 1e-12);
+    EXPECT_EQ(same->sectors()[i].max_range_m, own->sectors()[i].max_range_m);
   }
 }
 
 TEST(BenchArenaTest, WithoutRaysThereIsNoDistanceModule) {
   const auto model = Arena({.robots = 1, .rays = 0})->robots.at(0).model;
-  EXPECT_TRUE(model->distance_sensors.empty());
-  for (const ModuleModel& module : model->modules) EXPECT_NE(module.type, "distance");
+  EXPECT_EQ(model->sector_count(), 0u);
+  for (const ModuleModel& module : model->modules()) EXPECT_NE(module.type, "distance");
 }
 
 TEST(BenchSwarmTest, RepeatsStartAfreshAndEndInTheSameState) {

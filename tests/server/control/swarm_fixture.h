@@ -13,6 +13,7 @@
 #include "server/control/swarm_module.h"
 #include "tests/server/devices/fake_client.h"
 #include "tests/server/devices/small_world.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/state/wheels.h"
 
 namespace coopdyn {
@@ -21,11 +22,10 @@ namespace coopdyn {
 inline std::shared_ptr<Scenario> AntScenario(int ants) {
   auto scenario = std::make_shared<Scenario>(*SmallScenario(ants + 1));
   auto ant = std::make_shared<RobotModel>(*SmallModel("ant"));
-  ant->neighbours.range_m = 11;
-  ant->neighbours.message_range_m = 11;
-  ant->modules.push_back({"neighbours", "neighbours"});
+  SensorOf<CompassModel>(*ant);
+  SensorOf<NeighboursModel>(*ant) = {.range_m = 11, .message_range_m = 11};
   auto loner = std::make_shared<RobotModel>(*SmallModel("loner"));
-  loner->distance_sensors.resize(1);
+  SensorOf<DistanceModel>(*loner).sectors.resize(1);
   for (int i = 0; i < ants; ++i) {
     RobotEntry& entry = scenario->robots[static_cast<std::size_t>(i)];
     entry.name = "ant_" + std::to_string(i + 1);

@@ -9,6 +9,7 @@
 #include "server/devices/device_factory.h"
 #include "server/sensing/readings.h"
 #include "tests/server/control/swarm_fixture.h"
+#include "tests/server/model/sensor_of.h"
 
 namespace coopdyn {
 namespace {
@@ -41,7 +42,7 @@ TEST_F(SwarmModuleTest, ReadingsAreThoseOfTheRobotsOwnModulesInTheChosenOrder) {
   const DeviceFactory factory;
   std::vector<double> expected;
   for (const char* type : {"motors", "target", "pose"}) {
-    const auto device = factory.Make({type, type}, frame->scene->robots[1].entry.model);
+    const auto device = factory.Make(*frame->scene->robots[1].entry.model, type);
     device->AppendFirstReading(*frame, 1, expected);
   }
   expected.resize(13);  // of the pose x, y, heading
@@ -51,7 +52,7 @@ TEST_F(SwarmModuleTest, ReadingsAreThoseOfTheRobotsOwnModulesInTheChosenOrder) {
 TEST_F(SwarmModuleTest, TargetsThatAreNotSeenAreInfNan) {
   auto scenario = std::make_shared<Scenario>(*AntScenario(1));
   auto blind = std::make_shared<RobotModel>(*scenario->robots[0].model);
-  blind->target_sensor.max_range_m = 3.5;
+  SensorOf<TargetModel>(*blind).max_range_m = 3.5;
   scenario->robots[0].model = blind;
   Load(scenario);
   Ask("select_readings targets");
@@ -76,6 +77,13 @@ TEST_F(SwarmModuleTest, NeighboursComeNearestFirstTiesByIdAndArePadded) {
   Ask("select_readings (1) neighbours");
   EXPECT_EQ(Ask("read_all 2").data[0], 1);
   EXPECT_THAT(Ask("select_readings neighbours").params, ElementsAre(24));
+}
+
+TEST_F(SwarmModuleTest, CompassIsNanForARobotWithoutOne) {
+  EXPECT_THAT(Ask("select_readings compass pose").params, ElementsAre(1, 3));
+  const Message reply = Ask("read_all 1 4");
+  EXPECT_EQ(reply.data[0], reply.data[3]);
+  EXPECT_TRUE(std::isnan(reply.data[4]));
 }
 
 TEST_F(SwarmModuleTest, SelectReadingsRefusesUnknownWordsAndTooManyNeighbours) {

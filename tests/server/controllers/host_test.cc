@@ -167,16 +167,20 @@ TEST(ControllerReadingsTest, MessagesOfTheStepBefore) {
 }
 
 TEST(ControllerReadingsTest, TheRobot) {
-  EXPECT_THAT(Shown(5), ElementsAre(2, 6, 0.085, 0.03, 0.14, 10,
-                                    DiscModel()->distance_sensors[1].bearing_rad + 0.7, 0.5));
+  EXPECT_THAT(Shown(5),
+              ElementsAre(2, 6, 0.085, 0.03, 0.14, 10, DiscModel()->sectors()[1].bearing_rad + 0.7, 0.5));
 }
 
 TEST(ControllerReadingsTest, TimeAndSeed) {
   EXPECT_THAT(Shown(6), ElementsAre(9, 1, 0.01, 0.01));
 }
 
+TEST(ControllerReadingsTest, Compass) {
+  EXPECT_THAT(Shown(7), ElementsAre(Heading(RobotPose(*ShownFrame(), 1).q)));
+}
+
 TEST(ControllerReadingsTest, TheSameInProcess) {
-  for (int what = 0; what <= 6; ++what) EXPECT_EQ(Shown(what), Shown(what, true)) << what;
+  for (int what = 0; what <= 7; ++what) EXPECT_EQ(Shown(what), Shown(what, true)) << what;
 }
 
 Swarm SwarmToSave() {

@@ -13,6 +13,7 @@
 
 #include "server/controllers/controller_host.h"
 #include "server/state/frame.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/state/wheels.h"
 
 namespace coopdyn {
@@ -26,20 +27,21 @@ inline std::shared_ptr<RobotModel> DiscModel(int sensors = 8) {
   chassis.collisions = {{Cylinder{0.08, 0.1}, {{0, 0, 0.06}, Quaternion::Identity()}, {}, 1, true}};
   model->links = {chassis};
   for (int i = 0; i < sensors; ++i) {
-    DistanceSensorModel sensor;
+    SectorModel sensor;
     sensor.bearing_rad = 2 * std::numbers::pi * (i + 0.5) / sensors - std::numbers::pi;
     sensor.opening_rad = 0.7;
     sensor.rays = 5;
     sensor.X_RS.q = FromRollPitchYaw(0, 0, sensor.bearing_rad);
     sensor.X_RS.p = sensor.X_RS.q * Vector3(0.08, 0, 0) + Vector3(0, 0, 0.05);
     sensor.max_range_m = 0.5;
-    model->distance_sensors.push_back(sensor);
+    SensorOf<DistanceModel>(*model).sectors.push_back(sensor);
   }
   model->joints.resize(2);
   model->actuators = {
       {"motors", {0, 1}, DriveModel{.wheel_radius_m = 0.03, .track_m = 0.14, .max_wheel_speed_rad_s = 10}}};
-  model->neighbours.range_m = 1.5;
-  model->neighbours.message_range_m = 1.5;
+  SensorOf<NeighboursModel>(*model) = {.range_m = 1.5, .message_range_m = 1.5};
+  SensorOf<TargetModel>(*model);
+  SensorOf<CompassModel>(*model);
   model->footprint_radius_m = 0.085;
   model->height_m = 0.11;
   return model;

@@ -13,7 +13,7 @@ namespace {
 
 class DeviceTest : public testing::Test {
  protected:
-  std::unique_ptr<Device> Make(const std::string& type) { return factory_.Make({type, type}, SmallModel()); }
+  std::unique_ptr<Device> Make(const std::string& type) { return factory_.Make(*SmallModel(), type); }
   static Message Request(command::Id id, std::vector<double> data = {}, std::vector<std::int32_t> params = {},
                          std::string text = {}) {
     return {0, std::move(text), id, std::move(params), std::move(data)};
@@ -141,6 +141,35 @@ TEST_F(DeviceTest, PoseIsThatOfTheAxleAndItsSpeedCarriedOver) {
   EXPECT_NEAR(full.data[7], 0, 1e-12);
   EXPECT_NEAR(full.data[8], 0.3, 1e-12);
   EXPECT_NEAR(full.data[12], 2, 1e-12);
+}
+
+TEST_F(DeviceTest, SensorsOfOneTypeAreReadByTheirModulesNames) {
+  auto model = std::make_shared<RobotModel>(*SmallModel());
+  SectorModel ahead = model->sectors()[1];
+  ahead.max_range_m = 2;
+  model->AddSensor("ahead", DistanceModel{{ahead}});
+  model->AddSensor("north", CompassModel());
+  auto scenario = std::make_shared<Scenario>(*SmallScenario(1));
+  scenario->robots[0].model = model;
+  scenario->robots[0].X_WR.q = FromRollPitchYaw(0, 0, 0.5);
+  world_.Load(scenario, Mode::kLockstep);
+  const FramePtr frame = world_.frames.Latest();
+  const auto read = [&](const char* name, command::Id id) {
+    return factory_.Make(*model, name)->Read(Request(id), *frame, 0).data;
+  };
+  EXPECT_EQ(read("distance", command::kGetDistances).size(), 3u);
+  EXPECT_EQ(read("ahead", command::kGetDistances).size(), 1u);
+  EXPECT_EQ(read("ahead", command::kGetGeometry), (std::vector<double>{0, 0.2, 2}));
+  EXPECT_EQ(read("north", command::kGetCompass), std::vector<double>{Heading(RobotPose(*frame, 0).q)});
+  EXPECT_EQ(factory_.Make(*model, "north")->table().module(), "compass");
+}
+
+// A load may bring another model under the same name while a module still has requests to answer.
+TEST_F(DeviceTest, AModelWithoutTheSensorReadsNothing) {
+  auto model = std::make_shared<RobotModel>(*SmallModel());
+  model->AddSensor("north", CompassModel());
+  const auto compass = factory_.Make(*model, "north");
+  EXPECT_TRUE(compass->Read(Request(command::kGetCompass), *world_.frames.Latest(), 0).data.empty());
 }
 
 TEST_F(DeviceTest, FirstReadingIsWhatReadGives) {

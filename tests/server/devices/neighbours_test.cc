@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // /R/neighbours as a device: what its replies hold. Who is seen and heard is sensing's, tested there.
-#include "server/devices/neighbours.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +9,7 @@
 #include "server/devices/device_factory.h"
 #include "server/sensing/readings.h"
 #include "tests/server/devices/small_world.h"
+#include "tests/server/model/sensor_of.h"
 
 namespace coopdyn {
 namespace {
@@ -23,12 +22,11 @@ class NeighboursDeviceTest : public testing::Test {
  protected:
   NeighboursDeviceTest() {
     auto model = std::make_shared<RobotModel>(*SmallModel());
-    model->neighbours = {.range_m = 15, .message_range_m = 25, .loss = 0, .delay_steps = 2};
-    model->modules.push_back({"neighbours", "neighbours"});
+    SensorOf<NeighboursModel>(*model) = {.range_m = 15, .message_range_m = 25, .loss = 0, .delay_steps = 2};
     auto scenario = std::make_shared<Scenario>(*SmallScenario(4));
     for (RobotEntry& entry : scenario->robots) entry.model = model;
     world_.Load(scenario, Mode::kLockstep);
-    device_ = factory_.Make({"neighbours", "neighbours"}, model);
+    device_ = factory_.Make(*model, "neighbours");
     frame_ = world_.MakeFrame({});
   }
 

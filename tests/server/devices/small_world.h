@@ -11,6 +11,7 @@
 #include "server/state/command_board.h"
 #include "server/state/frame_board.h"
 #include "server/state/scene.h"
+#include "tests/server/model/sensor_of.h"
 
 namespace coopdyn {
 
@@ -29,16 +30,17 @@ inline std::shared_ptr<const RobotModel> SmallModel(const std::string& type = "s
   model->actuators = {
       {"motors", {0, 1}, DriveModel{.wheel_radius_m = 0.1, .track_m = 0.4, .max_wheel_speed_rad_s = 10}}};
   for (const double bearing_rad : {-1.0, 0.0, 1.0}) {
-    DistanceSensorModel sensor;
+    SectorModel sensor;
     sensor.bearing_rad = bearing_rad;
     const Quaternion q = FromRollPitchYaw(0, 0, bearing_rad);
     sensor.X_RS = {q * Vector3(0.15, 0, 0) + Vector3(0, 0, 0.1), q};
     sensor.opening_rad = 0.2;
     sensor.rays = 1;
     sensor.max_range_m = 4;
-    model->distance_sensors.push_back(sensor);
+    SensorOf<DistanceModel>(*model).sectors.push_back(sensor);
   }
-  model->modules = {{"motors", "motors"}, {"distance", "distance"}, {"target", "target"}, {"pose", "pose"}};
+  SensorOf<TargetModel>(*model);
+  SensorOf<PoseModel>(*model);
   model->footprint_radius_m = 0.15;
   model->height_m = 0.2;
   return model;

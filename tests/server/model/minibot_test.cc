@@ -31,9 +31,10 @@ TEST(MinibotTest, HasTheFootBotsMeasures) {
 
 TEST(MinibotTest, ProximitySensorsStandAllRoundOnTheChassis) {
   const RobotModel& robot = Minibot();
-  ASSERT_EQ(robot.distance_sensors.size(), 24u);
+  const std::vector<SectorModel> sectors = robot.sectors();
+  ASSERT_EQ(sectors.size(), 24u);
   for (std::size_t i = 0; i < 24; ++i) {
-    const DistanceSensorModel& sensor = robot.distance_sensors[i];
+    const SectorModel& sensor = sectors[i];
     EXPECT_NEAR(sensor.bearing_rad, (-172.5 + 15 * static_cast<double>(i)) * (std::numbers::pi / 180), 1e-12);
     EXPECT_EQ(sensor.rays, 1);
     EXPECT_EQ(sensor.max_range_m, 0.1);
@@ -51,10 +52,10 @@ TEST(MinibotTest, ChassisCoversTheWheels) {
 
 TEST(MinibotTest, ModulesComeInTheOrderOfPorts) {
   std::string types;
-  for (const ModuleModel& module : Minibot().modules) types += module.type + " ";
-  EXPECT_EQ(types, "motors distance target pose neighbours ");
-  EXPECT_EQ(Minibot().neighbours.range_m, 1);
-  EXPECT_EQ(Minibot().neighbours.message_range_m, 1);
+  for (const ModuleModel& module : Minibot().modules()) types += module.type + " ";
+  EXPECT_EQ(types, "motors distance target pose neighbours compass ");
+  EXPECT_EQ(Minibot().Find<NeighboursModel>()->range_m, 1);
+  EXPECT_EQ(Minibot().Find<NeighboursModel>()->message_range_m, 1);
 }
 
 // As the README says: its motors cannot tip it over, nor make its wheels slip.

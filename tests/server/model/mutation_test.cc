@@ -82,9 +82,10 @@ TEST(MutationTest, RobotModelsNeverCrashAndStayFinite) {
     const auto model = ReadRobotModel(file, diagnostics);
     EXPECT_EQ(model == nullptr, diagnostics.has_errors());
     if (model == nullptr) continue;
-    const NeighboursModel& neighbours = model->neighbours;
-    ASSERT_TRUE(std::isfinite(neighbours.range_m) && std::isfinite(neighbours.message_range_m));
-    ASSERT_TRUE(neighbours.loss >= 0 && neighbours.loss <= 1);
+    if (const auto* neighbours = model->Find<NeighboursModel>()) {
+      ASSERT_TRUE(std::isfinite(neighbours->range_m) && std::isfinite(neighbours->message_range_m));
+      ASSERT_TRUE(neighbours->loss >= 0 && neighbours->loss <= 1);
+    }
     for (const LinkModel& link : model->links) {
       ASSERT_TRUE(IsFinite(link.X_RL) && IsFinite(link.X_LI));
       ASSERT_GT(link.mass_kg, 0);

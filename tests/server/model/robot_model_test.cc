@@ -89,9 +89,10 @@ TEST(CoopbotTest, WheelCylindersLieAlongTheAxle) {
 TEST(CoopbotTest, ElevenSectorsAdjoinFromRightToLeft) {
   const auto robot = Coopbot();
   ASSERT_NE(robot, nullptr);
-  ASSERT_EQ(robot->distance_sensors.size(), 11u);
+  const std::vector<SectorModel> sectors = robot->sectors();
+  ASSERT_EQ(sectors.size(), 11u);
   for (std::size_t i = 0; i < 11; ++i) {
-    const DistanceSensorModel& sensor = robot->distance_sensors[i];
+    const SectorModel& sensor = sectors[i];
     EXPECT_NEAR(sensor.bearing_rad, (-100 + 20.0 * static_cast<double>(i)) * kDegree, 1e-12);
     EXPECT_NEAR(sensor.opening_rad, 20 * kDegree, 1e-12);
     EXPECT_EQ(sensor.rays, 5);
@@ -104,7 +105,7 @@ TEST(CoopbotTest, RangesStartOnTheChassisSurface) {
   ASSERT_NE(robot, nullptr);
   const LinkShape& body = robot->links[0].collisions.at(0);
   const auto& cylinder = std::get<Cylinder>(body.shape);
-  for (const DistanceSensorModel& sensor : robot->distance_sensors) {
+  for (const SectorModel& sensor : robot->sectors()) {
     EXPECT_NEAR(sensor.X_RS.p.head<2>().norm(), cylinder.radius_m, 1e-12);
     EXPECT_LT(std::abs(sensor.X_RS.p.z() - body.X_LG.p.z()), cylinder.length_m / 2);
     EXPECT_NEAR(Heading(sensor.X_RS.q), sensor.bearing_rad, 1e-12);
@@ -140,7 +141,7 @@ TEST(CoopbotTest, HasFourModulesInTheOrderOfPorts) {
   const auto robot = Coopbot();
   ASSERT_NE(robot, nullptr);
   std::string names;
-  for (const ModuleModel& module : robot->modules) names += module.name + " ";
+  for (const ModuleModel& module : robot->modules()) names += module.name + " ";
   EXPECT_EQ(names, "motors distance target pose ");
   EXPECT_TRUE(robot->has_actuators());
 }
@@ -299,24 +300,26 @@ TEST(NeighboursTest, ElementAndModuleAreRead) {
   Diagnostics diagnostics;
   const auto robot = ReadRobotModel(folder.Write("robot/model.sdf", text), diagnostics);
   ASSERT_NE(robot, nullptr) << diagnostics.ToString();
-  EXPECT_EQ(robot->neighbours.range_m, 1.5);
-  EXPECT_EQ(robot->neighbours.message_range_m, 0.5);
-  EXPECT_EQ(robot->neighbours.loss, 0.25);
-  EXPECT_EQ(robot->neighbours.delay_steps, 3);
-  EXPECT_EQ(robot->neighbours.distance_noise_stddev_m, 0.01);
-  EXPECT_DOUBLE_EQ(robot->neighbours.bearing_noise_stddev_rad, 2 * kDegree);
-  ASSERT_EQ(robot->modules.size(), 5u);
-  EXPECT_EQ(robot->modules.back().type, "neighbours");
+  const auto* neighbours = robot->Find<NeighboursModel>();
+  ASSERT_NE(neighbours, nullptr);
+  EXPECT_EQ(neighbours->range_m, 1.5);
+  EXPECT_EQ(neighbours->message_range_m, 0.5);
+  EXPECT_EQ(neighbours->loss, 0.25);
+  EXPECT_EQ(neighbours->delay_steps, 3);
+  EXPECT_EQ(neighbours->distance_noise_stddev_m, 0.01);
+  EXPECT_DOUBLE_EQ(neighbours->bearing_noise_stddev_rad, 2 * kDegree);
+  ASSERT_EQ(robot->modules().size(), 5u);
+  EXPECT_EQ(robot->modules().back().type, "neighbours");
 }
 
 TEST(NeighboursTest, RobotsWithoutHaveNone) {
-  EXPECT_EQ(Coopbot()->neighbours.range_m, 0);
+  EXPECT_EQ(Coopbot()->Find<NeighboursModel>(), nullptr);
 }
 
 TEST(NeighboursTest, ElementAndModuleNeedEachOther) {
   EXPECT_THAT(WithElements("<coopdyn:neighbours range=\"1\"/>"), HasSubstr("needs its module: write"));
   EXPECT_THAT(WithElements("<coopdyn:module type=\"neighbours\"/>"),
-              HasSubstr("needs <coopdyn:neighbours range=\"1\"/> before it"));
+              HasSubstr("needs <coopdyn:neighbours range=\"1\"/>"));
 }
 
 TEST(NeighboursTest, BadValuesAreErrors) {
@@ -328,6 +331,74 @@ TEST(NeighboursTest, BadValuesAreErrors) {
                 HasSubstr("error: <coopdyn:neighbours>:"))
         << attributes;
   }
+}
+
+/// The shipped robot with more elements before its last module.
+std::shared_ptr<const RobotModel> CoopbotWith(const std::string& elements) {
+  std::string text = CoopbotText();
+  text.replace(text.find(kPoseModule), kPoseModule.size(), elements + kPoseModule);
+  const TempFolder folder;
+  Diagnostics diagnostics;
+  auto robot = ReadRobotModel(folder.Write("robot/model.sdf", text), diagnostics);
+  EXPECT_EQ(diagnostics.ToString(), "");
+  return robot;
+}
+
+TEST(SensorsTest, AModuleWithoutAnElementHasTheUsualSensor) {
+  const auto robot = CoopbotWith("<coopdyn:module type=\"compass\" name=\"north\"/>");
+  ASSERT_NE(robot, nullptr);
+  ASSERT_NE(robot->Find<CompassModel>(), nullptr);
+  EXPECT_EQ(robot->Find<CompassModel>()->noise_stddev_rad, 0);
+  EXPECT_EQ(robot->modules().back().name, "north");
+  EXPECT_EQ(robot->modules().back().type, "compass");
+}
+
+TEST(SensorsTest, SeveralOfOneTypeTakeTheElementOfTheirNameOrTheOneWithout) {
+  const auto robot = CoopbotWith(
+      "<coopdyn:compass name=\"b\" noise_stddev_deg=\"10\"/><coopdyn:compass noise_stddev_deg=\"1\"/>"
+      "<coopdyn:module type=\"compass\" name=\"a\"/><coopdyn:module type=\"compass\" name=\"b\"/>"
+      "<coopdyn:module type=\"compass\" name=\"c\"/>");
+  ASSERT_NE(robot, nullptr);
+  std::string names;
+  for (const ModuleModel& module : robot->modules()) names += module.name + " ";
+  EXPECT_EQ(names, "motors distance target pose a b c ");
+  EXPECT_DOUBLE_EQ(robot->Find<CompassModel>(0)->noise_stddev_rad, 1 * kDegree);
+  EXPECT_DOUBLE_EQ(robot->Find<CompassModel>(1)->noise_stddev_rad, 10 * kDegree);
+  EXPECT_DOUBLE_EQ(robot->Find<CompassModel>(2)->noise_stddev_rad, 1 * kDegree);
+  EXPECT_EQ(robot->Find<CompassModel>(3), nullptr);
+  EXPECT_EQ(robot->NumberOf(robot->sensors.size() - 1), 2u);
+}
+
+TEST(SensorsTest, TwoDistanceModulesHaveSectorsOfTheirOwn) {
+  const auto robot = CoopbotWith(
+      "<coopdyn:distance_sensors name=\"rear\" radius=\"0.18\" height=\"0.1\" max_range=\"1\">"
+      "<coopdyn:sector bearing_deg=\"180\"/></coopdyn:distance_sensors>"
+      "<coopdyn:module type=\"distance\" name=\"rear\"/>");
+  ASSERT_NE(robot, nullptr);
+  EXPECT_EQ(robot->modules()[2].name, "rear") << "after the other of its type";
+  EXPECT_EQ(robot->Find<DistanceModel>(0)->sectors.size(), 11u);
+  ASSERT_EQ(robot->Find<DistanceModel>(1)->sectors.size(), 1u);
+  EXPECT_EQ(robot->sector_count(), 12u);
+  EXPECT_EQ(robot->sectors().back().max_range_m, 1);
+}
+
+TEST(SensorsTest, MistakesAreNamed) {
+  EXPECT_THAT(WithElements("<coopdyn:compass/>"), HasSubstr("write <coopdyn:module type=\"compass\"/>"));
+  EXPECT_THAT(WithElements("<coopdyn:module type=\"compass\"/><coopdyn:compass name=\"north\"/>"),
+              HasSubstr("write <coopdyn:module type=\"compass\" name=\"north\"/>"));
+  EXPECT_THAT(WithElements("<coopdyn:compass/><coopdyn:compass/><coopdyn:module type=\"compass\"/>"),
+              HasSubstr("stands here twice"));
+  EXPECT_THAT(WithElements("<coopdyn:module type=\"compass\"/><coopdyn:module type=\"compass\"/>"),
+              HasSubstr("two modules 'compass'"));
+  EXPECT_THAT(WithElements("<coopdyn:compass noise=\"1\"/><coopdyn:module type=\"compass\"/>"),
+              HasSubstr("unknown attribute 'noise'"));
+  EXPECT_THAT(WithElements("<coopdyn:compass noise_stddev_deg=\"-1\"/><coopdyn:module type=\"compass\"/>"),
+              HasSubstr("must be a number from 0 to 180"));
+  EXPECT_THAT(WithElements("<coopdyn:compas/>"), HasSubstr("did you mean 'coopdyn:compass'?"));
+  std::string many;
+  for (int i = 0; i < 101; ++i)
+    many += "<coopdyn:module type=\"compass\" name=\"c" + std::to_string(i) + "\"/>";
+  EXPECT_THAT(WithElements(many), HasSubstr("at most 100 modules"));
 }
 
 }  // namespace

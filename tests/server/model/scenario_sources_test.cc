@@ -80,12 +80,13 @@ class Portrait {
     }
     Add(model.drive_actuator()->joints[0], model.drive_actuator()->joints[1], model.drive()->wheel_radius_m,
         model.drive()->track_m, model.drive()->max_wheel_speed_rad_s, model.drive()->max_torque_nm);
-    for (const DistanceSensorModel& s : model.distance_sensors) {
+    for (const SectorModel& s : model.sectors()) {
       Add(s.X_RS, s.bearing_rad, s.opening_rad, s.rays, s.max_range_m, s.noise_stddev_m);
     }
-    Add(model.target_sensor.max_range_m, model.target_sensor.see_through, model.neighbours.range_m,
-        model.neighbours.loss, model.neighbours.delay_steps);
-    for (const ModuleModel& module : model.modules) Add(module.type, module.name);
+    if (const auto* target = model.Find<TargetModel>()) Add(target->max_range_m, target->see_through);
+    if (const auto* near = model.Find<NeighboursModel>()) Add(near->range_m, near->loss, near->delay_steps);
+    if (const auto* compass = model.Find<CompassModel>()) Add(compass->noise_stddev_rad);
+    for (const ModuleModel& module : model.modules()) Add(module.type, module.name);
   }
   void Add(const RobotEntry& robot) {
     Add(robot.id.value, robot.name, robot.X_WR, robot.color, robot.sync, robot.deadline_s.value_or(-1));

@@ -64,7 +64,6 @@ std::shared_ptr<const RobotModel> MakeRobot(const Dimensions& of) {
                    Hinge("right", 2, -left_m, wheel_radius_m, of.max_torque_nm)};
   model->actuators = {
       {"motors", {0, 1}, DriveModel{wheel_radius_m, of.track_m, of.max_wheel_speed_rad_s, of.max_torque_nm}}};
-  model->modules = {{"motors", "motors"}};
   model->footprint_radius_m = of.hull.radius_m;
   model->height_m = of.height_m;
   return model;

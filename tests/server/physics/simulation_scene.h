@@ -13,6 +13,7 @@
 
 #include "server/base/clock.h"
 #include "server/physics/simulation.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/physics/physics_scene.h"
 #include "tests/server/state/wheels.h"
 
@@ -21,8 +22,7 @@ namespace coopdyn {
 /// `kinds`: the fidelities that its robots have in turn.
 inline std::shared_ptr<const Scene> SimulationScene(const std::vector<Fidelity>& kinds, int crowd = 20) {
   auto model = std::make_shared<RobotModel>(*SmallRobot());
-  model->neighbours.range_m = model->neighbours.message_range_m = 3;
-  model->neighbours.delay_steps = 4;
+  SensorOf<NeighboursModel>(*model) = {.range_m = 3, .message_range_m = 3, .delay_steps = 4};
   auto scenario = std::make_shared<Scenario>();
   const auto add = [&](double x_m, double y_m, double heading_rad) {
     RobotEntry entry;

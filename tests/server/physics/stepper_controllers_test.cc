@@ -3,6 +3,7 @@
 // steps.
 #include <gtest/gtest.h>
 
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/physics/stepper_boards.h"
 #include "tests/server/state/wheels.h"
 
@@ -62,8 +63,7 @@ class StepperControllersTest : public StepperBoards {
         "[ROBOT_2]\ntype coopbot\nname robot2\nposition 0 2\n");
     auto scenario = std::make_shared<Scenario>(*read);
     auto model = std::make_shared<RobotModel>(*read->robots[0].model);
-    model->neighbours.range_m = model->neighbours.message_range_m = 5;
-    model->neighbours.delay_steps = delay_steps;
+    SensorOf<NeighboursModel>(*model) = {.range_m = 5, .message_range_m = 5, .delay_steps = delay_steps};
     for (RobotEntry& robot : scenario->robots) robot.model = model;
     scenario->robots[0].controller = {controller, controller + ".so", {}, {"test.scenario", 4}};
     return scenario;

@@ -80,8 +80,8 @@ TEST_F(RunReaderTest, ReadsAStepAsItWasRecorded) {
   ASSERT_EQ(step->commands.size(), 1u);
   EXPECT_TRUE(step->commands[0].by_client);
   EXPECT_EQ(step->commands[0].setpoint, (WheelSpeeds{0.06, -0.06}));
-  EXPECT_EQ(step->distances.size(), frame->scene->robots[0].entry.model->distance_sensors.size() +
-                                        frame->scene->robots[1].entry.model->distance_sensors.size());
+  EXPECT_EQ(step->distances.size(), frame->scene->robots[0].entry.model->sector_count() +
+                                        frame->scene->robots[1].entry.model->sector_count());
   EXPECT_EQ(step->targets.size(), 4u);
 }
 

@@ -78,7 +78,7 @@ TEST_F(RunWriterTest, TheSceneNamesBodiesRobotsAndTargets) {
   EXPECT_EQ(Ask(file_, "SELECT body FROM robot WHERE name = 'robot3'"), bodies - 1);
   EXPECT_EQ(AskText(file_, "SELECT type FROM robot WHERE place = 2"), "minibot");
   EXPECT_EQ(Ask(file_, "SELECT sensors FROM robot WHERE place = 0"),
-            static_cast<std::int64_t>(scene.robots[0].entry.model->distance_sensors.size()));
+            static_cast<std::int64_t>(scene.robots[0].entry.model->sector_count()));
   EXPECT_EQ(AskText(file_, "SELECT color FROM target WHERE place = 1"), "blue");
   EXPECT_EQ(Ask(file_, "SELECT x FROM target WHERE place = 1"), -3);
   RunFile file(file_);

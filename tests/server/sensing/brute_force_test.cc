@@ -11,6 +11,7 @@
 
 #include "server/geometry/ray.h"
 #include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -63,7 +64,7 @@ double Reference(const Frame& frame, int self, const Ray& ray_W) {
 std::vector<double> ReferenceDistances(const Frame& frame, int robot) {
   std::vector<double> ranges_m;
   const RobotModel& model = *frame.scene->robots[static_cast<std::size_t>(robot)].entry.model;
-  for (const DistanceSensorModel& sensor : model.distance_sensors) {
+  for (const SectorModel& sensor : model.sectors()) {
     const Pose X_WS = RobotPose(frame, robot) * sensor.X_RS;
     double nearest_m = kNoHit;
     for (int i = 0; i < sensor.rays; ++i) {
@@ -112,7 +113,7 @@ std::shared_ptr<RobotModel> RandomRobot(Random& random) {
   const bool is_short = random.OneIn(2), is_wild = random.OneIn(4);
   const double height_m = random.Uniform(0.5, 2.5) * wheel_m;
   for (int i = 0; i < sensors; ++i) {
-    DistanceSensorModel sensor;
+    SectorModel sensor;
     const double bearing = 2 * std::numbers::pi * i / sensors - std::numbers::pi;
     sensor.X_RS.q =
         is_wild ? FromRollPitchYaw(random.Uniform(-3, 3), random.Uniform(-1.5, 1.5), random.Uniform(-3, 3))
@@ -121,10 +122,10 @@ std::shared_ptr<RobotModel> RandomRobot(Random& random) {
     sensor.max_range_m = is_short ? random.Uniform(0.05, 0.3) : random.Uniform(1, 6);
     sensor.rays = random.OneIn(2) ? 1 : 5;
     sensor.opening_rad = sensor.rays > 1 ? random.Uniform(0.05, 2) : 0;
-    model->distance_sensors.push_back(sensor);
+    SensorOf<DistanceModel>(*model).sectors.push_back(sensor);
   }
   model->height_m = 2 * wheel_m;
-  model->target_sensor.see_through = false;
+  SensorOf<TargetModel>(*model).see_through = false;
   return model;
 }
 

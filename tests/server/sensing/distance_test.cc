@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -108,7 +109,7 @@ TEST(DistanceTest, ATiltedRobotSeesTheFloor) {
 
 TEST(DistanceTest, TheSmallestRayOfASectorCounts) {
   auto model = SampleRobot(1);
-  DistanceSensorModel& sensor = model->distance_sensors[0];
+  SectorModel& sensor = SensorOf<DistanceModel>(*model).sectors[0];
   sensor.opening_rad = 0.4;
   sensor.rays = 5;
   // A thin post on the leftmost ray, and a wall farther ahead.

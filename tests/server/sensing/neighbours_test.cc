@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -15,8 +16,8 @@ namespace {
 
 std::shared_ptr<RobotModel> Talker(double range_m = 1, double message_range_m = 1) {
   auto model = SampleRobot(1);
-  model->neighbours.range_m = range_m;
-  model->neighbours.message_range_m = message_range_m;
+  SensorOf<NeighboursModel>(*model).range_m = range_m;
+  SensorOf<NeighboursModel>(*model).message_range_m = message_range_m;
   return model;
 }
 
@@ -108,31 +109,10 @@ TEST(NeighboursTest, EqualAllPairsAndAreMutual) {
   EXPECT_GT(pairs, 1000);
 }
 
-TEST(NeighboursTest, AppendingKeepsWhatIsThereAndSortsWhatIsAdded) {
-  auto frame = Crowd(60, 3, Talker(), 3);
-  for (int robot = 0; robot < 60; ++robot) Broadcast(*frame, robot, frame->step, robot);
-  std::vector<Sighting> seen{{99, 0, 0}};
-  std::vector<HeardMessage> heard{{99, {}, nullptr}};
-  AppendNeighbours(*frame, 5, seen);
-  AppendHeard(*frame, 5, heard);
-  const auto alone = Neighbours(*frame, 5);
-  ASSERT_GT(alone.size(), 2U);
-  ASSERT_EQ(seen.size(), alone.size() + 1);
-  ASSERT_EQ(heard.size(), alone.size() + 1);
-  EXPECT_EQ(seen[0].index, 99);
-  EXPECT_EQ(heard[0].sender, 99);
-  for (std::size_t i = 0; i < alone.size(); ++i) {
-    EXPECT_EQ(seen[i + 1].index, alone[i].index);
-    EXPECT_EQ(heard[i + 1].sender, alone[i].index);
-    EXPECT_EQ(heard[i + 1].message->values[0], alone[i].index);
-    EXPECT_EQ(heard[i + 1].from.distance_m, alone[i].distance_m);
-  }
-}
-
 TEST(NeighboursTest, NoiseScattersWithTheModelsDeviationWhateverIsReadFirst) {
   auto model = Talker();
-  model->neighbours.distance_noise_stddev_m = 0.02;
-  model->neighbours.bearing_noise_stddev_rad = 0.1;
+  SensorOf<NeighboursModel>(*model).distance_noise_stddev_m = 0.02;
+  SensorOf<NeighboursModel>(*model).bearing_noise_stddev_rad = 0.1;
   double square_m2 = 0, square_rad2 = 0;
   constexpr int kSteps = 2000;
   for (int step = 0; step < kSteps; ++step) {
@@ -169,7 +149,7 @@ TEST(HeardMessagesTest, ComeFromWithinTheMessageRangeOfTheirStep) {
 
 TEST(HeardMessagesTest, ArriveAfterTheDelayAndOnlyThen) {
   auto model = Talker();
-  model->neighbours.delay_steps = 3;
+  SensorOf<NeighboursModel>(*model).delay_steps = 3;
   const SampleWorld world = SampleWorld().Robot(At(0, 0), model).Robot(At(0.5, 0), model);
   for (std::uint64_t step = 0; step <= 12; ++step) {
     const auto frame = world.MakeFrame();
@@ -211,7 +191,7 @@ TEST(HeardMessagesTest, EqualAllPairsWhoeverBroadcasts) {
 
 TEST(HeardMessagesTest, AreLostAtTheRateOfTheModelEachReceiverForItself) {
   auto model = Talker();
-  model->neighbours.loss = 0.3;
+  SensorOf<NeighboursModel>(*model).loss = 0.3;
   const SampleWorld world =
       SampleWorld().Robot(At(0, 0), model).Robot(At(0.5, 0), model).Robot(At(0, 0.5), model);
   constexpr int kSteps = 4000;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -27,9 +28,9 @@ Moments MomentsOf(const std::vector<double>& values) {
 // A wall 2 m ahead of the sample robot's only sensor, and a target 2 m ahead.
 std::unique_ptr<Frame> NoisyFrame(std::uint64_t seed, std::uint64_t step, double stddev, double wall_m = 2) {
   auto model = SampleRobot(1);
-  model->distance_sensors[0].noise_stddev_m = stddev;
-  model->target_sensor.distance_noise_stddev_m = stddev;
-  model->target_sensor.bearing_noise_stddev_rad = stddev;
+  SensorOf<DistanceModel>(*model).sectors[0].noise_stddev_m = stddev;
+  SensorOf<TargetModel>(*model).distance_noise_stddev_m = stddev;
+  SensorOf<TargetModel>(*model).bearing_noise_stddev_rad = stddev;
   auto frame =
       SampleWorld()
           .Robot(At(0, 0), model)

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -24,9 +25,9 @@ class Swarm {
  public:
   Swarm() {
     auto model = SampleRobot(11);
-    for (DistanceSensorModel& sensor : model->distance_sensors) sensor.noise_stddev_m = 0.01;
+    for (SectorModel& sensor : SensorOf<DistanceModel>(*model).sectors) sensor.noise_stddev_m = 0.01;
     auto short_model = SampleRobot(24);
-    for (DistanceSensorModel& sensor : short_model->distance_sensors) sensor.max_range_m = 0.2;
+    for (SectorModel& sensor : SensorOf<DistanceModel>(*short_model).sectors) sensor.max_range_m = 0.2;
     SampleWorld world;
     for (int i = 0; i < kCrowd; ++i)
       world.Robot(At(i % 30, i / 30, 0.7 * i), i % 3 == 0 ? short_model : model);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/state/frame.h"
+#include "tests/server/model/sensor_of.h"
 
 namespace coopdyn {
 
@@ -43,13 +44,14 @@ inline std::shared_ptr<RobotModel> SampleRobot(int sensors = 3) {
     model->links.push_back(wheel);
   }
   for (int i = 0; i < sensors; ++i) {
-    DistanceSensorModel sensor;
+    SectorModel sensor;
     sensor.bearing_rad = sensors > 1 ? std::numbers::pi * (static_cast<double>(i) / (sensors - 1) - 0.5) : 0;
     sensor.X_RS.q = FromRollPitchYaw(0, 0, sensor.bearing_rad);
     sensor.X_RS.p = sensor.X_RS.q * Vector3(kSampleRadius_m, 0, 0) + Vector3(0, 0, kSampleSensor_m);
     sensor.max_range_m = kSampleRange_m;
-    model->distance_sensors.push_back(sensor);
+    SensorOf<DistanceModel>(*model).sectors.push_back(sensor);
   }
+  SensorOf<TargetModel>(*model);
   model->footprint_radius_m = 0.23;
   model->height_m = kSampleHeight_m;
   return model;

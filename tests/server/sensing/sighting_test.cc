@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -42,7 +43,7 @@ TEST(SightingTest, ATargetUnderTheRobotIsAhead) {
 
 TEST(SightingTest, TargetsOutOfRangeAreLeftOut) {
   auto model = SampleRobot();
-  model->target_sensor.max_range_m = 3;
+  SensorOf<TargetModel>(*model).max_range_m = 3;
   const auto seen = SeenTargets(*SampleWorld().Robot(At(0, 0), model).Mark(4, 0).Mark(2, 0).MakeFrame(), 0);
   ASSERT_EQ(seen.size(), 1U);
   EXPECT_EQ(seen[0].index, 1);
@@ -51,7 +52,7 @@ TEST(SightingTest, TargetsOutOfRangeAreLeftOut) {
 TEST(SightingTest, WallsHideTargetsOnlyIfTheModelSaysSo) {
   SampleWorld world;
   auto model = SampleRobot();
-  model->target_sensor.see_through = false;
+  SensorOf<TargetModel>(*model).see_through = false;
   world.Robot(At(0, 0), model).Robot(At(0, 3)).Mark(2, 0).Mark(0, -2);
   world.Object(Box{{0.1, 2, 1}}, {{1, 0, 0.5}, Quaternion::Identity()});
   const auto frame = world.MakeFrame();
@@ -73,7 +74,7 @@ TEST(SightingTest, OtherRobotsAreSeenAndNotOneself) {
 
 TEST(SightingTest, ARobotHidesTheOneBehindItButNotItself) {
   auto model = SampleRobot();
-  model->target_sensor.see_through = false;
+  SensorOf<TargetModel>(*model).see_through = false;
   const auto frame = SampleWorld().Robot(At(0, 0), model).Robot(At(1, 0)).Robot(At(2, 0)).MakeFrame();
   const auto seen = SeenRobots(*frame, 0);
   ASSERT_EQ(seen.size(), 1U);

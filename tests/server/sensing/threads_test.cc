@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -15,7 +16,7 @@ constexpr int kRobots = 40;
 
 std::unique_ptr<Frame> CrowdedFrame() {
   auto model = SampleRobot(11);
-  for (DistanceSensorModel& sensor : model->distance_sensors) sensor.noise_stddev_m = 0.01;
+  for (SectorModel& sensor : SensorOf<DistanceModel>(*model).sectors) sensor.noise_stddev_m = 0.01;
   SampleWorld world;
   for (int i = 0; i < kRobots; ++i) world.Robot(At(i % 8 * 0.9, i / 8 * 1.1, 0.7 * i), model);
   return world.Mark(1, 1).Mark(-3, 2).MakeFrame();

@@ -161,8 +161,9 @@ classdef Session < handle
             ~any(strcmp(coopdyn.internal.robot_names(s), link.robot))
           s.new_world('load');
         end
-        if isempty(c.socket) && strcmp(module, 'neighbours') && strcmp(cause.identifier, 'coopdyn:no_such_name')
-          coopdyn.internal.fail(5, [link.robot ' has no module neighbours, its type has none: a robot of type minibot ' ...
+        if isempty(c.socket) && any(strcmp(module, {'neighbours', 'compass'})) ...
+            && strcmp(cause.identifier, 'coopdyn:no_such_name')
+          coopdyn.internal.fail(5, [link.robot ' has no module ' module ', its type has none: a robot of type minibot ' ...
             'has one, or add it to the robot''s model.sdf (docs/formats.md)']);
         end
         rethrow(cause);

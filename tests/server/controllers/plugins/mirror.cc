@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Broadcasts what it feels, so that a test can see it. Option `what`: 0 pose and wheels, 1 distances, 2
-// targets, 3 neighbours, 4 messages, 5 the robot, 6 time and seed.
+// targets, 3 neighbours, 4 messages, 5 the robot, 6 time and seed, 7 compass.
 #include <cmath>
 #include <cstring>
 
@@ -16,11 +16,11 @@ class Mirror {
   State state{};
 
   static const coopdyn_description* Describe() {
-    static const coopdyn_option options[] = {{"what", "to show", 0, 0, 6}};
+    static const coopdyn_option options[] = {{"what", "to show", 0, 0, 7}};
     static const coopdyn_description description = {"shows what it feels",
                                                     COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_WHEELS |
                                                         COOPDYN_TARGETS | COOPDYN_NEIGHBOURS |
-                                                        COOPDYN_MESSAGES,
+                                                        COOPDYN_MESSAGES | COOPDYN_COMPASS,
                                                     sizeof(State), 1, options};
     return &description;
   }
@@ -74,6 +74,9 @@ class Mirror {
               robot_.distance_bearing_rad[1] + robot_.distance_opening_rad[1], robot_.distance_max_m[1]}) {
           show(value);
         }
+        break;
+      case 7:
+        show(r.compass_rad);
         break;
       default:
         for (const double value :

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// The modules of sensors. What they read is computed by server/sensing: noise is Gaussian with the model's
+// standard deviation, a function of (seed, sensor, step), so that reading twice gives the same. Ranges and
+// distances in m, angles in rad, 0 ahead, left positive, in (−π, π]. Constant; any thread.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "server/devices/device.h"
+#include "server/model/robot_model.h"
+
+namespace coopdyn {
+
+/// A module whose only reading is its sensor's, e.g. /R/compass; those with more commands derive from it.
+class SensorDevice : public Device {
+ public:
+  /// Reads model.sensors[sensor]. `table` outlives it.
+  SensorDevice(const CommandTable& table, const RobotModel& model, std::size_t sensor)
+      : Device(table), sensor_(sensor), number_(model.NumberOf(sensor)) {}
+
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+  void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const final;
+
+ protected:
+  /// Which of its kind the sensor is.
+  std::size_t number() const { return number_; }
+
+ private:
+  const std::size_t sensor_, number_;
+};
+
+/// /R/distance: the ranges of the sectors, right to left, from the chassis surface; inf = nothing in range.
+/// Of the rays that sample a sector the smallest counts. Noise of the ranges.
+class DistanceDevice final : public SensorDevice {
+ public:
+  using SensorDevice::SensorDevice;
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+};
+
+/// /R/target: distance in the plane from the middle of the axle, and bearing, of targets and of other robots.
+/// Range, hiding and noise of both as the model says; get_target: error 10 if no such target is seen.
+class TargetDevice final : public SensorDevice {
+ public:
+  using SensorDevice::SensorDevice;
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+
+ private:
+  Message ReadTarget(const Message& request, const Frame& frame, int robot) const;
+};
+
+/// /R/pose: where the robot is and how it moves: ground truth in the world frame W, of frame R. get_pose: x,
+/// y, heading, forward speed along the heading (m/s), turn rate about the vertical (rad/s). get_pose_3d:
+/// position, quaternion w x y z, velocity of R's origin (m/s), angular velocity (rad/s). No noise.
+class PoseDevice final : public SensorDevice {
+ public:
+  using SensorDevice::SensorDevice;
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+};
+
+/// /R/neighbours: where the robots nearby are, and short broadcasts to them. Distances between the robots'
+/// centres in the plane; seen and heard through obstacles. Noise, loss and delay are the model's.
+class NeighboursDevice final : public SensorDevice {
+ public:
+  using SensorDevice::SensorDevice;
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+  std::optional<RobotMessage> Broadcast(const Message& request) const override;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// The sensors of models that tests put together.
+#pragma once
+
+#include "server/model/robot_model.h"
+
+namespace coopdyn {
+
+/// The first sensor of a kind, to be changed; added if there is none, with its type as its module's name.
+template <typename Kind>
+Kind& SensorOf(RobotModel& model) {
+  if (model.Find<Kind>() == nullptr) model.AddSensor(Kind::kType, Kind());
+  return const_cast<Kind&>(*model.Find<Kind>());
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// The list of a robot's sensors: the compass, and several sensors of one kind.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "server/sensing/readings.h"
+#include "tests/server/model/sensor_of.h"
+#include "tests/server/sensing/sample_frame.h"
+
+namespace coopdyn {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::shared_ptr<RobotModel> WithCompasses(std::vector<double> stddevs_rad) {
+  auto model = SampleRobot();
+  for (const double stddev_rad : stddevs_rad) model->AddSensor("compass", CompassModel{stddev_rad});
+  return model;
+}
+
+TEST(CompassTest, TellsTheHeadingOfTheFrontInTheWorld) {
+  const auto model = WithCompasses({0});
+  for (const double heading_rad : {0.0, 0.5 * kPi, -0.5 * kPi, 3.1, -3.1, kPi}) {
+    const auto frame = SampleWorld().Robot(At(1, 2, heading_rad), model).MakeFrame();
+    EXPECT_NEAR(std::remainder(CompassHeading(*frame, 0) - heading_rad, 2 * kPi), 0, 1e-12);
+    EXPECT_GT(CompassHeading(*frame, 0), -kPi);
+    EXPECT_LE(CompassHeading(*frame, 0), kPi);
+  }
+}
+
+TEST(CompassTest, IsNanWithoutOne) {
+  const auto frame = SampleWorld().Robot(At(0, 0)).Robot(At(1, 0), WithCompasses({0})).MakeFrame();
+  EXPECT_TRUE(std::isnan(CompassHeading(*frame, 0)));
+  EXPECT_FALSE(std::isnan(CompassHeading(*frame, 1)));
+  EXPECT_TRUE(std::isnan(CompassHeading(*frame, 1, 1)));
+}
+
+TEST(CompassTest, NoiseHasTheModelsDeviationAndIsIndependentBetweenSensorsAndSteps) {
+  const auto model = WithCompasses({0.1, 0.3});
+  const auto frame = SampleWorld().Robot(At(0, 0, kPi), model).MakeFrame();
+  constexpr int kSteps = 4000;
+  double mean[2] = {0, 0}, square[2] = {0, 0}, both = 0, next = 0, last = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    frame->step = static_cast<std::uint64_t>(step);
+    double error[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double heading_rad = CompassHeading(*frame, 0, i);
+      ASSERT_GT(heading_rad, -kPi);
+      ASSERT_LE(heading_rad, kPi);
+      error[i] = std::remainder(heading_rad - kPi, 2 * kPi);
+      mean[i] += error[i] / kSteps;
+      square[i] += error[i] * error[i] / kSteps;
+    }
+    both += error[0] / 0.1 * error[1] / 0.3 / kSteps;
+    next += error[0] / 0.1 * last / 0.1 / kSteps;
+    last = error[0];
+  }
+  EXPECT_NEAR(mean[0], 0, 4 * 0.1 / std::sqrt(kSteps));
+  EXPECT_NEAR(mean[1], 0, 4 * 0.3 / std::sqrt(kSteps));
+  EXPECT_NEAR(std::sqrt(square[0]), 0.1, 0.005);
+  EXPECT_NEAR(std::sqrt(square[1]), 0.3, 0.015);
+  EXPECT_NEAR(both, 0, 4 / std::sqrt(kSteps));
+  EXPECT_NEAR(next, 0, 4 / std::sqrt(kSteps));
+}
+
+TEST(CompassTest, NoiseIsTheSameHoweverOftenItIsReadAndOtherForAnotherSeed) {
+  const auto frame = SampleWorld().Robot(At(0, 0), WithCompasses({0.1})).MakeFrame();
+  const double first = CompassHeading(*frame, 0);
+  Distances(*frame, 0);
+  EXPECT_EQ(CompassHeading(*frame, 0), first);
+  frame->seed = 8;
+  EXPECT_NE(CompassHeading(*frame, 0), first);
+}
+
+/// A sensor that looks to the side `bearing_rad`.
+DistanceModel Side(double bearing_rad, double noise_stddev_m) {
+  SectorModel sector;
+  sector.bearing_rad = bearing_rad;
+  sector.X_RS.q = FromRollPitchYaw(0, 0, bearing_rad);
+  sector.X_RS.p = sector.X_RS.q * Vector3(kSampleRadius_m, 0, 0) + Vector3(0, 0, kSampleSensor_m);
+  sector.max_range_m = 4;
+  sector.noise_stddev_m = noise_stddev_m;
+  return {{sector}};
+}
+
+std::unique_ptr<Frame> BetweenWalls(double noise_stddev_m) {
+  auto model = SampleRobot(0);
+  model->AddSensor("left", Side(kPi / 2, noise_stddev_m));
+  model->AddSensor("right", Side(-kPi / 2, noise_stddev_m));
+  const auto wall = [](double y) { return Pose{{0, y, 0.5}, Quaternion::Identity()}; };
+  return SampleWorld()
+      .Robot(At(5, 0))
+      .Robot(At(0, 0), model)
+      .Object(Box{{9, 0.2, 1}}, wall(1.3))
+      .Object(Box{{9, 0.2, 1}}, wall(-2.3))
+      .MakeFrame();
+}
+
+TEST(SensorsTest, DistanceSensorsOfOneRobotAreReadSinglyAndTogether) {
+  const auto frame = BetweenWalls(0);
+  ASSERT_EQ(Distances(*frame, 1).size(), 2u);
+  EXPECT_NEAR(Distances(*frame, 1, 0)[0], 1, 1e-9);
+  EXPECT_NEAR(Distances(*frame, 1, 1)[0], 2, 1e-9);
+  EXPECT_EQ(Distances(*frame, 1)[0], Distances(*frame, 1, 0)[0]);
+  EXPECT_EQ(Distances(*frame, 1)[1], Distances(*frame, 1, 1)[0]);
+  EXPECT_TRUE(Distances(*frame, 1, 2).empty());
+  EXPECT_EQ(Distances(*frame, 0).size(), 3u);
+  EXPECT_EQ(DistanceRays(*frame, 1).size(), 2u);
+}
+
+TEST(SensorsTest, NoiseOfTwoDistanceSensorsDiffers) {
+  const auto frame = BetweenWalls(0.01);
+  const double left = Distances(*frame, 1, 0)[0] - 1, right = Distances(*frame, 1, 1)[0] - 2;
+  EXPECT_NE(left, right);
+  EXPECT_NE(left, 0);
+  EXPECT_NE(right, 0);
+}
+
+TEST(SensorsTest, TwoTargetSensorsHaveTheirOwnRangeAndNoise) {
+  auto model = SampleRobot();
+  SensorOf<TargetModel>(*model).distance_noise_stddev_m = 0.1;
+  model->AddSensor("second", TargetModel{.distance_noise_stddev_m = 0.1});
+  model->AddSensor("short", TargetModel{.max_range_m = 1});
+  const auto frame = SampleWorld().Robot(At(0, 0), model).Mark(2, 0).MakeFrame();
+  ASSERT_EQ(SeenTargets(*frame, 0).size(), 1u);
+  ASSERT_EQ(SeenTargets(*frame, 0, 1).size(), 1u);
+  EXPECT_NE(SeenTargets(*frame, 0)[0].distance_m, SeenTargets(*frame, 0, 1)[0].distance_m);
+  EXPECT_TRUE(SeenTargets(*frame, 0, 2).empty());
+  EXPECT_TRUE(SeenTargets(*frame, 0, 3).empty());
+}
+
+TEST(SensorsTest, AppendReadingReadsAnyOfThem) {
+  auto model = WithCompasses({0});
+  model->AddSensor("pose", PoseModel());
+  SensorOf<NeighboursModel>(*model).range_m = 3;
+  const auto frame = SampleWorld().Robot(At(0, 0, 0.5), model).Robot(At(2, 0), model).Mark(0, 4).MakeFrame();
+  std::vector<std::size_t> sizes;
+  for (std::size_t i = 0; i <= model->sensors.size(); ++i) {
+    std::vector<double> data{99};
+    AppendReading(*frame, 0, i, data);
+    EXPECT_EQ(data[0], 99);
+    sizes.push_back(data.size() - 1);
+    if (i < model->sensors.size() && std::holds_alternative<CompassModel>(model->sensors[i].kind)) {
+      EXPECT_NEAR(data[1], 0.5, 1e-12);
+    }
+  }
+  EXPECT_EQ(sizes, (std::vector<std::size_t>{3, 2, 5, 2, 1, 0}));
+}
+
+}  // namespace
+}  // namespace coopdyn
