@@ -12,7 +12,7 @@
 #include "server/app/commands.h"
 #include "server/app/print.h"
 #include "server/base/printable.h"
-#include "server/record/run_reader_open.h"
+#include "server/record/run_open.h"
 #include "server/replay/verify_chain.h"
 
 namespace coopdyn {

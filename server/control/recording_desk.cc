@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/naming/run_names.h"
+#include "server/record/space.h"
 
 namespace coopdyn {
 

@@ -11,7 +11,7 @@
 
 #include "server/naming/run_names.h"
 #include "server/record/run_reader.h"
-#include "server/record/run_reader_open.h"
+#include "server/record/run_open.h"
 #include "server/replay/export_mat.h"
 
 namespace coopdyn {

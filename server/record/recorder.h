@@ -74,15 +74,4 @@ class Recorder final : public RunJournal {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What recording will take, for the line at the start.
-struct SpaceNeeded {
-  double bytes_per_s = 0;   // of simulated time
-  double bytes_in_all = 0;  // 0: the run has no end
-  double bytes_free = 0;    // on the disk of the file
-};
-SpaceNeeded EstimateSpace(const Frame& frame, const RecordWhat& what, Nanoseconds pose_every,
-                          double duration_s, const std::string& file);
-/// "about 2.0 MB per simulated second, 58 GB for this run, 40 GB free"
-std::string ToString(const SpaceNeeded& space);
-
 }  // namespace coopdyn

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The chain of a table of a run file: each row has 32 bits of XXH3 over its columns and the chain of the row
-// before it, so that rows that were changed, taken out, put in or moved are found (docs/formats.md). Not
-// thread-safe.
+// How a run file shows that it was changed (docs/formats.md): each row of its tables has a chain, 32 bits of
+// XXH3 over its columns and the chain of the row before it; meta holds where the chains end, and a seal of
+// all that. Rows that were changed, taken out, put in or moved are found (run_chain.h). One thread.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +16,7 @@
 
 namespace coopdyn {
 
+/// Goes along the rows of one table.
 class RowChain {
  public:
   /// Goes on from a row of chain `value`; 0: from the start of a table.
@@ -21,13 +24,12 @@ class RowChain {
   void Restart(std::int32_t value);
 
   // The columns of a row, in order.
-  void Null();
-  void Integer(std::int64_t value);
-  void Text(std::string_view text);
-  /// No bytes at all are NULL, as Statement::BindBlob() writes them.
-  void Blob(std::span<const std::byte> bytes);
-  /// Columns first … first + count − 1 of `row`, of whatever kind they are.
-  void Columns(const Statement& row, int first, int count);
+  void Add(std::int64_t value);
+  void Add(std::string_view text);
+  /// No bytes at all are NULL, as Statement::Bind() writes them.
+  void Add(std::span<const std::byte> bytes);
+  /// The first `count` columns of `row`, of whatever kind they are.
+  void AddColumns(const Statement& row, int count);
 
   /// Ends the row, and gives its chain.
   std::int32_t Link();
@@ -40,5 +42,57 @@ class RowChain {
   std::int32_t value_ = 0;
   std::vector<std::byte> bytes_;  // of the row in the making, after value_
 };
+
+/// A table whose rows are chained, by increasing first column.
+struct ChainedTable {
+  const char* name;
+  const char* columns;  // all but `chain`, in the order of the table
+  int step_column;
+};
+enum ChainedTableIndex { kSceneTable, kStepTable, kKeyframeTable, kInputTable, kEventTable };
+inline constexpr std::array<ChainedTable, 5> kChainedTables{{
+    {"scene", "id, first_step, description", 1},
+    {"step", "step, time_ns, hash, scene, commands, messages, wheels, distances, targets, poses", 0},
+    {"keyframe", "step, state", 0},
+    {"input", "id, step, action, detail", 1},
+    {"event", "id, step, time_ns, level, text", 1},
+}};
+
+/// Where a table ends so far.
+struct TableEnd {
+  std::int64_t id = 0;  // first column of its last row
+  RowChain chain;
+};
+using TableEnds = std::array<TableEnd, kChainedTables.size()>;
+
+/// "step 1200 34" of kChainedTables[table]: its last row and the chain of that.
+std::string EndText(std::size_t table, const TableEnd& end);
+/// "scene 1 -12, step 1200 34, keyframe 1000 56, input 0 0, event 3 78": meta `ends`.
+std::string EndsText(const TableEnds& ends);
+
+// All below throw DatabaseError.
+
+/// Inserts a row with its chain after `end`; `columns` are std::int64_t, texts and bytes.
+template <typename... Columns>
+void InsertChained(Statement& insert, TableEnd& end, std::int64_t id, const Columns&... columns) {
+  end.id = id;
+  end.chain.Add(id);
+  (end.chain.Add(columns), ...);
+  insert.Run(id, columns..., end.chain.Link());
+}
+/// Adds the rows of body, robot and target of scene `number`, as they stand in the file, to the row of that
+/// scene in the making.
+void AddSceneParts(const Database& database, std::int64_t number, RowChain& chain);
+/// Writes the chain of scene `end.id` + 1, whose rows have been written, and goes on to it.
+void LinkScene(const Database& database, TableEnd& end);
+
+/// Of table text: meta `texts`.
+std::int32_t TextsChain(const Database& database);
+/// Of table meta but `seal`: meta `seal`.
+std::int32_t SealOf(const Database& database);
+/// Whether meta has the seal that it ought to have.
+bool IsSealed(const Database& database);
+/// Writes meta `seal`, after the last change of meta in a transaction.
+void Seal(const Database& database);
 
 }  // namespace coopdyn

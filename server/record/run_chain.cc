@@ -8,10 +8,9 @@ namespace coopdyn {
 
 namespace {
 
-/// So many rows are read before the file is let go again: a writer waits for readers to tidy up its log.
+/// Rows that are read before the file is let go again: a writer waits for readers to tidy up its log.
 constexpr int kLinksAtOnce = 500;
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
-constexpr std::int64_t kMostId = std::numeric_limits<std::int64_t>::max();
 
 /// Its rows are numbered 1, 2, …; else by steps, of which some may be missing.
 bool IsNumbered(ChainedTableIndex table) {
@@ -48,61 +47,55 @@ std::string ChainText(const Statement& row, int column) {
 std::unique_ptr<RunChain> RunChain::Open(const std::string& file, std::string& error) {
   std::unique_ptr<RunChain> chain(new RunChain);
   chain->database_ = Database::Open(file, Database::Access::kReadOnly, error);
-  if (chain->database_ == nullptr || !chain->Prepare(error)) return nullptr;
-  error.clear();
-  return chain;
+  if (chain->database_ == nullptr) return nullptr;
+  chain->Prepare();
+  error = chain->error_;
+  return error.empty() ? std::move(chain) : nullptr;
 }
 
-bool RunChain::IsChained(const std::string& file) {
+bool RunChain::IsChained(const std::string& file) try {
   std::string error;
   const auto database = Database::Open(file, Database::Access::kReadOnly, error);
-  if (database == nullptr) return true;
-  return database->Prepare("SELECT chain FROM step") || database->busy() || database->damaged();
+  if (database != nullptr) database->Prepare("SELECT chain FROM step");
+  return true;
+} catch (const DatabaseError& failed) {
+  return failed.busy() || failed.damaged();
 }
 
-bool RunChain::Prepare(std::string& error) {
+void RunChain::Prepare() try {
   for (std::size_t i = 0; i < walks_.size(); ++i) {
     const ChainedTable& table = kChainedTables[i];
     const std::string columns = table.columns, id = columns.substr(0, columns.find(','));
-    walks_[i].rows =
-        database_->Prepare("SELECT " + columns + ", chain FROM " + table.name + " WHERE " + id +
-                           " BETWEEN ?1 AND ?2 ORDER BY " + id + " LIMIT " + std::to_string(kLinksAtOnce));
-    if (walks_[i].rows) continue;
-    error = database_->error();
-    if (database_->busy() || database_->damaged()) {
-      FailReading(DatabaseError(error, database_->busy()), "");
-      error = error_;
-      return false;
-    }
-    error =
-        database_->error() + ": without a chain of its rows a recording cannot tell whether it was " +
-        "changed: it was made by another program, or its start is damaged; copy it again, or record it again";
-    return false;
+    walks_[i].rows = database_->Prepare("SELECT " + columns + ", chain FROM " + table.name + " WHERE " + id +
+                                        " > ?1 ORDER BY " + id + " LIMIT " + std::to_string(kLinksAtOnce));
   }
-  return true;
+} catch (const DatabaseError& failed) {
+  if (failed.busy() || failed.damaged()) return FailReading(failed, "");
+  error_ = std::string(failed.what()) + ": without a chain of its rows a recording cannot tell whether it " +
+           "was changed: it was made by another program, or its start is damaged; copy it again, or record " +
+           "it again";
 }
 
 template <typename Read>
 auto RunChain::Guard(Read read) -> decltype(read()) {
   // One look, though a writer may add to it.
-  database_->Run("BEGIN");
+  database_->Try("BEGIN");
   decltype(read()) found{};
   try {
     found = read();
   } catch (const DatabaseError& failed) {
     FailReading(failed, "");
   }
-  database_->Run("COMMIT");
+  database_->Try("COMMIT");
   return found;
 }
 
 std::string RunChain::CheckHead() {
   return Guard([this]() -> std::string {
     const bool sealed = IsSealed(*database_);
-    const std::int32_t texts = TextsChain(*database_);
-    const std::optional<std::int64_t> recorded =
+    const auto recorded =
         database_->Integer("SELECT value FROM meta WHERE key = 'texts' AND typeof(value) = 'integer'");
-    if (recorded != texts) {
+    if (recorded != TextsChain(*database_)) {
       return "a text that it carries (scenario, world or robot) was changed after it was written";
     }
     return sealed ? "" : "its table meta was changed after it was written";
@@ -111,20 +104,16 @@ std::string RunChain::CheckHead() {
 
 bool RunChain::SkipTo(std::uint64_t step) {
   return Guard([this, step] {
-    const auto wanted = static_cast<std::int64_t>(std::min<std::uint64_t>(step, kMostId));
-    const std::int64_t first =
-        database_->Integer("SELECT max(step) FROM keyframe WHERE step <= " + std::to_string(wanted))
-            .value_or(wanted);
+    const std::optional<std::int64_t> keyframe =
+        database_->Integer("SELECT max(step) FROM keyframe WHERE step <= ?", step);
     for (const ChainedTableIndex table : {kStepTable, kKeyframeTable}) {
       Statement before =
           database_->Prepare("SELECT step, chain FROM " + std::string(kChainedTables[table].name) +
                              " WHERE step < ?1 ORDER BY step DESC LIMIT 1");
-      before.Bind(1, first);
+      before.Bind(1, keyframe);
       if (!before.Step()) continue;
-      Walk& walk = walks_[table];
-      walk.end.id = before.integer(0);
-      walk.end.chain.Restart(static_cast<std::int32_t>(before.integer(1)));
-      walk.next = walk.end.id + 1;
+      walks_[table].after = before.integer(0);
+      walks_[table].chain.Restart(static_cast<std::int32_t>(before.integer(1)));
     }
     return true;
   });
@@ -144,11 +133,9 @@ std::optional<ChainDamage> RunChain::CheckKeyframes(std::uint64_t step) {
 }
 
 std::optional<ChainDamage> RunChain::CheckRowsAround(std::uint64_t step, std::string& ends) {
+  const std::optional<std::int64_t> next =
+      Guard([&] { return database_->Integer("SELECT min(step) FROM step WHERE step > ?", step); });
   ends.clear();
-  if (step >= kMostId) return CheckRest(ends);
-  const std::optional<std::int64_t> next = Guard([this, step] {
-    return database_->Integer("SELECT min(step) FROM step WHERE step > " + std::to_string(step));
-  });
   if (!error_.empty()) return std::nullopt;
   if (!next) return CheckRest(ends);
   std::optional<ChainDamage> damage = CheckRows(static_cast<std::uint64_t>(*next));
@@ -167,15 +154,15 @@ std::optional<ChainDamage> RunChain::CheckRest(std::string& ends) {
   });
 }
 
-std::string RunChain::CompareEnds() {
+std::string RunChain::CompareEnds() const {
   const std::optional<std::string> recorded =
       database_->Text("SELECT value FROM meta WHERE key = 'ends' AND typeof(value) = 'text'");
   if (!recorded) return "its table meta does not say where its tables end";
   for (std::size_t i = 0; i < walks_.size(); ++i) {
-    const std::string found = EndText(i, walks_[i].end);
-    if ((", " + *recorded + ",").find(", " + found + ",") != std::string::npos) continue;
-    return "its table " + std::string(kChainedTables[i].name) + " ends with row " +
-           std::to_string(walks_[i].end.id) + ", where meta tells of another end: rows after it are missing";
+    const TableEnd end = walks_[i].end();
+    if ((", " + *recorded + ",").find(", " + EndText(i, end) + ",") != std::string::npos) continue;
+    return "its table " + std::string(kChainedTables[i].name) + " ends with row " + std::to_string(end.id) +
+           ", where meta tells of another end: rows after it are missing";
   }
   return {};
 }
@@ -183,34 +170,27 @@ std::string RunChain::CompareEnds() {
 std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t step) {
   Walk& walk = walks_[table];
   if (step < walk.waits_for || !error_.empty()) return std::nullopt;
-  const bool is_numbered = IsNumbered(table);
-  walk.rows.Bind(2,
-                 is_numbered ? kMostId : static_cast<std::int64_t>(std::min<std::uint64_t>(step, kMostId)));
   std::optional<ChainDamage> damage;
   try {
-    bool more = true;
-    for (int count = kLinksAtOnce; count == kLinksAtOnce && !damage;) {
-      walk.rows.Bind(1, walk.next);
-      for (count = 0; (more = walk.rows.Step()); ++count) {
+    int count = kLinksAtOnce;
+    for (bool more = true; more && !damage && count == kLinksAtOnce;) {
+      walk.rows.Bind(1, walk.after);
+      for (count = 0; !damage && (more = walk.rows.Step()); ++count) {
         // In a damaged file rows may stand anywhere.
-        if (walk.rows.integer(0) < walk.next)
-          throw DatabaseError(database_->file() + ": rows out of order", false);
-        walk.waits_for = is_numbered ? StepOf(table, walk.rows) : 0;
+        if (walk.rows.integer(0) <= walk.after)
+          throw DatabaseError(database_->file() + ": rows out of order");
+        walk.waits_for = StepOf(table, walk.rows);
         if (walk.waits_for > step) break;
         damage = CheckRow(table);
-        if (walk.end.id == kMostId) return walk.rows.Reset(), walk.waits_for = kAll, damage;
-        walk.next = walk.end.id + 1;
-        if (damage) break;
       }
       // After the last row there is none to come, unless the file grows.
-      if (!more && is_numbered && count < kLinksAtOnce) walk.waits_for = kAll;
+      if (!more && count < kLinksAtOnce) walk.waits_for = kAll;
       walk.rows.Reset();
     }
   } catch (const DatabaseError& failed) {
     walk.rows.Reset();
-    FailReading(failed, walk.end.id == 0 ? std::string("the start of table ") + kChainedTables[table].name
-                                         : NameOf(table, walk.end.id));
-    return std::nullopt;
+    FailReading(failed, walk.after == kNone ? std::string("the start of table ") + kChainedTables[table].name
+                                            : NameOf(table, walk.after));
   }
   return damage;
 }
@@ -218,15 +198,15 @@ std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t s
 std::optional<ChainDamage> RunChain::CheckRow(ChainedTableIndex table) {
   Walk& walk = walks_[table];
   const Statement& row = walk.rows;
-  const int columns = kChainedTables[table].column_count;
-  const std::int64_t id = row.integer(0), before = walk.end.id;
-  walk.end.chain.Columns(row, 0, columns);
-  if (table == kSceneTable) AddSceneParts(*database_, id, walk.end.chain);
-  const std::int32_t computed = walk.end.chain.Link();
-  walk.end.id = id;
+  const int columns = row.columns() - 1;  // and its chain
+  const std::int64_t id = row.integer(0), before = walk.end().id;
+  walk.chain.AddColumns(row, columns);
+  if (table == kSceneTable) AddSceneParts(*database_, id, walk.chain);
+  const std::int32_t computed = walk.chain.Link();
+  walk.after = id;
   if (table == kStepTable && first_step_ < 0) first_step_ = id;
   if (row.is_integer(columns) && row.integer(columns) == computed) return std::nullopt;
-  walk.end.chain.Restart(static_cast<std::int32_t>(row.integer(columns)));
+  walk.chain.Restart(static_cast<std::int32_t>(row.integer(columns)));
   ChainDamage damage;
   damage.step = StepOf(table, row);
   if (IsNumbered(table) && id > before + 1) {

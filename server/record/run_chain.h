@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "server/record/run_seal.h"
+#include "server/record/row_chain.h"
 
 namespace coopdyn {
 
@@ -52,28 +52,30 @@ class RunChain {
 
   /// The first and the last step that were checked; −1: none was.
   std::int64_t first_step() const { return first_step_; }
-  std::int64_t last_step() const { return first_step_ < 0 ? -1 : walks_[kStepTable].end.id; }
+  std::int64_t last_step() const { return first_step_ < 0 ? -1 : walks_[kStepTable].after; }
 
   const std::string& error() const { return error_; }
 
  private:
   struct Walk {
-    Statement rows;  // the next ones from ?1 to ?2; their chain in the column after the last
-    std::int64_t next = std::numeric_limits<std::int64_t>::min();  // first column
-    TableEnd end;                                                  // of the row checked last
-    std::uint64_t waits_for = 0;                                   // the step of the next row
+    Statement rows;               // after ?1, a few; their chain is in the last column
+    std::int64_t after = kNone;   // first column of the row checked last
+    RowChain chain;               // of that
+    std::uint64_t waits_for = 0;  // the step of the next row
+    TableEnd end() const { return {after == kNone ? 0 : after, chain}; }
   };
+  static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::min();
 
   RunChain() = default;
   /// What `read()` gives; nothing, and error() says so, if the file cannot be read.
   template <typename Read>
   auto Guard(Read read) -> decltype(read());
-  bool Prepare(std::string& error);
+  void Prepare();
   std::optional<ChainDamage> Go(ChainedTableIndex table, std::uint64_t step);
   /// The row that the walk of `table` stands at.
   std::optional<ChainDamage> CheckRow(ChainedTableIndex table);
   /// What CheckRest() says of them.
-  std::string CompareEnds();
+  std::string CompareEnds() const;
   void FailReading(const DatabaseError& failed, const std::string& where);
 
   std::unique_ptr<Database> database_;  // goes after the statements

@@ -1,317 +1,467 @@
 // SPDX-License-Identifier: MIT
-// Opening, and finding the way in a file. What a step holds is read in run_reader_steps.cc.
 #include "server/record/run_reader.h"
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <system_error>
 #include <utility>
 
-#include "server/record/run_reader_impl.h"
+#include "server/record/pose_codec.h"
+#include "server/record/run_tables.h"
+#include "server/record/state_codec.h"
 
 namespace coopdyn {
 
 namespace {
 
 constexpr int kLooksBeforeDoubt = 10;
+/// Steps that are read before the file is let go again: a writer waits for readers to tidy up its log.
+constexpr std::int64_t kStepsInMemory = 500;
+constexpr std::uint64_t kMostStep = std::numeric_limits<std::int64_t>::max();
 
-/// Step numbers fit SQLite's integers; what does not is beyond the last step of any file.
-std::int64_t Key(std::uint64_t number) {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max();
-  return static_cast<std::int64_t>(std::min(number, kMost));
+constexpr const char* kInputColumns = "SELECT step, time_ns, hash, scene, commands, messages FROM step";
+constexpr const char* kAllColumns =
+    "SELECT step, time_ns, hash, scene, commands, messages, wheels, distances, targets, poses FROM step";
+enum Column { kStep, kTime, kHash, kScene, kCommands, kMessages, kWheels, kDistances, kTargets, kPoses };
+
+// length() looks at the head of a row alone, where IS NULL would read the poses.
+constexpr const char* kShownBefore =
+    "SELECT step FROM step WHERE step < ?1 AND length(poses) > 0 ORDER BY step DESC LIMIT 1";
+constexpr const char* kShownAfter =
+    "SELECT step FROM step WHERE step > ?1 AND length(poses) > 0 ORDER BY step LIMIT 1";
+
+bool AreFinite(const std::vector<WheelStates>& robots) {
+  return std::all_of(robots.begin(), robots.end(), [](const WheelStates& robot) {
+    return std::isfinite(robot.speed_rad_s[0]) && std::isfinite(robot.speed_rad_s[1]);
+  });
+}
+
+std::size_t DistanceSensors(const Scene& scene) {
+  std::size_t sensors = 0;
+  for (const SceneRobot& robot : scene.robots) sensors += robot.entry.model->distance_sensors.size();
+  return sensors;
+}
+
+/// The robots that `records` name are in a scene of `robots` robots.
+template <typename Records>
+bool KnowsRobots(const Records& records, std::size_t robots) {
+  return std::all_of(records.begin(), records.end(),
+                     [robots](const auto& record) { return record.robot < robots; });
 }
 
 }  // namespace
 
-bool RunReader::Impl::FailAsReplaced() {
+template <typename Get>
+auto RunReader::Guard(const std::string& what, Get get) -> decltype(get()) {
+  error_.clear();
+  try {
+    return get();
+  } catch (const Failure& failure) {
+    error_ = failure.text;
+  } catch (const DatabaseError& failed) {
+    error_ = std::string(failed.what()) + ", at " + what +
+             (failed.busy() ? ": another program holds it, try again"
+                            : ": the file is damaged there, copy it again from where it was recorded; other "
+                              "times of it may still be read");
+    if (IsReplaced()) error_ = file_ + " was replaced by another file while it was read: open it again";
+  }
+  return {};
+}
+
+const Database& RunReader::database() const {
+  if (run_.database == nullptr) throw DatabaseError(file_);
+  return *run_.database;
+}
+
+bool RunReader::IsReplaced() const {
   struct stat there {};
-  if (::stat(file.c_str(), &there) != 0) return false;
-  if (inode == 0) inode = there.st_ino;
-  if (there.st_ino == inode) return false;
-  error = file + " was replaced by another file while it was read: open it again";
-  return true;
+  return ::stat(file_.c_str(), &there) == 0 && there.st_ino != inode_;
 }
 
-bool RunReader::Impl::FailReading(const DatabaseError& failed, const std::string& what) {
-  if (FailAsReplaced()) return false;
-  error = std::string(failed.what()) + ", at " + what +
-          (failed.busy() ? ": another program holds it, try again"
-                         : ": the file is damaged there, copy it again from where it was recorded; other "
-                           "times of it may still be read");
-  return false;
+void RunReader::CheckNotReplaced() const {
+  if (IsReplaced()) throw DatabaseError(file_);
 }
 
-bool RunReader::Impl::FailSense(const std::string& what) {
-  if (FailAsReplaced()) return false;
-  error = file + " is damaged (" + what +
-          "): copy it again from where it was recorded; other times of it may still be read";
-  return false;
+void RunReader::Damaged(const std::string& what) const {
+  CheckNotReplaced();
+  throw Failure{file_ + " is damaged (" + what +
+                "): copy it again from where it was recorded; other times of it may still be read"};
 }
 
-bool RunReader::Impl::Open() {
-  if (FailAsReplaced()) return false;
-  const bool was_mended = run.mended;
-  sql.reset();
-  run = {};
-  OpenedRun opened = OpenRun(file, error);
-  if (opened.database == nullptr) return false;
-  run = std::move(opened);
-  run.mended |= was_mended;
-  unchanged = 0;
-  return Prepare();
-}
+// --- opening
 
-bool RunReader::Impl::Prepare() {
-  sql.emplace();
-  const std::pair<Statement&, const char*> all[] = {
-      {sql->first, "SELECT step, time_ns FROM step ORDER BY step LIMIT 1"},
-      {sql->last, "SELECT step, time_ns FROM step ORDER BY step DESC LIMIT 1"},
-      {sql->at_or_after, "SELECT step, time_ns FROM step WHERE step >= ?1 ORDER BY step LIMIT 1"},
-      {sql->first_keyframe, "SELECT step FROM keyframe ORDER BY step LIMIT 1"},
-      // length() looks at the row's head alone, where IS NULL would read the poses.
-      {sql->shown_before,
-       "SELECT step FROM step WHERE step < ?1 AND length(poses) > 0 ORDER BY step DESC LIMIT 1"},
-      {sql->shown_after, "SELECT step FROM step WHERE step > ?1 AND length(poses) > 0 ORDER BY step LIMIT 1"},
-      {sql->inputs, "SELECT step, time_ns, hash, scene, commands, messages FROM step WHERE step = ?1"},
-      {sql->whole,
-       "SELECT step, time_ns, hash, scene, commands, messages, wheels, distances, targets, poses FROM step"
-       " WHERE step = ?1"},
-      {sql->keyframe, "SELECT step, state FROM keyframe WHERE step <= ?1 ORDER BY step DESC LIMIT 1"},
-      {sql->scene, "SELECT description FROM scene WHERE id = ?1"},
-      {sql->meta, "SELECT value FROM meta WHERE key = ?1"},
-  };
-  for (const auto& [statement, text] : all) {
-    statement = database().Prepare(text);
-    if (statement) continue;
-    error = UnfinishedText(database().error());
-    sql.reset();
-    return false;
+std::unique_ptr<RunReader> RunReader::Open(const std::string& file, std::string& error) {
+  std::string name = file;
+  std::error_code missing;
+  // Recordings are started and fetched by their bare names.
+  if (!std::filesystem::exists(name, missing) && std::filesystem::exists(name + ".run", missing)) {
+    name += ".run";
   }
-  return true;
-}
-
-bool RunReader::Impl::Refresh() {
-  error.clear();
-  const bool closed = run.growing && Guard("its table meta", [this] { return IsClosed(database()); });
-  if (!error.empty() || !Guard("its ends", [this] { return Look(); })) return false;
-  if (!run.growing || (!closed && unchanged < kLooksBeforeDoubt)) return true;
-  // Closed, or its writer may be gone: opened anew it tells, and is mended in that case.
-  return Open() && (run.growing || Refresh());
-}
-
-bool RunReader::Impl::Look() {
-  RunExtent found;
-  for (Statement* end : {&sql->first, &sql->last}) {
-    end->Reset();
-    if (!end->Step()) {
-      error = file + " holds no steps" +
-              (run.growing ? " yet: try again in a second" : ": nothing was recorded before it ended");
-      return false;
+  std::unique_ptr<RunReader> reader(new RunReader(name));
+  const bool opened = reader->Guard("its table meta", [&reader] {
+    struct stat there {};
+    if (::stat(reader->file_.c_str(), &there) == 0) reader->inode_ = there.st_ino;
+    reader->Reopen();
+    if (std::string wrong = ReadHeader(reader->database(), reader->header_); !wrong.empty()) {
+      throw Failure{std::move(wrong)};
     }
-    const bool sane = end->integer(0) >= 0 && end->integer(1) >= 0;
-    (end == &sql->first ? found.first : found.last) = static_cast<std::uint64_t>(end->integer(0));
-    (end == &sql->first ? found.begin : found.end) = end->integer(1);
-    end->Reset();
-    if (!sane) return FailSense("a step number or time below 0");
+    reader->Refresh();
+    return true;
+  });
+  error = reader->error_;
+  return opened ? std::move(reader) : nullptr;
+}
+
+void RunReader::Reopen() {
+  CheckNotReplaced();
+  const bool was_mended = run_.mended;
+  run_ = {};
+  std::string error;
+  run_ = OpenRun(file_, error);
+  if (run_.database == nullptr) throw Failure{error};
+  run_.mended |= was_mended;
+  unchanged_ = 0;
+  try {  // has it the columns that will be read?
+    for (const char* sql : {kAllColumns, "SELECT step, state FROM keyframe", "SELECT description FROM scene",
+                            "SELECT value FROM meta"}) {
+      database().Prepare(sql);
+    }
+  } catch (const DatabaseError& failed) {
+    throw Failure{UnfinishedText(failed.what())};
   }
-  if (found.end < found.begin || found.last < found.first)
-    return FailSense("a run that ends before it begins");
-  sql->first_keyframe.Reset();
-  const bool hides_first =
-      sql->first_keyframe.Step() && sql->first_keyframe.integer(0) < static_cast<std::int64_t>(found.first);
-  sql->first_keyframe.Reset();
-  if (hides_first) return FailSense("step " + std::to_string(found.first) + " as the first");
+}
+
+void RunReader::Refresh() {
+  const bool closed = run_.growing && IsClosed(database());
+  const RunExtent found = Look();
+  unchanged_ = found.last == extent_.last ? unchanged_ + 1 : 0;
+  extent_ = found;
+  if (!run_.growing || (!closed && unchanged_ < kLooksBeforeDoubt)) return;
+  // Closed, or its writer may be gone: opened anew it tells, and is mended in that case.
+  Reopen();
+  if (!run_.growing) Refresh();
+}
+
+RunExtent RunReader::Look() const {
+  RunExtent found;
+  for (const bool last : {false, true}) {
+    Statement end = database().Prepare(std::string("SELECT step, time_ns FROM step ORDER BY step ") +
+                                       (last ? "DESC LIMIT 1" : "LIMIT 1"));
+    if (!end.Step()) {
+      throw Failure{
+          file_ + " holds no steps" +
+          (run_.growing ? " yet: try again in a second" : ": nothing was recorded before it ended")};
+    }
+    if (end.integer(0) < 0 || end.integer(1) < 0) Damaged("a step number or time below 0");
+    (last ? found.last : found.first) = static_cast<std::uint64_t>(end.integer(0));
+    (last ? found.end : found.begin) = end.integer(1);
+  }
+  if (found.end < found.begin || found.last < found.first) Damaged("a run that ends before it begins");
+  const auto keyframe = database().Integer("SELECT step FROM keyframe ORDER BY step LIMIT 1");
+  if (keyframe && *keyframe < static_cast<std::int64_t>(found.first))
+    Damaged("step " + std::to_string(found.first) + " as the first");
   const std::uint64_t span = found.last - found.first;
   const std::int64_t lost = std::max<std::int64_t>(Meta("lost"), 0);
   const std::int64_t after = std::clamp<std::int64_t>(Meta("lost_after"), 0, lost);
   found.lost = std::min(span, static_cast<std::uint64_t>(lost - after));
   found.lost_after = static_cast<std::uint64_t>(after);
   const std::int64_t last = Meta("last_step");
-  if (last > static_cast<std::int64_t>(found.last)) {
+  if (last > static_cast<std::int64_t>(found.last))
     found.missing = static_cast<std::uint64_t>(last) - found.last;
-  }
   found.steps = span - found.lost;
-  unchanged = found.last == extent.last ? unchanged + 1 : 0;
-  extent = found;
-  return true;
-}
-
-std::optional<std::uint64_t> RunReader::Impl::One(Statement& statement, std::uint64_t key) {
-  statement.Reset();
-  statement.Bind(1, Key(key));
-  if (!statement.Step()) {
-    FailAsReplaced();
-    return std::nullopt;
-  }
-  const std::int64_t found = statement.integer(0);
-  statement.Reset();
-  if (found < 0) {
-    FailSense("a step number below 0");
-    return std::nullopt;
-  }
-  return static_cast<std::uint64_t>(found);
-}
-
-RunReader::RunReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-
-RunReader::~RunReader() = default;
-
-std::unique_ptr<RunReader> RunReader::Open(const std::string& file, std::string& error) {
-  auto impl = std::make_unique<Impl>();
-  impl->file = file;
-  std::error_code missing;
-  if (!std::filesystem::exists(file, missing) && std::filesystem::exists(file + ".run", missing)) {
-    impl->file = file + ".run";  // recordings are started and fetched by their bare names
-  }
-  const auto read_header = [&impl] { return ReadHeader(impl->database(), impl->header, impl->error); };
-  if (!impl->Open() || !impl->Guard("its table meta", read_header) || !impl->Refresh()) {
-    error = impl->error;
-    return nullptr;
-  }
-  error.clear();
-  return std::unique_ptr<RunReader>(new RunReader(std::move(impl)));
-}
-
-const std::string& RunReader::file() const {
-  return impl_->file;
-}
-
-const RunHeader& RunReader::header() const {
-  return impl_->header;
-}
-
-bool RunReader::mended() const {
-  return impl_->run.mended;
-}
-
-bool RunReader::growing() const {
-  return impl_->run.growing;
-}
-
-bool RunReader::has_log() const {
-  return !UnmergedLog(impl_->file).empty();
-}
-
-const std::string& RunReader::log_reason() const {
-  return impl_->run.log_reason;
-}
-
-const std::string& RunReader::error() const {
-  return impl_->error;
+  return found;
 }
 
 RunExtent RunReader::extent() {
-  if (impl_->run.growing) impl_->Refresh();
-  return impl_->extent;
-}
-
-std::optional<std::uint64_t> RunReader::StepAt(Nanoseconds time, bool with_poses) {
-  impl_->error.clear();
-  return impl_->Guard(fmt::format("the step of {:g} s", ToSeconds(time)),
-                      [&] { return impl_->StepAt(time, with_poses); });
-}
-
-std::optional<std::uint64_t> RunReader::Impl::StepAt(Nanoseconds time, bool with_poses) {
-  // Time grows with the step. `low` is a step at or before `time`; those from `high` on come after it.
-  std::uint64_t low = extent.first;
-  std::uint64_t high = time >= extent.end ? low : extent.last;
-  if (time >= extent.end) low = extent.last;
-  Statement& probe = sql->at_or_after;
-  while (high > low && high - low > 1) {
-    const std::uint64_t middle = low + (high - low) / 2;
-    probe.Bind(1, Key(middle));
-    const bool found = probe.Step();
-    const auto step = found ? static_cast<std::uint64_t>(probe.integer(0)) : high;
-    const bool before = step < high && probe.integer(1) <= time;
-    probe.Reset();
-    (before ? low : high) = before ? step : middle;
+  if (run_.growing) {
+    Guard("its ends", [this] {
+      Refresh();
+      return true;
+    });
   }
-  if (!with_poses) return low;
-  if (const auto shown = One(sql->shown_before, low + 1)) return shown;
-  if (!error.empty()) return std::nullopt;
-  const auto shown = One(sql->shown_after, low);
-  if (!shown && error.empty()) {
-    error = file + ": no poses were recorded in it: record it again with a smaller --record-every";
-  }
-  return shown;
+  return extent_;
 }
 
-std::optional<std::uint64_t> RunReader::NextShown(std::uint64_t step, bool back) {
-  impl_->error.clear();
-  const std::string what = (back ? "the step before " : "the step after ") + std::to_string(step);
-  return impl_->Guard(what, [&] { return impl_->NextShown(step, back); });
+std::int64_t RunReader::Meta(const char* key) const {
+  return database().Integer("SELECT value FROM meta WHERE key = ?", key).value_or(0);
 }
 
-std::int64_t RunReader::Impl::Meta(const char* key) {
-  sql->meta.Reset();
-  sql->meta.BindText(1, key);
-  const std::int64_t value = sql->meta.Step() ? sql->meta.integer(0) : 0;
-  sql->meta.Reset();
-  return value;
+std::shared_ptr<const Scenario> RunReader::LoadScenario(const SearchPath& path, Diagnostics& diagnostics) {
+  library_ = std::make_unique<RobotLibrary>(path, header_.sources);
+  scenes_.clear();
+  scenario_ = ReadScenario(header_.scenario_text, header_.scenario_file, *library_,
+                           header_.scenario_file.empty(), diagnostics, header_.scenario_seed);
+  return scenario_;
 }
 
-std::optional<std::uint64_t> RunReader::Impl::NextShown(std::uint64_t step, bool back) {
-  const auto shown = One(back ? sql->shown_before : sql->shown_after, step);
-  if (!shown || back || *shown == step + 1) return shown;
-  // What was lost ends with a keyframe; the others, without poses, are there.
-  const auto next = One(sql->at_or_after, step + 1);
-  if (!next || *next == step + 1) return next ? shown : std::nullopt;
-  const auto keyframe = One(sql->keyframe, *next);
-  const auto left_out = static_cast<std::int64_t>(*next - step - 1);
-  if (keyframe == next && left_out <= Meta("lost")) return shown;
-  FailSense("a gap from step " + std::to_string(step) + " to " + std::to_string(*next));
-  return std::nullopt;
+void RunReader::UseScenario(std::shared_ptr<const Scenario> scenario) {
+  library_.reset();
+  scenes_.clear();
+  scenario_ = std::move(scenario);
 }
 
-std::vector<std::uint64_t> RunReader::Keyframes() {
-  impl_->error.clear();
-  return impl_->Guard("its keyframes", [this] {
-    std::vector<std::uint64_t> steps;
-    Statement rows = impl_->database().Prepare("SELECT step FROM keyframe WHERE step >= 0 ORDER BY step");
-    while (rows.Step()) steps.push_back(static_cast<std::uint64_t>(rows.integer(0)));
-    return steps;
+// --- the file as a whole
+
+std::optional<RunContents> RunReader::Contents() {
+  return Guard("its tables", [this] {
+    std::optional<RunContents> contents(std::in_place);
+    for (const char* end : {"", "-wal"}) {
+      std::error_code code;
+      const std::uintmax_t bytes = std::filesystem::file_size(file_ + end, code);
+      if (!code) contents->bytes += bytes;
+    }
+    const auto figure = [this](const char* sql) {
+      return static_cast<std::uint64_t>(database().Integer(sql).value_or(0));
+    };
+    contents->bodies = figure("SELECT count(*) FROM body WHERE scene = (SELECT min(id) FROM scene)");
+    contents->scenes = figure("SELECT count(*) FROM scene");
+    contents->keyframes = figure("SELECT count(*) FROM keyframe");
+    contents->last_hash = figure("SELECT hash FROM step ORDER BY step DESC LIMIT 1");
+    contents->inputs = figure("SELECT count(*) FROM input");
+    Statement rows = database().Prepare(
+        "SELECT name, type FROM robot WHERE scene = (SELECT min(id) FROM scene) ORDER BY place");
+    while (rows.Step()) contents->robots.push_back({rows.text(0), rows.text(1)});
+    return contents;
   });
 }
 
-std::vector<RunInput> RunReader::Inputs(std::uint64_t first, std::uint64_t last) {
-  impl_->error.clear();
-  return impl_->Guard("its inputs", [&] {
-    Impl& impl = *impl_;
-    // They are few, and asked for range by range: read once, and what has come since.
-    Statement rows =
-        impl.database().Prepare("SELECT id, step, action, detail FROM input WHERE id > ?1 ORDER BY id");
-    rows.Bind(1, impl.newest_input);
-    while (rows.Step()) {
-      const std::string action = rows.text(2), detail = rows.text(3);
-      auto input = DecodeInput(static_cast<std::uint64_t>(rows.integer(1)), action, detail);
-      if (!input) {
-        impl.FailSense("the input \"" + action + " " + detail + "\"");
-        return std::vector<RunInput>();
-      }
-      impl.newest_input = rows.integer(0);
-      impl.run_inputs.push_back(*std::move(input));
+std::optional<std::uint64_t> RunReader::CountCommands() {
+  std::uint64_t commands = 0, rows = 0;
+  const bool read = ForEach(extent_.first, extent_.last, true, [&](const RecordedStep& step) {
+    ++rows;
+    // Those of the first frame are what was in force already.
+    if (step.step > extent_.first) commands += step.commands.size();
+    return true;
+  });
+  if (!read) return std::nullopt;
+  return Guard("its steps", [&] {
+    if (rows <= extent_.steps) {
+      Damaged(fmt::format("{} rows for {} steps and the first frame", rows, extent_.steps));
     }
-    std::vector<RunInput> inputs;
-    std::copy_if(impl.run_inputs.begin(), impl.run_inputs.end(), std::back_inserter(inputs),
-                 [&](const RunInput& input) { return input.step >= first && input.step <= last; });
-    return inputs;
+    return std::optional(commands);
   });
 }
 
 std::vector<Event> RunReader::Events() {
-  impl_->error.clear();
-  return impl_->Guard("its events", [this] {
+  return Guard("its events", [this] {
     std::vector<Event> events;
-    Statement rows = impl_->database().Prepare("SELECT step, time_ns, level, text FROM event ORDER BY id");
+    Statement rows = database().Prepare("SELECT step, time_ns, level, text FROM event ORDER BY id");
     while (rows.Step()) {
       events.push_back({static_cast<std::uint64_t>(rows.integer(0)), ToSeconds(rows.integer(1)), rows.text(2),
                         rows.text(3)});
     }
     return events;
+  });
+}
+
+std::vector<RunInput> RunReader::Inputs(std::uint64_t first, std::uint64_t last) {
+  return Guard("its inputs", [&] {
+    // They are few, and asked for range by range: read once, and what has come since.
+    Statement rows =
+        database().Prepare("SELECT id, step, action, detail FROM input WHERE id > ?1 ORDER BY id");
+    rows.Bind(1, newest_input_);
+    while (rows.Step()) {
+      const std::string action = rows.text(2), detail = rows.text(3);
+      auto input = DecodeInput(static_cast<std::uint64_t>(rows.integer(1)), action, detail);
+      if (!input) Damaged("the input \"" + action + " " + detail + "\"");
+      newest_input_ = rows.integer(0);
+      inputs_.push_back(*std::move(input));
+    }
+    std::vector<RunInput> inputs;
+    std::copy_if(inputs_.begin(), inputs_.end(), std::back_inserter(inputs),
+                 [&](const RunInput& input) { return input.step >= first && input.step <= last; });
+    return inputs;
+  });
+}
+
+// --- finding steps
+
+std::optional<std::uint64_t> RunReader::FindStep(const char* sql, std::uint64_t step) const {
+  const std::optional<std::int64_t> found = database().Integer(sql, step);
+  if (!found) return CheckNotReplaced(), std::nullopt;
+  if (*found < 0) Damaged("a step number below 0");
+  return static_cast<std::uint64_t>(*found);
+}
+
+std::optional<std::uint64_t> RunReader::StepAt(Nanoseconds time, bool with_poses) {
+  return Guard(fmt::format("the step of {:g} s", ToSeconds(time)), [&] {
+    // Time grows with the step. `low` is a step at or before `time`; those from `high` on come after it.
+    std::uint64_t low = time >= extent_.end ? extent_.last : extent_.first;
+    std::uint64_t high = time >= extent_.end ? extent_.first : extent_.last;
+    Statement probe =
+        database().Prepare("SELECT step, time_ns FROM step WHERE step >= ?1 ORDER BY step LIMIT 1");
+    while (high > low && high - low > 1) {
+      const std::uint64_t middle = low + (high - low) / 2;
+      probe.Bind(1, middle);
+      const std::uint64_t step = probe.Step() ? static_cast<std::uint64_t>(probe.integer(0)) : high;
+      const bool before = step < high && probe.integer(1) <= time;
+      probe.Reset();
+      (before ? low : high) = before ? step : middle;
+    }
+    if (!with_poses) return std::optional(low);
+    std::optional<std::uint64_t> shown = FindStep(kShownBefore, low + 1);
+    if (!shown) shown = FindStep(kShownAfter, low);
+    if (shown) return shown;
+    throw Failure{file_ + ": no poses were recorded in it: record it again with a smaller --record-every"};
+  });
+}
+
+std::optional<std::uint64_t> RunReader::NextShown(std::uint64_t step, bool back) {
+  const std::string what = (back ? "the step before " : "the step after ") + std::to_string(step);
+  return Guard(what, [&] {
+    const auto shown = FindStep(back ? kShownBefore : kShownAfter, step);
+    if (!shown || back || *shown == step + 1) return shown;
+    // What was lost ends with a keyframe; the others, without poses, are there.
+    const auto next =
+        FindStep("SELECT step FROM step WHERE step >= ?1 ORDER BY step LIMIT 1", step + 1).value_or(*shown);
+    if (next == step + 1) return shown;
+    const auto keyframe =
+        FindStep("SELECT step FROM keyframe WHERE step <= ?1 ORDER BY step DESC LIMIT 1", next);
+    if (keyframe != next || Meta("lost") < static_cast<std::int64_t>(next - step - 1)) {
+      Damaged("a gap from step " + std::to_string(step) + " to " + std::to_string(next));
+    }
+    return shown;
+  });
+}
+
+std::vector<std::uint64_t> RunReader::Keyframes() {
+  return Guard("its keyframes", [this] {
+    std::vector<std::uint64_t> steps;
+    Statement rows = database().Prepare("SELECT step FROM keyframe WHERE step >= 0 ORDER BY step");
+    while (rows.Step()) steps.push_back(static_cast<std::uint64_t>(rows.integer(0)));
+    return steps;
+  });
+}
+
+// --- what a step holds
+
+RecordedStep RunReader::Decode(const Statement& row, bool inputs_only) {
+  const std::int64_t number = row.integer(kStep);
+  const std::string name = "step " + std::to_string(number);
+  if (number < 0 || row.integer(kTime) < 0 || row.integer(kScene) < 0) {
+    Damaged("a number, time or scene below 0 of " + name);
+  }
+  RecordedStep step;
+  step.step = static_cast<std::uint64_t>(number);
+  step.time = row.integer(kTime);
+  step.hash = static_cast<std::uint64_t>(row.integer(kHash));
+  step.scene = static_cast<std::uint64_t>(row.integer(kScene));
+  const bool needs_scene = !inputs_only || scenario_ != nullptr;
+  const std::shared_ptr<const Scene> scene = needs_scene ? FindScene(step.scene) : nullptr;
+  const std::size_t robots = needs_scene ? scene->robots.size() : std::numeric_limits<std::size_t>::max();
+  if (!DecodeCommands(row.blob(kCommands), step.commands) || !KnowsRobots(step.commands, robots)) {
+    Damaged("the commands of " + name);
+  }
+  if (!DecodeMessages(row.blob(kMessages), step.step, step.messages) || !KnowsRobots(step.messages, robots)) {
+    Damaged("the broadcasts of " + name);
+  }
+  if (!inputs_only) DecodeReadings(row, *scene, step);
+  return step;
+}
+
+void RunReader::DecodeReadings(const Statement& row, const Scene& scene, RecordedStep& step) const {
+  const std::string name = " of step " + std::to_string(step.step);
+  const std::size_t robots = scene.robots.size(), sightings = 2 * robots * scene.targets.size();
+  if (!row.is_null(kWheels)) {
+    step.robots.resize(robots);
+    if (!DecodeWheels(row.blob(kWheels), step.robots) || !AreFinite(step.robots))
+      Damaged("the wheels" + name);
+  }
+  if (!DecodeFloats(row.blob(kDistances), step.distances) ||
+      (!step.distances.empty() && step.distances.size() != DistanceSensors(scene))) {
+    Damaged("the distances" + name);
+  }
+  if (!DecodeFloats(row.blob(kTargets), step.targets) ||
+      (!step.targets.empty() && step.targets.size() != sightings)) {
+    Damaged("the sighted targets" + name);
+  }
+  if (row.is_null(kPoses)) return;
+  step.bodies.resize(scene.body_ids.size());
+  if (!DecodePoses(row.blob(kPoses), step.bodies)) Damaged("the poses" + name);
+}
+
+std::optional<RecordedStep> RunReader::Read(std::uint64_t step, bool inputs_only) {
+  return Guard("step " + std::to_string(step), [&]() -> std::optional<RecordedStep> {
+    Statement row =
+        database().Prepare(std::string(inputs_only ? kInputColumns : kAllColumns) + " WHERE step = ?1");
+    row.Bind(1, step);
+    if (row.Step()) return Decode(row, inputs_only);
+    CheckNotReplaced();
+    return std::nullopt;
+  });
+}
+
+bool RunReader::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_only,
+                        const std::function<bool(const RecordedStep&)>& use) {
+  return Guard("the steps from " + std::to_string(first) + " on", [&] {
+    Statement rows = database().Prepare(std::string(inputs_only ? kInputColumns : kAllColumns) +
+                                        " WHERE step > ?1 AND step <= ?2 ORDER BY step LIMIT ?3");
+    std::int64_t before = static_cast<std::int64_t>(std::min(first, kMostStep)) - 1;
+    for (std::int64_t count = kStepsInMemory; count == kStepsInMemory;) {
+      rows.BindAll(before, last, kStepsInMemory);
+      for (count = 0; rows.Step(); ++count) {
+        const RecordedStep step = Decode(rows, inputs_only);
+        // In a damaged file rows may stand anywhere.
+        if (rows.integer(kStep) <= before) Damaged("step " + std::to_string(step.step) + " at its place");
+        if (!use(step)) return true;
+        before = rows.integer(kStep);
+      }
+    }
+    return true;
+  });
+}
+
+std::shared_ptr<const Scene> RunReader::SceneOf(std::uint64_t scene) {
+  return Guard("scene " + std::to_string(scene), [&] { return FindScene(scene); });
+}
+
+std::shared_ptr<const Scene> RunReader::FindScene(std::uint64_t number) {
+  if (const auto known = scenes_.find(number); known != scenes_.end()) return known->second;
+  const std::string name = "scene " + std::to_string(number);
+  if (scenario_ == nullptr) {
+    throw Failure{file_ + ": " + name + " needs the scenario, which has not been loaded"};
+  }
+  Statement row = database().Prepare("SELECT description FROM scene WHERE id = ?1");
+  row.Bind(1, number);
+  if (!row.Step()) Damaged("a step of " + name + ", which is missing");
+  const auto model = [this](const std::string& type) -> std::shared_ptr<const RobotModel> {
+    for (const RobotEntry& robot : scenario_->robots) {
+      if (robot.model->type == type) return robot.model;
+    }
+    if (library_ == nullptr) return nullptr;
+    Diagnostics ignored;
+    return library_->Get(type, SourceLine{file_, 0}, ignored);
+  };
+  std::shared_ptr<const Scene> scene = DecodeScene(row.blob(0), scenario_, model);
+  if (scene == nullptr) Damaged(name);
+  scenes_.emplace(number, scene);
+  return scene;
+}
+
+SavedStatePtr RunReader::Keyframe(std::uint64_t step) {
+  const std::string wanted = "the keyframe at or before step " + std::to_string(step);
+  return Guard(wanted, [&] {
+    Statement row = database().Prepare(
+        "SELECT keyframe.step, state, scene, time_ns FROM keyframe LEFT JOIN step USING (step)"
+        " WHERE keyframe.step <= ?1 ORDER BY keyframe.step DESC LIMIT 1");
+    row.Bind(1, step);
+    if (!row.Step()) {
+      throw Failure{file_ + ": " + wanted + " is missing: go on from a later time, or copy the file again"};
+    }
+    const std::int64_t number = row.integer(0), scene = row.integer(2);
+    const std::string name = "the keyframe of step " + std::to_string(number);
+    if (row.is_null(2) || scene < 0) Damaged(name + " without its step");
+    SavedStatePtr state = DecodeState(row.blob(1), FindScene(static_cast<std::uint64_t>(scene)));
+    const bool fits = state != nullptr && state->frame->step == static_cast<std::uint64_t>(number) &&
+                      state->frame->time == row.integer(3);
+    if (!fits) Damaged(name);
+    return state;
   });
 }
 

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: MIT
 // Reads a recording, also one that is still being written by another process, and one that a crash has left.
-// Nothing in a file is trusted: what does not add up is an error text, never a crash. One thread.
+// Nothing in a file is trusted: what does not add up is an error text, never a crash. One thread; nothing
+// throws.
 #pragma once
+
+#include <sys/types.h>
 
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "server/model/readers.h"
+#include "server/record/recorded_step.h"
 #include "server/record/run_header.h"
+#include "server/record/run_open.h"
 #include "server/state/run_journal.h"
 
 namespace coopdyn {
@@ -45,21 +51,20 @@ class RunReader {
   /// Null with `error` ("lesson1.run: …", what is wrong and what to do) if it is no recording that can be
   /// read. A file left by a crash is mended first, if it may be written to and nobody writes it.
   static std::unique_ptr<RunReader> Open(const std::string& file, std::string& error);
-  ~RunReader();
   RunReader(const RunReader&) = delete;
   RunReader& operator=(const RunReader&) = delete;
 
-  const std::string& file() const;
-  const RunHeader& header() const;
+  const std::string& file() const { return file_; }
+  const RunHeader& header() const { return header_; }
   /// It was mended: the recording had not been closed, or not to the end.
-  bool mended() const;
+  bool mended() const { return run_.mended; }
   /// It is being written at this moment, or was when extent() looked last. When a recording is closed, or its
   /// writer is gone without closing it, ten looks that find nothing new tell.
-  bool growing() const;
+  bool growing() const { return run_.growing; }
   /// A log with bytes lies beside it (UnmergedLog() names it), so that the file alone is not the whole run.
-  bool has_log() const;
+  bool has_log() const { return !UnmergedLog(file_).empty(); }
   /// "another program reads it": why it was not made part of the file. Empty if it was, or there is none.
-  const std::string& log_reason() const;
+  const std::string& log_reason() const { return run_.log_reason; }
   /// Nothing, and error() says why, if the file is damaged there. Needs no scenario.
   std::optional<RunContents> Contents();
   /// How many set-points came in force in all: looks at each step. Nothing if the file is damaged.
@@ -74,7 +79,7 @@ class RunReader {
   void UseScenario(std::shared_ptr<const Scenario> scenario);
 
   // All below: false, nothing or null, and error() says why, if the file is damaged there.
-  const std::string& error() const;
+  const std::string& error() const { return error_; }
   /// The scene number `scene` of the file. Null if unknown.
   std::shared_ptr<const Scene> SceneOf(std::uint64_t scene);
   /// The newest recorded step at or before `time` (the first if there is none). `with_poses`: that has poses.
@@ -96,9 +101,49 @@ class RunReader {
   std::vector<Event> Events();
 
  private:
-  struct Impl;
-  explicit RunReader(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  /// What error() is to say.
+  struct Failure {
+    std::string text;
+  };
+
+  explicit RunReader(std::string file) : file_(std::move(file)) {}
+
+  /// What `get()` gives. Nothing, and error() says so, if it throws: that `what`, e.g. "step 17", cannot be
+  /// read.
+  template <typename Get>
+  auto Guard(const std::string& what, Get get) -> decltype(get());
+
+  // All below throw Failure and DatabaseError.
+  const Database& database() const;
+  [[noreturn]] void Damaged(const std::string& what) const;
+  /// Another file has the name by now: SQLite would mix the two up.
+  bool IsReplaced() const;
+  void CheckNotReplaced() const;
+  /// Opens the file, or opens it again.
+  void Reopen();
+  /// Looks up the extent and whether it grows still.
+  void Refresh();
+  RunExtent Look() const;
+  /// The step number that `sql` gives for the parameter `step`; nothing if it gives no row.
+  std::optional<std::uint64_t> FindStep(const char* sql, std::uint64_t step) const;
+  std::int64_t Meta(const char* key) const;  // a number of `meta`; 0: it is not there
+  /// The row that `row` stands at, checked against its scene.
+  RecordedStep Decode(const Statement& row, bool inputs_only);
+  void DecodeReadings(const Statement& row, const Scene& scene, RecordedStep& step) const;
+  std::shared_ptr<const Scene> FindScene(std::uint64_t scene);
+
+  const std::string file_;
+  ino_t inode_ = 0;  // of the file when it was opened first
+  OpenedRun run_;
+  RunHeader header_;
+  RunExtent extent_;
+  std::string error_;
+  int unchanged_ = 0;  // looks at a growing file that found nothing new
+  std::unique_ptr<RobotLibrary> library_;
+  std::shared_ptr<const Scenario> scenario_;
+  std::unordered_map<std::uint64_t, std::shared_ptr<const Scene>> scenes_;
+  std::vector<RunInput> inputs_;  // as far as they were read
+  std::int64_t newest_input_ = 0;
 };
 
 }  // namespace coopdyn

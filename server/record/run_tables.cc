@@ -2,7 +2,11 @@
 #include "server/record/run_tables.h"
 
 #include <algorithm>
-#include <vector>
+#include <charconv>
+#include <optional>
+#include <system_error>
+#include <unordered_map>
+#include <utility>
 
 #include "server/record/state_codec.h"
 
@@ -28,91 +32,82 @@ CREATE TABLE input(id INTEGER PRIMARY KEY, step INTEGER, action TEXT, detail TEX
 CREATE TABLE event(id INTEGER PRIMARY KEY, step INTEGER, time_ns INTEGER, level TEXT, text TEXT, chain INTEGER);
 )";
 
-constexpr const char* kInsertMeta = "INSERT OR REPLACE INTO meta VALUES(?, ?)";
+using Meta = std::unordered_map<std::string, std::string>;
 
-bool WriteText(Database& database, const SourceText& text) {
-  Statement insert = database.Prepare("INSERT OR REPLACE INTO text VALUES(?, ?, ?, ?)");
-  if (!insert) return false;
-  insert.BindText(1, text.kind);
-  insert.BindText(2, text.name);
-  insert.BindText(3, text.file);
-  insert.BindText(4, text.text);
-  return insert.Run();
+std::string TextOf(const Meta& meta, const std::string& key) {
+  const auto found = meta.find(key);
+  return found == meta.end() ? std::string() : found->second;
 }
 
-/// The place of the robot that each body belongs to; −1: an object.
-std::vector<int> RobotsOfBodies(const Scene& scene) {
-  std::vector<int> robots(scene.body_ids.size(), -1);
-  for (std::size_t place = 0; place < scene.robots.size(); ++place) {
-    const SceneRobot& robot = scene.robots[place];
-    std::fill_n(robots.begin() + robot.first_body, robot.body_count, static_cast<int>(place));
-  }
-  return robots;
+/// Nothing if it is missing or no number.
+template <typename Number>
+std::optional<Number> NumberOf(const Meta& meta, const std::string& key) {
+  const std::string text = TextOf(meta, key);
+  Number number{};
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (code != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
 }
 
-bool WriteBodies(Database& database, std::int64_t number, const Scene& scene) {
-  Statement insert = database.Prepare("INSERT INTO body VALUES(?, ?, ?, ?, ?)");
-  if (!insert) return false;
-  const std::vector<std::string> names = BodyNames(scene);
-  const std::vector<int> robots = RobotsOfBodies(scene);
-  insert.Bind(1, number);
-  for (std::size_t place = 0; place < names.size(); ++place) {
-    insert.Bind(2, static_cast<std::int64_t>(place));
-    insert.Bind(3, std::int64_t{scene.body_ids[place].value});
-    insert.BindText(4, names[place]);
-    if (robots[place] < 0) {
-      insert.BindNull(5);
-    } else {
-      insert.Bind(5, std::int64_t{robots[place]});
+/// "diffuse 0123456789abcdef, flock …".
+std::string PluginsText(const std::vector<PluginHash>& plugins) {
+  std::string text;
+  for (const PluginHash& one : plugins) text += (text.empty() ? "" : ", ") + one.name + " " + one.hash;
+  return text;
+}
+
+std::vector<PluginHash> PluginsIn(std::string text) {
+  std::vector<PluginHash> plugins;
+  for (text += ", "; !text.empty();) {
+    const std::size_t end = text.find(", "), space = text.rfind(' ', end - 1);
+    if (end > 0 && space != std::string::npos) {
+      plugins.push_back({text.substr(0, space), text.substr(space + 1, end - space - 1)});
     }
-    if (!insert.Run()) return false;
+    text.erase(0, end + 2);
   }
-  return true;
+  return plugins;
 }
 
-bool WriteRobots(Database& database, std::int64_t number, const Scene& scene) {
-  Statement insert = database.Prepare("INSERT INTO robot VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  if (!insert) return false;
-  insert.Bind(1, number);
+void WriteBodies(const Database& database, std::int64_t number, const Scene& scene) {
+  Statement insert = database.Prepare("INSERT INTO body VALUES(?, ?, ?, ?, ?)");
+  const std::vector<std::string> names = BodyNames(scene);
+  std::vector<std::optional<std::size_t>> robots(names.size());
   for (std::size_t place = 0; place < scene.robots.size(); ++place) {
     const SceneRobot& robot = scene.robots[place];
-    insert.Bind(2, static_cast<std::int64_t>(place));
-    insert.Bind(3, std::int64_t{robot.id.value});
-    insert.BindText(4, robot.entry.name);
-    insert.BindText(5, robot.entry.model->type);
-    insert.Bind(6, std::int64_t{robot.first_body});
-    int column = 7;
-    for (const double p_m : robot.X_BR.p) insert.Bind(column++, p_m);
-    const Quaternion& q = robot.X_BR.q;
-    for (const double component : {q.w(), q.x(), q.y(), q.z()}) insert.Bind(column++, component);
-    insert.Bind(column, static_cast<std::int64_t>(robot.entry.model->sector_count()));
-    if (!insert.Run()) return false;
+    std::fill_n(robots.begin() + robot.first_body, robot.body_count, place);
   }
-  return true;
+  for (std::size_t place = 0; place < names.size(); ++place) {
+    insert.Run(number, place, scene.body_ids[place].value, names[place], robots[place]);
+  }
 }
 
-bool WriteTargets(Database& database, std::int64_t number, const Scene& scene) {
+void WriteRobots(const Database& database, std::int64_t number, const Scene& scene) {
+  Statement insert = database.Prepare("INSERT INTO robot VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  for (std::size_t place = 0; place < scene.robots.size(); ++place) {
+    const SceneRobot& robot = scene.robots[place];
+    const Vector3& p = robot.X_BR.p;
+    const Quaternion& q = robot.X_BR.q;
+    insert.Run(number, place, robot.id.value, robot.entry.name, robot.entry.model->type, robot.first_body,
+               p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), robot.entry.model->distance_sensors.size());
+  }
+}
+
+void WriteTargets(const Database& database, std::int64_t number, const Scene& scene) {
   Statement insert = database.Prepare("INSERT INTO target VALUES(?, ?, ?, ?, ?, ?, ?)");
-  if (!insert) return false;
-  insert.Bind(1, number);
   for (std::size_t place = 0; place < scene.targets.size(); ++place) {
     const Target& target = scene.targets[place];
-    insert.Bind(2, static_cast<std::int64_t>(place));
-    insert.Bind(3, std::int64_t{target.id.value});
-    insert.BindText(4, target.color_name);
-    for (int axis = 0; axis < 3; ++axis) insert.Bind(5 + axis, target.p_WT[axis]);
-    if (!insert.Run()) return false;
+    const Vector3& p = target.p_WT;
+    insert.Run(number, place, target.id.value, target.color_name, p.x(), p.y(), p.z());
   }
-  return true;
 }
 
 }  // namespace
 
-bool CreateTables(Database& database) {
-  return database.Run(kSchema);
+void CreateTables(Database& database) {
+  database.Run(kSchema);
 }
 
-bool WriteHeader(Database& database, const RunHeader& header) {
+void WriteHeader(const Database& database, const RunHeader& header) {
   const std::pair<const char*, std::string> texts[] = {
       {"version", header.version},
       {"build", header.build},
@@ -126,54 +121,70 @@ bool WriteHeader(Database& database, const RunHeader& header) {
       {"mode", ToString(header.mode)},
       {"what", ToString(header.what)},
   };
-  for (const auto& [key, value] : texts) {
-    if (!SetMetaText(database, key, value)) return false;
-  }
-  std::string controllers;
-  for (const PluginHash& one : header.controllers) {
-    controllers += (controllers.empty() ? "" : ", ") + one.name + " " + one.hash;
-  }
-  if (!controllers.empty() && !SetMetaText(database, "controllers", controllers)) return false;
-  if (header.substeps && !SetMeta(database, "substeps", *header.substeps)) return false;
-  if (!SetMeta(database, "format", kRunFormat) || !SetMeta(database, "step_ns", header.step_length) ||
-      !SetMeta(database, "pose_every_ns", header.pose_every) || !SetMeta(database, "closed", 0) ||
-      !SetMeta(database, "lost", 0)) {
-    return false;
-  }
-  if (!WriteText(database, {"scenario", header.scenario_name, header.scenario_file, header.scenario_text})) {
-    return false;
-  }
+  for (const auto& [key, value] : texts) SetMeta(database, key, value);
+  if (!header.controllers.empty()) SetMeta(database, "controllers", PluginsText(header.controllers));
+  if (header.substeps) SetMeta(database, "substeps", *header.substeps);
+  SetMeta(database, "format", kRunFormat);
+  SetMeta(database, "step_ns", header.step_length);
+  SetMeta(database, "pose_every_ns", header.pose_every);
+  SetMeta(database, "closed", 0);
+  SetMeta(database, "lost", 0);
+  Statement insert = database.Prepare("INSERT OR REPLACE INTO text VALUES(?, ?, ?, ?)");
+  insert.Run("scenario", header.scenario_name, header.scenario_file, header.scenario_text);
   for (const SourceText& source : header.sources) {
-    if (!WriteText(database, source)) return false;
+    insert.Run(source.kind, source.name, source.file, source.text);
   }
-  return true;
 }
 
-bool WriteScene(Database& database, std::int64_t number, std::uint64_t first_step, const Scene& scene) {
-  Statement insert = database.Prepare("INSERT INTO scene(id, first_step, description) VALUES(?, ?, ?)");
-  if (!insert) return false;
-  const std::vector<std::byte> description = EncodeScene(scene);
-  insert.Bind(1, number);
-  insert.Bind(2, static_cast<std::int64_t>(first_step));
-  insert.BindBlob(3, description);
-  return insert.Run() && WriteBodies(database, number, scene) && WriteRobots(database, number, scene) &&
-         WriteTargets(database, number, scene);
+std::string ReadHeader(const Database& database, RunHeader& header) {
+  Meta meta;
+  Statement rows = database.Prepare("SELECT key, value FROM meta");
+  while (rows.Step()) meta.insert_or_assign(rows.text(0), rows.text(1));
+  Statement texts = database.Prepare("SELECT kind, name, file, content FROM text ORDER BY kind, name");
+  while (texts.Step()) {
+    if (texts.text(0) == "scenario") {
+      header.scenario_text = texts.text(3);
+    } else {
+      header.sources.push_back({texts.text(0), texts.text(1), texts.text(2), texts.text(3)});
+    }
+  }
+  header.version = TextOf(meta, "version");
+  header.build = TextOf(meta, "build");
+  header.cpu = TextOf(meta, "cpu");
+  header.started = TextOf(meta, "started");
+  header.command = TextOf(meta, "command");
+  header.scenario_name = TextOf(meta, "scenario_name");
+  header.scenario_file = TextOf(meta, "scenario_file");
+  header.substeps = NumberOf<int>(meta, "substeps");
+  header.controllers = PluginsIn(TextOf(meta, "controllers"));
+  std::string wrong;
+  const auto take = [&wrong](const char* key, const auto& read, bool fits, auto& value) {
+    if (read && fits) {
+      value = *read;
+    } else if (wrong.empty()) {
+      wrong = key;
+    }
+  };
+  std::string unknown;
+  const auto step = NumberOf<Nanoseconds>(meta, "step_ns");
+  const auto pose_every = NumberOf<Nanoseconds>(meta, "pose_every_ns");
+  take("mode", ParseMode(TextOf(meta, "mode")), true, header.mode);
+  take("seed", NumberOf<std::uint64_t>(meta, "seed"), true, header.seed);
+  take("scenario_seed", NumberOf<std::uint64_t>(meta, "scenario_seed"), true, header.scenario_seed);
+  take("step_ns", step, step >= kMinStep && step <= kMaxStep, header.step_length);
+  take("pose_every_ns", pose_every, pose_every >= 0, header.pose_every);
+  take("what", ParseRecordWhat(TextOf(meta, "what"), unknown), true, header.what);
+  if (wrong.empty()) return {};
+  return database.file() + " is damaged: its table meta says '" + TextOf(meta, wrong) + "' for " + wrong +
+         ": copy it again from where it was recorded";
 }
 
-bool SetMeta(Database& database, const std::string& key, std::int64_t value) {
-  Statement insert = database.Prepare(kInsertMeta);
-  if (!insert) return false;
-  insert.BindText(1, key);
-  insert.Bind(2, value);
-  return insert.Run();
-}
-
-bool SetMetaText(Database& database, const std::string& key, const std::string& value) {
-  Statement insert = database.Prepare(kInsertMeta);
-  if (!insert) return false;
-  insert.BindText(1, key);
-  insert.BindText(2, value);
-  return insert.Run();
+void WriteScene(const Database& database, std::int64_t number, std::uint64_t first_step, const Scene& scene) {
+  database.Prepare("INSERT INTO scene(id, first_step, description) VALUES(?, ?, ?)")
+      .Run(number, first_step, EncodeScene(scene));
+  WriteBodies(database, number, scene);
+  WriteRobots(database, number, scene);
+  WriteTargets(database, number, scene);
 }
 
 std::vector<std::string> BodyNames(const Scene& scene) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The tables of a run file (docs/formats.md), and the rows that are not written step by step. One thread.
+// The tables of a run file (docs/formats.md), and the rows that are not written step by step. All throw
+// DatabaseError. One thread.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "server/record/run_header.h"
 #include "server/record/sqlite_db.h"
@@ -11,14 +14,18 @@
 
 namespace coopdyn {
 
-/// Each returns false if the database refuses; its error() says why.
-bool CreateTables(Database& database);
-/// Tables meta and text, not yet sealed (run_seal.h). `closed` and `lost` are 0.
-bool WriteHeader(Database& database, const RunHeader& header);
+void CreateTables(Database& database);
+/// Tables meta and text, not yet sealed (row_chain.h). `closed` and `lost` are 0.
+void WriteHeader(const Database& database, const RunHeader& header);
+/// The same read back: an error text that says what to do, empty if all is there.
+std::string ReadHeader(const Database& database, RunHeader& header);
 /// Tables scene, body, robot, target: the scene `number`, in force from `first_step` on; without its chain.
-bool WriteScene(Database& database, std::int64_t number, std::uint64_t first_step, const Scene& scene);
-bool SetMeta(Database& database, const std::string& key, std::int64_t value);
-bool SetMetaText(Database& database, const std::string& key, const std::string& value);
+void WriteScene(const Database& database, std::int64_t number, std::uint64_t first_step, const Scene& scene);
+/// `value`: a text or a whole number.
+template <typename Value>
+void SetMeta(const Database& database, std::string_view key, const Value& value) {
+  database.Prepare("INSERT OR REPLACE INTO meta VALUES(?, ?)").Run(key, value);
+}
 
 /// What the bodies of `scene` are called: BOX_1; robot1.chassis, robot1.left_wheel; or, if all its links are
 /// one body, robot1.

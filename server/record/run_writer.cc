@@ -17,11 +17,10 @@
 #include <utility>
 
 #include "server/record/pose_codec.h"
-#include "server/record/run_reader_journal.h"
-#include "server/record/run_reader_open.h"
+#include "server/record/run_open.h"
 #include "server/record/run_tables.h"
+#include "server/record/space.h"
 #include "server/record/state_codec.h"
-#include "server/record/step_row.h"
 
 namespace coopdyn {
 
@@ -59,38 +58,6 @@ bool SameBits(const WheelSpeeds& a, const WheelSpeeds& b) {
   using Bits = std::array<std::uint64_t, 2>;
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
-
-/// One row, column by column, the number that tells its place first: into `insert` and the chain of its
-/// table.
-class RowInserter {
- public:
-  RowInserter(Statement& insert, TableEnd& end) : insert_(insert), end_(end) {}
-
-  void Integer(std::int64_t value) {
-    if (column_ == 1) id_ = value;
-    insert_.Bind(column_++, value);
-    end_.chain.Integer(value);
-  }
-  void Text(std::string_view text) {
-    insert_.BindText(column_++, text);
-    end_.chain.Text(text);
-  }
-  void Blob(std::span<const std::byte> bytes) {
-    insert_.BindBlob(column_++, bytes);
-    end_.chain.Blob(bytes);
-  }
-  bool Run() {
-    end_.id = id_;
-    insert_.Bind(column_, std::int64_t{end_.chain.Link()});
-    return insert_.Run();
-  }
-
- private:
-  Statement& insert_;
-  TableEnd& end_;
-  std::int64_t id_ = 0;
-  int column_ = 1;
-};
 
 }  // namespace
 
@@ -144,7 +111,7 @@ RunWriter::RunWriter(std::string file, RunWriterOptions options)
     : file_(std::move(file)), options_(std::move(options)) {}
 
 RunWriter::~RunWriter() {
-  if (database_ != nullptr && database_->in_transaction()) database_->Run("ROLLBACK");
+  if (database_ != nullptr) database_->RollBack();
 }
 
 std::unique_ptr<RunWriter> RunWriter::Create(const std::string& file, RunWriterOptions options,
@@ -165,7 +132,7 @@ bool RunWriter::Open(const SavedState& first) {
   if (database_ == nullptr) return false;
   const std::size_t page_size = options_.page_size != 0
                                     ? options_.page_size
-                                    : BestPageSize(StepRowBytes(*first.frame, options_.header.what, true));
+                                    : PageSizeFor(StepRowBytes(*first.frame, options_.header.what, true));
   std::string setup =
       "PRAGMA page_size = " + std::to_string(page_size) +
       "; PRAGMA application_id = " + std::to_string(kRunApplicationId) +
@@ -173,36 +140,37 @@ bool RunWriter::Open(const SavedState& first) {
       "; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA wal_autocheckpoint = " +
       std::to_string(kWalBytes / page_size) + "; PRAGMA cache_size = -" + std::to_string(kCacheKiB);
   if (options_.max_pages > 0) setup += "; PRAGMA max_page_count = " + std::to_string(options_.max_pages);
-  if (!database_->Run(setup) || !Begin() || !CreateTables(*database_)) return Failed();
-  if (!WriteHeader(*database_, options_.header) || !PrepareStatements()) return Failed();
-  if (!SealTexts(*database_)) return Failed();
+  setup += "; BEGIN";
+  dirty_ = true;
+  const bool made = Try([&] {
+    database_->Run(setup);
+    CreateTables(*database_);
+    WriteHeader(*database_, options_.header);
+    SetMeta(*database_, "texts", TextsChain(*database_));
+    insert_.step = database_->Prepare("INSERT INTO step VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    insert_.keyframe = database_->Prepare("INSERT INTO keyframe VALUES(?, ?, ?)");
+    insert_.input = database_->Prepare("INSERT INTO input VALUES(?, ?, ?, ?, ?)");
+    insert_.event = database_->Prepare("INSERT INTO event VALUES(?, ?, ?, ?, ?, ?)");
+  });
   begin_ = first.frame->time;
-  if (!AddStep(*first.frame) || !AddKeyframe(first) || !Commit()) return false;
+  if (!made || !AddStep(*first.frame) || !AddKeyframe(first) || !Commit()) return false;
   now_.steps = committed_.steps = 0;
   return true;
 }
 
-bool RunWriter::PrepareStatements() {
-  insert_.step = database_->Prepare("INSERT INTO step VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  insert_.keyframe = database_->Prepare("INSERT INTO keyframe VALUES(?, ?, ?)");
-  insert_.input = database_->Prepare("INSERT INTO input VALUES(?, ?, ?, ?, ?)");
-  insert_.event = database_->Prepare("INSERT INTO event VALUES(?, ?, ?, ?, ?, ?)");
-  return insert_.step && insert_.keyframe && insert_.input && insert_.event;
-}
-
-bool RunWriter::Begin() {
+template <typename Write>
+bool RunWriter::Try(Write write) {
   if (!error_.empty()) return false;
-  if (!dirty_ && !database_->Run("BEGIN")) return Failed();
-  dirty_ = true;
-  return true;
-}
-
-bool RunWriter::Failed() {
-  if (error_.empty()) {
-    full_ = database_->full();
-    error_ = database_->error();
+  try {
+    if (!dirty_) database_->Run("BEGIN");
+    dirty_ = true;
+    write();
+    return true;
+  } catch (const DatabaseError& failed) {
+    error_ = failed.what();
+    full_ = failed.full();
   }
-  if (database_->in_transaction()) database_->Run("ROLLBACK");
+  database_->RollBack();
   dirty_ = false;
   now_ = committed_;
   return false;
@@ -212,32 +180,32 @@ void RunWriter::GoOn() {
   error_.clear();
   full_ = false;
   // The log is written anew from its start then, and takes less room.
-  database_->Run("PRAGMA wal_checkpoint");
+  database_->Try("PRAGMA wal_checkpoint");
 }
 
 bool RunWriter::AddStep(const Frame& frame) {
-  if (!Begin()) return false;
-  const bool new_scene = frame.scene != now_.scene;
-  if (new_scene) {
-    now_.scene = frame.scene;
-    if (!WriteScene(*database_, ++now_.scene_number, frame.step, *now_.scene) ||
-        !LinkScene(*database_, now_.ends[kSceneTable])) {
-      return Failed();
-    }
-    now_.is_recomputed.assign(now_.scene->robots.size(), false);
-    for (std::size_t i = 0; i < now_.scene->robots.size() && !options_.header.what.controllers; ++i) {
-      now_.is_recomputed[i] = !now_.scene->robots[i].entry.controller.empty();
-    }
+  return Try([&] {
+    const bool new_scene = frame.scene != now_.scene;
+    if (new_scene) BeginScene(frame);
+    FindCommands(frame, new_scene);
+    messages_.clear();
+    std::copy_if(frame.messages.begin(), frame.messages.end(), std::back_inserter(messages_),
+                 [&frame](const SentMessage& sent) { return sent.step == frame.step; });
+    WriteRow(frame);
+    ++now_.steps;
+    now_.end = frame.time;
+    now_.last_step = frame.step;
+  });
+}
+
+void RunWriter::BeginScene(const Frame& frame) {
+  now_.scene = frame.scene;
+  WriteScene(*database_, ++now_.scene_number, frame.step, *now_.scene);
+  LinkScene(*database_, now_.ends[kSceneTable]);
+  now_.is_recomputed.assign(now_.scene->robots.size(), false);
+  for (std::size_t i = 0; i < now_.scene->robots.size() && !options_.header.what.controllers; ++i) {
+    now_.is_recomputed[i] = !now_.scene->robots[i].entry.controller.empty();
   }
-  FindCommands(frame, new_scene);
-  messages_.clear();
-  std::copy_if(frame.messages.begin(), frame.messages.end(), std::back_inserter(messages_),
-               [&frame](const SentMessage& sent) { return sent.step == frame.step; });
-  if (!WriteRow(frame)) return Failed();
-  ++now_.steps;
-  now_.end = frame.time;
-  now_.last_step = frame.step;
-  return true;
 }
 
 void RunWriter::FindCommands(const Frame& frame, bool new_scene) {
@@ -271,7 +239,7 @@ void RunWriter::EncodeShown(const Frame& frame) {
   if (what.targets) EncodeTargets(frame, targets_);
 }
 
-bool RunWriter::WriteRow(const Frame& frame) {
+void RunWriter::WriteRow(const Frame& frame) {
   for (auto* blob : {&commands_blob_, &messages_blob_, &wheels_, &distances_, &targets_, &poses_}) {
     blob->clear();
   }
@@ -281,90 +249,81 @@ bool RunWriter::WriteRow(const Frame& frame) {
     EncodeShown(frame);
     now_.shown = frame.time;
   }
-  RowInserter row(insert_.step, now_.ends[kStepTable]);
-  row.Integer(static_cast<std::int64_t>(frame.step));
-  row.Integer(frame.time);
-  row.Integer(static_cast<std::int64_t>(StateHash(frame)));
-  row.Integer(now_.scene_number);
-  for (const auto* blob : {&commands_blob_, &messages_blob_, &wheels_, &distances_, &targets_, &poses_}) {
-    row.Blob(*blob);
-  }
-  return row.Run();
+  InsertChained(insert_.step, now_.ends[kStepTable], static_cast<std::int64_t>(frame.step), frame.time,
+                static_cast<std::int64_t>(StateHash(frame)), now_.scene_number, commands_blob_,
+                messages_blob_, wheels_, distances_, targets_, poses_);
 }
 
 bool RunWriter::AddKeyframe(const SavedState& state) {
-  if (!Begin()) return false;
-  const std::vector<std::byte> bytes = EncodeState(state);
-  RowInserter row(insert_.keyframe, now_.ends[kKeyframeTable]);
-  row.Integer(static_cast<std::int64_t>(state.frame->step));
-  row.Blob(bytes);
-  return row.Run() || Failed();
+  return Try([&] {
+    InsertChained(insert_.keyframe, now_.ends[kKeyframeTable], static_cast<std::int64_t>(state.frame->step),
+                  EncodeState(state));
+  });
 }
 
 bool RunWriter::AddInput(const RunInput& input) {
-  if (!Begin()) return false;
-  if (const auto* unload = As<edit::UnloadController>(input.what)) {
-    const int robot = now_.scene->FindRobot(unload->robot);
-    if (robot >= 0) now_.is_recomputed[static_cast<std::size_t>(robot)] = false;
-  }
-  RowInserter row(insert_.input, now_.ends[kInputTable]);
-  row.Integer(now_.ends[kInputTable].id + 1);
-  row.Integer(static_cast<std::int64_t>(input.step));
-  const InputText text = Encode(input);
-  row.Text(text.action);
-  row.Text(text.detail);
-  return row.Run() || Failed();
+  return Try([&] {
+    if (const auto* unload = As<edit::UnloadController>(input.what)) {
+      const int robot = now_.scene->FindRobot(unload->robot);
+      if (robot >= 0) now_.is_recomputed[static_cast<std::size_t>(robot)] = false;
+    }
+    TableEnd& end = now_.ends[kInputTable];
+    const InputText text = Encode(input);
+    InsertChained(insert_.input, end, end.id + 1, static_cast<std::int64_t>(input.step), text.action,
+                  text.detail);
+  });
 }
 
 bool RunWriter::AddEvent(const Event& event) {
-  if (!Begin()) return false;
-  RowInserter row(insert_.event, now_.ends[kEventTable]);
-  row.Integer(now_.ends[kEventTable].id + 1);
-  row.Integer(static_cast<std::int64_t>(event.step));
-  row.Integer(static_cast<std::int64_t>(std::llround(event.time_s * 1e9)));
-  row.Text(event.level);
-  row.Text(event.text);
-  return row.Run() || Failed();
+  return Try([&] {
+    TableEnd& end = now_.ends[kEventTable];
+    InsertChained(insert_.event, end, end.id + 1, static_cast<std::int64_t>(event.step),
+                  static_cast<std::int64_t>(std::llround(event.time_s * 1e9)), event.level, event.text);
+  });
 }
 
 bool RunWriter::AddLost(std::uint64_t steps) {
-  if (!Begin()) return false;
-  now_.lost += steps;
-  return SetMeta(*database_, "lost", static_cast<std::int64_t>(now_.lost)) || Failed();
+  return Try([&] {
+    now_.lost += steps;
+    SetMeta(*database_, "lost", now_.lost);
+  });
 }
 
 bool RunWriter::AddLostAfter(std::uint64_t steps) {
-  if (!Begin()) return false;
-  now_.lost_after += steps;
-  return AddLost(steps) &&
-         (SetMeta(*database_, "lost_after", static_cast<std::int64_t>(now_.lost_after)) || Failed());
+  return AddLost(steps) && Try([&] {
+           now_.lost_after += steps;
+           SetMeta(*database_, "lost_after", now_.lost_after);
+         });
 }
 
 bool RunWriter::Commit() {
   if (!error_.empty()) return false;
-  if (dirty_ && (!SetMetaText(*database_, "ends", EndsText(now_.ends)) || !Seal(*database_) ||
-                 !database_->Run("COMMIT"))) {
-    return Failed();
-  }
-  if (dirty_) committed_ = now_;
+  if (!dirty_) return true;
+  const bool written = Try([&] {
+    SetMeta(*database_, "ends", EndsText(now_.ends));
+    Seal(*database_);
+    database_->Run("COMMIT");
+  });
+  if (written) committed_ = now_;
   dirty_ = false;
-  return true;
+  return written;
 }
 
 bool RunWriter::Close(std::string& remark) {
-  const auto last_step = static_cast<std::int64_t>(now_.last_step);
-  if (!Begin() || !SetMeta(*database_, "last_step", last_step) || !SetMeta(*database_, "closed", 1)) {
-    return Failed();
-  }
-  if (!Commit()) return false;
+  const bool written = Try([&] {
+    SetMeta(*database_, "last_step", now_.last_step);
+    SetMeta(*database_, "closed", 1);
+  });
+  if (!written || !Commit()) return false;
   insert_ = Statements();
-  database_->Run("PRAGMA busy_timeout = " + std::to_string(kCloseTimeoutMs));
-  database_->Run("PRAGMA wal_checkpoint(TRUNCATE)");
-  const bool plain = database_->MakePlain();
-  database_.reset();
-  if (!plain) {
+  database_->Try("PRAGMA busy_timeout = " + std::to_string(kCloseTimeoutMs));
+  database_->Try("PRAGMA wal_checkpoint(TRUNCATE)");
+  try {
+    database_->MakePlain();
+  } catch (const DatabaseError&) {
     remark = file_ + " is open elsewhere: " + file_ + "-wal belongs to it until it is closed there";
   }
+  database_.reset();
   return true;
 }
 

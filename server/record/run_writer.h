@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "server/record/row_chain.h"
 #include "server/record/run_header.h"
-#include "server/record/run_seal.h"
 #include "server/record/sqlite_db.h"
 #include "server/state/run_journal.h"
 
@@ -75,11 +75,11 @@ class RunWriter {
   RunWriter(std::string file, RunWriterOptions options);
 
   bool Open(const SavedState& first);
-  bool PrepareStatements();
-  /// A transaction is open; false if it cannot be.
-  bool Begin();
-  bool Failed();
-  bool WriteRow(const Frame& frame);
+  /// `write()` in a transaction. False if it throws: error() says why, and the transaction is undone.
+  template <typename Write>
+  bool Try(Write write);
+  void BeginScene(const Frame& frame);
+  void WriteRow(const Frame& frame);
   void EncodeShown(const Frame& frame);
   /// Set-points that differ from those in force so far, or all of a new scene; into commands_.
   void FindCommands(const Frame& frame, bool new_scene);
@@ -91,7 +91,7 @@ class RunWriter {
   struct Statements {
     Statement step, keyframe, input, event;
   };
-  Statements insert_;
+  Statements insert_;  // they go before the database
   std::string error_;
   bool dirty_ = false, full_ = false;
   Nanoseconds begin_ = 0;

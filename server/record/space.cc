@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: MIT
-// EstimateSpace() and its words, of recorder.h.
+#include "server/record/space.h"
+
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
 
-#include "server/record/recorder.h"
-#include "server/record/step_row.h"
+#include "server/record/pose_codec.h"
 
 namespace coopdyn {
 
 namespace {
 
+// SQLite's record header, step number, time, hash, scene, chain.
+constexpr std::size_t kFixedBytes = 41;
 constexpr double kStepsPerKeyframe = 500;  // as RecorderOptions says by default
+constexpr double kPageShare = 1.06;        // what pages take for their rows, on average
 
 /// Two figures and a unit: 950 B, 2.0 MB, 58 GB.
 std::string BytesText(double bytes) {
@@ -31,19 +36,41 @@ std::string BytesText(double bytes) {
 
 }  // namespace
 
+std::size_t StepRowBytes(const Frame& frame, const RecordWhat& what, bool shown) {
+  std::size_t bytes = kFixedBytes;
+  if (!shown) return bytes;
+  bytes += 1 + frame.bodies.size() * kPoseBytes;
+  const std::size_t robots = frame.scene->robots.size();
+  if (what.wheels) bytes += robots * kWheelsBytes;
+  if (what.targets) bytes += robots * frame.scene->targets.size() * 2 * sizeof(float);
+  if (what.distances) {
+    for (const SceneRobot& robot : frame.scene->robots) {
+      bytes += robot.entry.model->distance_sensors.size() * sizeof(float);
+    }
+  }
+  return bytes;
+}
+
+std::size_t PageSizeFor(std::size_t row_bytes) {
+  // Some sixteen rows to a page, so that little is left over at its end. A row too long for eight goes on in
+  // pages of its own: of small ones the last is filled best.
+  constexpr std::size_t kLeast = 4096, kMost = 65536;
+  if (row_bytes > kMost / 8) return kLeast;
+  return std::clamp(std::bit_ceil(16 * row_bytes), kLeast, kMost);
+}
+
 SpaceNeeded EstimateSpace(const Frame& frame, const RecordWhat& what, Nanoseconds pose_every,
                           double duration_s, const std::string& file) {
   SpaceNeeded space;
-  const std::size_t shown_bytes = StepRowBytes(frame, what, true);
-  const std::size_t page_size = BestPageSize(shown_bytes);
   const double step_s = ToSeconds(frame.step_length);
   const double shown_share = pose_every > frame.step_length
                                  ? static_cast<double>(frame.step_length) / static_cast<double>(pose_every)
                                  : 1;
-  const auto keyframe_bytes = static_cast<double>(frame.bodies.size() * sizeof(BodyState) +
-                                                  frame.channels.size() * sizeof(ChannelState));
-  const double per_step = FileBytesPerRow(shown_bytes, page_size) * shown_share +
-                          FileBytesPerRow(StepRowBytes(frame, what, false), page_size) * (1 - shown_share) +
+  const auto shown_bytes = static_cast<double>(StepRowBytes(frame, what, true));
+  const auto other_bytes = static_cast<double>(StepRowBytes(frame, what, false));
+  const auto keyframe_bytes =
+      static_cast<double>(frame.bodies.size() * sizeof(BodyState) + frame.channels.size() * sizeof(ChannelState));
+  const double per_step = kPageShare * (shown_bytes * shown_share + other_bytes * (1 - shown_share)) +
                           keyframe_bytes / kStepsPerKeyframe;
   space.bytes_per_s = per_step / step_s;
   if (duration_s > 0 && std::isfinite(duration_s)) space.bytes_in_all = space.bytes_per_s * duration_s;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// SQLite with owners instead of handles: a database and its prepared statements. What reads throws, so that
-// no error can be taken for the end of the rows; what writes returns false, and nobody may ignore it. One
-// thread at a time.
+// SQLite with owners instead of handles: a database and its prepared statements. What fails throws
+// DatabaseError, so that no error is taken for the end of the rows; those who use this let it cross no
+// thread. One thread at a time.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,51 +21,76 @@ struct sqlite3_stmt;
 
 namespace coopdyn {
 
-class Database;
-
-/// SQLite could not read: what() is as Database::error() says it.
+/// what() is "lesson1.run: disk I/O error (File too large)".
 class DatabaseError final : public std::runtime_error {
  public:
-  DatabaseError(const std::string& text, bool busy) : std::runtime_error(text), busy_(busy) {}
-  /// Others hold the database.
-  bool busy() const { return busy_; }
+  /// `code`: SQLite's primary one; `reason`: errno of the system, 0: none.
+  explicit DatabaseError(const std::string& text, int code = 0, int reason = 0)
+      : std::runtime_error(text), code_(code), reason_(reason) {}
+
+  int code() const { return code_; }
+  /// Other programs hold the database.
+  bool busy() const;
+  /// It is no database, a damaged one, or its disk cannot be read.
+  bool damaged() const;
+  /// There is no room: the disk, a quota, or a limit on the size of files.
+  bool full() const;
 
  private:
-  bool busy_;
+  int code_, reason_;
 };
+
+class Database;
 
 /// A prepared statement. Its database lives longer. Parameters count from 1, columns from 0, as in SQL.
 class Statement {
  public:
   enum class Kind : std::uint8_t { kNull, kInteger, kReal, kText, kBlob };
 
+  /// Is none: only to be assigned to.
   Statement() = default;
-  Statement(Statement&& other) noexcept;
-  Statement& operator=(Statement&& other) noexcept;
-  ~Statement();
 
-  /// False: it could not be prepared; Database::error() says why.
-  explicit operator bool() const { return statement_ != nullptr; }
-
-  void Bind(int parameter, std::int64_t value);
+  /// The greatest number that SQLite has stands for those beyond it.
+  template <std::integral Integer>
+  void Bind(int parameter, Integer value) {
+    constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+    BindInteger(parameter, std::cmp_less(value, kMost) ? static_cast<std::int64_t>(value) : kMost);
+  }
   void Bind(int parameter, double value);
-  void BindNull(int parameter);
   /// Text and bytes are not copied: they stay as they are until Reset() or the next Bind().
-  void BindText(int parameter, std::string_view text);
+  void Bind(int parameter, std::string_view text);
   /// No bytes at all are NULL.
-  void BindBlob(int parameter, std::span<const std::byte> bytes);
+  void Bind(int parameter, std::span<const std::byte> bytes);
+  void BindNull(int parameter);
+  /// Nothing is NULL.
+  template <typename Value>
+  void Bind(int parameter, const std::optional<Value>& value) {
+    value ? Bind(parameter, *value) : BindNull(parameter);
+  }
 
-  /// Goes on to the next row. False: there is none, and the statement is reset. Throws DatabaseError, also if
-  /// it could not be prepared.
+  /// Binds the first parameters.
+  template <typename... Values>
+  void BindAll(const Values&... values) {
+    int parameter = 0;
+    (Bind(++parameter, values), ...);
+  }
+
+  /// Goes on to the next row. False: there is none, and the statement is reset.
   [[nodiscard]] bool Step();
-  /// Steps to the end of a statement without rows, and resets it; false on error.
-  [[nodiscard]] bool Run();
+  /// Binds the first parameters, steps to the end, and resets.
+  template <typename... Values>
+  void Run(const Values&... values) {
+    BindAll(values...);
+    while (Step()) {
+    }
+  }
   /// Ready for new parameters and another run. What was bound stays bound.
   void Reset();
 
+  int columns() const;
   Kind kind(int column) const;
-  bool is_null(int column) const;
-  bool is_integer(int column) const;
+  bool is_null(int column) const { return kind(column) == Kind::kNull; }
+  bool is_integer(int column) const { return kind(column) == Kind::kInteger; }
   std::int64_t integer(int column) const;
   double real(int column) const;
   std::string text(int column) const;
@@ -72,10 +99,12 @@ class Statement {
 
  private:
   friend class Database;
-  Statement(sqlite3_stmt* statement, const Database& database)
-      : statement_(statement), database_(&database) {}
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  void BindInteger(int parameter, std::int64_t value);
 
-  sqlite3_stmt* statement_ = nullptr;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
   const Database* database_ = nullptr;  // where it was prepared
 };
 
@@ -88,39 +117,43 @@ class Database {
   /// file is trusted: its schema can call no function with side effects. Waits up to two seconds for locks of
   /// other processes.
   static std::unique_ptr<Database> Open(const std::string& file, Access access, std::string& error);
-  ~Database();
-  Database(const Database&) = delete;
-  Database& operator=(const Database&) = delete;
 
   const std::string& file() const { return file_; }
-  /// Empty with error() if `sql` cannot be prepared.
-  Statement Prepare(std::string_view sql);
-  /// Runs statements, separated by semicolons, and drops their rows; false on error.
-  bool Run(const std::string& sql);
-  /// The first column of the first row; nothing if there is none, or it is NULL. Throws DatabaseError.
-  std::optional<std::int64_t> Integer(std::string_view sql);
-  std::optional<std::string> Text(std::string_view sql);
+  Statement Prepare(std::string_view sql) const;
+  /// Runs statements, separated by semicolons, and drops their rows.
+  void Run(const std::string& sql);
+  /// The same; false, and error() says why, if it fails.
+  bool Try(const std::string& sql);
+  /// The first column of the first row of `sql` with `values` as parameters; nothing if there is none, or it
+  /// is NULL.
+  template <typename... Values>
+  std::optional<std::int64_t> Integer(std::string_view sql, const Values&... values) const {
+    Statement row = Prepare(sql);
+    row.BindAll(values...);
+    return row.Step() && !row.is_null(0) ? std::optional(row.integer(0)) : std::nullopt;
+  }
+  template <typename... Values>
+  std::optional<std::string> Text(std::string_view sql, const Values&... values) const {
+    Statement row = Prepare(sql);
+    row.BindAll(values...);
+    return row.Step() && !row.is_null(0) ? std::optional(row.text(0)) : std::nullopt;
+  }
+  /// Ends the present transaction, if there is one: SQLite ends it itself when the disk is full.
+  void RollBack();
   /// Makes a log that lies beside the file part of it, if nobody else has it open: then all is in one file.
-  [[nodiscard]] bool MakePlain();
-  /// A transaction has begun and not ended; SQLite ends one itself when the disk is full.
-  bool in_transaction() const;
-
-  /// Of the last call that failed: "lesson1.run: disk I/O error (File too large)".
-  std::string error() const;
-  /// SQLite's primary code of it, e.g. SQLITE_BUSY; 0: none.
-  int error_code() const;
-  /// It failed since others hold the database: error_code() is SQLITE_BUSY or SQLITE_LOCKED.
-  bool busy() const;
-  /// It failed since the file is no database, a damaged one, or its disk cannot be read.
-  bool damaged() const;
-  /// The last call that failed found no room: the disk, a quota, or a limit on the size of files.
-  bool full() const;
+  void MakePlain();
+  /// Of the last call that failed.
+  DatabaseError last_error() const;
+  std::string error() const { return last_error().what(); }
 
  private:
+  struct Close {
+    void operator()(sqlite3* database) const;
+  };
   Database(std::string file, sqlite3* database) : file_(std::move(file)), database_(database) {}
 
   const std::string file_;
-  sqlite3* const database_;
+  const std::unique_ptr<sqlite3, Close> database_;
 };
 
 }  // namespace coopdyn

@@ -13,8 +13,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "server/record/run_reader_journal.h"
-#include "server/record/run_reader_open.h"
+#include "server/record/run_open.h"
 
 namespace coopdyn {
 

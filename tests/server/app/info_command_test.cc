@@ -163,7 +163,7 @@ TEST_F(InfoCommandTest, NamesTheLogThatIsNotPartOfTheFile) {
   std::string remark, error;
   const auto writer = Record();
   const auto other = Database::Open(file_, Database::Access::kReadOnly, error);
-  ASSERT_TRUE(other->Run("BEGIN; SELECT * FROM step"));
+  ASSERT_TRUE(other->Try("BEGIN; SELECT * FROM step"));
   ASSERT_TRUE(writer->Close(remark));
   EXPECT_EQ(Run(), kExitOk) << errors_.str();
   ExpectLine("  log       " + file_ +
@@ -203,7 +203,7 @@ TEST_F(InfoCommandTest, StepsThatWereCutOffTheEndAreMissing) {
   {
     std::string error;
     const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
-    ASSERT_TRUE(database != nullptr && database->Run("DELETE FROM step WHERE step > 1")) << error;
+    ASSERT_TRUE(database != nullptr && database->Try("DELETE FROM step WHERE step > 1")) << error;
   }
   EXPECT_EQ(Run(), kExitErrors) << errors_.str();
   ExpectLine("missing   3 steps at the end: the file is damaged\n");
@@ -236,7 +236,7 @@ TEST_F(InfoCommandTest, PluginsAreToldWithTheirHashes) {
   {
     std::string error;
     const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
-    ASSERT_TRUE(database->Run("INSERT INTO meta VALUES('controllers', 'a b 0123456789abcdef, flock 00ff')"));
+    ASSERT_TRUE(database->Try("INSERT INTO meta VALUES('controllers', 'a b 0123456789abcdef, flock 00ff')"));
   }
   Rechain(file_);
   EXPECT_EQ(Run(), kExitOk) << errors_.str() << out_.str();

@@ -53,7 +53,7 @@ class RunChainTest : public ::testing::Test {
     std::string error;
     const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
     ASSERT_NE(database, nullptr) << error;
-    ASSERT_TRUE(database->Run(sql)) << database->error();
+    ASSERT_TRUE(database->Try(sql)) << database->error();
   }
   std::unique_ptr<RunChain> Open() const {
     std::string error;
@@ -82,7 +82,7 @@ TEST_F(RunChainTest, AFileThatAnotherProgramHoldsWasNotChanged) {
   std::string error;
   const auto other = Database::Open(file_, Database::Access::kReadWrite, error);
   const auto chain = Open();
-  ASSERT_TRUE(other->Run("BEGIN EXCLUSIVE"));
+  ASSERT_TRUE(other->Try("BEGIN EXCLUSIVE"));
   EXPECT_EQ(chain->CheckHead(), "");
   EXPECT_THAT(chain->error(), HasSubstr("another program holds it, try again"));
   EXPECT_EQ(RunChain::Open(file_, error), nullptr);

@@ -43,7 +43,7 @@ class RunReaderDamageTest : public testing::Test {
     sample_.Write(file_);
     std::string error;
     const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
-    EXPECT_TRUE(database->Run(sql)) << database->error();
+    EXPECT_TRUE(database->Try(sql)) << database->error();
     return Refusal();
   }
   /// Everything that a reader can be asked.
@@ -107,7 +107,7 @@ TEST_F(RunReaderDamageTest, SaysThatAForeignFileIsNoRecording) {
 TEST_F(RunReaderDamageTest, ADatabaseOfAnotherProgramIsNotTouched) {
   std::string error;
   auto database = Database::Open(file_, Database::Access::kCreate, error);
-  ASSERT_TRUE(database->Run("PRAGMA journal_mode = WAL; CREATE TABLE meta(key, value)"));
+  ASSERT_TRUE(database->Try("PRAGMA journal_mode = WAL; CREATE TABLE meta(key, value)"));
   EXPECT_SAYS(Refusal(), "it is a database of another program");
   EXPECT_EQ(database->Text("PRAGMA journal_mode"), "wal");
   database.reset();
@@ -224,7 +224,7 @@ TEST_F(RunReaderDamageTest, AScenarioThatCannotBeReadSaysWhere) {
   std::string error;
   const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
   ASSERT_TRUE(
-      database->Run("UPDATE text SET content = '[ROBOT_1]' || char(10) || 'type warp' WHERE kind = "
+      database->Try("UPDATE text SET content = '[ROBOT_1]' || char(10) || 'type warp' WHERE kind = "
                     "'scenario'"));
   const auto reader = RunReader::Open(file_, error);
   ASSERT_NE(reader, nullptr) << error;

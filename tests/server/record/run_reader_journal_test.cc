@@ -4,8 +4,8 @@
 
 #include <fstream>
 
+#include "server/record/run_open.h"
 #include "server/record/run_reader.h"
-#include "server/record/run_reader_open.h"
 #include "tests/server/record/run_reader_sample.h"
 
 namespace coopdyn {
@@ -20,7 +20,7 @@ class RunReaderJournalTest : public testing::Test {
   std::unique_ptr<Database> Change(const std::string& file, const std::string& sql) {
     auto database = Database::Open(file, Database::Access::kCreate, error_);
     EXPECT_NE(database, nullptr) << error_;
-    EXPECT_TRUE(database->Run(sql)) << database->error();
+    EXPECT_TRUE(database->Try(sql)) << database->error();
     return database;
   }
   /// `left`: `file` as a kill in the midst of `sql` leaves it: pages are in the file, the journal is whole.

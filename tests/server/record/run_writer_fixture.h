@@ -10,7 +10,6 @@
 
 #include "record_fixture.h"
 #include "server/record/run_writer.h"
-#include "server/record/step_row.h"
 
 namespace coopdyn {
 
@@ -24,8 +23,7 @@ class RunFile {
   }
   std::vector<std::byte> Blob(const std::string& sql) {
     Statement row = database_->Prepare(sql);
-    EXPECT_TRUE(row) << database_->error();
-    if (!row || !row.Step()) return {};
+    if (!row.Step()) return {};
     const auto bytes = row.blob(0);
     return {bytes.begin(), bytes.end()};
   }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <gtest/gtest.h>
+#include "server/record/space.h"
 
 #include "record_fixture.h"
-#include "server/record/recorder.h"
 
 namespace coopdyn {
 namespace {
@@ -31,6 +30,25 @@ TEST(SpaceTest, TheEstimateIsThatOfTheFile) {
     EXPECT_NEAR(space.bytes_in_all, bytes, 0.1 * bytes + 200e3);
     EXPECT_DOUBLE_EQ(space.bytes_in_all, 30 * space.bytes_per_s);
     EXPECT_GT(space.bytes_free, 0);
+  }
+}
+
+TEST(SpaceTest, PagesSuitTheRows) {
+  TempFolder folder;
+  std::string error;
+  for (const std::size_t row : {60UL, 300UL, 1800UL, 1840UL, 4100UL, 9000UL, 18037UL, 90037UL}) {
+    const std::string file = folder.File(std::to_string(row) + ".db");
+    const auto database = Database::Open(file, Database::Access::kCreate, error);
+    ASSERT_NE(database, nullptr) << error;
+    database->Run("PRAGMA page_size = " + std::to_string(PageSizeFor(row)) +
+                  "; CREATE TABLE step(step INTEGER PRIMARY KEY, poses BLOB); BEGIN");
+    Statement insert = database->Prepare("INSERT INTO step VALUES(?, ?)");
+    const std::vector<std::byte> poses(row);
+    const auto rows = static_cast<std::int64_t>(10'000'000 / row);
+    for (std::int64_t step = 0; step < rows; ++step) insert.Run(step, poses);
+    database->Run("COMMIT");
+    const auto bytes = static_cast<double>(std::filesystem::file_size(file));
+    EXPECT_LE(bytes, 1.1 * static_cast<double>(rows * static_cast<std::int64_t>(row + 8))) << row;
   }
 }
 

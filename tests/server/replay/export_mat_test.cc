@@ -231,7 +231,7 @@ TEST_F(ExportMatTest, MoreThanAFileHoldsIsRefusedAtOnce) {
   std::string error;
   const auto database = Database::Open(File("run.run"), Database::Access::kReadWrite, error);
   ASSERT_NE(database, nullptr) << error;
-  ASSERT_TRUE(database->Run(
+  ASSERT_TRUE(database->Try(
       "INSERT INTO step(step, time_ns, hash, scene) WITH RECURSIVE n(i) AS (VALUES (3) UNION ALL SELECT i + "
       "1 "
       "FROM n WHERE i < 200000) SELECT i, i * 10000000, 0, (SELECT max(scene) FROM step) FROM n"));

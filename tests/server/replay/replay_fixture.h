@@ -179,7 +179,7 @@ class Tamper {
     database_ = Database::Open(file, Database::Access::kReadWrite, error);
     if (database_ == nullptr) throw std::runtime_error(error);
   }
-  void Run(const std::string& sql) { ASSERT_TRUE(database_->Run(sql)) << database_->error(); }
+  void Run(const std::string& sql) { ASSERT_TRUE(database_->Try(sql)) << database_->error(); }
   /// Flips bit `bit` of the blob that `select` finds, and writes it back with `update`, whose ?1 it is.
   void FlipBit(const std::string& select, const std::string& update, std::size_t bit) {
     Statement read = database_->Prepare(select);
@@ -189,9 +189,7 @@ class Tamper {
     read.Reset();
     ASSERT_LT(bit / 8, blob.size());
     blob[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
-    Statement write = database_->Prepare(update);
-    write.BindBlob(1, blob);
-    ASSERT_TRUE(write.Run()) << database_->error();
+    database_->Prepare(update).Run(blob);
   }
   void FlipCommand(std::uint64_t step, std::size_t bit) {
     const std::string where = " WHERE step = " + std::to_string(step);

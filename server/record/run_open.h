@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Opens the file of a recording: says what is no recording, tells one that is being written from one that a
-// crash has left, and mends the latter. Nobody's file but a recording's is ever written to, and that only if
-// no other program has it open. One thread.
+// crash has left, and mends the latter. Only the file of a recording is ever written to, and only if no other
+// program has it open. One thread.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
 
-#include "server/record/run_header.h"
 #include "server/record/sqlite_db.h"
 
 namespace coopdyn {
@@ -24,6 +22,9 @@ struct OpenedRun {
 /// `growing` may be true then, too: its recorder has made the file and not yet written to it.
 OpenedRun OpenRun(const std::string& file, std::string& error);
 
+/// Looks at the bytes, without SQLite: `file` begins as a recording does.
+bool BeginsAsRecording(const std::string& file);
+
 /// The name of the `-wal` or `-journal` with bytes in it that SQLite has beside `file`: the file alone is not
 /// the whole run, copy both. Empty: there is none.
 std::string UnmergedLog(const std::string& file);
@@ -32,12 +33,6 @@ std::string UnmergedLog(const std::string& file);
 std::string UnfinishedText(const std::string& error);
 
 /// Whether meta says that the recording was closed. Throws DatabaseError.
-bool IsClosed(Database& database);
-
-/// All but the texts' absence is checked; false with `error` if it is damaged. Throws DatabaseError.
-bool ReadHeader(Database& database, RunHeader& header, std::string& error);
-
-/// Steps left out, from the gaps before keyframes: whatever was lost ends with one. Throws DatabaseError.
-std::uint64_t CountLost(Database& database);
+bool IsClosed(const Database& database);
 
 }  // namespace coopdyn
