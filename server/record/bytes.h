@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Little-endian numbers to and from bytes, for the codecs of run files. Any machine; pure.
+// A value whose bytes are described once for both ways has a function template `void CodeThing(auto& codec,
+// auto& thing)`, which names each field in order: a ByteWriter writes them where a ByteReader reads and
+// checks them.
 #pragma once
 
 #include <bit>
+#include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -45,6 +50,31 @@ class ByteWriter {
     PutBytes(std::as_bytes(std::span(text)));
   }
   void PutBytes(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+
+  // --- for both ways
+  static constexpr bool kReads = false;
+  void Number(auto number) { Put(number); }
+  template <typename Numbers>
+  void Finite(const Numbers& numbers) {
+    if constexpr (std::floating_point<Numbers>) {
+      Put(numbers);
+    } else {
+      PutAll(numbers);
+    }
+  }
+  void AtLeast(double /*least*/, double number) { Put(number); }
+  void Size(double size) { Put(size); }
+  void Bool(bool value) { Put(static_cast<std::uint8_t>(value ? 1 : 0)); }
+  template <typename Enum>
+  void Word(Enum word, Enum /*last*/) {
+    Put(static_cast<std::uint8_t>(word));
+  }
+  void Text(std::string_view text) { PutText(text); }
+  template <typename Items, typename Code>
+  void List(const Items& items, std::size_t /*bytes_each*/, Code code) {
+    Put(static_cast<std::uint32_t>(items.size()));
+    for (const auto& item : items) code(item);
+  }
 
  private:
   std::vector<std::byte>& bytes_;
@@ -109,6 +139,55 @@ class ByteReader {
     const std::span<const std::byte> read = bytes_.first(count);
     bytes_ = bytes_.subspan(count);
     return read;
+  }
+
+  // --- for both ways
+  static constexpr bool kReads = true;
+  void Require(bool holds) {
+    if (!holds) Fail();
+  }
+  template <typename Value>
+  void Number(Value& number) {
+    number = Get<Value>();
+  }
+  /// A number or several.
+  template <typename Numbers>
+  void Finite(Numbers& numbers) {
+    if constexpr (std::floating_point<Numbers>) {
+      Number(numbers);
+      Require(std::isfinite(numbers));
+    } else {
+      for (auto& number : numbers) Finite(number);
+    }
+  }
+  void AtLeast(double least, double& number) {
+    Finite(number);
+    Require(number >= least);
+  }
+  /// A length that a thing can have.
+  void Size(double& size) {
+    Finite(size);
+    Require(size > 0);
+  }
+  void Bool(bool& value) {
+    const auto byte = Get<std::uint8_t>();
+    Require(byte <= 1);
+    value = byte != 0;
+  }
+  /// A word of an enum whose last one is `last`.
+  template <typename Enum>
+  void Word(Enum& word, Enum last) {
+    const auto byte = Get<std::uint8_t>();
+    Require(byte <= static_cast<std::uint8_t>(last));
+    word = ok_ ? static_cast<Enum>(byte) : last;
+  }
+  void Text(std::string& text) { text = GetText(); }
+  /// A u32 count and things of at least `bytes_each` ≥ 1, so that no more memory is taken than there are
+  /// bytes.
+  template <typename Items, typename Code>
+  void List(Items& items, std::size_t bytes_each, Code code) {
+    const std::size_t count = GetCount(bytes_each);
+    for (std::size_t i = 0; ok_ && i < count; ++i) code(items.emplace_back());
   }
 
  private:
