@@ -11,7 +11,7 @@ namespace coopdyn::client {
 namespace {
 
 constexpr std::int64_t kRunId = 0x434F4F50;  // SQLite's application_id of a recording
-constexpr std::int64_t kRunFormat = 1;
+constexpr std::int64_t kRunFormat = 2;
 constexpr int kBusy_ms = 2000;
 
 /// It holds what a recording has not put into its file yet.
@@ -75,7 +75,7 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
   if (Pragma("application_id") != kRunId) throw Error(7, foreign);
   if (const std::int64_t format = Pragma("user_version"); format != kRunFormat) {
     throw Error(5, file + " has format " + std::to_string(format) + ", this client reads format " +
-                       std::to_string(kRunFormat) + ": build it from the daemon's sources");
+                       std::to_string(kRunFormat) + ": build it from that daemon's sources, or record the run again");
   }
 }
 

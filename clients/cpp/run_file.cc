@@ -16,8 +16,8 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr std::size_t kPoseBytes = 18, kCommandBytes = 20, kWheelBytes = 18;
-constexpr double kWheelUnit_rad = 1e-5;
+constexpr std::size_t kPoseBytes = 18, kCommandBytes = 13, kChannelBytes = 9;
+constexpr double kPositionUnit = 1e-5;  // rad or m
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> kReadings = {"distances", "targets", "wheels"};
 
@@ -37,9 +37,15 @@ struct Place {
   std::size_t body = 0;
   std::int64_t robot = -1;  // its number; -1: it is none
   Pose7 X_BR{0, 0, 0, 1, 0, 0, 0};
-  std::size_t first_sensor = 0, sensors = 0;
+  std::size_t first_sensor = 0, sensors = 0, first_channel = 0, channels = 0;
 };
 using Places = std::map<std::int64_t, Place>;  // by scene
+
+std::size_t MostChannels(const Places& places) {
+  std::size_t most = 0;
+  for (const auto& [scene, place] : places) most = std::max(most, place.channels);
+  return most;
+}
 
 }  // namespace
 
@@ -63,13 +69,15 @@ struct Run::Impl {
     database.ForEach(
         "SELECT s.id, (SELECT count(DISTINCT robot) FROM body WHERE scene = s.id), (SELECT count(*) FROM "
         "robot "
-        "WHERE scene = s.id), (SELECT count(*) FROM body WHERE scene = s.id), (SELECT length(poses) FROM "
-        "step "
-        "WHERE step = s.first_step) FROM scene AS s",
+        "WHERE scene = s.id), (SELECT count(*) FROM body WHERE scene = s.id), length(poses), (SELECT count(*) "
+        "FROM channel WHERE scene = s.id), length(channels) FROM scene AS s LEFT JOIN step ON step = "
+        "s.first_step",
         [&](const RunRow& row) {
           const std::int64_t bytes = 1 + static_cast<std::int64_t>(kPoseBytes) * row.count(3);
-          if (row.count(1) > row.count(2) || (!row.is_null(4) && row.integer(4) != bytes))
-            database.Damaged("robots or bodies of scene " + row.text(0) + " are missing");
+          const std::int64_t channel_bytes = static_cast<std::int64_t>(kChannelBytes) * row.count(5);
+          if (row.count(1) > row.count(2) || (!row.is_null(4) && row.integer(4) != bytes) ||
+              (!row.is_null(6) && row.integer(6) != channel_bytes))
+            database.Damaged("robots, bodies or channels of scene " + row.text(0) + " are missing");
         });
   }
 
@@ -126,8 +134,10 @@ struct Run::Impl {
     Places places;
     database.ForEach(
         "SELECT scene, body, place, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors, (SELECT "
-        "ifnull(sum(b.sensors), 0) FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place) FROM "
-        "robot AS a WHERE name = ?1",
+        "ifnull(sum(b.sensors), 0) FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place), (SELECT "
+        "ifnull(min(place), 0) FROM channel AS c WHERE c.scene = a.scene AND c.robot = a.place), (SELECT "
+        "count(*) FROM channel AS c WHERE c.scene = a.scene AND c.robot = a.place) FROM robot AS a WHERE name "
+        "= ?1",
         [&](const RunRow& row) {
           Place& place = places[row.count(0)];
           place.body = static_cast<std::size_t>(row.count(1));
@@ -135,6 +145,8 @@ struct Run::Impl {
           for (int i = 0; i < 7; ++i) place.X_BR[static_cast<std::size_t>(i)] = row.number(3 + i);
           place.sensors = static_cast<std::size_t>(row.count(10));
           place.first_sensor = static_cast<std::size_t>(row.count(11));
+          place.first_channel = static_cast<std::size_t>(row.count(12));
+          place.channels = static_cast<std::size_t>(row.count(13));
         },
         &name);
     if (!places.empty()) return places;
@@ -303,20 +315,25 @@ RunRows Run::reading(const std::string& name, const std::string& what) const {
     });
     width = 2 * ids.size();
   } else {
-    width = 2;
+    width = MostChannels(places);
   }
   std::vector<double> values;
   std::size_t k = 0;
-  impl_->ForEachMoment("step, scene, " + what, [&](const RunRow& row) {
+  const std::string column = what == "wheels" ? "channels" : what;
+  impl_->ForEachMoment("step, scene, " + column, [&](const RunRow& row) {
     const std::size_t start = width * k++;
     values.resize(start + width, kNaN);
     const auto place = places.find(row.integer(1));
     if (place == places.end() || row.is_null(2)) return;
     const auto robot = static_cast<std::size_t>(place->second.robot);
     if (what == "wheels") {
-      const Bytes raw = impl_->Part(row, 2, kWheelBytes * robot, kWheelBytes, what);
-      for (std::size_t i = 0; i < 2; ++i)
-        values[start + i] = static_cast<double>(Signed(Little(raw.subspan(5 * i, 5)), 40)) * kWheelUnit_rad;
+      const Place& of = place->second;
+      const Bytes raw =
+          impl_->Part(row, 2, kChannelBytes * of.first_channel, kChannelBytes * of.channels, column);
+      for (std::size_t i = 0; i < of.channels; ++i) {
+        const std::int64_t units = Signed(Little(raw.subspan(kChannelBytes * i, 5)), 40);
+        values[start + i] = static_cast<double>(units) * kPositionUnit;
+      }
       return;
     }
     const std::vector<std::size_t>& at = columns[place->first];
@@ -331,7 +348,7 @@ RunRows Run::commands(const std::string& name) const {
   const Places places = impl_->RobotPlacesOf(name);
   const std::string controller = impl_->UnrecordedController(name);
   bool unknown = !controller.empty();
-  std::vector<double> values;
+  std::vector<double> values, in_force(MostChannels(places), kNaN);
   impl_->CheckSteps();
   impl_->database.ForEach(
       "SELECT step, time_ns, scene, commands FROM step WHERE step <= " + std::to_string(impl_->last) +
@@ -341,21 +358,25 @@ RunRows Run::commands(const std::string& name) const {
         if (raw.size() % kCommandBytes != 0) impl_->Damaged("commands", row.integer(0));
         const auto place = places.find(row.integer(2));
         if (place == places.end()) return;
+        bool sent = false;
         for (std::size_t at = 0; at < raw.size(); at += kCommandBytes) {
           const std::uint64_t word = Little(raw.subspan(at, 4));
-          if ((word & 0x7FFFFFFF) != static_cast<std::uint64_t>(place->second.robot)) continue;
+          const std::size_t channel = (word & 0x7FFFFFFF) - place->second.first_channel;
+          if (channel >= place->second.channels) continue;
           unknown = unknown && word < 0x80000000;  // until a client sends one
-          if (unknown) continue;
-          values.insert(values.end(), {static_cast<double>(row.integer(0)), Seconds(row.integer(1)),
-                                       Double(raw.subspan(at + 4)), Double(raw.subspan(at + 12))});
+          in_force[channel] = Double(raw.subspan(at + 5));
+          sent = true;
         }
+        if (!sent || unknown) return;
+        values.insert(values.end(), {static_cast<double>(row.integer(0)), Seconds(row.integer(1))});
+        values.insert(values.end(), in_force.begin(), in_force.end());
       });
   if (unknown)
     throw Error(5, "the commands of " + name + ", driven by controller " + controller +
                        ", were not recorded in " + file() + "; record with --record-what " +
                        impl_->info["what"] + ",controllers");
-  const std::size_t m = values.size() / 4;
-  return {std::move(values), 4, m};
+  const std::size_t width = 2 + in_force.size(), m = values.size() / width;
+  return {std::move(values), width, m};
 }
 
 std::vector<Event> Run::events() const {

@@ -2870,8 +2870,8 @@ def connect(
 
 # --- recorded runs ----------------------------------------------------------------------------------------------------
 
-_RUN_ID, _RUN_FORMAT = 0x434F4F50, 1  # SQLite's application_id and user_version of a recording
-_POSE_BYTES, _COMMAND_BYTES, _WHEEL_BYTES = 18, 20, 18
+_RUN_ID, _RUN_FORMAT = 0x434F4F50, 2  # SQLite's application_id and user_version of a recording
+_POSE_BYTES, _COMMAND_BYTES, _CHANNEL_BYTES = 18, 13, 9
 _RUN_READINGS = ("distances", "targets", "wheels")
 
 
@@ -2894,6 +2894,8 @@ class _Place(NamedTuple):
     q_BR: Tuple[float, float, float, float]
     first_sensor: int
     sensors: int
+    first_channel: int = 0
+    channels: int = 0
 
 
 @_usages("run")
@@ -2919,12 +2921,14 @@ class Run:
             for key in ("seed", "scenario_seed"):
                 meta[key] = int(meta[key])
             self._names = [name for (name,) in self._db.execute("SELECT name FROM robot GROUP BY name ORDER BY min(scene), place")]
-            for scene, bodies, robots, shown in self._db.execute(
+            for scene, bodies, robots, shown, moved in self._db.execute(
                 "SELECT s.id, (SELECT count(DISTINCT robot) FROM body WHERE scene = s.id), (SELECT count(*) FROM robot WHERE "
-                "scene = s.id), (SELECT length(poses) FROM step WHERE step = s.first_step) FROM scene AS s"):
-                count = self._db.execute("SELECT count(*) FROM body WHERE scene = ?", (scene,)).fetchone()[0]
-                if bodies > robots or shown is not None and shown != 1 + _POSE_BYTES * count:
-                    raise ValueError(f"robots or bodies of scene {scene} are missing")
+                "scene = s.id), length(poses), length(channels) FROM scene AS s LEFT JOIN step ON step = s.first_step"):
+                count, channels = (self._db.execute(f"SELECT count(*) FROM {table} WHERE scene = ?", (scene,)).fetchone()[0]
+                                   for table in ("body", "channel"))
+                if (bodies > robots or shown is not None and shown != 1 + _POSE_BYTES * count
+                        or moved is not None and moved != _CHANNEL_BYTES * channels):
+                    raise ValueError(f"robots, bodies or channels of scene {scene} are missing")
         self._info: Dict[str, Any] = meta
         self._whole = False  # its steps were counted
 
@@ -3008,7 +3012,8 @@ class Run:
             width = max(p.sensors for p in places)
             return self._readings(what, width, {p.scene: (4 * p.first_sensor, 4 * p.sensors) for p in places}, {})
         if what == "wheels":
-            return self._readings(what, 2, {p.scene: (_WHEEL_BYTES * p.robot, _WHEEL_BYTES) for p in places}, {})
+            slices = {p.scene: (_CHANNEL_BYTES * p.first_channel, _CHANNEL_BYTES * p.channels) for p in places}
+            return self._readings("channels", max(p.channels for p in places), slices, {})
         columns: Dict[int, List[int]] = {p.scene: [] for p in places}
         with self._reading():
             ids = sorted({i for (i,) in self._db.execute("SELECT DISTINCT id FROM target")})
@@ -3023,9 +3028,11 @@ class Run:
         """The set-points of a robot: step, time [s], left, right [rad/s] of each that came in force, with the step in
         which it did; the first is what was in force when recording began. Error 5 if a loaded controller drove it and
         those were not recorded; if a client took it from the controller, its commands are there."""
-        places = {p.scene: p.robot for p in self._places(name)}
-        if min(places.values()) < 0:
+        found = self._places(name)
+        if found[0].robot < 0:
             raise Error(10, f"{name} is no robot; there are: {_list_of(self._names)}")
+        places = {p.scene: range(p.first_channel, p.first_channel + p.channels) for p in found}
+        in_force = [math.nan] * max(p.channels for p in found)
         out = array.array("d")
         with self._reading():
             self._count()
@@ -3037,20 +3044,17 @@ class Run:
             ):
                 if len(blob) % _COMMAND_BYTES:
                     raise ValueError(f"the commands of step {step} do not add up")
-                if scene not in places:
-                    continue
-                key = struct.pack("<I", places[scene])
-                at = blob.find(key[:3])
-                while at >= 0:
-                    if at % _COMMAND_BYTES == 0 and blob[at + 3] & 0x7F == key[3]:
-                        unknown = unknown and blob[at + 3] < 0x80  # until a client sends one
-                        if not unknown:
-                            out.extend((step, time_ns / 1e9, *struct.unpack_from("<dd", blob, at + 4)))
-                    at = blob.find(key[:3], at + 1)
+                sent = [(i, at) for i, at in enumerate(_command_of(blob, c) for c in places.get(scene, ())) if at >= 0]
+                for i, at in sent:
+                    unknown = unknown and blob[at + 3] < 0x80  # until a client sends one
+                    (in_force[i],) = struct.unpack_from("<d", blob, at + 5)
+                if sent and not unknown:
+                    out.extend((step, time_ns / 1e9, *in_force))
         if unknown:
             raise Error(5, f"the commands of {name}, driven by controller {controller}, were not recorded in {self.file}; "
                            f"record with --record-what {self._info.get('what', '')},controllers")
-        return Rows(out, 4, 0, (len(out) // 4, 4))
+        width = 2 + len(in_force)
+        return Rows(out, width, 0, (len(out) // width, width))
 
     @property
     def events(self) -> List[Event]:
@@ -3106,16 +3110,18 @@ class Run:
     def _places(self, name: str) -> List[_Place]:
         """Where `name` stands, in each scene that has it."""
         with self._reading():
-            found = [_Place(scene, body, place, (px, py, pz), (qw, qx, qy, qz), before or 0, sensors)
-                     for scene, place, body, px, py, pz, qw, qx, qy, qz, sensors, before in self._db.execute(
+            channel = "FROM channel AS c WHERE c.scene = a.scene AND c.robot = a.place"
+            found = [_Place(scene, body, place, (px, py, pz), (qw, qx, qy, qz), before or 0, sensors, first or 0, channels)
+                     for scene, place, body, px, py, pz, qw, qx, qy, qz, sensors, before, first, channels in self._db.execute(
                          "SELECT scene, place, body, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors, (SELECT sum(b.sensors) "
-                         "FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place) FROM robot AS a WHERE name = ? "
+                         "FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place), "
+                         f"(SELECT min(c.place) {channel}), (SELECT count(*) {channel}) FROM robot AS a WHERE name = ? "
                          "ORDER BY scene", (name,))]
             if not found:
                 found = [_Place(scene, place, -1, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), 0, 0) for scene, place in
                          self._db.execute("SELECT scene, place FROM body WHERE name = ? ORDER BY scene", (name,))]
             for p in found:
-                for number in (p.scene, p.body, p.first_sensor, p.sensors):
+                for number in (p.scene, p.body, p.first_sensor, p.sensors, p.first_channel):
                     if not isinstance(number, int) or not 0 <= number < 2**31:
                         raise ValueError(f"the place of {name} is no number that can be")
                 if not math.isfinite(sum(p.p_BR) + sum(p.q_BR)):
@@ -3189,9 +3195,10 @@ class Run:
                     continue
                 if len(raw) != slices[scene][1]:
                     raise ValueError(f"the {what} of step {step} do not add up")
-                if what == "wheels":
-                    out.extend((_WHEEL_UNIT * int.from_bytes(raw[:5], "little", signed=True),
-                                _WHEEL_UNIT * int.from_bytes(raw[5:10], "little", signed=True)))
+                if what == "channels":
+                    row = [_POSITION_UNIT * int.from_bytes(raw[at : at + 5], "little", signed=True)
+                           for at in range(0, len(raw), _CHANNEL_BYTES)]
+                    out.extend(row + list(nothing[len(row) :]))
                 elif scene in shifted:  # another scene has other targets
                     row = list(nothing)
                     for at, pair in zip(shifted[scene], struct.iter_unpack("<2f", raw)):
@@ -3210,7 +3217,17 @@ def _end_of(table: str, ends: Any) -> int:
 
 
 _TURN_SCALE = math.sqrt(2) * (2**19 - 1)  # of the components of a quaternion
-_WHEEL_UNIT = 1e-5  # rad
+_POSITION_UNIT = 1e-5  # rad or m
+
+
+def _command_of(blob: bytes, channel: int) -> int:
+    """Where the command of a channel begins in those of a step; -1: it has none."""
+    key = struct.pack("<I", channel)
+    at = blob.find(key[:3])
+    while at >= 0 and (at % _COMMAND_BYTES or blob[at + 3] & 0x7F != key[3]):
+        at = blob.find(key[:3], at + 1)
+    return at
+
 
 def _pose_from(
     raw: bytes, unit: float, p_BR: Tuple[float, float, float], q_BR: Tuple[float, float, float, float]
@@ -3273,6 +3290,9 @@ def _open_run(file: str) -> "sqlite3.Connection":
             if tag != _RUN_ID:
                 raise Error(7, foreign)
             version = db.execute("PRAGMA user_version").fetchone()[0]
+            if version < _RUN_FORMAT:
+                raise Error(5, f"{file} was recorded in format {version} by an older coopdyn, this coopdyn.py ({__version__}) reads "
+                               f"format {_RUN_FORMAT}: record it again")
             if version != _RUN_FORMAT:
                 raise Error(5, f"{file} has format {version}, this coopdyn.py ({__version__}) reads format {_RUN_FORMAT}: "
                                "take the coopdyn.py that came with the daemon")

@@ -70,6 +70,10 @@ class ByteWriter {
     Put(static_cast<std::uint8_t>(word));
   }
   void Text(std::string_view text) { PutText(text); }
+  void Bytes(const std::vector<std::byte>& bytes) {
+    Put(static_cast<std::uint32_t>(bytes.size()));
+    PutBytes(bytes);
+  }
   template <typename Items, typename Code>
   void List(const Items& items, std::size_t /*bytes_each*/, Code code) {
     Put(static_cast<std::uint32_t>(items.size()));
@@ -182,11 +186,16 @@ class ByteReader {
     word = ok_ ? static_cast<Enum>(byte) : last;
   }
   void Text(std::string& text) { text = GetText(); }
+  void Bytes(std::vector<std::byte>& bytes) {
+    const std::span<const std::byte> read = GetBytes(GetCount(1));
+    bytes.assign(read.begin(), read.end());
+  }
   /// A u32 count and things of at least `bytes_each` ≥ 1, so that no more memory is taken than there are
   /// bytes.
   template <typename Items, typename Code>
   void List(Items& items, std::size_t bytes_each, Code code) {
     const std::size_t count = GetCount(bytes_each);
+    items.reserve(count);
     for (std::size_t i = 0; ok_ && i < count; ++i) code(items.emplace_back());
   }
 

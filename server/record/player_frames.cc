@@ -51,20 +51,19 @@ std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // what was not recorded is no number
   frame->channels.assign(scene->channels.size(), {kUnknown, kUnknown, kUnknown, {}});
   frame->commanded.assign(scene->actuators.size(), 0);
-  const std::span<const PlayInputs::Driven> driven = inputs_.robots();
-  for (std::size_t i = 0; i < scene->robots.size(); ++i) {
-    const int first = scene->FindDrive(static_cast<int>(i));
-    for (std::size_t side = 0; first >= 0 && side < 2; ++side) {
-      ChannelState& channel = frame->channels[static_cast<std::size_t>(first) + side];
-      if (i < now->robots.size()) {
-        channel.position = now->robots[i].angle_rad[side];
-        channel.velocity = now->robots[i].speed_rad_s[side];
-      }
-      if (i < driven.size()) channel.setpoint.reference = driven[i].setpoint[side];
+  const std::span<const PlayInputs::Driven> driven = inputs_.channels();
+  for (std::size_t i = 0; i < scene->channels.size(); ++i) {
+    ChannelState& channel = frame->channels[i];
+    if (i < now->channels.size()) {
+      channel.position = now->channels[i].position;
+      channel.velocity = now->channels[i].velocity;
     }
-    if (i < driven.size() && driven[i].commanded) {
-      frame->commanded[static_cast<std::size_t>(scene->robots[i].first_actuator)] = 1;
-    }
+    if (i < driven.size()) channel.setpoint = driven[i].setpoint;
+  }
+  for (std::size_t i = 0; i < scene->actuators.size(); ++i) {
+    const auto first = static_cast<std::size_t>(scene->actuators[i].first_channel);
+    const bool is_driven = scene->actuators[i].channel_count > 0 && first < driven.size();
+    frame->commanded[i] = is_driven && driven[first].commanded ? 1 : 0;
   }
   for (const SentMessage& sent : inputs_.Messages()) {
     if (sent.robot < scene->robots.size()) frame->messages.push_back(sent);

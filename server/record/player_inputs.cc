@@ -30,8 +30,8 @@ bool PlayInputs::Load(std::uint64_t step) {
   inputs_.clear();
   newest_ = step_ = keyframe_->frame->step;
   next_ = 0;
-  robots_.clear();
-  robot_count_ = keyframe_->frame->scene->robots.size();
+  channels_.clear();
+  channel_count_ = keyframe_->frame->channels.size();
   message_steps_ = 0;
   for (const SceneRobot& robot : keyframe_->frame->scene->robots) {
     message_steps_ = std::max<std::uint64_t>(message_steps_,
@@ -47,36 +47,38 @@ bool PlayInputs::ReadOn(std::uint64_t step, bool& gap) {
     gap |= read.step != newest_ + 1;
     newest_ = read.step;
     const std::shared_ptr<const Scene> scene = reader_.SceneOf(read.scene);
-    const bool new_scene = scene->robots.size() != robot_count_;
-    robot_count_ = scene->robots.size();
+    const bool new_scene = scene->channels.size() != channel_count_;
+    channel_count_ = scene->channels.size();
     if (new_scene || !read.commands.empty() || !read.messages.empty()) {
-      inputs_.push_back({read.step, robot_count_, read.commands, read.messages});
+      inputs_.push_back({read.step, channel_count_, read.commands, read.messages});
     }
     return true;
   });
 }
 
 void PlayInputs::Replay(std::uint64_t step) {
-  if (robots_.empty() || step < step_) {
+  if (channels_.empty() || step < step_) {
     const Frame& start = *keyframe_->frame;
-    robots_.assign(start.scene->robots.size(), {});
-    for (std::size_t i = 0; i < robots_.size(); ++i) {
-      const SceneRobot& robot = start.scene->robots[i];
-      robots_[i] = {WheelSetpoints(start, i),
-                    start.commanded[static_cast<std::size_t>(robot.first_actuator)] != 0};
+    channels_.clear();
+    for (const ChannelState& channel : start.channels) channels_.push_back({channel.setpoint, false});
+    for (std::size_t i = 0; i < start.commanded.size(); ++i) {
+      const SceneActuator& actuator = start.scene->actuators[i];
+      for (int channel = 0; channel < actuator.channel_count; ++channel) {
+        channels_[static_cast<std::size_t>(actuator.first_channel + channel)].commanded =
+            start.commanded[i] != 0;
+      }
     }
     step_ = start.step;
     next_ = 0;
   }
   if (step > step_) {
-    for (Driven& robot : robots_) robot.commanded = false;
+    for (Driven& channel : channels_) channel.commanded = false;
   }
   for (; next_ < inputs_.size() && inputs_[next_].step <= step; ++next_) {
-    robots_.resize(inputs_[next_].robots);
+    channels_.resize(inputs_[next_].channels);
     for (const CommandRecord& command : inputs_[next_].commands) {
-      if (command.robot >= robots_.size()) continue;
-      robots_[command.robot].setpoint = command.setpoint;
-      robots_[command.robot].commanded = command.by_client && inputs_[next_].step == step;
+      if (command.channel >= channels_.size()) continue;
+      channels_[command.channel] = {command.setpoint, command.by_client && inputs_[next_].step == step};
     }
   }
   step_ = step;

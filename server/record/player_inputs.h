@@ -20,12 +20,13 @@ class PlayInputs {
   bool GoTo(std::uint64_t step);
 
   // Of the step gone to.
-  /// Set-points in force, and whether a client's came in force with it; as scene->robots.
+  /// The set-point in force of a channel, and whether a client's came in force with this step.
   struct Driven {
-    WheelSpeeds setpoint{};
+    Setpoint setpoint;
     bool commanded = false;
   };
-  std::span<const Driven> robots() const { return robots_; }
+  /// As scene->channels.
+  std::span<const Driven> channels() const { return channels_; }
   /// Sent in the last Frame::kMessageSteps steps as far as a robot may still hear them, this one's included.
   std::vector<SentMessage> Messages() const;
   /// The newest keyframe at or before it: seed, solver seed; the exact state if the step is its own.
@@ -35,7 +36,7 @@ class PlayInputs {
   /// The inputs of one step, or a new scene.
   struct Inputs {
     std::uint64_t step = 0;
-    std::size_t robots = 0;  // of its scene
+    std::size_t channels = 0;  // of its scene
     std::vector<CommandRecord> commands;
     std::vector<SentMessage> messages;
   };
@@ -52,8 +53,8 @@ class PlayInputs {
   std::vector<Inputs> inputs_;  // of these, those that have any
   std::uint64_t step_ = 0;      // gone to
   std::size_t next_ = 0;        // index of the first inputs after step_
-  std::vector<Driven> robots_;
-  std::size_t robot_count_ = 0;      // in the scene of newest_
+  std::vector<Driven> channels_;
+  std::size_t channel_count_ = 0;    // in the scene of newest_
   std::uint64_t message_steps_ = 0;  // the longest delay of a robot that hears
 };
 

@@ -2,10 +2,11 @@
 #include "server/record/recorded_step.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
-#include "server/record/bytes.h"
+#include "server/record/state_codec.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {
@@ -22,19 +23,19 @@ constexpr std::array<Word, 4> kWords{{{"wheels", &RecordWhat::wheels},
                                       {"controllers", &RecordWhat::controllers}}};
 
 constexpr std::uint32_t kByClient = std::uint32_t{1} << 31;
-constexpr std::size_t kCommandBytes = 4 + 2 * 8;
-constexpr double kAngleUnit_rad = 1e-5;
-constexpr double kMostAngleUnits = 549755813887.0;  // 2^39 − 1
+constexpr std::size_t kCommandBytes = 4 + 1 + 8;
+constexpr double kPositionUnit = 1e-5;         // rad or m
+constexpr double kMostUnits = 549755813887.0;  // 2^39 − 1
 constexpr std::size_t kManyRobots = 50;
 
-std::uint64_t EncodeAngle(double angle_rad) {
-  const double units = std::isnan(angle_rad) ? 0 : angle_rad / kAngleUnit_rad;
-  return static_cast<std::uint64_t>(std::llrint(std::clamp(units, -kMostAngleUnits, kMostAngleUnits)));
+std::uint64_t EncodePosition(double position) {
+  const double units = std::isnan(position) ? 0 : position / kPositionUnit;
+  return static_cast<std::uint64_t>(std::llrint(std::clamp(units, -kMostUnits, kMostUnits)));
 }
 
-double DecodeAngle(std::uint64_t bits) {
+double DecodePosition(std::uint64_t bits) {
   constexpr std::uint64_t kSign = std::uint64_t{1} << 39;
-  return static_cast<double>(static_cast<std::int64_t>((bits ^ kSign) - kSign)) * kAngleUnit_rad;
+  return static_cast<double>(static_cast<std::int64_t>((bits ^ kSign) - kSign)) * kPositionUnit;
 }
 
 }  // namespace
@@ -76,11 +77,16 @@ RecordWhat DefaultRecordWhat(std::size_t robots) {
   return {few, few, few, true};
 }
 
+bool SameBits(const Setpoint& a, const Setpoint& b) {
+  return a.mode == b.mode &&
+         std::bit_cast<std::uint64_t>(a.reference) == std::bit_cast<std::uint64_t>(b.reference);
+}
+
 void EncodeCommands(std::span<const CommandRecord> commands, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
   for (const CommandRecord& command : commands) {
-    writer.Put(command.robot | (command.by_client ? kByClient : 0));
-    writer.PutAll(command.setpoint);
+    writer.Put(command.channel | (command.by_client ? kByClient : 0));
+    CodeSetpoint(writer, command.setpoint);
   }
 }
 
@@ -90,16 +96,14 @@ bool DecodeCommands(std::span<const std::byte> blob, std::vector<CommandRecord>&
   commands.resize(blob.size() / kCommandBytes);
   ByteReader reader(blob);
   for (CommandRecord& command : commands) {
-    const auto robot = reader.Get<std::uint32_t>();
-    command.robot = robot & ~kByClient;
-    command.by_client = (robot & kByClient) != 0;
-    reader.GetAll(command.setpoint);
-    const bool in_order = &command == commands.data() || command.robot > (&command - 1)->robot;
-    if (in_order && std::isfinite(command.setpoint[0]) && std::isfinite(command.setpoint[1])) continue;
-    commands.clear();
-    return false;
+    const auto channel = reader.Get<std::uint32_t>();
+    command.channel = channel & ~kByClient;
+    command.by_client = (channel & kByClient) != 0;
+    CodeSetpoint(reader, command.setpoint);
+    reader.Require(&command == commands.data() || command.channel > (&command - 1)->channel);
   }
-  return true;
+  if (!reader.ok()) commands.clear();
+  return reader.ok();
 }
 
 void EncodeMessages(std::span<const SentMessage> messages, std::vector<std::byte>& blob) {
@@ -129,41 +133,33 @@ bool DecodeMessages(std::span<const std::byte> blob, std::uint64_t step, std::ve
   return reader.ok();
 }
 
-WheelStates WheelsOf(const Frame& frame, std::size_t robot) {
-  WheelStates wheels;
-  const int first = frame.scene->FindDrive(static_cast<int>(robot));
-  for (std::size_t side = 0; first >= 0 && side < 2; ++side) {
-    const ChannelState& channel = frame.channels[static_cast<std::size_t>(first) + side];
-    wheels.angle_rad[side] = channel.position;
-    wheels.speed_rad_s[side] = channel.velocity;
-  }
-  return wheels;
-}
-
-WheelSpeeds WheelSetpoints(const Frame& frame, std::size_t robot) {
-  const int first = frame.scene->FindDrive(static_cast<int>(robot));
-  if (first < 0) return {};
-  const ChannelState* wheels = &frame.channels[static_cast<std::size_t>(first)];
-  return {wheels[0].setpoint.reference, wheels[1].setpoint.reference};
-}
-
-void EncodeWheels(const Frame& frame, std::vector<std::byte>& blob) {
+void EncodeChannels(std::span<const ChannelState> channels, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
-  for (std::size_t robot = 0; robot < frame.scene->robots.size(); ++robot) {
-    const WheelStates wheels = WheelsOf(frame, robot);
-    for (const double angle_rad : wheels.angle_rad) writer.PutLow(EncodeAngle(angle_rad), 5);
-    for (const double speed_rad_s : wheels.speed_rad_s) writer.Put(static_cast<float>(speed_rad_s));
+  for (const ChannelState& channel : channels) {
+    writer.PutLow(EncodePosition(channel.position), 5);
+    writer.Put(static_cast<float>(channel.velocity));
   }
 }
 
-bool DecodeWheels(std::span<const std::byte> blob, std::span<WheelStates> robots) {
-  if (blob.size() != robots.size() * kWheelsBytes) return false;
+bool DecodeChannels(std::span<const std::byte> blob, std::span<ChannelMotion> channels) {
+  if (blob.size() != channels.size() * kChannelBytes) return false;
   ByteReader reader(blob);
-  for (WheelStates& robot : robots) {
-    for (double& angle_rad : robot.angle_rad) angle_rad = DecodeAngle(reader.GetLow(5));
-    for (double& speed_rad_s : robot.speed_rad_s) speed_rad_s = reader.Get<float>();
+  for (ChannelMotion& channel : channels) {
+    channel.position = DecodePosition(reader.GetLow(5));
+    channel.velocity = reader.Get<float>();
+    reader.Require(std::isfinite(channel.velocity));
   }
-  return true;
+  return reader.ok();
+}
+
+std::size_t ActuatorOf(const Scene& scene, std::size_t channel) {
+  const auto robot = static_cast<std::size_t>(scene.channels[channel].robot);
+  auto index = static_cast<std::size_t>(scene.robots[robot].first_actuator);
+  const auto ends_before = [channel](const SceneActuator& actuator) {
+    return static_cast<std::size_t>(actuator.first_channel + actuator.channel_count) <= channel;
+  };
+  while (ends_before(scene.actuators[index])) ++index;
+  return index;
 }
 
 void EncodeDistances(const Frame& frame, std::vector<std::byte>& blob) {

@@ -12,17 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "server/model/drive.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
 
-/// Of one robot in column `wheels`: two angles of 40 bits, two speeds of 32.
-inline constexpr std::size_t kWheelsBytes = 2 * 5 + 2 * 4;
+/// Of one channel in column `channels`: a position of 40 bits, a velocity of 32.
+inline constexpr std::size_t kChannelBytes = 5 + 4;
 
 /// What of a step is recorded besides time, hash, poses, and the clients' commands.
 struct RecordWhat {
-  bool wheels = false;       // angles and speeds
+  bool wheels = false;       // positions and velocities of all channels
   bool distances = false;    // readings
   bool targets = false;      // readings
   bool controllers = false;  // set-points of loaded controllers
@@ -35,36 +34,38 @@ std::optional<RecordWhat> ParseRecordWhat(const std::string& words, std::string&
 /// Everything up to 50 robots, beyond that poses and controllers.
 RecordWhat DefaultRecordWhat(std::size_t robots);
 
-/// The wheels of a robot's drive: left, right; zeros without a drive.
-struct WheelStates {
-  std::array<double, 2> angle_rad{}, speed_rad_s{};
-};
-WheelStates WheelsOf(const Frame& frame, std::size_t robot);
-WheelSpeeds WheelSetpoints(const Frame& frame, std::size_t robot);
-
 /// A set-point that comes in force with a step.
 struct CommandRecord {
-  std::uint32_t robot = 0;  // index into scene->robots
-  bool by_client = false;   // a client sent it for this step; else: a loaded controller, a policy, stop_all
-  WheelSpeeds setpoint{};   // rad/s
+  std::uint32_t channel = 0;  // index into scene->channels
+  bool by_client = false;     // a client sent it for this step; else: a loaded controller, a policy, stop_all
+  Setpoint setpoint;
 };
-/// By increasing robot: u32 robot with bit 31 = by_client, f64 left, f64 right; each.
+/// By increasing channel: u32 channel with bit 31 = by_client, u8 mode, f64 reference; each.
 void EncodeCommands(std::span<const CommandRecord> commands, std::vector<std::byte>& blob);
 bool DecodeCommands(std::span<const std::byte> blob, std::vector<CommandRecord>& commands);
+bool SameBits(const Setpoint& a, const Setpoint& b);
 
 /// Broadcasts of one step: u32 robot, u32 count ≤ 8, count × f64; each. The step is not in the bytes.
 void EncodeMessages(std::span<const SentMessage> messages, std::vector<std::byte>& blob);
 bool DecodeMessages(std::span<const std::byte> blob, std::uint64_t step, std::vector<SentMessage>& messages);
 
-/// Of each robot: angle left, right as 40-bit two's complement in 1e-5 rad, speed left, right as f32 rad/s.
-void EncodeWheels(const Frame& frame, std::vector<std::byte>& blob);
-bool DecodeWheels(std::span<const std::byte> blob, std::span<WheelStates> robots);
+/// How a joint axis moves, as recorded: rad, rad/s, or m, m/s.
+struct ChannelMotion {
+  double position = 0, velocity = 0;
+  bool operator==(const ChannelMotion&) const = default;
+};
+/// Of each channel: position as 40-bit two's complement in units of 1e-5, velocity as f32.
+void EncodeChannels(std::span<const ChannelState> channels, std::vector<std::byte>& blob);
+bool DecodeChannels(std::span<const std::byte> blob, std::span<ChannelMotion> channels);
 
 /// Of each robot in order, its readings as f32: ranges in m, right to left, inf = nothing in range.
 void EncodeDistances(const Frame& frame, std::vector<std::byte>& blob);
 /// Of each robot and target in order: distance m, bearing rad as f32; nan nan = not seen.
 void EncodeTargets(const Frame& frame, std::vector<std::byte>& blob);
 bool DecodeFloats(std::span<const std::byte> blob, std::vector<float>& values);
+
+/// The actuator of `scene` that drives `channel`. @pre channel < scene.channels.size()
+std::size_t ActuatorOf(const Scene& scene, std::size_t channel);
 
 struct RecordedStep {
   std::uint64_t step = 0;
@@ -74,7 +75,7 @@ struct RecordedStep {
   std::vector<CommandRecord> commands;    // that came in force with this step
   std::vector<SentMessage> messages;      // sent with this step
   std::vector<BodyState> bodies;          // as recorded poses; empty: not recorded (--record-every)
-  std::vector<WheelStates> robots;        // empty: not recorded
+  std::vector<ChannelMotion> channels;    // empty: not recorded
   std::vector<float> distances, targets;  // as encoded; empty: not recorded
 };
 

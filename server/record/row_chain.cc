@@ -87,6 +87,7 @@ void AddSceneParts(const Database& database, std::int64_t number, RowChain& chai
   for (const char* part :
        {"SELECT scene, place, id, name, robot FROM body",
         "SELECT scene, place, id, name, type, body, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors FROM robot",
+        "SELECT scene, place, robot, module, joint FROM channel",
         "SELECT scene, place, id, color, x, y, z FROM target"}) {
     Statement rows = database.Prepare(std::string(part) + " WHERE scene = ?1 ORDER BY place");
     rows.Bind(1, number);

@@ -52,7 +52,7 @@ struct ChainedTable {
 enum ChainedTableIndex { kSceneTable, kStepTable, kKeyframeTable, kInputTable, kEventTable };
 inline constexpr std::array<ChainedTable, 5> kChainedTables{{
     {"scene", "id, first_step, description", 1},
-    {"step", "step, time_ns, hash, scene, commands, messages, wheels, distances, targets, poses", 0},
+    {"step", "step, time_ns, hash, scene, commands, messages, channels, distances, targets, poses", 0},
     {"keyframe", "step, state", 0},
     {"input", "id, step, action, detail", 1},
     {"event", "id, step, time_ns, level, text", 1},
@@ -80,8 +80,8 @@ void InsertChained(Statement& insert, TableEnd& end, std::int64_t id, const Colu
   (end.chain.Add(columns), ...);
   insert.Run(id, columns..., end.chain.Link());
 }
-/// Adds the rows of body, robot and target of scene `number`, as they stand in the file, to the row of that
-/// scene in the making.
+/// Adds the rows of body, robot, channel and target of scene `number`, as they stand in the file, to the row
+/// of that scene in the making.
 void AddSceneParts(const Database& database, std::int64_t number, RowChain& chain);
 /// Writes the chain of scene `end.id` + 1, whose rows have been written, and goes on to it.
 void LinkScene(const Database& database, TableEnd& end);

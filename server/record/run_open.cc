@@ -166,6 +166,10 @@ void CheckKind(const Database& database) try {
     throw CannotOpen(file + " was made by a newer coopdyn: format " + std::to_string(format) +
                      ", this one reads " + std::to_string(kRunFormat) + ": use that version of coopdyn");
   }
+  if (format == 1) {
+    throw CannotOpen(file + " was recorded in format 1 by an older coopdyn, this one reads " +
+                     std::to_string(kRunFormat) + ": record it again");
+  }
   if (format < 1 && HasNoTables(database)) throw CannotOpen(file + kNoStepsText);
   if (format < 1) {
     throw CannotOpen(file + " is damaged: its format is " + std::to_string(format) + ", not " +

@@ -5,10 +5,10 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -27,8 +27,8 @@ constexpr std::uint64_t kMostStep = std::numeric_limits<std::int64_t>::max();
 
 constexpr const char* kInputColumns = "SELECT step, time_ns, hash, scene, commands, messages FROM step";
 constexpr const char* kAllColumns =
-    "SELECT step, time_ns, hash, scene, commands, messages, wheels, distances, targets, poses FROM step";
-enum Column { kStep, kTime, kHash, kScene, kCommands, kMessages, kWheels, kDistances, kTargets, kPoses };
+    "SELECT step, time_ns, hash, scene, commands, messages, channels, distances, targets, poses FROM step";
+enum Column { kStep, kTime, kHash, kScene, kCommands, kMessages, kChannels, kDistances, kTargets, kPoses };
 
 // length() looks at the head of a row alone, where IS NULL would read the poses.
 constexpr const char* kShownBefore =
@@ -36,23 +36,10 @@ constexpr const char* kShownBefore =
 constexpr const char* kShownAfter =
     "SELECT step FROM step WHERE step > ?1 AND length(poses) > 0 ORDER BY step LIMIT 1";
 
-bool AreFinite(const std::vector<WheelStates>& robots) {
-  return std::all_of(robots.begin(), robots.end(), [](const WheelStates& robot) {
-    return std::isfinite(robot.speed_rad_s[0]) && std::isfinite(robot.speed_rad_s[1]);
-  });
-}
-
 std::size_t DistanceSensors(const Scene& scene) {
   std::size_t sensors = 0;
-  for (const SceneRobot& robot : scene.robots) sensors += robot.entry.model->distance_sensors.size();
+  for (const SceneRobot& robot : scene.robots) sensors += robot.entry.model->sector_count();
   return sensors;
-}
-
-/// The robots that `records` name are in a scene of `robots` robots.
-template <typename Records>
-bool KnowsRobots(const Records& records, std::size_t robots) {
-  return std::all_of(records.begin(), records.end(),
-                     [robots](const auto& record) { return record.robot < robots; });
 }
 
 }  // namespace
@@ -233,12 +220,23 @@ std::optional<RunContents> RunReader::Contents() {
 
 std::optional<std::uint64_t> RunReader::CountCommands() {
   std::uint64_t commands = 0, rows = 0;
-  const bool read = ForEach(extent_.first, extent_.last, true, [&](const RecordedStep& step) {
-    ++rows;
-    // Those of the first frame are what was in force already.
-    if (step.step > extent_.first) commands += step.commands.size();
+  std::set<std::pair<std::int64_t, std::int64_t>> begins;  // scene and first channel of each actuator
+  const bool known = Guard("its channels", [&] {
+    Statement firsts =
+        database().Prepare("SELECT scene, min(place) FROM channel GROUP BY scene, robot, module");
+    while (firsts.Step()) begins.emplace(firsts.integer(0), firsts.integer(1));
     return true;
   });
+  const bool read =
+      known && ForEach(extent_.first, extent_.last, true, [&](const RecordedStep& step) {
+        ++rows;
+        // Those of the first frame are what was in force already.
+        if (step.step == extent_.first) return true;
+        for (const CommandRecord& command : step.commands) {
+          commands += begins.contains({static_cast<std::int64_t>(step.scene), command.channel}) ? 1 : 0;
+        }
+        return true;
+      });
   if (!read) return std::nullopt;
   return Guard("its steps", [&] {
     if (rows <= extent_.steps) {
@@ -354,11 +352,18 @@ RecordedStep RunReader::Decode(const Statement& row, bool inputs_only) {
   step.scene = static_cast<std::uint64_t>(row.integer(kScene));
   const bool needs_scene = !inputs_only || scenario_ != nullptr;
   const std::shared_ptr<const Scene> scene = needs_scene ? FindScene(step.scene) : nullptr;
-  const std::size_t robots = needs_scene ? scene->robots.size() : std::numeric_limits<std::size_t>::max();
-  if (!DecodeCommands(row.blob(kCommands), step.commands) || !KnowsRobots(step.commands, robots)) {
+  const auto knows_channel = [&scene](const CommandRecord& command) {
+    return scene == nullptr || command.channel < scene->channels.size();
+  };
+  const auto knows_robot = [&scene](const SentMessage& sent) {
+    return scene == nullptr || sent.robot < scene->robots.size();
+  };
+  if (!DecodeCommands(row.blob(kCommands), step.commands) ||
+      !std::all_of(step.commands.begin(), step.commands.end(), knows_channel)) {
     Damaged("the commands of " + name);
   }
-  if (!DecodeMessages(row.blob(kMessages), step.step, step.messages) || !KnowsRobots(step.messages, robots)) {
+  if (!DecodeMessages(row.blob(kMessages), step.step, step.messages) ||
+      !std::all_of(step.messages.begin(), step.messages.end(), knows_robot)) {
     Damaged("the broadcasts of " + name);
   }
   if (!inputs_only) DecodeReadings(row, *scene, step);
@@ -367,11 +372,10 @@ RecordedStep RunReader::Decode(const Statement& row, bool inputs_only) {
 
 void RunReader::DecodeReadings(const Statement& row, const Scene& scene, RecordedStep& step) const {
   const std::string name = " of step " + std::to_string(step.step);
-  const std::size_t robots = scene.robots.size(), sightings = 2 * robots * scene.targets.size();
-  if (!row.is_null(kWheels)) {
-    step.robots.resize(robots);
-    if (!DecodeWheels(row.blob(kWheels), step.robots) || !AreFinite(step.robots))
-      Damaged("the wheels" + name);
+  const std::size_t sightings = 2 * scene.robots.size() * scene.targets.size();
+  if (!row.is_null(kChannels)) {
+    step.channels.resize(scene.channels.size());
+    if (!DecodeChannels(row.blob(kChannels), step.channels)) Damaged("the channels" + name);
   }
   if (!DecodeFloats(row.blob(kDistances), step.distances) ||
       (!step.distances.empty() && step.distances.size() != DistanceSensors(scene))) {

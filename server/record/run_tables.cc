@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
@@ -23,14 +24,22 @@ CREATE TABLE body(scene INTEGER, place INTEGER, id INTEGER, name TEXT, robot INT
 CREATE TABLE robot(scene INTEGER, place INTEGER, id INTEGER, name TEXT, type TEXT, body INTEGER,
                    p_x REAL, p_y REAL, p_z REAL, q_w REAL, q_x REAL, q_y REAL, q_z REAL, sensors INTEGER,
                    PRIMARY KEY(scene, place)) WITHOUT ROWID;
+CREATE TABLE channel(scene INTEGER, place INTEGER, robot INTEGER, module TEXT, joint TEXT,
+                     PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE target(scene INTEGER, place INTEGER, id INTEGER, color TEXT, x REAL, y REAL, z REAL,
                     PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE step(step INTEGER PRIMARY KEY, time_ns INTEGER, hash INTEGER, scene INTEGER, commands BLOB,
-                  messages BLOB, wheels BLOB, distances BLOB, targets BLOB, poses BLOB, chain INTEGER);
+                  messages BLOB, channels BLOB, distances BLOB, targets BLOB, poses BLOB, chain INTEGER);
 CREATE TABLE keyframe(step INTEGER PRIMARY KEY, state BLOB, chain INTEGER);
 CREATE TABLE input(id INTEGER PRIMARY KEY, step INTEGER, action TEXT, detail TEXT, chain INTEGER);
 CREATE TABLE event(id INTEGER PRIMARY KEY, step INTEGER, time_ns INTEGER, level TEXT, text TEXT, chain INTEGER);
 )";
+
+const JointModel& JointOf(const Scene& scene, std::size_t channel) {
+  const Channel& of = scene.channels[channel];
+  const RobotModel& model = *scene.robots[static_cast<std::size_t>(of.robot)].entry.model;
+  return model.joints[static_cast<std::size_t>(of.joint)];
+}
 
 using Meta = std::unordered_map<std::string, std::string>;
 
@@ -88,7 +97,18 @@ void WriteRobots(const Database& database, std::int64_t number, const Scene& sce
     const Vector3& p = robot.X_BR.p;
     const Quaternion& q = robot.X_BR.q;
     insert.Run(number, place, robot.id.value, robot.entry.name, robot.entry.model->type, robot.first_body,
-               p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), robot.entry.model->distance_sensors.size());
+               p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), robot.entry.model->sector_count());
+  }
+}
+
+void WriteChannels(const Database& database, std::int64_t number, const Scene& scene) {
+  Statement insert = database.Prepare("INSERT INTO channel VALUES(?, ?, ?, ?, ?)");
+  for (const SceneActuator& actuator : scene.actuators) {
+    for (int place = actuator.first_channel; place < actuator.first_channel + actuator.channel_count;
+         ++place) {
+      insert.Run(number, place, actuator.robot, actuator.module,
+                 JointOf(scene, static_cast<std::size_t>(place)).name);
+    }
   }
 }
 
@@ -184,7 +204,16 @@ void WriteScene(const Database& database, std::int64_t number, std::uint64_t fir
       .Run(number, first_step, EncodeScene(scene));
   WriteBodies(database, number, scene);
   WriteRobots(database, number, scene);
+  WriteChannels(database, number, scene);
   WriteTargets(database, number, scene);
+}
+
+std::string ChannelName(const Scene& scene, std::size_t channel) {
+  std::string name = JointOf(scene, channel).name;
+  for (const std::string_view end : {"_joint", "_wheel"}) {
+    if (name.ends_with(end) && name.size() > end.size()) name.resize(name.size() - end.size());
+  }
+  return name;
 }
 
 std::vector<std::string> BodyNames(const Scene& scene) {

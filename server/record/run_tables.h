@@ -19,7 +19,8 @@ void CreateTables(Database& database);
 void WriteHeader(const Database& database, const RunHeader& header);
 /// The same read back: an error text that says what to do, empty if all is there.
 std::string ReadHeader(const Database& database, RunHeader& header);
-/// Tables scene, body, robot, target: the scene `number`, in force from `first_step` on; without its chain.
+/// Tables scene, body, robot, channel, target: the scene `number`, in force from `first_step` on; without its
+/// chain.
 void WriteScene(const Database& database, std::int64_t number, std::uint64_t first_step, const Scene& scene);
 /// `value`: a text or a whole number.
 template <typename Value>
@@ -30,5 +31,7 @@ void SetMeta(const Database& database, std::string_view key, const Value& value)
 /// What the bodies of `scene` are called: BOX_1; robot1.chassis, robot1.left_wheel; or, if all its links are
 /// one body, robot1.
 std::vector<std::string> BodyNames(const Scene& scene);
+/// What a channel is called in exports: its joint's name without `_joint`, then `_wheel`, at its end.
+std::string ChannelName(const Scene& scene, std::size_t channel);
 
 }  // namespace coopdyn

@@ -54,11 +54,6 @@ std::uint64_t SizeOf(const std::string& file) {
   return ::stat(file.c_str(), &found) == 0 ? static_cast<std::uint64_t>(found.st_size) : 0;
 }
 
-bool SameBits(const WheelSpeeds& a, const WheelSpeeds& b) {
-  using Bits = std::array<std::uint64_t, 2>;
-  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
-}
-
 }  // namespace
 
 std::string WhyNoRunFile(const std::string& file, bool overwrite) {
@@ -210,18 +205,26 @@ void RunWriter::BeginScene(const Frame& frame) {
 
 void RunWriter::FindCommands(const Frame& frame, bool new_scene) {
   const bool is_first = now_.scene_number == 1 && new_scene;  // what is in force came before
+  const Scene& scene = *frame.scene;
   commands_.clear();
-  now_.in_force.resize(frame.scene->robots.size());
-  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) {
-    const WheelSpeeds setpoint = WheelSetpoints(frame, i);
-    const auto actuator = static_cast<std::size_t>(frame.scene->robots[i].first_actuator);
-    const bool commanded = frame.commanded[actuator] != 0;
+  now_.in_force.resize(scene.channels.size());
+  for (std::size_t i = 0; i < scene.actuators.size(); ++i) {
+    const SceneActuator& actuator = scene.actuators[i];
+    const auto robot = static_cast<std::size_t>(actuator.robot);
+    const auto begin = static_cast<std::uint32_t>(actuator.first_channel);
+    const auto end = begin + static_cast<std::uint32_t>(actuator.channel_count);
+    const bool commanded = frame.commanded[i] != 0;
     // A client drives it, so its controller is gone: what it gets from now on nobody can compute.
-    if (commanded && !is_first) now_.is_recomputed[i] = false;
-    const bool changed = !SameBits(setpoint, now_.in_force[i]);
-    now_.in_force[i] = setpoint;
-    if (new_scene || commanded || (changed && !now_.is_recomputed[i])) {
-      commands_.push_back({static_cast<std::uint32_t>(i), commanded && !is_first, setpoint});
+    if (commanded && !is_first) now_.is_recomputed[robot] = false;
+    bool changed = false;
+    for (std::uint32_t channel = begin; channel < end; ++channel) {
+      const Setpoint& setpoint = frame.channels[channel].setpoint;
+      changed |= !SameBits(setpoint, now_.in_force[channel]);
+      now_.in_force[channel] = setpoint;
+    }
+    if (!new_scene && !commanded && (!changed || now_.is_recomputed[robot])) continue;
+    for (std::uint32_t channel = begin; channel < end; ++channel) {
+      commands_.push_back({channel, commanded && !is_first, now_.in_force[channel]});
     }
   }
 }
@@ -234,13 +237,13 @@ bool RunWriter::IsShown(Nanoseconds time) const {
 void RunWriter::EncodeShown(const Frame& frame) {
   const RecordWhat& what = options_.header.what;
   EncodePoses(frame.bodies, poses_);
-  if (what.wheels) EncodeWheels(frame, wheels_);
+  if (what.wheels) EncodeChannels(frame.channels, channels_);
   if (what.distances) EncodeDistances(frame, distances_);
   if (what.targets) EncodeTargets(frame, targets_);
 }
 
 void RunWriter::WriteRow(const Frame& frame) {
-  for (auto* blob : {&commands_blob_, &messages_blob_, &wheels_, &distances_, &targets_, &poses_}) {
+  for (auto* blob : {&commands_blob_, &messages_blob_, &channels_, &distances_, &targets_, &poses_}) {
     blob->clear();
   }
   EncodeCommands(commands_, commands_blob_);
@@ -251,7 +254,7 @@ void RunWriter::WriteRow(const Frame& frame) {
   }
   InsertChained(insert_.step, now_.ends[kStepTable], static_cast<std::int64_t>(frame.step), frame.time,
                 static_cast<std::int64_t>(StateHash(frame)), now_.scene_number, commands_blob_,
-                messages_blob_, wheels_, distances_, targets_, poses_);
+                messages_blob_, channels_, distances_, targets_, poses_);
 }
 
 bool RunWriter::AddKeyframe(const SavedState& state) {

@@ -101,8 +101,8 @@ class RunWriter {
     TableEnds ends;
     std::shared_ptr<const Scene> scene;
     std::int64_t scene_number = 0;
-    std::vector<WheelSpeeds> in_force;  // of scene->robots
-    std::vector<bool> is_recomputed;    // likewise: its controller's set-points are left out
+    std::vector<Setpoint> in_force;   // of scene->channels
+    std::vector<bool> is_recomputed;  // of scene->robots: its controller's set-points are left out
     std::uint64_t steps = 0, lost = 0, lost_after = 0, last_step = 0;
     Nanoseconds end = 0;
     Nanoseconds shown = -1;  // time of the last step with poses
@@ -112,7 +112,7 @@ class RunWriter {
   // Of the step in the making; kept for their memory.
   std::vector<CommandRecord> commands_;
   std::vector<SentMessage> messages_;
-  std::vector<std::byte> commands_blob_, messages_blob_, wheels_, distances_, targets_, poses_;
+  std::vector<std::byte> commands_blob_, messages_blob_, channels_, distances_, targets_, poses_;
 };
 
 /// Why a recording may not take the place of `file`, even with `overwrite` if that is no recording; empty if

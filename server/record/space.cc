@@ -40,12 +40,11 @@ std::size_t StepRowBytes(const Frame& frame, const RecordWhat& what, bool shown)
   std::size_t bytes = kFixedBytes;
   if (!shown) return bytes;
   bytes += 1 + frame.bodies.size() * kPoseBytes;
-  const std::size_t robots = frame.scene->robots.size();
-  if (what.wheels) bytes += robots * kWheelsBytes;
-  if (what.targets) bytes += robots * frame.scene->targets.size() * 2 * sizeof(float);
+  if (what.wheels) bytes += frame.channels.size() * kChannelBytes;
+  if (what.targets) bytes += frame.scene->robots.size() * frame.scene->targets.size() * 2 * sizeof(float);
   if (what.distances) {
     for (const SceneRobot& robot : frame.scene->robots) {
-      bytes += robot.entry.model->distance_sensors.size() * sizeof(float);
+      bytes += robot.entry.model->sector_count() * sizeof(float);
     }
   }
   return bytes;
@@ -68,8 +67,8 @@ SpaceNeeded EstimateSpace(const Frame& frame, const RecordWhat& what, Nanosecond
                                  : 1;
   const auto shown_bytes = static_cast<double>(StepRowBytes(frame, what, true));
   const auto other_bytes = static_cast<double>(StepRowBytes(frame, what, false));
-  const auto keyframe_bytes =
-      static_cast<double>(frame.bodies.size() * sizeof(BodyState) + frame.channels.size() * sizeof(ChannelState));
+  const auto keyframe_bytes = static_cast<double>(frame.bodies.size() * sizeof(BodyState) +
+                                                  frame.channels.size() * sizeof(ChannelState));
   const double per_step = kPageShare * (shown_bytes * shown_share + other_bytes * (1 - shown_share)) +
                           keyframe_bytes / kStepsPerKeyframe;
   space.bytes_per_s = per_step / step_s;

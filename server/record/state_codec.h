@@ -10,9 +10,16 @@
 #include <string>
 #include <vector>
 
+#include "server/record/bytes.h"
 #include "server/state/saved_state.h"
 
 namespace coopdyn {
+
+/// u8 mode, f64 reference.
+void CodeSetpoint(auto& codec, auto& setpoint) {
+  codec.Word(setpoint.mode, ControlMode::kEffort);
+  codec.Finite(setpoint.reference);
+}
 
 /// All of `state` but the scene (frame, messages, controllers, mode).
 std::vector<std::byte> EncodeState(const SavedState& state);

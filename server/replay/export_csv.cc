@@ -23,7 +23,7 @@ std::string Header(const RunTable& table) {
     const auto add = [&](const std::string& field) { line += "," + robot.name + "." + field; };
     for (const char* field : {"x_m", "y_m", "heading_rad"}) add(field);
     if (table.what().wheels) {
-      for (const char* field : {"left_rad", "right_rad"}) add(field);
+      for (const std::string& channel : robot.channels) add(channel + "_rad");
     }
     for (std::size_t i = 1; table.what().distances && i <= robot.sensors; ++i)
       add("d" + std::to_string(i) + "_m");
@@ -32,7 +32,7 @@ std::string Header(const RunTable& table) {
       add(target.label + "_distance_m");
       add(target.label + "_bearing_rad");
     }
-    for (const char* field : {"left_rad_s", "right_rad_s"}) add(field);
+    for (const std::string& channel : robot.channels) add(channel + "_rad_s");
   }
   for (const std::string& object : columns.objects) {
     for (const char* field : kPoseNames) line += "," + object + "." + field;
@@ -54,10 +54,10 @@ void AppendRow(const RunRow& row, const RecordWhat& what, std::string& line) {
     add(robot.X_WR[0]);
     add(robot.X_WR[1]);
     add(robot.heading_rad);
-    if (what.wheels) add_all(robot.wheels_rad);
+    if (what.wheels) add_all(robot.positions);
     if (what.distances) add_all(robot.distances_m);
     if (what.targets) add_all(robot.targets);
-    add_all(robot.setpoints_rad_s);
+    add_all(robot.setpoints);
   }
   for (const PoseValues& object : row.objects) add_all(object);
   line += ',';

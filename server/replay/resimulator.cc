@@ -150,22 +150,28 @@ bool Resimulator::Restore(const SavedStatePtr& state, std::uint64_t scene_number
   mode_ = state->mode;
   paused_ = state->paused;
   in_force_.clear();
-  for (std::size_t i = 0; i < scene->robots.size(); ++i)
-    in_force_.push_back(WheelSetpoints(*state->frame, i));
+  for (const ChannelState& channel : state->frame->channels) in_force_.push_back(channel.setpoint);
   commanded_.assign(scene->actuators.size(), 0);
-  latched_.assign(scene->channels.size(), {});
   ListComputed();
   return true;
 }
 
 void Resimulator::ListComputed() {
-  computed_.assign(in_force_.size(), 0);
-  if (host_ == nullptr) return;
   const Scene& scene = simulation_->scene();
+  computed_.assign(scene.robots.size(), 0);
+  if (host_ == nullptr) return;
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     computed_[i] = scene.robots[i].entry.controller.empty() ? 0 : 1;
   }
   for (const int robot : host_->Unloaded()) computed_[static_cast<std::size_t>(robot)] = 0;
+}
+
+void Resimulator::StopChannels(std::size_t robot) {
+  const SceneRobot& of = simulation_->scene().robots[robot];
+  for (int i = of.first_channel; i < of.first_channel + of.channel_count; ++i) {
+    Setpoint& setpoint = in_force_[static_cast<std::size_t>(i)];
+    setpoint = setpoint.stopped();
+  }
 }
 
 void Resimulator::SetInputs(std::vector<RunInput> inputs) {
@@ -179,13 +185,13 @@ void Resimulator::Apply(const RunInput& input) {
     mode_ = set->mode;
   } else if (As<edit::StopAll>(input.what) != nullptr) {
     // The steps say so too, but for a robot whose controller was gone already when the recording began.
-    for (std::size_t i = 0; i < in_force_.size() && !controllers_given_up_; ++i) {
-      if (computed_[i] == 0) in_force_[i] = {};
+    for (std::size_t i = 0; i < computed_.size() && !controllers_given_up_; ++i) {
+      if (computed_[i] == 0) StopChannels(i);
     }
   } else if (const auto* unload = As<edit::UnloadController>(input.what)) {
     const int robot = scene.FindRobot(unload->robot);
     if (robot < 0) return;
-    in_force_[static_cast<std::size_t>(robot)] = {};
+    StopChannels(static_cast<std::size_t>(robot));
     if (host_ != nullptr) host_->Unload(robot);
     ListComputed();
   } else if (const auto* stopped = As<ControllerStopped>(input.what)) {
@@ -209,27 +215,23 @@ bool Resimulator::Step(const RecordedStep& step) {
   }
   std::fill(commanded_.begin(), commanded_.end(), std::uint8_t{0});
   for (const CommandRecord& command : step.commands) {
-    if (command.robot >= in_force_.size()) {
-      error_ = where + " is damaged: it commands a robot that is not there";
+    if (command.channel >= in_force_.size()) {
+      error_ = where + " is damaged: it commands a joint that is not there";
       return false;
     }
-    in_force_[command.robot] = command.setpoint;
-    const int actuator = simulation_->scene().robots[command.robot].first_actuator;
-    commanded_[static_cast<std::size_t>(actuator)] = command.by_client ? 1 : 0;
+    in_force_[command.channel] = command.setpoint;
+    commanded_[ActuatorOf(simulation_->scene(), command.channel)] = command.by_client ? 1 : 0;
   }
   messages_.clear();
   for (const SentMessage& message : step.messages) {
-    if (message.robot >= in_force_.size()) {
+    if (message.robot >= computed_.size()) {
       error_ = where + " is damaged: a robot broadcasts that is not there";
       return false;
     }
     // The others are sent again by their controllers.
     if (computed_[message.robot] == 0) messages_.push_back(message);
   }
-  for (std::size_t i = 0; i < in_force_.size(); ++i) {
-    const int first = simulation_->scene().FindDrive(static_cast<int>(i));
-    if (first >= 0) std::ranges::copy(SetpointsFor(in_force_[i]), latched_.begin() + first);
-  }
+  latched_ = in_force_;
   simulation_->Step(length, {latched_, messages_, commanded_});
   paused_ = false;
   if (host_ != nullptr) {

@@ -41,11 +41,13 @@ class Resimulator {
   /// What goes on from frame(), with the mode in force then. The controllers are missing from it if they are
   /// RecordedControllers.
   SavedState Save() const;
-  /// By robot: the set-points in force as the recording has them. Those of robots with computed() are there
+  /// By channel: the set-points in force as the recording has them. Those of robots with computed() are there
   /// only if RecordWhat::controllers was on.
-  std::span<const WheelSpeeds> recorded_setpoints() const { return in_force_; }
-  /// By robot: 1 if a loaded controller drives it here.
-  std::span<const std::uint8_t> computed() const { return computed_; }
+  std::span<const Setpoint> recorded_setpoints() const { return in_force_; }
+  /// A loaded controller drives the robot of this channel here.
+  bool computes(std::size_t channel) const {
+    return computed_[static_cast<std::size_t>(frame()->scene->channels[channel].robot)] != 0;
+  }
   /// The controllers are those of the run, not RecordedControllers.
   bool has_controllers() const { return host_ != nullptr; }
   /// They are RecordedControllers.
@@ -64,6 +66,8 @@ class Resimulator {
                          const std::string& why);
   void Apply(const RunInput& input);
   void ListComputed();
+  /// The robot's channels come to rest.
+  void StopChannels(std::size_t robot);
   void Warn(const std::string& line);
 
   const std::string file_;
@@ -78,10 +82,9 @@ class Resimulator {
   bool paused_ = false;
   std::vector<RunInput> inputs_;
   std::size_t next_input_ = 0;
-  std::vector<WheelSpeeds> in_force_;    // by robot
-  std::vector<Setpoint> latched_;        // by channel
-  std::vector<std::uint8_t> commanded_;  // by actuator
-  std::vector<std::uint8_t> computed_;   // by robot
+  std::vector<Setpoint> in_force_, latched_;  // by channel
+  std::vector<std::uint8_t> commanded_;       // by actuator
+  std::vector<std::uint8_t> computed_;        // by robot
   std::vector<SentMessage> messages_;
   std::string error_, warning_;
   int stopped_here_ = 0;  // controllers that did not stop in the run

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "server/model/values.h"
+#include "server/record/run_tables.h"
 
 namespace coopdyn {
 
@@ -98,7 +99,10 @@ RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, c
     for (const SceneRobot& robot : scene->robots) {
       if (!robots.insert(robot.entry.name).second) continue;
       const RobotModel& model = *robot.entry.model;
-      columns.robots.push_back({robot.entry.name, model.type, model.sector_count()});
+      columns.robots.push_back({robot.entry.name, model.type, model.sector_count(), {}});
+      for (int i = robot.first_channel; i < robot.first_channel + robot.channel_count; ++i) {
+        columns.robots.back().channels.push_back(ChannelName(*scene, static_cast<std::size_t>(i)));
+      }
     }
     for (const SceneObject& object : scene->objects) {
       if (object.body < 0) {

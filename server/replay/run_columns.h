@@ -15,7 +15,8 @@ namespace coopdyn {
 
 struct RobotColumn {
   std::string name, type;
-  std::size_t sensors = 0;  // distance sensors
+  std::size_t sensors = 0;            // distance sensors
+  std::vector<std::string> channels;  // ChannelName() of each
 };
 
 struct TargetColumn {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 #include <unordered_map>
 #include <utility>
 
@@ -19,7 +20,6 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr PoseValues kNowhere{kNan, kNan, kNan, kNan, kNan, kNan, kNan};
-constexpr WheelSpeeds kUnknown{kNan, kNan};
 
 PoseValues ToValues(const Pose& X) {
   return {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()};
@@ -90,20 +90,16 @@ std::string ToNanoseconds(const char* option, double seconds, Nanoseconds& ns) {
 bool FillFrame(const RecordedStep& recorded, std::shared_ptr<const Scene> scene, const RunHeader& header,
                Frame& frame) {
   if (recorded.bodies.size() != scene->body_ids.size()) return false;
-  if (!recorded.robots.empty() && recorded.robots.size() != scene->robots.size()) return false;
+  if (!recorded.channels.empty() && recorded.channels.size() != scene->channels.size()) return false;
   frame.step = recorded.step;
   frame.time = recorded.time;
   frame.step_length = header.step_length;
   frame.seed = header.seed;
   frame.bodies = recorded.bodies;
   frame.channels.assign(scene->channels.size(), {});
-  for (std::size_t i = 0; i < recorded.robots.size(); ++i) {
-    const int first = scene->FindDrive(static_cast<int>(i));
-    for (std::size_t side = 0; first >= 0 && side < 2; ++side) {
-      ChannelState& channel = frame.channels[static_cast<std::size_t>(first) + side];
-      channel.position = recorded.robots[i].angle_rad[side];
-      channel.velocity = recorded.robots[i].speed_rad_s[side];
-    }
+  for (std::size_t i = 0; i < recorded.channels.size(); ++i) {
+    frame.channels[i].position = recorded.channels[i].position;
+    frame.channels[i].velocity = recorded.channels[i].velocity;
   }
   frame.commanded.assign(scene->actuators.size(), 0);
   frame.recorded_hash = recorded.hash;
@@ -122,7 +118,7 @@ struct RunTable::Impl {
     return reader.header().what.controllers || robot.entry.controller.empty();
   }
   void TakeSetpoints(const SavedState& state);
-  void TakeCommands(const RecordedStep& recorded, const Places& places, const CommandRow& moment,
+  void TakeCommands(const RecordedStep& recorded, const Places& places,
                     const std::function<void(const CommandRow&)>& use);
   bool MakeRow(const RecordedStep& recorded, const Places& places);
   void MakeRobot(const RecordedStep& recorded, const Places& places, std::size_t column);
@@ -140,7 +136,7 @@ struct RunTable::Impl {
   std::map<std::uint64_t, Places> places_of;  // by scene number
 
   // While rows are read:
-  std::vector<WheelSpeeds> in_force;  // of the columns
+  std::vector<std::vector<double>> in_force;  // set-points of each robot's channels, by column
   Frame frame;
   RunRow row;
 };
@@ -216,28 +212,39 @@ std::string RunTable::Impl::Damage(std::uint64_t step) const {
 
 /// Set-points as they are after a keyframe.
 void RunTable::Impl::TakeSetpoints(const SavedState& state) {
-  std::fill(in_force.begin(), in_force.end(), kUnknown);
   const Frame& exact = *state.frame;
   for (std::size_t i = 0; i < columns.robots.size(); ++i) {
+    std::fill(in_force[i].begin(), in_force[i].end(), kNan);
     const int place = exact.scene->FindRobot(columns.robots[i].name);
-    if (place >= 0) in_force[i] = WheelSetpoints(exact, static_cast<std::size_t>(place));
+    if (place < 0) continue;
+    const std::span<const ChannelState> channels = ChannelsOf(exact, place);
+    for (std::size_t k = 0; k < std::min(channels.size(), in_force[i].size()); ++k) {
+      in_force[i][k] = channels[k].setpoint.reference;
+    }
   }
 }
 
 void RunTable::Impl::TakeCommands(const RecordedStep& recorded, const Places& places,
-                                  const CommandRow& moment,
                                   const std::function<void(const CommandRow&)>& use) {
-  for (const CommandRecord& command : recorded.commands) {
-    if (command.robot >= places.column_of_robot.size()) continue;
-    const int column = places.column_of_robot[command.robot];
-    if (column < 0) continue;
-    in_force[static_cast<std::size_t>(column)] = command.setpoint;
-    if (!use || !InRange(recorded.time)) continue;
-    if (!command.by_client && !HasSetpoints(places.scene->robots[command.robot])) continue;
-    CommandRow row = moment;
-    row.robot = static_cast<std::size_t>(column);
-    row.setpoint = command.setpoint;
-    use(row);
+  const Scene& scene = *places.scene;
+  for (auto next = recorded.commands.begin(); next != recorded.commands.end();) {
+    if (next->channel >= scene.channels.size()) return;
+    const int place = scene.channels[next->channel].robot;
+    const SceneRobot& robot = scene.robots[static_cast<std::size_t>(place)];
+    const int column = places.column_of_robot[static_cast<std::size_t>(place)];
+    const auto first = static_cast<std::uint32_t>(robot.first_channel);
+    const auto end = first + static_cast<std::uint32_t>(robot.channel_count);
+    bool is_known = HasSetpoints(robot);
+    for (; next != recorded.commands.end() && next->channel < end; ++next) {
+      is_known |= next->by_client;
+      if (column < 0) continue;
+      std::vector<double>& setpoints = in_force[static_cast<std::size_t>(column)];
+      if (next->channel - first < setpoints.size())
+        setpoints[next->channel - first] = next->setpoint.reference;
+    }
+    if (!use || column < 0 || !is_known || !InRange(recorded.time)) continue;
+    const auto at = static_cast<std::size_t>(column);
+    use({at, recorded.step, ToSeconds(recorded.time), in_force[at]});
   }
 }
 
@@ -246,7 +253,8 @@ void RunTable::Impl::MakeRobot(const RecordedStep& recorded, const Places& place
   const RunColumns& all = columns;
   values.X_WR = kNowhere;
   values.heading_rad = kNan;
-  values.wheels_rad = values.setpoints_rad_s = kUnknown;
+  values.positions.assign(all.robots[column].channels.size(), kNan);
+  values.setpoints = values.positions;
   values.distances_m.assign(all.robots[column].sensors, kNan);
   values.targets.assign(2 * all.targets.size(), kNan);
   if (places.robots[column] < 0) return;
@@ -255,8 +263,11 @@ void RunTable::Impl::MakeRobot(const RecordedStep& recorded, const Places& place
   const Pose X_WR = RobotPose(frame, static_cast<int>(place));
   values.X_WR = ToValues(X_WR);
   values.heading_rad = WrapAngle(Heading(X_WR.q));
-  if (!recorded.robots.empty()) values.wheels_rad = recorded.robots[place].angle_rad;
-  if (HasSetpoints(robot)) values.setpoints_rad_s = in_force[column];
+  for (std::size_t i = 0; !recorded.channels.empty() && i < values.positions.size(); ++i) {
+    if (i >= static_cast<std::size_t>(robot.channel_count)) break;
+    values.positions[i] = recorded.channels[static_cast<std::size_t>(robot.first_channel) + i].position;
+  }
+  if (HasSetpoints(robot)) values.setpoints = in_force[column];
   if (recorded.distances.size() == places.distances) {
     const std::size_t count = robot.entry.model->sector_count();
     for (std::size_t i = 0; i < std::min(count, values.distances_m.size()); ++i)
@@ -323,7 +334,8 @@ std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) 
   constexpr std::uint64_t kStepsPerReport = 32;
   run.row.robots.resize(run.columns.robots.size());
   run.row.objects.resize(run.columns.objects.size());
-  run.in_force.assign(run.columns.robots.size(), kUnknown);
+  run.in_force.clear();
+  for (const RobotColumn& robot : run.columns.robots) run.in_force.emplace_back(robot.channels.size(), kNan);
   if (std::string damage = WhyDamaged(run.reader, run.first, run.last); !damage.empty()) return damage;
   const SavedStatePtr keyframe = run.reader.Keyframe(run.first);
   if (keyframe == nullptr) return run.Damage(run.first);
@@ -347,8 +359,7 @@ std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) 
       if (next->frame->step == recorded.step) run.TakeSetpoints(*next);
     }
     expected = recorded.step + 1;
-    const double time_s = ToSeconds(recorded.time);
-    run.TakeCommands(recorded, *places, {0, recorded.step, time_s, {}}, uses.command);
+    run.TakeCommands(recorded, *places, uses.command);
     if (!run.InRange(recorded.time)) return true;
     const bool shown = !recorded.bodies.empty() || places->scene->body_ids.empty();
     if (shown && picker.Takes(recorded.time)) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,11 +22,11 @@ using PoseValues = std::array<double, 7>;
 
 struct RobotValues {
   PoseValues X_WR{};
-  double heading_rad = 0;                   // in (−π, π]
-  std::array<double, 2> wheels_rad{};       // left, right, since the start; nan: not recorded
-  std::array<double, 2> setpoints_rad_s{};  // in force; nan: not recorded
-  std::vector<double> distances_m;          // right to left; nan: not recorded
-  std::vector<double> targets;              // distance m, bearing rad of each; nan: not seen
+  double heading_rad = 0;           // in (−π, π]
+  std::vector<double> positions;    // of its channels, since the start; nan: not recorded
+  std::vector<double> setpoints;    // in force, of its channels; nan: not recorded
+  std::vector<double> distances_m;  // right to left; nan: not recorded
+  std::vector<double> targets;      // distance m, bearing rad of each; nan: not seen
 };
 
 /// One recorded step that has poses.
@@ -37,12 +38,12 @@ struct RunRow {
   std::vector<PoseValues> objects;
 };
 
-/// A set-point that came in force; with the first step of a file all that were in force then.
+/// The set-points of a robot after some came in force; with the first step of a file those in force then.
 struct CommandRow {
   std::size_t robot = 0;  // its column
   std::uint64_t step = 0;
   double time_s = 0;
-  WheelSpeeds setpoint{};  // rad/s
+  std::span<const double> setpoints;  // of its channels
 };
 
 class RunTable {

@@ -4,8 +4,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -24,11 +22,6 @@ namespace {
 /// How far a difference is followed when no exact state is ahead that could tell more.
 constexpr std::uint64_t kMaxFollowed = 2000;
 constexpr std::uint64_t kTellEvery = 16;
-
-bool SameSetpoint(const WheelSpeeds& a, const WheelSpeeds& b) {
-  using Bits = std::array<std::uint64_t, 2>;
-  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
-}
 
 /// Goes through a recording once, from keyframe to keyframe.
 class Verifier {
@@ -63,13 +56,13 @@ class Verifier {
     report_.error = error.empty() ? reader_.file() + " cannot be read" : std::move(error);
     return false;
   }
-  bool Part(Difference difference) {
+  bool Differs(Difference difference) {
     report_.difference = std::move(difference);
     return false;
   }
 
   /// A row that is not as it was written.
-  bool Part(const ChainDamage& damage) { return Part(DifferenceOf(damage, reader_)); }
+  bool Differs(const ChainDamage& damage) { return Differs(DifferenceOf(damage, reader_)); }
   void Warn(const std::string& line) { report_.warning += (report_.warning.empty() ? "" : "\n") + line; }
 
   /// What can only be said at the end.
@@ -87,7 +80,7 @@ class Verifier {
     if (report_.difference) return;
     std::string ends;
     if (const std::optional<ChainDamage> damage = chain_->CheckRest(ends)) {
-      Part(*damage);
+      Differs(*damage);
     } else if (!chain_->error().empty()) {
       Fail(chain_->error());
     } else if (!ends.empty() || !head_.empty()) {
@@ -98,7 +91,7 @@ class Verifier {
   void TellChanged(const ChainDamage& damage) {
     if (!report_.difference || report_.difference->step > damage.step + 1) {
       report_.steps = std::min(report_.steps, steps_unchanged_);
-      Part(damage);
+      Differs(damage);
       return;
     }
     std::string& note = report_.difference->note;
@@ -132,14 +125,14 @@ class Verifier {
     const Frame& frame = *run_.frame();
     if (StateHash(frame) != row->hash) {
       failed_ = *row;
-      return Part(Locate(0, false));
+      return Differs(Locate(0, false));
     }
-    std::vector<WheelSpeeds> recorded(run_.recorded_setpoints().begin(), run_.recorded_setpoints().end());
-    for (const CommandRecord& command : row->commands) recorded[command.robot] = command.setpoint;
+    std::vector<Setpoint> recorded(run_.recorded_setpoints().begin(), run_.recorded_setpoints().end());
+    for (const CommandRecord& command : row->commands) recorded[command.channel] = command.setpoint;
     std::optional<Difference> difference = FindSetpoint(recorded, frame);
     if (!difference) return CheckKeyframeRows(step, report_.steps);
     difference->note = "the exact state of this step has the other value, and its hash is equal";
-    return Part(std::move(*difference));
+    return Differs(std::move(*difference));
   }
 
   /// Steps `from` + 1 to `to`; `keyframe`: there is an exact state of `to`.
@@ -152,7 +145,7 @@ class Verifier {
       return !stopped;
     });
     if (!read) return Fail(reader_.error());
-    if (failed_) return Part(Locate(to, keyframe));
+    if (failed_) return Differs(Locate(to, keyframe));
     if (stopped) return false;
     const std::uint64_t reached = run_.frame()->step;
     if (reached == to) return !keyframe || CheckKeyframe(to);
@@ -174,7 +167,7 @@ class Verifier {
       lost_track_ = true;
       return changed_ || CheckRows(step.step, report_.steps);
     }
-    if (std::optional<Difference> difference = FindImpossible(step)) return Part(std::move(*difference));
+    if (std::optional<Difference> difference = FindImpossible(step)) return Differs(std::move(*difference));
     if (!run_.Step(step)) return Fail(run_.error());
     const Frame& frame = *run_.frame();
     if (StateHash(frame) != step.hash) {
@@ -183,11 +176,11 @@ class Verifier {
     }
     if (std::optional<Difference> difference = FindInRecord(step)) {
       difference->note = "the state is the recorded one: what is recorded of this controller is damaged";
-      return Part(std::move(*difference));
+      return Differs(std::move(*difference));
     }
     if (std::optional<Difference> difference = row_check_.Find(step, frame)) {
       difference->note = "the state is the recorded one: what is recorded of this step to be seen is damaged";
-      return Part(std::move(*difference));
+      return Differs(std::move(*difference));
     }
     if (changed_) return false;  // and nothing shows it
     if (!CheckRows(step.step, report_.steps++)) return false;
@@ -214,22 +207,33 @@ class Verifier {
     return false;
   }
 
-  /// A command that no recorder writes: one that changes nothing and comes from nobody, or a client's to a
-  /// robot that a controller drives.
+  /// A command that no recorder writes: one to a part of an actuator, one that changes nothing and comes from
+  /// nobody, or a client's to a robot that a controller drives.
   std::optional<Difference> FindImpossible(const RecordedStep& step) const {
-    const std::span<const WheelSpeeds> in_force = run_.recorded_setpoints();
-    for (const CommandRecord& command : step.commands) {
-      if (command.robot >= in_force.size()) continue;  // Step() says so
-      const bool driven = run_.computed()[command.robot] != 0;
-      const bool idle =
-          !command.by_client && !driven && SameSetpoint(command.setpoint, in_force[command.robot]);
-      if (!idle && !(driven && command.by_client)) continue;
-      const Frame& frame = *run_.frame();
-      Difference difference = DifferenceAt(frame, frame.scene->robots[command.robot].entry.name, "command");
+    const Frame& frame = *run_.frame();
+    const Scene& scene = *frame.scene;
+    const std::span<const Setpoint> in_force = run_.recorded_setpoints();
+    for (auto next = step.commands.begin(); next != step.commands.end();) {
+      if (next->channel >= in_force.size()) return std::nullopt;  // Step() says so
+      const CommandRecord& first = *next;
+      const SceneActuator& actuator = scene.actuators[ActuatorOf(scene, first.channel)];
+      bool changes = false, whole = first.channel == static_cast<std::uint32_t>(actuator.first_channel);
+      for (int i = 0; i < actuator.channel_count && whole; ++i, ++next) {
+        whole = next != step.commands.end() && next->by_client == first.by_client &&
+                next->channel == first.channel + static_cast<std::uint32_t>(i);
+        if (!whole) break;
+        changes |= !SameBits(next->setpoint, in_force[next->channel]);
+      }
+      const bool driven = run_.computes(first.channel);
+      const bool idle = !first.by_client && !driven && !changes;
+      if (whole && !idle && !(driven && first.by_client)) continue;
+      const auto robot = static_cast<std::size_t>(actuator.robot);
+      Difference difference = DifferenceAt(frame, scene.robots[robot].entry.name, "command");
       difference.step = difference.value_step = step.step;
       difference.time = step.time;
-      difference.recorded = idle ? "of nobody, without effect" : "of a client";
-      difference.repeated = idle ? "such a command is not recorded" : "a loaded controller drives it";
+      difference.recorded = !whole ? "a part of one" : idle ? "of nobody, without effect" : "of a client";
+      difference.repeated =
+          !whole || idle ? "such a command is not recorded" : "a loaded controller drives it";
       difference.exact = true;
       difference.note = "what is recorded of this command is damaged";
       return difference;
@@ -237,12 +241,18 @@ class Verifier {
     return std::nullopt;
   }
 
+  /// Set-points of loaded controllers.
+  std::optional<Difference> FindComputed(const Frame& frame) const {
+    return FindSetpoint(run_.recorded_setpoints(), frame,
+                        [this](std::size_t channel) { return run_.computes(channel); });
+  }
+
   /// What is recorded of loaded controllers against what they did now.
   std::optional<Difference> FindInRecord(const RecordedStep& step) const {
     if (!run_.has_controllers()) return std::nullopt;
     const Frame& frame = *run_.frame();
     if (reader_.header().what.controllers) {
-      if (auto found = FindSetpoint(run_.recorded_setpoints(), frame, run_.computed())) return found;
+      if (auto found = FindComputed(frame)) return found;
     }
     return FindMessage(step.messages, frame);
   }
@@ -255,7 +265,7 @@ class Verifier {
     if (!difference) return CheckKeyframeRows(step, report_.steps - 1);
     difference->note = "the hash of this step is equal: its exact state in the file is damaged";
     --report_.steps;
-    return Part(std::move(*difference));
+    return Differs(std::move(*difference));
   }
 
   std::optional<Difference> FindSaved(std::span<const std::byte> recorded) const {
@@ -297,7 +307,7 @@ class Verifier {
   std::optional<Difference> FindVisible(std::uint64_t step) {
     const Frame& frame = *run_.frame();
     if (run_.has_controllers() && reader_.header().what.controllers) {
-      if (auto found = FindSetpoint(run_.recorded_setpoints(), frame, run_.computed())) return found;
+      if (auto found = FindComputed(frame)) return found;
     }
     const std::optional<RecordedStep> row = reader_.Read(step);
     return row ? FindPose(row->bodies, frame) : std::nullopt;

@@ -115,7 +115,7 @@ VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, cons
     if (ours != nullptr) theirs = ExactFrame(other, at.step, services, why, report.warning);
   }
   if (theirs != nullptr) {
-    if (ours->bodies.size() != theirs->bodies.size() ||
+    if (ours->bodies.size() != theirs->bodies.size() || ours->channels.size() != theirs->channels.size() ||
         ours->scene->robots.size() != theirs->scene->robots.size() ||
         ours->channels.size() != theirs->channels.size()) {
       report.error = fmt::format(

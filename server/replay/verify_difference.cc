@@ -17,7 +17,6 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::array<const char*, 2> kSetpointFields{"setpoint_left_rad_s", "setpoint_right_rad_s"};
 /// More than what rounding and normalising make of a component of a quaternion.
 constexpr double kTurnRounding = 3e-6;
 
@@ -99,21 +98,28 @@ std::optional<Difference> FindBody(const Frame& recorded, const Frame& repeated)
   return std::nullopt;
 }
 
-std::optional<Difference> FindWheel(const Frame& recorded, const Frame& repeated) {
-  for (std::size_t i = 0; i < recorded.scene->robots.size(); ++i) {
-    const WheelStates a = WheelsOf(recorded, i), b = WheelsOf(repeated, i);
-    Difference difference = DifferenceAt(repeated, repeated.scene->robots[i].entry.name, "");
-    for (std::size_t side = 0; side < 2; ++side) {
-      const std::string name = side == 0 ? "left" : "right";
-      difference.field = "wheel_angle_" + name + "_rad";
-      if (Differs(a.angle_rad[side], b.angle_rad[side], difference)) return difference;
-      difference.field = "wheel_speed_" + name + "_rad_s";
-      if (Differs(a.speed_rad_s[side], b.speed_rad_s[side], difference)) return difference;
-    }
-    difference.field = "commanded";
-    const auto actuator = static_cast<std::size_t>(recorded.scene->robots[i].first_actuator);
-    if (Differs(int{recorded.commanded[actuator]}, int{repeated.commanded[actuator]}, difference))
-      return difference;
+/// A difference of channel `channel` of the robots in `frame`.
+Difference ChannelDiffers(const Frame& frame, std::size_t channel) {
+  const auto robot = static_cast<std::size_t>(frame.scene->channels[channel].robot);
+  return DifferenceAt(frame, frame.scene->robots[robot].entry.name, "");
+}
+
+std::optional<Difference> FindMotion(const Frame& recorded, const Frame& repeated) {
+  for (std::size_t i = 0; i < recorded.channels.size(); ++i) {
+    const ChannelState &a = recorded.channels[i], &b = repeated.channels[i];
+    Difference difference = ChannelDiffers(repeated, i);
+    const std::string name = ChannelName(*repeated.scene, i);
+    difference.field = name + "_rad";
+    if (Differs(a.position, b.position, difference)) return difference;
+    difference.field = name + "_rad_s";
+    if (Differs(a.velocity, b.velocity, difference)) return difference;
+  }
+  for (std::size_t i = 0; i < recorded.commanded.size(); ++i) {
+    const SceneActuator& actuator = recorded.scene->actuators[i];
+    const auto& robot = repeated.scene->robots[static_cast<std::size_t>(actuator.robot)];
+    Difference difference = DifferenceAt(repeated, robot.entry.name, "commanded");
+    const int a = recorded.commanded[i], b = repeated.commanded[i];
+    if (actuator.channel_count > 0 && Differs(a, b, difference)) return difference;
   }
   return std::nullopt;
 }
@@ -168,17 +174,17 @@ Difference DifferenceAt(const Frame& frame, std::string what, std::string field)
   return difference;
 }
 
-std::optional<Difference> FindSetpoint(std::span<const WheelSpeeds> recorded, const Frame& repeated,
-                                       std::span<const std::uint8_t> computed) {
+std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const Frame& repeated,
+                                       const std::function<bool(std::size_t channel)>& looks_at) {
   for (std::size_t i = 0; i < recorded.size(); ++i) {
-    if (!computed.empty() && computed[i] == 0) continue;
-    const WheelSpeeds ours = WheelSetpoints(repeated, i);
-    if (SameBits(recorded[i][0], ours[0]) && SameBits(recorded[i][1], ours[1])) continue;
-    Difference difference = DifferenceAt(repeated, repeated.scene->robots[i].entry.name, "");
-    for (std::size_t side = 0; side < 2; ++side) {
-      difference.field = kSetpointFields[side];
-      if (Differs(recorded[i][side], ours[side], difference)) return difference;
-    }
+    const Setpoint& ours = repeated.channels[i].setpoint;
+    if (SameBits(recorded[i], ours) || (looks_at && !looks_at(i))) continue;
+    Difference difference = ChannelDiffers(repeated, i);
+    difference.field = "setpoint_" + ChannelName(*repeated.scene, i) + "_rad_s";
+    if (Differs(recorded[i].reference, ours.reference, difference)) return difference;
+    difference.field = "mode_" + ChannelName(*repeated.scene, i);
+    if (Differs(static_cast<int>(recorded[i].mode), static_cast<int>(ours.mode), difference))
+      return difference;
   }
   return std::nullopt;
 }
@@ -222,9 +228,8 @@ std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Fr
 }
 
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated) {
-  std::vector<WheelSpeeds> setpoints;
-  for (std::size_t i = 0; i < recorded.scene->robots.size(); ++i)
-    setpoints.push_back(WheelSetpoints(recorded, i));
+  std::vector<Setpoint> setpoints;
+  for (const ChannelState& channel : recorded.channels) setpoints.push_back(channel.setpoint);
   if (auto found = FindSetpoint(setpoints, repeated)) return found;
   if (auto found = FindBody(recorded, repeated)) return found;
   Difference difference = DifferenceAt(repeated, "solver", "seed");
@@ -234,23 +239,28 @@ std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated
   if (Differs(recorded.time, repeated.time, difference)) return difference;
   difference.field = "seed";
   if (Differs(recorded.seed, repeated.seed, difference)) return difference;
-  if (auto found = FindWheel(recorded, repeated)) return found;
+  if (auto found = FindMotion(recorded, repeated)) return found;
   return FindMessage(recorded.messages, repeated.messages, repeated);
 }
 
 std::string CommandsOf(const RecordedStep& step, const Scene& scene) {
   constexpr std::size_t kNamed = 5;
+  std::size_t count = 0;
   std::string text;
-  for (std::size_t i = 0; i < std::min(step.commands.size(), kNamed); ++i) {
-    const CommandRecord& command = step.commands[i];
-    if (command.robot >= scene.robots.size()) continue;
-    text += fmt::format("{}{} ({:.17g}, {:.17g} rad/s{})", text.empty() ? "" : ", ",
-                        scene.robots[command.robot].entry.name, command.setpoint[0], command.setpoint[1],
-                        command.by_client ? "" : ", not by a client");
+  for (auto next = step.commands.begin(); next != step.commands.end(); ++count) {
+    const std::size_t actuator = ActuatorOf(scene, next->channel);
+    const bool by_client = next->by_client;
+    std::string numbers;
+    for (; next != step.commands.end() && ActuatorOf(scene, next->channel) == actuator; ++next) {
+      numbers += (numbers.empty() ? "" : ", ") + Exact(next->setpoint.reference);
+    }
+    if (count >= kNamed) continue;
+    const auto robot = static_cast<std::size_t>(scene.actuators[actuator].robot);
+    text += fmt::format("{}{} ({} rad/s{})", text.empty() ? "" : ", ", scene.robots[robot].entry.name,
+                        numbers, by_client ? "" : ", not by a client");
   }
   if (text.empty()) return {};
-  const std::size_t more = step.commands.size() - std::min(step.commands.size(), kNamed);
-  if (more > 0) text += fmt::format(" and {} more", more);
+  if (count > kNamed) text += fmt::format(" and {} more", count - kNamed);
   return "set-points that came in force with step " + std::to_string(step.step) + ": " + text;
 }
 

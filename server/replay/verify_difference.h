@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,18 +16,19 @@ namespace coopdyn {
 /// A difference at the step of `frame`, with values of it.
 Difference DifferenceAt(const Frame& frame, std::string what, std::string field);
 
-/// The first set-point, by robot, that differs in any bit from that in force in `repeated`. `computed`: only
-/// robots with 1 in it; empty: all.
-std::optional<Difference> FindSetpoint(std::span<const WheelSpeeds> recorded, const Frame& repeated,
-                                       std::span<const std::uint8_t> computed = {});
+/// The first set-point, by channel, that differs in any bit from that in force in `repeated`. `looks_at`:
+/// only channels of which it says so; null: all.
+std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const Frame& repeated,
+                                       const std::function<bool(std::size_t channel)>& looks_at = nullptr);
 /// The first broadcast sent with the step of `repeated` that differs.
 std::optional<Difference> FindMessage(std::span<const SentMessage> recorded, const Frame& repeated);
 /// The first body that is further from its recorded pose than the rounding of poses explains.
 std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Frame& repeated);
 /// The first exact difference: set-points, bodies in order, solver, time; then what the hash does not cover,
-/// wheels and broadcasts. Both frames have as many bodies and robots.
+/// motion of channels and broadcasts. Both frames have as many bodies and channels.
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated);
 
+/// The step's channels are those of `scene`.
 /// "with this step came in force: robot1 (0.5, 0.5 rad/s) …"; empty: none.
 std::string CommandsOf(const RecordedStep& step, const Scene& scene);
 

@@ -10,12 +10,12 @@ namespace coopdyn {
 
 namespace {
 
-/// Commands of `one` to robots that `other` does not command.
+/// Commands of `one` to channels that `other` does not command.
 std::vector<CommandRecord> OnlyIn(const std::vector<CommandRecord>& one,
                                   const std::vector<CommandRecord>& other) {
   std::vector<CommandRecord> only;
   std::set_difference(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(only),
-                      [](const CommandRecord& a, const CommandRecord& b) { return a.robot < b.robot; });
+                      [](const CommandRecord& a, const CommandRecord& b) { return a.channel < b.channel; });
   return only;
 }
 

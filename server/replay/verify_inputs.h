@@ -18,7 +18,7 @@ namespace coopdyn {
 class CommandCompare {
  public:
   CommandCompare(RunReader& one, RunReader& other) : runs_{&one, &other} {}
-  /// Commands of one robot are those of both, by increasing robot.
+  /// Both by increasing channel.
   void Look(std::uint64_t step, const std::vector<CommandRecord>& one,
             const std::vector<CommandRecord>& other);
   /// What was commanded in one run only, if nothing is damaged; lines, empty: nothing.

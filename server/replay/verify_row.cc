@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "server/record/pose_codec.h"
+#include "server/record/run_tables.h"
 #include "server/replay/run_columns.h"
 #include "server/replay/verify_difference.h"
 
@@ -20,10 +21,6 @@ namespace {
 
 bool SamePose(const BodyState& a, const BodyState& b) {
   return a.p_WB == b.p_WB && a.q_WB == b.q_WB && a.frozen() == b.frozen();
-}
-
-bool SameWheels(const WheelStates& a, const WheelStates& b) {
-  return a.angle_rad == b.angle_rad && a.speed_rad_s == b.speed_rad_s;
 }
 
 }  // namespace
@@ -42,7 +39,7 @@ std::optional<Difference> RowCheck::Find(const RecordedStep& step, const Frame& 
       return difference;
     }
   }
-  if (auto found = FindWheels(step, repeated)) return found;
+  if (auto found = FindMotion(step, repeated)) return found;
   if (!step.distances.empty()) {
     if (auto found = FindDistance(step.distances, repeated)) return found;
   }
@@ -52,19 +49,20 @@ std::optional<Difference> RowCheck::Find(const RecordedStep& step, const Frame& 
   return std::nullopt;
 }
 
-std::optional<Difference> RowCheck::FindWheels(const RecordedStep& step, const Frame& repeated) {
-  if (step.robots.size() != repeated.scene->robots.size()) return std::nullopt;
+std::optional<Difference> RowCheck::FindMotion(const RecordedStep& step, const Frame& repeated) {
+  if (step.channels.size() != repeated.channels.size()) return std::nullopt;
   blob_.clear();
-  EncodeWheels(repeated, blob_);
-  robots_.resize(step.robots.size());
-  DecodeWheels(blob_, robots_);
-  const auto [ours, theirs] = std::mismatch(robots_.begin(), robots_.end(), step.robots.begin(), SameWheels);
-  if (ours == robots_.end()) return std::nullopt;
-  const auto robot = static_cast<std::size_t>(ours - robots_.begin());
-  Difference difference = DifferenceAt(repeated, repeated.scene->robots[robot].entry.name, "wheels");
-  const auto worded = [](const WheelStates& state) {
-    return fmt::format("{:.5f} {:.5f} rad, {} {} rad/s", state.angle_rad[0], state.angle_rad[1],
-                       state.speed_rad_s[0], state.speed_rad_s[1]);
+  EncodeChannels(repeated.channels, blob_);
+  channels_.resize(step.channels.size());
+  DecodeChannels(blob_, channels_);
+  const auto [ours, theirs] = std::mismatch(channels_.begin(), channels_.end(), step.channels.begin());
+  if (ours == channels_.end()) return std::nullopt;
+  const auto channel = static_cast<std::size_t>(ours - channels_.begin());
+  const auto robot = static_cast<std::size_t>(repeated.scene->channels[channel].robot);
+  Difference difference =
+      DifferenceAt(repeated, repeated.scene->robots[robot].entry.name, ChannelName(*repeated.scene, channel));
+  const auto worded = [](const ChannelMotion& motion) {
+    return fmt::format("{:.5f} rad, {} rad/s", motion.position, motion.velocity);
   };
   difference.recorded = worded(*theirs);
   difference.repeated = worded(*ours);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Is what a recording shows of a step (poses, wheels, readings) what its state gives? Not thread-safe.
+// Is what a recording shows of a step (poses, channels, readings) what its state gives? Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ class RowCheck {
   std::optional<Difference> Find(const RecordedStep& step, const Frame& repeated);
 
  private:
-  std::optional<Difference> FindWheels(const RecordedStep& step, const Frame& repeated);
+  std::optional<Difference> FindMotion(const RecordedStep& step, const Frame& repeated);
   /// The place in `recorded` of the first reading that is not as in blob_.
   std::optional<std::size_t> FindReading(const std::vector<float>& recorded);
   std::optional<Difference> FindDistance(const std::vector<float>& recorded, const Frame& repeated);
@@ -31,7 +31,7 @@ class RowCheck {
   // Buffers that steps share.
   std::vector<std::byte> blob_;
   std::vector<BodyState> bodies_;
-  std::vector<WheelStates> robots_;
+  std::vector<ChannelMotion> channels_;
   std::vector<float> floats_;
 };
 

@@ -51,9 +51,9 @@ void DecodeColumns(std::span<const std::byte> bytes) {
   }
   std::vector<float> values;
   if (coopdyn::DecodeFloats(bytes, values)) Require(values.size() * sizeof(float) == bytes.size());
-  for (const std::size_t robots : {0, 1, 3}) {
-    std::vector<coopdyn::WheelStates> states(robots);
-    coopdyn::DecodeWheels(bytes, states);
+  for (const std::size_t channels : {0, 1, 3}) {
+    std::vector<coopdyn::ChannelMotion> motions(channels);
+    coopdyn::DecodeChannels(bytes, motions);
   }
   std::vector<coopdyn::BodyState> bodies(bytes.size() / coopdyn::kPoseBytes);
   if (coopdyn::DecodePoses(bytes, bodies)) {

@@ -39,14 +39,21 @@ class ForeignAndDamaged(ReadRunTestCase):
         self.assertIn("no recording", self.error_of(lambda: coopdyn.read_run(self.path)).text)
 
     def test_a_newer_format_says_where_to_get_a_reader(self):
-        rf.close(rf.create(self.path, user_version=2))
+        rf.close(rf.create(self.path, user_version=3))
         error = self.error_of(lambda: coopdyn.read_run(self.path))
         self.assertEqual(error.code, 5)
-        self.assertIn("format 2", error.text)
+        self.assertIn("format 3", error.text)
+
+    def test_an_older_format_is_to_be_recorded_again(self):
+        rf.close(rf.create(self.path, user_version=1))
+        error = self.error_of(lambda: coopdyn.read_run(self.path))
+        self.assertEqual(error.code, 5)
+        self.assertIn("format 1", error.text)
+        self.assertIn("record it again", error.text)
 
     def test_bytes_that_do_not_add_up_are_an_error_that_names_the_step(self):
         self.write_two()
-        for column, call in (("poses", lambda run: run.pose("robot2")), ("wheels", lambda run: run.reading("robot2", "wheels")),
+        for column, call in (("poses", lambda run: run.pose("robot2")), ("channels", lambda run: run.reading("robot2", "wheels")),
                              ("distances", lambda run: run.reading("robot2", "distances")),
                              ("targets", lambda run: run.reading("robot2", "targets")),
                              ("commands", lambda run: run.commands("robot2"))):

@@ -12,14 +12,15 @@ CREATE TABLE scene(id INTEGER PRIMARY KEY, first_step INTEGER, description BLOB)
 CREATE TABLE body(scene, place, id, name, robot, PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE robot(scene, place, id, name, type, body, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors,
                    PRIMARY KEY(scene, place)) WITHOUT ROWID;
+CREATE TABLE channel(scene, place, robot, module, joint, PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE target(scene, place, id, color, x, y, z, PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE step(step INTEGER PRIMARY KEY, time_ns INTEGER, hash INTEGER, scene INTEGER, commands BLOB, messages BLOB,
-                  wheels BLOB, distances BLOB, targets BLOB, poses BLOB);
+                  channels BLOB, distances BLOB, targets BLOB, poses BLOB);
 CREATE TABLE keyframe(step INTEGER PRIMARY KEY, state BLOB);
 CREATE TABLE input(id INTEGER PRIMARY KEY, step, action TEXT, detail TEXT);
 CREATE TABLE event(id INTEGER PRIMARY KEY, step, time_ns, level TEXT, text TEXT);
 """
-META = {"format": 1, "version": "0.9", "build": "0" * 16, "cpu": "a processor", "started": "2026-01-02T03:04:05Z",
+META = {"format": 2, "version": "0.9", "build": "0" * 16, "cpu": "a processor", "started": "2026-01-02T03:04:05Z",
         "command": "coopdyn serve two", "scenario_name": "two", "scenario_file": "two.scenario", "scenario_seed": "3",
         "seed": "18446744073709551615", "mode": "lockstep", "step_ns": 10_000_000, "substeps": 1,
         "what": "poses,wheels,distances,targets,controllers", "pose_every_ns": 0, "closed": 1, "lost": 0}
@@ -45,19 +46,21 @@ def poses_blob(poses, e=0):
 
 def commands_blob(*commands):
     """(robot, by client, left, right), each."""
-    return b"".join(struct.pack("<Idd", robot | by_client << 31, left, right) for robot, by_client, left, right in commands)
+    return b"".join(struct.pack("<IBd", 2 * robot + side | by_client << 31, 3, wheels[side])
+                    for robot, by_client, *wheels in commands for side in range(2))
 
 
 def wheels_blob(*wheels):
-    return b"".join(b"".join(round(a / 1e-5).to_bytes(5, "little", signed=True) for a in w[:2]) + struct.pack("<2f", *w[2:])
-                    for w in wheels)
+    """(angle left, right, speed left, right), each."""
+    return b"".join(round(w[side] / 1e-5).to_bytes(5, "little", signed=True) + struct.pack("<f", w[2 + side])
+                    for w in wheels for side in range(2))
 
 
 def floats_blob(*values):
     return struct.pack(f"<{len(values)}f", *values)
 
 
-def create(path, application_id=0x434F4F50, user_version=1, **meta):
+def create(path, application_id=0x434F4F50, user_version=2, **meta):
     """An empty recording, open; WAL as while recording."""
     db = sqlite3.connect(path, isolation_level=None)
     db.execute("PRAGMA page_size = 32768")
@@ -76,7 +79,7 @@ def close(db):
 
 
 def add_scene(db, scene, first_step, bodies, robots, targets=()):
-    """bodies: names; robots: (name, first body, p_BR, q_BR, sensors); targets: colours."""
+    """bodies: names; robots, of two wheels each: (name, first body, p_BR, q_BR, sensors); targets: colours."""
     db.execute("INSERT INTO scene VALUES (?, ?, x'')", (scene, first_step))
     for place, name in enumerate(bodies):
         owner = next((k for k, robot in enumerate(robots) if name.startswith(robot[0] + ".")), None)
@@ -84,6 +87,9 @@ def add_scene(db, scene, first_step, bodies, robots, targets=()):
     for place, (name, body, p, q, sensors) in enumerate(robots):
         db.execute("INSERT INTO robot VALUES (?, ?, ?, ?, 'single', ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                    (scene, place, place + 1, name, body, *p, *q, sensors))
+        for side, wheel in enumerate(("left", "right")):
+            db.execute("INSERT INTO channel VALUES (?, ?, ?, 'motors', ?)",
+                       (scene, 2 * place + side, place, wheel + "_wheel_joint"))
     for place, colour in enumerate(targets):
         db.execute("INSERT INTO target VALUES (?, ?, ?, ?, 1, 2, 0)", (scene, place, place + 1, colour))
 

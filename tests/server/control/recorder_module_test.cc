@@ -216,7 +216,7 @@ TEST_F(RecorderModuleTest, AFileWithoutItsLogIsNotHandedOut) {
   std::unique_ptr<Database> other =
       Database::Open((folder_ / "lesson1.run").string(), Database::Access::kReadWrite, error);
   ASSERT_NE(other, nullptr) << error;
-  ASSERT_TRUE(other->Try("PRAGMA journal_mode = WAL; PRAGMA user_version = 1")) << other->error();
+  ASSERT_TRUE(other->Try("PRAGMA journal_mode = WAL; PRAGMA user_version = 2")) << other->error();
   const RunToCopy refused = Open("lesson1.run");
   EXPECT_EQ(refused.error, Error::kNotPossible);
   EXPECT_THAT(refused.text, HasSubstr("its log lesson1.run-wal could not be made part of it"));

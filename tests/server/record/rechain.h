@@ -118,7 +118,7 @@ class Rechainer {
     Each("SELECT * FROM " + table + " ORDER BY rowid", [&](sqlite3_stmt* row) {
       std::string bytes = Row(row, sqlite3_column_count(row) - 1);
       const std::string id = Text(row, 0);
-      for (const std::string part : {"body", "robot", "target"}) {
+      for (const std::string part : {"body", "robot", "channel", "target"}) {
         if (table != "scene") break;
         Each("SELECT * FROM " + part + " WHERE scene = " + id + " ORDER BY place",
              [&](sqlite3_stmt* thing) { bytes += Row(thing, sqlite3_column_count(thing)); });

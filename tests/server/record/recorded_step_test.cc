@@ -44,15 +44,17 @@ TEST(RecordWhatTest, EverythingUpToFiftyRobotsThenPosesAndControllers) {
 
 TEST(RecordedStepTest, CommandsKeepEveryBit) {
   const std::vector<CommandRecord> commands{
-      {0, true, {1.0 / 3, -0.0}}, {4711, false, {std::numeric_limits<double>::denorm_min(), 1e300}}};
+      {0, true, {1.0 / 3, ControlMode::kEffort}},
+      {1, true, {-0.0}},
+      {4711, false, {std::numeric_limits<double>::denorm_min()}}};
   std::vector<std::byte> blob;
   EncodeCommands(commands, blob);
-  EXPECT_EQ(blob.size(), 40U);
+  EXPECT_EQ(blob.size(), 39U);
   std::vector<CommandRecord> read;
   ASSERT_TRUE(DecodeCommands(blob, read));
-  ASSERT_EQ(read.size(), 2U);
-  for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(read[i].robot, commands[i].robot);
+  ASSERT_EQ(read.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(read[i].channel, commands[i].channel);
     EXPECT_EQ(read[i].by_client, commands[i].by_client);
     EXPECT_TRUE(SameBits(read[i].setpoint, commands[i].setpoint));
   }
@@ -61,7 +63,7 @@ TEST(RecordedStepTest, CommandsKeepEveryBit) {
 TEST(RecordedStepTest, CommandsOutOfOrderAreRefused) {
   for (const std::uint32_t second : {0u, 1u}) {
     std::vector<std::byte> blob;
-    EncodeCommands(std::vector<CommandRecord>{{1, true, {1, 2}}, {second, true, {1, 2}}}, blob);
+    EncodeCommands(std::vector<CommandRecord>{{1, true, {1}}, {second, true, {2}}}, blob);
     std::vector<CommandRecord> read;
     EXPECT_FALSE(DecodeCommands(blob, read)) << second;
   }
@@ -69,12 +71,16 @@ TEST(RecordedStepTest, CommandsOutOfOrderAreRefused) {
 
 TEST(RecordedStepTest, CommandsThatDoNotAddUpAreRefused) {
   std::vector<std::byte> blob;
-  EncodeCommands(std::vector<CommandRecord>{{1, true, {1, 2}}}, blob);
+  EncodeCommands(std::vector<CommandRecord>{{1, true, {1}}}, blob);
   std::vector<CommandRecord> read;
-  EXPECT_FALSE(DecodeCommands(std::span(blob).first(19), read));
+  EXPECT_FALSE(DecodeCommands(std::span(blob).first(12), read));
   EXPECT_TRUE(read.empty());
-  blob[11] = std::byte{0x7F};
-  blob[10] = std::byte{0xF8};  // not a number
+  blob[4] = std::byte{5};  // no mode
+  EXPECT_FALSE(DecodeCommands(blob, read));
+  blob[4] = std::byte{3};
+  EXPECT_TRUE(DecodeCommands(blob, read));
+  blob[12] = std::byte{0x7F};
+  blob[11] = std::byte{0xF8};  // not a number
   EXPECT_FALSE(DecodeCommands(blob, read));
   EXPECT_TRUE(read.empty());
 }
@@ -113,34 +119,32 @@ TEST(RecordedStepTest, MessagesThatDoNotAddUpAreRefused) {
   EXPECT_TRUE(read.empty());
 }
 
-TEST(RecordedStepTest, WheelsAreWithinTheirUnits) {
+TEST(RecordedStepTest, PositionsAreWithinTheirUnits) {
   FrameMaker maker(RecordScene());
   const auto frame = maker.Make(1);
   SetTurned(*frame, 0, {5.4e6, -5.4e6}, {1, 2});  // 30 h at 50 rad/s
   std::vector<std::byte> blob;
-  EncodeWheels(*frame, blob);
-  std::vector<WheelStates> read(frame->scene->robots.size());
-  EXPECT_EQ(blob.size(), 18 * read.size());
-  ASSERT_TRUE(DecodeWheels(blob, read));
+  EncodeChannels(frame->channels, blob);
+  std::vector<ChannelMotion> read(frame->channels.size());
+  EXPECT_EQ(blob.size(), 9 * read.size());
+  ASSERT_TRUE(DecodeChannels(blob, read));
   for (std::size_t i = 0; i < read.size(); ++i) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      EXPECT_NEAR(read[i].angle_rad[side], AnglesOf(*frame, static_cast<int>(i))[side], 0.5e-5 + 1e-9);
-      EXPECT_EQ(read[i].speed_rad_s[side], static_cast<float>(SpeedsOf(*frame, static_cast<int>(i))[side]));
-    }
+    EXPECT_NEAR(read[i].position, frame->channels[i].position, 0.5e-5 + 1e-9);
+    EXPECT_EQ(read[i].velocity, static_cast<float>(frame->channels[i].velocity));
   }
-  EXPECT_FALSE(DecodeWheels(std::span(blob).first(blob.size() - 1), read));
+  EXPECT_FALSE(DecodeChannels(std::span(blob).first(blob.size() - 1), read));
 }
 
-TEST(RecordedStepTest, AnglesBeyondTheUnitsAreHeld) {
+TEST(RecordedStepTest, PositionsBeyondTheUnitsAreHeld) {
   FrameMaker maker(RecordScene());
   const auto frame = maker.Make(1);
   SetTurned(*frame, 0, {1e12, -std::numeric_limits<double>::infinity()}, {1, 2});
   std::vector<std::byte> blob;
-  EncodeWheels(*frame, blob);
-  std::vector<WheelStates> read(frame->scene->robots.size());
-  ASSERT_TRUE(DecodeWheels(blob, read));
-  EXPECT_NEAR(read[0].angle_rad[0], 5497558.13887, 1e-6);
-  EXPECT_NEAR(read[0].angle_rad[1], -5497558.13887, 1e-6);
+  EncodeChannels(frame->channels, blob);
+  std::vector<ChannelMotion> read(frame->channels.size());
+  ASSERT_TRUE(DecodeChannels(blob, read));
+  EXPECT_NEAR(read[0].position, 5497558.13887, 1e-6);
+  EXPECT_NEAR(read[1].position, -5497558.13887, 1e-6);
 }
 
 /// What `encode` writes of a frame, read again.

@@ -168,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(
         Tampering{"FirstStep", "UPDATE step SET time_ns = 1 WHERE step = 0", "0 the row of step 0 chain"},
         Tampering{"StepOut", "DELETE FROM step WHERE step = 7", "8 the row of step 8 chain"},
         Tampering{"StepIn",
-                  "INSERT INTO step SELECT 13, time_ns, hash, scene, commands, messages, wheels, "
+                  "INSERT INTO step SELECT 13, time_ns, hash, scene, commands, messages, channels, "
                   "distances, targets, poses, chain FROM step WHERE step = 11",
                   "13 the row of step 13 chain"},
         Tampering{"StepsSwapped",
@@ -208,6 +208,8 @@ INSTANTIATE_TEST_SUITE_P(
         Tampering{"SceneOut", "DELETE FROM scene WHERE id = 1", "20 scene 1 row"},
         Tampering{"Body", "UPDATE body SET name = 'BOX_9' WHERE scene = 2 AND place = 0", "20 scene 2 chain"},
         Tampering{"Robot", "UPDATE robot SET p_x = p_x + 1 WHERE scene = 1 AND place = 0", "0 scene 1 chain"},
+        Tampering{"Channel", "UPDATE channel SET joint = 'elbow' WHERE scene = 2 AND place = 1",
+                  "20 scene 2 chain"},
         Tampering{"Target", "DELETE FROM target WHERE scene = 1 AND place = 1", "0 scene 1 chain"},
         Tampering{"Meta", "UPDATE meta SET value = 'coopdyn serve' WHERE key = 'command'",
                   "its table meta was changed"},

@@ -116,8 +116,9 @@ TEST_F(RunReaderDamageTest, ADatabaseOfAnotherProgramIsNotTouched) {
 }
 
 TEST_F(RunReaderDamageTest, SaysThatANewerProgramMadeIt) {
-  EXPECT_SAYS(RefusalAfter("PRAGMA user_version = 2"),
-              "was made by a newer coopdyn: format 2, this one reads 1");
+  EXPECT_SAYS(RefusalAfter("PRAGMA user_version = 1"), "was recorded in format 1 by an older coopdyn");
+  EXPECT_SAYS(RefusalAfter("PRAGMA user_version = 3"),
+              "was made by a newer coopdyn: format 3, this one reads 2");
 }
 
 TEST_F(RunReaderDamageTest, SaysWhichWordOfTheHeaderIsWrong) {
@@ -157,7 +158,7 @@ TEST_F(RunReaderDamageTest, PosesOfAnotherLengthAreDamage) {
 TEST_F(RunReaderDamageTest, EveryBlobIsChecked) {
   const std::pair<const char*, const char*> columns[] = {{"commands", "the commands of step 4"},
                                                          {"messages", "the broadcasts of step 4"},
-                                                         {"wheels", "the wheels of step 4"},
+                                                         {"channels", "the channels of step 4"},
                                                          {"distances", "the distances of step 4"},
                                                          {"targets", "the sighted targets of step 4"}};
   for (const auto& [column, text] : columns) {
@@ -170,8 +171,8 @@ TEST_F(RunReaderDamageTest, EveryBlobIsChecked) {
 }
 
 TEST_F(RunReaderDamageTest, ACommandForARobotThatIsNotThereIsDamage) {
-  // Robot 5, two speeds of 0.
-  EXPECT_EQ(RefusalAfter("UPDATE step SET commands = x'05000000' || zeroblob(16) WHERE step = 4"), "");
+  // Channel 50, a position of 0.
+  EXPECT_EQ(RefusalAfter("UPDATE step SET commands = x'32000000' || x'01' || zeroblob(8) WHERE step = 4"), "");
   EXPECT_FALSE(reader_->Read(4, true));
   EXPECT_SAYS(reader_->error(), "the commands of step 4");
 }

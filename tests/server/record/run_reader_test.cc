@@ -74,12 +74,13 @@ TEST_F(RunReaderTest, ReadsAStepAsItWasRecorded) {
   for (std::size_t i = 0; i < frame->bodies.size(); ++i) {
     EXPECT_LT((step->bodies[i].p_WB - frame->bodies[i].p_WB).norm(), 2e-6);
   }
-  ASSERT_EQ(step->robots.size(), 2u);
-  EXPECT_NEAR(step->robots[1].angle_rad[1], 1.2, 1e-5);
-  EXPECT_EQ(step->robots[1].speed_rad_s[0], 10);
-  ASSERT_EQ(step->commands.size(), 1u);
+  ASSERT_EQ(step->channels.size(), 4u);
+  EXPECT_NEAR(step->channels[3].position, 1.2, 1e-5);
+  EXPECT_EQ(step->channels[2].velocity, 10);
+  ASSERT_EQ(step->commands.size(), 2u);
   EXPECT_TRUE(step->commands[0].by_client);
-  EXPECT_EQ(step->commands[0].setpoint, (WheelSpeeds{0.06, -0.06}));
+  EXPECT_EQ(step->commands[0].setpoint, Setpoint{0.06});
+  EXPECT_EQ(step->commands[1].setpoint, Setpoint{-0.06});
   EXPECT_EQ(step->distances.size(), frame->scene->robots[0].entry.model->sector_count() +
                                         frame->scene->robots[1].entry.model->sector_count());
   EXPECT_EQ(step->targets.size(), 4u);
@@ -91,7 +92,7 @@ TEST_F(RunReaderTest, ReadsInputsAlone) {
   ASSERT_TRUE(step) << reader_->error();
   EXPECT_TRUE(step->bodies.empty());
   EXPECT_TRUE(step->distances.empty());
-  EXPECT_EQ(step->commands.size(), 1u);
+  EXPECT_EQ(step->commands.size(), 2u);
   ASSERT_EQ(step->messages.size(), 1u);
   EXPECT_EQ(step->messages[0].step, 15u);
   EXPECT_EQ(step->messages[0].message.values[0], 15);

@@ -2,7 +2,6 @@
 // Which set-points of a step a run file keeps.
 #include "run_writer_fixture.h"
 #include "server/record/state_codec.h"
-#include "tests/server/state/wheels.h"
 
 namespace coopdyn {
 namespace {
@@ -12,11 +11,11 @@ TEST_F(RunWriterTest, TheFirstRowHasAllSetpointsAndIsAKeyframe) {
   Close(*MakeWriter(file_, *start));
   RunFile file(file_);
   const std::vector<CommandRecord> commands = file.Commands(40);
-  ASSERT_EQ(commands.size(), 3U);
-  for (std::uint32_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(commands[i].robot, i);
+  ASSERT_EQ(commands.size(), 6U);
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(commands[i].channel, i);
     EXPECT_FALSE(commands[i].by_client);
-    EXPECT_TRUE(SameBits(commands[i].setpoint, SetpointOf(*start->frame, static_cast<int>(i))));
+    EXPECT_TRUE(SameBits(commands[i].setpoint, start->frame->channels[i].setpoint));
   }
   EXPECT_EQ(file.Blob("SELECT state FROM keyframe WHERE step = 40"), EncodeState(*start));
 }
@@ -32,11 +31,11 @@ TEST_F(RunWriterTest, OnlySetpointsThatChangeOrComeFromAClientAreCommands) {
   Record(*start, {one, two});
   RunFile file(file_);
   const std::vector<CommandRecord> commands = file.Commands(1);
-  ASSERT_EQ(commands.size(), 2U);
-  EXPECT_EQ(commands[0].robot, 1U);
-  EXPECT_FALSE(commands[0].by_client);
-  EXPECT_EQ(commands[1].robot, 2U);
-  EXPECT_TRUE(commands[1].by_client);
+  ASSERT_EQ(commands.size(), 4U);  // of whole actuators
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(commands[i].channel, i + 2);
+    EXPECT_EQ(commands[i].by_client, i >= 2);
+  }
   EXPECT_TRUE(file.Commands(2).empty());
 }
 
@@ -48,7 +47,7 @@ TEST_F(RunWriterTest, ZeroThatChangesItsSignIsACommand) {
   SavedState state;
   state.frame = zero;
   Record(state, {minus});
-  EXPECT_EQ(RunFile(file_).Commands(1).size(), 1U);
+  EXPECT_EQ(RunFile(file_).Commands(1).size(), 2U);
 }
 
 /// The scene of the test with loaded controllers for robot1 and robot2.
@@ -62,15 +61,15 @@ TEST_F(RunWriterTest, SetpointsOfLoadedControllersAreLeftOutIfNotChosen) {
   maker_.SetScene(DrivenScene());
   Record(*maker_.Start(), {maker_.Make(1)}, {});
   const std::vector<CommandRecord> commands = RunFile(file_).Commands(1);
-  ASSERT_EQ(commands.size(), 1U);
-  EXPECT_EQ(commands[0].robot, 2U);
-  EXPECT_EQ(RunFile(file_).Commands(0).size(), 3U);
+  ASSERT_EQ(commands.size(), 2U);
+  EXPECT_EQ(commands[0].channel, 4U);
+  EXPECT_EQ(RunFile(file_).Commands(0).size(), 6U);
 }
 
 TEST_F(RunWriterTest, SetpointsOfLoadedControllersAreKeptIfChosen) {
   maker_.SetScene(DrivenScene());
   Record(*maker_.Start(), {maker_.Make(1)}, {false, false, false, true});
-  EXPECT_EQ(RunFile(file_).Commands(1).size(), 3U);
+  EXPECT_EQ(RunFile(file_).Commands(1).size(), 6U);
 }
 
 TEST_F(RunWriterTest, ARobotThatLostItsControllerIsRecordedLikeAnyOther) {
@@ -80,8 +79,8 @@ TEST_F(RunWriterTest, ARobotThatLostItsControllerIsRecordedLikeAnyOther) {
   ASSERT_TRUE(writer->AddStep(*maker_.Make(1)));
   Close(*writer);
   const std::vector<CommandRecord> commands = RunFile(file_).Commands(1);
-  ASSERT_EQ(commands.size(), 2U);
-  EXPECT_EQ(commands[0].robot, 0U);
+  ASSERT_EQ(commands.size(), 4U);
+  EXPECT_EQ(commands[0].channel, 0U);
   EXPECT_EQ(AskText(file_, "SELECT detail FROM input WHERE action = 'release_robot' AND step = 0"), "robot1");
 }
 

@@ -20,7 +20,7 @@ TEST_F(RunWriterTest, AClosedRecordingIsOnePlainFile) {
   EXPECT_EQ(AskText(file_, "PRAGMA journal_mode"), "delete");
   EXPECT_EQ(AskText(file_, "PRAGMA integrity_check"), "ok");
   EXPECT_EQ(Ask(file_, "PRAGMA application_id"), kRunApplicationId);
-  EXPECT_EQ(Ask(file_, "PRAGMA user_version"), 1);
+  EXPECT_EQ(Ask(file_, "PRAGMA user_version"), kRunFormat);
   EXPECT_EQ(Ask(file_, "SELECT value FROM meta WHERE key = 'closed'"), 1);
   EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step"), 21);
   EXPECT_EQ(writer->steps(), 20U);
@@ -98,7 +98,7 @@ TEST_F(RunWriterTest, ARowHasHashPosesAndReadings) {
     EXPECT_EQ(file.Blob("SELECT " + column + " FROM step WHERE step = 1"), expected) << column;
   };
   expect_column("poses", [&](auto& bytes) { EncodePoses(frame->bodies, bytes); });
-  expect_column("wheels", [&](auto& bytes) { EncodeWheels(*frame, bytes); });
+  expect_column("channels", [&](auto& bytes) { EncodeChannels(frame->channels, bytes); });
   expect_column("distances", [&](auto& bytes) { EncodeDistances(*frame, bytes); });
   expect_column("targets", [&](auto& bytes) { EncodeTargets(*frame, bytes); });
 }
@@ -106,7 +106,7 @@ TEST_F(RunWriterTest, ARowHasHashPosesAndReadings) {
 TEST_F(RunWriterTest, WhatIsNotChosenIsNull) {
   Record(*maker_.Start(), {maker_.Make(1)}, {});
   EXPECT_EQ(Ask(file_,
-                "SELECT count(*) FROM step WHERE wheels IS NULL AND distances IS NULL AND "
+                "SELECT count(*) FROM step WHERE channels IS NULL AND distances IS NULL AND "
                 "targets IS NULL AND messages IS NULL AND poses IS NOT NULL"),
             2);
 }
@@ -134,7 +134,7 @@ TEST_F(RunWriterTest, PosesOnlySoOftenButEveryStepHasARow) {
   // 0, 30, 50, 80, 100, 130, 150, 180, 200 ms
   EXPECT_EQ(AskText(file_, "SELECT group_concat(step) FROM step WHERE poses IS NOT NULL"),
             "0,3,5,8,10,13,15,18,20");
-  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step WHERE (wheels IS NULL) <> (poses IS NULL)"), 0);
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step WHERE (channels IS NULL) <> (poses IS NULL)"), 0);
 }
 
 TEST_F(RunWriterTest, BodiesAppearAndDisappear) {

@@ -71,7 +71,7 @@ TEST_F(ResimulatorTest, WithoutTheirSetpointsInTheFileToo) {
 TEST_F(ResimulatorTest, ABitOfAControllersCommandIsNamedByItsStep) {
   MakeSwarm("flock", 60);
   // Its first robot is the first of the blob whenever its set-point has changed.
-  Tamper(File()).FlipCommand(31, 32 + 3);
+  Tamper(File()).FlipCommand(31, 40 + 3);
   const VerifyReport report = Repeat(File());
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 31u);

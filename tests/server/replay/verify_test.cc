@@ -96,7 +96,7 @@ TEST_F(VerifyTest, ProgressGrowsToTheEnd) {
 TEST_F(VerifyTest, ABitOfACommandIsNamedByItsStep) {
   MakeLesson(File());
   // robot1 gets a command with step 22 (k = 21): its left wheel's lowest bit, which moves nothing by 1 µm.
-  Tamper(File()).FlipCommand(22, 32);
+  Tamper(File()).FlipCommand(22, 40);
   const VerifyReport report = Repeat(File());
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 22u);
@@ -114,7 +114,7 @@ TEST_F(VerifyTest, ABitOfACommandIsNamedByItsStep) {
 
 TEST_F(VerifyTest, EveryBitOfACommandsNumbersMatters) {
   MakeLesson(File());
-  for (const std::size_t bit : {32u, 50u, 84u, 95u, 96u, 120u, 148u, 159u}) {
+  for (const std::size_t bit : {40u, 58u, 92u, 103u, 144u, 168u, 196u, 207u}) {
     {
       Tamper tamper(File());
       tamper.FlipCommand(29, bit);  // robot1 and its k = 28
@@ -132,7 +132,7 @@ TEST_F(VerifyTest, EveryBitOfACommandsNumbersMatters) {
 
 TEST_F(VerifyTest, ACommandThatMovesARobotElsewhereIsNamedByItsPose) {
   MakeLesson(File());
-  Tamper(File()).FlipCommand(78, 32 + 63);  // backwards
+  Tamper(File()).FlipCommand(78, 40 + 63);  // backwards
   const VerifyReport report = Repeat(File());
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 78u);
