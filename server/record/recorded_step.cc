@@ -25,12 +25,12 @@ constexpr std::array<Word, 4> kWords{{{"wheels", &RecordWhat::wheels},
 constexpr std::uint32_t kByClient = std::uint32_t{1} << 31;
 constexpr std::size_t kCommandBytes = 4 + 1 + 8;
 constexpr double kPositionUnit = 1e-5;         // rad or m
-constexpr double kMostUnits = 549755813887.0;  // 2^39 − 1
+constexpr double kMostAngleUnits = 549755813887.0;  // 2^39 − 1
 constexpr std::size_t kManyRobots = 50;
 
 std::uint64_t EncodePosition(double position) {
   const double units = std::isnan(position) ? 0 : position / kPositionUnit;
-  return static_cast<std::uint64_t>(std::llrint(std::clamp(units, -kMostUnits, kMostUnits)));
+  return static_cast<std::uint64_t>(std::llrint(std::clamp(units, -kMostAngleUnits, kMostAngleUnits)));
 }
 
 double DecodePosition(std::uint64_t bits) {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "server/controllers/controller_host.h"
+#include "server/model/drive.h"
 #include "server/model/readers.h"
 #include "server/physics/stepper.h"
 #include "server/record/recorder.h"
