@@ -70,7 +70,7 @@ void AppendDouble(double value, std::string& out);
 // --- the first bytes
 // ---------------------------------------------------------------------------------------------
 /// What the first bytes of a client choose.
-enum class Encoding {
+enum class FirstBytes {
   kUndecided,   // need more bytes
   kBinary,      // "CDS1": 4 bytes to skip
   kWrongMagic,  // "CDS" and something else
@@ -79,7 +79,7 @@ enum class Encoding {
 };
 /// Bytes after which SniffEncoding never answers kUndecided.
 inline constexpr std::size_t kMaxSniffBytes = 8192;
-Encoding SniffEncoding(std::string_view bytes);
+FirstBytes SniffEncoding(std::string_view bytes);
 
 /// True if `text` is well-formed UTF-8 (RFC 3629) without NUL.
 bool IsCleanUtf8(std::string_view text);

@@ -7,7 +7,7 @@
 
 #include "protocol/text_scan.h"
 #include "server/base/printable.h"
-#include "server/net/http_refusal.h"
+#include "server/net/encoding.h"
 
 namespace coopdyn {
 namespace {

@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <boost/smart_ptr/make_local_shared.hpp>
 
-#include "protocol/codec.h"
 #include "protocol/command_table.h"
 #include "protocol/message.h"
 #include "server/base/ids.h"
@@ -33,18 +33,25 @@ class UnaskedMessage {
     if (make_) message_ = std::exchange(make_, nullptr)();
     return message_ ? &*message_ : nullptr;
   }
-  /// `encoding`: kBinary or kText. @pre message() is not null
-  const std::string& bytes(Encoding encoding) {
-    const bool binary = encoding == Encoding::kBinary;
-    std::string& bytes = binary ? binary_ : text_;
-    if (bytes.empty()) (binary ? EncodeBinary : EncodeText)(*message_, bytes);
-    return bytes;
+  /// As `encode` writes it, which is done once for all connections. @pre message() is not null
+  const std::string& bytes(void (*encode)(const Message&, std::string&)) {
+    for (const Encoded& encoded : encoded_) {
+      if (encoded.by == encode) return encoded.bytes;
+    }
+    Encoded& encoded = encoded_.emplace_back(Encoded{encode, {}});
+    encode(*message_, encoded.bytes);
+    return encoded.bytes;
   }
 
  private:
+  struct Encoded {
+    void (*by)(const Message&, std::string&);
+    std::string bytes;
+  };
+
   Make make_;  // null: made
   std::optional<Message> message_;
-  std::string binary_, text_;  // empty: nobody has wanted it yet
+  std::vector<Encoded> encoded_;
 };
 using UnaskedPtr = boost::local_shared_ptr<UnaskedMessage>;  // of one thread: counted without atomics
 

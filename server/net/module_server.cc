@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "server/net/module_server.h"
 
-#include <sys/socket.h>
-
 #include <atomic>
 #include <chrono>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -21,12 +20,6 @@ namespace coopdyn {
 namespace {
 
 namespace asio = boost::asio;
-
-bool IsStreamSocket(int fd) {
-  int type = 0;
-  socklen_t size = sizeof type;
-  return ::getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_STREAM;
-}
 
 constexpr auto kSweepPeriod = std::chrono::seconds(4);  // keepalive's 20 s + this < 25 s
 
@@ -51,28 +44,33 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
     gate->impl = this;
   }
 
-  static void Adopt(const std::shared_ptr<Gate>& gate, UniqueFd fd, std::string already_read, PeerInfo peer) {
+  static void Adopt(const std::shared_ptr<Gate>& gate, UniqueFd fd, std::string already_read, PeerInfo peer,
+                    std::unique_ptr<Encoding> encoding = nullptr) {
     MutexLock lock(gate->mutex);
     if (gate->impl == nullptr) return;
     // `work` only waits in the queue here: the lock keeps the io_context from going away.
-    asio::post(gate->impl->context,
-               [weak = gate->impl->weak_from_this(), fd = std::move(fd),
-                already_read = std::move(already_read), peer = std::move(peer)]() mutable {
-                 const std::shared_ptr<Impl> impl = weak.lock();
-                 if (impl && !impl->closed) impl->Open(std::move(fd), already_read, std::move(peer));
-               });
+    asio::post(gate->impl->context, [weak = gate->impl->weak_from_this(), fd = std::move(fd),
+                                     already_read = std::move(already_read), peer = std::move(peer),
+                                     encoding = std::move(encoding)]() mutable {
+      const std::shared_ptr<Impl> impl = weak.lock();
+      if (impl && !impl->closed)
+        impl->Open(std::move(fd), already_read, std::move(peer), std::move(encoding));
+    });
   }
 
-  void Open(UniqueFd fd, const std::string& already_read, PeerInfo peer) {
-    if (!IsStreamSocket(fd.get()))
-      return services.logger()->error("{}: cannot take a connection: not a stream socket", name);
+  void Open(UniqueFd fd, const std::string& already_read, PeerInfo peer,
+            std::unique_ptr<Encoding> encoding = nullptr) {
+    const std::optional<ConnectionEnd> end = EndOf(fd.get());
+    if (!end) {
+      return services.logger()->error("{}: cannot take a connection: neither a stream nor datagrams", name);
+    }
     SetClientSocketOptions(fd.get());
     if (!peer.trusted) Sweep();
-    auto session = std::make_shared<Session>(context, std::move(fd), endpoint, services, std::move(peer),
-                                             [this](ClientId id) { Forget(id); });
+    auto session = std::make_shared<Session>(context, std::move(fd), *end, endpoint, services,
+                                             std::move(peer), [this](ClientId id) { Forget(id); });
     sessions.emplace(session->id(), session);
     count = sessions.size();
-    session->Start(already_read);
+    session->Start(already_read, std::move(encoding));
   }
 
   void Forget(ClientId id) {
@@ -140,8 +138,9 @@ const std::string& ModuleServer::name() const {
   return impl_->name;
 }
 
-void ModuleServer::Adopt(int fd, std::string already_read, PeerInfo peer) {
-  Impl::Adopt(impl_->gate, UniqueFd(fd), std::move(already_read), std::move(peer));
+void ModuleServer::Adopt(int fd, std::string already_read, PeerInfo peer,
+                         std::unique_ptr<Encoding> encoding) {
+  Impl::Adopt(impl_->gate, UniqueFd(fd), std::move(already_read), std::move(peer), std::move(encoding));
 }
 
 AdoptFunction ModuleServer::adopter() const {

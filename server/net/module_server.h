@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/net/encoding.h"
 #include "server/net/endpoint.h"
 #include "server/net/net_services.h"
 #include "server/net/peer.h"
@@ -36,8 +37,9 @@ class ModuleServer {
   const std::string& name() const;
 
   /// Takes over a connection: it behaves as newly accepted, its first bytes being `already_read`. Owns `fd`
-  /// from the call on. Any thread.
-  void Adopt(int fd, std::string already_read, PeerInfo peer);
+  /// from the call on. `encoding`: what both sides have agreed upon; null: the first bytes choose. Any
+  /// thread.
+  void Adopt(int fd, std::string already_read, PeerInfo peer, std::unique_ptr<Encoding> encoding = nullptr);
   /// Adopt() as a function that may be called even after this server is gone (it closes the descriptor then).
   AdoptFunction adopter() const;
 

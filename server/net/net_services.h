@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What every server of one daemon shares: the log, the clock and the ids of clients. Any thread.
+// What every server of one daemon shares: the log, the clock, the encodings and the ids of clients. Any
+// thread.
 #pragma once
 
 #include <atomic>
@@ -10,16 +11,19 @@
 #include "server/base/clock.h"
 #include "server/base/ids.h"
 #include "server/base/log.h"
+#include "server/net/encoding.h"
 
 namespace coopdyn {
 
 /// One per daemon; outlives every server. `clock` must outlive it.
 class NetServices {
  public:
-  NetServices(Logger logger, const Clock& clock) : logger_(std::move(logger)), clock_(clock) {}
+  NetServices(Logger logger, const Clock& clock, Encodings encodings = StandardEncodings())
+      : logger_(std::move(logger)), clock_(clock), encodings_(std::move(encodings)) {}
 
   const Logger& logger() const { return logger_; }
   const Clock& clock() const { return clock_; }
+  const Encodings& encodings() const { return encodings_; }
   /// An id that no other connection of this daemon has or had.
   ClientId NextClient() { return ++last_client_; }
   /// Says in the log that no connection can be accepted for want of something (an errno): once, until that
@@ -32,6 +36,7 @@ class NetServices {
  private:
   Logger logger_;
   const Clock& clock_;
+  const Encodings encodings_;
   PeerLogLimiter limiter_;
   std::atomic<ClientId> last_client_{0};
   std::atomic<Nanoseconds> exhausted_{std::numeric_limits<Nanoseconds>::min()};  // last; min: never

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "protocol/codec.h"
+
 namespace coopdyn {
 namespace {
 
@@ -15,33 +17,33 @@ std::size_t BinaryBytes(const Message& message) {
 
 }  // namespace
 
-void OutQueue::AddReply(Message reply) {
-  Item item;
-  item.reply = std::move(reply);
-  Add(std::move(item));
+std::string& OutQueue::Tail() {
+  if (MayEncode()) return bytes_;
+  return items_.emplace_back(Item{pushes_gone_ + pushes_.size(), {}}).bytes;
 }
 
-void OutQueue::AddRaw(std::string bytes) {
-  Item item;
-  item.raw = std::move(bytes);
-  Add(std::move(item));
+void OutQueue::AddReply(const Message& reply) {
+  if (encoding_ == nullptr) return;
+  std::string& out = Tail();
+  const std::size_t before = out.size();
+  if (BinaryBytes(reply) <= kMaxReplyBytes) encoding_->Reply(reply, out);
+  LimitTo(before, reply, out);
 }
 
-void OutQueue::Add(Item item) {
-  if (encoding_ == Encoding::kUndecided && item.reply) return;
-  if (MayEncode()) return Encode(std::move(item));
-  item.after = pushes_gone_ + pushes_.size();
-  items_.push_back(std::move(item));
+void OutQueue::AddNotice(Message notice) {
+  if (encoding_ != nullptr) EncodeAlone(std::move(notice), Tail());
+}
+
+void OutQueue::AddRaw(std::string_view bytes) {
+  Tail() += bytes;
 }
 
 void OutQueue::AddPush(const UnaskedPtr& push, std::int64_t dropped) {
-  if (encoding_ == Encoding::kUndecided) return;
+  if (encoding_ == nullptr) return;
   if (MayEncode()) return EncodePush({push, dropped});
   pushes_.push_back({push, dropped});
   if (pushes_.size() <= kMaxPushes) return;
-  lost_ += pushes_.front().dropped + 1;
-  pushes_.pop_front();
-  ++pushes_gone_;
+  lost_ += TakePush().dropped + 1;
 }
 
 OutQueue::Push OutQueue::TakePush() {
@@ -51,56 +53,39 @@ OutQueue::Push OutQueue::TakePush() {
   return push;
 }
 
-void OutQueue::Encode(Item item) {
-  if (item.reply) {
-    EncodeWhole(std::move(*item.reply));
-  } else {
-    bytes_ += item.raw;
-  }
-}
-
 void OutQueue::EncodePush(const Push& push) {
   lost_ += push.dropped;
   const Message* message = push.message->message();
   if (message == nullptr) return;
-  if (lost_ == 0 && BinaryBytes(*message) <= kSharedBytes) {
-    bytes_ += push.message->bytes(encoding_);
-    if (verbose_ && encoding_ == Encoding::kText) EncodeVerbose(*message, table_, bytes_);
-    return;
-  }
+  if (lost_ == 0 && BinaryBytes(*message) <= kSharedBytes) return encoding_->Push(*push.message, bytes_);
   Message own = *message;
   if (lost_ > 0) {
     const std::string note = "dropped " + std::to_string(std::exchange(lost_, 0));
     own.text = own.text.empty() ? note : note + " " + own.text;
   }
-  EncodeWhole(std::move(own));
+  EncodeAlone(std::move(own), bytes_);
 }
 
-void OutQueue::EncodeWhole(Message message) {
-  const std::size_t before = bytes_.size();
-  if (BinaryBytes(message) <= kMaxReplyBytes) EncodeMessage(message);
-  if (bytes_.size() == before || bytes_.size() - before > kMaxReplyBytes) {
-    bytes_.resize(before);
-    const std::size_t limit_mib = kMaxReplyBytes >> 20;
-    message = ErrorReply(message.command, Error::kTooLarge,
-                         "the reply is larger than " + std::to_string(limit_mib) + " MiB: ask for less");
-    EncodeMessage(message);
-  }
-  if (verbose_ && encoding_ == Encoding::kText) EncodeVerbose(message, table_, bytes_);
+void OutQueue::EncodeAlone(Message push, std::string& out) {
+  UnaskedMessage alone(std::move(push));
+  const std::size_t before = out.size();
+  if (BinaryBytes(*alone.message()) <= kMaxReplyBytes) encoding_->Push(alone, out);
+  LimitTo(before, *alone.message(), out);
 }
 
-void OutQueue::EncodeMessage(const Message& message) {
-  if (encoding_ == Encoding::kBinary) {
-    EncodeBinary(message, bytes_);
-  } else {
-    EncodeText(message, bytes_);
-  }
+void OutQueue::LimitTo(std::size_t before, const Message& message, std::string& out) {
+  if (BinaryBytes(message) <= kMaxReplyBytes && out.size() - before <= kMaxReplyBytes) return;
+  out.resize(before);
+  encoding_->Reply(
+      ErrorReply(message.command, Error::kTooLarge,
+                 "the reply is larger than " + std::to_string(kMaxReplyBytes >> 20) + " MiB: ask for less"),
+      out);
 }
 
 bool OutQueue::Fill() {
   while (waits() && unsent().size() < kEncodeAhead) {
     if (!items_.empty() && items_.front().after <= pushes_gone_) {
-      Encode(std::move(items_.front()));
+      bytes_ += items_.front().bytes;
       items_.pop_front();
     } else {
       EncodePush(TakePush());

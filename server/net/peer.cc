@@ -90,6 +90,15 @@ PeerInfo DescribePeer(int fd) {
   return {ToString(address), address.loopback};
 }
 
+std::optional<ConnectionEnd> EndOf(int fd) {
+  int type = 0;
+  socklen_t size = sizeof type;
+  if (getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) != 0) return std::nullopt;
+  if (type == SOCK_STREAM) return ConnectionEnd{};
+  if (type == SOCK_DGRAM) return ConnectionEnd{ConnectionEnd::kDatagramSilence};
+  return std::nullopt;
+}
+
 void SetClientSocketOptions(int fd) {
   if (IsLocal(fd)) SetOption(fd, SOL_SOCKET, SO_SNDBUF, kLocalSendBytes);
   if (!IsTcp(fd)) return;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Who is at the other end of a socket, and the options every client's socket gets. Pure functions of a
-// descriptor; any thread.
+// Who is at the other end of a socket, how its connection ends, and the options every client's socket gets.
+// Pure functions of a descriptor; any thread.
 #pragma once
 
+#include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 
 struct tcp_info;
@@ -15,6 +17,17 @@ struct PeerInfo {
   std::string text;      // "127.0.0.1:53120", "[::1]:53120", "unix:4711" (a process of this machine), "page"
   bool trusted = false;  // from loopback or from inside the daemon: needs no token
 };
+
+/// What ends a connection, and with it what its client owns.
+struct ConnectionEnd {
+  static constexpr std::chrono::seconds kDatagramSilence{10};
+  /// Its client has sent nothing for so long; zero: it ends with its stream.
+  std::chrono::milliseconds silence{0};
+
+  bool with_stream() const { return silence.count() == 0; }
+};
+/// By the type of the socket; nothing if it is of no type that a module can take.
+std::optional<ConnectionEnd> EndOf(int fd);
 
 /// Takes over a connection: owns `fd` from the call on; `already_read` are the bytes that its client has sent
 /// after the part that was for somebody else. Any thread.

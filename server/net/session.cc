@@ -8,9 +8,6 @@
 
 #include <boost/asio/post.hpp>
 
-#include "protocol/command_ids.h"
-#include "server/net/http_refusal.h"
-
 namespace coopdyn {
 namespace {
 
@@ -24,27 +21,29 @@ constexpr int kRequestsAtOnce = 256;
 constexpr Nanoseconds kTurn = 500'000;
 constexpr milliseconds kWatchPeriod{20};
 
-constexpr const char* kMagicText =
-    "send the 4 bytes CDS1 first and then frames of protocol 1, or lines of text";
-
 }  // namespace
 
-Session::Session(asio::io_context& context, UniqueFd socket, Endpoint& endpoint, NetServices& services,
-                 PeerInfo peer, std::function<void(ClientId)> on_end)
+Session::Session(asio::io_context& context, UniqueFd socket, ConnectionEnd end, Endpoint& endpoint,
+                 NetServices& services, PeerInfo peer, std::function<void(ClientId)> on_end)
     : context_(context),
       poller_(SocketPoller::Of(context)),
       socket_(std::move(socket)),
+      end_(end),
       endpoint_(&endpoint),
       services_(services),
       id_(services.NextClient()),
       peer_(std::move(peer)),
-      on_end_(std::move(on_end)),
-      out_(endpoint.table()) {}
+      on_end_(std::move(on_end)) {}
 
-void Session::Start(std::string_view already_read) {
+void Session::Start(std::string_view already_read, std::unique_ptr<Encoding> encoding) {
   CallEndpoint([this](Endpoint& endpoint) { endpoint.OnOpen(*this); });
+  if (encoding != nullptr) TakeEncoding(std::move(encoding));
   in_.Append(already_read);
-  if (in_.size() > 0) Process();
+  if (in_.size() > 0 || encoding_ != nullptr) Process();
+  if (!end_.with_stream()) {
+    heard_at_ = steady_clock::now();
+    WatchSilence();
+  }
   StartRead();
 }
 
@@ -86,7 +85,8 @@ void Session::Read() {
   if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return;
   if (count > 0) in_.Added(static_cast<std::size_t>(count));
   if (closing_) in_.Clear();  // only waiting for the peer to close
-  if (count <= 0) return EndInput();
+  if (!end_.with_stream()) heard_at_ = steady_clock::now();
+  if (count < 0 || (count == 0 && end_.with_stream())) return EndInput();
   Process();
   StartRead();
 }
@@ -120,6 +120,16 @@ void Session::WatchPeer() {
   });
 }
 
+void Session::WatchSilence() {
+  if (!silence_timer_) silence_timer_.emplace(context_);
+  silence_timer_->expires_at(heard_at_ + end_.silence);
+  silence_timer_->async_wait([self = shared_from_this()](const ErrorCode& aborted) {
+    if (aborted || self->closed_ || self->eof_) return;
+    if (steady_clock::now() < self->heard_at_ + self->end_.silence) return self->WatchSilence();
+    self->EndInput();
+  });
+}
+
 // --- requests
 // -----------------------------------------------------------------------------------------------------
 
@@ -137,7 +147,7 @@ void Session::Process() {
   processing_ = false;
   Flush();
   if (over && MayHandle()) return PostProcess();
-  if (waiting_ && verbose_) WatchWait();
+  if (waiting_ && encoding_->takes_notes()) WatchWait();
   FinishIfDone();
 }
 
@@ -153,85 +163,50 @@ void Session::PostProcess() {
 
 /// Handles the next thing in the buffer. Returns false if more must come first.
 bool Session::HandleNext() {
-  const std::string_view bytes = in_.bytes();
-  if (bytes.empty()) return false;
-  if (encoding_ == Encoding::kUndecided) return ChooseEncoding(bytes);
-  if (encoding_ == Encoding::kBinary) return HandleDecoded(DecodeBinary(bytes));
-  // A line that comes byte by byte is not searched from its start each time.
-  if (bytes.size() <= kMaxRequestBytes && bytes.find('\n', scanned_) == std::string_view::npos) {
-    scanned_ = bytes.size();
-    return false;
+  if (in_.size() == 0) return false;
+  if (encoding_ == nullptr) {
+    const EncodingKind* const kind = Choose(services_.encodings(), in_.bytes());
+    if (kind == nullptr) return false;
+    TakeEncoding(kind->make(*endpoint_));
   }
-  scanned_ = 0;
-  return HandleDecoded(DecodeText(bytes, endpoint_->table(), first_line_));
-}
-
-bool Session::ChooseEncoding(std::string_view bytes) {
-  switch (SniffEncoding(bytes)) {
-    case Encoding::kUndecided:
-      return false;
-    case Encoding::kHttp:
-      CloseWithLine(HttpRefusal(), "an HTTP request on a module's port");
-      return false;
-    case Encoding::kWrongMagic: {
-      std::string line;
-      EncodeText(ErrorReply(command::kUnreadable, Error::kMalformed, kMagicText), line);
-      CloseWithLine(std::move(line), "CDS, but not CDS1");
-      return false;
-    }
-    case Encoding::kBinary:
-      in_.Consume(kBinaryMagic.size());
-      encoding_ = Encoding::kBinary;
-      break;
-    case Encoding::kText:
-      encoding_ = Encoding::kText;
-      break;
+  Incoming incoming = encoding_->Decode(in_.bytes());
+  in_.Consume(incoming.consumed);
+  if (!incoming.answer.empty()) {
+    malformed_ = 0;
+    out_.AddRaw(incoming.answer);
   }
-  out_.set_encoding(encoding_);
-  return true;
-}
-
-bool Session::HandleDecoded(Decoded decoded) {
-  if (decoded.consumed > 0) {
-    // Telnet negotiation alone does not count as a line.
-    if (first_line_ && in_.bytes()[decoded.consumed - 1] == '\n') first_line_ = false;
-    in_.Consume(decoded.consumed);
-  }
-  switch (decoded.status) {
+  switch (incoming.status) {
     case DecodeStatus::kNeedMore:
-      return false;
     case DecodeStatus::kNothing:
-      return decoded.consumed > 0;
+    case DecodeStatus::kHelp:
+    case DecodeStatus::kVerbose:
+      return incoming.consumed > 0;
     case DecodeStatus::kMessage:
       malformed_ = 0;
-      HandRequest(std::move(decoded.message));
-      return true;
-    case DecodeStatus::kHelp:
-      malformed_ = 0;
-      if (!write_dead_) out_.AddRaw(HelpText(endpoint_->table()));
-      return true;
-    case DecodeStatus::kVerbose:
-      malformed_ = 0;
-      verbose_ = true;
-      out_.set_verbose(true);
-      out_.AddRaw("# verbose: a line like this follows each reply\n");
+      HandRequest(std::move(incoming.message));
       return true;
     case DecodeStatus::kLeave:
       Close("goodbye");
       return true;
     case DecodeStatus::kBad:
-      if (decoded.message.error == static_cast<std::int32_t>(Error::kMalformed)) ++malformed_;
-      out_.AddReply(std::move(decoded.message));
+      if (incoming.message.error == static_cast<std::int32_t>(Error::kMalformed)) ++malformed_;
+      out_.AddReply(incoming.message);
       if (malformed_ >= kMaxMalformed) {
         Close(std::to_string(kMaxMalformed) + " malformed messages in a row; help lists the commands");
       }
       return true;
     case DecodeStatus::kFatal:
-      out_.AddReply(decoded.message);
-      Close(decoded.message.text);
+      out_.AddReply(incoming.message);
+      Close(incoming.message.text, spdlog::level::warn);
       return true;
   }
   return false;
+}
+
+void Session::TakeEncoding(std::unique_ptr<Encoding> encoding) {
+  encoding_ = std::move(encoding);
+  out_.set_encoding(*encoding_);
+  out_.AddRaw(encoding_->Greeting());
 }
 
 void Session::HandRequest(Message request) {
@@ -250,7 +225,7 @@ void Session::HandRequest(Message request) {
 void Session::OnReply(std::uint64_t serial, Message reply) {
   if (!waiting_ || serial != serial_ || closing_ || closed_) return;
   waiting_ = false;
-  if (!write_dead_) out_.AddReply(std::move(reply));
+  if (!write_dead_) out_.AddReply(reply);
   if (processing_) return;  // Process() goes on
   Flush();
   // The next request, if it is there already, in its own turn: whoever replies may be walking a list.
@@ -290,7 +265,7 @@ void Session::Flush() {
   ::shutdown(socket_.get(), SHUT_WR);
   asio::post(context_, [self = shared_from_this()] {
     if (self->closed_) return;
-    if (self->eof_ || self->write_dead_) return self->HardClose();
+    if (self->eof_ || self->write_dead_ || !self->end_.with_stream()) return self->HardClose();
     self->in_.Clear();
     self->StartRead();
   });

@@ -11,12 +11,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "protocol/codec.h"
+#include "server/net/encoding.h"
 #include "server/net/endpoint.h"
 #include "server/net/in_buffer.h"
 #include "server/net/net_services.h"
@@ -38,12 +40,13 @@ class Session final : public Connection, private SocketHandler, public std::enab
   /// How long a closing connection waits for its peer to read what is left and to close.
   static constexpr std::chrono::seconds kLinger{5};
 
-  /// `socket`: of any stream. `on_end` is called once it is closed; until then the caller keeps the session.
-  Session(boost::asio::io_context& context, UniqueFd socket, Endpoint& endpoint, NetServices& services,
-          PeerInfo peer, std::function<void(ClientId)> on_end);
+  /// `end`: as EndOf() says. `on_end` is called once it is closed; until then the caller keeps the session.
+  Session(boost::asio::io_context& context, UniqueFd socket, ConnectionEnd end, Endpoint& endpoint,
+          NetServices& services, PeerInfo peer, std::function<void(ClientId)> on_end);
 
-  /// Opens it at the endpoint and begins with `already_read`.
-  void Start(std::string_view already_read);
+  /// Opens it at the endpoint and begins with `already_read`. `encoding`: what both sides have agreed upon;
+  /// null: the client's first bytes choose.
+  void Start(std::string_view already_read, std::unique_ptr<Encoding> encoding);
   /// The server goes away: notice (as far as it can be written at once), OnClosed(), close. No on_end.
   void Abort(const std::string& reason);
   /// Ends the connection if its machine has died unseen by keepalive.
@@ -55,7 +58,7 @@ class Session final : public Connection, private SocketHandler, public std::enab
   bool input_ended() const override { return input_ended_; }
   bool output_ended() const override { return write_dead_; }
   bool Push(const UnaskedPtr& message, std::int64_t dropped) override;
-  void Close(const std::string& reason) override;
+  void Close(const std::string& reason) override { Close(reason, spdlog::level::debug); }
 
  private:
   using ErrorCode = boost::system::error_code;
@@ -68,12 +71,13 @@ class Session final : public Connection, private SocketHandler, public std::enab
   void EndInput();
   void TellInputEnded();
   void WatchPeer();
+  /// Ends the input when nothing has come for as long as end_ says.
+  void WatchSilence();
   // Requests.
   void Process();
   void PostProcess();
   bool HandleNext();
-  bool ChooseEncoding(std::string_view bytes);
-  bool HandleDecoded(Decoded decoded);
+  void TakeEncoding(std::unique_ptr<Encoding> encoding);
   void HandRequest(Message request);
   void OnReply(std::uint64_t serial, Message reply);
   bool MayHandle() const { return !closing_ && !closed_ && !waiting_ && !blocked_; }
@@ -87,8 +91,7 @@ class Session final : public Connection, private SocketHandler, public std::enab
   void TellWaiting();
   // The end.
   void FinishIfDone();
-  void CloseWithLine(std::string line, const std::string& why);
-  void BeginClosing(spdlog::level::level_enum level, const std::string& why);
+  void Close(const std::string& reason, spdlog::level::level_enum level);
   void DeliverClosed();
   void HardClose();
   void Log(spdlog::level::level_enum level, const std::string& text);
@@ -111,18 +114,16 @@ class Session final : public Connection, private SocketHandler, public std::enab
   SocketPoller& poller_;
   UniqueFd socket_;
   std::uint32_t interest_ = 0;  // what the poller tells of
-  Endpoint* endpoint_;          // null after OnClosed()
+  const ConnectionEnd end_;
+  Endpoint* endpoint_;  // null after OnClosed()
   NetServices& services_;
   const ClientId id_;
   const PeerInfo peer_;
   std::function<void(ClientId)> on_end_;
 
   InBuffer in_;
+  std::unique_ptr<Encoding> encoding_;  // null: not chosen yet
   OutQueue out_;
-  Encoding encoding_ = Encoding::kUndecided;
-  std::size_t scanned_ = 0;  // of in_: known to hold no '\n'
-  bool first_line_ = true;
-  bool verbose_ = false;
   int malformed_ = 0;  // in a row
 
   std::uint64_t serial_ = 0;  // of the request handed out last
@@ -140,6 +141,8 @@ class Session final : public Connection, private SocketHandler, public std::enab
 
   std::optional<boost::asio::steady_timer> linger_timer_;
   std::optional<boost::asio::steady_timer> watch_timer_;
+  std::optional<boost::asio::steady_timer> silence_timer_;  // unless the stream ends it
+  std::chrono::steady_clock::time_point heard_at_;
   std::optional<boost::asio::steady_timer> verbose_timer_;
   WaitingNote waiting_note_;
 };

@@ -15,28 +15,18 @@ void Session::FinishIfDone() {
   if (eof_ && !closing_ && !waiting_ && !process_posted_ && out_.empty()) HardClose();
 }
 
-void Session::CloseWithLine(std::string line, const std::string& why) {
+void Session::Close(const std::string& reason, spdlog::level::level_enum level) {
   if (closing_ || closed_) return;
-  out_.AddRaw(std::move(line));
-  BeginClosing(spdlog::level::warn, why);
-}
-
-void Session::Close(const std::string& reason) {
-  if (closing_ || closed_) return;
-  Message notice;
-  notice.command = command::kClosing;
-  notice.text = reason;
-  if (encoding_ == Encoding::kUndecided) {
+  if (encoding_ == nullptr) {
     out_.AddRaw("# " + reason + "\n");
   } else {
-    out_.AddReply(std::move(notice));
+    Message notice;
+    notice.command = command::kClosing;
+    notice.text = reason;
+    out_.AddNotice(std::move(notice));
   }
-  BeginClosing(spdlog::level::debug, reason);
-}
-
-void Session::BeginClosing(spdlog::level::level_enum level, const std::string& why) {
   closing_ = true;
-  Log(level, "closed: " + why);
+  Log(level, "closed: " + reason);
   linger_timer_.emplace(context_, kLinger);
   linger_timer_->async_wait([self = shared_from_this()](const ErrorCode& aborted) {
     if (!aborted) self->HardClose();
@@ -58,6 +48,7 @@ void Session::HardClose() {
   socket_.Reset();
   linger_timer_.reset();
   watch_timer_.reset();
+  silence_timer_.reset();
   verbose_timer_.reset();
   DeliverClosed();
   out_.Clear();

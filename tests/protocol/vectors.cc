@@ -98,11 +98,11 @@ std::vector<TextLineVector> TextLineVectors() {
 }
 
 std::vector<FirstBytesVector> FirstBytesVectors() {
-  static const std::map<std::string, Encoding> kEncodings = {{"undecided", Encoding::kUndecided},
-                                                             {"binary", Encoding::kBinary},
-                                                             {"wrong_magic", Encoding::kWrongMagic},
-                                                             {"http", Encoding::kHttp},
-                                                             {"text", Encoding::kText}};
+  static const std::map<std::string, FirstBytes> kEncodings = {{"undecided", FirstBytes::kUndecided},
+                                                               {"binary", FirstBytes::kBinary},
+                                                               {"wrong_magic", FirstBytes::kWrongMagic},
+                                                               {"http", FirstBytes::kHttp},
+                                                               {"text", FirstBytes::kText}};
   std::vector<FirstBytesVector> vectors;
   for (const json::value& value : ReadVectors("first_bytes.json")) {
     const json::object& row = value.as_object();

@@ -40,7 +40,7 @@ struct TextLineVector {
 struct FirstBytesVector {
   std::string name;
   std::string bytes;
-  Encoding encoding = Encoding::kUndecided;
+  FirstBytes encoding = FirstBytes::kUndecided;
 };
 
 struct DoubleVector {

@@ -115,10 +115,10 @@ TEST(Vectors, FirstBytesChooseTheEncoding) {
 
 TEST(Vectors, FirstBytesNeverChangeTheirMind) {
   for (const FirstBytesVector& vector : FirstBytesVectors()) {
-    if (vector.encoding == Encoding::kUndecided) continue;
+    if (vector.encoding == FirstBytes::kUndecided) continue;
     for (std::size_t n = 0; n < vector.bytes.size(); ++n) {
-      const Encoding early = SniffEncoding(std::string_view(vector.bytes).substr(0, n));
-      EXPECT_TRUE(early == Encoding::kUndecided || early == vector.encoding) << vector.name << " at " << n;
+      const FirstBytes early = SniffEncoding(std::string_view(vector.bytes).substr(0, n));
+      EXPECT_TRUE(early == FirstBytes::kUndecided || early == vector.encoding) << vector.name << " at " << n;
     }
   }
 }

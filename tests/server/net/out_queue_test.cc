@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 #include <netinet/tcp.h>
 
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "protocol/codec.h"
+#include "scripted_endpoint.h"
 #include "server/net/in_buffer.h"
 #include "server/net/peer.h"
 #include "server/net/waiting_note.h"
@@ -24,7 +27,11 @@ UnaskedPtr PushOf(int i, std::string text = "") {
 
 class OutQueueTest : public ::testing::Test {
  protected:
-  OutQueueTest() { queue_.set_encoding(Encoding::kText); }
+  OutQueueTest() { queue_.set_encoding(*text_); }
+  /// The one that standard clients with these first bytes get.
+  std::unique_ptr<Encoding> EncodingOf(std::string_view first_bytes) {
+    return Choose(StandardEncodings(), first_bytes)->make(endpoint_);
+  }
   std::string Drain() {
     std::string all;
     while (queue_.Fill()) {
@@ -33,8 +40,9 @@ class OutQueueTest : public ::testing::Test {
     }
     return all;
   }
-  CommandTable table_{"test", {}};
-  OutQueue queue_{table_};
+  ScriptedEndpoint endpoint_;
+  const std::unique_ptr<Encoding> text_ = EncodingOf("echo\n"), binary_ = EncodingOf("CDS1");
+  OutQueue queue_;
 };
 
 TEST_F(OutQueueTest, DropsTheOldestOfMoreThan64PushesAndTheNextOneSaysHowMany) {
@@ -89,8 +97,8 @@ TEST_F(OutQueueTest, APushForSeveralIsMadeOnceAndOnlyWhoLostSomethingIsToldSo) {
     ++made;
     return ErrorReply(-20, Error::kOk, "red");
   });
-  OutQueue binary(table_);
-  binary.set_encoding(Encoding::kBinary);
+  OutQueue binary;
+  binary.set_encoding(*binary_);
   binary.AddPush(push);
   queue_.AddPush(push);
   queue_.AddPush(push, 3);

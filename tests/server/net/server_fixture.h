@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "protocol/codec.h"
 #include "scripted_endpoint.h"
@@ -19,7 +20,8 @@ namespace coopdyn {
 
 class ServerFixture : public ::testing::Test {
  protected:
-  ServerFixture() {
+  explicit ServerFixture(Encodings encodings = StandardEncodings())
+      : services_(NullLogger(), clock_, std::move(encodings)) {
     const std::string error = server_->Listen(ListenOn(), 0);
     EXPECT_EQ(error, "");
   }
@@ -56,7 +58,7 @@ class ServerFixture : public ::testing::Test {
   }
 
   SteadyClock clock_;
-  NetServices services_{NullLogger(), clock_};
+  NetServices services_;
   ScriptedEndpoint endpoint_;
   IoThread thread_{"test-io", NullLogger()};
   std::unique_ptr<ModuleServer> server_ =

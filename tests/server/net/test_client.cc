@@ -130,9 +130,9 @@ void TestClient::Reset() {
   Close();
 }
 
-std::pair<UniqueFd, UniqueFd> SocketPair() {
+std::pair<UniqueFd, UniqueFd> SocketPair(int type) {
   int fds[2] = {-1, -1};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, fds) != 0) return {};
+  if (::socketpair(AF_UNIX, type | SOCK_CLOEXEC, 0, fds) != 0) return {};
   return {UniqueFd(fds[0]), UniqueFd(fds[1])};
 }
 

@@ -2,6 +2,8 @@
 // A client of the tests: a blocking socket whose every wait ends after kPatience. One thread.
 #pragma once
 
+#include <sys/socket.h>
+
 #include <string>
 #include <string_view>
 #include <utility>
@@ -54,7 +56,7 @@ class TestClient {
 };
 
 /// A connected pair of unix sockets.
-std::pair<UniqueFd, UniqueFd> SocketPair();
+std::pair<UniqueFd, UniqueFd> SocketPair(int type = SOCK_STREAM);
 /// The descriptors this process has open.
 int OpenDescriptors();
 /// Waits until `condition()`; false out of patience.

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// A third encoding, known to nobody but this test: what a session must be able to do for others than its own.
+#include "server/net/encoding.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "server/net/session.h"
+#include "server_fixture.h"
+
+namespace coopdyn {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// `HI NAME` is answered in two parts; then `add N` collects numbers until `ask` sends them as one request,
+/// whose reply is `= N`; `tell` is the same without reply.
+class ChattyEncoding final : public Encoding {
+ public:
+  std::string Greeting() override { return "hello\n"; }
+
+  Incoming Decode(std::string_view bytes) override {
+    const std::size_t end = bytes.find('\n');
+    if (end == bytes.npos) return {};
+    const std::string line(bytes.substr(0, end));
+    Incoming incoming{DecodeStatus::kNothing, end + 1};
+    if (line.starts_with("HI ")) {
+      incoming.answer = "welcome " + line.substr(3) + "\n";
+    } else if (line.starts_with("add ")) {
+      request_.data.push_back(std::stod(line.substr(4)));
+    } else if (line == "ask" || line == "tell") {
+      wants_reply_ = line == "ask";
+      incoming.status = DecodeStatus::kMessage;
+      incoming.message = std::exchange(request_, {});
+      incoming.message.command = ScriptedEndpoint::kPushes;
+    } else {
+      incoming.status = DecodeStatus::kFatal;
+      incoming.message = ErrorReply(0, Error::kMalformed, "what?");
+      wants_reply_ = true;
+    }
+    return incoming;
+  }
+  void Reply(const Message& reply, std::string& out) override {
+    if (!wants_reply_) return;
+    out += reply.error != 0 ? "! " + reply.text + "\n" : "= " + std::to_string(reply.data.at(0)) + "\n";
+  }
+  void Push(UnaskedMessage& push, std::string& out) override {
+    out += "* " + push.message()->text + std::to_string(push.message()->data.size()) + "\n";
+  }
+
+ private:
+  Message request_;
+  bool wants_reply_ = false;
+};
+
+std::unique_ptr<Encoding> MakeChatty(const Endpoint& /*endpoint*/) {
+  return std::make_unique<ChattyEncoding>();
+}
+
+Match MatchesHi(std::string_view bytes) {
+  constexpr std::string_view kFirst = "HI ";
+  return bytes.starts_with(kFirst) ? Match::kYes : kFirst.starts_with(bytes) ? Match::kMaybe : Match::kNo;
+}
+
+Encodings WithChatty() {
+  Encodings encodings = StandardEncodings();
+  encodings.insert(encodings.begin(), EncodingKind{MatchesHi, MakeChatty});
+  return encodings;
+}
+
+class EncodingTest : public ServerFixture {
+ protected:
+  EncodingTest() : ServerFixture(WithChatty()) {}
+};
+
+TEST_F(EncodingTest, AThirdOneIsChosenByItsFirstBytesGreetsAndShakesHands) {
+  TestClient client = Connect();
+  for (const char byte : std::string("HI ana\n")) ASSERT_TRUE(client.Send({&byte, 1}));
+  EXPECT_EQ(client.Line(), "hello");
+  EXPECT_EQ(client.Line(), "welcome ana");
+  EXPECT_EQ(endpoint_.Count("request"), 0);
+}
+
+TEST_F(EncodingTest, ARequestMaySpanSeveralMessagesAndHaveNoReply) {
+  TestClient client = Connect();
+  client.Send("HI ana\nadd 2\nadd 7\ntell\nadd 1\nask\n");
+  for (const char* line : {"hello", "welcome ana", "* 3", "* 3", "* 3", "= 1.000000"}) {
+    EXPECT_EQ(client.Line(), line);
+  }
+  EXPECT_EQ(endpoint_.Count("request"), 2);
+}
+
+TEST_F(EncodingTest, AFatalMistakeGetsItsReplyAndANoticeInTheEncodingThenTheEnd) {
+  TestClient client = Connect();
+  client.Send("HI ana\nnonsense\n");
+  EXPECT_EQ(client.Rest(), "hello\nwelcome ana\n! what?\n* what?0\n");
+  EXPECT_TRUE(NoSessions());
+}
+
+TEST_F(EncodingTest, TheOthersAreChosenAsBefore) {
+  TestClient text = Connect();
+  text.Send("H\necho 1\n");
+  EXPECT_THAT(text.Line(), HasSubstr(" -2 0 0"));
+  EXPECT_THAT(text.Line(), HasSubstr(" 500 "));
+  TestClient binary = Connect();
+  binary.Send("CDS1" + Frame(ScriptedEndpoint::kEcho, {3}));
+  EXPECT_EQ(binary.Frame().command, ScriptedEndpoint::kEcho);
+}
+
+TEST_F(EncodingTest, OneThatWasAgreedUponGreetsBeforeAnythingComes) {
+  auto [ours, theirs] = SocketPair();
+  server_->Adopt(theirs.Release(), "", {"dialled", true}, std::make_unique<ChattyEncoding>());
+  TestClient client(std::move(ours));
+  EXPECT_EQ(client.Line(), "hello");
+}
+
+TEST_F(EncodingTest, AConnectionOfDatagramsEndsWhenNothingHasComeForItsTime) {
+  auto [ours, theirs] = SocketPair(SOCK_DGRAM);
+  ASSERT_EQ(EndOf(theirs.get())->silence, ConnectionEnd::kDatagramSilence);
+  bool ended = false;
+  std::shared_ptr<Session> session;
+  thread_.Call([&, fd = theirs.Release()] {
+    session = std::make_shared<Session>(thread_.context(), UniqueFd(fd),
+                                        ConnectionEnd{std::chrono::milliseconds(100)}, endpoint_, services_,
+                                        PeerInfo{"datagrams", true}, [&ended](ClientId) { ended = true; });
+    session->Start({}, nullptr);
+  });
+  TestClient client(std::move(ours));
+  client.Send("hold 1\n");
+  ASSERT_TRUE(Sees("request 501 1"));
+  EXPECT_TRUE(Sees("input ended"));
+  EXPECT_EQ(endpoint_.Count("closed"), 0);  // what it has asked for is still answered
+  Release();
+  EXPECT_THAT(client.Line(), HasSubstr(" 501 "));
+  EXPECT_TRUE(Sees("closed"));
+  thread_.Call([&] { EXPECT_TRUE(ended); });
+}
+
+}  // namespace
+}  // namespace coopdyn
