@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
+#include <thread>
 #include <utility>
 
 #include "server/net/listener.h"
@@ -263,7 +264,9 @@ void Daemon::Stop() {
 
 std::chrono::microseconds Daemon::Spin() const {
   if (options_.spin_us) return std::chrono::microseconds(*options_.spin_us);
-  const bool few = frames_.Latest()->scene->robots.size() <= kMaxSpinningRobots;
+  const std::size_t robots = frames_.Latest()->scene->robots.size();
+  // Each may have a thread of its own: they must not take the cores from one another and from their clients.
+  const bool few = robots <= kMaxSpinningRobots && robots < std::thread::hardware_concurrency();
   return few && board_.mode() == Mode::kLockstep ? kLockstepSpin : std::chrono::microseconds(0);
 }
 

@@ -134,8 +134,10 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
       ->envname("COOPDYN_RENDERER")
       ->capture_default_str();
-  sub->add_option("--robot-threads", serve.robot_threads,
-                  "Threads for the robots' connections (default: one each on many cores, else 1 or 2)")
+  sub->add_option(
+         "--robot-threads", serve.robot_threads,
+         "Threads for the robots' connections (default: one each for up to 64 robots with sockets; more "
+         "robots, and those without, share 1 or 2)")
       ->check(CLI::Range(1, 10000))
       ->envname("COOPDYN_ROBOT_THREADS");
   sub->add_option("--spin", serve.spin_us, "Poll this many microseconds before sleeping")

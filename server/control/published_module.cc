@@ -10,7 +10,7 @@ PublishedModule::PublishedModule(std::string name, Endpoint& endpoint, IoThread&
     : name_(std::move(name)),
       io_(io),
       names_(names),
-      server_(std::make_unique<ModuleServer>(io.context(), endpoint, net, name_)) {}
+      server_(std::make_unique<ModuleServer>(io, endpoint, net, name_)) {}
 
 PublishedModule::~PublishedModule() {
   if (listed_) names_.RemoveOwn(name_);

@@ -189,8 +189,7 @@ std::optional<Message> SwarmModule::StepAll(Peer& peer, const Message& request) 
   }
   if (limited > 0) peer.text = fmt::format("limited {} robot{}", limited, limited == 1 ? "" : "s");
   const std::vector<SlotId> slots = SlotsOf(peer.rows);
-  // The step may run, and the reply be on its way, before this returns; it is sent when the inbox's scope
-  // ends.
+  // The step may run before this returns; the reply is made after it, as PeerModule says.
   const Verdict verdict = board().StepAll({slots, setpoints_, others}, peer.client.client, 1, Waiter(peer));
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   if (!peer.lost.empty()) {

@@ -61,7 +61,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
   }
 
   void OnRequest(Connection& connection, Message request, ReplyFunction reply) final {
-    const StepInbox::Scope scope(inbox_);
+    const StepInbox::Scope scope(inbox_, connection.id());
     Peer* const peer = FindPeer(connection.id());
     if (peer == nullptr) return;
     if (std::optional<Message> refusal = Refuse(request)) {
@@ -77,7 +77,10 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     peer->text.clear();
     peer->reply = std::move(reply);
     std::optional<Message> answer = Answer(*peer, request);
-    if (!answer) return;
+    if (!answer) {
+      if (const std::optional<StepResult> ended = inbox_.TakeOwn()) EndWait(*peer, *ended);
+      return;
+    }
     const bool done = answer->error == 0;
     Finish(*peer, std::move(*answer));
     OnAnswered(request, done);
@@ -186,14 +189,15 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
   ModuleCore& core() { return core_; }
 
  private:
+  void EndWait(Peer& peer, const StepResult& result) {
+    if (peer.connection->output_ended()) return Finish(peer, ReplyTo(peer.command));
+    if (result.end == StepEnd::kRan) return Finish(peer, Stepped(peer, result));
+    Finish(peer,
+           WaitEnded(peer.command, result, result.end == StepEnd::kReplaced ? NewOwner() : std::string()));
+  }
   // StepListener
   void OnStepEnd(ClientId client, const StepResult& result) final {
-    Peer* const peer = FindWaiting(client);
-    if (peer == nullptr) return;
-    if (peer->connection->output_ended()) return Finish(*peer, ReplyTo(peer->command));
-    if (result.end == StepEnd::kRan) return Finish(*peer, Stepped(*peer, result));
-    Finish(*peer,
-           WaitEnded(peer->command, result, result.end == StepEnd::kReplaced ? NewOwner() : std::string()));
+    if (Peer* const peer = FindWaiting(client)) EndWait(*peer, result);
   }
   bool OnFrame(const FramePtr& frame, int dropped) final {
     bool taken = false;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <thread>
 #include <utility>
 
 #include "server/base/mutex.h"
@@ -24,10 +25,10 @@ bool IsLater(const Frame& a, const Frame& b) {
 /// What other threads put into.
 class StepInbox::Mailbox {
  public:
-  Mailbox(Post post, StepInbox* owner) : post_(std::move(post)), owner_(owner) {}
+  Mailbox(Post post, Post hand_over, StepInbox* owner)
+      : post_(std::move(post)), hand_over_(hand_over ? std::move(hand_over) : post_), owner_(owner) {}
 
   static void PutFrame(const std::shared_ptr<Mailbox>& self, const FramePtr& frame) {
-    bool wake = false;
     {
       const MutexLock lock(self->mutex_);
       if (self->closed_) return;
@@ -36,43 +37,46 @@ class StepInbox::Mailbox {
       if (self->frames_ >= kMaxFrames) item.dropped = self->DropOldest();
       self->items_.push_back(std::move(item));
       ++self->frames_;
-      wake = !self->patient_ && self->NeedsWake();
+      if (self->patient_ || !self->NeedsWake()) return;
     }
-    if (wake) Wake(self);
+    Wake(self, self->post_);
   }
 
   static void PutResult(const std::shared_ptr<Mailbox>& self, StepListener& listener, ClientId client,
                         const StepResult& result) {
-    bool wake = false;
     {
       const MutexLock lock(self->mutex_);
       if (self->closed_) return;
+      if (self->busy_on_ == std::this_thread::get_id() && self->owner_->asking_ == client) {
+        self->owner_->own_ = result;
+        return;
+      }
       Item item;
       item.listener = &listener;
       item.client = client;
       item.result = result;
       self->items_.push_back(std::move(item));
-      wake = self->NeedsWake();
+      if (!self->NeedsWake()) return;
     }
-    if (wake) Wake(self);
+    // In real time the stepping thread has better to do than to answer.
+    Wake(self, result.mode == Mode::kLockstep ? self->hand_over_ : self->post_);
   }
 
   static void PutWork(const std::shared_ptr<Mailbox>& self, std::function<void()> work) {
-    bool wake = false;
     {
       const MutexLock lock(self->mutex_);
       if (self->closed_) return;
       Item item;
       item.work = std::move(work);
       self->items_.push_back(std::move(item));
-      wake = self->NeedsWake();
+      if (!self->NeedsWake()) return;
     }
-    if (wake) Wake(self);
+    Wake(self, self->post_);
   }
 
   void SetBusy() {
     const MutexLock lock(mutex_);
-    busy_ = true;
+    busy_on_ = std::this_thread::get_id();
   }
 
   /// Appends all to `queue`; false if there was nothing, and then, with `leave`, no longer busy. `patient`:
@@ -80,7 +84,7 @@ class StepInbox::Mailbox {
   bool TakeInto(std::deque<Item>& queue, bool leave, bool patient) {
     const MutexLock lock(mutex_);
     if (items_.empty()) {
-      if (leave) busy_ = false;
+      if (leave) busy_on_ = {};
       patient_ = patient;
       return false;
     }
@@ -105,7 +109,7 @@ class StepInbox::Mailbox {
 
  private:
   bool NeedsWake() REQUIRES(mutex_) {
-    if (busy_ || posted_) return false;
+    if (busy_on_ != std::thread::id() || posted_) return false;
     posted_ = true;
     return true;
   }
@@ -124,32 +128,34 @@ class StepInbox::Mailbox {
     return 0;
   }
 
-  static void Wake(const std::shared_ptr<Mailbox>& self) {
-    self->post_([self] {
+  static void Wake(const std::shared_ptr<Mailbox>& self, const Post& post) {
+    post([self] {
       StepInbox* owner = nullptr;
       {
         const MutexLock lock(self->mutex_);
         self->posted_ = false;
         owner = self->owner_;
       }
-      // On the owner's thread, where it is also destroyed: it stays while this runs.
+      // On the owner's thread, where it is also destroyed, or in its stead: it stays while this runs.
       if (owner != nullptr) Scope scope(*owner);
     });
   }
 
-  const Post post_;
+  const Post post_, hand_over_;
   Mutex mutex_;
   std::deque<Item> items_ GUARDED_BY(mutex_);
-  std::size_t frames_ GUARDED_BY(mutex_) = 0;  // in items_
-  bool posted_ GUARDED_BY(mutex_) = false;     // a wake-up is under way
-  bool busy_ GUARDED_BY(mutex_) = false;       // the owner is in a Scope and looks here when it leaves
-  bool patient_ GUARDED_BY(mutex_) = false;    // the owner need not be woken for frames
+  std::size_t frames_ GUARDED_BY(mutex_) = 0;   // in items_
+  bool posted_ GUARDED_BY(mutex_) = false;      // a wake-up is under way
+  std::thread::id busy_on_ GUARDED_BY(mutex_);  // the owner is in a Scope there and looks here when it leaves
+  bool patient_ GUARDED_BY(mutex_) = false;     // the owner need not be woken for frames
   bool closed_ GUARDED_BY(mutex_) = false;
   StepInbox* owner_ GUARDED_BY(mutex_);
 };
 
-StepInbox::StepInbox(CommandBoard& board, const FrameBoard& frames, Post post)
-    : board_(board), frames_(frames), mailbox_(std::make_shared<Mailbox>(std::move(post), this)) {}
+StepInbox::StepInbox(CommandBoard& board, const FrameBoard& frames, Post post, Post hand_over)
+    : board_(board),
+      frames_(frames),
+      mailbox_(std::make_shared<Mailbox>(std::move(post), std::move(hand_over), this)) {}
 
 StepInbox::~StepInbox() {
   Close();
@@ -161,13 +167,17 @@ void StepInbox::Close() {
   mailbox_->Close();
 }
 
-void StepInbox::Enter() {
-  if (depth_++ == 0) mailbox_->SetBusy();
+void StepInbox::Enter(ClientId asking) {
+  if (depth_++ > 0) return;
+  asking_ = asking;
+  own_.reset();
+  mailbox_->SetBusy();
 }
 
 void StepInbox::Leave() {
   // Stays "inside" while handling, so that what a listener does here does not handle anything in its midst.
   if (depth_ == 1) {
+    asking_ = 0;
     do {
       while (next_ < queue_.size()) {
         Item item = std::move(queue_[next_++]);
@@ -218,6 +228,11 @@ FramePtr StepInbox::Current() {
   // then ignored.
   if (seen_ == nullptr || IsLater(*latest, *seen_)) Deliver(latest, 0);
   return latest;
+}
+
+std::optional<StepResult> StepInbox::TakeOwn() {
+  if (own_ && observer_ != 0) HandleFrames();
+  return std::exchange(own_, std::nullopt);
 }
 
 StepDone StepInbox::Waiter(StepListener& listener, ClientId client) {

@@ -4,9 +4,10 @@
 // it; nothing is lost but, when 64 frames wait, the oldest of them, which is counted.
 //
 // The stepping thread may be the robot's own: a command that makes the last robot ready runs the step inside
-// CommandBoard::Command(). So a robot's thread opens a Scope around whatever it does; what comes meanwhile,
-// from any thread, is handled when the outermost scope closes, without a wake-up. Otherwise one Post() brings
-// the whole batch.
+// CommandBoard::Command(). So a robot's thread opens a Scope around whatever it does. The answer to the very
+// request that the scope is for is there when the board returns (TakeOwn()); what else comes meanwhile, from
+// any thread, is handled when the outermost scope closes, without a wake-up. Otherwise one Post() brings the
+// whole batch; or, in lockstep, the stepping thread does it itself if this one rests (hand-over).
 #pragma once
 
 #include <cstddef>
@@ -14,6 +15,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/base/ids.h"
@@ -42,8 +44,9 @@ class StepInbox {
   /// that is under way may still bring something to a robot that a load drops. Then it does nothing.
   using Post = std::function<void(std::function<void()>)>;
 
-  /// Any thread. `board` and `frames` outlive it.
-  StepInbox(CommandBoard& board, const FrameBoard& frames, Post post);
+  /// Any thread. `board` and `frames` outlive it. `hand_over`: as `post`, but runs the function at once on
+  /// the calling thread if the owner's rests; null: as `post`.
+  StepInbox(CommandBoard& board, const FrameBoard& frames, Post post, Post hand_over = nullptr);
   /// Close().
   ~StepInbox();
   StepInbox(const StepInbox&) = delete;
@@ -52,10 +55,11 @@ class StepInbox {
   /// Ends all subscriptions; what still comes is ignored.
   void Close();
 
-  /// While one is open nothing is handled; closing the outermost handles everything.
+  /// While one is open nothing is handled; closing the outermost handles everything. `asking`: whose request
+  /// it is for; 0: nobody's.
   class Scope {
    public:
-    explicit Scope(StepInbox& inbox) : inbox_(inbox) { inbox_.Enter(); }
+    explicit Scope(StepInbox& inbox, ClientId asking = 0) : inbox_(inbox) { inbox_.Enter(asking); }
     ~Scope() { inbox_.Leave(); }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
@@ -67,6 +71,9 @@ class StepInbox {
   /// The newest frame. With subscriptions, the pushes up to its step have been made. Null before the first
   /// one.
   FramePtr Current();
+  /// How the wait of whoever the present Scope is for ended, if it has within it: the step ran on this very
+  /// thread. With subscriptions, the pushes up to its step have been made.
+  std::optional<StepResult> TakeOwn();
   /// What to hand to the board: it brings the result to `listener` on this thread.
   StepDone Waiter(StepListener& listener, ClientId client);
   /// Runs what it is given on this thread, within a Scope, in order with everything else; never after
@@ -89,7 +96,7 @@ class StepInbox {
   };
   class Mailbox;
 
-  void Enter();
+  void Enter(ClientId asking);
   void Leave();
   /// Moves what has come into queue_; false if nothing has. `leave`: then nothing is expected to be fetched
   /// any more.
@@ -109,6 +116,8 @@ class StepInbox {
   std::deque<Item> queue_;
   std::size_t next_ = 0;  // of queue_
   int depth_ = 0;
+  ClientId asking_ = 0;            // whom the outermost Scope is for
+  std::optional<StepResult> own_;  // of `asking_`
 };
 
 }  // namespace coopdyn

@@ -19,8 +19,6 @@ class io_context;
 
 namespace coopdyn {
 
-class SocketPoller;
-
 /// All members from any thread unless they say otherwise. Exceptions of what runs here are logged; the loop
 /// goes on.
 class IoThread {
@@ -37,13 +35,13 @@ class IoThread {
   const std::string& name() const { return name_; }
   /// True on the thread itself.
   bool is_current() const { return std::this_thread::get_id() == thread_id_.load(std::memory_order_relaxed); }
-  /// Runs `work` on the thread, later; never after Stop().
+  /// Runs `work` on the thread, later, in its Turn; never after Stop().
   void Post(std::function<void()> work);
   /// Post() for those who may outlive the thread: then it does nothing.
   using Poster = std::function<void(std::function<void()>)>;
   Poster poster() const;
-  /// Runs `work` at once if called on the thread, else like Post().
-  void Dispatch(std::function<void()> work);
+  /// As poster(), but runs the work at once, on the calling thread, if the thread rests: no wake-up.
+  Poster hand_over() const;
   /// Runs `work` on the thread and waits for its end; on the caller's if the thread has stopped. What `work`
   /// throws is thrown here. Never call it holding a lock that `work` or the thread may want.
   void Call(const std::function<void()>& work);
@@ -52,22 +50,11 @@ class IoThread {
   void Stop();
 
  private:
-  class Posted;
-  struct Wakeup;
-
   void Run();
-  /// Handles what is due, waiting for it if need be; `active_at` is when something was last.
-  void RunSome(std::chrono::steady_clock::time_point& active_at);
-  /// Runs what Post() was given, then waits for the next wake-up.
-  void RunPosted();
-  void RunOne(const std::function<void()>& work);
 
-  std::string name_;
-  Logger logger_;
-  std::unique_ptr<boost::asio::io_context> context_;
-  SocketPoller& poller_;                  // of context_
-  const std::shared_ptr<Posted> posted_;  // shared with posters
-  std::unique_ptr<Wakeup> wakeup_;
+  const std::string name_;
+  const Logger logger_;
+  const std::shared_ptr<boost::asio::io_context> context_;  // others hold it only while they post
   std::atomic<std::int64_t> spin_ns_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};          // the loop runs nothing any more

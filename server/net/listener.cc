@@ -18,8 +18,6 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "server/net/port_holder.h"
-
 namespace coopdyn {
 namespace {
 

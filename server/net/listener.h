@@ -22,6 +22,9 @@ namespace coopdyn {
 /// "0.0.0.0", "::" and "any" every address of the machine, anything else itself.
 std::vector<std::string> ListenAddresses(const std::string& host);
 
+/// "nc (pid 77)"; empty if nobody listens there or it cannot be seen (another user's process).
+std::string PortHolder(int port);
+
 /// Running out of descriptors is logged (NetServices::LogExhausted()) and survived: accepting goes on when
 /// some are free.
 class Listener {

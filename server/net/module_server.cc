@@ -3,17 +3,17 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "server/base/mutex.h"
 #include "server/net/listener.h"
 #include "server/net/session.h"
+#include "server/net/turn.h"
 #include "server/net/unique_fd.h"
 
 namespace coopdyn {
@@ -26,51 +26,55 @@ constexpr auto kSweepPeriod = std::chrono::seconds(4);  // keepalive's 20 s + th
 }  // namespace
 
 struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
-  /// What adopters hold: leads to the server while it lives.
-  struct Gate {
-    Mutex mutex;
-    Impl* impl GUARDED_BY(mutex) = nullptr;
+  /// A connection on its way to the server's thread.
+  struct Arrival {
+    UniqueFd fd;
+    std::string already_read;
+    PeerInfo peer;
+    std::unique_ptr<Encoding> encoding;
   };
+  /// Brings one there; if the server is gone it is closed. Any thread.
+  using Sender = std::function<void(Arrival)>;
 
-  Impl(asio::io_context& c, Endpoint& e, NetServices& s, std::string n)
-      : context(c),
+  Impl(IoThread& io, Endpoint& e, NetServices& s, std::string n)
+      : context(io.context()),
+        turn(Turn::Of(context)),
+        poster(io.poster()),
         endpoint(e),
         services(s),
         name(std::move(n)),
-        gate(std::make_shared<Gate>()),
-        listener(c, s, [this](UniqueFd fd, PeerInfo peer) { Open(std::move(fd), {}, std::move(peer)); }),
-        sweep_timer(c) {
-    MutexLock lock(gate->mutex);
-    gate->impl = this;
+        listener(context, s,
+                 [this](UniqueFd fd, PeerInfo peer) {
+                   turn.Run([&] { Open({std::move(fd), {}, std::move(peer), nullptr}); });
+                 }),
+        sweep_timer(context) {}
+
+  Sender sender() {
+    return [post = poster, weak = weak_from_this()](Arrival arrival) {
+      post([weak, held = std::make_shared<Arrival>(std::move(arrival))] {
+        const std::shared_ptr<Impl> impl = weak.lock();
+        if (impl && !impl->closed) impl->Open(std::move(*held));
+      });
+    };
   }
 
-  static void Adopt(const std::shared_ptr<Gate>& gate, UniqueFd fd, std::string already_read, PeerInfo peer,
-                    std::unique_ptr<Encoding> encoding = nullptr) {
-    MutexLock lock(gate->mutex);
-    if (gate->impl == nullptr) return;
-    // `work` only waits in the queue here: the lock keeps the io_context from going away.
-    asio::post(gate->impl->context, [weak = gate->impl->weak_from_this(), fd = std::move(fd),
-                                     already_read = std::move(already_read), peer = std::move(peer),
-                                     encoding = std::move(encoding)]() mutable {
-      const std::shared_ptr<Impl> impl = weak.lock();
-      if (impl && !impl->closed)
-        impl->Open(std::move(fd), already_read, std::move(peer), std::move(encoding));
-    });
-  }
-
-  void Open(UniqueFd fd, const std::string& already_read, PeerInfo peer,
-            std::unique_ptr<Encoding> encoding = nullptr) {
-    const std::optional<ConnectionEnd> end = EndOf(fd.get());
+  void Open(Arrival arrival) {
+    const std::optional<ConnectionEnd> end = EndOf(arrival.fd.get());
     if (!end) {
       return services.logger()->error("{}: cannot take a connection: neither a stream nor datagrams", name);
     }
-    SetClientSocketOptions(fd.get());
-    if (!peer.trusted) Sweep();
-    auto session = std::make_shared<Session>(context, std::move(fd), *end, endpoint, services,
-                                             std::move(peer), [this](ClientId id) { Forget(id); });
+    SetClientSocketOptions(arrival.fd.get());
+    Session::Socket socket(context);
+    boost::system::error_code error;
+    socket.assign(arrival.fd.get(), error);
+    if (error) return services.logger()->error("{}: cannot take a connection: {}", name, error.message());
+    arrival.fd.Release();
+    if (!arrival.peer.trusted) Sweep();
+    auto session = std::make_shared<Session>(context, std::move(socket), *end, endpoint, services,
+                                             std::move(arrival.peer), [this](ClientId id) { Forget(id); });
     sessions.emplace(session->id(), session);
     count = sessions.size();
-    session->Start(already_read, std::move(encoding));
+    session->Start(arrival.already_read, std::move(arrival.encoding));
   }
 
   void Forget(ClientId id) {
@@ -83,22 +87,22 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
     sweep_timer.expires_after(kSweepPeriod);
     sweep_timer.async_wait([weak = weak_from_this()](const boost::system::error_code& aborted) {
       const std::shared_ptr<Impl> impl = weak.lock();
-      if (aborted || !impl || impl->closed) return;
-      impl->sweeping = false;
-      bool untrusted = false;
-      for (const auto& [id, session] : impl->sessions) {
-        untrusted = untrusted || !session->trusted();
-        session->CheckPeerLives();
-      }
-      if (untrusted) impl->Sweep();
+      if (!aborted && impl) impl->turn.Run([&] { impl->CheckPeers(); });
     });
   }
 
-  void Close() {
-    {
-      MutexLock lock(gate->mutex);
-      gate->impl = nullptr;
+  void CheckPeers() {
+    if (closed) return;
+    sweeping = false;
+    bool untrusted = false;
+    for (const auto& [id, session] : sessions) {
+      untrusted = untrusted || !session->trusted();
+      session->CheckPeerLives();
     }
+    if (untrusted) Sweep();
+  }
+
+  void Close() {
     closed = true;
     sweep_timer.cancel();
     for (const auto& [id, session] : std::exchange(sessions, {})) session->Abort("the module is closed");
@@ -106,10 +110,11 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
   }
 
   asio::io_context& context;
+  Turn& turn;
+  const IoThread::Poster poster;
   Endpoint& endpoint;
   NetServices& services;
   const std::string name;
-  const std::shared_ptr<Gate> gate;
   Listener listener;
   asio::steady_timer sweep_timer;
   std::map<ClientId, std::shared_ptr<Session>> sessions;
@@ -118,9 +123,8 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
   bool closed = false;
 };
 
-ModuleServer::ModuleServer(asio::io_context& context, Endpoint& endpoint, NetServices& services,
-                           std::string name)
-    : impl_(std::make_shared<Impl>(context, endpoint, services, std::move(name))) {}
+ModuleServer::ModuleServer(IoThread& io, Endpoint& endpoint, NetServices& services, std::string name)
+    : impl_(std::make_shared<Impl>(io, endpoint, services, std::move(name))) {}
 
 ModuleServer::~ModuleServer() {
   impl_->Close();
@@ -140,12 +144,12 @@ const std::string& ModuleServer::name() const {
 
 void ModuleServer::Adopt(int fd, std::string already_read, PeerInfo peer,
                          std::unique_ptr<Encoding> encoding) {
-  Impl::Adopt(impl_->gate, UniqueFd(fd), std::move(already_read), std::move(peer), std::move(encoding));
+  impl_->sender()({UniqueFd(fd), std::move(already_read), std::move(peer), std::move(encoding)});
 }
 
 AdoptFunction ModuleServer::adopter() const {
-  return [gate = impl_->gate](int fd, std::string already_read, PeerInfo peer) {
-    Impl::Adopt(gate, UniqueFd(fd), std::move(already_read), std::move(peer));
+  return [send = impl_->sender()](int fd, std::string already_read, PeerInfo peer) {
+    send({UniqueFd(fd), std::move(already_read), std::move(peer), nullptr});
   };
 }
 

@@ -9,21 +9,18 @@
 
 #include "server/net/encoding.h"
 #include "server/net/endpoint.h"
+#include "server/net/io_thread.h"
 #include "server/net/net_services.h"
 #include "server/net/peer.h"
 
-namespace boost::asio {
-class io_context;
-}
-
 namespace coopdyn {
 
-/// Constructed on any thread, destroyed on the thread that runs `context` or when that has stopped; the rest
+/// Constructed on any thread, destroyed on the thread `io` or when that has stopped; the rest
 /// says. The endpoint is called on the io thread only, never from within Push(), Close() or a ReplyFunction.
 class ModuleServer {
  public:
-  /// `endpoint`, `context` and `services` outlive it. `name`, e.g. "/robot1/motors", is for log lines.
-  ModuleServer(boost::asio::io_context& context, Endpoint& endpoint, NetServices& services, std::string name);
+  /// `io`, `endpoint` and `services` outlive it. `name`, e.g. "/robot1/motors", is for log lines.
+  ModuleServer(IoThread& io, Endpoint& endpoint, NetServices& services, std::string name);
   /// Closes every connection with the notice "the module is closed" as far as it can be written at once; each
   /// still open one gets its OnClosed().
   ~ModuleServer();

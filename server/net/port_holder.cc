@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "server/net/port_holder.h"
-
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
@@ -8,6 +6,8 @@
 #include <set>
 #include <sstream>
 #include <system_error>
+
+#include "server/net/listener.h"
 
 namespace coopdyn {
 namespace {

@@ -5,8 +5,13 @@
 #include <sys/socket.h>
 
 #include <cerrno>
+#include <utility>
 
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/error.hpp>
 #include <boost/asio/post.hpp>
+
+#include "protocol/command_ids.h"
 
 namespace coopdyn {
 namespace {
@@ -23,78 +28,69 @@ constexpr milliseconds kWatchPeriod{20};
 
 }  // namespace
 
-Session::Session(asio::io_context& context, UniqueFd socket, ConnectionEnd end, Endpoint& endpoint,
+Session::Session(asio::io_context& context, Socket socket, ConnectionEnd end, Endpoint& endpoint,
                  NetServices& services, PeerInfo peer, std::function<void(ClientId)> on_end)
     : context_(context),
-      poller_(SocketPoller::Of(context)),
+      turn_(Turn::Of(context)),
       socket_(std::move(socket)),
       end_(end),
       endpoint_(&endpoint),
       services_(services),
       id_(services.NextClient()),
       peer_(std::move(peer)),
-      on_end_(std::move(on_end)) {}
+      on_end_(std::move(on_end)),
+      heard_at_(steady_clock::now()) {}
 
 void Session::Start(std::string_view already_read, std::unique_ptr<Encoding> encoding) {
   CallEndpoint([this](Endpoint& endpoint) { endpoint.OnOpen(*this); });
   if (encoding != nullptr) TakeEncoding(std::move(encoding));
   in_.Append(already_read);
-  if (in_.size() > 0 || encoding_ != nullptr) Process();
-  if (!end_.with_stream()) {
-    heard_at_ = steady_clock::now();
-    WatchSilence();
-  }
+  if (encoding_ != nullptr || in_.size() > 0) Process();
+  if (!end_.with_stream()) WatchSilence();
   StartRead();
+}
+
+void Session::Post(Step then) {
+  asio::post(context_, Handler(then));
+}
+
+void Session::At(Timer& timer, steady_clock::time_point time, Step then) {
+  if (!timer) timer.emplace(context_);
+  timer->expires_at(time);
+  timer->async_wait(Handler(then));
 }
 
 // --- reading
 // ------------------------------------------------------------------------------------------------------
 
-void Session::ChangeInterest() {
-  const std::uint32_t wanted =
-      (reading_ ? std::uint32_t{EPOLLIN} : 0U) | (blocked_ ? std::uint32_t{EPOLLOUT} : 0U);
-  if (closed_ || poller_.Change(socket_.get(), *this, interest_, wanted)) {
-    interest_ = wanted;
-  } else {
-    Log(spdlog::level::err, "cannot be waited for: the machine has no memory left");
-    asio::post(context_, [self = shared_from_this()] { self->HardClose(); });
-  }
-}
-
-void Session::OnReady(std::uint32_t events) {
-  const std::shared_ptr<Session> self = shared_from_this();
-  constexpr std::uint32_t kEnd = EPOLLERR | EPOLLHUP;
-  if (blocked_ && (events & (EPOLLOUT | kEnd)) != 0) OnWritable();
-  if (reading_ && (events & (EPOLLIN | kEnd)) != 0) Read();
-}
-
 void Session::StartRead() {
-  if (eof_ || closed_) return;
+  if (reading_ || eof_ || closed_) return;
   const bool far_ahead =
       !closing_ && (waiting_ || blocked_ || process_posted_) && in_.size() >= kMaxReadAhead;
-  if (reading_ == far_ahead) {
-    reading_ = !far_ahead;
-    ChangeInterest();
-  }
-  if (far_ahead) WatchPeer();
+  if (far_ahead) return At(watch_timer_, steady_clock::now() + kWatchPeriod, &Session::WatchPeer);
+  reading_ = true;
+  const std::span<char> room = in_.Room();
+  socket_.async_read_some(asio::buffer(room.data(), room.size()),
+                          [self = shared_from_this()](const ErrorCode& error, std::size_t count) {
+                            self->turn_.Run([&] {
+                              if (!self->closed_) self->OnRead(error, count);
+                            });
+                          });
 }
 
-void Session::Read() {
-  const std::span<char> room = in_.Room();
-  const ssize_t count = ::recv(socket_.get(), room.data(), room.size(), MSG_DONTWAIT);
-  if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return;
-  if (count > 0) in_.Added(static_cast<std::size_t>(count));
+void Session::OnRead(const ErrorCode& error, std::size_t count) {
+  reading_ = false;
+  in_.Added(count);
   if (closing_) in_.Clear();  // only waiting for the peer to close
   if (!end_.with_stream()) heard_at_ = steady_clock::now();
-  if (count < 0 || (count == 0 && end_.with_stream())) return EndInput();
+  const bool empty_datagram = error == asio::error::eof && !end_.with_stream();
+  if (error && !empty_datagram) return EndInput();
   Process();
   StartRead();
 }
 
 void Session::EndInput() {
   eof_ = true;
-  reading_ = false;
-  ChangeInterest();
   TellInputEnded();
   if (closing_ && fin_sent_) return HardClose();
   Process();
@@ -105,29 +101,18 @@ void Session::TellInputEnded() {
   CallEndpoint([this](Endpoint& endpoint) { endpoint.OnInputEnded(*this); });
 }
 
-// While reading rests because the client is far ahead, its end is looked for from time to time.
 void Session::WatchPeer() {
-  if (input_ended_) return;
-  if (!watch_timer_) watch_timer_.emplace(context_);
-  watch_timer_->expires_after(kWatchPeriod);
-  watch_timer_->async_wait([self = shared_from_this()](const ErrorCode& aborted) {
-    if (aborted || self->closed_) return;
-    pollfd state{self->socket_.get(), POLLRDHUP, 0};
-    if (::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0) {
-      self->TellInputEnded();  // what is still to be read is read and executed in its turn
-    }
-    self->StartRead();
-  });
+  pollfd state{socket_.native_handle(), POLLRDHUP, 0};
+  if (!input_ended_ && ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0) {
+    TellInputEnded();  // what is still to be read is read and executed in its turn
+  }
+  StartRead();
 }
 
 void Session::WatchSilence() {
-  if (!silence_timer_) silence_timer_.emplace(context_);
-  silence_timer_->expires_at(heard_at_ + end_.silence);
-  silence_timer_->async_wait([self = shared_from_this()](const ErrorCode& aborted) {
-    if (aborted || self->closed_ || self->eof_) return;
-    if (steady_clock::now() < self->heard_at_ + self->end_.silence) return self->WatchSilence();
-    self->EndInput();
-  });
+  if (eof_) return;
+  if (steady_clock::now() >= heard_at_ + end_.silence) return EndInput();
+  At(silence_timer_, heard_at_ + end_.silence, &Session::WatchSilence);
 }
 
 // --- requests
@@ -153,12 +138,13 @@ void Session::Process() {
 
 void Session::PostProcess() {
   if (std::exchange(process_posted_, true)) return;
-  asio::post(context_, [self = shared_from_this()] {
-    self->process_posted_ = false;
-    if (self->closed_) return;
-    self->Process();
-    self->StartRead();
-  });
+  Post(&Session::GoOn);
+}
+
+void Session::GoOn() {
+  process_posted_ = false;
+  Process();
+  StartRead();
 }
 
 /// Handles the next thing in the buffer. Returns false if more must come first.
@@ -213,8 +199,8 @@ void Session::HandRequest(Message request) {
   waiting_ = true;
   const std::uint64_t serial = ++serial_;
   const std::int32_t command = request.command;
-  ReplyFunction reply = [weak = weak_from_this(), serial](Message message) {
-    if (const std::shared_ptr<Session> self = weak.lock()) self->OnReply(serial, std::move(message));
+  ReplyFunction reply = [weak = weak_from_this(), serial](const Message& message) {
+    if (const std::shared_ptr<Session> self = weak.lock()) self->OnReply(serial, message);
   };
   const bool ok = CallEndpoint(
       [&](Endpoint& endpoint) { endpoint.OnRequest(*this, std::move(request), std::move(reply)); });
@@ -222,7 +208,7 @@ void Session::HandRequest(Message request) {
     OnReply(serial, ErrorReply(command, Error::kInternal, "internal error: the daemon's log says more"));
 }
 
-void Session::OnReply(std::uint64_t serial, Message reply) {
+void Session::OnReply(std::uint64_t serial, const Message& reply) {
   if (!waiting_ || serial != serial_ || closing_ || closed_) return;
   waiting_ = false;
   if (!write_dead_) out_.AddReply(reply);
@@ -249,38 +235,27 @@ void Session::Flush() {
       break;
     }
     const std::string_view bytes = out_.unsent();
-    const ssize_t count = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t count =
+        ::send(socket_.native_handle(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (count >= 0) {
       out_.Sent(static_cast<std::size_t>(count));
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-      return WaitWritable();
+      blocked_ = true;
+      out_.set_blocked(true);
+      socket_.async_wait(Socket::wait_write, Handler(&Session::OnWritable));
     } else if (errno != EINTR) {
       write_dead_ = true;
     }
   }
   if (!closing_ || fin_sent_ || blocked_ || closed_) return;
-  // All is written. The socket is closed only when the peer has closed its side: closing with unread input
-  // would make its kernel throw the notice away.
   fin_sent_ = true;
-  ::shutdown(socket_.get(), SHUT_WR);
-  asio::post(context_, [self = shared_from_this()] {
-    if (self->closed_) return;
-    if (self->eof_ || self->write_dead_ || !self->end_.with_stream()) return self->HardClose();
-    self->in_.Clear();
-    self->StartRead();
-  });
-}
-
-void Session::WaitWritable() {
-  blocked_ = true;
-  out_.set_blocked(true);
-  ChangeInterest();
+  ::shutdown(socket_.native_handle(), SHUT_WR);
+  Post(&Session::AwaitPeersEnd);
 }
 
 void Session::OnWritable() {
   blocked_ = false;
   out_.set_blocked(false);
-  ChangeInterest();
   Flush();
   CallEndpoint([this](Endpoint& endpoint) { endpoint.OnTakesMore(*this); });
   Process();
@@ -289,22 +264,90 @@ void Session::OnWritable() {
 
 // One timer runs while requests wait; it goes on from one request to the next.
 void Session::WatchWait() {
-  if (!verbose_timer_) verbose_timer_.emplace(context_);
-  if (verbose_timer_->expiry() > steady_clock::now()) return;
-  verbose_timer_->expires_after(waiting_note_.Pause(serial_));
-  verbose_timer_->async_wait([self = shared_from_this(), serial = serial_](const ErrorCode& aborted) {
-    if (aborted || self->closed_ || self->closing_ || !self->waiting_) return;
-    if (serial == self->serial_) self->TellWaiting();
-    self->WatchWait();
-  });
+  if (verbose_timer_ && verbose_timer_->expiry() > steady_clock::now()) return;
+  watched_ = serial_;
+  At(verbose_timer_, steady_clock::now() + waiting_note_.Pause(serial_), &Session::TellWaiting);
 }
 
 void Session::TellWaiting() {
+  if (closing_ || !waiting_) return;
   std::string whom;
-  CallEndpoint([&whom](Endpoint& endpoint) { whom = endpoint.WaitingFor(); });
-  if (blocked_) return;
-  out_.AddRaw(waiting_note_.Line(serial_, whom, steady_clock::now()));
-  Flush();
+  if (watched_ == serial_) CallEndpoint([&whom](Endpoint& endpoint) { whom = endpoint.WaitingFor(); });
+  if (watched_ == serial_ && !blocked_) {
+    out_.AddRaw(waiting_note_.Line(serial_, whom, steady_clock::now()));
+    Flush();
+  }
+  WatchWait();
+}
+
+// --- the end
+// ------------------------------------------------------------------------------------------------------
+
+void Session::FinishIfDone() {
+  if (eof_ && !closing_ && !waiting_ && !process_posted_ && out_.empty()) HardClose();
+}
+
+void Session::Close(const std::string& reason, spdlog::level::level_enum level) {
+  if (closing_ || closed_) return;
+  if (encoding_ == nullptr) {
+    out_.AddRaw("# " + reason + "\n");
+  } else {
+    Message notice;
+    notice.command = command::kClosing;
+    notice.text = reason;
+    out_.AddNotice(std::move(notice));
+  }
+  closing_ = true;
+  Log(level, "closed: " + reason);
+  At(linger_timer_, steady_clock::now() + kLinger, &Session::HardClose);
+  Post(&Session::DeliverClosed);
+  if (!processing_) Flush();
+}
+
+// All is written. The socket is closed only when the peer has closed its side: closing with unread input
+// would make its kernel throw the notice away.
+void Session::AwaitPeersEnd() {
+  if (eof_ || write_dead_ || !end_.with_stream()) return HardClose();
+  in_.Clear();
+  StartRead();
+}
+
+void Session::DeliverClosed() {
+  if (endpoint_ == nullptr) return;
+  CallEndpoint([this](Endpoint& endpoint) { endpoint.OnClosed(*this); });
+  endpoint_ = nullptr;
+}
+
+void Session::HardClose() {
+  if (std::exchange(closed_, true)) return;
+  const std::shared_ptr<Session> self = shared_from_this();
+  ErrorCode ignored;
+  socket_.close(ignored);
+  for (Timer* timer : {&linger_timer_, &watch_timer_, &verbose_timer_, &silence_timer_}) timer->reset();
+  DeliverClosed();
+  out_.Clear();
+  if (on_end_) std::exchange(on_end_, nullptr)(id_);
+}
+
+void Session::Abort(const std::string& reason) {
+  on_end_ = nullptr;
+  if (!closed_) Close(reason);
+  if (closed_) return;
+  char rest[4096];
+  while (::recv(socket_.native_handle(), rest, sizeof rest, MSG_DONTWAIT) > 0) {
+  }
+  HardClose();
+}
+
+void Session::CheckPeerLives() {
+  if (closed_ || peer_.trusted || !PeerLooksDead(socket_.native_handle())) return;
+  Log(spdlog::level::info, "its machine does not answer any more");
+  write_dead_ = true;
+  ::shutdown(socket_.native_handle(), SHUT_RDWR);  // reading ends with it
+}
+
+void Session::Log(spdlog::level::level_enum level, const std::string& text) {
+  services_.LogPeer(level, peer_.text, text);
 }
 
 }  // namespace coopdyn

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One client's connection to one module, in every encoding: bytes in, requests to the endpoint one at a time,
-// replies and pushes out. Everything on the io thread.
+// replies and pushes out. Everything on the io thread, or in its Turn.
 #pragma once
 
 #include <chrono>
@@ -12,9 +12,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/basic_stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "protocol/codec.h"
@@ -24,24 +24,25 @@
 #include "server/net/net_services.h"
 #include "server/net/out_queue.h"
 #include "server/net/peer.h"
-#include "server/net/socket_poller.h"
-#include "server/net/unique_fd.h"
+#include "server/net/turn.h"
 #include "server/net/waiting_note.h"
 
 namespace coopdyn {
 
 /// The endpoint is called from event handlers only, never from within Push(), Close() or a ReplyFunction, so
 /// that it may call those while it walks its own lists.
-class Session final : public Connection, private SocketHandler, public std::enable_shared_from_this<Session> {
+class Session final : public Connection, public std::enable_shared_from_this<Session> {
  public:
+  /// Any socket of a kind that EndOf() knows.
+  using Socket = boost::asio::posix::basic_stream_descriptor<boost::asio::io_context::executor_type>;
   /// Read ahead of a request that has not been answered yet; then the client has to wait.
   static constexpr std::size_t kMaxReadAhead = kMaxRequestBytes + (std::size_t{64} << 10);
   static constexpr int kMaxMalformed = 20;  // in a row
   /// How long a closing connection waits for its peer to read what is left and to close.
   static constexpr std::chrono::seconds kLinger{5};
 
-  /// `end`: as EndOf() says. `on_end` is called once it is closed; until then the caller keeps the session.
-  Session(boost::asio::io_context& context, UniqueFd socket, ConnectionEnd end, Endpoint& endpoint,
+  /// `on_end` is called once it is closed; until then the caller keeps the session.
+  Session(boost::asio::io_context& context, Socket socket, ConnectionEnd end, Endpoint& endpoint,
           NetServices& services, PeerInfo peer, std::function<void(ClientId)> on_end);
 
   /// Opens it at the endpoint and begins with `already_read`. `encoding`: what both sides have agreed upon;
@@ -62,36 +63,50 @@ class Session final : public Connection, private SocketHandler, public std::enab
 
  private:
   using ErrorCode = boost::system::error_code;
+  using Timer = std::optional<boost::asio::steady_timer>;
+  using Step = void (Session::*)();
+
+  /// What Asio is to call: `then`, in the turn, unless that was called off or all has ended.
+  auto Handler(Step then) {
+    return [self = shared_from_this(), then](const ErrorCode& error = {}) {
+      if (error) return;
+      self->turn_.Run([&] {
+        if (!self->closed_) ((*self).*then)();
+      });
+    };
+  }
+  void Post(Step then);
+  void At(Timer& timer, std::chrono::steady_clock::time_point time, Step then);
 
   // Reading.
-  void OnReady(std::uint32_t events) override;
-  void Read();
   /// Reads on, or rests while the client is far ahead.
   void StartRead();
+  void OnRead(const ErrorCode& error, std::size_t count);
   void EndInput();
   void TellInputEnded();
+  /// While reading rests, looks from time to time whether the client has gone.
   void WatchPeer();
   /// Ends the input when nothing has come for as long as end_ says.
   void WatchSilence();
   // Requests.
   void Process();
   void PostProcess();
+  void GoOn();
   bool HandleNext();
   void TakeEncoding(std::unique_ptr<Encoding> encoding);
   void HandRequest(Message request);
-  void OnReply(std::uint64_t serial, Message reply);
+  void OnReply(std::uint64_t serial, const Message& reply);
   bool MayHandle() const { return !closing_ && !closed_ && !waiting_ && !blocked_; }
   // Writing.
   void Flush();
-  void WaitWritable();
   void OnWritable();
-  /// Asks the poller for what reading_ and blocked_ want.
-  void ChangeInterest();
+  /// Tells a person from time to time whom the request waits for.
   void WatchWait();
   void TellWaiting();
   // The end.
   void FinishIfDone();
   void Close(const std::string& reason, spdlog::level::level_enum level);
+  void AwaitPeersEnd();
   void DeliverClosed();
   void HardClose();
   void Log(spdlog::level::level_enum level, const std::string& text);
@@ -111,9 +126,8 @@ class Session final : public Connection, private SocketHandler, public std::enab
   }
 
   boost::asio::io_context& context_;
-  SocketPoller& poller_;
-  UniqueFd socket_;
-  std::uint32_t interest_ = 0;  // what the poller tells of
+  Turn& turn_;
+  Socket socket_;
   const ConnectionEnd end_;
   Endpoint* endpoint_;  // null after OnClosed()
   NetServices& services_;
@@ -130,8 +144,8 @@ class Session final : public Connection, private SocketHandler, public std::enab
   bool waiting_ = false;      // for its reply
   bool processing_ = false;   // Process() runs
   bool process_posted_ = false;
-  bool reading_ = false;      // what comes is read
-  bool blocked_ = false;      // the peer takes nothing more; waiting until it does
+  bool reading_ = false;      // OnRead() follows when something comes, into the room of in_
+  bool blocked_ = false;      // the peer takes nothing more; OnWritable() follows when it does
   bool write_dead_ = false;   // writing has failed: what is left is dropped
   bool input_ended_ = false;  // told to the endpoint
   bool eof_ = false;          // nothing more can be read
@@ -139,12 +153,11 @@ class Session final : public Connection, private SocketHandler, public std::enab
   bool fin_sent_ = false;
   bool closed_ = false;
 
-  std::optional<boost::asio::steady_timer> linger_timer_;
-  std::optional<boost::asio::steady_timer> watch_timer_;
-  std::optional<boost::asio::steady_timer> silence_timer_;  // unless the stream ends it
+  Timer linger_timer_, watch_timer_, verbose_timer_;
+  Timer silence_timer_;  // unless the stream ends it
   std::chrono::steady_clock::time_point heard_at_;
-  std::optional<boost::asio::steady_timer> verbose_timer_;
   WaitingNote waiting_note_;
+  std::uint64_t watched_ = 0;  // the serial for which verbose_timer_ was set
 };
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which port a module gets: from the first on, each the lowest that is free (DESIGN §6). Pure; one thread.
+// Which port a module gets: from the first on, each the lowest that is free (docs/protocol.md). Pure; one thread.
 #pragma once
 
 #include <functional>

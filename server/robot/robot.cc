@@ -6,11 +6,11 @@
 namespace coopdyn {
 
 Robot::Robot(const RobotEntry& entry, const RobotServices& services, IoThread& io)
-    : services_(services), io_(io), core_(entry, services, io.poster()) {
+    : services_(services), io_(io), core_(entry, services, io.poster(), io.hand_over()) {
   for (std::size_t i = 0; i < core_.devices().size(); ++i) {
     modules_.push_back(std::make_unique<RobotModule>(core_, i));
-    servers_.push_back(std::make_unique<ModuleServer>(io.context(), *modules_.back(), services.net,
-                                                      modules_.back()->path()));
+    servers_.push_back(
+        std::make_unique<ModuleServer>(io, *modules_.back(), services.net, modules_.back()->path()));
   }
 }
 

@@ -5,11 +5,12 @@
 
 namespace coopdyn {
 
-RobotCore::RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post)
+RobotCore::RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post,
+                     StepInbox::Post hand_over)
     : name_(entry.name),
       type_(entry.model->type),
       services_(services),
-      inbox_(services.board, services.frames, std::move(post)) {
+      inbox_(services.board, services.frames, std::move(post), std::move(hand_over)) {
   for (const ModuleModel& module : entry.model->modules()) {
     devices_.push_back(services.devices.Make(*entry.model, module.name));
     module_names_.push_back(module.name);

@@ -1,22 +1,44 @@
 // SPDX-License-Identifier: MIT
-// What the modules of one robot share: its place in a frame, its devices, the inbox of
-// steps. The robot's thread only, once it is built.
+// What the robots of one daemon share; and what the modules of one robot do: its place in a frame, its devices,
+// the inbox of steps.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "server/base/clock.h"
+#include "server/devices/connection_roster.h"
 #include "server/devices/device.h"
+#include "server/devices/device_factory.h"
 #include "server/devices/step_inbox.h"
-#include "server/robot/robot_services.h"
+#include "server/devices/token_guard.h"
+#include "server/naming/name_table.h"
+#include "server/net/net_services.h"
+#include "server/state/command_board.h"
+#include "server/state/frame_board.h"
 
 namespace coopdyn {
 
+/// What every robot of one daemon shares. Constant; any thread. All that it refers to outlives the robots.
+struct RobotServices {
+  CommandBoard& board;
+  const FrameBoard& frames;
+  NameTable& names;
+  NetServices& net;
+  ConnectionRoster& roster;
+  const DeviceFactory& devices;
+  const TokenGuard& guard;  // required: `--private`
+  const Clock& clock;
+  std::string version;
+};
+
+/// The robot's thread only, or in its turn, once it is built.
 class RobotCore {
  public:
-  /// `post`: runs a function on the robot's thread, as StepInbox says.
-  RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post);
+  /// `post` and `hand_over` run a function on the robot's thread, as StepInbox says.
+  RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post,
+            StepInbox::Post hand_over);
 
   const std::string& name() const { return name_; }
   const std::string& type() const { return type_; }

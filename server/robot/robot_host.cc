@@ -22,9 +22,8 @@ RobotHost::~RobotHost() {
   Stop();
 }
 
-IoThread& RobotHost::ThreadFor(std::size_t robots, bool& own) {
+IoThread& RobotHost::ThreadFor(const Scene& scene, bool own) {
   const std::size_t cores = options_.cores > 0 ? options_.cores : std::thread::hardware_concurrency();
-  own = options_.threads <= 0 && robots < cores;
   const auto start = [this] {
     threads_.push_back({std::make_unique<IoThread>("robot-" + std::to_string(threads_.size() + 1),
                                                    services_.net.logger(), options_.spin),
@@ -33,9 +32,9 @@ IoThread& RobotHost::ThreadFor(std::size_t robots, bool& own) {
   };
   if (own) return start();
   const std::size_t pool_size = std::clamp(cores / 2, std::size_t{1}, kMaxPool);
-  const std::size_t wanted = options_.threads > 0
-                                 ? static_cast<std::size_t>(options_.threads)
-                                 : std::clamp(robots / kRobotsPerThread, std::size_t{1}, pool_size);
+  const std::size_t wanted =
+      options_.threads > 0 ? static_cast<std::size_t>(options_.threads)
+                           : std::clamp(scene.robots.size() / kRobotsPerThread, std::size_t{1}, pool_size);
   std::vector<IoThread*> pool;
   for (const Thread& thread : threads_) {
     if (thread.only == nullptr) pool.push_back(thread.io.get());
@@ -61,7 +60,7 @@ std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_star
 }
 
 std::string RobotHost::Open(Robot& robot, const RobotEntry& entry, bool at_start) {
-  for (std::size_t i = 0; options_.sockets && entry.sockets && i < robot.module_count(); ++i) {
+  for (std::size_t i = 0; HasSockets(entry) && i < robot.module_count(); ++i) {
     const std::string error = OpenModule(robot, i, at_start);
     if (error.empty()) continue;
     if (at_start) return error;
@@ -86,12 +85,16 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   }
   // The leaving ones first: their names and ports may be wanted.
   for (auto& [name, robot] : before) Drop(std::move(robot), name + " is not in the new scenario");
+  const auto with_sockets =
+      std::count_if(scene.robots.begin(), scene.robots.end(),
+                    [this](const SceneRobot& robot) { return HasSockets(robot.entry); });
+  const bool own_threads = options_.threads <= 0 && static_cast<std::size_t>(with_sockets) <= kMaxOwnThreads;
   std::string error;
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const RobotEntry& entry = scene.robots[i].entry;
     if (kept[i] == nullptr) {
-      bool own = false;
-      IoThread& io = ThreadFor(scene.robots.size(), own);
+      const bool own = own_threads && HasSockets(entry);
+      IoThread& io = ThreadFor(scene, own);
       kept[i] = std::make_unique<Robot>(entry, services_, io);
       if (own) threads_.back().only = kept[i].get();
       error = Open(*kept[i], entry, at_start);

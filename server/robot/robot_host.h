@@ -12,7 +12,7 @@
 #include "server/net/io_thread.h"
 #include "server/robot/port_plan.h"
 #include "server/robot/robot.h"
-#include "server/robot/robot_services.h"
+#include "server/robot/robot_core.h"
 #include "server/state/scene.h"
 
 namespace coopdyn {
@@ -20,16 +20,18 @@ namespace coopdyn {
 struct RobotHostOptions {
   bool sockets = true;                 // false: `--no-net`, modules can only adopt
   std::vector<std::string> addresses;  // ListenAddresses(--host)
-  int threads = 0;  // `--robot-threads`: for all robots; 0: one each if there are cores enough, else a pool
+  int threads = 0;  // `--robot-threads`: for all robots; 0: one each for those with sockets, else a pool
   std::chrono::microseconds spin{0};  // IoThread
   std::size_t cores = 0;              // 0: those of this machine
 };
 
 class RobotHost {
  public:
-  /// Robots that leave no core to their clients share a pool: one thread for this many, at most kMaxPool and
-  /// half the cores, as their clients need the others. More threads than cores cost two switches per robot
-  /// and round, 2 to 3 times the CPU (docs/decisions.md).
+  /// Each robot with sockets of its own runs in its own thread as long as no more have some; beyond that all,
+  /// and those without sockets (of swarms) always, share a pool.
+  static constexpr std::size_t kMaxOwnThreads = 64;
+  /// The pool: one thread for this many robots, at most kMaxPool and half the cores, as their clients need
+  /// the others.
   static constexpr std::size_t kRobotsPerThread = 4, kMaxPool = 2;
 
   /// `services` and `ports` outlive it.
@@ -59,7 +61,9 @@ class RobotHost {
     const Robot* only = nullptr;  // whose own it is; null: of the pool
   };
 
-  IoThread& ThreadFor(std::size_t robots, bool& own);
+  bool HasSockets(const RobotEntry& entry) const { return options_.sockets && entry.sockets; }
+  /// A thread for a robot of `scene`; `own`: for it alone.
+  IoThread& ThreadFor(const Scene& scene, bool own);
   std::string Open(Robot& robot, const RobotEntry& entry, bool at_start);
   std::string OpenModule(Robot& robot, std::size_t module, bool at_start);
   void Drop(std::unique_ptr<Robot> robot, const std::string& reason);

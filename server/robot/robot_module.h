@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One module of a robot: a device with its connections, by the rules of DESIGN §4 and §5. Free of sockets.
+// One module of a robot: a device with its connections, by the rules of docs/protocol.md. Free of sockets.
 // The robot's thread only.
 #pragma once
 

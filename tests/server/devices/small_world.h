@@ -27,6 +27,7 @@ inline std::shared_ptr<const RobotModel> SmallModel(const std::string& type = "s
   chassis.collisions.push_back(
       {Cylinder{0.15, 0.2}, {Vector3(0, 0, 0.1), Quaternion::Identity()}, {}, 1, false});
   model->links = {chassis};
+  model->joints.resize(2);
   model->actuators = {
       {"motors", {0, 1}, DriveModel{.wheel_radius_m = 0.1, .track_m = 0.4, .max_wheel_speed_rad_s = 10}}};
   for (const double bearing_rad : {-1.0, 0.0, 1.0}) {

@@ -50,7 +50,7 @@ class NameServerTest : public ::testing::Test {
   IoThread module_thread_{"module", NullLogger()};
   IoThread names_thread_{"names", NullLogger()};
   std::unique_ptr<ModuleServer> module_ =
-      std::make_unique<ModuleServer>(module_thread_.context(), endpoint_, services_, "/robot1/motors");
+      std::make_unique<ModuleServer>(module_thread_, endpoint_, services_, "/robot1/motors");
   std::unique_ptr<NameServer> names_ =
       std::make_unique<NameServer>(names_thread_.context(), table_, services_);
 };

@@ -7,6 +7,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "test_client.h"
+
 namespace coopdyn {
 namespace {
 
@@ -26,15 +28,6 @@ TEST_P(IoThreadTest, RunsWhatIsPostedInOrderOnItsOwnThread) {
   thread_.Post([&] { done.set_value(order + "b"); });
   EXPECT_EQ(done.get_future().get(), "ab");
   EXPECT_FALSE(thread_.is_current());
-}
-
-TEST_P(IoThreadTest, DispatchRunsAtOnceOnTheThreadItself) {
-  std::string order;
-  thread_.Call([&] {
-    thread_.Dispatch([&] { order += "first "; });
-    order += "second";
-  });
-  EXPECT_EQ(order, "first second");
 }
 
 TEST_P(IoThreadTest, AnExceptionDoesNotEndTheLoop) {
@@ -66,6 +59,41 @@ TEST_P(IoThreadTest, APosterThatOutlivesTheThreadDropsWhatItIsGiven) {
   const auto held = std::make_shared<int>(1);
   poster([held] { FAIL(); });
   EXPECT_EQ(held.use_count(), 1);
+}
+
+TEST_P(IoThreadTest, WhatIsHandedOverRunsOnTheCallersThreadWhileTheThreadRests) {
+  const IoThread::Poster hand_over = thread_.hand_over();
+  thread_.Call([] {});
+  std::thread::id ran_on;
+  ASSERT_TRUE(Eventually([&] {  // the thread may be on its way to rest
+    hand_over([&] { ran_on = std::this_thread::get_id(); });
+    thread_.Call([] {});
+    return ran_on == std::this_thread::get_id();
+  }));
+}
+
+TEST_P(IoThreadTest, WhatIsHandedOverWhileTheThreadWorksRunsThereLater) {
+  const IoThread::Poster hand_over = thread_.hand_over();
+  std::promise<void> working, may_end;
+  thread_.Post([&] {
+    working.set_value();
+    may_end.get_future().wait();
+  });
+  working.get_future().wait();
+  std::promise<bool> ran_there;
+  hand_over([&] { ran_there.set_value(thread_.is_current()); });
+  may_end.set_value();
+  EXPECT_TRUE(ran_there.get_future().get());
+}
+
+TEST_P(IoThreadTest, WhatItHandsOverToItselfRunsAtOnce) {
+  const IoThread::Poster hand_over = thread_.hand_over();
+  std::string order;
+  thread_.Call([&] {
+    hand_over([&] { order += "first "; });
+    order += "second";
+  });
+  EXPECT_EQ(order, "first second");
 }
 
 TEST_P(IoThreadTest, SpinCanBeChangedWhileItRuns) {

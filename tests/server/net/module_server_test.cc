@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include "server/net/listener.h"
-#include "server/net/port_holder.h"
 #include "server_fixture.h"
 
 namespace coopdyn {
@@ -21,7 +20,7 @@ using ModuleServerTest = ServerFixture;
 
 TEST_F(ModuleServerTest, ABusyPortIsNamedWithItsHolder) {
   thread_.Stop();  // so that servers may be destroyed here
-  ModuleServer second(thread_.context(), endpoint_, services_, "/second");
+  ModuleServer second(thread_, endpoint_, services_, "/second");
   const std::string error = second.Listen({"127.0.0.1"}, server_->port());
   EXPECT_THAT(error,
               HasSubstr("port " + std::to_string(server_->port()) + " of 127.0.0.1 is in use by net_test"));
@@ -30,7 +29,7 @@ TEST_F(ModuleServerTest, ABusyPortIsNamedWithItsHolder) {
 }
 
 TEST_F(ModuleServerTest, LoopbackListensOnBothAddressesWithOnePort) {
-  ModuleServer both(thread_.context(), endpoint_, services_, "/both");
+  ModuleServer both(thread_, endpoint_, services_, "/both");
   ASSERT_EQ(both.Listen(ListenAddresses("localhost"), 0), "");
   TestClient v4 = TestClient::Connect(both.port(), "127.0.0.1");
   v4.Send("echo 1\n");
@@ -50,13 +49,13 @@ TEST_F(ModuleServerTest, ItsPortIsFreeAgainAtItsEnd) {
   const int port = server_->port();
   thread_.Call([this] { server_.reset(); });
   EXPECT_FALSE(TestClient::Connect(port).ok());
-  server_ = std::make_unique<ModuleServer>(thread_.context(), endpoint_, services_, "/again");
+  server_ = std::make_unique<ModuleServer>(thread_, endpoint_, services_, "/again");
   EXPECT_EQ(server_->Listen({"127.0.0.1"}, port), "");
 }
 
 TEST_F(ModuleServerTest, AnAddressThatIsNotOursIsAnErrorThatNamesIt) {
   thread_.Stop();
-  ModuleServer wrong(thread_.context(), endpoint_, services_, "/wrong");
+  ModuleServer wrong(thread_, endpoint_, services_, "/wrong");
   EXPECT_THAT(wrong.Listen({"192.0.2.7"}, 0), HasSubstr("192.0.2.7"));
   EXPECT_THAT(wrong.Listen({"127.0.0.1"}, 70'000), HasSubstr("65535"));
 }

@@ -62,7 +62,7 @@ class ServerFixture : public ::testing::Test {
   ScriptedEndpoint endpoint_;
   IoThread thread_{"test-io", NullLogger()};
   std::unique_ptr<ModuleServer> server_ =
-      std::make_unique<ModuleServer>(thread_.context(), endpoint_, services_, "/test");
+      std::make_unique<ModuleServer>(thread_, endpoint_, services_, "/test");
 };
 
 }  // namespace coopdyn

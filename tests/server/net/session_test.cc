@@ -166,7 +166,7 @@ TEST(SessionTurn, EndsWithTheFirstRequestThatTakesLongThoughThousandsAreQueued) 
   NetServices services(NullLogger(), clock);
   SlowEndpoint endpoint(clock);
   IoThread thread("test-io", NullLogger());
-  auto server = std::make_unique<ModuleServer>(thread.context(), endpoint, services, "/test");
+  auto server = std::make_unique<ModuleServer>(thread, endpoint, services, "/test");
   auto [greedy, greedy_end] = SocketPair();
   auto [modest, modest_end] = SocketPair();
   std::string many;

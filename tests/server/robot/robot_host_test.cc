@@ -94,11 +94,12 @@ class RobotHostTest : public testing::Test {
     if (!error.empty()) throw std::runtime_error(error);
     return host;
   }
-  /// How many threads a number of robots without sockets gets; `threads` as in the options.
-  std::size_t ThreadsFor(int robots, std::size_t cores, int threads = 0) {
-    Load(SmallScenario(robots));
+  /// How many threads a number of robots gets; `threads` as in the options.
+  std::size_t ThreadsFor(int robots, bool sockets, std::size_t cores, int threads = 0) {
+    auto scenario = std::make_shared<Scenario>(*SmallScenario(robots));
+    for (RobotEntry& robot : scenario->robots) robot.sockets = sockets;
+    Load(scenario);
     RobotHostOptions options = Options();
-    options.sockets = false;
     options.cores = cores;
     options.threads = threads;
     return Start(options)->thread_count();
@@ -180,7 +181,6 @@ TEST_F(RobotHostTest, ALoadWithoutASubscribedRobotEndsItsThreadWhileStepsRun) {
   constexpr int kLoads = 300;
   const OneCore one_core;
   auto both = std::make_shared<Scenario>(*SmallScenario(2));
-  for (RobotEntry& robot : both->robots) robot.sockets = false;
   auto one = std::make_shared<Scenario>(*both);
   one->robots.pop_back();
   Load(both);
@@ -254,8 +254,22 @@ TEST_F(RobotHostTest, WithoutSocketsNamesAreListedWithPortZero) {
   close(pair[0]);
 }
 
-TEST_F(RobotHostTest, ManyRobotsShareOneThreadOfTwoCores) {
-  EXPECT_EQ(ThreadsFor(30, 2), 1u);
+TEST_F(RobotHostTest, UpToSixtyFourRobotsWithSocketsHaveAThreadEachOnAnyMachine) {
+  EXPECT_EQ(ThreadsFor(4, true, 2), 4u);
+  EXPECT_EQ(ThreadsFor(64, true, 1), 64u);
+}
+
+TEST_F(RobotHostTest, BeyondSixtyFourAllShareAPool) {
+  EXPECT_EQ(ThreadsFor(65, true, 2), 1u);
+  EXPECT_EQ(ThreadsFor(65, true, 8), 2u);
+}
+
+TEST_F(RobotHostTest, RobotsWithoutSocketsDoNotCountAndShareAPool) {
+  auto scenario = std::make_shared<Scenario>(*SmallScenario(67));
+  for (std::size_t i = 3; i < scenario->robots.size(); ++i) scenario->robots[i].sockets = false;
+  Load(scenario);
+  EXPECT_EQ(Start(Options())->thread_count(), 3u + 2u);
+  EXPECT_EQ(ThreadsFor(30, false, 2), 1u);
 }
 
 TEST_F(RobotHostTest, ManyRobotsShareAPool) {
@@ -267,16 +281,9 @@ TEST_F(RobotHostTest, ManyRobotsShareAPool) {
   EXPECT_EQ(names_.List().size(), 404u);
 }
 
-TEST_F(RobotHostTest, AFewRobotsShareOneThreadWhereCoresAreScarce) {
-  EXPECT_EQ(ThreadsFor(4, 2), 1u);
-}
-
-TEST_F(RobotHostTest, EachRobotHasAThreadWhereCoresAreLeftForTheirClients) {
-  EXPECT_EQ(ThreadsFor(7, 8), 7u);
-}
-
 TEST_F(RobotHostTest, NumberOfThreadsCanBeChosen) {
-  EXPECT_EQ(ThreadsFor(7, 8, 3), 3u);
+  EXPECT_EQ(ThreadsFor(7, true, 8, 3), 3u);
+  EXPECT_EQ(ThreadsFor(7, false, 8, 7), 7u);
 }
 
 TEST_F(RobotHostTest, StopTellsClientsAndTakesNamesAway) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The contract of DESIGN §4 and §5 at the level of modules: requests, owners, waits.
+// The contract of docs/protocol.md at the level of modules: requests, owners, waits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -109,8 +109,8 @@ WebOptions WebWorld::DefaultOptions() {
 }
 
 WebWorld::WebWorld(WebOptions options) {
-  motors_server = std::make_unique<ModuleServer>(modules.context(), motors, services, "/robot1/motors");
-  simulation_server = std::make_unique<ModuleServer>(modules.context(), simulation, services, "/simulation");
+  motors_server = std::make_unique<ModuleServer>(modules, motors, services, "/robot1/motors");
+  simulation_server = std::make_unique<ModuleServer>(modules, simulation, services, "/simulation");
   names.AddOwn("/robot1/motors", 10002, motors_server->adopter());
   names.AddOwn("/simulation", 10006, simulation_server->adopter());
   names.Register("/elsewhere", "tcp", "10.0.0.9", 4711, {"10.0.0.9"});

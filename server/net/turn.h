@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The right to act on what an io_context's handlers act on. Its thread takes the turn for each handler; while
+// it waits for its sockets another thread may try to take it, and do at once what it would otherwise have to
+// wake that thread for.
+#pragma once
+
+#include <mutex>
+#include <utility>
+
+#include <boost/asio/execution_context.hpp>
+#include <boost/asio/io_context.hpp>
+
+namespace coopdyn {
+
+/// A service of its io_context. As the baton (server/physics/stepper.h) it is no lock that code waits behind:
+/// only the context's own thread takes it, all others try. Who has it may take it again.
+class Turn final : public boost::asio::execution_context::service {
+ public:
+  using key_type = Turn;
+  static inline boost::asio::execution_context::id id;
+
+  static Turn& Of(boost::asio::io_context& context) { return boost::asio::use_service<Turn>(context); }
+  explicit Turn(boost::asio::execution_context& context) : service(context) {}
+
+  /// Runs `work` in the turn. The context's own thread.
+  template <typename Work>
+  void Run(Work&& work) {
+    const std::lock_guard lock(mutex_);
+    std::forward<Work>(work)();
+  }
+  /// Runs `work` in the turn on the calling thread if nobody else has it; else returns false. Any thread.
+  template <typename Work>
+  bool TryRun(Work&& work) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock.owns_lock()) return false;
+    std::forward<Work>(work)();
+    return true;
+  }
+
+ private:
+  void shutdown() override {}
+
+  std::recursive_mutex mutex_;
+};
+
+}  // namespace coopdyn
