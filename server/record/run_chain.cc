@@ -172,8 +172,8 @@ std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t s
   if (step < walk.waits_for || !error_.empty()) return std::nullopt;
   std::optional<ChainDamage> damage;
   try {
-    int count = kLinksAtOnce;
-    for (bool more = true; more && !damage && count == kLinksAtOnce;) {
+    for (int count = kLinksAtOnce; count == kLinksAtOnce && !damage;) {
+      bool more = true;
       walk.rows.Bind(1, walk.after);
       for (count = 0; !damage && (more = walk.rows.Step()); ++count) {
         // In a damaged file rows may stand anywhere.

@@ -29,7 +29,7 @@ class SensorsTest(unittest.TestCase):
             self.assertIn('"get_compass"', compass.must("describe").text)
             compass.send("help")
             said = [compass.read_line()]
-            while not said[-1].startswith("# get_compass"):
+            while not said[-1].startswith("#   get_compass"):
                 said.append(compass.read_line())
             compass.must("ping")
             compass.send("verbose")

@@ -126,7 +126,9 @@ TEST(SamplesTest, AllDescribeTheirOptions) {
   for (const char* name : {"diffuse", "braitenberg", "aggregate", "flock", "attractor"}) {
     files.push_back(Sample(name));
   }
-  const ControllerSet set(files, TestOptions(), clock, NullLogger(), pool);
+  ControllerOptions options = TestOptions();
+  options.launcher = std::make_shared<ChildLauncher>(options.program);
+  const ControllerSet set(files, options, clock, NullLogger(), pool);
   for (const LoadedController& loaded : set.loaded()) {
     ASSERT_TRUE(loaded.description) << loaded.file << " " << loaded.why;
     EXPECT_FALSE(loaded.description->help.empty());

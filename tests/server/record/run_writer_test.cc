@@ -31,7 +31,7 @@ TEST_F(RunWriterTest, AClosedRecordingIsOnePlainFile) {
 TEST_F(RunWriterTest, TheHeaderSaysAllAboutTheRun) {
   Close(*MakeWriter(file_, *maker_.Start(), {true, false, false, true}, 40'000'000));
   const std::pair<std::string, std::string> header[] = {
-      {"format", "1"},
+      {"format", "2"},
       {"version", "1.2.3"},
       {"build", "0123456789abcdef"},
       {"cpu", "a processor"},
@@ -149,7 +149,7 @@ TEST_F(RunWriterTest, BodiesAppearAndDisappear) {
   EXPECT_EQ(Ask(file_, "SELECT scene FROM step WHERE step = 1"), 1);
   EXPECT_EQ(Ask(file_, "SELECT scene FROM step WHERE step = 3"), 2);
   EXPECT_EQ(AskText(file_, "SELECT name FROM robot WHERE scene = 2"), "alone");
-  EXPECT_EQ(RunFile(file_).Commands(2).size(), 1U);
+  EXPECT_EQ(RunFile(file_).Commands(2).size(), 2U);  // one for each wheel
   EXPECT_EQ(RunFile(file_).Blob("SELECT poses FROM step WHERE step = 3").size(),
             1 + kPoseBytes * frame->bodies.size());
 }

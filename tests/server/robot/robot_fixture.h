@@ -23,7 +23,7 @@ class RobotModuleTest : public testing::Test {
 
   void AddRobot(int index) {
     const RobotEntry& entry = world_.frames.Latest()->scene->robots[static_cast<std::size_t>(index)].entry;
-    robots_.push_back(std::make_unique<RobotCore>(entry, services_, thread_.poster()));
+    robots_.push_back(std::make_unique<RobotCore>(entry, services_, thread_.poster(), thread_.poster()));
     for (std::size_t m = 0; m < 4; ++m) modules_.push_back(std::make_unique<RobotModule>(*robots_.back(), m));
   }
   RobotModule& Module(int module, int robot = 0) {
