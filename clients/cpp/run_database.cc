@@ -75,7 +75,8 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
   if (Pragma("application_id") != kRunId) throw Error(7, foreign);
   if (const std::int64_t format = Pragma("user_version"); format != kRunFormat) {
     throw Error(5, file + " has format " + std::to_string(format) + ", this client reads format " +
-                       std::to_string(kRunFormat) + ": build it from that daemon's sources, or record the run again");
+                       std::to_string(kRunFormat) +
+                       ": build it from that daemon's sources, or record the run again");
   }
 }
 

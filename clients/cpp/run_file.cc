@@ -69,7 +69,8 @@ struct Run::Impl {
     database.ForEach(
         "SELECT s.id, (SELECT count(DISTINCT robot) FROM body WHERE scene = s.id), (SELECT count(*) FROM "
         "robot "
-        "WHERE scene = s.id), (SELECT count(*) FROM body WHERE scene = s.id), length(poses), (SELECT count(*) "
+        "WHERE scene = s.id), (SELECT count(*) FROM body WHERE scene = s.id), length(poses), (SELECT "
+        "count(*) "
         "FROM channel WHERE scene = s.id), length(channels) FROM scene AS s LEFT JOIN step ON step = "
         "s.first_step",
         [&](const RunRow& row) {
@@ -136,7 +137,8 @@ struct Run::Impl {
         "SELECT scene, body, place, p_x, p_y, p_z, q_w, q_x, q_y, q_z, sensors, (SELECT "
         "ifnull(sum(b.sensors), 0) FROM robot AS b WHERE b.scene = a.scene AND b.place < a.place), (SELECT "
         "ifnull(min(place), 0) FROM channel AS c WHERE c.scene = a.scene AND c.robot = a.place), (SELECT "
-        "count(*) FROM channel AS c WHERE c.scene = a.scene AND c.robot = a.place) FROM robot AS a WHERE name "
+        "count(*) FROM channel AS c WHERE c.scene = a.scene AND c.robot = a.place) FROM robot AS a WHERE "
+        "name "
         "= ?1",
         [&](const RunRow& row) {
           Place& place = places[row.count(0)];

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "server/naming/run_names.h"
-#include "server/record/run_reader.h"
 #include "server/record/run_open.h"
+#include "server/record/run_reader.h"
 #include "server/replay/export_mat.h"
 
 namespace coopdyn {

@@ -24,7 +24,7 @@ constexpr std::array<Word, 4> kWords{{{"wheels", &RecordWhat::wheels},
 
 constexpr std::uint32_t kByClient = std::uint32_t{1} << 31;
 constexpr std::size_t kCommandBytes = 4 + 1 + 8;
-constexpr double kPositionUnit = 1e-5;         // rad or m
+constexpr double kPositionUnit = 1e-5;              // rad or m
 constexpr double kMostAngleUnits = 549755813887.0;  // 2^39 − 1
 constexpr std::size_t kManyRobots = 50;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which port a module gets: from the first on, each the lowest that is free (docs/protocol.md). Pure; one thread.
+// Which port a module gets: from the first on, each the lowest that is free (docs/protocol.md). Pure; one
+// thread.
 #pragma once
 
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the robots of one daemon share; and what the modules of one robot do: its place in a frame, its devices,
-// the inbox of steps.
+// What the robots of one daemon share; and what the modules of one robot do: its place in a frame, its
+// devices, the inbox of steps.
 #pragma once
 
 #include <memory>

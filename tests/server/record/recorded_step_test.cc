@@ -43,10 +43,9 @@ TEST(RecordWhatTest, EverythingUpToFiftyRobotsThenPosesAndControllers) {
 }
 
 TEST(RecordedStepTest, CommandsKeepEveryBit) {
-  const std::vector<CommandRecord> commands{
-      {0, true, {1.0 / 3, ControlMode::kEffort}},
-      {1, true, {-0.0}},
-      {4711, false, {std::numeric_limits<double>::denorm_min()}}};
+  const std::vector<CommandRecord> commands{{0, true, {1.0 / 3, ControlMode::kEffort}},
+                                            {1, true, {-0.0}},
+                                            {4711, false, {std::numeric_limits<double>::denorm_min()}}};
   std::vector<std::byte> blob;
   EncodeCommands(commands, blob);
   EXPECT_EQ(blob.size(), 39U);

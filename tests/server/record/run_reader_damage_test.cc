@@ -172,7 +172,8 @@ TEST_F(RunReaderDamageTest, EveryBlobIsChecked) {
 
 TEST_F(RunReaderDamageTest, ACommandForARobotThatIsNotThereIsDamage) {
   // Channel 50, a position of 0.
-  EXPECT_EQ(RefusalAfter("UPDATE step SET commands = x'32000000' || x'01' || zeroblob(8) WHERE step = 4"), "");
+  EXPECT_EQ(RefusalAfter("UPDATE step SET commands = x'32000000' || x'01' || zeroblob(8) WHERE step = 4"),
+            "");
   EXPECT_FALSE(reader_->Read(4, true));
   EXPECT_SAYS(reader_->error(), "the commands of step 4");
 }

@@ -173,9 +173,8 @@ TEST_F(CompareTest, AnotherStepLengthIsNamedFirst) {
   EXPECT_EQ(report.difference->what + " " + report.difference->field, "the step length_s");
   EXPECT_EQ(report.difference->recorded, "0.01");
   EXPECT_EQ(report.difference->repeated, "0.02");
-  EXPECT_THAT(report.difference->note,
-              HasSubstr("the first input that differs: " + File("a.run") + " none, " + File("b.run") +
-                        " set_step 0.02 after step 30"));
+  EXPECT_THAT(report.difference->note, HasSubstr("the first input that differs: " + File("a.run") +
+                                                 " none, " + File("b.run") + " set_step 0.02 after step 30"));
 }
 
 TEST_F(CompareTest, RunsOfOtherStepLengthPartAtTheFirstStep) {
@@ -188,8 +187,8 @@ TEST_F(CompareTest, RunsOfOtherStepLengthPartAtTheFirstStep) {
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 1u);
   EXPECT_EQ(report.difference->recorded, "0.005");
-  EXPECT_THAT(report.difference->note, HasSubstr("set_step 0.005 after step 0, " + File("b.run") +
-                                                 " set_step 0.02 after step 0"));
+  EXPECT_THAT(report.difference->note,
+              HasSubstr("set_step 0.005 after step 0, " + File("b.run") + " set_step 0.02 after step 0"));
 }
 
 TEST_F(CompareTest, AnInputThatSetsOtherValuesIsNamedBesides) {

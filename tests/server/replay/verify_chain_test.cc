@@ -72,7 +72,9 @@ TEST_F(VerifyChainTest, ARepeatedCommandThatWasTakenOutIsNamedByItsStep) {
 
 TEST_F(VerifyChainTest, AMarkOfACommandThatNobodySentIsNamedByItsStep) {
   // stop_all's to robot1 comes in force with step 41, and changes what is in force; now a client's.
+  // It has a record of 13 bytes for each wheel.
   Tamper(file_).FlipCommand(41, 31);
+  Tamper(file_).FlipCommand(41, 8 * 13 + 31);
   ExpectNamed(41, "the row of step 41");
 }
 
@@ -88,7 +90,7 @@ TEST_F(VerifyChainTest, AChangeInTheLastRowIsNamed) {
 
 TEST_F(VerifyChainTest, AStateThatDiffersWithTheRowIsToldFirst) {
   // A bit of a set-point: what moves differs, which says more than that the row was changed.
-  Tamper(file_).FlipCommand(22, 32);
+  Tamper(file_).FlipCommand(22, 40);
   const VerifyReport report = Repeat();
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 22u);

@@ -17,7 +17,7 @@ classdef Connection < handle
     buffer = zeros(1, 0, 'uint8')
     octave = false
     fast = []    % the socket in Octave, whose read waits for what is asked for
-    sizes = 24 * ones(1, 256)
+    sizes = 24 * ones(1, 1024)
     asked = 1
   end
   methods
