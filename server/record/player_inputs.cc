@@ -63,9 +63,9 @@ void PlayInputs::Replay(std::uint64_t step) {
     for (const ChannelState& channel : start.channels) channels_.push_back({channel.setpoint, false});
     for (std::size_t i = 0; i < start.commanded.size(); ++i) {
       const SceneActuator& actuator = start.scene->actuators[i];
-      for (int channel = 0; channel < actuator.channel_count; ++channel) {
-        channels_[static_cast<std::size_t>(actuator.first_channel + channel)].commanded =
-            start.commanded[i] != 0;
+      const int first = actuator.first_channel, end = first + actuator.channel_count;
+      for (int channel = first; channel < end; ++channel) {
+        channels_[static_cast<std::size_t>(channel)].commanded = start.commanded[i] != 0;
       }
     }
     step_ = start.step;

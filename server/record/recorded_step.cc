@@ -156,7 +156,8 @@ std::size_t ActuatorOf(const Scene& scene, std::size_t channel) {
   const auto robot = static_cast<std::size_t>(scene.channels[channel].robot);
   auto index = static_cast<std::size_t>(scene.robots[robot].first_actuator);
   const auto ends_before = [channel](const SceneActuator& actuator) {
-    return static_cast<std::size_t>(actuator.first_channel + actuator.channel_count) <= channel;
+    const int end = actuator.first_channel + actuator.channel_count;
+    return static_cast<std::size_t>(end) <= channel;
   };
   while (ends_before(scene.actuators[index])) ++index;
   return index;
