@@ -172,7 +172,7 @@ Message RobotLink::Read(const std::string& module, Request request) {
   const bool sends = module == "neighbours" && !session.watches();
   if (!reader) reader = std::make_unique<Connection>(session.address(), "/" + robot + "/" + module, sends);
   try {
-    return session.Fresh(session.Ask(*reader, std::move(request)), session.reached());
+    return session.Fresh(session.Ask(*reader, request), session.reached());
   } catch (const Error& e) {
     if (e.code() != kNoSuchName || reader->is_open()) throw;
     const std::vector<std::string> names = session.RobotNames();

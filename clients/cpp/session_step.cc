@@ -84,7 +84,7 @@ void Session::TakeIn(Waiting& w, Message reply, Replies& replies) {
   if (reply.error != 0) {
     if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
     const std::string who = w.team != nullptr ? w.team->label() : w.link != nullptr ? w.link->robot : "";
-    Checked(std::move(reply), who.empty() ? who : who + ": ");
+    Checked(reply, who.empty() ? who : who + ": ");
   }
   Note(reply);
   replies.earliest = std::min(replies.earliest, steps_);

@@ -25,8 +25,8 @@ bool IsLater(const Frame& a, const Frame& b) {
 /// What other threads put into.
 class StepInbox::Mailbox {
  public:
-  Mailbox(Post post, Post hand_over, StepInbox* owner)
-      : post_(std::move(post)), hand_over_(hand_over ? std::move(hand_over) : post_), owner_(owner) {}
+  Mailbox(Post post, const Post& hand_over, StepInbox* owner)
+      : post_(std::move(post)), hand_over_(hand_over ? hand_over : post_), owner_(owner) {}
 
   static void PutFrame(const std::shared_ptr<Mailbox>& self, const FramePtr& frame) {
     {
@@ -155,7 +155,7 @@ class StepInbox::Mailbox {
 StepInbox::StepInbox(CommandBoard& board, const FrameBoard& frames, Post post, Post hand_over)
     : board_(board),
       frames_(frames),
-      mailbox_(std::make_shared<Mailbox>(std::move(post), std::move(hand_over), this)) {}
+      mailbox_(std::make_shared<Mailbox>(std::move(post), hand_over, this)) {}
 
 StepInbox::~StepInbox() {
   Close();
