@@ -152,10 +152,8 @@ class StepInbox::Mailbox {
   StepInbox* owner_ GUARDED_BY(mutex_);
 };
 
-StepInbox::StepInbox(CommandBoard& board, const FrameBoard& frames, Post post, Post hand_over)
-    : board_(board),
-      frames_(frames),
-      mailbox_(std::make_shared<Mailbox>(std::move(post), hand_over, this)) {}
+StepInbox::StepInbox(CommandBoard& board, const FrameBoard& frames, Post post, const Post& hand_over)
+    : board_(board), frames_(frames), mailbox_(std::make_shared<Mailbox>(std::move(post), hand_over, this)) {}
 
 StepInbox::~StepInbox() {
   Close();

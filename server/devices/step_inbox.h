@@ -46,7 +46,7 @@ class StepInbox {
 
   /// Any thread. `board` and `frames` outlive it. `hand_over`: as `post`, but runs the function at once on
   /// the calling thread if the owner's rests; null: as `post`.
-  StepInbox(CommandBoard& board, const FrameBoard& frames, Post post, Post hand_over = nullptr);
+  StepInbox(CommandBoard& board, const FrameBoard& frames, Post post, const Post& hand_over = nullptr);
   /// Close().
   ~StepInbox();
   StepInbox(const StepInbox&) = delete;
