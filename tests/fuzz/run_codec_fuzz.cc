@@ -17,7 +17,9 @@
 
 namespace {
 
+using coopdyn::DistanceModel;
 using coopdyn::RobotModel;
+using coopdyn::SectorModel;
 
 /// A scenario of one robot, without a file.
 std::shared_ptr<const coopdyn::Scenario> MakeScenario() {
