@@ -12,10 +12,9 @@
 #include "server/app/print.h"
 #include "server/app/progress_bar.h"
 #include "server/app/shutdown.h"
-#include "server/replay/export_csv.h"
 #include "server/replay/export_file.h"
-#include "server/replay/export_mat.h"
-#include "server/replay/export_video.h"
+#include "server/replay/export_pictures.h"
+#include "server/replay/export_tables.h"
 
 namespace coopdyn {
 

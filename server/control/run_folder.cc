@@ -12,7 +12,7 @@
 #include "server/naming/run_names.h"
 #include "server/record/run_open.h"
 #include "server/record/run_reader.h"
-#include "server/replay/export_mat.h"
+#include "server/replay/export_tables.h"
 
 namespace coopdyn {
 

@@ -6,11 +6,11 @@
 #include <utility>
 #include <variant>
 
-#include "server/record/player_core.h"
+#include "server/record/player.h"
 
 namespace coopdyn {
 
-std::optional<Edit> PlayerCore::ApplyEdits() {
+std::optional<Edit> Player::ApplyEdits() {
   while (std::optional<Edit> edit = boards_.edits.TakeNext()) {
     // What came after it is for the live run, and stays in the queue.
     if (As<edit::Restore>(edit->action) != nullptr) return edit;
@@ -23,7 +23,7 @@ std::optional<Edit> PlayerCore::ApplyEdits() {
   return std::nullopt;
 }
 
-EditResult PlayerCore::ApplyAny(Edit& edit) {
+EditResult Player::ApplyAny(Edit& edit) {
   const EditAction& action = edit.action;
   if (const auto* moves = std::get_if<PlaybackEdit>(&action)) {
     return std::visit([this](const auto& move) { return Apply(move); }, *moves);
@@ -36,7 +36,7 @@ EditResult PlayerCore::ApplyAny(Edit& edit) {
   return {Error::kNotPossible, kPlayingText};
 }
 
-EditResult PlayerCore::Apply(const edit::Run&) {
+EditResult Player::Apply(const edit::Run&) {
   if (playing_) return {};
   Look(true);
   const bool back = speed_ < 0;
@@ -51,14 +51,14 @@ EditResult PlayerCore::Apply(const edit::Run&) {
   return {};
 }
 
-EditResult PlayerCore::Apply(const edit::Pause&) {
+EditResult Player::Apply(const edit::Pause&) {
   Stand();
   EndSteps(StepEnd::kPaused);
   RestartPace(shown_->time);
   return {};
 }
 
-EditResult PlayerCore::Apply(const edit::Step& step, StepDone done) {
+EditResult Player::Apply(const edit::Step& step, StepDone done) {
   if (playing_) return {Error::kNotPossible, "step works only while paused: send pause first"};
   if (steps_.empty()) RestartPace(shown_->time);
   // As in a live run: after those that others wait for.
@@ -67,7 +67,7 @@ EditResult PlayerCore::Apply(const edit::Step& step, StepDone done) {
   return {};
 }
 
-EditResult PlayerCore::Apply(const edit::Reset& reset) {
+EditResult Player::Apply(const edit::Reset& reset) {
   if (reset.seed && *reset.seed != shown_->seed) {
     return {Error::kNotPossible, "a recording has the seed that it was made with: reset without one"};
   }
@@ -75,19 +75,19 @@ EditResult PlayerCore::Apply(const edit::Reset& reset) {
   return JumpTo(reader_->StepAt(extent_.begin, true));
 }
 
-EditResult PlayerCore::Apply(const edit::Seek& seek) {
+EditResult Player::Apply(const edit::Seek& seek) {
   Look(true);
   return JumpTo(reader_->StepAt(seek.time, true));
 }
 
-EditResult PlayerCore::Apply(const edit::Skip& skip) {
+EditResult Player::Apply(const edit::Skip& skip) {
   Look(true);
   const std::optional<std::uint64_t> step = StepAway(skip.steps);
   if (step) Stand();
   return JumpTo(step);
 }
 
-EditResult PlayerCore::Apply(const edit::SetPlaySpeed& set) {
+EditResult Player::Apply(const edit::SetPlaySpeed& set) {
   const bool fits = set.factor >= kMinPlaySpeed && set.factor <= kMaxPlaySpeed && set.factor != 0;
   if (!fits) {
     return {Error::kOutOfRange,
@@ -102,19 +102,19 @@ EditResult PlayerCore::Apply(const edit::SetPlaySpeed& set) {
   return {};
 }
 
-EditResult PlayerCore::Apply(const edit::SetLoop& set) {
+EditResult Player::Apply(const edit::SetLoop& set) {
   loop_ = set.loop;
   return {};
 }
 
-EditResult PlayerCore::JumpTo(std::optional<std::uint64_t> step) {
+EditResult Player::JumpTo(std::optional<std::uint64_t> step) {
   if (!step || !Show(*step, Jump::kYes)) return {Error::kInternal, reader_->error()};
   EndSteps(StepEnd::kReset);
   RestartPace(shown_->time);
   return {};
 }
 
-std::optional<std::uint64_t> PlayerCore::StepAway(int steps) {
+std::optional<std::uint64_t> Player::StepAway(int steps) {
   std::uint64_t step = shown_->step;
   const bool back = steps < 0;
   const auto wanted = static_cast<std::uint64_t>(std::abs(std::int64_t{steps}));

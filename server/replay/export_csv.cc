@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/replay/export_csv.h"
+#include "server/replay/export_tables.h"
 
 #include <array>
 #include <charconv>

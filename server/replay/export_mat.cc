@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/replay/export_mat.h"
+#include "server/replay/export_tables.h"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -8,12 +8,15 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "server/model/values.h"
-#include "server/replay/export_file.h"
+#include "server/replay/ffmpeg.h"
 #include "server/replay/run_table.h"
 #include "server/replay/verify_chain.h"
 
@@ -91,19 +94,7 @@ class NewFolder {
   std::string path_, temporary_;
 };
 
-}  // namespace
-
-std::uint64_t FilmTimes::count() const {
-  // A hair more than the length, so that 1 s at 25 a second ends with the picture of its end.
-  constexpr double kHair = 1e-6;
-  return static_cast<std::uint64_t>(ToSeconds(end - begin) * fps / speed + kHair) + 1;
-}
-
-Nanoseconds FilmTimes::time(std::uint64_t picture) const {
-  const double after_s = static_cast<double>(picture) * speed / fps;
-  return std::min(end, begin + static_cast<Nanoseconds>(std::llround(after_s * 1e9)));
-}
-
+/// The times that `options` choose of the run. Sets `error` if there are none, or unusable numbers.
 FilmTimes ChooseTimes(RunReader& reader, const ExportOptions& options, const PictureOptions& pictures,
                       std::string& error) {
   constexpr double kMinSpeed = 1e-3, kMaxSpeed = 1e3, kMinFps = 0.01, kMaxFps = 1000;
@@ -134,24 +125,66 @@ FilmTimes ChooseTimes(RunReader& reader, const ExportOptions& options, const Pic
   return times;
 }
 
-ImageResult Film::At(Nanoseconds time, const ImageRequest& image) {
-  ImageResult failed;
-  const auto step = reader_.StepAt(time, true);
-  if (!step) {
-    failed.error = reader_.error().empty() ? "this run was recorded without poses" : reader_.error();
-    return failed;
-  }
-  if (frame_ == nullptr || frame_->step != *step) {
-    const auto recorded = reader_.Read(*step);
-    auto scene = recorded ? reader_.SceneOf(recorded->scene) : nullptr;
-    auto frame = std::make_shared<Frame>();
-    if (scene == nullptr || !FillFrame(*recorded, std::move(scene), reader_.header(), *frame)) {
-      failed.error = reader_.error().empty() ? fmt::format("step {} is damaged", *step) : reader_.error();
+/// Makes the pictures of a run one after the other.
+class Film {
+ public:
+  Film(RunReader& reader, const PictureOptions& options) : reader_(reader), maker_(options.renderer) {}
+
+  /// The picture that shows the newest recorded poses at or before `time`.
+  ImageResult At(Nanoseconds time, const ImageRequest& image) {
+    ImageResult failed;
+    const auto step = reader_.StepAt(time, true);
+    if (!step) {
+      failed.error = reader_.error().empty() ? "this run was recorded without poses" : reader_.error();
       return failed;
     }
-    frame_ = std::move(frame);
+    if (frame_ == nullptr || frame_->step != *step) {
+      const auto recorded = reader_.Read(*step);
+      auto scene = recorded ? reader_.SceneOf(recorded->scene) : nullptr;
+      auto frame = std::make_shared<Frame>();
+      if (scene == nullptr || !FillFrame(*recorded, std::move(scene), reader_.header(), *frame)) {
+        failed.error = reader_.error().empty() ? fmt::format("step {} is damaged", *step) : reader_.error();
+        return failed;
+      }
+      frame_ = std::move(frame);
+    }
+    return maker_.Make(*frame_, image);
   }
-  return maker_.Make(*frame_, image);
+  /// Calls `use` with each picture of `times`; an error text, empty if all went well.
+  std::string ForEach(const FilmTimes& times, const ImageRequest& image, const ExportProgress& progress,
+                      const std::function<std::string(std::uint64_t number, const ImageResult&)>& use) {
+    for (std::uint64_t i = 0; i < times.count(); ++i) {
+      const ImageResult picture = At(times.time(i), image);
+      if (!picture.error.empty()) return picture.error;
+      if (std::string error = use(i + 1, picture); !error.empty()) return error;
+      const double share = static_cast<double>(i + 1) / static_cast<double>(times.count());
+      if (progress && !progress(share)) return kExportStopped;
+    }
+    return {};
+  }
+
+ private:
+  RunReader& reader_;
+  PictureMaker maker_;
+  std::shared_ptr<const Frame> frame_;  // shown last
+};
+
+ImageRequest Encoded(ImageRequest image, ImageFormat format) {
+  image.format = format;
+  return image;
+}
+
+}  // namespace
+
+std::uint64_t FilmTimes::count() const {
+  // A hair more than the length, so that 1 s at 25 a second ends with the picture of its end.
+  constexpr double kHair = 1e-6;
+  return static_cast<std::uint64_t>(ToSeconds(end - begin) * fps / speed + kHair) + 1;
+}
+
+Nanoseconds FilmTimes::time(std::uint64_t picture) const {
+  const double after_s = static_cast<double>(picture) * speed / fps;
+  return std::min(end, begin + static_cast<Nanoseconds>(std::llround(after_s * 1e9)));
 }
 
 std::string ExportPictures(RunReader& reader, const ExportOptions& options, const PictureOptions& pictures,
@@ -162,20 +195,15 @@ std::string ExportPictures(RunReader& reader, const ExportOptions& options, cons
   if (!error.empty()) return error;
   NewFolder folder(out);
   if (error = folder.Make(); !error.empty()) return error;
-  ImageRequest image = pictures.image;
-  image.format = ImageFormat::kPng;
-  Film film(reader, pictures);
-  for (std::uint64_t i = 0; i < times.count(); ++i) {
-    const ImageResult picture = film.At(times.time(i), image);
-    if (!picture.error.empty()) return picture.error;
-    ExportFile file(folder.File(fmt::format("{:06}.png", i + 1)));
-    if (error = file.Open(false); !error.empty()) return error;
-    file.Write(Text(picture));
-    if (error = file.Commit(); !error.empty()) return error;
-    const double share = static_cast<double>(i + 1) / static_cast<double>(times.count());
-    if (progress && !progress(share)) return kExportStopped;
-  }
-  return folder.Commit();
+  error = Film(reader, pictures)
+              .ForEach(times, Encoded(pictures.image, ImageFormat::kPng), progress,
+                       [&folder](std::uint64_t number, const ImageResult& picture) {
+                         ExportFile file(folder.File(fmt::format("{:06}.png", number)));
+                         if (std::string failed = file.Open(false); !failed.empty()) return failed;
+                         file.Write(Text(picture));
+                         return file.Commit();
+                       });
+  return error.empty() ? folder.Commit() : error;
 }
 
 std::string ExportPicture(RunReader& reader, double time_s, const PictureOptions& pictures,
@@ -190,12 +218,31 @@ std::string ExportPicture(RunReader& reader, double time_s, const PictureOptions
   ExportFile file(out);
   if (std::string error = file.Open(overwrite); !error.empty()) return error;
   if (std::string error = WhyDamagedBetween(reader, time, time); !error.empty()) return error;
-  ImageRequest image = pictures.image;
-  image.format = ImageFormat::kPng;
-  const ImageResult picture = Film(reader, pictures).At(time, image);
+  const ImageResult picture = Film(reader, pictures).At(time, Encoded(pictures.image, ImageFormat::kPng));
   if (!picture.error.empty()) return picture.error;
   file.Write(Text(picture));
   return file.Commit();
+}
+
+std::string ExportVideo(RunReader& reader, const ExportOptions& options, const PictureOptions& pictures,
+                        const std::string& out, const ExportProgress& progress) {
+  const ImageRequest image = Encoded(pictures.image, ImageFormat::kRgb);
+  if (image.width % 2 != 0 || image.height % 2 != 0)
+    return "--size: the width and the height of a film are even, e.g. 640x480";
+  std::string error;
+  const FilmTimes times = ChooseTimes(reader, options, pictures, error);
+  if (!error.empty()) return error;
+  ExportFile file(out);
+  if (error = file.Open(options.overwrite); !error.empty()) return error;
+  Ffmpeg ffmpeg;
+  error = ffmpeg.Start({image.width, image.height, pictures.fps}, file.temporary());
+  if (!error.empty()) return error;
+  error = Film(reader, pictures)
+              .ForEach(times, image, progress, [&ffmpeg](std::uint64_t, const ImageResult& picture) {
+                return ffmpeg.Write(*picture.bytes);
+              });
+  if (error.empty()) error = ffmpeg.Finish();
+  return error.empty() ? file.Commit() : error;
 }
 
 }  // namespace coopdyn

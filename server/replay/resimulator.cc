@@ -244,6 +244,29 @@ bool Resimulator::Step(const RecordedStep& step) {
   return true;
 }
 
+std::string Resimulator::StepTo(RunReader& reader, std::uint64_t step,
+                                const std::function<std::string(const RecordedStep&)>& check) {
+  const std::uint64_t from = frame()->step;
+  SetInputs(reader.Inputs(from, step - 1));
+  if (!reader.error().empty()) return reader.error();
+  std::string error;
+  const bool read = reader.ForEach(from + 1, step, true, [&](const RecordedStep& recorded) {
+    if (!Follows(recorded)) {
+      error = file_ + ": step " + std::to_string(recorded.step - 1) +
+              " was not recorded, and no exact state is after it; the newest one before is that of step " +
+              std::to_string(from);
+    } else {
+      error = Step(recorded) ? check(recorded) : error_;
+    }
+    return error.empty();
+  });
+  if (!read) return reader.error();
+  if (error.empty() && frame()->step != step) {
+    return file_ + ": step " + std::to_string(step) + " was not recorded";
+  }
+  return error;
+}
+
 SavedState Resimulator::Save() const {
   SavedState state = simulation_->Save();
   state.mode = mode_;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,10 +15,28 @@
 #include "server/controllers/controller_host.h"
 #include "server/physics/simulation.h"
 #include "server/record/run_header.h"
-#include "server/replay/recorded_controllers.h"
 #include "server/replay/state_at.h"
+#include "server/state/controller_driver.h"
 
 namespace coopdyn {
+
+/// Stands in for loaded controllers that are not to be had: a repetition with it takes the set-points and
+/// broadcasts of their robots from the recording, as it does for clients' robots.
+/// Leaves all set-points as they are given, sends nothing, saves nothing.
+class RecordedControllers final : public ControllerDriver {
+ public:
+  void Check(const Scenario&, Diagnostics&) override {}
+  void Configure(const FramePtr&) override {}
+  void Step(const FramePtr&, std::span<Setpoint>, std::vector<SentMessage>&) override {}
+  std::vector<std::byte> Save() const override { return {}; }
+  bool Restore(const FramePtr&, std::span<const std::byte>) override { return true; }
+  std::vector<int> Unloaded() const override { return {}; }
+  void Stop(int, const std::string&) override {}
+  void Unload(int) override {}
+  std::vector<StoppedController> TakeStopped() override { return {}; }
+  PhaseTimes times() const override { return {}; }
+  double child_cpu_s() const override { return 0; }
+};
 
 class Resimulator {
  public:
@@ -36,6 +55,10 @@ class Resimulator {
   }
   /// Runs `step`. @pre Follows(). False, and error() says why, if what it says cannot be.
   bool Step(const RecordedStep& step);
+  /// Runs the steps of `reader` up to `step`, with their inputs. An error text, empty if frame() is that of
+  /// `step`; `check`, called after each step, may give one, too.
+  std::string StepTo(RunReader& reader, std::uint64_t step,
+                     const std::function<std::string(const RecordedStep&)>& check);
 
   const FramePtr& frame() const { return simulation_->frame(); }
   /// What goes on from frame(), with the mode in force then. The controllers are missing from it if they are

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/replay/export_options.h"
+#include "server/replay/export_file.h"
 #include "server/state/scene.h"
 
 namespace coopdyn {

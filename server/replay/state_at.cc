@@ -89,27 +89,11 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
     error = fmt::format("{}: no run can go on from step {}: {}", reader.file(), step, run.warning());
     return nullptr;
   }
-  run.SetInputs(reader.Inputs(from, step - 1));
-  if (error = reader.error(); !error.empty()) return nullptr;
-  const bool read = reader.ForEach(from + 1, step, true, [&](const RecordedStep& recorded) {
-    if (!run.Follows(recorded)) {
-      error = fmt::format(
-          "{}: step {} was not recorded, and no exact state is after it; the newest one "
-          "before is that of step {}",
-          reader.file(), recorded.step - 1, from);
-    } else if (!run.Step(recorded)) {
-      error = run.error();
-    } else if (StateHash(*run.frame()) != recorded.hash) {
-      error = PartsAt(reader, recorded.step, run.warning());
-    }
-    return error.empty();
+  error = run.StepTo(reader, step, [&](const RecordedStep& recorded) {
+    const bool equal = StateHash(*run.frame()) == recorded.hash;
+    return equal ? "" : PartsAt(reader, recorded.step, run.warning());
   });
-  if (!read) error = reader.error();
   if (!error.empty()) return nullptr;
-  if (run.frame()->step != step) {
-    error = fmt::format("{}: step {} was not recorded", reader.file(), step);
-    return nullptr;
-  }
   auto state = std::make_shared<SavedState>(run.Save());
   state->warning = run.warning();
   return state;

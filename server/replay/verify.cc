@@ -13,7 +13,6 @@
 #include "server/replay/resimulator.h"
 #include "server/replay/verify_chain.h"
 #include "server/replay/verify_difference.h"
-#include "server/replay/verify_row.h"
 
 namespace coopdyn {
 
@@ -178,7 +177,7 @@ class Verifier {
       difference->note = "the state is the recorded one: what is recorded of this controller is damaged";
       return Differs(std::move(*difference));
     }
-    if (std::optional<Difference> difference = row_check_.Find(step, frame)) {
+    if (std::optional<Difference> difference = FindInRow(step, frame)) {
       difference->note = "the state is the recorded one: what is recorded of this step to be seen is damaged";
       return Differs(std::move(*difference));
     }
@@ -345,7 +344,6 @@ class Verifier {
   const Progress& progress_;
   Resimulator run_;
   RunExtent extent_;
-  RowCheck row_check_;
   std::unique_ptr<RunChain> chain_;
   std::string head_;                    // what of meta and texts was changed
   bool head_said_ = false;              // that is the error

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -13,7 +14,6 @@
 #include "server/replay/verify.h"
 #include "server/replay/verify_chain.h"
 #include "server/replay/verify_difference.h"
-#include "server/replay/verify_inputs.h"
 
 namespace coopdyn {
 
@@ -25,6 +25,121 @@ struct StepHash {
   std::uint64_t step = 0, hash = 0;
   std::vector<CommandRecord> commands;
 };
+
+/// Commands of `one` to channels that `other` does not command.
+std::vector<CommandRecord> OnlyIn(const std::vector<CommandRecord>& one,
+                                  const std::vector<CommandRecord>& other) {
+  std::vector<CommandRecord> only;
+  std::set_difference(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(only),
+                      [](const CommandRecord& a, const CommandRecord& b) { return a.channel < b.channel; });
+  return only;
+}
+
+/// How long step `step` took, if it and the one before it are there.
+std::optional<Nanoseconds> StepLength(RunReader& reader, std::uint64_t step) {
+  if (step <= reader.extent().first) return std::nullopt;
+  const auto before = reader.Read(step - 1, true), at = reader.Read(step, true);
+  return before && at ? std::optional(at->time - before->time) : std::nullopt;
+}
+
+/// Such decide when a step runs, not what it gives.
+bool IsPace(const RunInput& input) {
+  return std::holds_alternative<RunEdit>(input.what) && As<edit::SetStep>(input.what) == nullptr &&
+         As<edit::StopAll>(input.what) == nullptr && As<edit::UnloadController>(input.what) == nullptr;
+}
+
+std::vector<RunInput> InputsOf(RunReader& reader, std::uint64_t first, std::uint64_t last) {
+  std::vector<RunInput> inputs = reader.Inputs(first, last);
+  std::erase_if(inputs, IsPace);
+  return inputs;
+}
+
+/// "set_step 0.02 after step 30".
+std::string Worded(const RunInput* input) {
+  if (input == nullptr) return "none";
+  const InputText text = Encode(*input);
+  return fmt::format("{}{}{} after step {}", text.action, text.detail.empty() ? "" : " ", text.detail,
+                     input->step);
+}
+
+/// Goes along steps that are equal in both recordings; their commands need not be.
+class CommandCompare {
+ public:
+  CommandCompare(RunReader& one, RunReader& other) : runs_{&one, &other} {}
+  /// Both by increasing channel.
+  void Look(std::uint64_t step, const std::vector<CommandRecord>& one,
+            const std::vector<CommandRecord>& other);
+  /// What was commanded in one run only, if nothing is damaged; lines, empty: nothing.
+  std::string ToString() const;
+
+ private:
+  std::array<const RunReader*, 2> runs_;
+  const RunReader* only_ = nullptr;   // that alone has the commands of controllers
+  const RunReader* again_ = nullptr;  // was the first to be sent commands that were in force already
+  std::uint64_t again_step_ = 0;      // when
+};
+
+void CommandCompare::Look(std::uint64_t step, const std::vector<CommandRecord>& one,
+                          const std::vector<CommandRecord>& other) {
+  if (only_ != nullptr && again_ != nullptr) return;
+  for (const bool swapped : {false, true}) {
+    const RunReader *has = runs_[swapped ? 1 : 0], *lacks = runs_[swapped ? 0 : 1];
+    for (const CommandRecord& command : swapped ? OnlyIn(other, one) : OnlyIn(one, other)) {
+      if (!command.by_client && !lacks->header().what.controllers) {
+        only_ = has;
+      } else if (again_ == nullptr) {
+        again_ = has;
+        again_step_ = step;
+      }
+    }
+  }
+}
+
+std::string CommandCompare::ToString() const {
+  std::string text;
+  if (only_ != nullptr) {
+    text = fmt::format("the commands of controllers are recorded in {} only", only_->file());
+  }
+  if (again_ != nullptr) {
+    text += fmt::format(
+        "{}the runs are equal, but not what was commanded: from step {} on {} was sent commands again that "
+        "were in force already",
+        text.empty() ? "" : "\n", again_step_, again_->file());
+  }
+  return text;
+}
+
+/// How long step `step` took, if it did not take as long in both.
+std::optional<Difference> FindStepLength(RunReader& one, RunReader& other, std::uint64_t step) {
+  const std::optional<Nanoseconds> ours = StepLength(one, step), theirs = StepLength(other, step);
+  if (!ours || !theirs || *ours == *theirs) return std::nullopt;
+  Difference difference;
+  difference.step = difference.value_step = step;
+  difference.what = "the step";
+  difference.field = "length_s";
+  difference.recorded = fmt::format("{}", ToSeconds(*ours));
+  difference.repeated = fmt::format("{}", ToSeconds(*theirs));
+  difference.exact = true;
+  return difference;
+}
+
+/// The first input after steps first…last, of those that decide what a step gives, which is not in both
+/// recordings; empty: none.
+std::string InputsThatDiffer(RunReader& one, RunReader& other, std::uint64_t first, std::uint64_t last) {
+  const std::vector<RunInput> ours = InputsOf(one, first, last), theirs = InputsOf(other, first, last);
+  const auto [a, b] = std::mismatch(
+      ours.begin(), ours.end(), theirs.begin(), theirs.end(),
+      [](const RunInput& x, const RunInput& y) { return x.step == y.step && Encode(x) == Encode(y); });
+  const RunInput* mine = a == ours.end() ? nullptr : &*a;
+  const RunInput* yours = b == theirs.end() ? nullptr : &*b;
+  if (mine == nullptr && yours == nullptr) return {};
+  // Of two that came after other steps the first one: the other run lacks it.
+  if (mine != nullptr && yours != nullptr && mine->step != yours->step) {
+    (mine->step < yours->step ? yours : mine) = nullptr;
+  }
+  return fmt::format("the first input that differs: {} {}, {} {}", one.file(), Worded(mine), other.file(),
+                     Worded(yours));
+}
 
 void Warn(const std::string& line, VerifyReport& report) {
   report.warning += (report.warning.empty() ? "" : "\n") + line;
@@ -49,21 +164,11 @@ FramePtr ExactFrame(RunReader& reader, std::uint64_t step, const ReplayServices&
   if (keyframe->frame->step == step) return keyframe->frame;
   Resimulator run(reader.file(), reader.header(), services);
   if (!run.Restore(keyframe, row->scene)) return why = run.error(), nullptr;
-  run.SetInputs(reader.Inputs(row->step, step - 1));
-  if (why = reader.error(); !why.empty()) return nullptr;
   std::uint64_t parted = 0;
-  const bool read = reader.ForEach(row->step + 1, step, true, [&](const RecordedStep& recorded) {
-    if (!run.Follows(recorded)) {
-      why = reader.file() + ": steps before it were lost";
-    } else if (!run.Step(recorded)) {
-      why = run.error();
-    } else if (parted == 0 && StateHash(*run.frame()) != recorded.hash) {
-      parted = recorded.step;
-    }
-    return why.empty();
+  why = run.StepTo(reader, step, [&](const RecordedStep& recorded) -> std::string {
+    if (parted == 0 && StateHash(*run.frame()) != recorded.hash) parted = recorded.step;
+    return {};
   });
-  if (!read) why = reader.error();
-  if (why.empty() && run.frame()->step != step) why = reader.file() + ": the step is not there";
   if (!why.empty()) return nullptr;
   std::string said = run.warning();
   if (parted != 0) {

@@ -12,6 +12,7 @@
 
 #include "server/record/pose_codec.h"
 #include "server/record/run_tables.h"
+#include "server/replay/run_columns.h"
 
 namespace coopdyn {
 
@@ -163,6 +164,107 @@ std::optional<Difference> FindMessage(std::span<const SentMessage> recorded,
   return std::nullopt;
 }
 
+/// Readings of `frame` as a recording has them.
+std::vector<float> ReadingsOf(const Frame& frame, void (*encode)(const Frame&, std::vector<std::byte>&)) {
+  std::vector<std::byte> blob;
+  encode(frame, blob);
+  std::vector<float> readings;
+  DecodeFloats(blob, readings);
+  return readings;
+}
+
+/// The place of the first reading that differs.
+std::optional<std::size_t> FindReading(const std::vector<float>& recorded,
+                                       const std::vector<float>& repeated) {
+  const auto same = [](float a, float b) {
+    return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+  };
+  const auto [ours, theirs] =
+      std::mismatch(repeated.begin(), repeated.end(), recorded.begin(), recorded.end(), same);
+  if (ours == repeated.end() && theirs == recorded.end()) return std::nullopt;
+  return static_cast<std::size_t>(ours - repeated.begin());
+}
+
+/// Reading `place`, called `field`, which is one of `robot`.
+Difference ReadingDiffers(const std::vector<float>& recorded, const std::vector<float>& repeated,
+                          const Frame& frame, std::size_t place, std::size_t robot, std::string field) {
+  const std::vector<SceneRobot>& robots = frame.scene->robots;
+  Difference difference = robot < robots.size()
+                              ? DifferenceAt(frame, robots[robot].entry.name, std::move(field))
+                              : DifferenceAt(frame, "the readings", "after those of the last robot");
+  const auto worded = [place](const std::vector<float>& readings) {
+    return place < readings.size() ? fmt::format("{}", readings[place]) : "none";
+  };
+  difference.recorded = worded(recorded);
+  difference.repeated = worded(repeated);
+  return difference;
+}
+
+std::optional<Difference> FindDistance(const std::vector<float>& recorded, const Frame& frame) {
+  const std::vector<float> repeated = ReadingsOf(frame, EncodeDistances);
+  const std::optional<std::size_t> place = FindReading(recorded, repeated);
+  if (!place) return std::nullopt;
+  const std::vector<SceneRobot>& robots = frame.scene->robots;
+  std::size_t robot = 0, sensor = *place;
+  for (; robot < robots.size(); ++robot) {
+    const std::size_t sensors = robots[robot].entry.model->sector_count();
+    if (sensor < sensors) break;
+    sensor -= sensors;
+  }
+  return ReadingDiffers(recorded, repeated, frame, *place, robot, fmt::format("d{}_m", sensor + 1));
+}
+
+std::optional<Difference> FindTarget(const std::vector<float>& recorded, const Frame& frame) {
+  const std::vector<float> repeated = ReadingsOf(frame, EncodeTargets);
+  const std::optional<std::size_t> place = FindReading(recorded, repeated);
+  if (!place) return std::nullopt;
+  const std::vector<Target>& targets = frame.scene->targets;
+  const std::size_t each = 2 * std::max<std::size_t>(targets.size(), 1);  // readings of a robot
+  std::string field = *place % 2 == 0 ? "_distance_m" : "_bearing_rad";
+  std::string error;
+  for (const TargetColumn& column : ChooseColumns(std::span(&frame.scene, 1), {}, error).targets) {
+    if (column.id == targets[*place % each / 2].id) field.insert(0, column.label);
+  }
+  return ReadingDiffers(recorded, repeated, frame, *place, *place / each, std::move(field));
+}
+
+/// What is recorded of the channels' motion.
+std::optional<Difference> FindRecordedMotion(const RecordedStep& step, const Frame& frame) {
+  if (step.channels.size() != frame.channels.size()) return std::nullopt;
+  std::vector<std::byte> blob;
+  EncodeChannels(frame.channels, blob);
+  std::vector<ChannelMotion> repeated(step.channels.size());
+  DecodeChannels(blob, repeated);
+  const auto [ours, theirs] = std::mismatch(repeated.begin(), repeated.end(), step.channels.begin());
+  if (ours == repeated.end()) return std::nullopt;
+  const auto channel = static_cast<std::size_t>(ours - repeated.begin());
+  Difference difference = ChannelDiffers(frame, channel);
+  difference.field = ChannelName(*frame.scene, channel);
+  const auto worded = [](const ChannelMotion& motion) {
+    return fmt::format("{:.5f} rad, {} rad/s", motion.position, motion.velocity);
+  };
+  difference.recorded = worded(*theirs);
+  difference.repeated = worded(*ours);
+  return difference;
+}
+
+std::optional<Difference> FindRecordedPose(const RecordedStep& step, const Frame& frame) {
+  if (step.bodies.size() != frame.bodies.size()) return std::nullopt;
+  std::vector<std::byte> blob;
+  EncodePoses(frame.bodies, blob);
+  std::vector<BodyState> repeated(frame.bodies.size());
+  DecodePoses(blob, repeated);
+  const auto same = [](const BodyState& a, const BodyState& b) {
+    return a.p_WB == b.p_WB && a.q_WB == b.q_WB && a.frozen() == b.frozen();
+  };
+  if (std::equal(repeated.begin(), repeated.end(), step.bodies.begin(), same)) return std::nullopt;
+  if (auto found = FindPose(step.bodies, frame)) return found;
+  Difference difference = DifferenceAt(frame, "the recorded poses", "rounding");
+  difference.recorded = "other bits";
+  difference.repeated = "those of the exact state";
+  return difference;
+}
+
 }  // namespace
 
 Difference DifferenceAt(const Frame& frame, std::string what, std::string field) {
@@ -227,6 +329,15 @@ std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Fr
   return std::nullopt;
 }
 
+std::optional<Difference> FindInRow(const RecordedStep& step, const Frame& repeated) {
+  if (auto found = FindRecordedPose(step, repeated)) return found;
+  if (auto found = FindRecordedMotion(step, repeated)) return found;
+  if (!step.distances.empty()) {
+    if (auto found = FindDistance(step.distances, repeated)) return found;
+  }
+  return step.targets.empty() ? std::nullopt : FindTarget(step.targets, repeated);
+}
+
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated) {
   std::vector<Setpoint> setpoints;
   for (const ChannelState& channel : recorded.channels) setpoints.push_back(channel.setpoint);
@@ -262,6 +373,40 @@ std::string CommandsOf(const RecordedStep& step, const Scene& scene) {
   if (text.empty()) return {};
   if (count > kNamed) text += fmt::format(" and {} more", count - kNamed);
   return "set-points that came in force with step " + std::to_string(step.step) + ": " + text;
+}
+
+std::string ToString(const VerifyReport& report) {
+  std::string text;
+  if (!report.error.empty()) {
+    text = report.error;
+  } else if (report.difference) {
+    const Difference& difference = *report.difference;
+    const std::size_t width = std::max(difference.recorded_is.size(), difference.repeated_is.size());
+    text = fmt::format("differs from step {} on, t = {:g} s: {}{} {}\n", difference.step,
+                       ToSeconds(difference.time), difference.what, difference.of_file ? ": its" : "",
+                       difference.field);
+    text += fmt::format("  {:{}}  {}{}\n", difference.recorded_is, width, difference.recorded,
+                        difference.exact ? "" : " (as rounded)");
+    text += fmt::format("  {:{}}  {}\n", difference.repeated_is, width, difference.repeated);
+    if (difference.value_step != difference.step) {
+      text += fmt::format("  at step {}, where it shows first\n", difference.value_step);
+    }
+    if (!difference.note.empty()) text += "  " + difference.note + "\n";
+    text += fmt::format("{} step{} before it {} equal", report.steps, report.steps == 1 ? "" : "s",
+                        report.steps == 1 ? "is" : "are");
+  } else {
+    text = fmt::format("equal, {} step{}", report.steps, report.steps == 1 ? "" : "s");
+  }
+  if (report.not_verified > 0) {
+    // Of a damaged file nobody knows whether they were lost or taken out.
+    const bool lost = report.error.empty() && !(report.difference && report.difference->of_file);
+    text += fmt::format("; {}{} step{} could not be verified", report.not_verified, lost ? " lost" : "",
+                        report.not_verified == 1 ? "" : "s");
+  }
+  while (text.ends_with('\n')) text.pop_back();
+  text += '\n';
+  if (!report.warning.empty()) text += "warning: " + report.warning + '\n';
+  return text;
 }
 
 }  // namespace coopdyn

@@ -24,6 +24,9 @@ std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const
 std::optional<Difference> FindMessage(std::span<const SentMessage> recorded, const Frame& repeated);
 /// The first body that is further from its recorded pose than the rounding of poses explains.
 std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Frame& repeated);
+/// The first thing that `step` shows (poses, channels, readings) that is not what a recorder makes of
+/// `repeated`, whose exact state is the recorded one. What was not recorded is not compared.
+std::optional<Difference> FindInRow(const RecordedStep& step, const Frame& repeated);
 /// The first exact difference: set-points, bodies in order, solver, time; then what the hash does not cover,
 /// motion of channels and broadcasts. Both frames have as many bodies and channels.
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Which frame of a recording is shown when.
-#include "server/record/player_core.h"
+#include "server/record/player.h"
 
 #include <fstream>
 #include <iterator>
@@ -199,7 +199,7 @@ class OnePlay : public PlayerFixture {
     auto reader = RunReader::Open(file, error);
     if (reader == nullptr) return std::nullopt;
     reader->UseScenario(std::move(scenario));
-    core_ = std::make_unique<PlayerCore>(boards(), std::move(reader), NullLogger(), PlayOptions(), 0);
+    core_ = std::make_unique<Player>(boards(), std::move(reader), clock_, NullLogger(), PlayOptions(), 0);
     if (!core_->Start(now_).empty()) return std::nullopt;
     RunUntil(now_ + 2000 * kMs);
     for (const Event& event : control_.events()) {
@@ -259,7 +259,7 @@ TEST_F(PlayerCoreTest, AFirstStepThatIsDamagedIsSaid) {
   sample_.Write(file_);
   std::string error;
   Database::Open(file_, Database::Access::kReadWrite, error)->Run("DELETE FROM keyframe");
-  core_ = std::make_unique<PlayerCore>(boards(), OpenReader(), NullLogger(), PlayOptions{}, 0);
+  core_ = std::make_unique<Player>(boards(), OpenReader(), clock_, NullLogger(), PlayOptions{}, 0);
   EXPECT_NE(core_->Start(now_).find("keyframe"), std::string::npos);
 }
 

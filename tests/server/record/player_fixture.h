@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/record/player_core.h"
+#include "server/record/player.h"
 #include "tests/server/record/run_reader_sample.h"
 
 namespace coopdyn {
@@ -34,7 +34,7 @@ class PlayerFixture : public testing::Test {
 
   /// Plays what is in the file; the first frame is shown.
   void Start(PlayOptions options = {}) {
-    core_ = std::make_unique<PlayerCore>(boards(), OpenReader(), NullLogger(), options, 0);
+    core_ = std::make_unique<Player>(boards(), OpenReader(), clock_, NullLogger(), options, 0);
     ASSERT_EQ(core_->Start(now_), "");
   }
   void Record(const SampleRun::Options& options, PlayOptions play = {}) {
@@ -45,7 +45,7 @@ class PlayerFixture : public testing::Test {
   /// Lets time run to `wall`, and looks whenever the player wants to.
   void RunUntil(Nanoseconds wall) {
     for (int looks = 0; looks < 100'000; ++looks) {
-      PlayerCore::Work work = core_->WorkOnce(now_);
+      Player::Work work = core_->WorkOnce(now_);
       wake_ = work.wake;
       if (work.ended_by) {
         ended_by_ = std::move(work.ended_by);
@@ -88,7 +88,8 @@ class PlayerFixture : public testing::Test {
   EditQueue edits_{bell_};
   RunControl control_;
   std::vector<FramePtr> shown_;
-  std::unique_ptr<PlayerCore> core_;
+  SteadyClock clock_;  // of Player::Run() alone
+  std::unique_ptr<Player> core_;
   std::optional<Edit> ended_by_;
   Nanoseconds now_ = 1'000'000'000, wake_ = 0;
 };

@@ -34,7 +34,6 @@ class PlayerTest : public PlayerFixture {
     return promise.get_future().get();
   }
 
-  SteadyClock clock_;
   std::unique_ptr<Player> player_;
   std::jthread thread_;
 };

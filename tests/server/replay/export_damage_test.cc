@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "export_fixture.h"
-#include "server/replay/export_csv.h"
+#include "server/replay/export_tables.h"
 #include "server/replay/verify.h"
 #include "tests/server/record/page_damage.h"
 

@@ -22,7 +22,7 @@
 #include "server/physics/simulation.h"
 #include "server/record/recorder.h"
 #include "server/record/run_reader.h"
-#include "server/replay/export_options.h"
+#include "server/replay/export_file.h"
 #include "tests/server/base/temp_folder.h"
 #include "tests/server/state/wheels.h"
 #include "tests/source_dir.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/replay/export_mat.h"
+#include "server/replay/export_tables.h"
 
 #include <gmock/gmock.h>
 #include <matio.h>
@@ -11,7 +11,6 @@
 
 #include "export_fixture.h"
 #include "server/record/sqlite_db.h"
-#include "server/replay/export_csv.h"
 #include "server/replay/mat_value.h"
 #include "tests/server/replay/replay_fixture.h"
 

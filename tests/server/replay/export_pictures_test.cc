@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "export_fixture.h"
-#include "server/replay/export_video.h"
 #include "server/replay/ffmpeg.h"
 
 namespace coopdyn {
