@@ -66,7 +66,7 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
     SetClientSocketOptions(arrival.fd.get());
     Session::Socket socket(context);
     boost::system::error_code error;
-    socket.assign(arrival.fd.get(), error);
+    socket.assign(Session::AnyProtocol(), arrival.fd.get(), error);
     if (error) return services.logger()->error("{}: cannot take a connection: {}", name, error.message());
     arrival.fd.Release();
     if (!arrival.peer.trusted) Sweep();

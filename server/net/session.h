@@ -3,6 +3,8 @@
 // replies and pushes out. Everything on the io thread, or in its Turn.
 #pragma once
 
+#include <sys/socket.h>
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -13,8 +15,9 @@
 #include <string>
 #include <string_view>
 
+#include <boost/asio/basic_stream_socket.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/posix/basic_stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "protocol/codec.h"
@@ -34,7 +37,10 @@ namespace coopdyn {
 class Session final : public Connection, public std::enable_shared_from_this<Session> {
  public:
   /// Any socket of a kind that EndOf() knows.
-  using Socket = boost::asio::posix::basic_stream_descriptor<boost::asio::io_context::executor_type>;
+  using Socket = boost::asio::basic_stream_socket<boost::asio::generic::stream_protocol,
+                                                  boost::asio::io_context::executor_type>;
+  /// Says nothing that a session would ask of it.
+  static Socket::protocol_type AnyProtocol() { return {AF_UNSPEC, 0}; }
   /// Read ahead of a request that has not been answered yet; then the client has to wait.
   static constexpr std::size_t kMaxReadAhead = kMaxRequestBytes + (std::size_t{64} << 10);
   static constexpr int kMaxMalformed = 20;  // in a row

@@ -65,6 +65,41 @@ TEST_F(StepInboxTest, InAScopeItIsHandledAtTheEndWithoutWakeUp) {
   EXPECT_TRUE(posted_.empty());
 }
 
+TEST_F(StepInboxTest, TheResultOfTheRequestInHandIsTakenAtOnceAfterTheFramesBefore) {
+  inbox_->Subscribe(*this);
+  {
+    const StepInbox::Scope scope(*inbox_, 7);
+    for (const ClientId client : {7, 8}) world_.board.WaitSteps(1, inbox_->Waiter(*this, client));
+    EXPECT_FALSE(inbox_->TakeOwn());
+    world_.Step();
+    const std::optional<StepResult> own = inbox_->TakeOwn();
+    ASSERT_TRUE(own);
+    EXPECT_EQ(own->frame->step, 1u);
+    EXPECT_EQ(log_, (std::vector<std::string>{"frame 1"}));
+    EXPECT_FALSE(inbox_->TakeOwn());
+  }
+  EXPECT_EQ(log_, (std::vector<std::string>{"frame 1", "reply 8 of 1"}));
+  EXPECT_TRUE(posted_.empty());
+}
+
+TEST_F(StepInboxTest, OnlyALockstepStepHandsItsAnswersOver) {
+  for (const Mode mode : {Mode::kRealtime, Mode::kLockstep}) {
+    SmallWorld world(1, mode);
+    int posts = 0, handed = 0;
+    StepInbox inbox(
+        world.board, world.frames, [&posts](const std::function<void()>&) { ++posts; },
+        [&handed](const std::function<void()>& work) {
+          ++handed;
+          work();
+        });
+    world.board.WaitSteps(1, inbox.Waiter(*this, 7));
+    world.Step();
+    EXPECT_EQ(handed, mode == Mode::kLockstep ? 1 : 0);
+    EXPECT_EQ(posts, mode == Mode::kLockstep ? 0 : 1);
+    EXPECT_EQ(log_.size(), mode == Mode::kLockstep ? 1u : 0u);
+  }
+}
+
 TEST_F(StepInboxTest, CurrentFrameIsPushedBeforeItIsReported) {
   inbox_->Subscribe(*this);
   world_.Step();

@@ -124,7 +124,8 @@ TEST_F(EncodingTest, AConnectionOfDatagramsEndsWhenNothingHasComeForItsTime) {
   bool ended = false;
   std::shared_ptr<Session> session;
   thread_.Call([&, fd = theirs.Release()] {
-    session = std::make_shared<Session>(thread_.context(), Session::Socket(thread_.context(), fd),
+    session = std::make_shared<Session>(thread_.context(),
+                                        Session::Socket(thread_.context(), Session::AnyProtocol(), fd),
                                         ConnectionEnd{std::chrono::milliseconds(100)}, endpoint_, services_,
                                         PeerInfo{"datagrams", true}, [&ended](ClientId) { ended = true; });
     session->Start({}, nullptr);
