@@ -74,7 +74,7 @@ void TeamLink::Name(Message said) {
   throw Error(*lost);
 }
 
-/// Again those that it had, not whom its name would mean by now: less who is another's meanwhile.
+/// Claims the robots that it had, not those that its name means now, without those that another team has.
 Message TeamLink::Claim() {
   const auto claim = [&](std::string words) {
     return connection.Ask({.command = command::kClaim, .text = std::move(words)});

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Controllers that coopdyn loads at run time: one shared object NAME.so that exports
- * coopdyn_controller_entry(), in C or anything that can pass for C. A scenario names it (`controller NAME
+ * coopdyn_controller_entry(), in C or any language with C functions. A scenario names it (`controller NAME
  * option=value`); `coopdyn new-controller NAME` writes a start.
  *
  * Where it runs: in a child process of the daemon, so that whatever goes wrong stops one robot and nothing
@@ -112,8 +112,8 @@ typedef struct coopdyn_command {
  * is create, reset, [restore,] { step, save }, destroy. C++ exceptions that escape stop the robot, with their
  * text. */
 typedef struct coopdyn_controller {
-  uint32_t version; /* COOPDYN_CONTROLLER_VERSION; first for ever */
-  /* Constant, and valid for ever. */
+  uint32_t version; /* COOPDYN_CONTROLLER_VERSION; always the first field */
+  /* Constant, and valid until the process ends. */
   const coopdyn_description* (*describe)(void);
   /* A new instance; `options` holds one value for each described option. NULL: it cannot drive this robot,
    * and `error` (a text of at most `error_size` bytes, the final 0 included) says why. */

@@ -60,7 +60,7 @@ std::string Daemon::StartFromRecording() {
   std::error_code missing;
   if (std::filesystem::equivalent(options_.record.file, reader->file(), missing)) {
     return "--record " + options_.record.file +
-           " would overwrite the run that is gone on from: write another name";
+           " would overwrite the recording that --from reads: write another name";
   }
   Diagnostics diagnostics;
   if (reader->LoadScenario(models_.path(), diagnostics) == nullptr) return diagnostics.ToString();

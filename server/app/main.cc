@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   try {
     return coopdyn::RunCommandLine(argc, argv);
   } catch (const std::exception& exception) {  // e.g. no more threads, no more memory
-    coopdyn::PrintError("coopdyn: the system refuses to go on: {}\n", exception.what());
+    coopdyn::PrintError("coopdyn: cannot continue: {}\n", exception.what());
     return coopdyn::kExitErrors;
   }
 }

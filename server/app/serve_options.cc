@@ -208,7 +208,7 @@ void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
           "--from takes a recording and a time in seconds: --from lesson1.run@12.5, or lesson1.run@end");
     }
     if (serve.run.seed) {
-      throw CLI::ValidationError("--from goes on with the seed of the recording: leave --seed out");
+      throw CLI::ValidationError("--from uses the seed of the recording: leave --seed out");
     }
     if (sub.count("scenario") > 0) {
       throw CLI::ValidationError("--from takes the scenario out of the recording: leave " + serve.scenario +
@@ -236,7 +236,7 @@ void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
          "--at", [&serve](double given_s) { serve.play.start = std::llround(given_s * 1e9); },
          "Begin at this simulated time, s (default: its begin)")
       ->check(NumberIn(-kMaxDuration_s, kMaxDuration_s));
-  sub->add_flag("--loop", serve.play.loop, "Begin anew at the end");
+  sub->add_flag("--loop", serve.play.loop, "Start again at the end");
   sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
   AddNetwork(sub, serve);
   sub->callback([given, &chosen] {

@@ -9,7 +9,7 @@ namespace coopdyn {
 
 namespace {
 
-/// After this long without a wrong token an address begins anew.
+/// After this long without a wrong token, the count of an address starts at 0 again.
 constexpr Nanoseconds kForgotten = 600 * kNanosecondsPerSecond;
 
 /// The address of `peer`; of IPv6 the network, in which one machine has as many addresses as it likes.
@@ -49,7 +49,7 @@ TokenVerdict WrongTokens::Judge(bool right, const std::string& peer, Nanoseconds
       tries.next = now + std::min(wait, kLongestWait);
     }
   }
-  logger_->warn("a wrong token from {} ({} by now)", peer, wrong);
+  logger_->warn("a wrong token from {} ({} so far)", peer, wrong);
   return TokenVerdict::kWrong;
 }
 

@@ -23,8 +23,8 @@ class WrongTokens {
 
   explicit WrongTokens(Logger logger) : logger_(std::move(logger)) {}
 
-  /// What becomes of a token from `peer` (ADDRESS:PORT) at `now` that is `right` or not. Too soon: it is not
-  /// even said whether it is right.
+  /// The verdict on a token from `peer` (ADDRESS:PORT) at `now`. `right`: whether it is the token. Too soon:
+  /// the verdict does not say whether it is right.
   TokenVerdict Judge(bool right, const std::string& peer, Nanoseconds now) EXCLUDES(mutex_);
   /// What to tell `peer` at `now` if its next token would come too soon; empty: it would not.
   std::string WaitText(const std::string& peer, Nanoseconds now) const EXCLUDES(mutex_);
@@ -34,7 +34,7 @@ class WrongTokens {
     int wrong = 0;
     Nanoseconds last = 0, next = 0;  // the last wrong one; when another is read
   };
-  /// Drops those that have not tried for long, and if there are none, whoever tried longest ago.
+  /// Drops the addresses that have not tried for long; if there are none, the one that tried longest ago.
   void MakeRoom(Nanoseconds now) REQUIRES(mutex_);
 
   const Logger logger_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A global module's port and name: /simulation and its like.
+// The port and name of a global module, such as /simulation.
 #pragma once
 
 #include <memory>

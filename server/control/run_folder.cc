@@ -23,7 +23,7 @@ namespace json = boost::json;
 
 constexpr std::string_view kMatExtension = ".mat";
 
-/// Why `name` alone is not to be copied, after a reader has tried to make its log part of it.
+/// Why `name` alone cannot be copied, after a reader has tried to merge its log into it.
 std::string TwoFilesText(const std::string& name, const fs::path& log) {
   return fmt::format(
       "{0} alone is not the whole recording: its log {1} could not be made part of it; the disk is full, its "

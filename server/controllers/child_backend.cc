@@ -20,7 +20,7 @@ constexpr int kMaxLosses = 8;                             // of the process with
 constexpr int kCalmSteps = 100;                           // with fewer steps in between
 constexpr std::size_t kFew = 512;  // steps of this many robots are taken in turns with the child on one core
 
-/// By its own word, or by a crash when it had nearly all that it may have: few programs check for NULL.
+/// It said so itself, or it crashed near its limit: few programs check malloc() for NULL.
 bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
   if (memory_bytes == 0) return false;
   if (end.signal == 0) return end.exit_code == kOutOfMemoryExit;

@@ -200,7 +200,7 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     if (driven.status != Status::kDrives) continue;
     // The child has checked it already, but a controller may write there at any time.
     const coopdyn_command command = Once(set_->areas().result(driven.slot).command);
-    if (!Fault(command).empty()) {
+    if (!IsFine(command)) {
       Stop(driven, "had its command overwritten by another controller");
       stopped = true;
       continue;

@@ -71,6 +71,22 @@ std::string Guarded(const char* name, Function function) {
   }
 }
 
+/// What is wrong with a command that is not fine.
+std::string Fault(const coopdyn_command& command) {
+  const auto not_finite = [](const char* what, double value) {
+    return fmt::format("returned {} = {}: it must be a finite number", what, value);
+  };
+  if (!std::isfinite(command.forward_m_s)) return not_finite("forward_m_s", command.forward_m_s);
+  if (!std::isfinite(command.turn_rad_s)) return not_finite("turn_rad_s", command.turn_rad_s);
+  if (command.message_count > COOPDYN_MAX_MESSAGE) {
+    return fmt::format("returned message_count = {}: at most {}", command.message_count, COOPDYN_MAX_MESSAGE);
+  }
+  for (std::uint32_t i = 0; i < command.message_count; ++i) {
+    if (!std::isfinite(command.message[i])) return not_finite("a number in message", command.message[i]);
+  }
+  return {};
+}
+
 }  // namespace
 
 /// Memory that ends where no byte may be touched: what writes past its end crashes at once.
@@ -104,21 +120,6 @@ class GuardedBuffer {
   std::unique_ptr<std::byte, Unmap> start_;
   std::byte* guard_ = nullptr;
 };
-
-std::string Fault(const coopdyn_command& command) {
-  const auto not_finite = [](const char* what, double value) {
-    return fmt::format("returned {} = {}: it must be a finite number", what, value);
-  };
-  if (!std::isfinite(command.forward_m_s)) return not_finite("forward_m_s", command.forward_m_s);
-  if (!std::isfinite(command.turn_rad_s)) return not_finite("turn_rad_s", command.turn_rad_s);
-  if (command.message_count > COOPDYN_MAX_MESSAGE) {
-    return fmt::format("returned message_count = {}: at most {}", command.message_count, COOPDYN_MAX_MESSAGE);
-  }
-  for (std::uint32_t i = 0; i < command.message_count; ++i) {
-    if (!std::isfinite(command.message[i])) return not_finite("a number in message", command.message[i]);
-  }
-  return {};
-}
 
 /// A robot's controller, and the facts that it may point to as long as it lives.
 struct Runner::Instance {
@@ -300,7 +301,7 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   command = {};
   const coopdyn_controller& functions = instance.plugin->functions();
   std::string why = Guarded("step", [&] { functions.step(instance.state, &readings, &command); });
-  if (why.empty()) why = Fault(command);
+  if (why.empty() && !IsFine(command)) why = Fault(command);
   if (why.empty()) {
     why = Guarded("save", [&] { Save(instance, setup.states[header().serial & 1], worker); });
   }

@@ -4,7 +4,9 @@
 // same results. One thread calls Run(); steps are shared out to a pool.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -19,8 +21,13 @@
 
 namespace coopdyn {
 
-/// What is wrong with a command; empty: nothing.
-std::string Fault(const coopdyn_command& command);
+/// Whether a command can be carried out. Asked twice for each step of each robot, so without a text.
+inline bool IsFine(const coopdyn_command& command) {
+  if (!std::isfinite(command.forward_m_s) || !std::isfinite(command.turn_rad_s)) return false;
+  if (command.message_count > COOPDYN_MAX_MESSAGE) return false;
+  return std::all_of(command.message, command.message + command.message_count,
+                     [](double value) { return std::isfinite(value); });
+}
 
 class Runner {
  public:

@@ -58,7 +58,7 @@ class StepInbox::Mailbox {
       self->items_.push_back(std::move(item));
       if (!self->NeedsWake()) return;
     }
-    // In real time the stepping thread has better to do than to answer.
+    // In real time the stepping thread only wakes others: its periods are for physics.
     Wake(self, result.mode == Mode::kLockstep ? self->hand_over_ : self->post_);
   }
 
@@ -136,7 +136,7 @@ class StepInbox::Mailbox {
         self->posted_ = false;
         owner = self->owner_;
       }
-      // On the owner's thread, where it is also destroyed, or in its stead: it stays while this runs.
+      // On the owner's thread, which also destroys it, or in that thread's turn: it lives while this runs.
       if (owner != nullptr) Scope scope(*owner);
     });
   }
@@ -173,7 +173,7 @@ void StepInbox::Enter(ClientId asking) {
 }
 
 void StepInbox::Leave() {
-  // Stays "inside" while handling, so that what a listener does here does not handle anything in its midst.
+  // Stays "inside" while handling: a listener that opens a Scope here must not start handling again.
   if (depth_ == 1) {
     asking_ = 0;
     do {

@@ -71,8 +71,8 @@ class StepInbox {
   /// The newest frame. With subscriptions, the pushes up to its step have been made. Null before the first
   /// one.
   FramePtr Current();
-  /// How the wait of whoever the present Scope is for ended, if it has within it: the step ran on this very
-  /// thread. With subscriptions, the pushes up to its step have been made.
+  /// The result for the request that the present Scope is for, if the step has run inside this Scope. With
+  /// subscriptions, the pushes up to its step have been made.
   std::optional<StepResult> TakeOwn();
   /// What to hand to the board: it brings the result to `listener` on this thread.
   StepDone Waiter(StepListener& listener, ClientId client);

@@ -33,7 +33,7 @@ std::string TargetsOf(const Scene& scene) {
 }
 
 std::string NoSuchTarget(const std::string& asked, bool exists, const Scene& scene) {
-  if (exists) return asked + " is not in sight: get_targets tells what is";
+  if (exists) return asked + " is not in sight: get_targets lists what is";
   if (scene.targets.empty()) return "there is no " + asked + ": this scenario has no targets";
   return "there is no " + asked + ": there are " + TargetsOf(scene);
 }

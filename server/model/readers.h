@@ -55,7 +55,7 @@ class RobotLibrary {
   /// The model of `type`; null with diagnostics (at `where`, or in the model's file) if there is none.
   std::shared_ptr<const RobotModel> Get(const std::string& type, const SourceLine& where,
                                         Diagnostics& diagnostics);
-  /// Whether there is a model called `type`, be it good or not.
+  /// Whether there is a model called `type`, with or without errors.
   bool Has(const std::string& type) const;
   /// The embedded text `name` of a `kind` (world, robot); null if there is none.
   const SourceText* Embedded(std::string_view kind, std::string_view name) const;

@@ -280,7 +280,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   if (!TakeSwarmName(name, reader.LineOf("name"), "give the swarm another name")) return;
   if (section != ToLower(name) &&
       !TakeSwarmName(section, reader.where(),
-                     "this section is always called so, give the other another name")) {
+                     "this section always has this name, give the other another name")) {
     return;
   }
   for (std::size_t i = 0; i < places.size(); ++i) {

@@ -143,7 +143,7 @@ struct NameClient::Impl : std::enable_shared_from_this<NameClient::Impl> {
     Disconnect();
     accepted = false;
     if (std::exchange(failure_told, why) != why) {
-      logger->warn("YARP name server {} port {}: {}; trying on", host, port, why);
+      logger->warn("YARP name server {} port {}: {}; coopdyn keeps trying", host, port, why);
     }
     timer.expires_after(kRetryAfter);
     timer.async_wait([this, id = attempt](const ErrorCode& aborted) {

@@ -36,8 +36,8 @@ struct NameAsker {
 };
 
 /// The daemon's own names can be neither registered, changed nor unregistered by others. What another machine
-/// has registered only that one may change, and this machine. A name of which nobody has heard for a day is
-/// forgotten: its program has probably ended without a word.
+/// has registered only that one may change, and this machine. The table forgets a
+/// name that nobody has used for a day: its program has probably ended.
 class NameTable {
  public:
   static constexpr std::size_t kMaxExternal = 4096;

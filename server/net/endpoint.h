@@ -65,7 +65,7 @@ class Connection {
   virtual bool trusted() const = 0;
   /// The client has shut down its sending side (or died: they look alike).
   virtual bool input_ended() const = 0;
-  /// The client is gone or takes nothing more: whoever answers it need not compute anything.
+  /// The client is gone or takes nothing more: an endpoint need not compute answers for it.
   virtual bool output_ended() const = 0;
   /// Sends an unasked message. At most 64 wait; then the oldest is dropped and the next one says `dropped N`;
   /// `dropped`: how many more there would have been before this one. It may be made later, even after

@@ -39,7 +39,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   /// Any socket of a kind that EndOf() knows.
   using Socket = boost::asio::basic_stream_socket<boost::asio::generic::stream_protocol,
                                                   boost::asio::io_context::executor_type>;
-  /// Says nothing that a session would ask of it.
+  /// Asio wants a protocol; a session does not use it.
   static Socket::protocol_type AnyProtocol() { return {AF_UNSPEC, 0}; }
   /// Read ahead of a request that has not been answered yet; then the client has to wait.
   static constexpr std::size_t kMaxReadAhead = kMaxRequestBytes + (std::size_t{64} << 10);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The right to act on what an io_context's handlers act on. Its thread takes the turn for each handler; while
-// it waits for its sockets another thread may try to take it, and do at once what it would otherwise have to
-// wake that thread for.
+// The right to use the objects of an io_context's handlers. The context's thread takes the turn for each
+// handler. While that thread waits for its sockets, another thread may try to take the turn and do the work
+// at once, instead of waking the thread.
 #pragma once
 
 #include <mutex>
@@ -12,8 +12,8 @@
 
 namespace coopdyn {
 
-/// A service of its io_context. As the baton (server/physics/stepper.h) it is no lock that code waits behind:
-/// only the context's own thread takes it, all others try. Who has it may take it again.
+/// A service of its io_context. Like the baton (server/physics/stepper.h), other threads only try to take it;
+/// the context's own thread waits for it. Its holder may take it again.
 class Turn final : public boost::asio::execution_context::service {
  public:
   using key_type = Turn;

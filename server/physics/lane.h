@@ -39,7 +39,7 @@ class Lane {
   /// Lends `thing` bodies in the state of `actor`; `channels`: of it, with what its motors are to do. They
   /// outlive the loan.
   void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels);
-  /// Makes contact joints between A and B (-1: the floor). An thing that is not loaded counts as static.
+  /// Makes contact joints between A and B (-1: the floor). A thing that is not loaded counts as static.
   /// Friction: the slippier of the two decides (the smaller coefficient). Nothing bounces.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
             std::uint32_t index_b, double dt_s);

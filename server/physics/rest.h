@@ -28,8 +28,10 @@ inline bool IsSlow(const BodyState& body) {
 
 /// Whether a motor is to move one of these channels.
 inline bool IsDriven(std::span<const ChannelState> channels) {
-  return std::any_of(channels.begin(), channels.end(),
-                     [](const ChannelState& channel) { return channel.setpoint.drives(); });
+  for (const ChannelState& channel : channels) {
+    if (channel.setpoint.drives()) return true;
+  }
+  return false;
 }
 
 }  // namespace coopdyn

@@ -116,8 +116,8 @@ std::string Simulation::RestoreControllers(std::span<const std::byte> saved,
     fits = controllers.Restore(frame_, saved);
   }
   if (!has_controllers_) return {};
-  // Nothing has run yet: what they save is what they were given, unless it did not fit. One that saves
-  // nothing stands in for them.
+  // Nothing has run yet, so they save what they were given, unless it did not fit. A driver that saves
+  // nothing replaces them (RecordedControllers).
   const std::vector<std::byte> now = controllers.Save();
   if (fits && (now.empty() || std::ranges::equal(now, saved))) return {};
   if (saved.empty()) return "the states of its controllers were not saved";

@@ -32,7 +32,7 @@ struct Thing {
   std::size_t body_count() const { return mechanism->bodies.size(); }
 };
 
-/// An thing and where it is.
+/// A thing and where it is.
 struct Actor {
   const Thing& thing;
   const BodyState* bodies;

@@ -151,7 +151,7 @@ Nanoseconds Player::GoByStep() {
   const Nanoseconds wall = pace_.WallTime(next->time);
   if (now_ < wall) return wall;
   if (!ShowOrStand(next->step, Jump::kNo)) return kNever;
-  // Late, it does not hurry to make up for it.
+  // If it is late, it does not go faster to catch up.
   if (pace_.DueTime(now_) > shown_->time + shown_->step_length) RestartPace(shown_->time);
   return now_;
 }

@@ -8,8 +8,8 @@ namespace coopdyn {
 
 namespace {
 
-// So long the recorder looks away while steps come: one wake-up for many of them costs the run less than one
-// for each.
+// How long the recorder sleeps while steps come: one wake-up for many steps costs the run less than one for
+// each.
 constexpr std::chrono::milliseconds kNap{5};
 constexpr std::chrono::milliseconds kStalledNap{20};
 // Inputs and events are small and left out only when the queue holds this many times its bytes.
@@ -75,7 +75,7 @@ void RecordQueue::PushBegin(QueuedBegin begin) {
 bool RecordQueue::WantsKeyframe(std::uint64_t step, std::uint64_t every) {
   const MutexLock lock(mutex_);
   if (refuses() || stalled_ || !keyframe_) return false;
-  // Not before there is room again for a while: to make one costs time, and the next step would be lost.
+  // Only when there is room for some steps: making a keyframe takes time, and the next step would be lost.
   if (needs_keyframe_) return HasRoom(max_bytes_ / 2);
   return step - *keyframe_ >= every;
 }
@@ -127,7 +127,7 @@ std::optional<QueuedItem> RecordQueue::Pop(bool may_sleep) {
   bytes_ -= item.bytes;
   const bool begins = std::holds_alternative<QueuedBegin>(item.what);
   if (begins) --begins_;
-  // Whoever waits for room gets some for a while, not for one step.
+  // Wakes the waiting thread when there is room for many steps, not for one.
   if (begins || bytes_ <= max_bytes_ / 2) room_.NotifyAll();
   return item;
 }

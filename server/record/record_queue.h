@@ -40,8 +40,8 @@ class RecordQueue {
   explicit RecordQueue(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
   // --- the holder of the baton
-  /// In the other modes than real time it waits until the file before has begun: to end and begin files takes
-  /// longer than short runs do, and all that waits is lost in a crash.
+  /// Except in real time, it waits until the file before has begun. Ending and beginning a file takes longer
+  /// than a short run, and a crash loses all that waits.
   void PushBegin(QueuedBegin begin) EXCLUDES(mutex_);
   /// Whether the next step is to be a keyframe, if there is one every `every` steps.
   bool WantsKeyframe(std::uint64_t step, std::uint64_t every) EXCLUDES(mutex_);

@@ -17,7 +17,7 @@ namespace {
 /// Steps of one commit at most: free mode makes thousands in the time of commit_every.
 constexpr std::uint64_t kStepsAtOnce = 256;
 
-/// Each attempt to go on after one that failed comes twice as late as that, at most so late.
+/// After each failed attempt to continue, the next one waits twice as long, at most this long.
 constexpr Nanoseconds kMostRetry = 32 * kNanosecondsPerSecond;
 
 double ThreadCpu_s() {
@@ -171,7 +171,7 @@ class Recorder::Impl {
       NoteLostAfter(0);
       const std::string next = files_.Name(begin.number);
       if (!writes() ||
-          !Check(writer_->AddEvent({last_.step, last_.time_s, "info", "the run begins anew in " + next}))) {
+          !Check(writer_->AddEvent({last_.step, last_.time_s, "info", "the run starts again in " + next}))) {
         return;
       }
     }
@@ -224,7 +224,7 @@ class Recorder::Impl {
     const Nanoseconds now = clock_.Now();
     if (!is_dirty_) dirty_since_ = now;
     is_dirty_ = true;
-    // A disk that is full takes the present transaction with it.
+    // A full disk undoes the present transaction, so commit often enough.
     const bool many = writer_->steps() >= committed_steps_ + kStepsAtOnce;
     if (now - dirty_since_ < options_.commit_every && !many) return;
     is_dirty_ = false;
@@ -347,7 +347,7 @@ class Recorder::Impl {
     if (options_.on_failure) options_.on_failure(text);
     if (writer_ == nullptr) return;
     if (!std::exchange(stall_, "").empty()) {
-      // Room for two rows there may be: then the file says what is missing.
+      // There may be room for two rows. Then the file says what is missing.
       std::string ignored;
       const std::uint64_t lost = owed_ + queue_.TakeLostAtEnd();
       writer_->GoOn();

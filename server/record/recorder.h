@@ -23,14 +23,14 @@ namespace coopdyn {
 struct RecorderOptions {
   std::string file;                // "lesson1.run"; after a reset or load it goes on in lesson1-2.run
   std::optional<RecordWhat> what;  // empty: DefaultRecordWhat()
-  Nanoseconds pose_every = 0;      // poses and readings only so often; 0: each step
+  Nanoseconds pose_every = 0;      // interval of poses and readings; 0: each step
   bool overwrite = false;          // `file` itself, if it is a recording
   std::string version, command, started;
   std::size_t max_queue_bytes = std::size_t{64} << 20;
   std::uint64_t keyframe_steps = 500;
-  Nanoseconds commit_every = 200'000'000;           // wall clock: what a crash can cost
-  Nanoseconds retry_every = kNanosecondsPerSecond;  // wall clock: looks so often whether there is room again
-  std::uint64_t room_bytes = std::uint64_t{4} << 20;  // that much there must be
+  Nanoseconds commit_every = 200'000'000;             // wall clock: what a crash can cost
+  Nanoseconds retry_every = kNanosecondsPerSecond;    // wall clock: how often it looks for room
+  std::uint64_t room_bytes = std::uint64_t{4} << 20;  // free on the disk, at least
   /// Free bytes on the disk of `file`; for tests. Recorder's thread.
   std::function<std::uint64_t(const std::string& file)> free_bytes;
   /// Called on the recorder's thread, once, when it can write no more; `text` says why and what is there.

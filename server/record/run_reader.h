@@ -58,8 +58,8 @@ class RunReader {
   const RunHeader& header() const { return header_; }
   /// It was mended: the recording had not been closed, or not to the end.
   bool mended() const { return run_.mended; }
-  /// It is being written at this moment, or was when extent() looked last. When a recording is closed, or its
-  /// writer is gone without closing it, ten looks that find nothing new tell.
+  /// It is being written at this moment, or was at the last extent(). extent() notices at once that the
+  /// recording was closed, and after ten calls without news that its writer is gone.
   bool growing() const { return run_.growing; }
   /// A log with bytes lies beside it (UnmergedLog() names it), so that the file alone is not the whole run.
   bool has_log() const { return !UnmergedLog(file_).empty(); }

@@ -43,9 +43,9 @@ class RunWriter {
   bool AddKeyframe(const SavedState& state);
   bool AddInput(const RunInput& input);
   bool AddEvent(const Event& event);
-  /// So many steps more were left out.
+  /// Notes that `steps` more steps were left out.
   bool AddLost(std::uint64_t steps);
-  /// The same, after the last one that is written.
+  /// The same for steps after the last one in the file.
   bool AddLostAfter(std::uint64_t steps);
   /// Makes what was added so far safe from a crash, and visible to readers.
   bool Commit();
@@ -60,9 +60,9 @@ class RunWriter {
   const std::string& error() const { return error_; }
   /// It failed for want of room: there may be some later.
   bool full() const { return full_; }
-  /// After the first frame; with those not yet committed.
+  /// Steps after the first frame, also those not yet committed.
   std::uint64_t steps() const { return now_.steps; }
-  /// Left out, as was said; likewise.
+  /// Steps left out, as AddLost() said; also those not yet committed.
   std::uint64_t lost() const { return now_.lost; }
   Nanoseconds begin() const { return begin_; }
   Nanoseconds end() const { return now_.end; }

@@ -19,13 +19,13 @@ struct ExportOptions {
   /// Names, also of swarms, in any order; nothing: all. The columns stand in the order of the run.
   std::optional<std::vector<std::string>> robots = {};
   std::optional<std::vector<std::string>> objects = {};  // of things that move; nothing: all
-  double every_s = 0;                                    // at most one row per so much simulated time; 0: all
+  double every_s = 0;                                    // least simulated time between two rows; 0: all
   bool overwrite = false;
 };
 
 /// Called now and then with the share done, 0…1. False: stop.
 using ExportProgress = std::function<bool(double share)>;
-/// The error of an export that was stopped so; nothing is left behind.
+/// The error of an export that its ExportProgress has stopped; nothing is left behind.
 inline constexpr const char* kExportStopped = "stopped; nothing was written";
 
 class ExportFile {

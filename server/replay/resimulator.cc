@@ -238,7 +238,7 @@ bool Resimulator::Step(const RecordedStep& step) {
     for (const StoppedController& stopped : host_->TakeStopped()) {
       if (++stopped_here_ > kMaxStoppedNamed) continue;
       Warn("step " + std::to_string(step.step) + ": " + stopped.robot +
-           " stands in the repetition, which it did not in the run: " + stopped.why);
+           " stops in the repetition, but did not in the run: " + stopped.why);
     }
   }
   return true;

@@ -20,9 +20,9 @@
 
 namespace coopdyn {
 
-/// Stands in for loaded controllers that are not to be had: a repetition with it takes the set-points and
-/// broadcasts of their robots from the recording, as it does for clients' robots.
-/// Leaves all set-points as they are given, sends nothing, saves nothing.
+/// Replaces loaded controllers that were not found: a repetition with it takes the set-points and broadcasts
+/// of their robots from the recording, as it does for clients' robots. Leaves all set-points as they are
+/// given, sends nothing, saves nothing.
 class RecordedControllers final : public ControllerDriver {
  public:
   void Check(const Scenario&, Diagnostics&) override {}
@@ -45,7 +45,7 @@ class Resimulator {
   ~Resimulator();
 
   /// Goes on from `state`, a keyframe with scene number `scene` of the file. False, and error() says why, if
-  /// its world cannot be built, or its controllers are not to be had and their set-points were not recorded.
+  /// its world cannot be built, or its controllers were not found and their set-points were not recorded.
   bool Restore(const SavedStatePtr& state, std::uint64_t scene);
   /// Inputs of the run for the steps to come, in their order, instead of those given before.
   void SetInputs(std::vector<RunInput> inputs);
@@ -77,14 +77,14 @@ class Resimulator {
   bool controllers_given_up() const { return controllers_given_up_; }
 
   const std::string& error() const { return error_; }
-  /// What the outcome is to be read with; lines, empty if there is nothing.
+  /// What a reader of the result must know; lines, empty if there is nothing.
   const std::string& warning() const { return warning_; }
 
  private:
   bool Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed);
-  /// The controllers of the run; false with `why` if they are not to be had.
+  /// The controllers of the run; false with `why` if they cannot be used.
   bool BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed, std::string& why);
-  /// Uses RecordedControllers from now on; `why` the others cannot be used.
+  /// Uses RecordedControllers from now on. `why`: the others cannot be used.
   bool GiveUpControllers(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
                          const std::string& why);
   void Apply(const RunInput& input);

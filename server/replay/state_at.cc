@@ -22,7 +22,7 @@ std::string RangeOf(const std::string& file, const RunExtent& extent) {
 
 /// What must be said of a repetition that went another way than the run.
 std::string PartsAt(const RunReader& reader, std::uint64_t step, const std::string& warning) {
-  std::string text = fmt::format("{}: step {} comes out otherwise than recorded", reader.file(), step);
+  std::string text = fmt::format("{}: step {} differs from the recording", reader.file(), step);
   const std::string origin = OtherOrigin(reader.header());
   if (!origin.empty()) text += "; the run was " + origin;
   if (!warning.empty()) text += "; " + warning;

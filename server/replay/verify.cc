@@ -178,7 +178,7 @@ class Verifier {
       return Differs(std::move(*difference));
     }
     if (std::optional<Difference> difference = FindInRow(step, frame)) {
-      difference->note = "the state is the recorded one: what is recorded of this step to be seen is damaged";
+      difference->note = "the state is as recorded: the recorded poses or readings of this step are damaged";
       return Differs(std::move(*difference));
     }
     if (changed_) return false;  // and nothing shows it

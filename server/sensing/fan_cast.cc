@@ -9,11 +9,11 @@ namespace coopdyn {
 
 namespace {
 
-// With more robots near than this per ray, each ray looks along its own way only.
+// With more robots near than this per ray, each ray searches the grid along its own path.
 constexpr std::size_t kManyPerRay = 24;
 // Up to this many robots are tested one by one.
 constexpr std::size_t kFewRobots = 8;
-// With more objects near than this, too.
+// The same with more objects near than this.
 constexpr std::size_t kManyItems = 8;
 
 inline Vector3 Turned(const Matrix3& R, const Vector3& v) {

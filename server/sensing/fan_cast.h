@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One fan of rays of one robot in one frame: what each of them meets. Whoever is near is looked up once for
-// all rays; most robots of a swarm with short rays have nobody near, and that is all there is to do.
+// One fan of rays of one robot in one frame: what each ray meets. The robots and things nearby are looked up
+// once for all rays. In a swarm with short rays most robots have nothing near, and the work ends there.
 #pragma once
 
 #include <array>

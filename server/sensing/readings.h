@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The sensors as functions of (frame, robot, seed). Computed when first asked for, once per frame and sensor,
-// and kept with the frame; nobody asks, no cost. Any thread.
+// The sensors as functions of (frame, robot, seed). Computed when they are read; a sensor that nobody reads
+// costs nothing. The frame keeps costly readings (sensing_cache.h). Any thread.
 #pragma once
 
 #include <cstddef>

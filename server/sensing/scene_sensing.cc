@@ -24,10 +24,10 @@ const SceneSensing& SceneSensing::Of(const Scene& scene) {
 }
 
 SceneSensing::RobotType::RobotType(const RobotModel& model) : hull(model) {
-  for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+  for (const SensorModel& sensor : model.sensors) {
     const auto keep = [&]<typename Kind>(const Kind& kind) {
       if constexpr (IsKept<Kind>) {
-        kept.push_back({i, values, static_cast<std::uint32_t>(ValueCount(kind)), {}});
+        kept.push_back({&sensor.kind, values, static_cast<std::uint32_t>(ValueCount(kind)), {}});
         values += kept.back().count;
         if constexpr (std::is_same_v<Kind, DistanceModel>) {
           distance_sensors = kept.size();
@@ -35,20 +35,16 @@ SceneSensing::RobotType::RobotType(const RobotModel& model) : hull(model) {
         }
       }
     };
-    std::visit(keep, model.sensors[i].kind);
+    std::visit(keep, sensor.kind);
   }
 }
 
 SceneSensing::SceneSensing(const Scene& scene) {
   std::map<const RobotModel*, std::uint32_t> indices;  // looked up, never walked through
-  std::vector<const RobotModel*> models;               // of types_
   for (const SceneRobot& robot : scene.robots) {
     const RobotModel& model = *robot.entry.model;
     const auto [found, is_new] = indices.emplace(&model, static_cast<std::uint32_t>(types_.size()));
-    if (is_new) {
-      types_.emplace_back(model);
-      models.push_back(&model);
-    }
+    if (is_new) types_.emplace_back(model);
     places_.push_back({found->second, kept_sensors_, kept_values_});
     kept_sensors_ += static_cast<std::uint32_t>(types_[found->second].kept.size());
     kept_values_ += types_[found->second].values;
@@ -60,12 +56,12 @@ SceneSensing::SceneSensing(const Scene& scene) {
   for (const RobotType& type : types_) {
     upright_radius_m = std::max(upright_radius_m, type.hull.upright_radius_m());
   }
-  for (std::size_t i = 0; i < types_.size(); ++i) {
-    for (KeptSensor& sensor : types_[i].kept) {
+  for (RobotType& type : types_) {
+    for (KeptSensor& sensor : type.kept) {
       const auto make_fans = [&]<typename Kind>(const Kind& kind) {
         if constexpr (IsKept<Kind>) sensor.fans = SensorFan::MakeAll(kind, upright_radius_m);
       };
-      std::visit(make_fans, models[i]->sensors[sensor.sensor].kind);
+      std::visit(make_fans, *sensor.kind);
     }
   }
   std::vector<RayItem> items;

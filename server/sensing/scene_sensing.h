@@ -21,8 +21,8 @@ struct FrameBuffers;
 
 /// A sensor whose values a frame keeps, since computing them costs more than looking them up.
 struct KeptSensor {
-  std::size_t sensor = 0;   // index into RobotModel::sensors
-  std::uint32_t first = 0;  // of its values among those of its robot
+  const SensorKind* kind = nullptr;  // its model
+  std::uint32_t first = 0;           // of its values among those of its robot
   std::uint32_t count = 0;
   std::vector<SensorFan> fans;
 };

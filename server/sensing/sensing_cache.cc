@@ -56,33 +56,34 @@ const RayGrid& SensingCache::movable_grid() const {
 }
 
 std::span<const double> SensingCache::Values(int robot, std::size_t kept) const {
-  Make(robot, kept);
+  const SceneSensing::Place& place = scene_.place(robot);
   const KeptSensor& sensor = scene_.type(robot).kept[kept];
-  return std::span<const double>(buffers_->values)
-      .subspan(scene_.place(robot).first_value + sensor.first, sensor.count);
+  Need(robot, place, sensor, buffers_->progress[place.first_kept + kept]);
+  return std::span<const double>(buffers_->values).subspan(place.first_value + sensor.first, sensor.count);
 }
 
 std::span<const double> SensingCache::Distances(int robot) const {
+  const SceneSensing::Place& place = scene_.place(robot);
   const SceneSensing::RobotType& type = scene_.type(robot);
-  for (std::size_t kept = 0; kept < type.distance_sensors; ++kept) Make(robot, kept);
-  return std::span<const double>(buffers_->values).subspan(scene_.place(robot).first_value, type.ranges);
+  for (std::size_t kept = 0; kept < type.distance_sensors; ++kept) {
+    Need(robot, place, type.kept[kept], buffers_->progress[place.first_kept + kept]);
+  }
+  return std::span<const double>(buffers_->values).subspan(place.first_value, type.ranges);
 }
 
-void SensingCache::Make(int robot, std::size_t kept) const {
-  const SceneSensing::Place& place = scene_.place(robot);
-  std::atomic<std::uint8_t>& progress = buffers_->progress[place.first_kept + kept];
+void SensingCache::Need(int robot, const SceneSensing::Place& place, const KeptSensor& sensor,
+                        std::atomic<std::uint8_t>& progress) const {
   std::uint8_t now = progress.load(std::memory_order_acquire);
   if (now == kNobody && progress.compare_exchange_strong(now, kInTheMaking, std::memory_order_acquire)) {
-    const KeptSensor& sensor = scene_.type(robot).kept[kept];
     const std::span<double> values =
         std::span(buffers_->values).subspan(place.first_value + sensor.first, sensor.count);
     const auto compute = [&]<typename Kind>(const Kind& kind) {
       if constexpr (IsKept<Kind>) Compute(kind, sensor, *this, robot, values);
     };
-    std::visit(compute, ModelOf(frame_, robot).sensors[sensor.sensor].kind);
+    std::visit(compute, *sensor.kind);
     progress.store(kReady, std::memory_order_release);
     progress.notify_all();
-    now = kReady;
+    return;
   }
   while (now != kReady) {
     progress.wait(now, std::memory_order_acquire);

@@ -69,8 +69,9 @@ class SensingCache final : public FrameCache {
   ThingHit Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const;
 
  private:
-  /// Computes the values unless they are there.
-  void Make(int robot, std::size_t kept) const;
+  /// Computes the values of `sensor` unless they are there. One thread computes, others wait for it.
+  void Need(int robot, const SceneSensing::Place& place, const KeptSensor& sensor,
+            std::atomic<std::uint8_t>& progress) const;
 
   const Frame& frame_;
   const SceneSensing& scene_;

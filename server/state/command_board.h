@@ -34,7 +34,7 @@ struct Client {
   std::string name;          // of `hello`; empty: none
   std::string peer;          // e.g. "127.0.0.1:53120"
   bool input_ended = false;  // may still have requests executed, but owns nothing
-  bool is_team = false;      // a connection to /swarm: its name takes over from its like only
+  bool is_team = false;      // a connection to /swarm: its name takes over only from such ones
 };
 
 /// How a wait for a step ended.
@@ -119,10 +119,10 @@ class CommandBoard {
   Verdict Hello(SlotId slot, const Client& client);
   /// End of input: the module is free at once, what is pending still runs.
   void InputEnded(SlotId slot, ClientId client);
-  /// The last of the connection, its backlog included: `on_disconnect` acts.
+  /// The connection is gone, and its last request has arrived: `on_disconnect` acts once that has run.
   void Closed(SlotId slot, ClientId client);
-  /// The robot broadcasts `message` in the next step, instead of what it was to broadcast so far. While a
-  /// client drives it only connections that bear its name may; a driver without name has nobody else.
+  /// The robot broadcasts `message` in the next step; a later call replaces it. While a client drives the
+  /// robot, only connections with that client's name may send. Nobody may send for a driver without a name.
   Verdict Send(SlotId slot, const Client& client, const RobotMessage& message);
 
   // Many robots with one lock: the connections of /swarm. `client.is_team`.
@@ -196,7 +196,7 @@ class CommandBoard {
   /// Also drops broadcasts that wait.
   void StopAll();
   /// The robot (its index in the scene) is driven by the loaded controller `name`, which ends whatever a
-  /// client owned or wanted of it; or, `name` empty, by clients from now on, from a stand.
+  /// client owned or wanted of it. `name` empty: clients drive it from now on; it starts at rest.
   void SetDriven(std::size_t robot, const std::string& name, Nanoseconds now);
   /// Every participant is ready for the next step.
   bool AllReady() const;
@@ -207,9 +207,10 @@ class CommandBoard {
   std::span<const std::uint8_t> LatchedCommands() const { return latched_commands_; }
   /// The broadcasts of the step latched last, by increasing robot; valid until the next Latch().
   std::span<const SentMessage> LatchedMessages() const { return latched_messages_; }
-  /// Clients that were lost before the step latched last, if that changed anything; valid as those.
+  /// Clients that were lost before the step latched last, if that changed anything; valid until the next
+  /// Latch().
   std::span<const LostClient> LatchedLosses() const { return latched_losses_; }
-  /// After the step: answers whom it ends the wait of. Observers first. Calls the callbacks.
+  /// After the step: calls the observers, then answers those whose wait it ends.
   void FinishStep(const FramePtr& frame, Nanoseconds now);
   /// Waiting starts anew (after a pause): deadlines count from `now`.
   void RestartWaiting(Nanoseconds now);
@@ -251,7 +252,7 @@ class CommandBoard {
     bool owner_is_team = false;
     std::string controller;                // while driven
     ClientId former = 0;                   // its input has ended, its requests may still run
-    std::string former_name, former_peer;  // of `former`, or of whoever was lost last
+    std::string former_name, former_peer;  // of `former`, or of the client lost last
     StepDone done;                         // of what is pending; null: answered already
     std::optional<double> deadline_s;
     LossPolicy on_deadline = LossPolicy::kHold;
@@ -309,9 +310,9 @@ class CommandBoard {
     return std::span(channels).subspan(drives_[index].first_channel, drives_[index].channel_count);
   }
   bool Drives(std::size_t index) const REQUIRES(mutex_);
-  /// What is in force of its channels drives no more.
+  /// Stops the set-points in force of its channels.
   void Stop(std::size_t index) REQUIRES(mutex_);
-  /// What is pending, too.
+  /// Stops the pending set-points, too.
   void StopPending(std::size_t index) REQUIRES(mutex_);
   void ApplyPolicy(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
   /// The owner sends no more: the robot is free, what it sent still runs.

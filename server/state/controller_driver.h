@@ -20,7 +20,7 @@ namespace coopdyn {
 struct StoppedController {
   std::string robot;
   std::string why;           // e.g. "controller diffuse crashed (segmentation fault)"
-  bool with_daemon = false;  // the daemon ends, and it with it: no fault of its own
+  bool with_daemon = false;  // it ended because the daemon ends: no fault
 };
 
 /// What a controller takes.

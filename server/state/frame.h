@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One moment of the world, whole. Physics is the one writer; immutable once published; any thread reads.
+// One moment of the world, whole. The holder of the step baton makes it, in playback the player. Constant
+// once published; any thread reads.
 #pragma once
 
 #include <array>
@@ -92,7 +93,7 @@ struct Frame {
 
 using FramePtr = std::shared_ptr<const Frame>;
 
-/// The state hash of DESIGN §4.10: XXH3-64; of a frame of a recording the recorded one.
+/// The state hash (docs/formats.md, "Run files"): XXH3-64. Of a frame in playback: the recorded one.
 std::uint64_t StateHash(const Frame& frame);
 /// 16 lower-case hex digits.
 std::string HashText(std::uint64_t hash);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The pose memory: one writer (physics or player), any number of readers. A reader holds a whole frame, so it
-// never sees half a step and never blocks physics for longer than one pointer copy.
+// The newest frame: one writer at a time (the holder of the step baton, in playback the player), any number
+// of readers. A reader holds a whole frame, so it never sees half a step. It blocks the writer for one
+// pointer copy at most.
 #pragma once
 
 #include <cstdint>

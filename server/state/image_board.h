@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where those who want pictures meet the render thread. Nobody asks: the render thread sleeps.
+// Hands requests for pictures to the render thread, which sleeps while there are none.
 #pragma once
 
 #include <cstdint>

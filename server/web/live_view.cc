@@ -25,7 +25,7 @@ void LiveView::Shown() {
 void LiveView::Next() {
   if (!request_ || unshown_ >= kMaxUnshown) return;
   if (moved_) {
-    // A picture of the old camera that waits for its tick is not waited for; one in the making is.
+    // Do not wait for a picture of the old camera that waits for its tick. Wait for one that is being drawn.
     if (!waiting_ || waiting_paced_) Ask(false);
   } else if (!waiting_ && unshown_ == 0) {
     if (pictures_.moment() == asked_at_) {

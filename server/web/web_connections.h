@@ -37,7 +37,7 @@ class WebConnections {
     kRefuse,  // with an answer that says why
     kDrop     // too many are being refused already
   };
-  /// So many beyond a limit are answered.
+  /// How many connections beyond a limit get an answer.
   static constexpr std::size_t kRefusedAtOnce = 32;
 
   explicit WebConnections(WebLimits limits) : limits_(limits) {}

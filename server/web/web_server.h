@@ -28,7 +28,7 @@ struct WebRunFile {
   bool temporary = false;  // to be removed once it is open
 };
 
-/// Whoever keeps recordings. Each function calls `done` once, on any thread; called on the UI thread.
+/// Access to the recordings. Called on the UI thread; each function calls `done` once, on any thread.
 struct WebRuns {
   std::function<void(std::function<void(const std::string& json)> done)> list;
   /// `name`: NAME.run or NAME.mat as the client gave it.

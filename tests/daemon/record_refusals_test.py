@@ -52,7 +52,7 @@ class RefusalsTest(RecordingTestCase):
         self.record()
         code, said = self.serve("--from", f"{self.file}@end", "--record", self.file, "--force")
         self.assertEqual(code, 1, said)
-        self.assertIn("would overwrite the run that is gone on from", said)
+        self.assertIn("would overwrite the recording that --from reads", said)
         self.assertEqual(len(rows(self.file, "SELECT step FROM step")), 6)
 
     def test_a_branch_keeps_its_seed(self):

@@ -49,7 +49,7 @@ class Diffuse {
       side = robot_.distance_bearing_rad[i];
     }
     if (nearest_m < near_m_) {
-      // Once begun a turn goes on to the same side: in a corner it would sway for ever.
+      // Once begun a turn goes on to the same side: in a corner it would sway without end.
       if (state.turning == 0) state.turning = side > 0 ? -1 : 1;
       command.turn_rad_s = state.turning * turn_rad_s_;
       return;

@@ -75,7 +75,7 @@ TEST_F(RecorderTest, APartSaysWhereTheRunGoesOn) {
   Step(recorder, 1, Mode::kLockstep);
   recorder.Begin(maker_.Start());
   recorder.Close();
-  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM event WHERE text LIKE '%begins anew in %lesson1-2.run'"), 1);
+  EXPECT_EQ(Ask(file_, "SELECT count(*) FROM event WHERE text LIKE '%starts again in %lesson1-2.run'"), 1);
 }
 
 TEST_F(RecorderTest, APartWithoutStepsGivesItsNameToTheNext) {

@@ -24,7 +24,7 @@
 namespace coopdyn {
 namespace {
 
-/// The state hash of version 1.
+/// The state hash of run files of format 1.
 class OldHash {
  public:
   explicit OldHash(const Frame& frame) {

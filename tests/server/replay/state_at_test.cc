@@ -118,7 +118,7 @@ TEST_F(StateAtTest, ARepetitionThatComesOutOtherwiseIsRefused) {
   std::string error;
   EXPECT_NE(StateAt(*reader, 28, repeating.services, error), nullptr) << error;
   EXPECT_EQ(StateAt(*reader, 40, repeating.services, error), nullptr);
-  EXPECT_THAT(error, HasSubstr("step 29 comes out otherwise than recorded"));
+  EXPECT_THAT(error, HasSubstr("step 29 differs from the recording"));
   EXPECT_THAT(error, HasSubstr("another processor (Abacus)"));
 }
 

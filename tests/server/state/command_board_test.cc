@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The lockstep contract (DESIGN §4) at the level of the board: no sockets, no threads, time as an argument.
+// The lockstep contract (docs/protocol.md) at the level of the board: no sockets, no threads, time as an
+// argument.
 #include <gtest/gtest.h>
 
 #include "command_board_fixture.h"
