@@ -76,6 +76,10 @@ bool Stepper::TakeOver(Edit edit) {
 
 void Stepper::Run(std::stop_token stop) {
   UrgentThread thread;
+  // An edit from before the start (a recording) takes effect even if the run ends at once.
+  baton_.Take();
+  ApplyEdits();
+  baton_.Pass();
   while (!stop.stop_requested()) {
     const std::uint64_t seen = boards_.bell.count();
     const Nanoseconds wake = WorkOnce(thread);

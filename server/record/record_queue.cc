@@ -46,7 +46,7 @@ void RecordQueue::PushBegin(QueuedBegin begin) {
   const std::size_t bytes = BytesOf(*state.frame) + state.controllers.size();
   const MutexLock lock(mutex_);
   if (state.mode != Mode::kRealtime) {
-    while (begins_ > 0 && waits()) {
+    while ((begins_ > 0 || beginning_) && waits()) {
       work_.NotifyOne();
       room_.Wait(mutex_);
     }
@@ -115,6 +115,7 @@ void RecordQueue::PushEvent(Event event) {
 
 std::optional<QueuedItem> RecordQueue::Pop(bool may_sleep) {
   const MutexLock lock(mutex_);
+  if (std::exchange(beginning_, false)) room_.NotifyAll();
   if (items_.empty() && !closed_) work_.WaitUntil(mutex_, std::chrono::steady_clock::now() + kNap);
   while (may_sleep && items_.empty() && !closed_) {
     sleeping_ = true;
@@ -125,10 +126,10 @@ std::optional<QueuedItem> RecordQueue::Pop(bool may_sleep) {
   QueuedItem item = std::move(items_.front());
   items_.pop_front();
   bytes_ -= item.bytes;
-  const bool begins = std::holds_alternative<QueuedBegin>(item.what);
-  if (begins) --begins_;
+  beginning_ = std::holds_alternative<QueuedBegin>(item.what);
+  if (beginning_) --begins_;
   // Wakes the waiting thread when there is room for many steps, not for one.
-  if (begins || bytes_ <= max_bytes_ / 2) room_.NotifyAll();
+  if (bytes_ <= max_bytes_ / 2) room_.NotifyAll();
   return item;
 }
 

@@ -90,7 +90,8 @@ class RecordQueue {
   ConditionVariable work_, room_;
   std::deque<QueuedItem> items_ GUARDED_BY(mutex_);
   std::size_t bytes_ GUARDED_BY(mutex_) = 0;
-  int begins_ GUARDED_BY(mutex_) = 0;  // among items_
+  int begins_ GUARDED_BY(mutex_) = 0;          // among items_
+  bool beginning_ GUARDED_BY(mutex_) = false;  // the recorder makes the file that it took last
   bool closed_ GUARDED_BY(mutex_) = false, failed_ GUARDED_BY(mutex_) = false;
   bool stalled_ GUARDED_BY(mutex_) = false;
   bool sleeping_ GUARDED_BY(mutex_) = false;        // the recorder, until it is told

@@ -78,6 +78,16 @@ class StepperTest : public StepperBoards {
   const Client ana_{1, "ana", "a"}, bob_{2, "bob", "b"};
 };
 
+TEST_F(StepperTest, AnEditFromBeforeTheStartTakesEffectEvenIfTheRunEndsAtOnce) {
+  Begin(kTwoRobots, Mode::kLockstep);
+  EditResult result{Error::kNotPossible, "nobody answered"};
+  edits_.Push({edit::SetJournal{nullptr}, [&result](const EditResult& given) { result = given; }});
+  std::stop_source stop;
+  stop.request_stop();
+  stepper_->Run(stop.get_token());
+  EXPECT_EQ(result.error, Error::kOk) << result.text;
+}
+
 TEST_F(StepperTest, TheLastReadyRobotsThreadRunsTheStepItself) {
   Begin(kTwoRobots, Mode::kLockstep);  // no physics thread at all
   board_.Ready(board_.FindSlot("robot1"), ana_, 1, [](const StepResult&) {});
