@@ -352,7 +352,7 @@ class Requests(DaemonTestCase):
         self.assert_error(10, lambda: sim.restore_state("never"), "before")
 
     def test_a_state_of_another_scenario_brings_its_robots_back(self):
-        sim = self.connect(self.start(harness.scenario_of(2)))
+        sim = self.connect(self.start(harness.scenario_of(2), "--mode", "lockstep"))
         sim.robot("robot2")
         team = sim.team("robot1")
         sim.save_state("two")
