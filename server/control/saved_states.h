@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/state/saved_state.h"
+#include "server/state/frame.h"
 
 namespace coopdyn {
 

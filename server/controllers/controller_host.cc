@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "server/base/bytes.h"
 #include "server/controllers/runner.h"
 #include "server/model/drive.h"
 
@@ -33,6 +34,8 @@ std::vector<std::string> FilesOf(const Robots& robots) {
   }
   return files;
 }
+
+constexpr std::uint32_t kStateVersion = 1;
 
 }  // namespace
 
@@ -274,6 +277,51 @@ void ControllerHost::Rest() {
 
 double ControllerHost::child_cpu_s() const {
   return ended_cpu_s_ + (set_ ? set_->child_cpu_s() : 0) + (checked_ ? checked_->child_cpu_s() : 0);
+}
+
+// Save() and Restore(): little-endian; a keyframe holds them.
+//   u32 version, u32 count, then for each robot with a controller by increasing id:
+//   u32 id, u8 status, u32 size of the controller's name, name, u32 size of the reason, reason, u32 size,
+//   state
+
+std::vector<std::byte> ControllerHost::Save() const {
+  std::vector<std::byte> saved;
+  ByteWriter writer(saved);
+  writer.Number(kStateVersion);
+  writer.List(driven_, 0, [&](const Driven& driven) {
+    writer.Number(driven.id.value);
+    writer.Word(driven.status, Status::kUnloaded);
+    writer.Text(driven.controller);
+    writer.Text(driven.why);
+    const bool drives = driven.status == Status::kDrives && set_;
+    writer.Bytes(drives ? set_->StateOf(driven.slot) : std::span<const std::byte>());
+  });
+  return saved;
+}
+
+bool ControllerHost::Restore(const FramePtr& frame, std::span<const std::byte> saved) {
+  List(*frame->scene);
+  ByteReader reader(saved);
+  reader.Require(reader.Low(4) == kStateVersion && reader.Low(4) == driven_.size());
+  std::vector<Driven> restored = driven_;
+  for (Driven& driven : restored) {
+    std::string controller;
+    reader.Require(reader.Low(4) == driven.id.value);
+    reader.Word(driven.status, Status::kUnloaded);
+    reader.Text(controller);
+    reader.Require(controller == driven.controller);
+    reader.Text(driven.why);
+    reader.Bytes(driven.restored.emplace());
+  }
+  const bool fits = reader.finished();
+  if (fits) driven_ = std::move(restored);
+  std::vector<StoppedController> before;
+  for (const Driven& driven : driven_) {
+    if (driven.status == Status::kStopped) before.push_back({driven.name, driven.why});
+  }
+  Create(frame);
+  stopped_.insert(stopped_.end(), before.begin(), before.end());
+  return fits;
 }
 
 }  // namespace coopdyn

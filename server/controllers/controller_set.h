@@ -16,7 +16,6 @@
 #include "server/base/worker_pool.h"
 #include "server/controllers/backend.h"
 #include "server/controllers/child_process.h"
-#include "server/controllers/description.h"
 #include "server/controllers/shared_area.h"
 #include "server/state/controller_driver.h"
 #include "server/state/frame.h"
@@ -36,6 +35,25 @@ struct ControllerOptions {
   const std::atomic<bool>* interrupted = nullptr;     // true: a step that hangs is given up at once
   std::string program = "/proc/self/exe";             // which becomes the child with `controller-child 3`
   std::shared_ptr<ChildLauncher> launcher = nullptr;  // of the children; null: a host makes its own
+};
+
+/// An option that a controller takes.
+struct ControllerOption {
+  std::string name, help;
+  double value = 0, min = 0, max = 0;
+};
+
+/// What a controller says about itself.
+struct ControllerDescription {
+  std::string help;
+  std::uint32_t readings = 0;  // of enum coopdyn_reading
+  std::uint32_t state_size = 0;
+  std::vector<ControllerOption> options;
+
+  /// What is wrong with the options that a scenario gives, with what to write instead; one text each.
+  std::vector<std::string> Faults(const ControllerChoice& choice) const;
+  /// One value for each option: as given, else as described.
+  std::vector<double> Values(const ControllerChoice& choice) const;
 };
 
 /// A loaded shared object, or why it is none.

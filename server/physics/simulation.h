@@ -15,9 +15,9 @@
 #include "server/physics/world.h"
 #include "server/state/command_board.h"
 #include "server/state/controller_driver.h"
+#include "server/state/frame.h"
 #include "server/state/frame_pool.h"
-#include "server/state/phase_times.h"
-#include "server/state/saved_state.h"
+#include "server/state/run_control.h"
 
 namespace coopdyn {
 

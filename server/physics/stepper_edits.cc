@@ -11,23 +11,6 @@
 
 namespace coopdyn {
 
-namespace {
-
-std::vector<std::string> FrozenNames(const Frame& frame) {
-  std::vector<std::string> names;
-  for (const SceneObject& object : frame.scene->objects) {
-    const bool dynamic = object.body >= 0;
-    if (dynamic && frame.bodies[static_cast<std::size_t>(object.body)].frozen())
-      names.push_back(object.object.name);
-  }
-  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) {
-    if (IsFrozen(frame, static_cast<int>(i))) names.push_back(frame.scene->robots[i].entry.name);
-  }
-  return names;
-}
-
-}  // namespace
-
 void Stepper::ApplyEdits() {
   for (Edit& edit : boards_.edits.TakeAll()) {
     RestControllers();  // it may start threads, which would stay where this one is held
@@ -44,7 +27,7 @@ void Stepper::ApplyEdit(Edit& edit) {
   }
   const auto* step = As<edit::Step>(edit.action);
   const bool waits = step != nullptr && fine;
-  if (waits) boards_.commands.WaitAllowedSteps(allowed_steps_, step->steps, std::move(edit.stepped));
+  if (waits) boards_.commands.WaitSteps(allowed_steps_, std::move(edit.stepped), step->steps);
   PublishStatus(clock_.Now(), true);
   if (edit.done && !waits) edit.done(result);
 }

@@ -18,20 +18,6 @@ constexpr Nanoseconds kLookEvery = 100'000'000;
 /// Faster than the run itself no more frames are shown than a screen shows.
 constexpr Nanoseconds kFrameEvery = kNanosecondsPerSecond / 60;
 
-std::vector<std::string> FrozenNames(const Frame& frame) {
-  std::vector<std::string> names;
-  for (const SceneObject& object : frame.scene->objects) {
-    const bool dynamic = object.body >= 0;
-    if (dynamic && frame.bodies[static_cast<std::size_t>(object.body)].frozen()) {
-      names.push_back(object.object.name);
-    }
-  }
-  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) {
-    if (IsFrozen(frame, static_cast<int>(i))) names.push_back(frame.scene->robots[i].entry.name);
-  }
-  return names;
-}
-
 }  // namespace
 
 Player::Player(Boards boards, std::unique_ptr<RunReader> reader, const Clock& clock, Logger logger,
@@ -108,31 +94,21 @@ Nanoseconds Player::ShowDue() {
     Look(false);
     return reader_->growing() ? looked_at_ + kLookEvery : kNever;
   }
-  if (!playing_) return GoByStep();
-  return speed_ > 0 ? GoForward() : GoBack();
+  return playing_ ? GoOn() : GoByStep();
 }
 
-Nanoseconds Player::GoForward() {
-  Look(false);
-  const std::optional<Place> next = Next(false);
-  if (!next) return reader_->error().empty() ? AtEnd(false) : Fail();
-  Nanoseconds wall = pace_.WallTime(next->time);
-  if (speed_ > 1) wall = std::max(wall, shown_at_ + kFrameEvery);
+Nanoseconds Player::GoOn() {
+  const bool back = speed_ < 0;
+  if (!back) Look(false);
+  const std::optional<Place> next = Next(back);
+  if (!next) return reader_->error().empty() ? AtEnd(back) : Fail();
+  Nanoseconds wall = pace_.WallTime(back ? shown_->time : next->time);
+  if (std::abs(speed_) > 1) wall = std::max(wall, shown_at_ + kFrameEvery);
   if (now_ < wall) return wall;
-  const auto step = reader_->StepAt(pace_.DueTime(now_), true);
-  if (!step) return Fail();
-  return ShowOrStand(std::max(*step, next->step), Jump::kNo) ? now_ : kNever;
-}
-
-Nanoseconds Player::GoBack() {
-  const std::optional<Place> next = Next(true);
-  if (!next) return reader_->error().empty() ? AtEnd(true) : Fail();
-  Nanoseconds wall = pace_.WallTime(shown_->time);
-  if (speed_ < -1) wall = std::max(wall, shown_at_ + kFrameEvery);
-  if (now_ < wall) return wall;
-  const auto step = reader_->StepAt(pace_.DueTime(now_), true);
-  if (!step) return Fail();
-  return ShowOrStand(std::min(*step, next->step), Jump::kNo) ? now_ : kNever;
+  const auto due = reader_->StepAt(pace_.DueTime(now_), true);
+  if (!due) return Fail();
+  const std::uint64_t step = back ? std::min(*due, next->step) : std::max(*due, next->step);
+  return ShowOrStand(step, Jump::kNo) ? now_ : kNever;
 }
 
 Nanoseconds Player::GoByStep() {

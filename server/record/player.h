@@ -3,6 +3,7 @@
 // them as they showed the run. On the physics thread.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -13,7 +14,6 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/record/player_frames.h"
-#include "server/record/player_pace.h"
 #include "server/record/run_reader.h"
 #include "server/state/command_board.h"
 #include "server/state/doorbell.h"
@@ -31,6 +31,34 @@ struct PlayOptions {
   bool loop = false;
   bool paused = false;
   Nanoseconds start = 0;  // simulated time to begin at
+};
+
+/// Which moment of a recording is due: simulated time that runs at `speed` times the wall clock from where it
+/// was set. Pure: the caller says what time it is.
+class PlayPace {
+ public:
+  /// At wall time `now` the moment `time` is due. `speed` is not 0; below 0: backwards.
+  void Start(Nanoseconds now, Nanoseconds time, double speed) {
+    wall_ = now;
+    time_ = time;
+    speed_ = speed;
+  }
+  double speed() const { return speed_; }
+  /// The simulated time that is due at wall time `now`.
+  Nanoseconds DueTime(Nanoseconds now) const {
+    return time_ + static_cast<Nanoseconds>(std::floor(static_cast<double>(now - wall_) * speed_));
+  }
+  /// The first moment of wall time at which `time` is due; backwards: at which a moment before it is, so that
+  /// the frame of `time` is due no more.
+  Nanoseconds WallTime(Nanoseconds time) const {
+    const auto ahead = static_cast<double>(time - time_);
+    if (speed_ > 0) return wall_ + static_cast<Nanoseconds>(std::ceil(ahead / speed_));
+    return wall_ + static_cast<Nanoseconds>(std::floor(ahead / speed_)) + 1;
+  }
+
+ private:
+  Nanoseconds wall_ = 0, time_ = 0;
+  double speed_ = 1;
 };
 
 class Player {
@@ -94,8 +122,7 @@ class Player {
   /// Applies what waits; returns the edit that ends the playback.
   std::optional<Edit> ApplyEdits();
   Nanoseconds ShowDue();
-  Nanoseconds GoForward();
-  Nanoseconds GoBack();
+  Nanoseconds GoOn();
   Nanoseconds GoByStep();
   /// At an end: wraps, waits or stands.
   Nanoseconds AtEnd(bool back);

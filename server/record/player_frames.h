@@ -7,12 +7,62 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
-#include "server/record/player_inputs.h"
 #include "server/record/run_reader.h"
 #include "server/state/frame_pool.h"
 
 namespace coopdyn {
+
+/// What was commanded and sent in a recorded run, at any of its steps: set-points in force are carried on
+/// from the keyframe before. Going on, forwards or backwards, costs little; a jump reads the steps since that
+/// keyframe.
+class PlayInputs {
+ public:
+  explicit PlayInputs(RunReader& reader) : reader_(reader) {}
+
+  /// Goes to `step`, which is recorded. False, and the reader's error() says why, if the file is damaged.
+  bool GoTo(std::uint64_t step);
+
+  // Of the step gone to.
+  /// The set-point in force of a channel, and whether a client's came in force with this step.
+  struct Driven {
+    Setpoint setpoint;
+    bool commanded = false;
+  };
+  /// As scene->channels.
+  std::span<const Driven> channels() const { return channels_; }
+  /// Sent in the last Frame::kMessageSteps steps as far as a robot may still hear them, this one's included.
+  std::vector<SentMessage> Messages() const;
+  /// The newest keyframe at or before it: seed, solver seed; the exact state if the step is its own.
+  const Frame& keyframe() const { return *keyframe_->frame; }
+
+ private:
+  /// The inputs of one step, or a new scene.
+  struct Inputs {
+    std::uint64_t step = 0;
+    std::size_t channels = 0;  // of its scene
+    std::vector<CommandRecord> commands;
+    std::vector<SentMessage> messages;
+  };
+
+  bool Load(std::uint64_t step);
+  /// Reads on to `step`. `gap` gets whether steps in between were left out.
+  bool ReadOn(std::uint64_t step, bool& gap);
+  void Replay(std::uint64_t step);
+
+  RunReader& reader_;
+  SavedStatePtr keyframe_;
+  std::uint64_t limit_ = 0;     // so far from the keyframe a newer one is looked for
+  std::uint64_t newest_ = 0;    // steps after the keyframe are read up to here
+  std::vector<Inputs> inputs_;  // of these, those that have any
+  std::uint64_t step_ = 0;      // gone to
+  std::size_t next_ = 0;        // index of the first inputs after step_
+  std::vector<Driven> channels_;
+  std::size_t channel_count_ = 0;    // in the scene of newest_
+  std::uint64_t message_steps_ = 0;  // the longest delay of a robot that hears
+};
 
 class PlayFrames {
  public:

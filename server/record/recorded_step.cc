@@ -85,7 +85,7 @@ bool SameBits(const Setpoint& a, const Setpoint& b) {
 void EncodeCommands(std::span<const CommandRecord> commands, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
   for (const CommandRecord& command : commands) {
-    writer.Put(command.channel | (command.by_client ? kByClient : 0));
+    writer.Number(command.channel | (command.by_client ? kByClient : 0));
     CodeSetpoint(writer, command.setpoint);
   }
 }
@@ -96,9 +96,9 @@ bool DecodeCommands(std::span<const std::byte> blob, std::vector<CommandRecord>&
   commands.resize(blob.size() / kCommandBytes);
   ByteReader reader(blob);
   for (CommandRecord& command : commands) {
-    const auto channel = reader.Get<std::uint32_t>();
-    command.channel = channel & ~kByClient;
-    command.by_client = (channel & kByClient) != 0;
+    reader.Number(command.channel);
+    command.by_client = (command.channel & kByClient) != 0;
+    command.channel &= ~kByClient;
     CodeSetpoint(reader, command.setpoint);
     reader.Require(&command == commands.data() || command.channel > (&command - 1)->channel);
   }
@@ -109,9 +109,8 @@ bool DecodeCommands(std::span<const std::byte> blob, std::vector<CommandRecord>&
 void EncodeMessages(std::span<const SentMessage> messages, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
   for (const SentMessage& sent : messages) {
-    writer.Put(sent.robot);
-    writer.Put(sent.message.count);
-    for (std::uint32_t i = 0; i < sent.message.count; ++i) writer.Put(sent.message.values[i]);
+    writer.Number(sent.robot);
+    CodeMessage(writer, sent.message);
   }
 }
 
@@ -119,15 +118,10 @@ bool DecodeMessages(std::span<const std::byte> blob, std::uint64_t step, std::ve
   messages.clear();
   ByteReader reader(blob);
   while (reader.left() > 0) {
-    SentMessage sent;
-    sent.robot = reader.Get<std::uint32_t>();
+    SentMessage& sent = messages.emplace_back();
     sent.step = step;
-    sent.message.count = reader.Get<std::uint32_t>();
-    if (sent.message.count > RobotMessage::kMaxValues) reader.Fail();
-    for (std::uint32_t i = 0; reader.ok() && i < sent.message.count; ++i) {
-      sent.message.values[i] = reader.Get<double>();
-    }
-    if (reader.ok()) messages.push_back(sent);
+    reader.Number(sent.robot);
+    CodeMessage(reader, sent.message);
   }
   if (!reader.ok()) messages.clear();
   return reader.ok();
@@ -136,20 +130,20 @@ bool DecodeMessages(std::span<const std::byte> blob, std::uint64_t step, std::ve
 void EncodeChannels(std::span<const ChannelState> channels, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
   for (const ChannelState& channel : channels) {
-    writer.PutLow(EncodePosition(channel.position), 5);
-    writer.Put(static_cast<float>(channel.velocity));
+    writer.Low(EncodePosition(channel.position), 5);
+    writer.Number(static_cast<float>(channel.velocity));
   }
 }
 
 bool DecodeChannels(std::span<const std::byte> blob, std::span<ChannelMotion> channels) {
-  if (blob.size() != channels.size() * kChannelBytes) return false;
   ByteReader reader(blob);
   for (ChannelMotion& channel : channels) {
-    channel.position = DecodePosition(reader.GetLow(5));
-    channel.velocity = reader.Get<float>();
-    reader.Require(std::isfinite(channel.velocity));
+    channel.position = DecodePosition(reader.Low(5));
+    float velocity = 0;
+    reader.Finite(velocity);
+    channel.velocity = velocity;
   }
-  return reader.ok();
+  return reader.finished();
 }
 
 std::size_t ActuatorOf(const Scene& scene, std::size_t channel) {
@@ -167,7 +161,7 @@ void EncodeDistances(const Frame& frame, std::vector<std::byte>& blob) {
   ByteWriter writer(blob);
   for (std::size_t robot = 0; robot < frame.scene->robots.size(); ++robot) {
     for (const double range_m : Distances(frame, static_cast<int>(robot))) {
-      writer.Put(static_cast<float>(range_m));
+      writer.Number(static_cast<float>(range_m));
     }
   }
 }
@@ -182,20 +176,18 @@ void EncodeTargets(const Frame& frame, std::vector<std::byte>& blob) {
     auto next = seen.begin();
     for (int target = 0; target < targets; ++target) {
       const bool sees = next != seen.end() && next->index == target;
-      writer.Put(sees ? static_cast<float>(next->distance_m) : kUnseen);
-      writer.Put(sees ? static_cast<float>(next->bearing_rad) : kUnseen);
+      writer.Number(sees ? static_cast<float>(next->distance_m) : kUnseen);
+      writer.Number(sees ? static_cast<float>(next->bearing_rad) : kUnseen);
       if (sees) ++next;
     }
   }
 }
 
 bool DecodeFloats(std::span<const std::byte> blob, std::vector<float>& values) {
-  values.clear();
-  if (blob.size() % sizeof(float) != 0) return false;
-  values.resize(blob.size() / sizeof(float));
+  values.assign(blob.size() / sizeof(float), 0);
   ByteReader reader(blob);
-  reader.GetAll(values);
-  return true;
+  for (float& value : values) reader.Number(value);
+  return reader.finished();
 }
 
 }  // namespace coopdyn

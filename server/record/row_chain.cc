@@ -4,7 +4,7 @@
 
 #include <xxhash.h>
 
-#include "server/record/bytes.h"
+#include "server/base/bytes.h"
 #include "server/record/run_tables.h"
 
 namespace coopdyn {
@@ -26,13 +26,13 @@ std::int32_t ChainOf(Statement rows) {
 void RowChain::Restart(std::int32_t value) {
   value_ = value;
   bytes_.clear();
-  ByteWriter(bytes_).Put(value);
+  ByteWriter(bytes_).Number(value);
 }
 
 void RowChain::Add(std::int64_t value) {
   ByteWriter writer(bytes_);
-  writer.Put(static_cast<std::uint8_t>(Statement::Kind::kInteger));
-  writer.Put(value);
+  writer.Word(Statement::Kind::kInteger, Statement::Kind::kBlob);
+  writer.Number(value);
 }
 
 void RowChain::Add(std::string_view text) {
@@ -45,10 +45,8 @@ void RowChain::Add(std::span<const std::byte> bytes) {
 
 void RowChain::Put(Statement::Kind kind, std::span<const std::byte> bytes) {
   ByteWriter writer(bytes_);
-  writer.Put(static_cast<std::uint8_t>(kind));
-  if (kind == Statement::Kind::kNull) return;
-  writer.Put(static_cast<std::uint32_t>(bytes.size()));
-  writer.PutBytes(bytes);
+  writer.Word(kind, Statement::Kind::kBlob);
+  if (kind != Statement::Kind::kNull) writer.Bytes(bytes);
 }
 
 void RowChain::AddColumns(const Statement& row, int count) {
@@ -58,8 +56,8 @@ void RowChain::AddColumns(const Statement& row, int count) {
       Add(row.integer(column));
     } else if (kind == Statement::Kind::kReal) {
       ByteWriter writer(bytes_);
-      writer.Put(static_cast<std::uint8_t>(kind));
-      writer.Put(row.real(column));
+      writer.Word(kind, Statement::Kind::kBlob);
+      writer.Number(row.real(column));
     } else {
       Put(kind, row.blob(column));
     }

@@ -2,6 +2,7 @@
 #include "server/record/run_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 #include <string_view>
@@ -43,20 +44,25 @@ const JointModel& JointOf(const Scene& scene, std::size_t channel) {
 
 using Meta = std::unordered_map<std::string, std::string>;
 
-std::string TextOf(const Meta& meta, const std::string& key) {
-  const auto found = meta.find(key);
-  return found == meta.end() ? std::string() : found->second;
-}
-
 /// Nothing if it is missing or no number.
 template <typename Number>
-std::optional<Number> NumberOf(const Meta& meta, const std::string& key) {
-  const std::string text = TextOf(meta, key);
+std::optional<Number> NumberOf(Meta& meta, const std::string& key) {
+  const std::string& text = meta[key];
   Number number{};
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (code != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return number;
 }
+
+/// The texts of a header by their keys.
+constexpr std::array<std::pair<const char*, std::string RunHeader::*>, 7> kTexts{
+    {{"version", &RunHeader::version},
+     {"build", &RunHeader::build},
+     {"cpu", &RunHeader::cpu},
+     {"started", &RunHeader::started},
+     {"command", &RunHeader::command},
+     {"scenario_name", &RunHeader::scenario_name},
+     {"scenario_file", &RunHeader::scenario_file}}};
 
 /// "diffuse 0123456789abcdef, flock …".
 std::string PluginsText(const std::vector<PluginHash>& plugins) {
@@ -128,20 +134,11 @@ void CreateTables(Database& database) {
 }
 
 void WriteHeader(const Database& database, const RunHeader& header) {
-  const std::pair<const char*, std::string> texts[] = {
-      {"version", header.version},
-      {"build", header.build},
-      {"cpu", header.cpu},
-      {"started", header.started},
-      {"command", header.command},
-      {"scenario_name", header.scenario_name},
-      {"scenario_file", header.scenario_file},
-      {"scenario_seed", std::to_string(header.scenario_seed)},
-      {"seed", std::to_string(header.seed)},
-      {"mode", ToString(header.mode)},
-      {"what", ToString(header.what)},
-  };
-  for (const auto& [key, value] : texts) SetMeta(database, key, value);
+  for (const auto& [key, text] : kTexts) SetMeta(database, key, header.*text);
+  SetMeta(database, "scenario_seed", std::to_string(header.scenario_seed));
+  SetMeta(database, "seed", std::to_string(header.seed));
+  SetMeta(database, "mode", std::string_view(ToString(header.mode)));
+  SetMeta(database, "what", ToString(header.what));
   if (!header.controllers.empty()) SetMeta(database, "controllers", PluginsText(header.controllers));
   if (header.substeps) SetMeta(database, "substeps", *header.substeps);
   SetMeta(database, "format", kRunFormat);
@@ -168,15 +165,9 @@ std::string ReadHeader(const Database& database, RunHeader& header) {
       header.sources.push_back({texts.text(0), texts.text(1), texts.text(2), texts.text(3)});
     }
   }
-  header.version = TextOf(meta, "version");
-  header.build = TextOf(meta, "build");
-  header.cpu = TextOf(meta, "cpu");
-  header.started = TextOf(meta, "started");
-  header.command = TextOf(meta, "command");
-  header.scenario_name = TextOf(meta, "scenario_name");
-  header.scenario_file = TextOf(meta, "scenario_file");
+  for (const auto& [key, text] : kTexts) header.*text = meta[key];
   header.substeps = NumberOf<int>(meta, "substeps");
-  header.controllers = PluginsIn(TextOf(meta, "controllers"));
+  header.controllers = PluginsIn(meta["controllers"]);
   std::string wrong;
   const auto take = [&wrong](const char* key, const auto& read, bool fits, auto& value) {
     if (read && fits) {
@@ -188,14 +179,14 @@ std::string ReadHeader(const Database& database, RunHeader& header) {
   std::string unknown;
   const auto step = NumberOf<Nanoseconds>(meta, "step_ns");
   const auto pose_every = NumberOf<Nanoseconds>(meta, "pose_every_ns");
-  take("mode", ParseMode(TextOf(meta, "mode")), true, header.mode);
+  take("mode", ParseMode(meta["mode"]), true, header.mode);
   take("seed", NumberOf<std::uint64_t>(meta, "seed"), true, header.seed);
   take("scenario_seed", NumberOf<std::uint64_t>(meta, "scenario_seed"), true, header.scenario_seed);
   take("step_ns", step, step >= kMinStep && step <= kMaxStep, header.step_length);
   take("pose_every_ns", pose_every, pose_every >= 0, header.pose_every);
-  take("what", ParseRecordWhat(TextOf(meta, "what"), unknown), true, header.what);
+  take("what", ParseRecordWhat(meta["what"], unknown), true, header.what);
   if (wrong.empty()) return {};
-  return database.file() + " is damaged: its table meta says '" + TextOf(meta, wrong) + "' for " + wrong +
+  return database.file() + " is damaged: its table meta says '" + meta[wrong] + "' for " + wrong +
          ": copy it again from where it was recorded";
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "server/record/bytes.h"
+#include "server/base/bytes.h"
 #include "server/record/state_codec.h"
 
 namespace coopdyn {
@@ -26,11 +26,10 @@ struct Context {
   const FindModel* model = nullptr;
 };
 
-template <typename Codec>
-void CodePose(Codec& codec, auto& X) {
+void CodePose(auto& codec, auto& X) {
   codec.Finite(X.p);
   codec.Finite(X.q.coeffs());  // x y z w
-  if constexpr (Codec::kReads) codec.Require(std::abs(X.q.norm() - 1) <= 1e-6);
+  codec.Require(std::abs(X.q.norm() - 1) <= 1e-6);
 }
 
 void CodeColor(auto& codec, auto& color) {
@@ -46,8 +45,7 @@ void CodeWhere(auto& codec, auto& where) {
 
 /// Goes on to the kind of shape that the bytes name.
 void DecodeKind(ByteReader& reader, Shape& shape) {
-  std::uint8_t kind = 0;
-  reader.Number(kind);
+  const std::uint64_t kind = reader.Low(1);
   if (kind == 0) {
     shape = Box{Vector3::Zero()};
   } else if (kind == 1) {
@@ -235,9 +233,7 @@ std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
                                          const FindModel& model) {
   auto scene = std::make_shared<Scene>();
   ByteReader reader(bytes);
-  std::uint8_t version = 0;
-  reader.Number(version);
-  if (version != kSceneVersion) return nullptr;
+  if (reader.Low(1) != kSceneVersion) return nullptr;
   CodeScene(reader, *scene, {scenario.get(), &model});
   if (!reader.finished() || !Fits(*scene)) return nullptr;
   for (SceneRobot& robot : std::exchange(scene->robots, {})) AddRobot(*scene, std::move(robot));

@@ -29,16 +29,10 @@ void CodeChannel(auto& codec, auto& channel) {
   CodeSetpoint(codec, channel.setpoint);
 }
 
-template <typename Codec>
-void CodeMessage(Codec& codec, auto& sent) {
+void CodeSent(auto& codec, auto& sent) {
   codec.Number(sent.robot);
   codec.Number(sent.step);
-  codec.Number(sent.message.count);
-  if constexpr (Codec::kReads) {
-    codec.Require(sent.message.count <= RobotMessage::kMaxValues);
-    if (!codec.ok()) return;
-  }
-  for (std::uint32_t i = 0; i < sent.message.count; ++i) codec.Number(sent.message.values[i]);
+  CodeMessage(codec, sent.message);
 }
 
 bool IsStepLength(Nanoseconds length) {
@@ -60,7 +54,7 @@ void CodeState(Codec& codec, auto& state, auto& frame) {
   codec.List(frame.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
   codec.List(frame.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
   codec.List(frame.commanded, 1, [&codec](auto& commanded) { codec.Number(commanded); });
-  codec.List(frame.messages, kMessageBytes, [&codec](auto& sent) { CodeMessage(codec, sent); });
+  codec.List(frame.messages, kMessageBytes, [&codec](auto& sent) { CodeSent(codec, sent); });
   codec.Bytes(state.controllers);
   Nanoseconds step_length = state.step_length.value_or(0);
   codec.Number(step_length);
@@ -91,7 +85,7 @@ std::vector<std::byte> EncodeState(const SavedState& state) {
   bytes.reserve(128 + frame.bodies.size() * kBodyBytes + frame.channels.size() * kChannelStateBytes +
                 frame.messages.size() * sizeof(SentMessage) + state.controllers.size());
   ByteWriter writer(bytes);
-  writer.Put(kStateVersion);
+  writer.Number(kStateVersion);
   CodeState(writer, state, frame);
   return bytes;
 }
@@ -100,7 +94,7 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
   auto state = std::make_shared<SavedState>();
   auto frame = std::make_shared<Frame>();
   ByteReader reader(bytes);
-  if (reader.Get<std::uint8_t>() != kStateVersion) return nullptr;
+  if (reader.Low(1) != kStateVersion) return nullptr;
   CodeState(reader, *state, *frame);
   if (!reader.finished() || !Fits(*state, *frame, *scene)) return nullptr;
   frame->scene = std::move(scene);

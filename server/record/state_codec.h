@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "server/record/bytes.h"
-#include "server/state/saved_state.h"
+#include "server/base/bytes.h"
+#include "server/state/frame.h"
 
 namespace coopdyn {
 
@@ -19,6 +19,13 @@ namespace coopdyn {
 void CodeSetpoint(auto& codec, auto& setpoint) {
   codec.Word(setpoint.mode, ControlMode::kEffort);
   codec.Finite(setpoint.reference);
+}
+
+/// u32 count ≤ 8, count × f64.
+void CodeMessage(auto& codec, auto& message) {
+  codec.Number(message.count);
+  codec.Require(message.count <= RobotMessage::kMaxValues);
+  for (std::uint32_t i = 0; codec.ok() && i < message.count; ++i) codec.Number(message.values[i]);
 }
 
 /// All of `state` but the scene (frame, messages, controllers, mode).

@@ -20,24 +20,6 @@
 
 namespace coopdyn {
 
-/// Replaces loaded controllers that were not found: a repetition with it takes the set-points and broadcasts
-/// of their robots from the recording, as it does for clients' robots. Leaves all set-points as they are
-/// given, sends nothing, saves nothing.
-class RecordedControllers final : public ControllerDriver {
- public:
-  void Check(const Scenario&, Diagnostics&) override {}
-  void Configure(const FramePtr&) override {}
-  void Step(const FramePtr&, std::span<Setpoint>, std::vector<SentMessage>&) override {}
-  std::vector<std::byte> Save() const override { return {}; }
-  bool Restore(const FramePtr&, std::span<const std::byte>) override { return true; }
-  std::vector<int> Unloaded() const override { return {}; }
-  void Stop(int, const std::string&) override {}
-  void Unload(int) override {}
-  std::vector<StoppedController> TakeStopped() override { return {}; }
-  PhaseTimes times() const override { return {}; }
-  double child_cpu_s() const override { return 0; }
-};
-
 class Resimulator {
  public:
   /// Repeats a run of `header`, called `file` in texts. `services` outlives it.
@@ -62,7 +44,7 @@ class Resimulator {
 
   const FramePtr& frame() const { return simulation_->frame(); }
   /// What goes on from frame(), with the mode in force then. The controllers are missing from it if they are
-  /// RecordedControllers.
+  /// given up.
   SavedState Save() const;
   /// By channel: the set-points in force as the recording has them. Those of robots with computed() are there
   /// only if RecordWhat::controllers was on.
@@ -71,9 +53,9 @@ class Resimulator {
   bool computes(std::size_t channel) const {
     return computed_[static_cast<std::size_t>(frame()->scene->channels[channel].robot)] != 0;
   }
-  /// The controllers are those of the run, not RecordedControllers.
+  /// There are controllers, and they are those of the run.
   bool has_controllers() const { return host_ != nullptr; }
-  /// They are RecordedControllers.
+  /// They cannot be used: what they did is taken from the recording.
   bool controllers_given_up() const { return controllers_given_up_; }
 
   const std::string& error() const { return error_; }
@@ -84,7 +66,7 @@ class Resimulator {
   bool Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed);
   /// The controllers of the run; false with `why` if they cannot be used.
   bool BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed, std::string& why);
-  /// Uses RecordedControllers from now on. `why`: the others cannot be used.
+  /// Takes what controllers did from the recording from now on. `why`: they cannot be used.
   bool GiveUpControllers(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
                          const std::string& why);
   void Apply(const RunInput& input);
@@ -96,7 +78,9 @@ class Resimulator {
   const std::string file_;
   const RunHeader& header_;
   const ReplayServices& services_;
-  RecordedControllers recorded_;
+  /// Replaces loaded controllers that were not found: then the set-points and broadcasts of their robots are
+  /// taken from the recording, as those of clients' robots are.
+  ControllerDriver recorded_;
   bool controllers_given_up_ = false;
   std::unique_ptr<ControllerHost> host_;    // null: none are loaded
   std::unique_ptr<Simulation> simulation_;  // after the drivers, which it uses

@@ -8,14 +8,6 @@
 
 namespace coopdyn {
 
-namespace {
-
-Verdict Refusal(Error error, std::string text) {
-  return {error, std::move(text), true, Mode::kRealtime, 0};
-}
-
-}  // namespace
-
 // --- what all parts use
 // -------------------------------------------------------------------------------------
 
@@ -23,14 +15,10 @@ std::size_t CommandBoard::Find(SlotId id) const {
   return id < slot_index_.size() ? slot_index_[id] : kNoSlot;
 }
 
-Verdict CommandBoard::Gone() {
-  return Refusal(Error::kNotPossible, "this robot is no longer part of the scenario");
-}
-
 std::string CommandBoard::Who(std::size_t index) const {
   const Slot& slot = slots_[index];
   if (drives_[index].driven) return "controller " + slot.controller;
-  return slot.owner_name.empty() ? slot.owner_peer : slot.owner_name;
+  return slot.owner.shown();
 }
 
 std::string CommandBoard::NameOf(std::size_t index) const {
@@ -74,18 +62,18 @@ void CommandBoard::Completions::Call() const {
 }
 
 std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& client) const {
-  if (stopping_) return Refusal(Error::kNotPossible, "the daemon is stopping");
-  if (playing_) return Refusal(Error::kNotPossible, kPlayingText);
+  if (stopping_) return Verdict{Error::kNotPossible, "the daemon is stopping"};
+  if (playing_) return Verdict{Error::kNotPossible, kPlayingText};
   const Drive& drive = drives_[index];
   const std::string& robot = slots_[index].robot;
   if (drive.driven) {
-    return Refusal(Error::kOwned, robot + " is owned by " + Who(index) + ": release_robot " + robot +
-                                      " of /simulation, or the page, unloads it");
+    return Verdict{Error::kOwned, robot + " is owned by " + Who(index) + ": release_robot " + robot +
+                                      " of /simulation, or the page, unloads it"};
   }
   if (drive.owner != 0 && drive.owner != client.id) {
-    return Refusal(Error::kOwned, robot + " is driven by " + Who(index) +
+    return Verdict{Error::kOwned, robot + " is driven by " + Who(index) +
                                       ": wait until that program ends, or free the robot (release_robot of "
-                                      "/simulation, or the page)");
+                                      "/simulation, or the page)"};
   }
   return std::nullopt;
 }
@@ -94,29 +82,22 @@ void CommandBoard::TakeOwnership(std::size_t index, const Client& client) {
   Drive& drive = drives_[index];
   Slot& slot = slots_[index];
   if (client.input_ended) {
-    slot.former = client.id;
-    slot.former_name = client.name;
-    slot.former_peer = client.peer;
+    slot.former = client;
     return;
   }
   if (drive.owner != client.id) {
     drive.owner = client.id;
-    slot.owner_name = client.name;
-    slot.owner_peer = client.peer;
-    slot.owner_is_team = client.is_team;
-    slot.former = 0;
+    slot.owner = client;
+    slot.former.id = 0;
     drive.loses_client = drive.abandoned = false;
     if (client.is_team) NoteTeams();
   }
 }
 
 void CommandBoard::Disown(std::size_t index) {
-  Slot& slot = slots_[index];
-  if (slot.owner_is_team) NoteTeams();
+  if (slots_[index].owner.is_team) NoteTeams();
   drives_[index].owner = 0;
-  slot.owner_name.clear();
-  slot.owner_peer.clear();
-  slot.owner_is_team = false;
+  slots_[index].owner = {};
 }
 
 void CommandBoard::ClearPending(std::size_t index) {
@@ -182,16 +163,13 @@ void CommandBoard::ApplyPolicy(std::size_t index, LossPolicy policy) {
 }
 
 void CommandBoard::EndInput(std::size_t index) {
-  Slot& slot = slots_[index];
-  slot.former = drives_[index].owner;
-  slot.former_name = slot.owner_name;
-  slot.former_peer = slot.owner_peer;
+  slots_[index].former = slots_[index].owner;
   Disown(index);
 }
 
 void CommandBoard::LoseClient(std::size_t index) {
   if (drives_[index].owner != 0) EndInput(index);
-  slots_[index].former = 0;
+  slots_[index].former.id = 0;
   if (drives_[index].pending) {
     drives_[index].loses_client = true;
   } else {
@@ -204,7 +182,7 @@ void CommandBoard::ApplyLoss(std::size_t index) {
   if (slot.on_disconnect) {
     ApplyPolicy(index, *slot.on_disconnect);
     if (*slot.on_disconnect != LossPolicy::kWait) NoteLoss(index, *slot.on_disconnect);
-  } else if (!slot.former_name.empty()) {
+  } else if (!slot.former.name.empty()) {
     drives_[index].abandoned = true;
     if (mode_ != Mode::kLockstep) StopAbandoned(index);
   }
@@ -218,9 +196,7 @@ void CommandBoard::StopAbandoned(std::size_t index) {
 }
 
 void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy) {
-  const Slot& slot = slots_[index];
-  losses_.push_back(
-      {drives_[index].robot, slot.former_name.empty() ? slot.former_peer : slot.former_name, policy});
+  losses_.push_back({drives_[index].robot, slots_[index].former.shown(), policy});
 }
 
 // --- one robot
@@ -258,8 +234,8 @@ std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
   return slots;
 }
 
-Verdict CommandBoard::Place(SlotId id, const Client& client, std::span<const Setpoint> setpoints,
-                            std::optional<int> steps, StepDone done) {
+Verdict CommandBoard::Command(SlotId id, const Client& client, std::span<const Setpoint> setpoints,
+                              std::optional<int> steps, StepDone done) {
   Completions completions;
   Verdict verdict;
   bool became_ready = false;
@@ -284,14 +260,9 @@ Verdict CommandBoard::Place(SlotId id, const Client& client, std::span<const Set
   return verdict;
 }
 
-Verdict CommandBoard::Command(SlotId slot, const Client& client, std::span<const Setpoint> setpoints,
-                              std::optional<int> steps, StepDone done) {
-  return Place(slot, client, setpoints, steps, std::move(done));
-}
-
 Verdict CommandBoard::Ready(SlotId slot, const Client& client, int steps, StepDone done) {
-  if (WaitInPlayback(steps, done)) return {Error::kOk, {}, false, Mode::kRealtime, 0};
-  return Place(slot, client, {}, steps, std::move(done));
+  if (WaitInPlayback(steps, done)) return {.answer_now = false};
+  return Command(slot, client, {}, steps, std::move(done));
 }
 
 Verdict CommandBoard::Claim(SlotId id, const Client& client) {
@@ -311,8 +282,7 @@ Verdict CommandBoard::Release(SlotId id, const Client& client) {
   if (owner == client.id) {
     Disown(index);
   } else if (owner != 0 || drives_[index].driven) {
-    return Refusal(Error::kOwned,
-                   slots_[index].robot + " is driven by " + Who(index) + ": only its owner can release it");
+    return NotOwner(index);
   }
   return Fine();
 }
@@ -325,11 +295,10 @@ Verdict CommandBoard::Hello(SlotId id, const Client& client) {
   Drive& drive = drives_[index];
   Slot& slot = slots_[index];
   if (drive.owner == client.id) {
-    slot.owner_name = client.name;
-  } else if (!client.name.empty() && slot.owner_name == client.name && slot.owner_is_team == client.is_team) {
-    verdict.displaced = drive.owner;
-    drive.owner = client.id;
-    slot.owner_peer = client.peer;
+    slot.owner.name = client.name;
+  } else if (!client.name.empty() && slot.owner.name == client.name && slot.owner.is_team == client.is_team) {
+    verdict.displaced = std::exchange(drive.owner, client.id);
+    slot.owner = client;
   }
   return verdict;
 }
@@ -348,7 +317,7 @@ void CommandBoard::Closed(SlotId id, ClientId client) {
     const std::size_t index = Find(id);
     if (index == kNoSlot) return;
     const ClientId owner = drives_[index].owner;
-    const bool was_former = owner == 0 && slots_[index].former == client;
+    const bool was_former = owner == 0 && slots_[index].former.id == client;
     if (owner != client && !was_former) return;
     const bool was_awaited = IsAwaited(drives_[index]);
     LoseClient(index);
@@ -361,21 +330,21 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
   const MutexLock lock(mutex_);
   const std::size_t found = Find(id);
   if (found == kNoSlot) return Gone();
-  if (stopping_) return Refusal(Error::kNotPossible, "the daemon is stopping");
-  if (playing_) return Refusal(Error::kNotPossible, kPlayingText);
+  if (stopping_) return Verdict{Error::kNotPossible, "the daemon is stopping"};
+  if (playing_) return Verdict{Error::kNotPossible, kPlayingText};
   const std::size_t index = first_slots_[drives_[found].robot];
   Slot& slot = slots_[index];
   if (drives_[index].driven) {
-    return Refusal(Error::kOwned, slot.robot + " is owned by " + Who(index) + ", which sends for it: " +
-                                      "release_robot " + slot.robot + " of /simulation unloads it");
+    return Verdict{Error::kOwned, slot.robot + " is owned by " + Who(index) + ", which sends for it: " +
+                                      "release_robot " + slot.robot + " of /simulation unloads it"};
   }
-  const bool same_name = !slot.owner_name.empty() && slot.owner_name == client.name;
+  const bool same_name = !slot.owner.name.empty() && slot.owner.name == client.name;
   if (drives_[index].owner != 0 && !same_name) {
-    return Refusal(Error::kOwned, slot.robot + " is driven by " + Who(index) +
-                                      (slot.owner_name.empty()
+    return Verdict{Error::kOwned, slot.robot + " is driven by " + Who(index) +
+                                      (slot.owner.name.empty()
                                            ? ", which has no name: say hello NAME there and here, then it "
                                              "may send here, too"
-                                           : ": only a client of the same name (hello) may send for it"));
+                                           : ": only a client of the same name (hello) may send for it")};
   }
   if (slot.message == kNoMessage) {
     slot.message = static_cast<std::uint32_t>(messages_.size());
@@ -396,11 +365,7 @@ bool CommandBoard::WaitInPlayback(int steps, StepDone& done) {
   return true;
 }
 
-void CommandBoard::WaitSteps(std::int64_t steps, StepDone done) {
-  WaitAllowedSteps(steps, 0, std::move(done));
-}
-
-void CommandBoard::WaitAllowedSteps(std::int64_t steps, std::int64_t asked, StepDone done) {
+void CommandBoard::WaitSteps(std::int64_t steps, StepDone done, std::int64_t asked) {
   {
     const MutexLock lock(mutex_);
     if (!stopping_) {
@@ -432,7 +397,7 @@ std::vector<CommandBoard::Owner> CommandBoard::Owners() const {
     if (drives_[shown].owner == 0) shown = first;
     const Drive& drive = drives_[shown];
     Owner owner{slots_[shown].robot, drive.owner, Who(shown)};
-    owner.is_team = slots_[shown].owner_is_team;
+    owner.is_team = slots_[shown].owner.is_team;
     owner.driven = drive.driven;
     for (std::size_t i = first; i < end; ++i) {
       owner.participates |= drives_[i].participates && !drives_[i].dropped;

@@ -35,6 +35,8 @@ struct Client {
   std::string peer;          // e.g. "127.0.0.1:53120"
   bool input_ended = false;  // may still have requests executed, but owns nothing
   bool is_team = false;      // a connection to /swarm: its name takes over only from such ones
+
+  const std::string& shown() const { return name.empty() ? peer : name; }
 };
 
 /// How a wait for a step ended.
@@ -60,7 +62,7 @@ using StepDone = std::function<void(const StepResult&)>;
 /// The board's answer to a request.
 struct Verdict {
   Error error = Error::kOk;
-  std::string text;        // of the error
+  std::string text = {};   // of the error
   bool answer_now = true;  // false: `done` will be called
   Mode mode = Mode::kRealtime;
   ClientId displaced = 0;  // hello: the connection that was taken over and must get its closing notice
@@ -149,9 +151,8 @@ class CommandBoard {
   std::uint64_t layout_revision() const { return layout_revision_.load(std::memory_order_acquire); }
 
   /// Waits for `steps` steps without making anybody ready (`ready` elsewhere).
-  void WaitSteps(std::int64_t steps, StepDone done);
-  /// As WaitSteps() for a `step n`, n being `asked`: EndSteps() ends it.
-  void WaitAllowedSteps(std::int64_t steps, std::int64_t asked, StepDone done);
+  /// `asked`: it is for a `step n` of that many steps, which EndSteps() ends; 0: it is not.
+  void WaitSteps(std::int64_t steps, StepDone done, std::int64_t asked = 0);
   /// Registers a function called after every step before any StepDone of it (subscriptions). Returns its key.
   using StepObserver = std::function<void(const FramePtr&)>;
   std::uint64_t AddObserver(StepObserver observer);
@@ -248,12 +249,10 @@ class CommandBoard {
   struct Slot {
     SlotId id = 0;
     std::string robot, type, module;
-    std::string owner_name, owner_peer;
-    bool owner_is_team = false;
-    std::string controller;                // while driven
-    ClientId former = 0;                   // its input has ended, its requests may still run
-    std::string former_name, former_peer;  // of `former`, or of the client lost last
-    StepDone done;                         // of what is pending; null: answered already
+    Client owner;            // of Drive::owner
+    Client former;           // its input has ended, its requests may still run; id 0: it was lost
+    std::string controller;  // while driven
+    StepDone done;           // of what is pending; null: answered already
     std::optional<double> deadline_s;
     LossPolicy on_deadline = LossPolicy::kHold;
     std::optional<LossPolicy> on_disconnect;
@@ -288,7 +287,11 @@ class CommandBoard {
   SlotId SlotOf(const std::string& robot, const std::string& module) const REQUIRES(mutex_);
   /// Index of a slot; kNoSlot if the robot is gone.
   std::size_t Find(SlotId id) const REQUIRES(mutex_);
-  static Verdict Gone();
+  static Verdict Gone() { return {Error::kNotPossible, "this robot is no longer part of the scenario"}; }
+  Verdict NotOwner(std::size_t index) const REQUIRES(mutex_) {
+    return {Error::kOwned,
+            slots_[index].robot + " is driven by " + Who(index) + ": only its owner can release it"};
+  }
   /// What keeps `client` from acting on a robot, if anything does.
   std::optional<Verdict> Objection(std::size_t index, const Client& client) const REQUIRES(mutex_);
   std::optional<Verdict> TeamObjection(std::size_t index, const Client& client) const REQUIRES(mutex_);
@@ -303,8 +306,6 @@ class CommandBoard {
   void SetPending(std::size_t index, const Client& client, std::span<const Setpoint> setpoints, int steps)
       REQUIRES(mutex_);
   void ClearPending(std::size_t index) REQUIRES(mutex_);
-  Verdict Place(SlotId id, const Client& client, std::span<const Setpoint> setpoints,
-                std::optional<int> steps, StepDone done) EXCLUDES(mutex_);
   /// The channels of a slot among those of all.
   std::span<Setpoint> Of(std::size_t index, std::vector<Setpoint>& channels) const REQUIRES(mutex_) {
     return std::span(channels).subspan(drives_[index].first_channel, drives_[index].channel_count);
@@ -342,7 +343,7 @@ class CommandBoard {
   Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}}; }
   /// True, and `done` is taken, if a recording is played: it is answered after that many frames.
   bool WaitInPlayback(int steps, StepDone& done) EXCLUDES(mutex_);
-  Verdict Fine() const REQUIRES(mutex_) { return {Error::kOk, {}, true, mode_, 0}; }
+  Verdict Fine() const REQUIRES(mutex_) { return {.mode = mode_}; }
 
   mutable Mutex mutex_;
   std::vector<Drive> drives_ GUARDED_BY(mutex_);             // the scene's actuators in order

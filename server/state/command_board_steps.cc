@@ -85,12 +85,8 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
         slot.id = same.id;
         if (!drive.driven) {
           drive.owner = old_drives[before].owner;
-          slot.owner_name = same.owner_name;
-          slot.owner_peer = same.owner_peer;
-          slot.owner_is_team = same.owner_is_team;
+          slot.owner = same.owner;
           slot.former = same.former;
-          slot.former_name = same.former_name;
-          slot.former_peer = same.former_peer;
           if (end == StepEnd::kReset) drive.participates = old_drives[before].participates;
         }
       } else {
@@ -151,14 +147,13 @@ Verdict CommandBoard::SetParticipants(std::span<const std::string> names, Nanose
   for (const std::string& name : names) {
     const auto found = by_name_.find(name);
     if (found == by_name_.end()) {
-      return {Error::kNoSuchName, "no robot is called " + name + ": " + NamesOfRobots(), true, mode_, 0};
+      return {Error::kNoSuchName, "no robot is called " + name + ": " + NamesOfRobots()};
     }
     const std::size_t first = first_slots_[found->second];
     const Drive& drive = drives_[first];
     if (drive.driven || !drive.has_module) {
       const std::string why = drive.driven ? " is driven by " + Who(first) : " has no actuators";
-      return {Error::kNotPossible, name + why + ": only robots that clients drive can be waited for", true,
-              mode_, 0};
+      return {Error::kNotPossible, name + why + ": only robots that clients drive can be waited for"};
     }
     chosen[found->second] = true;
   }
@@ -190,7 +185,7 @@ void CommandBoard::SetDriven(std::size_t robot, const std::string& name, Nanosec
       drive.participates = !drive.driven && slot.may_participate;
       slot.participates_by_scene = drive.participates;
       slot.controller = name;
-      slot.former = 0;
+      slot.former.id = 0;
     }
     waiting_since_ = now;
     CountAwaited();

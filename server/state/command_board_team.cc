@@ -9,7 +9,7 @@ namespace coopdyn {
 
 Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int steps, StepDone done) {
   if (step.setpoints.empty() && WaitInPlayback(steps, done)) {
-    return {Error::kOk, {}, false, Mode::kRealtime, 0};
+    return {.answer_now = false};
   }
   Completions completions;
   Verdict verdict;
@@ -56,15 +56,14 @@ Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int st
 
 std::optional<Verdict> CommandBoard::TeamObjection(std::size_t index, const Client& client) const {
   if (!drives_[index].has_module) {
-    return Verdict{Error::kNotPossible, slots_[index].robot + " has no actuators: it can only be read", true,
-                   mode_, 0};
+    return Verdict{Error::kNotPossible, slots_[index].robot + " has no actuators: it can only be read"};
   }
   return Objection(index, client);
 }
 
 bool CommandBoard::IsOf(std::size_t index, ClientId client) const {
   const ClientId owner = drives_[index].owner;
-  return owner == client || (owner == 0 && slots_[index].former == client);
+  return owner == client || (owner == 0 && slots_[index].former.id == client);
 }
 
 Verdict CommandBoard::ClaimAll(std::span<const SlotId> slots, const Client& client) {
@@ -93,14 +92,12 @@ Verdict CommandBoard::ReleaseAll(std::span<const SlotId> slots, const Client& cl
     if (index == kNoSlot) return Gone();
     const Drive& drive = drives_[index];
     if (drive.owner == client.id || (drive.owner == 0 && !drive.driven)) continue;
-    return {Error::kOwned,
-            slots_[index].robot + " is driven by " + Who(index) + ": only its owner can release it", true,
-            mode_, 0};
+    return NotOwner(index);
   }
   for (const SlotId id : slots) {
     const std::size_t index = Find(id);
     if (drives_[index].owner == client.id) Disown(index);
-    if (slots_[index].former == client.id) slots_[index].former = 0;
+    if (slots_[index].former.id == client.id) slots_[index].former.id = 0;
   }
   return Fine();
 }
@@ -121,13 +118,13 @@ std::vector<ClientId> CommandBoard::HelloAll(const Client& client) {
     Drive& drive = drives_[i];
     Slot& slot = slots_[i];
     if (drive.owner == client.id) {
-      slot.owner_name = client.name;
-    } else if (drive.owner != 0 && slot.owner_is_team && slot.owner_name == client.name &&
+      slot.owner.name = client.name;
+    } else if (drive.owner != 0 && slot.owner.is_team && slot.owner.name == client.name &&
                !client.name.empty()) {
       if (std::find(displaced.begin(), displaced.end(), drive.owner) == displaced.end())
         displaced.push_back(drive.owner);
       drive.owner = client.id;
-      slot.owner_peer = client.peer;
+      slot.owner = client;
     }
   }
   if (!displaced.empty()) NoteTeams();

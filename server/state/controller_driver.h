@@ -12,7 +12,7 @@
 #include "server/base/diagnostics.h"
 #include "server/state/command_board.h"
 #include "server/state/frame.h"
-#include "server/state/phase_times.h"
+#include "server/state/run_control.h"
 
 namespace coopdyn {
 
@@ -29,6 +29,7 @@ struct ControllerCost {
   Nanoseconds per_step = 0;  // of a recent step, all its robots together
 };
 
+/// What is not overridden does nothing: set-points and broadcasts stay as they are given.
 class ControllerDriver {
  public:
   virtual ~ControllerDriver() = default;
@@ -36,37 +37,37 @@ class ControllerDriver {
   /// Looks whether the controllers of `scenario` take the options that it gives them; says at their lines
   /// what they do not. What is wrong with a controller itself (its version, a crash) is no error: it stops
   /// its robots.
-  virtual void Check(const Scenario& scenario, Diagnostics& diagnostics) = 0;
+  virtual void Check(const Scenario& /*scenario*/, Diagnostics& /*diagnostics*/) {}
   /// Frame 0 of a scene that has just been put in force: makes afresh (`seed` of the frame) the controllers
   /// of all robots that have one, and forgets the others.
-  virtual void Configure(const FramePtr& frame) = 0;
+  virtual void Configure(const FramePtr& /*frame*/) {}
   /// What the controllers make of `frame`, for the next step: overwrites the set-points of the robots they
   /// drive (a stopped one: zeros) and appends their broadcasts by increasing robot. `setpoints` are by the
   /// scene's channels.
-  virtual void Step(const FramePtr& frame, std::span<Setpoint> setpoints,
-                    std::vector<SentMessage>& messages) = 0;
+  virtual void Step(const FramePtr& /*frame*/, std::span<Setpoint> /*setpoints*/,
+                    std::vector<SentMessage>& /*messages*/) {}
   /// The caller takes no further step at once: what is held for that, such as its core, is let go.
   virtual void Rest() {}
   /// All that decides what the controllers do from here on, as bytes.
-  virtual std::vector<std::byte> Save() const = 0;
+  virtual std::vector<std::byte> Save() const { return {}; }
   /// Instead of Configure(): the controllers of the scene of `frame` as they were when Save() gave `saved`
   /// after the step that made `frame`; those that were stopped are among the next TakeStopped(). False, with
   /// all controllers at their start, if `saved` does not belong to this scene.
-  virtual bool Restore(const FramePtr& frame, std::span<const std::byte> saved) = 0;
+  virtual bool Restore(const FramePtr& /*frame*/, std::span<const std::byte> /*saved*/) { return true; }
   /// Robots (indices into the scene) whose controller has been taken away.
-  virtual std::vector<int> Unloaded() const = 0;
+  virtual std::vector<int> Unloaded() const { return {}; }
   /// The robot stands from now on, for the reason `why`, as it did in the run that is being repeated.
-  virtual void Stop(int robot, const std::string& why) = 0;
+  virtual void Stop(int /*robot*/, const std::string& /*why*/) {}
   /// The robot's controller is taken away (`release_robot`): from now on it is driven by clients.
-  virtual void Unload(int robot) = 0;
+  virtual void Unload(int /*robot*/) {}
   /// Controllers stopped since the last call.
-  virtual std::vector<StoppedController> TakeStopped() = 0;
+  virtual std::vector<StoppedController> TakeStopped() { return {}; }
   /// Time spent on sensing and control since the start.
-  virtual PhaseTimes times() const = 0;
+  virtual PhaseTimes times() const { return {}; }
   /// The controller that takes most of a step.
   virtual ControllerCost slowest() const { return {}; }
   /// CPU time that the controllers have used outside this process, s.
-  virtual double child_cpu_s() const = 0;
+  virtual double child_cpu_s() const { return 0; }
 };
 
 }  // namespace coopdyn

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/message.h"
@@ -13,7 +14,7 @@
 #include "server/state/command_board.h"
 #include "server/state/doorbell.h"
 #include "server/state/edits.h"
-#include "server/state/saved_state.h"
+#include "server/state/frame.h"
 
 namespace coopdyn {
 
@@ -39,16 +40,49 @@ class EditQueue {
  public:
   explicit EditQueue(Doorbell& bell) : bell_(bell) {}
   /// Any thread. After Close() the edit is answered at once with error 5.
-  void Push(Edit edit) EXCLUDES(mutex_);
+  void Push(Edit edit) EXCLUDES(mutex_) {
+    bool refused = false;
+    {
+      const MutexLock lock(mutex_);
+      refused = closed_;
+      if (!refused) edits_.push_back(std::move(edit));
+    }
+    if (refused) Refuse(edit);
+    bell_.Ring();
+  }
   /// All that wait, in order. Stepping thread.
-  std::vector<Edit> TakeAll() EXCLUDES(mutex_);
+  std::vector<Edit> TakeAll() EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return std::exchange(edits_, {});
+  }
   /// The first that waits, if any; the others stay in their order. Stepping thread.
-  std::optional<Edit> TakeNext() EXCLUDES(mutex_);
-  bool empty() const EXCLUDES(mutex_);
+  std::optional<Edit> TakeNext() EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    if (edits_.empty()) return std::nullopt;
+    std::optional<Edit> next = std::move(edits_.front());
+    edits_.erase(edits_.begin());
+    return next;
+  }
+  bool empty() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return edits_.empty();
+  }
   /// Refuses what waits and what comes.
-  void Close() EXCLUDES(mutex_);
+  void Close() EXCLUDES(mutex_) {
+    std::vector<Edit> refused;
+    {
+      const MutexLock lock(mutex_);
+      closed_ = true;
+      refused.swap(edits_);
+    }
+    for (const Edit& edit : refused) Refuse(edit);
+  }
 
  private:
+  static void Refuse(const Edit& edit) {
+    if (edit.done) edit.done({Error::kNotPossible, "the daemon is stopping"});
+  }
+
   Doorbell& bell_;
   mutable Mutex mutex_;
   std::vector<Edit> edits_ GUARDED_BY(mutex_);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/model/scenario.h"
-#include "server/state/saved_state.h"
+#include "server/state/frame.h"
 
 namespace coopdyn {
 

@@ -44,6 +44,20 @@ bool IsFrozen(const Frame& frame, int index) {
   return frame.bodies[static_cast<std::size_t>(robot.first_body)].frozen();
 }
 
+std::vector<std::string> FrozenNames(const Frame& frame) {
+  std::vector<std::string> names;
+  for (const SceneObject& object : frame.scene->objects) {
+    const bool dynamic = object.body >= 0;
+    if (dynamic && frame.bodies[static_cast<std::size_t>(object.body)].frozen()) {
+      names.push_back(object.object.name);
+    }
+  }
+  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) {
+    if (IsFrozen(frame, static_cast<int>(i))) names.push_back(frame.scene->robots[i].entry.name);
+  }
+  return names;
+}
+
 Pose RobotPose(const Frame& frame, int index) {
   const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(index)];
   const BodyState& body = frame.bodies[static_cast<std::size_t>(robot.first_body)];

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -15,6 +16,7 @@
 
 #include "server/base/clock.h"
 #include "server/geometry/shape.h"
+#include "server/model/scenario.h"
 #include "server/state/scene.h"
 
 namespace coopdyn {
@@ -93,6 +95,20 @@ struct Frame {
 
 using FramePtr = std::shared_ptr<const Frame>;
 
+/// All that decides how a run goes on: what `save` keeps, a keyframe of a recording holds, and a restore
+/// takes. Immutable once published; any thread.
+struct SavedState {
+  FramePtr frame;                      // exact
+  std::vector<std::byte> controllers;  // ControllerDriver::Save(); empty: nothing is loaded
+  Mode mode = Mode::kRealtime;         // in force then
+  bool paused = false;
+  // What edits after the frame's step have changed; a recording has them as inputs instead.
+  std::optional<Nanoseconds> step_length;  // of steps to come; empty: as in the frame
+  std::vector<Setpoint> setpoints;         // in force, by the scene's channels; empty: likewise
+  std::string warning = {};                // lines: what is to be told when it is put in force
+};
+using SavedStatePtr = std::shared_ptr<const SavedState>;
+
 /// The state hash (docs/formats.md, "Run files"): XXH3-64. Of a frame in playback: the recorded one.
 std::uint64_t StateHash(const Frame& frame);
 /// 16 lower-case hex digits.
@@ -102,6 +118,8 @@ std::string HashText(std::uint64_t hash);
 std::span<const ChannelState> ChannelsOf(const Frame& frame, int index);
 /// Whether robot `index` exploded and is held where it was last sane.
 bool IsFrozen(const Frame& frame, int index);
+/// The things and robots for which that is so.
+std::vector<std::string> FrozenNames(const Frame& frame);
 /// Pose of robot `index`'s frame R in the world.
 Pose RobotPose(const Frame& frame, int index);
 /// Pose of link `link` of robot `index` in the world.

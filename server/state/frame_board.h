@@ -4,7 +4,7 @@
 // pointer copy at most.
 #pragma once
 
-#include <cstdint>
+#include <utility>
 
 #include "server/base/mutex.h"
 #include "server/state/frame.h"
@@ -14,9 +14,18 @@ namespace coopdyn {
 class FrameBoard {
  public:
   /// Makes `frame` the newest. Writer only.
-  void Publish(FramePtr frame) EXCLUDES(mutex_);
+  void Publish(FramePtr frame) EXCLUDES(mutex_) {
+    {
+      const MutexLock lock(mutex_);
+      std::swap(latest_, frame);
+    }
+    // The frame before is let go here, outside the lock: freeing it must not hold up readers.
+  }
   /// The newest frame, or null before the first Publish(). Any thread.
-  FramePtr Latest() const EXCLUDES(mutex_);
+  FramePtr Latest() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return latest_;
+  }
 
  private:
   mutable Mutex mutex_;

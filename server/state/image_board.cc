@@ -2,6 +2,7 @@
 #include "server/state/image_board.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -25,15 +26,8 @@ void Refuse(const ImageDone& done, const std::string& reason) {
 }  // namespace
 
 const char* MediaType(ImageFormat format) {
-  switch (format) {
-    case ImageFormat::kPng:
-      return "image/png";
-    case ImageFormat::kJpeg:
-      return "image/jpeg";
-    case ImageFormat::kRgb:
-      break;
-  }
-  return "application/octet-stream";
+  constexpr std::array kTypes{"image/png", "image/jpeg", "application/octet-stream"};
+  return kTypes[static_cast<std::size_t>(format)];
 }
 
 std::string CheckImageRequest(const ImageRequest& request) {

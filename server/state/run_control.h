@@ -9,11 +9,12 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "server/base/clock.h"
 #include "server/base/mutex.h"
 #include "server/model/scenario.h"
-#include "server/state/phase_times.h"
 
 namespace coopdyn {
 
@@ -25,6 +26,14 @@ enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal };
 const char* ToString(RunEnd end);
 /// "by a signal", "because the recording failed": why a run ended before its duration.
 const char* WhyEarly(RunEnd end);
+
+/// How long the parts of stepping have taken in all, by the wall clock; for `coopdyn bench`.
+struct PhaseTimes {
+  Nanoseconds sense = 0;    // readings for loaded controllers
+  Nanoseconds control = 0;  // loaded controllers, the wait for their process included
+  Nanoseconds physics = 0;
+  Nanoseconds publish = 0;  // making frames
+};
 
 /// What steps cost, in all since the start.
 struct StepLoad {
@@ -82,22 +91,62 @@ class RunControl {
  public:
   static constexpr std::size_t kMaxEvents = 100;
 
-  void SetStatus(RunStatus status) EXCLUDES(mutex_);
-  RunStatus status() const EXCLUDES(mutex_);
+  void SetStatus(RunStatus status) EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    status_ = std::move(status);
+  }
+  RunStatus status() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return status_;
+  }
   /// Of the recording that is played; empty: a live run.
-  void SetPlayback(std::optional<PlaybackStatus> status) EXCLUDES(mutex_);
-  std::optional<PlaybackStatus> playback() const EXCLUDES(mutex_);
-  void AddEvent(Event event) EXCLUDES(mutex_);
-  std::vector<Event> events() const EXCLUDES(mutex_);
+  void SetPlayback(std::optional<PlaybackStatus> status) EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    playback_ = std::move(status);
+  }
+  std::optional<PlaybackStatus> playback() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return playback_;
+  }
+  void AddEvent(Event event) EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    events_.push_back(std::move(event));
+    if (events_.size() > kMaxEvents) events_.pop_front();
+  }
+  std::vector<Event> events() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return {events_.begin(), events_.end()};
+  }
   /// Each robot's last stop since ClearStopped().
-  void AddStopped(const std::string& robot, StoppedRobot stopped) EXCLUDES(mutex_);
-  void ClearStopped() EXCLUDES(mutex_);
-  StoppedRobots stopped() const EXCLUDES(mutex_);
+  void AddStopped(const std::string& robot, StoppedRobot stopped) EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    if (stopped.by == "controller") failed_[robot] = stopped;
+    stopped_[robot] = std::move(stopped);
+  }
+  void ClearStopped() EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    stopped_.clear();
+  }
+  StoppedRobots stopped() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return stopped_;
+  }
   /// For the report: stopped() and, whatever was reset or loaded since, each robot's last failed controller.
-  StoppedRobots stopped_or_failed() const EXCLUDES(mutex_);
+  StoppedRobots stopped_or_failed() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    StoppedRobots robots = failed_;
+    robots.insert(stopped_.begin(), stopped_.end());
+    return robots;
+  }
   /// The run ends. The first reason counts.
-  void End(RunEnd why) EXCLUDES(mutex_);
-  std::optional<RunEnd> end() const EXCLUDES(mutex_);
+  void End(RunEnd why) EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    if (!end_) end_ = why;
+  }
+  std::optional<RunEnd> end() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return end_;
+  }
 
  private:
   mutable Mutex mutex_;

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/state/frame.h"
 #include "server/state/run_control.h"
 #include "server/state/run_input.h"
-#include "server/state/saved_state.h"
 
 namespace coopdyn {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "server/base/mutex.h"
 #include "server/model/scenario.h"
-#include "server/state/scene_cache.h"
 
 namespace coopdyn {
 
@@ -50,6 +50,33 @@ struct SceneActuator {
   std::string module;  // empty: nobody can command it
   int first_channel = 0;
   int channel_count = 0;
+};
+
+/// Values derived from a scene. Freed with the scene.
+struct SceneCache {
+  virtual ~SceneCache() = default;
+};
+
+/// A place on a scene for what others derive from it at first use, e.g. sensing. Any thread.
+class SceneCacheSlot {
+ public:
+  SceneCacheSlot() = default;
+  ~SceneCacheSlot() = default;
+  /// A copy of a scene derives its own.
+  SceneCacheSlot(const SceneCacheSlot& /*other*/) {}
+  SceneCacheSlot& operator=(const SceneCacheSlot&) = delete;
+
+  /// What the first caller's make(), a unique_ptr to a SceneCache, returned. Lives as long as the scene.
+  template <typename Make>
+  const SceneCache& Get(Make make) const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    if (cache_ == nullptr) cache_ = make();
+    return *cache_;
+  }
+
+ private:
+  mutable Mutex mutex_;
+  mutable std::unique_ptr<const SceneCache> cache_ GUARDED_BY(mutex_);
 };
 
 struct Scene {

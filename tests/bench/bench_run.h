@@ -10,7 +10,7 @@
 
 #include "server/base/diagnostics.h"
 #include "server/model/scenario.h"
-#include "server/state/phase_times.h"
+#include "server/state/run_control.h"
 #include "server/state/run_journal.h"
 
 namespace coopdyn {

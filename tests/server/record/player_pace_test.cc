@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/record/player_pace.h"
+#include "server/record/player.h"
 
 #include <gtest/gtest.h>
 

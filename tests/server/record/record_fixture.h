@@ -16,7 +16,7 @@
 #include "server/model/readers.h"
 #include "server/record/run_writer.h"
 #include "server/record/sqlite_db.h"
-#include "server/state/saved_state.h"
+#include "server/state/frame.h"
 #include "tests/server/base/temp_folder.h"
 #include "tests/source_dir.h"
 

@@ -10,7 +10,7 @@
 
 #include "server/model/readers.h"
 #include "server/record/run_writer.h"
-#include "server/state/saved_state.h"
+#include "server/state/frame.h"
 #include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {

@@ -281,8 +281,8 @@ TEST_F(CommandBoardTest, WhatToDoAboutARobotWithoutClientNamesTheOthers) {
 
 TEST_F(CommandBoardTest, EndStepsEndsStepNAloneAndTellsHowManyHaveRun) {
   board_.WaitSteps(9, Note("spectator"));
-  board_.WaitAllowedSteps(5, 5, Note("step 5"));
-  board_.WaitAllowedSteps(12, 7, Note("step 7"));  // after those five
+  board_.WaitSteps(5, Note("step 5"), 5);
+  board_.WaitSteps(12, Note("step 7"), 7);  // after those five
   for (int k = 0; k < 3; ++k) RunStep();
   board_.EndSteps();
   ASSERT_EQ(answers_["step 5"].size(), 1u);
