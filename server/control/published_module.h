@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/naming/name_table.h"
@@ -17,15 +18,32 @@ namespace coopdyn {
 class PublishedModule {
  public:
   /// All outlive it.
-  PublishedModule(std::string name, Endpoint& endpoint, IoThread& io, NetServices& net, NameTable& names);
+  PublishedModule(std::string name, Endpoint& endpoint, IoThread& io, NetServices& net, NameTable& names)
+      : name_(std::move(name)),
+        io_(io),
+        names_(names),
+        server_(std::make_unique<ModuleServer>(io, endpoint, net, name_)) {}
   /// Takes the name away and closes all connections with the notice that the daemon is stopping.
-  ~PublishedModule();
+  ~PublishedModule() {
+    if (listed_) names_.RemoveOwn(name_);
+    io_.Call([this] {
+      server_->CloseAll("the daemon is stopping");
+      server_.reset();
+    });
+  }
   PublishedModule(const PublishedModule&) = delete;
   PublishedModule& operator=(const PublishedModule&) = delete;
 
   /// Listens (no `addresses`: is reached through OPEN only) and lists the name. An error text, empty if all
   /// is well.
-  std::string Open(const std::vector<std::string>& addresses, int port);
+  std::string Open(const std::vector<std::string>& addresses, int port) {
+    if (!addresses.empty()) {
+      const std::string error = server_->Listen(addresses, port);
+      if (!error.empty()) return name_ + ": " + error;
+    }
+    listed_ = names_.AddOwn(name_, server_->port(), server_->adopter());
+    return listed_ ? "" : "the name " + name_ + " is taken";
+  }
   /// 0: reached through OPEN only.
   int port() const { return server_->port(); }
 

@@ -7,14 +7,39 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "server/control/global_module.h"
-#include "server/control/saved_states.h"
 #include "server/model/readers.h"
 #include "server/naming/name_table.h"
 #include "server/state/run_control.h"
 
 namespace coopdyn {
+
+/// The states that `save` has kept, by name.
+class SavedStates {
+ public:
+  static constexpr std::size_t kMaxStates = 100;
+  static constexpr std::size_t kMaxName = 63;
+  /// The name of the start, which is always there.
+  static constexpr std::string_view kStart = "start";
+
+  /// Why nothing can be kept under `name`; empty if it can.
+  std::string Objection(const std::string& name) const;
+  /// @pre no Objection(). Replaces what is called the same.
+  void Keep(const std::string& name, SavedStatePtr state);
+  /// Null if there is none of that name.
+  SavedStatePtr Find(std::string_view name) const;
+  /// In the order in which they were first kept, without the start.
+  const std::vector<std::pair<std::string, SavedStatePtr>>& all() const { return states_; }
+  /// All names with that of the start, separated by blanks.
+  std::string Names() const;
+
+ private:
+  std::vector<std::pair<std::string, SavedStatePtr>> states_;
+};
 
 /// What only the program as a whole can do. Called on the control thread.
 class ControlActions {

@@ -42,14 +42,7 @@ class TeamReadings {
             std::span<double> data) const;
 
  private:
-  enum class Kind { kPose, kDistances, kTargets, kNeighbours, kWheels, kCompass };
-  static const std::vector<std::string>& Words();
-
-  std::size_t ColumnsOf(Kind kind, const Scene& scene, std::size_t sensors) const;
-  void FillOne(Kind kind, const Frame& frame, int robot, std::span<double> columns) const;
-  void FillNeighbours(const Frame& frame, int robot, std::span<double> columns) const;
-
-  std::vector<Kind> kinds_{Kind::kPose, Kind::kDistances};
+  std::vector<std::size_t> kinds_{0, 1};  // places in the list above
   int nearest_ = kDefaultNearest;
 };
 

@@ -184,7 +184,7 @@ void EncodeTargets(const Frame& frame, std::vector<std::byte>& blob) {
 }
 
 bool DecodeFloats(std::span<const std::byte> blob, std::vector<float>& values) {
-  values.assign(blob.size() / sizeof(float), 0);
+  values.assign(blob.size() % sizeof(float) == 0 ? blob.size() / sizeof(float) : 0, 0);
   ByteReader reader(blob);
   for (float& value : values) reader.Number(value);
   return reader.finished();

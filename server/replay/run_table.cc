@@ -25,47 +25,6 @@ PoseValues ToValues(const Pose& X) {
   return {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()};
 }
 
-/// Where the columns are in one scene; -1: not there.
-struct Places {
-  std::shared_ptr<const Scene> scene;
-  std::vector<int> robots, objects, targets;
-  std::vector<int> column_of_robot;         // of each robot of the scene
-  std::vector<std::size_t> first_distance;  // of each robot of the scene
-  std::size_t distances = 0;                // of all its robots
-};
-
-Places FindPlaces(const RunColumns& columns, std::shared_ptr<const Scene> scene) {
-  Places places;
-  std::unordered_map<std::string, int> robots, objects;
-  for (std::size_t i = 0; i < scene->robots.size(); ++i) {
-    robots.emplace(scene->robots[i].entry.name, static_cast<int>(i));
-    places.first_distance.push_back(places.distances);
-    places.distances += scene->robots[i].entry.model->sector_count();
-  }
-  for (std::size_t i = 0; i < scene->objects.size(); ++i) {
-    objects.emplace(scene->objects[i].object.name, static_cast<int>(i));
-  }
-  const auto find = [](const auto& index, const std::string& name) {
-    const auto found = index.find(name);
-    return found == index.end() ? -1 : found->second;
-  };
-  places.column_of_robot.assign(scene->robots.size(), -1);
-  for (std::size_t i = 0; i < columns.robots.size(); ++i) {
-    places.robots.push_back(find(robots, columns.robots[i].name));
-    if (places.robots.back() >= 0)
-      places.column_of_robot[static_cast<std::size_t>(places.robots.back())] = static_cast<int>(i);
-  }
-  for (const std::string& name : columns.objects) places.objects.push_back(find(objects, name));
-  for (const TargetColumn& column : columns.targets) {
-    const auto found = std::find_if(scene->targets.begin(), scene->targets.end(),
-                                    [&](const Target& target) { return target.id == column.id; });
-    places.targets.push_back(
-        found == scene->targets.end() ? -1 : static_cast<int>(found - scene->targets.begin()));
-  }
-  places.scene = std::move(scene);
-  return places;
-}
-
 }  // namespace
 
 bool RowPicker::Takes(Nanoseconds time) {
@@ -107,125 +66,122 @@ bool FillFrame(const RecordedStep& recorded, std::shared_ptr<const Scene> scene,
   return true;
 }
 
-struct RunTable::Impl {
-  explicit Impl(RunReader& reader) : reader(reader) {}
-
-  std::string Choose(const ExportOptions& options);
-  std::string Limit(const ExportOptions& options);
-  const Places* PlacesOf(std::uint64_t scene);
-  /// Whether the set-points of `robot` that no client sent are in the file.
-  bool HasSetpoints(const SceneRobot& robot) const {
-    return reader.header().what.controllers || robot.entry.controller.empty();
+RunTable::Places RunTable::FindPlaces(std::shared_ptr<const Scene> scene) const {
+  Places places;
+  std::unordered_map<std::string, int> robots, objects;
+  for (std::size_t i = 0; i < scene->robots.size(); ++i) {
+    robots.emplace(scene->robots[i].entry.name, static_cast<int>(i));
+    places.first_distance.push_back(places.distances);
+    places.distances += scene->robots[i].entry.model->sector_count();
   }
-  void TakeSetpoints(const SavedState& state);
-  void TakeCommands(const RecordedStep& recorded, const Places& places,
-                    const std::function<void(const CommandRow&)>& use);
-  bool MakeRow(const RecordedStep& recorded, const Places& places);
-  void MakeRobot(const RecordedStep& recorded, const Places& places, std::size_t column);
-  std::string Damage(std::uint64_t step) const;
-  bool InRange(Nanoseconds time) const { return time >= begin && time <= end; }
+  for (std::size_t i = 0; i < scene->objects.size(); ++i) {
+    objects.emplace(scene->objects[i].object.name, static_cast<int>(i));
+  }
+  const auto find = [](const auto& index, const std::string& name) {
+    const auto found = index.find(name);
+    return found == index.end() ? -1 : found->second;
+  };
+  places.column_of_robot.assign(scene->robots.size(), -1);
+  for (std::size_t i = 0; i < columns_.robots.size(); ++i) {
+    places.robots.push_back(find(robots, columns_.robots[i].name));
+    if (places.robots.back() >= 0)
+      places.column_of_robot[static_cast<std::size_t>(places.robots.back())] = static_cast<int>(i);
+  }
+  for (const std::string& name : columns_.objects) places.objects.push_back(find(objects, name));
+  for (const TargetColumn& column : columns_.targets) {
+    const auto found = std::find_if(scene->targets.begin(), scene->targets.end(),
+                                    [&](const Target& target) { return target.id == column.id; });
+    places.targets.push_back(
+        found == scene->targets.end() ? -1 : static_cast<int>(found - scene->targets.begin()));
+  }
+  places.scene = std::move(scene);
+  return places;
+}
 
-  RunReader& reader;
-  RunColumns columns;
-  RunExtent extent;
-  std::uint64_t first = 0, last = 0;  // steps to read
-  Nanoseconds begin = 0, end = 0;     // times to use, both included
-  Nanoseconds every = 0;
-  std::uint64_t steps = 0;  // recorded in that time
-  std::uint64_t max_rows = 0;
-  std::map<std::uint64_t, Places> places_of;  // by scene number
-
-  // While rows are read:
-  std::vector<std::vector<double>> in_force;  // set-points of each robot's channels, by column
-  Frame frame;
-  RunRow row;
-};
-
-std::string RunTable::Impl::Limit(const ExportOptions& options) {
-  extent = reader.extent();
-  begin = extent.begin;
-  end = extent.end;
+std::string RunTable::Limit(const ExportOptions& options) {
+  const RunExtent extent = reader_.extent();
+  begin_ = extent.begin;
+  end_ = extent.end;
   if (options.from_s) {
-    if (std::string error = ToNanoseconds("--from", *options.from_s, begin); !error.empty()) return error;
+    if (std::string error = ToNanoseconds("--from", *options.from_s, begin_); !error.empty()) return error;
   }
   if (options.until_s) {
-    if (std::string error = ToNanoseconds("--until", *options.until_s, end); !error.empty()) return error;
+    if (std::string error = ToNanoseconds("--until", *options.until_s, end_); !error.empty()) return error;
   }
-  if (std::string error = ToNanoseconds("--every", options.every_s, every); !error.empty()) return error;
-  if (every < 0) return "--every: write a time above 0, e.g. 0.1";
+  if (std::string error = ToNanoseconds("--every", options.every_s, every_); !error.empty()) return error;
+  if (every_ < 0) return "--every: write a time above 0, e.g. 0.1";
   const std::string lasts =
       fmt::format("the run lasts from {} to {} s", FormatNumber(ToSeconds(extent.begin)),
                   FormatNumber(ToSeconds(extent.end)));
-  if (begin > end && options.from_s && options.until_s && *options.from_s > *options.until_s) {
+  if (begin_ > end_ && options.from_s && options.until_s && *options.from_s > *options.until_s) {
     return "--from " + FormatNumber(*options.from_s) + " is after --until " + FormatNumber(*options.until_s);
   }
-  if (begin > extent.end) return "--from " + FormatNumber(*options.from_s) + ": " + lasts;
-  if (end < extent.begin) return "--until " + FormatNumber(*options.until_s) + ": " + lasts;
-  const auto from = reader.StepAt(begin, false);
-  if (!from) return reader.error();
-  const auto until = reader.StepAt(end, false);
-  if (!until) return reader.error();
-  first = *from;
-  last = *until;
+  if (begin_ > extent.end) return "--from " + FormatNumber(*options.from_s) + ": " + lasts;
+  if (end_ < extent.begin) return "--until " + FormatNumber(*options.until_s) + ": " + lasts;
+  const auto from = reader_.StepAt(begin_, false);
+  if (!from) return reader_.error();
+  const auto until = reader_.StepAt(end_, false);
+  if (!until) return reader_.error();
+  first_ = *from;
+  last_ = *until;
   return {};
 }
 
-const Places* RunTable::Impl::PlacesOf(std::uint64_t scene) {
-  const auto found = places_of.find(scene);
-  if (found != places_of.end()) return &found->second;
-  std::shared_ptr<const Scene> read = reader.SceneOf(scene);
+const RunTable::Places* RunTable::PlacesOf(std::uint64_t scene) {
+  const auto found = places_of_.find(scene);
+  if (found != places_of_.end()) return &found->second;
+  std::shared_ptr<const Scene> read = reader_.SceneOf(scene);
   if (read == nullptr) return nullptr;
-  return &places_of.emplace(scene, FindPlaces(columns, std::move(read))).first->second;
+  return &places_of_.emplace(scene, FindPlaces(std::move(read))).first->second;
 }
 
-std::string RunTable::Impl::Choose(const ExportOptions& options) {
+std::string RunTable::Choose(const ExportOptions& options) {
   if (std::string error = Limit(options); !error.empty()) return error;
   std::map<std::uint64_t, std::shared_ptr<const Scene>> by_number;
-  const bool whole = reader.ForEach(first, last, true, [&](const RecordedStep& step) {
+  const bool whole = reader_.ForEach(first_, last_, true, [&](const RecordedStep& step) {
     if (!InRange(step.time)) return true;
-    ++steps;
-    if (!by_number.contains(step.scene)) by_number.emplace(step.scene, reader.SceneOf(step.scene));
+    ++steps_;
+    if (!by_number.contains(step.scene)) by_number.emplace(step.scene, reader_.SceneOf(step.scene));
     return by_number[step.scene] != nullptr;
   });
   std::vector<std::shared_ptr<const Scene>> scenes;
   for (const auto& [number, scene] : by_number) {
-    if (scene == nullptr) return reader.error();
+    if (scene == nullptr) return reader_.error();
     scenes.push_back(scene);
   }
-  if (!whole) return reader.error();
-  if (steps == 0) {
-    return fmt::format("there is no recorded step from {} to {} s", FormatNumber(ToSeconds(begin)),
-                       FormatNumber(ToSeconds(end)));
+  if (!whole) return reader_.error();
+  if (steps_ == 0) {
+    return fmt::format("there is no recorded step from {} to {} s", FormatNumber(ToSeconds(begin_)),
+                       FormatNumber(ToSeconds(end_)));
   }
   std::string error;
-  columns = ChooseColumns(scenes, options, error);
-  const Nanoseconds spacing = std::max(every, reader.header().pose_every);
-  max_rows = steps;
-  if (spacing > 0) max_rows = std::min(max_rows, static_cast<std::uint64_t>((end - begin) / spacing) + 2);
+  columns_ = ChooseColumns(scenes, options, error);
+  const Nanoseconds spacing = std::max(every_, reader_.header().pose_every);
+  max_rows_ = steps_;
+  if (spacing > 0) max_rows_ = std::min(max_rows_, static_cast<std::uint64_t>((end_ - begin_) / spacing) + 2);
   return error;
 }
 
-std::string RunTable::Impl::Damage(std::uint64_t step) const {
-  return reader.error().empty() ? fmt::format("step {} does not fit its scene: the file is damaged", step)
-                                : reader.error();
+std::string RunTable::Damage(std::uint64_t step) const {
+  return reader_.error().empty() ? fmt::format("step {} does not fit its scene: the file is damaged", step)
+                                 : reader_.error();
 }
 
-/// Set-points as they are after a keyframe.
-void RunTable::Impl::TakeSetpoints(const SavedState& state) {
+void RunTable::TakeSetpoints(const SavedState& state) {
   const Frame& exact = *state.frame;
-  for (std::size_t i = 0; i < columns.robots.size(); ++i) {
-    std::fill(in_force[i].begin(), in_force[i].end(), kNan);
-    const int place = exact.scene->FindRobot(columns.robots[i].name);
+  for (std::size_t i = 0; i < columns_.robots.size(); ++i) {
+    std::fill(in_force_[i].begin(), in_force_[i].end(), kNan);
+    const int place = exact.scene->FindRobot(columns_.robots[i].name);
     if (place < 0) continue;
     const std::span<const ChannelState> channels = ChannelsOf(exact, place);
-    for (std::size_t k = 0; k < std::min(channels.size(), in_force[i].size()); ++k) {
-      in_force[i][k] = channels[k].setpoint.reference;
+    for (std::size_t k = 0; k < std::min(channels.size(), in_force_[i].size()); ++k) {
+      in_force_[i][k] = channels[k].setpoint.reference;
     }
   }
 }
 
-void RunTable::Impl::TakeCommands(const RecordedStep& recorded, const Places& places,
-                                  const std::function<void(const CommandRow&)>& use) {
+void RunTable::TakeCommands(const RecordedStep& recorded, const Places& places,
+                            const std::function<void(const CommandRow&)>& use) {
   const Scene& scene = *places.scene;
   for (auto next = recorded.commands.begin(); next != recorded.commands.end();) {
     if (next->channel >= scene.channels.size()) return;
@@ -238,36 +194,35 @@ void RunTable::Impl::TakeCommands(const RecordedStep& recorded, const Places& pl
     for (; next != recorded.commands.end() && next->channel < end; ++next) {
       is_known |= next->by_client;
       if (column < 0) continue;
-      std::vector<double>& setpoints = in_force[static_cast<std::size_t>(column)];
+      std::vector<double>& setpoints = in_force_[static_cast<std::size_t>(column)];
       if (next->channel - first < setpoints.size())
         setpoints[next->channel - first] = next->setpoint.reference;
     }
     if (!use || column < 0 || !is_known || !InRange(recorded.time)) continue;
     const auto at = static_cast<std::size_t>(column);
-    use({at, recorded.step, ToSeconds(recorded.time), in_force[at]});
+    use({at, recorded.step, ToSeconds(recorded.time), in_force_[at]});
   }
 }
 
-void RunTable::Impl::MakeRobot(const RecordedStep& recorded, const Places& places, std::size_t column) {
-  RobotValues& values = row.robots[column];
-  const RunColumns& all = columns;
+void RunTable::MakeRobot(const RecordedStep& recorded, const Places& places, std::size_t column) {
+  RobotValues& values = row_.robots[column];
   values.X_WR = kNowhere;
   values.heading_rad = kNan;
-  values.positions.assign(all.robots[column].channels.size(), kNan);
+  values.positions.assign(columns_.robots[column].channels.size(), kNan);
   values.setpoints = values.positions;
-  values.distances_m.assign(all.robots[column].sensors, kNan);
-  values.targets.assign(2 * all.targets.size(), kNan);
+  values.distances_m.assign(columns_.robots[column].sensors, kNan);
+  values.targets.assign(2 * columns_.targets.size(), kNan);
   if (places.robots[column] < 0) return;
   const auto place = static_cast<std::size_t>(places.robots[column]);
   const SceneRobot& robot = places.scene->robots[place];
-  const Pose X_WR = RobotPose(frame, static_cast<int>(place));
+  const Pose X_WR = RobotPose(frame_, static_cast<int>(place));
   values.X_WR = ToValues(X_WR);
   values.heading_rad = WrapAngle(Heading(X_WR.q));
   for (std::size_t i = 0; !recorded.channels.empty() && i < values.positions.size(); ++i) {
     if (i >= static_cast<std::size_t>(robot.channel_count)) break;
     values.positions[i] = recorded.channels[static_cast<std::size_t>(robot.first_channel) + i].position;
   }
-  if (HasSetpoints(robot)) values.setpoints = in_force[column];
+  if (HasSetpoints(robot)) values.setpoints = in_force_[column];
   if (recorded.distances.size() == places.distances) {
     const std::size_t count = robot.entry.model->sector_count();
     for (std::size_t i = 0; i < std::min(count, values.distances_m.size()); ++i)
@@ -283,99 +238,77 @@ void RunTable::Impl::MakeRobot(const RecordedStep& recorded, const Places& place
   }
 }
 
-bool RunTable::Impl::MakeRow(const RecordedStep& recorded, const Places& places) {
-  if (!FillFrame(recorded, places.scene, reader.header(), frame)) return false;
-  row.step = recorded.step;
-  row.time_s = ToSeconds(recorded.time);
-  row.hash = recorded.hash;
-  for (std::size_t i = 0; i < row.robots.size(); ++i) MakeRobot(recorded, places, i);
-  for (std::size_t i = 0; i < row.objects.size(); ++i) {
+bool RunTable::MakeRow(const RecordedStep& recorded, const Places& places) {
+  if (!FillFrame(recorded, places.scene, reader_.header(), frame_)) return false;
+  row_.step = recorded.step;
+  row_.time_s = ToSeconds(recorded.time);
+  row_.hash = recorded.hash;
+  for (std::size_t i = 0; i < row_.robots.size(); ++i) MakeRobot(recorded, places, i);
+  for (std::size_t i = 0; i < row_.objects.size(); ++i) {
     const int place = places.objects[i];
-    row.objects[i] =
+    row_.objects[i] =
         place < 0 ? kNowhere
-                  : ToValues(ObjectPose(frame, places.scene->objects[static_cast<std::size_t>(place)]));
+                  : ToValues(ObjectPose(frame_, places.scene->objects[static_cast<std::size_t>(place)]));
   }
   return true;
 }
 
 std::unique_ptr<RunTable> RunTable::Make(RunReader& reader, const ExportOptions& options,
                                          std::string& error) {
-  auto impl = std::make_unique<Impl>(reader);
-  error = impl->Choose(options);
-  if (!error.empty()) return nullptr;
-  return std::unique_ptr<RunTable>(new RunTable(std::move(impl)));
-}
-
-RunTable::RunTable(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-RunTable::~RunTable() = default;
-
-const RunColumns& RunTable::columns() const {
-  return impl_->columns;
-}
-
-const RecordWhat& RunTable::what() const {
-  return impl_->reader.header().what;
-}
-
-std::uint64_t RunTable::max_rows() const {
-  return impl_->max_rows;
+  std::unique_ptr<RunTable> table(new RunTable(reader));
+  error = table->Choose(options);
+  return error.empty() ? std::move(table) : nullptr;
 }
 
 std::string RunTable::ReadEvents(std::vector<Event>& events) {
-  events = impl_->reader.Events();
-  if (!impl_->reader.error().empty()) return impl_->reader.error();
-  const double begin_s = ToSeconds(impl_->begin), end_s = ToSeconds(impl_->end);
+  events = reader_.Events();
+  if (!reader_.error().empty()) return reader_.error();
+  const double begin_s = ToSeconds(begin_), end_s = ToSeconds(end_);
   std::erase_if(events, [&](const Event& e) { return e.time_s < begin_s || e.time_s > end_s; });
   return {};
 }
 
 std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) {
-  Impl& run = *impl_;
   constexpr std::uint64_t kStepsPerReport = 32;
-  run.row.robots.resize(run.columns.robots.size());
-  run.row.objects.resize(run.columns.objects.size());
-  run.in_force.clear();
-  for (const RobotColumn& robot : run.columns.robots) run.in_force.emplace_back(robot.channels.size(), kNan);
-  if (std::string damage = WhyDamaged(run.reader, run.first, run.last); !damage.empty()) return damage;
-  const SavedStatePtr keyframe = run.reader.Keyframe(run.first);
-  if (keyframe == nullptr) return run.Damage(run.first);
-  run.TakeSetpoints(*keyframe);
+  row_.robots.resize(columns_.robots.size());
+  row_.objects.resize(columns_.objects.size());
+  in_force_.clear();
+  for (const RobotColumn& robot : columns_.robots) in_force_.emplace_back(robot.channels.size(), kNan);
+  if (std::string damage = WhyDamaged(reader_, first_, last_); !damage.empty()) return damage;
+  const SavedStatePtr keyframe = reader_.Keyframe(first_);
+  if (keyframe == nullptr) return Damage(first_);
+  TakeSetpoints(*keyframe);
 
   std::string error;
-  RowPicker picker(run.every);
+  RowPicker picker(every_);
   std::uint64_t expected = keyframe->frame->step, done = 0;
+  const auto fail = [&](std::uint64_t step) {
+    error = Damage(step);
+    return false;
+  };
   const auto use = [&](const RecordedStep& recorded) {
-    const Places* places = run.PlacesOf(recorded.scene);
-    if (places == nullptr) {
-      error = run.Damage(recorded.step);
-      return false;
-    }
+    const Places* places = PlacesOf(recorded.scene);
+    if (places == nullptr) return fail(recorded.step);
     if (recorded.step != expected) {  // steps were lost, and commands with them; then a keyframe follows
-      const SavedStatePtr next = run.reader.Keyframe(recorded.step);
-      if (next == nullptr) {
-        error = run.Damage(recorded.step);
-        return false;
-      }
-      if (next->frame->step == recorded.step) run.TakeSetpoints(*next);
+      const SavedStatePtr next = reader_.Keyframe(recorded.step);
+      if (next == nullptr) return fail(recorded.step);
+      if (next->frame->step == recorded.step) TakeSetpoints(*next);
     }
     expected = recorded.step + 1;
-    run.TakeCommands(recorded, *places, uses.command);
-    if (!run.InRange(recorded.time)) return true;
+    TakeCommands(recorded, *places, uses.command);
+    if (!InRange(recorded.time)) return true;
     const bool shown = !recorded.bodies.empty() || places->scene->body_ids.empty();
     if (shown && picker.Takes(recorded.time)) {
-      if (!run.MakeRow(recorded, *places)) {
-        error = run.Damage(recorded.step);
-        return false;
-      }
-      uses.row(run.row);
+      if (!MakeRow(recorded, *places)) return fail(recorded.step);
+      uses.row(row_);
     }
     const double share =
-        static_cast<double>(++done) / static_cast<double>(std::max<std::uint64_t>(run.steps, 1));
+        static_cast<double>(++done) / static_cast<double>(std::max<std::uint64_t>(steps_, 1));
     if (done % kStepsPerReport == 0 && progress && !progress(std::min(share, 1.0))) error = kExportStopped;
     return error.empty();
   };
-  if (!run.reader.ForEach(keyframe->frame->step, run.last, false, use) && error.empty()) {
-    error = run.Damage(run.last);
+  if (!reader_.ForEach(keyframe->frame->step, last_, false, use) && error.empty()) {
+    error = Damage(last_);
   }
   return error;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -52,13 +53,12 @@ class RunTable {
   /// the file's name, or the damage).
   /// @pre LoadScenario() of the reader went well
   static std::unique_ptr<RunTable> Make(RunReader& reader, const ExportOptions& options, std::string& error);
-  ~RunTable();
 
-  const RunColumns& columns() const;
+  const RunColumns& columns() const { return columns_; }
   /// What was recorded.
-  const RecordWhat& what() const;
+  const RecordWhat& what() const { return reader_.header().what; }
   /// No more rows than this; they are not counted exactly before they are read.
-  std::uint64_t max_rows() const;
+  std::uint64_t max_rows() const { return max_rows_; }
   /// Events of the time range, in order. An error text if they cannot be read.
   std::string ReadEvents(std::vector<Event>& events);
 
@@ -70,9 +70,48 @@ class RunTable {
   std::string ForEach(const Uses& uses, const ExportProgress& progress);
 
  private:
-  struct Impl;
-  explicit RunTable(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  /// Where the columns are in one scene; -1: not there.
+  struct Places {
+    std::shared_ptr<const Scene> scene;
+    std::vector<int> robots, objects, targets;
+    std::vector<int> column_of_robot;         // of each robot of the scene
+    std::vector<std::size_t> first_distance;  // of each robot of the scene
+    std::size_t distances = 0;                // of all its robots
+  };
+
+  explicit RunTable(RunReader& reader) : reader_(reader) {}
+
+  // The first three return what is wrong; empty: nothing.
+  std::string Choose(const ExportOptions& options);
+  std::string Limit(const ExportOptions& options);
+  std::string Damage(std::uint64_t step) const;
+  Places FindPlaces(std::shared_ptr<const Scene> scene) const;
+  const Places* PlacesOf(std::uint64_t scene);
+  /// Whether the set-points of `robot` that no client sent are in the file.
+  bool HasSetpoints(const SceneRobot& robot) const {
+    return what().controllers || robot.entry.controller.empty();
+  }
+  /// Set-points as they are after a keyframe.
+  void TakeSetpoints(const SavedState& state);
+  void TakeCommands(const RecordedStep& recorded, const Places& places,
+                    const std::function<void(const CommandRow&)>& use);
+  bool MakeRow(const RecordedStep& recorded, const Places& places);
+  void MakeRobot(const RecordedStep& recorded, const Places& places, std::size_t column);
+  bool InRange(Nanoseconds time) const { return time >= begin_ && time <= end_; }
+
+  RunReader& reader_;
+  RunColumns columns_;
+  std::uint64_t first_ = 0, last_ = 0;  // steps to read
+  Nanoseconds begin_ = 0, end_ = 0;     // times to use, both included
+  Nanoseconds every_ = 0;
+  std::uint64_t steps_ = 0;  // recorded in that time
+  std::uint64_t max_rows_ = 0;
+  std::map<std::uint64_t, Places> places_of_;  // by scene number
+
+  // While rows are read:
+  std::vector<std::vector<double>> in_force_;  // set-points of each robot's channels, by column
+  Frame frame_;
+  RunRow row_;
 };
 
 /// Takes one row per `every`, counted from the first that it is shown; all if `every` is 0.

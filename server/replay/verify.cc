@@ -44,8 +44,8 @@ class Verifier {
     Conclude();
     const std::string origin = OtherOrigin(reader_.header());
     report_.warning = origin.empty() ? "" : reader_.file() + " was " + origin;
-    if (!run_.warning().empty()) Warn(run_.warning());
-    if (!head_.empty() && !head_said_) Warn(reader_.file() + ": " + head_);
+    AddLine(run_.warning(), report_.warning);
+    if (!head_.empty() && !head_said_) AddLine(reader_.file() + ": " + head_, report_.warning);
     return std::move(report_);
   }
 
@@ -62,7 +62,6 @@ class Verifier {
 
   /// A row that is not as it was written.
   bool Differs(const ChainDamage& damage) { return Differs(DifferenceOf(damage, reader_)); }
-  void Warn(const std::string& line) { report_.warning += (report_.warning.empty() ? "" : "\n") + line; }
 
   /// What can only be said at the end.
   void Conclude() {
@@ -209,8 +208,7 @@ class Verifier {
   /// A command that no recorder writes: one to a part of an actuator, one that changes nothing and comes from
   /// nobody, or a client's to a robot that a controller drives.
   std::optional<Difference> FindImpossible(const RecordedStep& step) const {
-    const Frame& frame = *run_.frame();
-    const Scene& scene = *frame.scene;
+    const Scene& scene = *run_.frame()->scene;
     const std::span<const Setpoint> in_force = run_.recorded_setpoints();
     for (auto next = step.commands.begin(); next != step.commands.end();) {
       if (next->channel >= in_force.size()) return std::nullopt;  // Step() says so
@@ -227,13 +225,15 @@ class Verifier {
       const bool idle = !first.by_client && !driven && !changes;
       if (whole && !idle && !(driven && first.by_client)) continue;
       const auto robot = static_cast<std::size_t>(actuator.robot);
-      Difference difference = DifferenceAt(frame, scene.robots[robot].entry.name, "command");
-      difference.step = difference.value_step = step.step;
-      difference.time = step.time;
-      difference.recorded = !whole ? "a part of one" : idle ? "of nobody, without effect" : "of a client";
-      difference.repeated =
-          !whole || idle ? "such a command is not recorded" : "a loaded controller drives it";
-      difference.exact = true;
+      Difference difference{
+          step.step,
+          step.time,
+          scene.robots[robot].entry.name,
+          "command",
+          !whole ? "a part of one"
+          : idle ? "of nobody, without effect"
+                 : "of a client",
+          !whole || idle ? "such a command is not recorded" : "a loaded controller drives it"};
       difference.note = "what is recorded of this command is damaged";
       return difference;
     }
@@ -271,16 +271,13 @@ class Verifier {
     const std::vector<std::byte> repeated = run_.Save().controllers;
     const auto [a, b] = std::mismatch(recorded.begin(), recorded.end(), repeated.begin(), repeated.end());
     if (a == recorded.end() && b == repeated.end()) return std::nullopt;
-    Difference difference = DifferenceAt(*run_.frame(), "loaded controllers", "saved_state");
     const auto worded = [](auto at, auto end, std::size_t place) {
       return at == end ? fmt::format("ends after {} bytes", place)
                        : fmt::format("byte {} is {}", place, std::to_integer<int>(*at));
     };
     const auto place = static_cast<std::size_t>(a - recorded.begin());
-    difference.recorded = worded(a, recorded.end(), place);
-    difference.repeated = worded(b, repeated.end(), place);
-    difference.exact = true;
-    return difference;
+    return DifferenceAt(*run_.frame(), "loaded controllers", "saved_state", worded(a, recorded.end(), place),
+                        worded(b, repeated.end(), place));
   }
 
   /// What it is in `failed_`, the step that frame() is of, whose hash differs; looks up to `to` for it.
@@ -289,13 +286,12 @@ class Verifier {
     failed_.reset();
     const Frame& frame = *run_.frame();
     std::string note = CommandsOf(failed, *frame.scene);
-    Difference nothing = DifferenceAt(frame, "the state", "hash");
-    nothing.recorded = HashText(failed.hash);
-    nothing.repeated = HashText(StateHash(frame));
-    nothing.exact = true;
+    Difference nothing =
+        DifferenceAt(frame, "the state", "hash", HashText(failed.hash), HashText(StateHash(frame)));
     std::optional<Difference> found = FindVisible(failed.step);
     if (!found && to > failed.step) found = Follow(failed.step, to, keyframe, note);
     Difference difference = found ? std::move(*found) : std::move(nothing);
+    if (difference.step != failed.step) difference.value_step = difference.step;
     difference.step = failed.step;
     difference.time = failed.time;
     difference.note = std::move(note);
@@ -362,8 +358,7 @@ VerifyReport Verify(RunReader& reader, const ReplayServices& services, const Pro
   Diagnostics diagnostics;
   if (reader.LoadScenario(services.path, diagnostics) == nullptr) {
     VerifyReport report;
-    report.error =
-        reader.file() + " cannot be repeated, its scenario does not load:\n" + diagnostics.ToString();
+    report.error = CannotLoadText(reader, diagnostics);
     std::string none;
     const auto chain = RunChain::Open(reader.file(), none);
     const std::string head = chain == nullptr ? "" : chain->CheckHead();

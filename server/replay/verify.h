@@ -18,10 +18,10 @@ struct Difference {
   std::string what;        // "robot1.chassis", "robot2"
   std::string field;       // "x_m", "setpoint_left_rad_s", …; `hash` if nothing that is recorded tells more
   std::string recorded, repeated;  // the values, exact as far as `exact`; 17 digits
+  bool exact = true;               // false: the recorded one is a rounding (a pose between two keyframes)
   bool of_file = false;            // `what` is a row of the file that is not as it was written
-  bool exact = false;              // false: the recorded one is a rounding (a pose between two keyframes)
-  std::uint64_t value_step = 0;    // of the values: `step`, or a later one where the difference shows first
-  std::string note;                // for people, e.g. which commands came in force with this step; or empty
+  std::uint64_t value_step = 0;    // of the values: a later one, where the difference shows first; 0: `step`
+  std::string note = {};           // for people, e.g. which commands came in force with this step; or empty
   std::string recorded_is = "recorded", repeated_is = "repeated";  // whose values they are: names of two runs
 };
 

@@ -10,18 +10,17 @@ namespace coopdyn {
 
 Difference DifferenceOf(const ChainDamage& damage, RunReader& reader) {
   const RunExtent extent = reader.extent();
-  Difference difference;
-  difference.step = difference.value_step = damage.step;
   const std::uint64_t step = std::min(damage.step, extent.last);
   std::optional<RecordedStep> row = reader.Read(step, true);
   if (!row) row = reader.Read(reader.NextShown(step, true).value_or(extent.first), true);  // it was lost
-  difference.time = row ? row->time : extent.begin;
-  difference.what = damage.what;
-  difference.field = damage.field;
-  difference.recorded = damage.recorded;
-  difference.repeated = damage.computed;
-  difference.exact = true;
-  difference.of_file = true;
+  Difference difference{damage.step,
+                        row ? row->time : extent.begin,
+                        damage.what,
+                        damage.field,
+                        damage.recorded,
+                        damage.computed,
+                        true,
+                        true};
   difference.repeated_is = "computed";
   if (damage.field == "row") {
     difference.note = "it was taken out after it was written, or the row after it was put in";
@@ -29,8 +28,7 @@ Difference DifferenceOf(const ChainDamage& damage, RunReader& reader) {
   }
   difference.note =
       "it is not as it was written, or one before it was taken out, put in or moved; nothing that was "
-      "repeated "
-      "differs";
+      "repeated differs";
   if (step > extent.first && step == damage.step && !reader.Read(step - 1, true)) {
     difference.note += fmt::format("; there is no row of step {}", step - 1);
   }

@@ -113,14 +113,12 @@ std::string CommandCompare::ToString() const {
 std::optional<Difference> FindStepLength(RunReader& one, RunReader& other, std::uint64_t step) {
   const std::optional<Nanoseconds> ours = StepLength(one, step), theirs = StepLength(other, step);
   if (!ours || !theirs || *ours == *theirs) return std::nullopt;
-  Difference difference;
-  difference.step = difference.value_step = step;
-  difference.what = "the step";
-  difference.field = "length_s";
-  difference.recorded = fmt::format("{}", ToSeconds(*ours));
-  difference.repeated = fmt::format("{}", ToSeconds(*theirs));
-  difference.exact = true;
-  return difference;
+  return Difference{step,
+                    0,
+                    "the step",
+                    "length_s",
+                    fmt::format("{}", ToSeconds(*ours)),
+                    fmt::format("{}", ToSeconds(*theirs))};
 }
 
 /// The first input after steps first…last, of those that decide what a step gives, which is not in both
@@ -139,10 +137,6 @@ std::string InputsThatDiffer(RunReader& one, RunReader& other, std::uint64_t fir
   }
   return fmt::format("the first input that differs: {} {}, {} {}", one.file(), Worded(mine), other.file(),
                      Worded(yours));
-}
-
-void Warn(const std::string& line, VerifyReport& report) {
-  report.warning += (report.warning.empty() ? "" : "\n") + line;
 }
 
 /// The hashes of steps first…last. False if the file is damaged.
@@ -176,7 +170,7 @@ FramePtr ExactFrame(RunReader& reader, std::uint64_t step, const ReplayServices&
                        parted, reader.file()) +
            (said.empty() ? "" : "\n" + said);
   }
-  if (!said.empty()) warning += (warning.empty() ? "" : "\n") + said;
+  AddLine(said, warning);
   return run.frame();
 }
 
@@ -196,7 +190,7 @@ std::string SpanOf(RunReader& reader) {
 bool Load(RunReader& reader, const ReplayServices& services, std::string& error) {
   Diagnostics diagnostics;
   if (reader.LoadScenario(services.path, diagnostics) != nullptr) return true;
-  error = reader.file() + " cannot be repeated, its scenario does not load:\n" + diagnostics.ToString();
+  error = CannotLoadText(reader, diagnostics);
   return false;
 }
 
@@ -207,13 +201,7 @@ VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, cons
                                 one.file() + ", " + other.header().scenario_name + " in " + other.file();
   const bool same_texts = SameTexts(one.header(), other.header());
   std::string why;
-  Difference difference;
-  difference.step = difference.value_step = at.step;
-  difference.what = "the state";
-  difference.field = "hash";
-  difference.recorded = HashText(at.hash);
-  difference.repeated = HashText(there.hash);
-  difference.exact = true;
+  Difference difference{at.step, 0, "the state", "hash", HashText(at.hash), HashText(there.hash)};
   FramePtr ours, theirs;
   if (Load(one, services, why) && Load(other, services, why)) {
     ours = ExactFrame(one, at.step, services, why, report.warning);
@@ -221,8 +209,7 @@ VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, cons
   }
   if (theirs != nullptr) {
     if (ours->bodies.size() != theirs->bodies.size() || ours->channels.size() != theirs->channels.size() ||
-        ours->scene->robots.size() != theirs->scene->robots.size() ||
-        ours->channels.size() != theirs->channels.size()) {
+        ours->scene->robots.size() != theirs->scene->robots.size()) {
       report.error = fmt::format(
           "{} and {} are different runs from the start on: {} moving bodies and {} robots (scenario {}), {} "
           "and {} (scenario {})",
@@ -235,7 +222,7 @@ VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, cons
     if (auto found = FindExact(*ours, *theirs)) difference = std::move(*found);
   }
   if (auto length = FindStepLength(one, other, at.step)) difference = std::move(*length);
-  if (!same_texts) Warn(scenarios, report);
+  if (!same_texts) AddLine(scenarios, report.warning);
   const std::optional<RecordedStep> mine = one.Read(at.step, true), yours = other.Read(at.step, true);
   if (mine) difference.time = mine->time;
   difference.note = why;
@@ -288,13 +275,13 @@ VerifyReport CompareSteps(RunReader& one, RunReader& other, const ReplayServices
     return report;
   }
   if (!SameTexts(one.header(), other.header())) {
-    Warn("their scenarios differ, though nothing that moves does", report);
+    AddLine("their scenarios differ, though nothing that moves does", report.warning);
   }
   report.not_verified = last - first - std::min(last - first, report.steps);
   if (a.last != b.last || a.first != b.first) {
-    Warn(fmt::format("they are compared where both have steps, {} to {}: {}, {}", first, last, SpanOf(one),
-                     SpanOf(other)),
-         report);
+    AddLine(fmt::format("they are compared where both have steps, {} to {}: {}, {}", first, last, SpanOf(one),
+                        SpanOf(other)),
+            report.warning);
   }
   return report;
 }
@@ -317,19 +304,18 @@ VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& ser
       });
   std::string damage;
   for (const auto& check : checks) {
-    const std::string found = check->Finish();
-    damage += (damage.empty() || found.empty() ? "" : "\n") + found;
+    AddLine(check->Finish(), damage);
   }
   const bool equal = report.error.empty() && !report.difference;
   if (damage.empty()) {
     // Only now is it known that what is recorded of commands is what came.
-    if (const std::string said = commands.ToString(); equal && !said.empty()) Warn(said, report);
+    if (equal) AddLine(commands.ToString(), report.warning);
     return report;
   }
   if (equal) {
     report.error = damage + "\napart from that, " + StepsAre(report.steps) + " equal";
   } else {
-    Warn(damage, report);
+    AddLine(damage, report.warning);
   }
   return report;
 }

@@ -7,7 +7,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "server/record/pose_codec.h"
@@ -29,67 +32,42 @@ std::string Exact(double value) {
   return fmt::format("{:.17g}", value);
 }
 
-/// A number of a body, as far as it is exact.
-struct Field {
-  const char* name;
-  double value;
-};
+/// The numbers of a body, as they lie in memory (state_hash.cc makes sure of that).
+constexpr std::array kBodyFields{
+    "x_m",  "y_m",  "z_m",  "qw",   "qx",   "qy",     "qz",     "R_11",   "R_12",     "R_13",     "R_21",
+    "R_22", "R_23", "R_31", "R_32", "R_33", "vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s"};
+using BodyNumbers = std::array<double, kBodyFields.size()>;
 
-std::vector<Field> FieldsOf(const BodyState& body) {
-  const auto& R = body.R_WB;
-  return {{"x_m", body.p_WB.x()},
-          {"y_m", body.p_WB.y()},
-          {"z_m", body.p_WB.z()},
-          {"qw", body.q_WB[0]},
-          {"qx", body.q_WB[1]},
-          {"qy", body.q_WB[2]},
-          {"qz", body.q_WB[3]},
-          {"R_11", R[0]},
-          {"R_12", R[1]},
-          {"R_13", R[2]},
-          {"R_21", R[3]},
-          {"R_22", R[4]},
-          {"R_23", R[5]},
-          {"R_31", R[6]},
-          {"R_32", R[7]},
-          {"R_33", R[8]},
-          {"vx_m_s", body.v_WB.x()},
-          {"vy_m_s", body.v_WB.y()},
-          {"vz_m_s", body.v_WB.z()},
-          {"wx_rad_s", body.w_WB.x()},
-          {"wy_rad_s", body.w_WB.y()},
-          {"wz_rad_s", body.w_WB.z()}};
+BodyNumbers NumbersOf(const BodyState& body) {
+  BodyNumbers numbers;
+  std::memcpy(numbers.data(), &body, sizeof numbers);
+  return numbers;
 }
 
 /// Sets the values if they differ.
-bool Differs(double recorded, double repeated, Difference& difference) {
-  if (SameBits(recorded, repeated)) return false;
-  difference.recorded = Exact(recorded);
-  difference.repeated = Exact(repeated);
-  difference.exact = true;
-  return true;
-}
-
 template <typename Number>
-bool Differs(Number recorded, Number repeated, Difference& difference)
-  requires(std::integral<Number>)
-{
-  if (recorded == repeated) return false;
-  difference.recorded = std::to_string(recorded);
-  difference.repeated = std::to_string(repeated);
-  difference.exact = true;
+bool Differs(Number recorded, Number repeated, Difference& difference) {
+  if constexpr (std::is_same_v<Number, double>) {
+    if (SameBits(recorded, repeated)) return false;
+    difference.recorded = Exact(recorded);
+    difference.repeated = Exact(repeated);
+  } else {
+    if (recorded == repeated) return false;
+    difference.recorded = std::to_string(recorded);
+    difference.repeated = std::to_string(repeated);
+  }
   return true;
 }
 
 std::optional<Difference> FindBody(const Frame& recorded, const Frame& repeated) {
   for (std::size_t i = 0; i < recorded.bodies.size(); ++i) {
     const BodyState &a = recorded.bodies[i], &b = repeated.bodies[i];
-    const std::vector<Field> ours = FieldsOf(a), theirs = FieldsOf(b);
+    const BodyNumbers ours = NumbersOf(a), theirs = NumbersOf(b);
     Difference difference = DifferenceAt(repeated, "", "sleep_counter");
     bool differs = Differs(a.sleep_counter, b.sleep_counter, difference);
     for (std::size_t k = ours.size(); k-- > 0;) {  // the first one last
-      if (!Differs(ours[k].value, theirs[k].value, difference)) continue;
-      difference.field = ours[k].name;
+      if (!Differs(ours[k], theirs[k], difference)) continue;
+      difference.field = kBodyFields[k];
       differs = true;
     }
     if (!differs) continue;
@@ -99,18 +77,16 @@ std::optional<Difference> FindBody(const Frame& recorded, const Frame& repeated)
   return std::nullopt;
 }
 
-/// A difference of channel `channel` of the robots in `frame`.
-Difference ChannelDiffers(const Frame& frame, std::size_t channel) {
-  const auto robot = static_cast<std::size_t>(frame.scene->channels[channel].robot);
-  return DifferenceAt(frame, frame.scene->robots[robot].entry.name, "");
+/// The name of the robot of `channel`.
+const std::string& RobotOf(const Scene& scene, std::size_t channel) {
+  return scene.robots[static_cast<std::size_t>(scene.channels[channel].robot)].entry.name;
 }
 
 std::optional<Difference> FindMotion(const Frame& recorded, const Frame& repeated) {
   for (std::size_t i = 0; i < recorded.channels.size(); ++i) {
     const ChannelState &a = recorded.channels[i], &b = repeated.channels[i];
-    Difference difference = ChannelDiffers(repeated, i);
     const std::string name = ChannelName(*repeated.scene, i);
-    difference.field = name + "_rad";
+    Difference difference = DifferenceAt(repeated, RobotOf(*repeated.scene, i), name + "_rad");
     if (Differs(a.position, b.position, difference)) return difference;
     difference.field = name + "_rad_s";
     if (Differs(a.velocity, b.velocity, difference)) return difference;
@@ -154,78 +130,60 @@ std::optional<Difference> FindMessage(std::span<const SentMessage> recorded,
     }
     const SentMessage& first = a != nullptr ? *a : *b;
     const std::vector<SceneRobot>& robots = frame.scene->robots;
-    Difference difference = DifferenceAt(
-        frame, first.robot < robots.size() ? robots[first.robot].entry.name : "no robot", "broadcast");
-    difference.recorded = Worded(a);
-    difference.repeated = Worded(b);
-    difference.exact = true;
-    return difference;
+    return DifferenceAt(frame, first.robot < robots.size() ? robots[first.robot].entry.name : "no robot",
+                        "broadcast", Worded(a), Worded(b));
   }
   return std::nullopt;
 }
 
-/// Readings of `frame` as a recording has them.
-std::vector<float> ReadingsOf(const Frame& frame, void (*encode)(const Frame&, std::vector<std::byte>&)) {
+/// The first of `recorded` that is not what `encode` makes of `frame`. `name` gives the robot of the reading
+/// at a place, and what it is called.
+template <typename Name>
+std::optional<Difference> FindReading(const std::vector<float>& recorded, const Frame& frame,
+                                      void (*encode)(const Frame&, std::vector<std::byte>&), Name name) {
+  if (recorded.empty()) return std::nullopt;
   std::vector<std::byte> blob;
   encode(frame, blob);
-  std::vector<float> readings;
-  DecodeFloats(blob, readings);
-  return readings;
-}
-
-/// The place of the first reading that differs.
-std::optional<std::size_t> FindReading(const std::vector<float>& recorded,
-                                       const std::vector<float>& repeated) {
+  std::vector<float> repeated;
+  DecodeFloats(blob, repeated);
   const auto same = [](float a, float b) {
     return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
   };
   const auto [ours, theirs] =
       std::mismatch(repeated.begin(), repeated.end(), recorded.begin(), recorded.end(), same);
   if (ours == repeated.end() && theirs == recorded.end()) return std::nullopt;
-  return static_cast<std::size_t>(ours - repeated.begin());
-}
-
-/// Reading `place`, called `field`, which is one of `robot`.
-Difference ReadingDiffers(const std::vector<float>& recorded, const std::vector<float>& repeated,
-                          const Frame& frame, std::size_t place, std::size_t robot, std::string field) {
+  const auto worded = [](auto at, auto end) { return at == end ? "none" : fmt::format("{}", *at); };
+  std::pair<std::size_t, std::string> reading = name(static_cast<std::size_t>(ours - repeated.begin()));
   const std::vector<SceneRobot>& robots = frame.scene->robots;
-  Difference difference = robot < robots.size()
-                              ? DifferenceAt(frame, robots[robot].entry.name, std::move(field))
-                              : DifferenceAt(frame, "the readings", "after those of the last robot");
-  const auto worded = [place](const std::vector<float>& readings) {
-    return place < readings.size() ? fmt::format("{}", readings[place]) : "none";
-  };
-  difference.recorded = worded(recorded);
-  difference.repeated = worded(repeated);
-  return difference;
+  const bool is_of_robot = reading.first < robots.size();
+  return DifferenceAt(frame, is_of_robot ? robots[reading.first].entry.name : "the readings",
+                      is_of_robot ? std::move(reading.second) : "after those of the last robot",
+                      worded(theirs, recorded.end()), worded(ours, repeated.end()), false);
 }
 
 std::optional<Difference> FindDistance(const std::vector<float>& recorded, const Frame& frame) {
-  const std::vector<float> repeated = ReadingsOf(frame, EncodeDistances);
-  const std::optional<std::size_t> place = FindReading(recorded, repeated);
-  if (!place) return std::nullopt;
-  const std::vector<SceneRobot>& robots = frame.scene->robots;
-  std::size_t robot = 0, sensor = *place;
-  for (; robot < robots.size(); ++robot) {
-    const std::size_t sensors = robots[robot].entry.model->sector_count();
-    if (sensor < sensors) break;
-    sensor -= sensors;
-  }
-  return ReadingDiffers(recorded, repeated, frame, *place, robot, fmt::format("d{}_m", sensor + 1));
+  return FindReading(recorded, frame, EncodeDistances, [&frame](std::size_t sensor) {
+    std::size_t robot = 0;
+    for (const SceneRobot& of : frame.scene->robots) {
+      if (sensor < of.entry.model->sector_count()) break;
+      sensor -= of.entry.model->sector_count();
+      ++robot;
+    }
+    return std::pair(robot, fmt::format("d{}_m", sensor + 1));
+  });
 }
 
 std::optional<Difference> FindTarget(const std::vector<float>& recorded, const Frame& frame) {
-  const std::vector<float> repeated = ReadingsOf(frame, EncodeTargets);
-  const std::optional<std::size_t> place = FindReading(recorded, repeated);
-  if (!place) return std::nullopt;
-  const std::vector<Target>& targets = frame.scene->targets;
-  const std::size_t each = 2 * std::max<std::size_t>(targets.size(), 1);  // readings of a robot
-  std::string field = *place % 2 == 0 ? "_distance_m" : "_bearing_rad";
-  std::string error;
-  for (const TargetColumn& column : ChooseColumns(std::span(&frame.scene, 1), {}, error).targets) {
-    if (column.id == targets[*place % each / 2].id) field.insert(0, column.label);
-  }
-  return ReadingDiffers(recorded, repeated, frame, *place, *place / each, std::move(field));
+  return FindReading(recorded, frame, EncodeTargets, [&frame](std::size_t place) {
+    const std::vector<Target>& targets = frame.scene->targets;
+    const std::size_t each = 2 * std::max<std::size_t>(targets.size(), 1);  // readings of a robot
+    std::string field = place % 2 == 0 ? "_distance_m" : "_bearing_rad";
+    std::string error;
+    for (const TargetColumn& column : ChooseColumns(std::span(&frame.scene, 1), {}, error).targets) {
+      if (column.id == targets[place % each / 2].id) field.insert(0, column.label);
+    }
+    return std::pair(place / each, std::move(field));
+  });
 }
 
 /// What is recorded of the channels' motion.
@@ -238,14 +196,11 @@ std::optional<Difference> FindRecordedMotion(const RecordedStep& step, const Fra
   const auto [ours, theirs] = std::mismatch(repeated.begin(), repeated.end(), step.channels.begin());
   if (ours == repeated.end()) return std::nullopt;
   const auto channel = static_cast<std::size_t>(ours - repeated.begin());
-  Difference difference = ChannelDiffers(frame, channel);
-  difference.field = ChannelName(*frame.scene, channel);
   const auto worded = [](const ChannelMotion& motion) {
     return fmt::format("{:.5f} rad, {} rad/s", motion.position, motion.velocity);
   };
-  difference.recorded = worded(*theirs);
-  difference.repeated = worded(*ours);
-  return difference;
+  return DifferenceAt(frame, RobotOf(*frame.scene, channel), ChannelName(*frame.scene, channel),
+                      worded(*theirs), worded(*ours), false);
 }
 
 std::optional<Difference> FindRecordedPose(const RecordedStep& step, const Frame& frame) {
@@ -259,21 +214,16 @@ std::optional<Difference> FindRecordedPose(const RecordedStep& step, const Frame
   };
   if (std::equal(repeated.begin(), repeated.end(), step.bodies.begin(), same)) return std::nullopt;
   if (auto found = FindPose(step.bodies, frame)) return found;
-  Difference difference = DifferenceAt(frame, "the recorded poses", "rounding");
-  difference.recorded = "other bits";
-  difference.repeated = "those of the exact state";
-  return difference;
+  return DifferenceAt(frame, "the recorded poses", "rounding", "other bits", "those of the exact state",
+                      false);
 }
 
 }  // namespace
 
-Difference DifferenceAt(const Frame& frame, std::string what, std::string field) {
-  Difference difference;
-  difference.step = difference.value_step = frame.step;
-  difference.time = frame.time;
-  difference.what = std::move(what);
-  difference.field = std::move(field);
-  return difference;
+Difference DifferenceAt(const Frame& frame, std::string what, std::string field, std::string recorded,
+                        std::string repeated, bool exact) {
+  return {frame.step,          frame.time, std::move(what), std::move(field), std::move(recorded),
+          std::move(repeated), exact};
 }
 
 std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const Frame& repeated,
@@ -281,10 +231,11 @@ std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     const Setpoint& ours = repeated.channels[i].setpoint;
     if (SameBits(recorded[i], ours) || (looks_at && !looks_at(i))) continue;
-    Difference difference = ChannelDiffers(repeated, i);
-    difference.field = "setpoint_" + ChannelName(*repeated.scene, i) + "_rad_s";
+    const std::string name = ChannelName(*repeated.scene, i);
+    Difference difference =
+        DifferenceAt(repeated, RobotOf(*repeated.scene, i), "setpoint_" + name + "_rad_s");
     if (Differs(recorded[i].reference, ours.reference, difference)) return difference;
-    difference.field = "mode_" + ChannelName(*repeated.scene, i);
+    difference.field = "mode_" + name;
     if (Differs(static_cast<int>(recorded[i].mode), static_cast<int>(ours.mode), difference))
       return difference;
   }
@@ -314,16 +265,15 @@ std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Fr
     double dot = 0;
     for (std::size_t k = 0; k < 4; ++k) dot += turn[k] * ours.q_WB[k];
     for (double& component : turn) component = dot < 0 ? -component : component;
-    const std::vector<Field> fields = FieldsOf(ours);
+    const BodyNumbers numbers = NumbersOf(ours);
     for (std::size_t k = 0; k < 7; ++k) {
       const bool place = k < 3;
       const double told = place ? recorded[i].p_WB[static_cast<Eigen::Index>(k)] : turn[k - 3];
       const double rounding = place ? 0.501 * unit_m : kTurnRounding;
-      if (std::abs(told - fields[k].value) <= rounding) continue;
-      Difference difference = DifferenceAt(repeated, BodyNames(*repeated.scene)[i], fields[k].name);
-      difference.recorded = place ? fmt::format("{:.6f}", told) : fmt::format("{:.7f}", told);
-      difference.repeated = Exact(fields[k].value);
-      return difference;
+      if (std::abs(told - numbers[k]) <= rounding) continue;
+      return DifferenceAt(repeated, BodyNames(*repeated.scene)[i], kBodyFields[k],
+                          place ? fmt::format("{:.6f}", told) : fmt::format("{:.7f}", told),
+                          Exact(numbers[k]), false);
     }
   }
   return std::nullopt;
@@ -332,10 +282,8 @@ std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Fr
 std::optional<Difference> FindInRow(const RecordedStep& step, const Frame& repeated) {
   if (auto found = FindRecordedPose(step, repeated)) return found;
   if (auto found = FindRecordedMotion(step, repeated)) return found;
-  if (!step.distances.empty()) {
-    if (auto found = FindDistance(step.distances, repeated)) return found;
-  }
-  return step.targets.empty() ? std::nullopt : FindTarget(step.targets, repeated);
+  if (auto found = FindDistance(step.distances, repeated)) return found;
+  return FindTarget(step.targets, repeated);
 }
 
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated) {
@@ -352,6 +300,14 @@ std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated
   if (Differs(recorded.seed, repeated.seed, difference)) return difference;
   if (auto found = FindMotion(recorded, repeated)) return found;
   return FindMessage(recorded.messages, repeated.messages, repeated);
+}
+
+void AddLine(const std::string& line, std::string& text) {
+  if (!line.empty()) text += (text.empty() ? "" : "\n") + line;
+}
+
+std::string CannotLoadText(const RunReader& reader, const Diagnostics& diagnostics) {
+  return reader.file() + " cannot be repeated, its scenario does not load:\n" + diagnostics.ToString();
 }
 
 std::string CommandsOf(const RecordedStep& step, const Scene& scene) {
@@ -388,7 +344,7 @@ std::string ToString(const VerifyReport& report) {
     text += fmt::format("  {:{}}  {}{}\n", difference.recorded_is, width, difference.recorded,
                         difference.exact ? "" : " (as rounded)");
     text += fmt::format("  {:{}}  {}\n", difference.repeated_is, width, difference.repeated);
-    if (difference.value_step != difference.step) {
+    if (difference.value_step != 0) {
       text += fmt::format("  at step {}, where it shows first\n", difference.value_step);
     }
     if (!difference.note.empty()) text += "  " + difference.note + "\n";

@@ -14,7 +14,8 @@
 namespace coopdyn {
 
 /// A difference at the step of `frame`, with values of it.
-Difference DifferenceAt(const Frame& frame, std::string what, std::string field);
+Difference DifferenceAt(const Frame& frame, std::string what, std::string field, std::string recorded = {},
+                        std::string repeated = {}, bool exact = true);
 
 /// The first set-point, by channel, that differs in any bit from that in force in `repeated`. `looks_at`:
 /// only channels of which it says so; null: all.
@@ -30,6 +31,11 @@ std::optional<Difference> FindInRow(const RecordedStep& step, const Frame& repea
 /// The first exact difference: set-points, bodies in order, solver, time; then what the hash does not cover,
 /// motion of channels and broadcasts. Both frames have as many bodies and channels.
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated);
+
+/// Appends `line`, if it is not empty, to lines of text.
+void AddLine(const std::string& line, std::string& text);
+/// Why the run of `reader` cannot be repeated.
+std::string CannotLoadText(const RunReader& reader, const Diagnostics& diagnostics);
 
 /// The step's channels are those of `scene`.
 /// "with this step came in force: robot1 (0.5, 0.5 rad/s) …"; empty: none.

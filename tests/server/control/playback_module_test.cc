@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/control/playback_module.h"
+#include "server/control/record_modules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // /recorder with its desks and real files.
-#include "server/control/recorder_module.h"
+#include "server/control/record_modules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

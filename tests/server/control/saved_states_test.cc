@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // save, restore and get_saved of /simulation.
-#include "server/control/saved_states.h"
+#include "server/control/simulation_module.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

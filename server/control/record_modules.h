@@ -1,17 +1,38 @@
 // SPDX-License-Identifier: MIT
-// /playback: drives a recording that is played. In a live run all its commands are refused. Free of sockets.
-// The control thread only.
+// /recorder and /playback. Free of sockets. The control thread only.
 #pragma once
 
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "server/control/branch_desk.h"
 #include "server/control/global_module.h"
+#include "server/control/recording_desk.h"
+#include "server/control/run_folder.h"
 #include "server/state/run_control.h"
 
 namespace coopdyn {
 
+/// Begins and ends recordings of the run.
+class RecorderModule final : public GlobalModule {
+ public:
+  /// Any thread. `page` tells the page's URL with a slash at its end, empty: none. All outlives the module.
+  RecorderModule(GlobalServices services, RecordingDesk& desk, RunFolder& runs,
+                 std::function<std::string()> page, StepInbox::Post post);
+
+ private:
+  Message Read(const Message& request, const Frame& frame) override;
+  command::Id first_reading() const override { return command::kGetRecording; }
+  std::optional<Message> ReadLater(Peer& peer, const Message& request) override;
+  std::optional<Message> Change(Peer& peer, const Message& request) override;
+
+  RecordingDesk& desk_;
+  RunFolder& runs_;
+  const std::function<std::string()> page_;
+};
+
+/// Drives a recording that is played. In a live run all its commands are refused.
 class PlaybackModule final : public GlobalModule {
  public:
   /// Called on the control thread after a branch, before its reply: the robots may be others.
