@@ -291,7 +291,6 @@ class Verifier {
     std::optional<Difference> found = FindVisible(failed.step);
     if (!found && to > failed.step) found = Follow(failed.step, to, keyframe, note);
     Difference difference = found ? std::move(*found) : std::move(nothing);
-    if (difference.step != failed.step) difference.value_step = difference.step;
     difference.step = failed.step;
     difference.time = failed.time;
     difference.note = std::move(note);

@@ -20,7 +20,7 @@ struct Difference {
   std::string recorded, repeated;  // the values, exact as far as `exact`; 17 digits
   bool exact = true;               // false: the recorded one is a rounding (a pose between two keyframes)
   bool of_file = false;            // `what` is a row of the file that is not as it was written
-  std::uint64_t value_step = 0;    // of the values: a later one, where the difference shows first; 0: `step`
+  std::uint64_t value_step = 0;    // of the values; beyond `step`: the difference shows there first
   std::string note = {};           // for people, e.g. which commands came in force with this step; or empty
   std::string recorded_is = "recorded", repeated_is = "repeated";  // whose values they are: names of two runs
 };

@@ -223,7 +223,7 @@ std::optional<Difference> FindRecordedPose(const RecordedStep& step, const Frame
 Difference DifferenceAt(const Frame& frame, std::string what, std::string field, std::string recorded,
                         std::string repeated, bool exact) {
   return {frame.step,          frame.time, std::move(what), std::move(field), std::move(recorded),
-          std::move(repeated), exact};
+          std::move(repeated), exact,      false,           frame.step};
 }
 
 std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const Frame& repeated,
@@ -344,7 +344,7 @@ std::string ToString(const VerifyReport& report) {
     text += fmt::format("  {:{}}  {}{}\n", difference.recorded_is, width, difference.recorded,
                         difference.exact ? "" : " (as rounded)");
     text += fmt::format("  {:{}}  {}\n", difference.repeated_is, width, difference.repeated);
-    if (difference.value_step != 0) {
+    if (difference.value_step > difference.step) {
       text += fmt::format("  at step {}, where it shows first\n", difference.value_step);
     }
     if (!difference.note.empty()) text += "  " + difference.note + "\n";
