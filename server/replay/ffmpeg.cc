@@ -15,6 +15,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "server/model/values.h"
+
 namespace coopdyn {
 
 namespace {
@@ -112,20 +114,9 @@ std::string Digits(double value) {
 }  // namespace
 
 std::vector<std::string> FfmpegArguments(const VideoFormat& format, bool x264, const std::string& out) {
-  std::vector<std::string> words{"-hide_banner",
-                                 "-loglevel",
-                                 "error",
-                                 "-f",
-                                 "rawvideo",
-                                 "-pix_fmt",
-                                 "rgb24",
-                                 "-s",
-                                 fmt::format("{}x{}", format.width, format.height),
-                                 "-r",
-                                 Digits(format.fps),
-                                 "-i",
-                                 "-",
-                                 "-an"};
+  std::vector<std::string> words = SplitWords(
+      fmt::format("-hide_banner -loglevel error -f rawvideo -pix_fmt rgb24 -s {}x{} -r {} -i - -an",
+                  format.width, format.height, Digits(format.fps)));
   if (x264) words.insert(words.end(), {"-c:v", "libx264"});
   words.insert(words.end(), {"-pix_fmt", "yuv420p", "-f", "mp4", "-y", "file:" + out});
   return words;

@@ -31,42 +31,28 @@ std::string Joined(const std::vector<std::string>& words) {
   return text;
 }
 
-InputText Text(const edit::Run&) {
-  return {"run", ""};
-}
-InputText Text(const edit::Pause&) {
-  return {"pause", ""};
-}
-InputText Text(const edit::Step& step) {
-  return {"step", std::to_string(step.steps)};
-}
-InputText Text(const edit::SetMode& set) {
-  return {"set_mode", ToString(set.mode)};
-}
-InputText Text(const edit::SetStep& set) {
-  return {"set_step", Number(ToSeconds(set.step))};
-}
-InputText Text(const edit::SetSpeed& set) {
-  return {"set_speed", Number(set.factor)};
-}
-InputText Text(const edit::SetParticipants& set) {
-  return {"set_participants", Joined(set.names)};
-}
-InputText Text(const edit::StopAll&) {
-  return {"stop_all", ""};
-}
-InputText Text(const edit::UnloadController& unload) {
-  return {"release_robot", unload.robot};
-}
-InputText Text(const DeadlineFired& fired) {
-  return {std::string(kDeadline), fired.robot + " " + ToString(fired.policy)};
-}
-InputText Text(const ClientLost& lost) {
-  return {std::string(kDisconnect), lost.robot + " " + ToString(lost.policy)};
-}
-InputText Text(const ControllerStopped& stopped) {
-  return {std::string(kStopped), stopped.robot + " " + stopped.why};
-}
+struct TextOf {
+  InputText operator()(const edit::Run&) const { return {"run", ""}; }
+  InputText operator()(const edit::Pause&) const { return {"pause", ""}; }
+  InputText operator()(const edit::Step& step) const { return {"step", std::to_string(step.steps)}; }
+  InputText operator()(const edit::SetMode& set) const { return {"set_mode", ToString(set.mode)}; }
+  InputText operator()(const edit::SetStep& set) const { return {"set_step", Number(ToSeconds(set.step))}; }
+  InputText operator()(const edit::SetSpeed& set) const { return {"set_speed", Number(set.factor)}; }
+  InputText operator()(const edit::SetParticipants& set) const {
+    return {"set_participants", Joined(set.names)};
+  }
+  InputText operator()(const edit::StopAll&) const { return {"stop_all", ""}; }
+  InputText operator()(const edit::UnloadController& unload) const { return {"release_robot", unload.robot}; }
+  InputText operator()(const DeadlineFired& fired) const {
+    return {std::string(kDeadline), fired.robot + " " + ToString(fired.policy)};
+  }
+  InputText operator()(const ClientLost& lost) const {
+    return {std::string(kDisconnect), lost.robot + " " + ToString(lost.policy)};
+  }
+  InputText operator()(const ControllerStopped& stopped) const {
+    return {std::string(kStopped), stopped.robot + " " + stopped.why};
+  }
+};
 
 std::optional<LossPolicy> PolicyOf(std::string_view word) {
   for (const LossPolicy policy : {LossPolicy::kHold, LossPolicy::kStop, LossPolicy::kDrop}) {
@@ -116,9 +102,7 @@ std::optional<RunEdit> SetStepTo(double step_s, std::string& error) {
 }  // namespace
 
 InputText Encode(const RunInput& input) {
-  return std::visit(
-      [](const auto& kind) { return std::visit([](const auto& what) { return Text(what); }, kind); },
-      input.what);
+  return std::visit([](const auto& kind) { return std::visit(TextOf(), kind); }, input.what);
 }
 
 std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action, std::string_view detail) {
