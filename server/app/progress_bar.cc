@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/base/log_bar.h"
+#include "server/base/log.h"
 
 namespace coopdyn {
 

@@ -7,7 +7,7 @@
 #include "server/app/daemon.h"
 #include "server/app/print.h"
 #include "server/app/run_report.h"
-#include "server/base/log_bar.h"
+#include "server/base/log.h"
 #include "server/model/text_file.h"
 
 namespace coopdyn {

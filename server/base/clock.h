@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 
 namespace coopdyn {
@@ -27,7 +28,10 @@ class Clock {
 /// CLOCK_MONOTONIC.
 class SteadyClock final : public Clock {
  public:
-  Nanoseconds Now() const override;
+  Nanoseconds Now() const override {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+  }
 };
 
 /// A clock that stands still until told. Any thread.

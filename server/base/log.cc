@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <mutex>
 
-#include "server/base/log_bar.h"
 #include "server/base/printable.h"
 
 namespace coopdyn {

@@ -36,6 +36,10 @@ class LogBackend {
   Logger logger_;
 };
 
+/// Shows `text` below what the logger of a `LogBackend` writes to stderr, a terminal, in the place of the
+/// text before; empty: nothing any more. What is wider than the terminal is cut. No other logger shows it.
+void ShowBelowLog(const Logger& logger, const std::string& text);
+
 /// A logger that writes nowhere, for tests.
 Logger NullLogger();
 

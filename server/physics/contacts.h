@@ -1,15 +1,51 @@
 // SPDX-License-Identifier: MIT
-// Narrow phase: which shapes touch where. Pure but for the Collider's scratch geoms.
-// Only server/physics includes this file.
+// Narrow phase: which shapes touch where. Pure but for the Collider's scratch geoms. Only server/physics
+// includes this file.
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 #include "server/physics/closed_forms.h"
-#include "server/physics/collider.h"
+#include "server/physics/ode.h"
 #include "server/physics/things.h"
 
 namespace coopdyn {
+
+/// The contacts of one pair of shapes.
+struct ContactList {
+  static constexpr int kMax = 8;
+  std::array<ContactPoint, kMax> points;
+  int count = 0;
+  int wheel = -1;  // which of the two is a wheel that rolls on the other here: 0 A, 1 B, −1 none
+
+  std::span<const ContactPoint> all() const& { return {points.data(), static_cast<std::size_t>(count)}; }
+  std::span<const ContactPoint> all() && = delete;  // would outlive its list
+};
+
+/// ODE's collision tests for shapes that no closed form fits. Holds a few geoms that take on whatever is
+/// asked about. One thread each.
+class Collider {
+ public:
+  Collider();
+
+  /// Normals from B to A; at most `max_contacts`.
+  ContactList Collide(const PlacedPart& a, const PlacedPart& b, int max_contacts);
+  /// With the plane z = 0.
+  ContactList CollideFloor(const PlacedPart& a, int max_contacts);
+
+ private:
+  struct Geoms {
+    OdeGeomPtr box, cylinder, sphere;
+    dGeomID Become(const PlacedPart& part);
+  };
+  static Geoms MakeGeoms();
+  static ContactList Ask(dGeomID a, dGeomID b, int max_contacts);
+
+  Geoms a_, b_;
+  OdeGeomPtr floor_;
+};
 
 /// Contacts of A with B; normals from B to A. Upright robots and walls also across a gap of `margin_m`.
 ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b, double margin_m);

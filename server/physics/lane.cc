@@ -2,12 +2,13 @@
 #include "server/physics/lane.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "server/base/mutex.h"
 #include "server/physics/islands.h"
-#include "server/physics/ode_setup.h"
+#include "server/physics/ode.h"
 
 namespace coopdyn {
 
@@ -53,10 +54,27 @@ void Write(dBodyID body, const BodyState& state) {
   dBodySetAngularVel(body, state.w_WB.x(), state.w_WB.y(), state.w_WB.z());
 }
 
+// Nearer to the ground than this a wheel counts as touching it.
+constexpr double kTouching_m = 1e-4;
+
+void Copy(dVector3& to, const Vector3& from) {
+  std::copy_n(from.data(), 3, to);
+}
+
+/// Velocity of the point `p` of a body.
+Vector3 PointVelocity(const BodyState& body, const Vector3& p) {
+  return body.v_WB + body.w_WB.cross(p - body.p_WB);
+}
+
+Vector3 PointVelocity(const Actor* actor, const Part* part, const Vector3& p) {
+  if (actor == nullptr) return Vector3::Zero();
+  return PointVelocity(actor->bodies[static_cast<std::size_t>(part->body)], p);
+}
+
 }  // namespace
 
 Lane::Lane(const Things& things, const Settings& settings)
-    : things_(things), settings_(settings), sizes_(things.pools.size()), slot_of_(things.first_static) {
+    : things_(things), settings_(settings), sizes_(things.pools.size()), loan_of_(things.first_static) {
   Build();
 }
 
@@ -70,7 +88,7 @@ void Lane::Reset() {
 }
 
 void Lane::Fit() {
-  slot_of_.assign(things_.first_static, nullptr);
+  loan_of_.assign(things_.first_static, nullptr);
   const bool same = std::ranges::equal(pools_, things_.pools, {}, &Pool::mechanism);
   if (!same) {
     sizes_.assign(things_.pools.size(), 0);
@@ -79,7 +97,7 @@ void Lane::Fit() {
     return;
   }
   // Another mechanism may lie where the one lay whose masses they have.
-  for (Slot& slot : pools_.front().slots) slot.loaded = nullptr;
+  for (Loan& loan : pools_.front().loans) loan.loaded = nullptr;
 }
 
 void Lane::Build() {
@@ -100,23 +118,23 @@ void Lane::Build() {
   dWorldSetQuickStepNumIterations(world, kQuickIterations);
   dWorldSetQuickStepW(world, 1.0);
   loaded_.clear();
-  std::fill(slot_of_.begin(), slot_of_.end(), nullptr);
+  std::fill(loan_of_.begin(), loan_of_.end(), nullptr);
   // Always pool by pool, so that the order of bodies in ODE does not depend on how a lane has grown.
   pools_.clear();
   pools_.resize(things_.pools.size());
   for (std::size_t pool = 0; pool < pools_.size(); ++pool) {
     pools_[pool].mechanism = things_.pools[pool];
     for (std::size_t i = 0; i < sizes_[pool]; ++i)
-      pools_[pool].slots.push_back(MakeSlot(things_.pools[pool]));
+      pools_[pool].loans.push_back(MakeLoan(things_.pools[pool]));
   }
 }
 
-Lane::Slot Lane::MakeSlot(const Mechanism* mechanism) {
-  Slot slot;
+Lane::Loan Lane::MakeLoan(const Mechanism* mechanism) {
+  Loan loan;
   for (std::size_t k = 0; k < (mechanism == nullptr ? 1 : mechanism->bodies.size()); ++k) {
     dBodyID body = dBodyCreate(world_.get());
     dBodySetAutoDisableFlag(body, 0);
-    slot.bodies.push_back(body);
+    loan.bodies.push_back(body);
     if (mechanism == nullptr) continue;
     const RigidBody& of = mechanism->bodies[k];
     SetMass(body, of, false);
@@ -126,26 +144,26 @@ Lane::Slot Lane::MakeSlot(const Mechanism* mechanism) {
     dBodySetQuaternion(body, quaternion);
   }
   if (mechanism != nullptr) {
-    slot.loaded = mechanism;
+    loan.loaded = mechanism;
     for (const Hinge& of : mechanism->hinges) {
       dJointID hinge = dJointCreateHinge(world_.get(), nullptr);
-      dJointAttach(hinge, slot.bodies[static_cast<std::size_t>(of.child)],
-                   slot.bodies[static_cast<std::size_t>(of.parent)]);  // so that its rate is the child's
+      dJointAttach(hinge, loan.bodies[static_cast<std::size_t>(of.child)],
+                   loan.bodies[static_cast<std::size_t>(of.parent)]);  // so that its rate is the child's
       dJointSetHingeAnchor(hinge, of.p_R.x(), of.p_R.y(), of.p_R.z());
       dJointSetHingeAxis(hinge, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
       if (of.channel < 0) continue;
       const auto channel = static_cast<std::size_t>(of.channel);
-      if (slot.motors.size() <= channel) slot.motors.resize(channel + 1);
-      slot.motors[channel] = hinge;
+      if (loan.motors.size() <= channel) loan.motors.resize(channel + 1);
+      loan.motors[channel] = hinge;
       dJointSetHingeParam(hinge, dParamFMax, of.max_torque_nm);
     }
-    slot.forces = std::make_unique<dJointFeedback[]>(slot.motors.size());
-    for (std::size_t i = 0; i < slot.motors.size(); ++i) {
-      if (slot.motors[i] != nullptr) dJointSetFeedback(slot.motors[i], &slot.forces[i]);
+    loan.forces = std::make_unique<dJointFeedback[]>(loan.motors.size());
+    for (std::size_t i = 0; i < loan.motors.size(); ++i) {
+      if (loan.motors[i] != nullptr) dJointSetFeedback(loan.motors[i], &loan.forces[i]);
     }
   }
-  for (dBodyID body : slot.bodies) dBodyDisable(body);
-  return slot;
+  for (dBodyID body : loan.bodies) dBodyDisable(body);
+  return loan;
 }
 
 void Lane::Reserve(std::span<const std::uint32_t> members) {
@@ -165,21 +183,21 @@ void Lane::Reserve(std::span<const std::uint32_t> members) {
 void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels) {
   const Mechanism& mechanism = *actor.thing.mechanism;
   Pool& pool = pools_[actor.thing.pool];
-  Slot& slot = pool.slots[pool.used++];
-  slot_of_[thing] = &slot;
+  Loan& loan = pool.loans[pool.used++];
+  loan_of_[thing] = &loan;
   loaded_.push_back(thing);
-  if (slot.loaded != &mechanism) {
-    SetMass(slot.bodies.front(), mechanism.bodies.front(), mechanism.one_body() && mechanism.planar());
-    slot.loaded = &mechanism;
+  if (loan.loaded != &mechanism) {
+    SetMass(loan.bodies.front(), mechanism.bodies.front(), mechanism.one_body() && mechanism.planar());
+    loan.loaded = &mechanism;
   }
-  slot.channels = channels;
-  for (std::size_t i = 0; i < slot.motors.size(); ++i) {
-    if (slot.motors[i] != nullptr)
-      dJointSetHingeParam(slot.motors[i], dParamVel, channels[i].setpoint.reference);
+  loan.channels = channels;
+  for (std::size_t i = 0; i < loan.motors.size(); ++i) {
+    if (loan.motors[i] != nullptr)
+      dJointSetHingeParam(loan.motors[i], dParamVel, channels[i].setpoint.reference);
   }
-  for (std::size_t k = 0; k < slot.bodies.size(); ++k) {
-    Write(slot.bodies[k], actor.bodies[k]);
-    dBodyEnable(slot.bodies[k]);
+  for (std::size_t k = 0; k < loan.bodies.size(); ++k) {
+    Write(loan.bodies[k], actor.bodies[k]);
+    dBodyEnable(loan.bodies[k]);
   }
 }
 
@@ -195,7 +213,7 @@ void Lane::Step(Solver solver, double dt_s) {
 }
 
 BodyState Lane::Read(std::uint32_t thing, std::size_t index) const {
-  dBodyID body = slot_of_[thing]->bodies[index];
+  dBodyID body = loan_of_[thing]->bodies[index];
   BodyState state;
   const dReal* R = dBodyGetRotation(body);
   std::copy_n(dBodyGetPosition(body), 3, state.p_WB.data());
@@ -207,24 +225,128 @@ BodyState Lane::Read(std::uint32_t thing, std::size_t index) const {
 }
 
 double Lane::HingeRate(std::uint32_t thing, const Hinge& hinge) const {
-  return dJointGetHingeAngleRate(slot_of_[thing]->motors[static_cast<std::size_t>(hinge.channel)]);
+  return dJointGetHingeAngleRate(loan_of_[thing]->motors[static_cast<std::size_t>(hinge.channel)]);
 }
 
 double Lane::HingeEffort(std::uint32_t thing, const Hinge& hinge) const {
   const auto channel = static_cast<std::size_t>(hinge.channel);
   dVector3 axis;
-  dJointGetHingeAxis(slot_of_[thing]->motors[channel], axis);
-  const dJointFeedback& force = slot_of_[thing]->forces[channel];
+  dJointGetHingeAxis(loan_of_[thing]->motors[channel], axis);
+  const dJointFeedback& force = loan_of_[thing]->forces[channel];
   return axis[0] * force.t1[0] + axis[1] * force.t1[1] + axis[2] * force.t1[2];
 }
 
 void Lane::Unload() {
   for (const std::uint32_t thing : loaded_) {
-    for (dBodyID body : slot_of_[thing]->bodies) dBodyDisable(body);
-    slot_of_[thing] = nullptr;
+    for (dBodyID body : loan_of_[thing]->bodies) dBodyDisable(body);
+    loan_of_[thing] = nullptr;
   }
   loaded_.clear();
   for (Pool& pool : pools_) pool.used = 0;
+}
+
+// --- contact joints
+
+dBodyID Lane::BodyOf(std::uint32_t thing, const Part& part) const {
+  if (thing >= loan_of_.size() || loan_of_[thing] == nullptr) return nullptr;
+  return loan_of_[thing]->bodies[static_cast<std::size_t>(part.body)];
+}
+
+void Lane::Attach(dContact& contact, const ContactPoint& point, dBodyID a, dBodyID b, double dt_s) {
+  Copy(contact.geom.pos, point.p_W);
+  Copy(contact.geom.normal, point.n_W);
+  contact.geom.depth = std::max(0.0, point.depth_m);
+  if (point.depth_m < 0) {
+    // They may come as near as they are, and no nearer.
+    contact.surface.mode |= dContactMotionN;
+    contact.surface.motionN = point.depth_m / dt_s;
+  }
+  dJointAttach(dJointCreateContact(world_.get(), contacts_.get(), &contact), a, b);
+}
+
+void Lane::JoinParts(const FoundContact& found, const Actor& actor_a, const Actor* actor_b, dBodyID a,
+                     dBodyID b, bool flat, double dt_s) {
+  const ContactPoint& point = found.point;
+  dContact contact{};
+  contact.surface.mu =
+      std::min(found.a->friction, found.b == nullptr ? settings_.floor_friction : found.b->friction);
+  if (contact.surface.mu > 0) {
+    contact.surface.mode = dContactApprox1;
+    // The friction pyramid lies along the slip, so that sliding bodies brake alike in every direction.
+    const Vector3 slip = PointVelocity(a == nullptr ? nullptr : &actor_a, found.a, point.p_W) -
+                         PointVelocity(b == nullptr ? nullptr : actor_b, found.b, point.p_W);
+    const Vector3 along = slip - slip.dot(point.n_W) * point.n_W;
+    constexpr double kSliding_m_s = 0.01;
+    constexpr double kHorizontal = 0.1;
+    if (flat && std::abs(point.n_W.z()) < kHorizontal) {
+      contact.surface.mode |= dContactFDir1 | dContactMu2;
+      contact.surface.mu2 = 0;
+      Copy(contact.fdir1, Vector3::UnitZ().cross(point.n_W).normalized());
+    } else if (along.squaredNorm() > kSliding_m_s * kSliding_m_s) {
+      contact.surface.mode |= dContactFDir1;
+      Copy(contact.fdir1, along.normalized());
+    }
+  }
+  Attach(contact, point, a, b, dt_s);
+}
+
+void Lane::JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_t index, dBodyID body,
+                     dBodyID other, int sign, double dt_s) {
+  const Part& wheel = *(found.wheel == 0 ? found.a : found.b);
+  const Part* ground = found.wheel == 0 ? found.b : found.a;
+  const OneBodyDrive& drive = *robot.thing.mechanism->drive;
+  const std::size_t side = static_cast<std::size_t>(wheel.wheel);
+  ContactPoint point = found.point;
+  point.n_W *= sign;  // towards the robot
+  // The rolling direction at mid-step: the robot turns on while it rolls.
+  const BodyState& state = robot.bodies[0];
+  const double half_turn = state.w_WB.z() * dt_s / 2;
+  const double c = std::cos(half_turn), s = std::sin(half_turn);
+  const std::array<double, 9>& R = state.R_WB;
+  const Vector3 axle(c * R[1] - s * R[4], s * R[1] + c * R[4], R[7]);
+  dContact contact{};
+  contact.surface.mode = dContactFDir1 | dContactMotion1 | dContactMu2;
+  Copy(contact.fdir1, axle.cross(point.n_W).normalized());
+  contact.surface.motion1 = drive.SpeedsOf(loan_of_[index]->channels)[side] * drive.wheels.radius_m;
+  if (robot.thing.mechanism->planar()) {
+    // It always stands as at rest. One wheel's row holds it sideways for both.
+    contact.surface.mu = drive.drive_n[side];
+    contact.surface.mu2 = side == 0 ? drive.sideways_n : 0;
+  } else {
+    const double friction =
+        std::min(wheel.friction, ground == nullptr ? settings_.floor_friction : ground->friction);
+    contact.surface.mode |= dContactApprox1_2;
+    contact.surface.mu2 = friction;
+    if (drive.stalls && point.depth_m > -kTouching_m) {
+      contact.surface.mu = drive.drive_n[side];  // the motor's, whatever the load
+    } else {
+      contact.surface.mode |= dContactApprox1_1;
+      contact.surface.mu = friction;
+    }
+  }
+  Attach(contact, point, body, other, dt_s);
+}
+
+void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
+                std::uint32_t index_b, double dt_s) {
+  const auto is_one = [](const Actor& actor) { return actor.thing.mechanism->one_body(); };
+  // Robots side by side, or along a wall, do not lift each other: friction acts in the plane only. Else a
+  // crowd would climb up on itself, by what is an artefact of stepping.
+  const bool flat = b != nullptr && a.thing.robot >= 0 && (b->thing.robot >= 0 || b->thing.body_count() == 0);
+  for (const FoundContact& contact : found) {
+    dBodyID body_a = BodyOf(index_a, *contact.a);
+    dBodyID body_b = b == nullptr ? nullptr : BodyOf(index_b, *contact.b);
+    if (body_a == nullptr && body_b == nullptr) continue;
+    const bool a_rolls = contact.wheel == 0 && is_one(a) && body_a != nullptr;
+    const bool b_rolls = contact.wheel == 1 && is_one(*b) && body_b != nullptr;
+    if (a_rolls && a.thing.mechanism->drive) {
+      JoinWheel(contact, a, index_a, body_a, body_b, 1, dt_s);
+    } else if (b_rolls && b->thing.mechanism->drive) {
+      JoinWheel(contact, *b, index_b, body_b, body_a, -1, dt_s);
+    } else {
+      JoinParts(contact, a, b, body_a, body_b, flat, dt_s);
+    }
+  }
 }
 
 }  // namespace coopdyn

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/physics/contacts.h"
-#include "server/physics/ode_ptr.h"
+#include "server/physics/ode.h"
 #include "server/physics/things.h"
 
 namespace coopdyn {
@@ -60,7 +60,7 @@ class Lane {
 
  private:
   /// Bodies and hinges that can stand for one thing.
-  struct Slot {
+  struct Loan {
     std::vector<dBodyID> bodies;
     std::vector<dJointID> motors;              // by channel; null: none
     std::unique_ptr<dJointFeedback[]> forces;  // of `motors`
@@ -69,11 +69,11 @@ class Lane {
   };
   struct Pool {
     const Mechanism* mechanism = nullptr;  // of several bodies; null: single ones
-    std::vector<Slot> slots;
+    std::vector<Loan> loans;
     std::size_t used = 0;
   };
   void Build();
-  Slot MakeSlot(const Mechanism* mechanism);
+  Loan MakeLoan(const Mechanism* mechanism);
   dBodyID BodyOf(std::uint32_t thing, const Part& part) const;
   void JoinParts(const FoundContact& found, const Actor& actor_a, const Actor* actor_b, dBodyID a, dBodyID b,
                  bool flat, double dt_s);
@@ -90,7 +90,7 @@ class Lane {
   OdeGroupPtr contacts_;
   std::vector<Pool> pools_;
   std::vector<std::size_t> sizes_;  // of pools, to be built; as many as Things::pools
-  std::vector<Slot*> slot_of_;      // by dynamic thing; null: not loaded
+  std::vector<Loan*> loan_of_;      // by dynamic thing; null: not loaded
   std::vector<std::uint32_t> loaded_;
   /// Set when ODE threw in the middle of a step: then its threading object may not be freed (it asserts that
   /// its jobs are done) and is kept until the process ends.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// When a body counts as resting, and when it sleeps. ODE's own sleeping keeps counters that nobody can read,
-// so a saved state would not continue alike; these are in the frame. Only server/physics includes this file.
+// When a body counts as resting, when it sleeps, and when it has exploded. ODE's own sleeping keeps counters
+// that nobody can read, so a saved state would not continue alike; these are in the frame.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "server/state/frame.h"
 
@@ -33,5 +34,21 @@ inline bool IsDriven(std::span<const ChannelState> channels) {
   }
   return false;
 }
+
+/// A body that exploded (not finite, or beyond a stated speed) and is held where it was last sane, so that
+/// the rest of the world goes on.
+struct FrozenBody {
+  std::string name;  // of the robot or object
+  std::string why;   // e.g. "speed 312 m/s"
+};
+
+inline constexpr double kMaxSpeed_m_s = 100;
+inline constexpr double kMaxTurnRate_rad_s = 1000;
+
+/// Why `state` is not sane, e.g. "speed 312 m/s"; nothing if it is.
+std::optional<std::string> WhyInsane(const BodyState& state);
+
+/// The largest share of these limits that a body uses; infinite if it is not finite.
+double Violence(const BodyState& state);
 
 }  // namespace coopdyn

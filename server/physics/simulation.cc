@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/physics/world.h"
+
 namespace coopdyn {
 
 std::unique_ptr<Simulation> Simulation::Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
@@ -34,6 +36,10 @@ Simulation::Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<Physi
 }
 
 Simulation::~Simulation() = default;
+
+std::vector<FrozenBody> Simulation::TakeFrozen() {
+  return world_->TakeFrozen();
+}
 
 std::shared_ptr<Frame> Simulation::MakeFrame() {
   std::shared_ptr<Frame> frame = frames_.Take();

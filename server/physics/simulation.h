@@ -12,7 +12,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/worker_pool.h"
-#include "server/physics/world.h"
+#include "server/physics/rest.h"
 #include "server/state/command_board.h"
 #include "server/state/controller_driver.h"
 #include "server/state/frame.h"
@@ -20,6 +20,8 @@
 #include "server/state/run_control.h"
 
 namespace coopdyn {
+
+class PhysicsWorld;
 
 /// What else takes part in a step; outlives the simulation.
 struct StepHelpers {
@@ -67,7 +69,8 @@ class Simulation {
 
   /// Runs a step of `length` and returns its frame.
   const FramePtr& Step(Nanoseconds length, const StepInputs& inputs);
-  std::vector<FrozenBody> TakeFrozen() { return world_->TakeFrozen(); }
+  /// PhysicsWorld::TakeFrozen().
+  std::vector<FrozenBody> TakeFrozen();
   /// Physics and publish only.
   const PhaseTimes& times() const { return times_; }
 

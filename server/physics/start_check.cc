@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "server/physics/start_check.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <string>

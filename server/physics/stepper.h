@@ -25,18 +25,21 @@
 #include "server/state/frame_board.h"
 #include "server/state/run_control.h"
 #include "server/state/run_journal.h"
-#include "server/timing/pacer.h"
-#include "server/timing/rate_meter.h"
-#include "server/timing/urgent_thread.h"
+#include "server/timing/pace.h"
 
 namespace coopdyn {
 
 /// The right to step. Not a lock that code waits behind: robot threads only try. Any thread.
 class CAPABILITY("baton") Baton {
  public:
-  void Take() ACQUIRE();
-  bool TryTake() TRY_ACQUIRE(true);
-  void Pass() RELEASE();
+  void Take() ACQUIRE() {
+    while (!TryTake()) taken_.wait(true, std::memory_order_relaxed);
+  }
+  bool TryTake() TRY_ACQUIRE(true) { return !taken_.exchange(true, std::memory_order_acquire); }
+  void Pass() RELEASE() {
+    taken_.store(false, std::memory_order_release);
+    taken_.notify_one();
+  }
 
  private:
   std::atomic<bool> taken_{false};

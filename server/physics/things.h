@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/base/diagnostics.h"
 #include "server/physics/mechanism.h"
 #include "server/state/frame.h"
 
@@ -70,5 +71,12 @@ Things MakeThings(const Scene& scene, const Things& before);
 std::string TitleOf(const Scene& scene, const Thing& thing);
 const std::string& NameOf(const Scene& scene, const Thing& thing);
 const SourceLine& WhereOf(const Scene& scene, const Thing& thing);
+
+// What must be right before the first step.
+
+/// Reports robots whose model cannot be simulated (a link without mass). Call before MakeThings().
+void CheckModels(const Scene& scene, Diagnostics& diagnostics);
+/// Reports every dynamic thing that starts more than 1 mm inside another or below the floor, and by how much.
+void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "server/physics/freeze.h"
 #include "server/physics/mechanism.h"
+#include "server/physics/rest.h"
 
 namespace coopdyn {
 

@@ -1,73 +1,247 @@
 // SPDX-License-Identifier: MIT
+// The course of a substep, and what needs no ODE. What does is in world_solve.cc.
 #include "server/physics/world.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "server/physics/engine.h"
-#include "server/physics/ode_setup.h"
-#include "server/physics/start_check.h"
+#include "server/physics/ode.h"
+#include "server/physics/rest.h"
 
 namespace coopdyn {
 
-struct PhysicsWorld::Impl {
-  Impl(std::shared_ptr<const Scene> keep, const Scene& kept, std::uint64_t seed, WorkerPool* pool)
-      : scene(std::move(keep)), engine(kept, seed, pool) {}
+namespace {
 
-  std::shared_ptr<const Scene> scene;
-  Engine engine;
-};
+// Fewer robots are not worth waking other threads.
+constexpr std::size_t kParallelFrom = 512, kGrain = 128;
+
+std::uint64_t SolverSeed(std::uint64_t seed) {
+  return seed & 0xffffffff;  // ODE's generator has 32 bits
+}
+
+}  // namespace
+
+template <typename Work>
+void PhysicsWorld::ForAll(std::size_t count, const Work& work) {
+  if (pool_ == nullptr || count < kParallelFrom) {
+    work(0, count);
+  } else {
+    pool_->For(count, kGrain, work);
+  }
+}
 
 std::unique_ptr<PhysicsWorld> PhysicsWorld::Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                                                   Diagnostics& diagnostics, WorkerPool* pool) {
   const int errors = diagnostics.errors();
   CheckModels(*scene, diagnostics);
   if (diagnostics.errors() > errors) return nullptr;
-  const Scene& kept = *scene;
-  auto impl = std::make_unique<Impl>(std::move(scene), kept, seed, pool);
-  CheckStart(kept, impl->engine.things(), diagnostics);
+  std::unique_ptr<PhysicsWorld> world(new PhysicsWorld(std::move(scene), seed, pool));
+  CheckStart(*world->scene_, world->things_, diagnostics);
   if (diagnostics.errors() > errors) return nullptr;
-  return std::unique_ptr<PhysicsWorld>(new PhysicsWorld(std::move(impl)));
+  return world;
 }
 
-PhysicsWorld::PhysicsWorld(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-PhysicsWorld::~PhysicsWorld() = default;
-
-void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
-  EnsureOde();
-  impl_->engine.Step(step, substeps, setpoints);
-}
-
-void PhysicsWorld::Fill(Frame& frame) const {
-  const WorldState& state = impl_->engine.state();
-  frame.bodies = state.bodies;
-  frame.channels = state.channels;
-  frame.commanded.assign(impl_->scene->actuators.size(), 0);
-  frame.solver_seed = state.solver_seed;
+PhysicsWorld::PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t seed, WorkerPool* pool)
+    : scene_(std::move(scene)),
+      pool_(pool),
+      things_(MakeThings(*scene_)),
+      bodies_(things_.bodies),
+      channels_(scene_->channels.size()),
+      solver_seed_(SolverSeed(seed)) {
+  const Lane::Settings settings{scene_->scenario->simulation.gravity_m_s2, scene_->floor.friction};
+  for (int i = 0; i < (pool == nullptr ? 1 : pool->threads()); ++i) {
+    lanes_.push_back(std::make_unique<Lane>(things_, settings));
+  }
+  Fit();
 }
 
 void PhysicsWorld::Rebuild(std::shared_ptr<const Scene> scene, const Frame& frame) {
   EnsureOde();
-  impl_->engine.Rebuild(*scene, frame);
-  impl_->scene = std::move(scene);  // the engine has let go of the one before
+  things_ = MakeThings(*scene, things_);
+  scene_ = std::move(scene);
+  bodies_ = frame.bodies;
+  for (const std::unique_ptr<Lane>& lane : lanes_) lane->Fit();
+  Fit();
+  Restore(frame);
+}
+
+void PhysicsWorld::Fill(Frame& frame) const {
+  frame.bodies = bodies_;
+  frame.channels = channels_;
+  frame.commanded.assign(scene_->actuators.size(), 0);
+  frame.solver_seed = solver_seed_;
+}
+
+void PhysicsWorld::Fit() {
+  broad_phase_.emplace(things_, bodies_);
+  first_bodies_.clear();
+  for (std::size_t i = 0; i < dynamic_count(); ++i) {
+    first_bodies_.push_back(static_cast<std::size_t>(things_.all[i].first_body));
+  }
+  plans_.resize(things_.first_static - things_.first_robot);
+  for (auto* flags : {&moves_, &near_, &in_ode_, &rested_}) flags->resize(dynamic_count());
+  travel_m_.resize(dynamic_count());
+  batch_of_.resize(dynamic_count());
+  islands_.Resize(dynamic_count());
+}
+
+void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
+  EnsureOde();
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    ChannelState& channel = channels_[i];
+    channel.setpoint = i < setpoints.size() ? setpoints[i] : Setpoint{};
+    channel.velocity = 0;
+  }
+  share_ = 1.0 / substeps;
+  for (int i = 0; i < substeps; ++i) Substep(step / substeps);
+}
+
+void PhysicsWorld::Substep(Nanoseconds dt) {
+  const double dt_s =
+      static_cast<double>(dt) * 1e-9;  // not ToSeconds(): recorded runs repeat to the last bit
+  PlanAll(dt_s);
+  Sort();
+  if (!active_.empty()) {
+    Touch(dt_s);
+    MakeIslands();
+    MakeBatches();
+    SolveAll(dt_s);
+  }
+  AdvanceClosed(dt_s);
+  CountRest(dt);
+}
+
+void PhysicsWorld::PlanAll(double dt_s) {
+  for (std::size_t i = 0; i < things_.first_robot; ++i) {
+    const BodyState& body = FirstBody(i);
+    moves_[i] = body.sleep_counter < kAsleep;
+    travel_m_[i] = moves_[i] ? dt_s * body.v_WB.norm() : 0;
+  }
+  ForAll(plans_.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) PlanRobot(i, dt_s);
+  });
+}
+
+void PhysicsWorld::PlanRobot(std::size_t robot, double dt_s) {
+  const std::size_t thing = things_.first_robot + robot;
+  const Thing& info = things_.all[thing];
+  const BodyState& body = FirstBody(thing);
+  if (body.sleep_counter == kAsleep && IsDriven(ChannelsOf(info))) {
+    for (BodyState& part : BodiesOf(static_cast<std::uint32_t>(thing))) part.sleep_counter = 0;
+  }
+  moves_[thing] = body.sleep_counter < kAsleep;
+  double travel_m = 0;
+  if (moves_[thing]) {
+    double speed_m_s = body.v_WB.norm();
+    DrivePlan& plan = plans_[robot];
+    if (info.mechanism->drive) {
+      const OneBodyDrive& drive = *info.mechanism->drive;
+      plan = PlanDrive(drive, body, info.rest_z_m, drive.SpeedsOf(ChannelsOf(info)), dt_s);
+      speed_m_s = std::max(speed_m_s, std::abs(plan.forward_m_s));
+    } else {
+      plan.closed = false;
+    }
+    constexpr double kFarthest_m = 0.1;
+    travel_m = std::min(kFarthest_m, dt_s * speed_m_s);
+  }
+  travel_m_[thing] = travel_m;
+  broad_phase_->spaces()[robot] = SpaceOf(info, body, travel_m);
+}
+
+void PhysicsWorld::Sort() {
+  pairs_ = broad_phase_->FindPairs(moves_);
+  std::fill(near_.begin(), near_.end(), std::uint8_t{0});
+  const std::size_t count = dynamic_count(), base = things_.first_robot;
+  for (const auto& [a, b] : pairs_) {
+    near_[a] = 1;
+    if (b < count) near_[b] = 1;
+  }
+  active_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool closed = i >= base && !near_[i] && plans_[i - base].closed;
+    in_ode_[i] = moves_[i] && !closed;
+    if (in_ode_[i]) active_.push_back(static_cast<std::uint32_t>(i));
+  }
+}
+
+void PhysicsWorld::AdvanceClosed(double dt_s) {
+  const std::size_t base = things_.first_robot;
+  ForAll(plans_.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      if (!moves_[base + i] || in_ode_[base + i] || !plans_[i].closed) continue;
+      const Thing& thing = things_.all[base + i];
+      BodyState& body = bodies_[first_bodies_[base + i]];
+      const DrivePlan& plan = plans_[i];
+      const bool stays = plan.forward_m_s == 0 && plan.turn_rad_s == 0;
+      if (!stays || !body.v_WB.isZero(0) || !body.w_WB.isZero(0)) {
+        Advance(*thing.mechanism->drive, plan, thing.rest_z_m, dt_s, body);
+      }
+      const std::span<ChannelState> wheels = thing.mechanism->drive->ChannelsOf(ChannelsOf(thing));
+      for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) {
+        Turn(wheels[wheel], plan.wheels_rad_s[wheel], dt_s);
+      }
+    }
+  });
+}
+
+void PhysicsWorld::CountRest(Nanoseconds dt) {
+  for (const std::uint32_t i : active_) rested_[islands_.RootOf(i)] = 1;
+  for (const std::uint32_t i : active_) {
+    if (!moves_[i]) continue;  // frozen in this very substep
+    std::uint64_t counter = FirstBody(i).sleep_counter;
+    counter = AtRest(i) ? std::min(counter + static_cast<std::uint64_t>(dt), kSleepAfter) : 0;
+    for (BodyState& body : BodiesOf(i)) body.sleep_counter = counter;
+    if (counter < kSleepAfter) rested_[islands_.RootOf(i)] = 0;
+  }
+  for (const std::uint32_t i : active_) {
+    if (moves_[i] && rested_[islands_.RootOf(i)]) Hold(i, kAsleep);
+  }
+  // What is not in ODE is an island of its own.
+  for (std::size_t i = things_.first_robot; i < dynamic_count(); ++i) {
+    if (!moves_[i] || in_ode_[i]) continue;
+    BodyState& body = bodies_[first_bodies_[i]];
+    if (!AtRest(static_cast<std::uint32_t>(i))) {
+      body.sleep_counter = 0;
+      continue;
+    }
+    body.sleep_counter += static_cast<std::uint64_t>(dt);
+    if (body.sleep_counter >= kSleepAfter) Hold(static_cast<std::uint32_t>(i), kAsleep);
+  }
+}
+
+bool PhysicsWorld::AtRest(std::uint32_t thing) const {
+  const Thing& info = things_.all[thing];
+  if (IsDriven(ChannelsOf(info))) return false;
+  for (std::size_t k = 0; k < info.body_count(); ++k) {
+    if (!IsSlow(bodies_[first_bodies_[thing] + k])) return false;
+  }
+  return true;
+}
+
+void PhysicsWorld::Hold(std::uint32_t thing, std::uint64_t counter) {
+  for (BodyState& body : BodiesOf(thing)) {
+    body.v_WB.setZero();
+    body.w_WB.setZero();
+    body.sleep_counter = counter;
+  }
 }
 
 void PhysicsWorld::Restore(const Frame& frame) {
-  EnsureOde();
-  impl_->engine.Restore(frame);
+  bodies_ = frame.bodies;
+  channels_ = frame.channels;
+  solver_seed_ = frame.solver_seed;
+  for (std::size_t i = 0; i < dynamic_count(); ++i) {
+    Thing& thing = things_.all[i];
+    thing.frozen = FirstBody(i).frozen();
+    if (thing.robot < 0) broad_phase_->MoveObject(i, FirstBody(i));
+  }
 }
 
 void PhysicsWorld::Restart(const Frame& start, std::uint64_t seed) {
   Restore(start);
-  impl_->engine.SetSolverSeed(seed);
-  impl_->engine.frozen().clear();
-}
-
-std::vector<FrozenBody> PhysicsWorld::TakeFrozen() {
-  return std::exchange(impl_->engine.frozen(), {});
-}
-
-const Scene& PhysicsWorld::scene() const {
-  return *impl_->scene;
+  solver_seed_ = SolverSeed(seed);
+  frozen_.clear();
 }
 
 int DefaultSubsteps(Nanoseconds step) {

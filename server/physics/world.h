@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: MIT
-// The physics world of one scene. Whoever holds the step baton (server/physics/stepper.h) owns it; no locks
-// inside.
+// The physics world of one scene: in each substep, who moves by the closed form, who is handed to ODE, who
+// sleeps. Whoever holds the step baton (server/physics/stepper.h) owns it; no locks inside.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/diagnostics.h"
 #include "server/base/worker_pool.h"
+#include "server/physics/broad_phase.h"
+#include "server/physics/islands.h"
+#include "server/physics/lane.h"
+#include "server/physics/rest.h"
+#include "server/physics/wheel_drive.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
-
-/// A body that exploded (not finite, or beyond a stated speed) and is held where it was last sane.
-struct FrozenBody {
-  std::string name;  // of the robot or object
-  std::string why;   // e.g. "speed 312 m/s"
-};
 
 class PhysicsWorld {
  public:
@@ -27,7 +28,6 @@ class PhysicsWorld {
   /// another. `pool` (null: none) outlives it and makes steps faster, never different.
   static std::unique_ptr<PhysicsWorld> Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                                              Diagnostics& diagnostics, WorkerPool* pool = nullptr);
-  ~PhysicsWorld();
 
   /// Advances by `step` in `substeps` equal parts. `setpoints`: of the scene's channels. Frozen bodies are
   /// held. Deterministic: depends on the state and the arguments alone.
@@ -47,14 +47,104 @@ class PhysicsWorld {
   /// The exact state of `start`, frame 0 of this world, with the solver's seed of `seed`: as a fresh Build().
   void Restart(const Frame& start, std::uint64_t seed);
   /// Bodies frozen since the last call.
-  std::vector<FrozenBody> TakeFrozen();
+  std::vector<FrozenBody> TakeFrozen() { return std::exchange(frozen_, {}); }
 
-  const Scene& scene() const;
+  const Scene& scene() const { return *scene_; }
 
  private:
-  struct Impl;
-  explicit PhysicsWorld(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t seed, WorkerPool* pool);
+
+  /// Islands that are solved together in one lane.
+  struct Batch {
+    std::vector<std::uint32_t> members;                         // things, island by island
+    std::vector<std::uint32_t> pairs;                           // index into pairs_, in order
+    std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: thing and why
+  };
+
+  /// Makes what depends on the number of things. @pre things_
+  void Fit();
+  void Substep(Nanoseconds dt);
+  /// Where every robot wants to go, and the space it needs for that.
+  void PlanAll(double dt_s);
+  void PlanRobot(std::size_t robot, double dt_s);
+  /// Decides who is handed to ODE.
+  void Sort();
+
+  /// Finds all contacts between things in this substep, and wakes who sleeps and is touched.
+  void Touch(double dt_s);
+  /// Contacts of the pairs of Sort(); true if none of them touches a sleeper.
+  bool FindPairContacts(double dt_s);
+  void Wake(std::uint32_t thing, double dt_s);
+  std::span<const FoundContact> ContactsOf(std::size_t pair) const;
+  /// Groups who is handed to ODE into islands, and islands into batches.
+  void MakeIslands();
+  void MakeBatches();
+  Batch& NextBatch();
+  void SolveAll(double dt_s);
+  /// Solves a batch; if ODE fails, again without the body that was fastest.
+  void SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s);
+  void LoadBatch(const Batch& batch, Lane& lane, double dt_s);
+  void ReadBatch(Batch& batch, const Lane& lane, double dt_s);
+  void ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s);
+  /// A channel has turned at this rate in a substep.
+  void Turn(ChannelState& channel, double rate, double dt_s) const {
+    channel.position += rate * dt_s;
+    channel.velocity += rate * share_;
+  }
+
+  void AdvanceClosed(double dt_s);
+  /// Counts how long everybody has been at rest, and lets whole islands sleep.
+  void CountRest(Nanoseconds dt);
+  bool AtRest(std::uint32_t thing) const;
+  void Freeze(std::uint32_t thing, std::string why, Batch& batch);
+  /// Puts its bodies to rest where they are.
+  void Hold(std::uint32_t thing, std::uint64_t counter);
+
+  /// Calls work(first, end) for parts of [0, count), on all threads if that pays.
+  template <typename Work>
+  void ForAll(std::size_t count, const Work& work);
+
+  std::span<ChannelState> ChannelsOf(const Thing& thing) {
+    return std::span(channels_).subspan(thing.first_channel, thing.channel_count);
+  }
+  std::span<const ChannelState> ChannelsOf(const Thing& thing) const {
+    return std::span(channels_).subspan(thing.first_channel, thing.channel_count);
+  }
+  Actor ActorOf(std::uint32_t thing) const { return things_.ActorOf(thing, bodies_); }
+  const BodyState& FirstBody(std::size_t thing) const { return bodies_[first_bodies_[thing]]; }
+  std::span<BodyState> BodiesOf(std::uint32_t thing) {
+    return std::span(bodies_).subspan(first_bodies_[thing], things_.all[thing].body_count());
+  }
+  std::size_t dynamic_count() const { return things_.first_static; }
+
+  std::shared_ptr<const Scene> scene_;
+  WorkerPool* const pool_;
+  Things things_;
+  std::optional<BroadPhase> broad_phase_;  // always there
+  Islands islands_;
+  std::vector<std::unique_ptr<Lane>> lanes_;  // one a thread; the first also has the large islands
+  // All that the next step depends on, besides the scene and the set-points.
+  std::vector<BodyState> bodies_;       // as Frame::bodies
+  std::vector<ChannelState> channels_;  // as Frame::channels
+  std::uint64_t solver_seed_ = 0;
+  std::vector<FrozenBody> frozen_;
+
+  double share_ = 1;  // of a substep in the present step
+  // Of the present substep.
+  std::vector<std::size_t> first_bodies_;  // by dynamic thing
+  std::vector<std::uint8_t> moves_;        // by dynamic thing: neither frozen nor asleep
+  std::vector<std::uint8_t> near_;         // by dynamic thing: in a pair
+  std::vector<std::uint8_t> in_ode_;       // by dynamic thing
+  std::vector<std::uint8_t> rested_;       // by dynamic thing: of an island's root: all its members
+  std::vector<double> travel_m_;           // by dynamic thing: how far it may come
+  std::vector<DrivePlan> plans_;           // by robot
+  std::vector<std::uint32_t> active_;      // things handed to ODE, increasing
+  std::span<const BroadPhase::Pair> pairs_;
+  std::vector<FoundContact> found_;
+  std::vector<std::size_t> found_ends_;  // by pair: where its contacts end in found_
+  std::vector<std::uint32_t> batch_of_;  // by root of an island
+  std::vector<Batch> batches_;           // reused; batch 0: the large islands
+  std::size_t batch_count_ = 0;
 };
 
 /// The number of substeps of a step when not given: each at most 10 ms.

@@ -20,7 +20,7 @@
 #include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
 #include "server/state/run_control.h"
-#include "server/timing/rate_meter.h"
+#include "server/timing/pace.h"
 
 namespace coopdyn {
 

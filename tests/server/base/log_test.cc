@@ -8,7 +8,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "server/base/log_bar.h"
 #include "tests/server/base/temp_folder.h"
 
 namespace coopdyn {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/timing/rate_meter.h"
+#include "server/timing/pace.h"
 
 #include <gtest/gtest.h>
 

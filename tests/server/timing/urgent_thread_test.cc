@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/timing/urgent_thread.h"
+#include "server/timing/pace.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <optional>
 
-#include "server/physics/engine.h"
-#include "server/physics/freeze.h"
-#include "server/physics/ode_setup.h"
+#include "server/physics/ode.h"
 #include "server/physics/rest.h"
+#include "server/physics/world.h"
 
 namespace coopdyn {
 
@@ -43,11 +42,11 @@ double FloorGap(const Thing& thing, const BodyState& body, double dt_s) {
 
 }  // namespace
 
-void Engine::Touch(double dt_s) {
+void PhysicsWorld::Touch(double dt_s) {
   while (!FindPairContacts(dt_s)) Sort();
 }
 
-bool Engine::FindPairContacts(double dt_s) {
+bool PhysicsWorld::FindPairContacts(double dt_s) {
   const std::size_t count = dynamic_count();
   Collider& collider = lanes_.front()->collider();
   found_.clear();
@@ -68,19 +67,19 @@ bool Engine::FindPairContacts(double dt_s) {
   return settled;
 }
 
-std::span<const FoundContact> Engine::ContactsOf(std::size_t pair) const {
+std::span<const FoundContact> PhysicsWorld::ContactsOf(std::size_t pair) const {
   const std::size_t first = pair == 0 ? 0 : found_ends_[pair - 1];
   return std::span(found_).subspan(first, found_ends_[pair] - first);
 }
 
-void Engine::Wake(std::uint32_t thing, double dt_s) {
+void PhysicsWorld::Wake(std::uint32_t thing, double dt_s) {
   for (BodyState& body : BodiesOf(thing)) body.sleep_counter = 0;
   moves_[thing] = 1;
   const int robot = things_.all[thing].robot;
   if (robot >= 0) PlanRobot(static_cast<std::size_t>(robot), dt_s);
 }
 
-void Engine::MakeIslands() {
+void PhysicsWorld::MakeIslands() {
   const std::size_t count = dynamic_count();
   std::vector<FoundContact> floor;
   for (const std::uint32_t i : active_) {
@@ -109,7 +108,7 @@ void Engine::MakeIslands() {
   islands_.List(active_);
 }
 
-Engine::Batch& Engine::NextBatch() {
+PhysicsWorld::Batch& PhysicsWorld::NextBatch() {
   if (batch_count_ == batches_.size()) batches_.emplace_back();
   Batch& batch = batches_[batch_count_++];
   batch.members.clear();
@@ -118,7 +117,7 @@ Engine::Batch& Engine::NextBatch() {
   return batch;
 }
 
-void Engine::MakeBatches() {
+void PhysicsWorld::MakeBatches() {
   batch_count_ = 0;
   NextBatch();
   std::size_t open = 0;  // 0: none
@@ -145,13 +144,13 @@ void Engine::MakeBatches() {
   }
 }
 
-void Engine::SolveAll(double dt_s) {
+void PhysicsWorld::SolveAll(double dt_s) {
   Batch& large = batches_.front();
   if (!large.members.empty()) {
     // The iterative solver draws from ODE's only random generator, so it works alone.
-    dRandSetSeed(static_cast<unsigned long>(state_.solver_seed));
+    dRandSetSeed(static_cast<unsigned long>(solver_seed_));
     SolveBatch(large, *lanes_.front(), Lane::Solver::kIterative, dt_s);
-    state_.solver_seed = dRandGetSeed();
+    solver_seed_ = dRandGetSeed();
   }
   const std::size_t small = batch_count_ - 1;
   const auto solve = [&](std::size_t first, std::size_t end, Lane& lane) {
@@ -183,7 +182,7 @@ void Engine::SolveAll(double dt_s) {
   }
 }
 
-void Engine::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s) {
+void PhysicsWorld::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s) {
   EnsureOde();
   lane.Reserve(batch.members);
   while (true) {
@@ -211,7 +210,7 @@ void Engine::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt
   lane.Unload();
 }
 
-void Engine::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
+void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
     lane.Load(thing, ActorOf(thing), ChannelsOf(things_.all[thing]));
@@ -231,7 +230,7 @@ void Engine::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
   }
 }
 
-void Engine::ReadBatch(Batch& batch, const Lane& lane, double dt_s) {
+void PhysicsWorld::ReadBatch(Batch& batch, const Lane& lane, double dt_s) {
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
     const Thing& info = things_.all[thing];
@@ -252,7 +251,7 @@ void Engine::ReadBatch(Batch& batch, const Lane& lane, double dt_s) {
   }
 }
 
-void Engine::ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s) {
+void PhysicsWorld::ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s) {
   const Thing& info = things_.all[thing];
   const std::span<ChannelState> channels = ChannelsOf(info);
   if (!info.mechanism->one_body()) {
@@ -270,7 +269,7 @@ void Engine::ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s) {
   }
 }
 
-void Engine::Freeze(std::uint32_t thing, std::string why, Batch& batch) {
+void PhysicsWorld::Freeze(std::uint32_t thing, std::string why, Batch& batch) {
   Thing& info = things_.all[thing];
   info.frozen = true;
   moves_[thing] = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/physics/freeze.h"
+#include "server/physics/rest.h"
 
 #include <algorithm>
 #include <cmath>

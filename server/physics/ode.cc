@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/physics/ode_setup.h"
-
-#include <ode/ode.h>
+#include "server/physics/ode.h"
 
 #include <array>
 #include <cstdarg>
