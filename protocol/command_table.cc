@@ -11,7 +11,17 @@
 namespace coopdyn {
 namespace {
 
-/// Edits (insert, remove, replace, swap of neighbours) between two words, letters of either case alike.
+[[maybe_unused]] bool AllUnique(const std::vector<CommandSpec>& commands) {
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (commands[i].id == commands[j].id || commands[i].name == commands[j].name) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   const std::size_t width = b.size() + 1;
   std::vector<std::size_t> cost((a.size() + 1) * width);
@@ -33,17 +43,6 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   }
   return cost.back();
 }
-
-[[maybe_unused]] bool AllUnique(const std::vector<CommandSpec>& commands) {
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (commands[i].id == commands[j].id || commands[i].name == commands[j].name) return false;
-    }
-  }
-  return true;
-}
-
-}  // namespace
 
 CommandTable::CommandTable(std::string module, std::vector<CommandSpec> own)
     : module_(std::move(module)), commands_(CommonCommands(own)) {

@@ -3,6 +3,7 @@
 // and the documentation is compared with it. Constant after construction; any thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -88,5 +89,8 @@ struct CheckResult {
 };
 CheckResult CheckRequest(const CommandSpec& spec, std::string_view text, std::span<const std::int32_t> params,
                          std::span<const double> data);
+
+/// Edits (insert, remove, replace, swap of neighbours) between two words, letters of either case alike.
+std::size_t EditDistance(std::string_view a, std::string_view b);
 
 }  // namespace coopdyn

@@ -8,7 +8,7 @@
 #include "server/app/print.h"
 #include "server/controllers/controller_host.h"
 #include "server/model/readers.h"
-#include "server/model/summary.h"
+#include "server/model/scenario.h"
 #include "server/model/text_file.h"
 #include "server/physics/world.h"
 #include "server/render/picture_maker.h"

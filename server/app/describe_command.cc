@@ -16,7 +16,7 @@
 #include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/model/readers.h"
-#include "server/model/summary.h"
+#include "server/model/scenario.h"
 #include "server/model/values.h"
 
 namespace coopdyn {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "server/model/colors.h"
-
+// The colour words of files.
 #include <utility>
 
 #include "server/model/values.h"
+#include "server/model/world_model.h"
 
 namespace coopdyn {
 

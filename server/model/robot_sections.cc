@@ -2,12 +2,14 @@
 #include "server/model/robot_sections.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <span>
+#include <system_error>
 #include <utility>
 
-#include "server/model/controller_line.h"
-#include "server/model/world_sections.h"
+#include "server/model/section_reader.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -17,16 +19,8 @@ constexpr double kTeamDistance_m = 1.0;  // from leader to helper
 constexpr std::size_t kMaxName = 63;
 
 /// Names of the global modules: /simulation and so on.
-const std::vector<std::string>& ReservedNames() {
-  static const std::vector<std::string> kNames = {"simulation", "world",    "swarm",
-                                                  "playback",   "recorder", "clock"};
-  return kNames;
-}
-
-const std::vector<std::string>& PolicyWords() {
-  static const std::vector<std::string> kWords = {"wait", "hold", "stop", "drop"};
-  return kWords;
-}
+const std::array<std::string, 6> kReservedNames = {"simulation", "world",    "swarm",
+                                                   "playback",   "recorder", "clock"};
 
 bool IsLetter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
@@ -43,15 +37,102 @@ std::string WithoutSlash(const std::string& name) {
   return name.starts_with('/') ? name.substr(1) : name;
 }
 
+// --- controller NAME option=value …
+
+namespace fs = std::filesystem;
+
+constexpr const char* kController = "controller";
+constexpr const char* kControllerExample = "controller diffuse speed=0.2";
+
+bool IsOptionName(const std::string& name) {
+  constexpr std::size_t kMaxName = 63;
+  return !name.empty() && name.size() <= kMaxName && name.front() >= 'a' && name.front() <= 'z' &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
+}
+
+/// Of a path as written: `\` means `/`, .so may be left out.
+fs::path WithExtension(std::string written) {
+  std::replace(written.begin(), written.end(), '\\', '/');
+  return written.ends_with(".so") ? written : written + ".so";
+}
+
+/// The file of the controller `written`; empty, and said, if it is not there.
+std::string FindFile(const std::string& written, SectionReader& reader, const RobotLibrary& library,
+                     const std::optional<fs::path>& beside) {
+  const auto missing = [&](std::string text) {
+    if (library.is_of_recording()) {
+      reader.WarningAt(kController, std::move(text));
+    } else {
+      reader.ErrorAt(kController, std::move(text));
+    }
+    return std::string();
+  };
+  if (written.find_first_of("/\\") != std::string::npos) {
+    if (!beside) {
+      reader.ErrorAt(kController,
+                     "a scenario sent over a socket names its controller by the bare name of one on the "
+                     "search path, for example: " +
+                         std::string(kControllerExample));
+      return {};
+    }
+    // An absolute path stays as it is.
+    const fs::path file = (*beside / WithExtension(written)).lexically_normal();
+    std::error_code code;
+    if (fs::is_regular_file(file, code)) return file.string();
+    // A recording may be read where its run's folders are not: then the name will do.
+    if (!library.is_of_recording()) {
+      return missing("there is no controller '" + written + "': the file " + file.string() + " is missing");
+    }
+  }
+  const std::string name = WithExtension(written).stem().string();
+  const fs::path folder = beside.value_or(fs::path());
+  if (const auto found = library.path().FindController(name, folder)) return found->string();
+  const std::vector<std::string> known = library.path().ControllerNames(folder);
+  const std::string near = Nearest(name, known);
+  return missing("there is no controller '" + name + "' " + (beside ? "beside the scenario or " : "") +
+                 "on the search path" + (near.empty() ? "; " : "; did you mean '" + near + "'? ") +
+                 (known.empty() ? "none is there: coopdyn new-controller NAME writes a start"
+                                : "There are " + JoinNames(known)));
+}
+
 }  // namespace
+
+ControllerChoice ReadController(SectionReader& reader, const RobotLibrary& library,
+                                const std::optional<fs::path>& beside) {
+  ControllerChoice choice;
+  const std::optional<std::string> text = reader.Text(kController);
+  if (!text) return choice;
+  choice.where = reader.LineOf(kController);
+  const std::vector<std::string> words = SplitWords(*text);
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    const std::size_t equals = word.find('=');
+    const std::string name = ToLower(word.substr(0, std::min(equals, word.size())));
+    if (equals == std::string::npos || equals + 1 == word.size() || !IsOptionName(name)) {
+      reader.ErrorAt(kController,
+                     "'controller': options are written name=value without spaces, for example: " +
+                         std::string(kControllerExample) + "; not '" + word + "'");
+      return choice;
+    }
+    const ParsedNumber value = ParseNumber(std::string_view(word).substr(equals + 1), Quantity::kAny);
+    if (!value.error.empty())
+      reader.ErrorAt(kController, "'controller', option '" + name + "': " + value.error);
+    const bool twice = std::any_of(choice.options.begin(), choice.options.end(),
+                                   [&](const auto& option) { return option.first == name; });
+    if (twice) reader.ErrorAt(kController, "'controller': option '" + name + "' stands twice: keep one");
+    choice.options.emplace_back(name, value.value);
+  }
+  choice.file = FindFile(words.front(), reader, library, beside);
+  choice.name = WithExtension(words.front()).stem().string();
+  return choice;
+}
 
 bool RobotSections::IsGoodName(const std::string& name, std::string& why) const {
   bool good = !name.empty() && name.size() <= kMaxName && IsLetter(name.front());
   for (const char c : name) good = good && (IsLetter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-');
-  const std::vector<std::string>& reserved = ReservedNames();
   if (!good) {
     why = "a robot's name is a letter, then letters, digits, _ and -, at most 63; not '" + name + "'";
-  } else if (std::find(reserved.begin(), reserved.end(), ToLower(name)) != reserved.end()) {
+  } else if (std::ranges::count(kReservedNames, ToLower(name)) > 0) {
     why = "'" + name + "' is the name of a module of the simulator: give the robot another name";
     good = false;
   }
@@ -82,34 +163,28 @@ void RobotSections::KeepSource(const std::string& type, const RobotModel& model)
 
 void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
   entry.where = reader.where();
-  if (const auto color = reader.ColorValue("color")) entry.color = *color;
-  const std::vector<std::string> fidelities = {"full", "rolling", "planar"};
-  if (const auto fidelity = reader.Choice("fidelity", fidelities)) {
-    entry.fidelity = static_cast<Fidelity>(*fidelity);
-  }
+  Take(reader.ColorValue("color"), entry.color);
+  Take(reader.Choice<Fidelity>("fidelity", kFidelityWords), entry.fidelity);
   entry.controller = ReadController(reader, library_, beside_);
   if (!entry.controller.empty() && entry.model != nullptr &&
       (entry.model->drive() == nullptr || entry.model->drive_actuator()->module.empty())) {
     reader.ErrorAt("controller", "a " + entry.model->type + " has no motors that a controller could drive");
   }
-  if (const auto sockets = reader.YesNo("sockets")) entry.sockets = *sockets;
+  Take(reader.YesNo("sockets"), entry.sockets);
 }
 
 void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
   constexpr double kMinDeadline_s = 1e-3, kMaxDeadline_s = 1e6;
   entry.deadline_s = reader.Number("deadline", Quantity::kTime, kMinDeadline_s, kMaxDeadline_s);
-  const std::vector<std::string>& words = PolicyWords();
-  const std::vector<std::string> on_deadline(words.begin() + 1, words.end());
-  if (const auto policy = reader.Choice("on_deadline", on_deadline)) {
+  // All but wait.
+  if (const auto policy = reader.Choice("on_deadline", std::span(kLossPolicyWords).subspan(1))) {
     entry.on_deadline = static_cast<LossPolicy>(*policy + 1);
   }
   if (reader.Has("on_deadline") && !reader.Has("deadline")) {
     reader.WarningAt("on_deadline",
                      "'on_deadline' has no effect without 'deadline', for example: deadline 2s");
   }
-  if (const auto policy = reader.Choice("on_disconnect", words)) {
-    entry.on_disconnect = static_cast<LossPolicy>(*policy);
-  }
+  Take(reader.Choice<LossPolicy>("on_disconnect", kLossPolicyWords), entry.on_disconnect);
 }
 
 void RobotSections::ReadWaitsFor(SectionReader& reader, RobotEntry& entry) {
@@ -170,10 +245,10 @@ void RobotSections::ReadRobot(SectionReader& reader) {
                      "the axle, so write z = 0");
     }
   }
-  if (const auto q = reader.Orientation("orientation")) entry.X_WR.q = *q;
+  Take(reader.Orientation("orientation"), entry.X_WR.q);
   ReadShared(reader, entry);
   ReadLosses(reader, entry);
-  if (const auto sync = reader.YesNo("sync")) entry.sync = *sync;
+  Take(reader.YesNo("sync"), entry.sync);
   ReadWaitsFor(reader, entry);
   CheckDriver(reader, entry);
   reader.Finish();
@@ -238,7 +313,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   ReadShared(reader, entry);
   const auto spacing = reader.Number("spacing", Quantity::kLength, 0, kMaxFileLength_m);
   const std::optional<FloorArea> area = ReadArea(reader);
-  const auto seed = reader.WholeNumber("seed", 0, std::numeric_limits<std::uint64_t>::max());
+  const auto seed = reader.WholeNumber("seed", 0, kMaxSeed);
   reader.Finish();
   if (entry.model == nullptr || team || !count || (reader.Has("area") && !area)) return;
 
@@ -266,12 +341,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   }
   const std::vector<FloorPlace> places = PlaceSwarm(request, scenario_.objects, TakenPlaces());
   if (places.size() < *count) {
-    reader.ErrorAt("count",
-                   "only " + std::to_string(places.size()) + " of " + std::to_string(*count) +
-                       " robots fit into the area of " + FormatNumber(request.area.length_m) + " x " +
-                       FormatNumber(request.area.width_m) + " m, " + FormatNumber(request.spacing_m) +
-                       " m apart and clear of what stands there: take fewer, a smaller spacing or a larger "
-                       "area");
+    reader.ErrorAt("count", DoNotFit(request, places.size(), "robots"));
     return;
   }
   const std::string name = entry.name;

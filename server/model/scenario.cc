@@ -2,10 +2,58 @@
 #include "server/model/scenario.h"
 
 #include <algorithm>
+#include <map>
 
 #include "server/model/values.h"
 
 namespace coopdyn {
+
+namespace {
+
+template <typename Words, typename Enum>
+const char* WordOf(const Words& words, Enum value) {
+  const auto index = static_cast<std::size_t>(value);
+  return words[index < words.size() ? index : 0].c_str();
+}
+
+template <typename Enum, typename Words>
+std::optional<Enum> Parse(const Words& words, const std::string& word) {
+  const auto found = std::find(words.begin(), words.end(), ToLower(word));
+  if (found == words.end()) return std::nullopt;
+  return static_cast<Enum>(found - words.begin());
+}
+
+// --- the summary
+
+std::string Counted(std::size_t count, const std::string& noun) {
+  if (count == 0) return "no " + noun + "s";
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/// "swarm ant", or "3 swarms".
+std::string Swarms(const Scenario& scenario) {
+  const std::size_t count = scenario.swarms.size();
+  return count == 1 ? "swarm " + scenario.swarms[0].name : std::to_string(count) + " swarms";
+}
+
+/// How the robots are simulated and driven, as far as it is not the usual: "rolling", "50 controller
+/// diffuse".
+std::vector<std::string> Drives(const std::vector<RobotEntry>& robots) {
+  std::map<std::string, std::size_t> fidelities, controllers;
+  for (const RobotEntry& robot : robots) {
+    if (robot.fidelity != Fidelity::kFull) ++fidelities[ToString(robot.fidelity)];
+    if (!robot.controller.empty()) ++controllers["controller " + robot.controller.name];
+  }
+  std::vector<std::string> texts;
+  for (const auto& counts : {fidelities, controllers}) {
+    for (const auto& [text, count] : counts) {
+      texts.push_back(count == robots.size() ? text : std::to_string(count) + " " + text);
+    }
+  }
+  return texts;
+}
+
+}  // namespace
 
 std::vector<std::string> RobotEntry::awaited_modules() const {
   std::vector<std::string> awaited = model->actuator_modules();
@@ -17,57 +65,52 @@ std::vector<std::string> RobotEntry::awaited_modules() const {
 }
 
 const char* ToString(Mode mode) {
-  switch (mode) {
-    case Mode::kRealtime:
-      return "realtime";
-    case Mode::kLockstep:
-      return "lockstep";
-    case Mode::kFree:
-      return "free";
-  }
-  return "realtime";
-}
-
-std::optional<Mode> ParseMode(const std::string& word) {
-  const std::string lower = ToLower(word);
-  for (const Mode mode : {Mode::kRealtime, Mode::kLockstep, Mode::kFree}) {
-    if (lower == ToString(mode)) return mode;
-  }
-  return std::nullopt;
+  return WordOf(kModeWords, mode);
 }
 
 const char* ToString(LossPolicy policy) {
-  switch (policy) {
-    case LossPolicy::kWait:
-      return "wait";
-    case LossPolicy::kHold:
-      return "hold";
-    case LossPolicy::kStop:
-      return "stop";
-    case LossPolicy::kDrop:
-      return "drop";
-  }
-  return "wait";
+  return WordOf(kLossPolicyWords, policy);
 }
 
 const char* ToString(Fidelity fidelity) {
-  switch (fidelity) {
-    case Fidelity::kFull:
-      return "full";
-    case Fidelity::kRolling:
-      return "rolling";
-    case Fidelity::kPlanar:
-      return "planar";
-  }
-  return "full";
+  return WordOf(kFidelityWords, fidelity);
+}
+
+std::optional<Mode> ParseMode(const std::string& word) {
+  return Parse<Mode>(kModeWords, word);
 }
 
 std::optional<Fidelity> ParseFidelity(const std::string& word) {
-  const std::string lower = ToLower(word);
-  for (const Fidelity fidelity : {Fidelity::kFull, Fidelity::kRolling, Fidelity::kPlanar}) {
-    if (lower == ToString(fidelity)) return fidelity;
+  return Parse<Fidelity>(kFidelityWords, word);
+}
+
+std::string Summary(const Scenario& scenario) {
+  std::map<std::string, std::size_t> types;
+  for (const RobotEntry& robot : scenario.robots) ++types[robot.model->type];
+  std::vector<std::string> type_texts;
+  for (const auto& [type, count] : types) {
+    type_texts.push_back(types.size() == 1 ? type : std::to_string(count) + " " + type);
   }
-  return std::nullopt;
+  std::string out = Counted(scenario.robots.size(), "robot");
+  if (!scenario.swarms.empty()) out += " in " + Swarms(scenario);
+  if (!types.empty()) {
+    out += " (" + JoinNames(type_texts);
+    for (const std::string& text : Drives(scenario.robots)) out += ", " + text;
+    out += ")";
+  }
+
+  const auto fixed = std::count_if(scenario.objects.begin(), scenario.objects.end(),
+                                   [](const WorldObject& object) { return object.is_static(); });
+  out += ", " + Counted(scenario.objects.size(), "object");
+  if (!scenario.objects.empty()) out += " (" + std::to_string(fixed) + " static)";
+
+  const Nanoseconds step = scenario.simulation.step.value_or(kDefaultStep);
+  out += ", " + Counted(scenario.targets.size(), "target");
+  out += ", floor " + FormatNumber(scenario.floor.length_m) + " x " + FormatNumber(scenario.floor.width_m) +
+         " m";
+  out += std::string(", ") + ToString(scenario.simulation.mode.value_or(Mode::kRealtime)) + " " +
+         FormatNumber(static_cast<double>(step) / 1e6) + " ms";
+  return out;
 }
 
 }  // namespace coopdyn

@@ -2,6 +2,7 @@
 // What a scenario says: world, targets, robots, and how time runs. Constant once read; any thread.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,15 +18,21 @@
 namespace coopdyn {
 
 enum class Mode : int { kRealtime = 0, kLockstep = 1, kFree = 2 };
-const char* ToString(Mode mode);  // realtime, lockstep, free
-std::optional<Mode> ParseMode(const std::string& word);
+inline const std::array<std::string, 3> kModeWords = {"realtime", "lockstep", "free"};
 
 /// What happens when a robot is late (on_deadline) or loses its client (on_disconnect).
 enum class LossPolicy { kWait, kHold, kStop, kDrop };
-const char* ToString(LossPolicy policy);  // wait, hold, stop, drop
+inline const std::array<std::string, 4> kLossPolicyWords = {"wait", "hold", "stop", "drop"};
+
 /// How a robot's drive is simulated; sensors, modules and commands are the same.
 enum class Fidelity { kFull, kRolling, kPlanar };
-const char* ToString(Fidelity fidelity);  // full, rolling, planar
+inline const std::array<std::string, 3> kFidelityWords = {"full", "rolling", "planar"};
+
+// Their words as above; nothing for another word. Case-insensitive.
+const char* ToString(Mode mode);
+const char* ToString(LossPolicy policy);
+const char* ToString(Fidelity fidelity);
+std::optional<Mode> ParseMode(const std::string& word);
 std::optional<Fidelity> ParseFidelity(const std::string& word);
 
 inline constexpr Nanoseconds kMinStep = 500'000;         // 0.5 ms
@@ -109,5 +116,9 @@ struct Scenario {
   SimulationOptions simulation;
   std::vector<SourceText> sources;  // all but `text`, each once
 };
+
+/// A scenario in one line, as `coopdyn check` prints it. For example: 5 robots (coopbot), 12 objects (9
+/// static), 2 targets, floor 20 x 20 m, realtime 10 ms
+std::string Summary(const Scenario& scenario);
 
 }  // namespace coopdyn

@@ -2,17 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <unordered_map>
 #include <utility>
 
 #include "server/base/printable.h"
-#include "server/model/colors.h"
 #include "server/model/readers.h"
 #include "server/model/robot_sections.h"
-#include "server/model/scattered.h"
+#include "server/model/section_reader.h"
 #include "server/model/text_file.h"
-#include "server/model/world_sections.h"
 
 namespace coopdyn {
 
@@ -108,12 +105,9 @@ class ScenarioReader {
   void ReadSimulation(SectionReader& reader) {
     SimulationOptions& options = scenario_->simulation;
     reader.Has("angles");
-    const std::vector<std::string> modes = {"realtime", "lockstep", "free"};
-    if (const auto mode = reader.Choice("mode", modes)) options.mode = static_cast<Mode>(*mode);
+    options.mode = reader.Choice<Mode>("mode", kModeWords);
     ReadStep(reader, options);
-    if (const auto seed = reader.WholeNumber("seed", 0, std::numeric_limits<std::uint64_t>::max())) {
-      options.seed = *seed;
-    }
+    Take(reader.WholeNumber("seed", 0, kMaxSeed), options.seed);
     options.speed = reader.Number("speed", Quantity::kPlain, -kMaxSpeed, kMaxSpeed);
     options.duration_s = reader.Number("duration", Quantity::kTime, 0, kMaxDuration_s);
     if (options.duration_s && *options.duration_s <= 0)
@@ -249,8 +243,7 @@ class ScenarioReader {
       robots_.ReadRobot(reader);
       return;
     }
-    const std::string near = Nearest(section.name, kOwn);
-    ObjectSection read = ReadObject(reader, near.empty() ? "" : "; or did you mean [" + near + "]?");
+    ObjectSection read = ReadObject(reader, kOwn);
     if (read.object) AddObject(*read.object);
     if (read.scattered) scattered_.push_back(std::move(*read.scattered));
   }

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "server/model/sdf_check.h"
-
+// What libsdformat lets pass: unknown and unused elements, words where numbers belong.
 #include <tinyxml2.h>
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <sdf/Param.hh>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "server/model/sdf_parts.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -169,41 +171,6 @@ class Checker {
   Diagnostics& diagnostics_;
 };
 
-/// Counts what has a limit, down to the first that is beyond it.
-class Counter {
- public:
-  Counter(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
-
-  bool Count(const XMLElement& element) {
-    const std::string_view name = element.Name();
-    if (!IsBelow(++elements_, kMaxModelElements, "elements", element)) return false;
-    if (name == "link" && !IsBelow(++links_, kMaxModelParts, "links", element)) return false;
-    if (name == "joint" && !IsBelow(++joints_, kMaxModelParts, "joints", element)) return false;
-    if (name == "frame" && !IsBelow(++frames_, kMaxModelParts, "frames", element)) return false;
-    int attributes = 0;
-    for (const XMLAttribute* one = element.FirstAttribute(); one != nullptr; one = one->Next()) {
-      if (!IsBelow(++attributes, kMaxElementAttributes, "attributes of one element", element)) return false;
-    }
-    for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
-         child = child->NextSiblingElement()) {
-      if (!Count(*child)) return false;
-    }
-    return true;
-  }
-
- private:
-  bool IsBelow(int count, int most, const char* what, const XMLElement& element) {
-    if (count <= most) return true;
-    diagnostics_.Error({file_, element.GetLineNum()}, "a robot's model has at most " + std::to_string(most) +
-                                                          " " + what + ": make it simpler");
-    return false;
-  }
-
-  const std::string& file_;
-  Diagnostics& diagnostics_;
-  int elements_ = 0, links_ = 0, joints_ = 0, frames_ = 0;
-};
-
 }  // namespace
 
 bool IsModelSize(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
@@ -214,7 +181,29 @@ bool IsModelSize(std::string_view text, const std::string& file, Diagnostics& di
 }
 
 bool IsModelCount(const XMLElement& root, const std::string& file, Diagnostics& diagnostics) {
-  return Counter(file, diagnostics).Count(root);
+  std::map<std::string_view, int> counts;
+  const auto is_below = [&](int count, int most, const std::string& what, const XMLElement& element) {
+    if (count <= most) return true;
+    diagnostics.Error({file, element.GetLineNum()}, "a robot's model has at most " + std::to_string(most) +
+                                                        " " + what + ": make it simpler");
+    return false;
+  };
+  const std::function<bool(const XMLElement&)> count = [&](const XMLElement& element) {
+    const std::string name = element.Name();
+    if (!is_below(++counts["elements"], kMaxModelElements, "elements", element)) return false;
+    const bool is_part = name == "link" || name == "joint" || name == "frame";
+    if (is_part && !is_below(++counts[element.Name()], kMaxModelParts, name + "s", element)) return false;
+    int attributes = 0;
+    for (const XMLAttribute* one = element.FirstAttribute(); one != nullptr; one = one->Next()) {
+      if (!is_below(++attributes, kMaxElementAttributes, "attributes of one element", element)) return false;
+    }
+    for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement()) {
+      if (!count(*child)) return false;
+    }
+    return true;
+  };
+  return count(root);
 }
 
 void CheckSdf(const XMLElement& root, const sdf::ElementPtr& description, const std::string& file,

@@ -10,8 +10,7 @@
 #include <utility>
 
 #include "server/model/readers.h"
-#include "server/model/sdf_check.h"
-#include "server/model/sdf_extension.h"
+#include "server/model/sdf_parts.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
 

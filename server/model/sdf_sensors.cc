@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/model/sdf_sensors.h"
-
+// The sensors in a robot's SDF.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/model/sdf_parts.h"
 #include "server/model/values.h"
 
 namespace coopdyn {

@@ -13,22 +13,70 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool IsFile(const fs::path& path) {
+  std::error_code code;
+  return fs::is_regular_file(path, code);
+}
+
+/// Calls visit(path) for all that is in each subfolder of each folder.
+template <typename Visit>
+void ForAll(const std::vector<fs::path>& folders, std::initializer_list<const char*> subs, Visit visit) {
+  for (const fs::path& folder : folders) {
+    for (const char* sub : subs) {
+      std::error_code code;
+      for (fs::directory_iterator it(folder / sub, code), end; !code && it != end; it.increment(code)) {
+        visit(it->path());
+      }
+    }
+  }
+}
+
 /// `file`, or the file beside it that is called the same but for upper and lower case, as Windows would find
 /// it.
 std::optional<fs::path> ExistingFile(const fs::path& file) {
-  std::error_code code;
-  if (fs::is_regular_file(file, code)) return file;
+  if (IsFile(file)) return file;
   const std::string wanted = ToLower(file.filename().string());
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   std::optional<fs::path> found;
-  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
-    const fs::path& path = it->path();
-    std::error_code ignored;
-    if (ToLower(path.filename().string()) != wanted || !fs::is_regular_file(path, ignored)) continue;
+  ForAll({folder}, {""}, [&](const fs::path& path) {
+    if (ToLower(path.filename().string()) != wanted || !IsFile(path)) return;
     const fs::path same = file.has_parent_path() ? path : path.filename();
     if (!found || same < *found) found = same;
-  }
+  });
   return found;
+}
+
+/// The first of these files that is there.
+std::optional<fs::path> FirstFile(const std::vector<fs::path>& folders,
+                                  std::initializer_list<const char*> subs, const fs::path& name) {
+  for (const fs::path& folder : folders) {
+    for (const char* sub : subs) {
+      const fs::path file = (folder / sub / name).lexically_normal();
+      if (IsFile(file)) return file;
+    }
+  }
+  return std::nullopt;
+}
+
+/// The names of the files with this extension, sorted, without it.
+std::vector<std::string> Stems(const std::vector<fs::path>& folders, std::initializer_list<const char*> subs,
+                               const char* extension) {
+  std::set<std::string> names;
+  ForAll(folders, subs, [&](const fs::path& path) {
+    if (path.extension() == extension) names.insert(path.stem().string());
+  });
+  return {names.begin(), names.end()};
+}
+
+/// ExistingFile() in the first subfolder of a folder that has it.
+std::optional<fs::path> ExistingFile(const std::vector<fs::path>& folders,
+                                     std::initializer_list<const char*> subs, const fs::path& name) {
+  for (const fs::path& folder : folders) {
+    for (const char* sub : subs) {
+      if (const auto found = ExistingFile((folder / sub / name).lexically_normal())) return found;
+    }
+  }
+  return std::nullopt;
 }
 
 /// `\` means `/`; a drive's letter goes.
@@ -57,17 +105,25 @@ bool IsBareWord(const std::string& type) {
              std::string::npos;
 }
 
-/// Where a controller's file may lie, in the order in which they are tried.
+/// Where a controller's file may lie besides in `controllers`, in the order in which they are tried.
 std::vector<fs::path> ControllerFolders(const SearchPath& path, const fs::path& beside) {
-  std::vector<fs::path> roots;
-  if (!beside.empty()) roots.push_back(beside);
-  roots.insert(roots.end(), path.folders.begin(), path.folders.end());
-  std::vector<fs::path> folders;
-  for (const fs::path& root : roots) {
-    folders.push_back(root / "controllers");
-    folders.push_back(root);
-  }
+  std::vector<fs::path> folders = path.folders;
+  if (!beside.empty()) folders.insert(folders.begin(), beside);
   return folders;
+}
+
+constexpr std::string_view kRobot = "robot";
+
+/// The robot types on `path` and of `embedded` texts, sorted.
+std::vector<std::string> RobotTypes(const SearchPath& path, const std::vector<SourceText>& embedded) {
+  std::set<std::string> types = {"single", "team2"};
+  for (const SourceText& source : embedded) {
+    if (source.kind == kRobot) types.insert(source.name);
+  }
+  ForAll(path.folders, {".", "robots"}, [&types](const fs::path& folder) {
+    if (IsFile(folder / "model.sdf")) types.insert(folder.filename().string());
+  });
+  return {types.begin(), types.end()};
 }
 
 }  // namespace
@@ -87,11 +143,7 @@ std::optional<fs::path> SearchPath::FindScenario(const std::string& name) const 
   for (const std::string& candidate : WithExtensions(file, {".scenario", ".world"})) {
     if (const auto found = ExistingFile(candidate)) return found;
     if (absolute) continue;
-    for (const fs::path& folder : folders) {
-      for (const char* sub : {".", "scenarios", "worlds"}) {
-        if (const auto found = ExistingFile((folder / sub / candidate).lexically_normal())) return found;
-      }
-    }
+    if (const auto found = ExistingFile(folders, {".", "scenarios", "worlds"}, candidate)) return found;
   }
   return std::nullopt;
 }
@@ -112,11 +164,7 @@ std::optional<fs::path> SearchPath::FindWorld(const std::string& name, const fs:
       if (!beside.empty()) {
         if (const auto found = ExistingFile((beside / candidate).lexically_normal())) return found;
       }
-      for (const fs::path& folder : folders) {
-        for (const char* sub : {".", "worlds", "scenarios"}) {
-          if (const auto found = ExistingFile((folder / sub / candidate).lexically_normal())) return found;
-        }
-      }
+      if (const auto found = ExistingFile(folders, {".", "worlds", "scenarios"}, candidate)) return found;
     }
   }
   return std::nullopt;
@@ -124,48 +172,49 @@ std::optional<fs::path> SearchPath::FindWorld(const std::string& name, const fs:
 
 std::optional<fs::path> SearchPath::FindRobot(const std::string& type) const {
   if (!IsBareWord(type)) return std::nullopt;
-  for (const fs::path& folder : folders) {
-    for (const char* sub : {".", "robots"}) {
-      const fs::path file = (folder / sub / type / "model.sdf").lexically_normal();
-      std::error_code code;
-      if (fs::is_regular_file(file, code)) return file;
-    }
-  }
-  return std::nullopt;
+  return FirstFile(folders, {".", "robots"}, fs::path(type) / "model.sdf");
 }
 
 std::optional<fs::path> SearchPath::FindController(const std::string& name, const fs::path& beside) const {
   if (!IsBareWord(name)) return std::nullopt;
-  for (const fs::path& folder : ControllerFolders(*this, beside)) {
-    const fs::path file = (folder / (name + ".so")).lexically_normal();
-    std::error_code code;
-    if (fs::is_regular_file(file, code)) return file;
-  }
-  return std::nullopt;
+  return FirstFile(ControllerFolders(*this, beside), {"controllers", "."}, name + ".so");
 }
 
 std::vector<std::string> SearchPath::ControllerNames(const fs::path& beside) const {
-  std::set<std::string> names;
-  for (const fs::path& folder : ControllerFolders(*this, beside)) {
-    std::error_code code;
-    for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
-      if (it->path().extension() == ".so") names.insert(it->path().stem().string());
-    }
-  }
-  return {names.begin(), names.end()};
+  return Stems(ControllerFolders(*this, beside), {"controllers", "."}, ".so");
 }
 
 std::vector<std::string> SearchPath::ScenarioNames() const {
-  std::set<std::string> names;
-  for (const fs::path& folder : folders) {
-    for (const char* sub : {".", "scenarios"}) {
-      std::error_code code;
-      for (fs::directory_iterator it(folder / sub, code), end; !code && it != end; it.increment(code)) {
-        if (it->path().extension() == ".scenario") names.insert(it->path().stem().string());
-      }
-    }
+  return Stems(folders, {".", "scenarios"}, ".scenario");
+}
+
+std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, const SourceLine& where,
+                                                    Diagnostics& diagnostics) {
+  MutexLock lock(mutex_);
+  if (const auto known = models_.find(type); known != models_.end()) return known->second;
+  // A model with errors is not kept: mended, it loads.
+  std::shared_ptr<const RobotModel> model;
+  if (const SourceText* source = Embedded(kRobot, type)) {
+    model = ReadRobotModelText(source->text, source->file, type, diagnostics);
+  } else if (const std::optional<std::filesystem::path> file = path_.FindRobot(type)) {
+    model = ReadRobotModel(*file, diagnostics);
+  } else {
+    diagnostics.Error(where,
+                      "unknown robot type '" + type + "'" + DidYouMean(type, RobotTypes(path_, embedded_)));
   }
-  return {names.begin(), names.end()};
+  if (model != nullptr) models_.emplace(type, model);
+  return model;
+}
+
+bool RobotLibrary::Has(const std::string& type) const {
+  return Embedded(kRobot, type) != nullptr || path_.FindRobot(type).has_value();
+}
+
+const SourceText* RobotLibrary::Embedded(std::string_view kind, std::string_view name) const {
+  for (const SourceText& source : embedded_) {
+    if (source.kind == kind && source.name == name) return &source;
+  }
+  return nullptr;
 }
 
 }  // namespace coopdyn

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Seeded places for a swarm: free of objects, of robots and of one another. Pure; any thread.
+// Seeded places for a swarm, or for the copies of an object: free of objects, of robots and of one another.
+// Pure; any thread.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "server/model/world_model.h"
+#include "server/base/diagnostics.h"
+#include "server/model/scenario.h"
 
 namespace coopdyn {
 
@@ -36,5 +39,15 @@ std::vector<FloorPlace> PlaceSwarm(const SwarmRequest& request, std::span<const 
 /// The horizontal distance of (x, y) from the shadow that `object` casts on the floor; 0 inside. For upright
 /// shapes exact, otherwise to the box around it.
 double DistanceToShadow(const WorldObject& object, double x_m, double y_m);
+
+/// What to tell if only `fit` of `what` have found a place.
+std::string DoNotFit(const SwarmRequest& request, std::size_t fit, const std::string& what);
+
+/// Adds the copies of all `sections` to `scenario`, NAME_1 to NAME_count, turned about the vertical at
+/// random: clear of the objects there, of the places `taken` and of one another. Then objects are in the
+/// order of the files again, the world's first. Reports sections that do not fit, and copies with another's
+/// name.
+void AddScattered(std::span<const ScatteredObjects> sections, std::span<const FloorPlace> taken,
+                  Scenario& scenario, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

@@ -21,6 +21,10 @@ struct Color {
 
 /// The named colours of files, e.g. "red" → (1, 0, 0); nothing if unknown. Case-insensitive.
 std::optional<Color> NamedColor(const std::string& name);
+/// All colour words, in the order of the table in docs/formats.md.
+const std::vector<std::string>& ColorNames();
+/// The word for `color_n` of a [TARGET], n ≥ 1: red, green, blue, …, then again from the start.
+const std::string& PaletteName(int n);
 
 struct Floor {
   double length_m = 20, width_m = 20, height_m = 0.1;  // along x, y, z; the top is at z = 0, centred

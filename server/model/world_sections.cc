@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "server/model/world_sections.h"
+#include "server/model/section_reader.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "server/model/readers.h"
+#include "server/model/text_file.h"
 
 namespace coopdyn {
 
@@ -60,9 +63,8 @@ Floor ReadFloor(SectionReader& reader) {
     floor.width_m = (*size)[1];
     if (size->size() == 3) floor.height_m = (*size)[2];
   }
-  if (const auto color = reader.ColorValue("color")) floor.color = *color;
-  if (const auto friction = reader.Number("friction", Quantity::kPlain, 0, kMaxFriction))
-    floor.friction = *friction;
+  Take(reader.ColorValue("color"), floor.color);
+  Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), floor.friction);
   reader.Finish();
   return floor;
 }
@@ -78,7 +80,8 @@ std::optional<FloorArea> ReadArea(SectionReader& reader) {
   return FloorArea{(*area)[0], (*area)[1], (*area)[2], (*area)[3]};
 }
 
-ObjectSection ReadObject(SectionReader& reader, const std::string& hint) {
+ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> other_sections) {
+  const std::string near = Nearest(reader.section().name, other_sections);
   WorldObject object;
   object.name = reader.section().name;
   object.where = reader.where();
@@ -86,7 +89,7 @@ ObjectSection ReadObject(SectionReader& reader, const std::string& hint) {
   const std::optional<std::size_t> type = reader.Choice("type", kTypes);
   if (!has_type) {
     reader.Error(reader.title() + " is an object and needs 'type box', 'type cylinder' or 'type sphere'" +
-                 hint);
+                 (near.empty() ? "" : "; or did you mean [" + near + "]?"));
   }
   reader.Require("size", "size 1 0.5 0.3");
   const bool many = reader.Has("count");
@@ -96,23 +99,22 @@ ObjectSection ReadObject(SectionReader& reader, const std::string& hint) {
   if (!type) reader.Has("size");
   const auto position = reader.Numbers("position", Quantity::kLength, {2, 3}, "x y, or x y z of the centre",
                                        -kMaxFileLength_m, kMaxFileLength_m);
-  if (const auto q = reader.Orientation("orientation")) object.X_WO.q = *q;
+  Take(reader.Orientation("orientation"), object.X_WO.q);
   if (const auto mass = reader.Number("mass", Quantity::kMass, 0, kMaxFileMass_kg)) {
     object.mass_kg = *mass;
     if (*mass > 0 && *mass < kMinFileMass_kg) {
       reader.ErrorAt("mass", "a mass below 1 mg cannot be simulated: write 0 for something that never moves");
     }
   }
-  if (const auto color = reader.ColorValue("color")) object.color = *color;
-  if (const auto friction = reader.Number("friction", Quantity::kPlain, 0, kMaxFriction))
-    object.friction = *friction;
+  Take(reader.ColorValue("color"), object.color);
+  Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), object.friction);
   ScatteredObjects scattered;
   const auto count = reader.WholeNumber("count", 1, kMaxSwarm);
   if (many) {
     scattered.count = count.value_or(0);
     scattered.spacing_m = reader.Number("spacing", Quantity::kLength, 0, kMaxFileLength_m);
     scattered.area = ReadArea(reader);
-    scattered.seed = reader.WholeNumber("seed", 0, std::numeric_limits<std::uint64_t>::max());
+    scattered.seed = reader.WholeNumber("seed", 0, kMaxSeed);
     if (reader.Has("position")) {
       reader.ErrorAt("position",
                      "'position' and 'count' exclude each other: with 'count' the places are found, in an "
@@ -120,7 +122,7 @@ ObjectSection ReadObject(SectionReader& reader, const std::string& hint) {
     }
   }
   // In the section of another kind that was misspelt, every key would be unknown: one diagnostic is enough.
-  if (has_type || hint.empty()) reader.Finish();
+  if (has_type || near.empty()) reader.Finish();
   if (!shape) return {};
   object.shape = *shape;
   if (many) {
@@ -136,6 +138,38 @@ ObjectSection ReadObject(SectionReader& reader, const std::string& hint) {
 
 bool IsNumbered(const std::string& word, const std::string& kind) {
   return word == kind || word.starts_with(kind + "_");
+}
+
+WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics) {
+  WorldModel world;
+  world.file = file;
+  std::optional<std::string> decoded = DecodeText(text, {file, 0}, diagnostics);
+  if (!decoded) return world;
+  world.text = std::move(*decoded);
+  const std::vector<Section> sections = ReadSections(world.text, file, diagnostics);
+  const auto floor =
+      std::find_if(sections.begin(), sections.end(), [](const Section& s) { return s.word == "floor"; });
+  const bool degrees = floor != sections.end() && SaysDegrees(*floor, file, diagnostics);
+  const std::vector<std::string> own = {"FLOOR"};
+  for (const Section& section : sections) {
+    if (diagnostics.StopAt({file, section.line})) break;
+    SectionReader reader(section, file, degrees, diagnostics);
+    if (section.word == "floor") {
+      if (!world.floor) world.floor = ReadFloor(reader);
+      continue;
+    }
+    const bool scenarios = section.word == "world" || section.word == "simulation" ||
+                           section.word == "target" || IsNumbered(section.word, "robot") ||
+                           IsNumbered(section.word, "swarm");
+    if (scenarios) {
+      reader.Error(reader.title() + " belongs into a .scenario; a .world has [FLOOR] and objects only");
+      continue;
+    }
+    ObjectSection read = ReadObject(reader, own);
+    if (read.object) world.objects.push_back(std::move(*read.object));
+    if (read.scattered) world.scattered.push_back(std::move(*read.scattered));
+  }
+  return world;
 }
 
 }  // namespace coopdyn

@@ -4,15 +4,19 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <exception>
 #include <set>
 #include <utility>
 
+#include <boost/asio/awaitable.hpp>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 
 #include "server/base/mutex.h"
@@ -22,6 +26,7 @@ namespace coopdyn {
 namespace {
 
 namespace asio = boost::asio;
+using asio::use_awaitable;
 using asio::ip::tcp;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
@@ -34,9 +39,7 @@ constexpr std::size_t kMaxAnswerBytes = std::size_t{64} << 10;
 
 }  // namespace
 
-struct NameClient::Impl : std::enable_shared_from_this<NameClient::Impl> {
-  using ErrorCode = boost::system::error_code;
-
+struct NameClient::Impl {
   /// One request: connect, one line, the answer.
   struct Task {
     std::string name;
@@ -45,13 +48,7 @@ struct NameClient::Impl : std::enable_shared_from_this<NameClient::Impl> {
   };
 
   Impl(std::string h, int p, Logger l)
-      : host(std::move(h)),
-        port(p),
-        logger(std::move(l)),
-        thread("yarp-names", logger),
-        resolver(thread.context()),
-        socket(thread.context()),
-        timer(thread.context()) {}
+      : host(std::move(h)), port(p), logger(std::move(l)), thread("yarp-names", logger) {}
 
   void Add(Task task) {
     {
@@ -68,94 +65,87 @@ struct NameClient::Impl : std::enable_shared_from_this<NameClient::Impl> {
       tasks.push_back(std::move(task));
       if (std::exchange(busy, true)) return;
     }
-    thread.Post([self = weak_from_this()] {
-      if (const auto impl = self.lock()) impl->Begin();
+    asio::co_spawn(thread.context(), TellAll(), [](const std::exception_ptr& thrown) {
+      if (thrown) std::rethrow_exception(thrown);  // the thread logs it
     });
   }
 
-  /// Connects for the first task.
-  void Begin() {
-    const std::uint64_t id = ++attempt;
-    answer.clear();
-    timer.expires_after(kAnswerWithin);
-    timer.async_wait([this, id](const ErrorCode& aborted) {
-      if (!aborted && id == attempt) Fail("no answer");
-    });
-    socket = tcp::socket(thread.context());
-    resolver.async_resolve(
-        host, std::to_string(port), [this, id](const ErrorCode& error, tcp::resolver::results_type found) {
-          if (id != attempt) return;
-          if (error) return Fail(error.message());
-          asio::async_connect(socket, found, [this, id](const ErrorCode& refused, const tcp::endpoint&) {
-            if (id != attempt) return;
-            if (refused) return Fail(refused.message());
-            Ask(id);
-          });
-        });
-  }
-
-  void Ask(std::uint64_t id) {
-    {
-      MutexLock lock(mutex);
-      request = "NAME_SERVER " + tasks.front().line + "\n";
-    }
-    asio::async_write(socket, asio::buffer(request), [this, id](const ErrorCode& error, std::size_t) {
-      if (id != attempt) return;
-      if (error) return Fail(error.message());
-      ReadLine(id);
-    });
-  }
-
-  /// The answer ends with a line that starts with '*' or '['.
-  void ReadLine(std::uint64_t id) {
-    asio::async_read_until(socket, asio::dynamic_buffer(answer, kMaxAnswerBytes), '\n',
-                           [this, id](const ErrorCode& error, std::size_t count) {
-                             if (id != attempt) return;
-                             if (error) return Fail(error.message());
-                             const std::string line = answer.substr(0, count);
-                             answer.erase(0, count);
-                             accepted = accepted || line.starts_with("registration ");
-                             if (line[0] == '*' || line[0] == '[') return Done(line);
-                             ReadLine(id);
-                           });
-  }
-
-  void Done(const std::string& last_line) {
-    Disconnect();
-    const bool was_accepted = std::exchange(accepted, false);
-    bool more = false;
-    {
-      MutexLock lock(mutex);
-      const Task task = std::move(tasks.front());
-      tasks.pop_front();
-      more = busy = !tasks.empty();
-      if (!more) idle.NotifyAll();
+  /// Tells the server the tasks, one after the other, until there are none.
+  asio::awaitable<void> TellAll() {
+    std::string failure_told;
+    while (true) {
+      const Task task = First();
+      std::string answer;
+      const std::string failure = co_await Ask(task, answer);
+      if (!failure.empty()) {
+        if (std::exchange(failure_told, failure) != failure) {
+          logger->warn("YARP name server {} port {}: {}; coopdyn keeps trying", host, port, failure);
+        }
+        asio::steady_timer pause(thread.context(), kRetryAfter);
+        co_await pause.async_wait(use_awaitable);
+        continue;
+      }
       failure_told.clear();
-      if (task.registers && !was_accepted)
-        refused_line = task.name + ": " + last_line.substr(0, last_line.find('\r'));
+      if (task.registers && !answer.empty()) {
+        logger->error("the YARP name server did not register {}: {}", task.name, answer);
+      }
+      const MutexLock lock(mutex);
+      tasks.pop_front();
+      busy = !tasks.empty();
+      if (busy) continue;
+      idle.NotifyAll();
+      co_return;
     }
-    if (!refused_line.empty()) logger->error("the YARP name server did not register {}", refused_line);
-    refused_line.clear();
-    if (more) Begin();
   }
 
-  void Fail(const std::string& why) {
-    Disconnect();
-    accepted = false;
-    if (std::exchange(failure_told, why) != why) {
-      logger->warn("YARP name server {} port {}: {}; coopdyn keeps trying", host, port, why);
-    }
-    timer.expires_after(kRetryAfter);
-    timer.async_wait([this, id = attempt](const ErrorCode& aborted) {
-      if (!aborted && id == attempt) Begin();
+  Task First() {
+    const MutexLock lock(mutex);
+    return tasks.front();
+  }
+
+  /// What a request uses; a late timer may still look at it when the request is over.
+  struct Request {
+    explicit Request(asio::io_context& context)
+        : resolver(context), socket(context), limit(context, kAnswerWithin) {}
+    tcp::resolver resolver;
+    tcp::socket socket;
+    asio::steady_timer limit;
+    bool late = false;
+  };
+
+  /// Makes the request of `task`; the answer ends with a line that starts with '*' or '['. Returns what went
+  /// wrong; empty: it was answered. Then `refusal` is that line, or empty if the server has registered a
+  /// name.
+  asio::awaitable<std::string> Ask(const Task& task, std::string& refusal) {
+    const auto request = std::make_shared<Request>(thread.context());
+    request->limit.async_wait([request = std::weak_ptr(request)](const boost::system::error_code& aborted) {
+      const auto slow = request.lock();
+      if (aborted || slow == nullptr) return;
+      slow->late = true;
+      slow->resolver.cancel();
+      boost::system::error_code ignored;
+      slow->socket.close(ignored);
     });
-  }
-
-  void Disconnect() {
-    ++attempt;  // late handlers of this attempt do nothing
-    timer.cancel();
-    ErrorCode ignored;
-    socket.close(ignored);
+    try {
+      tcp::socket& socket = request->socket;
+      const auto found = co_await request->resolver.async_resolve(host, std::to_string(port), use_awaitable);
+      co_await asio::async_connect(socket, found, use_awaitable);
+      const std::string line = "NAME_SERVER " + task.line + "\n";
+      co_await asio::async_write(socket, asio::buffer(line), use_awaitable);
+      bool accepted = false;
+      for (std::string answer;;) {
+        const std::size_t count = co_await asio::async_read_until(
+            socket, asio::dynamic_buffer(answer, kMaxAnswerBytes), '\n', use_awaitable);
+        const std::string next = answer.substr(0, count);
+        answer.erase(0, count);
+        accepted = accepted || next.starts_with("registration ");
+        if (next[0] != '*' && next[0] != '[') continue;
+        if (!accepted) refusal = next.substr(0, next.find('\r'));
+        co_return "";
+      }
+    } catch (const boost::system::system_error& error) {
+      co_return request->late ? "no answer" : error.code().message();
+    }
   }
 
   void Goodbye() {
@@ -186,20 +176,10 @@ struct NameClient::Impl : std::enable_shared_from_this<NameClient::Impl> {
   bool busy GUARDED_BY(mutex) = false;
 
   IoThread thread;
-  // What follows belongs to the thread.
-  tcp::resolver resolver;
-  tcp::socket socket;
-  asio::steady_timer timer;
-  std::uint64_t attempt = 0;
-  std::string request;
-  std::string answer;
-  std::string failure_told;
-  std::string refused_line;
-  bool accepted = false;
 };
 
 NameClient::NameClient(std::string host, int port, Logger logger)
-    : impl_(std::make_shared<Impl>(std::move(host), port, std::move(logger))) {}
+    : impl_(std::make_unique<Impl>(std::move(host), port, std::move(logger))) {}
 
 NameClient::~NameClient() {
   impl_->Goodbye();

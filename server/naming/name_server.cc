@@ -5,19 +5,38 @@
 
 #include <algorithm>
 #include <atomic>
-#include <map>
+#include <chrono>
+#include <exception>
+#include <set>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
 
-#include "server/naming/name_session.h"
+#include "server/naming/name_protocol.h"
 #include "server/net/listener.h"
 
 namespace coopdyn {
 namespace {
 
 namespace asio = boost::asio;
+using boost::system::error_code;
+using Socket = asio::generic::stream_protocol::socket;
 
+constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);  // gives errors instead of throwing them
+constexpr std::string_view kMagicFamily = "CDS";
+constexpr std::size_t kMaxLineBytes = 4096;
+constexpr std::size_t kMaxUnwritten = std::size_t{64} << 10;
+constexpr std::chrono::seconds kLinger{5};
 constexpr const char* kLoopback = "127.0.0.1";
 
 /// The usual loopback address, and at most that of IPv6 besides.
@@ -32,9 +51,51 @@ std::string IpOf(const SocketAddress& address) {
   return address.ip.empty() ? kLoopback : address.ip;
 }
 
+/// A connection that is ours.
+struct Client {
+  Socket socket;
+  const PeerInfo peer;
+  NameContext context;
+  std::string in = {};
+  bool first_bytes = true;
+};
+
+NameReply TooLong() {
+  NameReply reply{"error 8 a line has at most " + std::to_string(kMaxLineBytes) + " bytes\n"};
+  reply.close = true;
+  return reply;
+}
+
+/// The answers to the lines that are there, as one: up to a line that closes the connection or opens a
+/// module, and to kMaxUnwritten.
+NameReply AnswerLines(Client& client, NameTable& table, const Clock& clock) {
+  NameReply all;
+  const auto add = [&all](NameReply reply) {
+    reply.text.swap(all.text);
+    reply.text += all.text;
+    all = std::move(reply);
+  };
+  std::string& in = client.in;
+  if (client.first_bytes && in.starts_with(kMagicFamily)) {
+    add(AnswerMagic(table));
+  } else if (!kMagicFamily.starts_with(in)) {
+    client.first_bytes = false;
+  }
+  const auto goes_on = [&all] { return !all.close && !all.open && all.text.size() < kMaxUnwritten; };
+  std::size_t begin = 0;
+  for (std::size_t end = 0; goes_on() && (end = in.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    const std::string_view line = std::string_view(in).substr(begin, end - begin);
+    client.context.now = clock.Now();
+    add(line.size() > kMaxLineBytes ? TooLong() : AnswerNameLine(line, client.context, table));
+  }
+  in.erase(0, begin);
+  if (goes_on() && in.size() > kMaxLineBytes && in.find('\n') == std::string::npos) add(TooLong());
+  return all;
+}
+
 }  // namespace
 
-struct NameServer::Impl {
+struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
   Impl(asio::io_context& c, NameTable& t, NetServices& s, std::string a)
       : context(c),
         table(t),
@@ -43,32 +104,63 @@ struct NameServer::Impl {
         listener(c, s, [this](UniqueFd fd, PeerInfo peer) { Open(std::move(fd), std::move(peer)); }) {}
 
   void Open(UniqueFd fd, PeerInfo peer) {
-    const SocketAddress here = LocalAddress(fd.get());
-    NameContext where{IpOf(here), IpOf(PeerAddress(fd.get())), advertise};
-    const bool local = here.ip.empty(), v6 = here.ip.find(':') != std::string::npos;
-    NameSession::Socket socket(context);
-    boost::system::error_code error;
-    socket.assign(NameSession::Socket::protocol_type(local ? AF_UNIX
-                                                     : v6  ? AF_INET6
-                                                           : AF_INET,
-                                                     local ? 0 : IPPROTO_TCP),
-                  fd.get(), error);
+    NameContext where{IpOf(LocalAddress(fd.get())), IpOf(PeerAddress(fd.get())), advertise};
+    auto client = std::make_shared<Client>(Client{Socket(context), std::move(peer), std::move(where)});
+    error_code error;
+    client->socket.assign({AF_UNSPEC, 0}, fd.get(), error);  // Asio wants a protocol; nothing here uses it
     if (error) return services.logger()->error("names: cannot take a connection: {}", error.message());
     fd.Release();
-    const std::uint64_t id = ++last_id;
-    auto session = std::make_shared<NameSession>(std::move(socket), table, services, std::move(peer),
-                                                 std::move(where), [this, id] {
-                                                   sessions.erase(id);
-                                                   count = sessions.size();
-                                                 });
-    sessions.emplace(id, session);
-    count = sessions.size();
-    session->Start();
+    clients.insert(client);
+    count = clients.size();
+    asio::co_spawn(context, Talk(client),
+                   [weak = weak_from_this(), client](const std::exception_ptr& thrown) {
+                     if (const auto impl = weak.lock()) impl->Forget(client);
+                     if (thrown) std::rethrow_exception(thrown);  // the thread logs it
+                   });
   }
 
-  void Close() {
-    for (const auto& [id, session] : std::exchange(sessions, {})) session->Abort();
-    count = 0;
+  /// Lines in, answers out, one after the other, until the client goes, is sent away, or OPEN gives it away.
+  /// As long as its socket is open, *this is there.
+  asio::awaitable<void> Talk(std::shared_ptr<Client> client) {
+    Socket& socket = client->socket;
+    char block[1024];
+    NameReply reply;
+    while (!reply.close) {
+      const auto [ended, count] = co_await socket.async_read_some(asio::buffer(block), kAwait);
+      if (ended || !socket.is_open()) co_return;
+      client->in.append(block, count);
+      do {
+        reply = AnswerLines(*client, table, services.clock());
+        const auto [failed, written] = co_await asio::async_write(socket, asio::buffer(reply.text), kAwait);
+        if (failed || !socket.is_open()) co_return;
+        if (reply.open) co_return GiveAway(*client, reply);
+      } while (!reply.close && client->in.find('\n') != std::string::npos);
+    }
+    // Closing with unread input would make the kernel throw the answer away.
+    error_code error;
+    socket.shutdown(Socket::shutdown_send, error);
+    asio::steady_timer limit(context, kLinger);
+    limit.async_wait([client](const error_code& aborted) {
+      error_code ignored;
+      if (!aborted) client->socket.cancel(ignored);
+    });
+    while (!error)
+      std::tie(error, std::ignore) = co_await socket.async_read_some(asio::buffer(block), kAwait);
+  }
+
+  void GiveAway(Client& client, const NameReply& reply) const {
+    error_code error;
+    const int fd = client.socket.release(error);
+    if (error) return;
+    services.LogPeer(spdlog::level::debug, client.peer.text, "opens " + reply.opened);
+    reply.open(fd, std::move(client.in), client.peer);
+  }
+
+  void Forget(const std::shared_ptr<Client>& client) {
+    error_code ignored;
+    client->socket.close(ignored);
+    clients.erase(client);
+    count = clients.size();
   }
 
   asio::io_context& context;
@@ -76,8 +168,7 @@ struct NameServer::Impl {
   NetServices& services;
   const std::string advertise;
   Listener listener;
-  std::map<std::uint64_t, std::shared_ptr<NameSession>> sessions;
-  std::uint64_t last_id = 0;
+  std::set<std::shared_ptr<Client>> clients;
   std::atomic<std::size_t> count{0};
 };
 
@@ -86,7 +177,10 @@ NameServer::NameServer(asio::io_context& context, NameTable& table, NetServices&
     : impl_(std::make_shared<Impl>(context, table, services, std::move(advertise))) {}
 
 NameServer::~NameServer() {
-  impl_->Close();
+  for (const auto& client : impl_->clients) {
+    error_code ignored;
+    client->socket.close(ignored);
+  }
 }
 
 std::string NameServer::Listen(const std::vector<std::string>& addresses, int port) {

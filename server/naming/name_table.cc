@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <numeric>
 #include <set>
 #include <utility>
+
+#include "protocol/command_table.h"
 
 namespace coopdyn {
 namespace {
@@ -65,20 +65,6 @@ std::size_t Bytes(const NameEntry& entry) {
   std::size_t bytes = kAlways + entry.name.size() + entry.ip.size() + entry.type.size();
   for (const auto& [key, value] : entry.properties) bytes += kAlways + key.size() + value.size();
   return bytes;
-}
-
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replace = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replace, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
 }
 
 }  // namespace

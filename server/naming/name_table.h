@@ -56,14 +56,12 @@ class NameTable {
   bool IsExternalPort(int port) const;
 
   // --- the daemon's own
-  // -----------------------------------------------------------------------------------------
   /// Adds an own name; an external one of that name gives way. Returns false if it is there already.
   bool AddOwn(const std::string& name, int port, AdoptFunction adopt);
   /// Does nothing for a name that is not ours.
   void RemoveOwn(const std::string& name);
 
   // --- everybody
-  // ------------------------------------------------------------------------------------------------
   /// The entry of `name` (a missing leading '/' is added).
   std::optional<NameEntry> Find(std::string_view name) const;
   /// All entries whose name starts with `prefix`, by name.
@@ -72,7 +70,6 @@ class NameTable {
   std::string Nearest(std::string_view name) const;
 
   // --- other programs
-  // -------------------------------------------------------------------------------------------
   /// What came of a request to change the table.
   struct Change {
     std::string refused;  // why not; empty = done

@@ -6,11 +6,18 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <cstddef>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <optional>
+#include <set>
+#include <sstream>
+#include <system_error>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -22,6 +29,7 @@ namespace coopdyn {
 namespace {
 
 namespace asio = boost::asio;
+namespace fs = std::filesystem;
 
 constexpr int kAcceptsAtOnce = 64;  // then others have their turn
 constexpr auto kRetryAfter = std::chrono::milliseconds(100);
@@ -92,7 +100,52 @@ std::string BindError(const Place& place, int port, int error) {
   return text + " is in use" + (holder.empty() ? "" : " by " + holder);
 }
 
+// --- who has a port
+
+constexpr const char* kListening = "0A";  // TCP_LISTEN in /proc/net/tcp
+
+/// Adds what /proc/PID/fd shows for the sockets that listen on `port`: "socket:[12345]".
+void AddListeners(const char* table, int port, std::set<std::string>& sockets) {
+  std::ifstream file(table);
+  std::string line;
+  std::getline(file, line);  // the heading
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    std::string slot, local, remote, state, queues, timer, retransmits, uid, timeout, inode;
+    words >> slot >> local >> remote >> state >> queues >> timer >> retransmits >> uid >> timeout >> inode;
+    const std::size_t colon = local.rfind(':');
+    if (!words || state != kListening || colon == std::string::npos) continue;
+    if (std::strtol(local.c_str() + colon + 1, nullptr, 16) == port) sockets.insert("socket:[" + inode + "]");
+  }
+}
+
+bool HoldsOneOf(const fs::path& process, const std::set<std::string>& sockets) {
+  std::error_code error;
+  for (fs::directory_iterator it(process / "fd", error), end; !error && it != end; it.increment(error)) {
+    std::error_code gone;
+    if (sockets.contains(fs::read_symlink(it->path(), gone).string())) return true;
+  }
+  return false;
+}
+
 }  // namespace
+
+std::string PortHolder(int port) {
+  std::set<std::string> sockets;
+  AddListeners("/proc/net/tcp", port, sockets);
+  AddListeners("/proc/net/tcp6", port, sockets);
+  if (sockets.empty()) return {};
+  std::error_code error;
+  for (fs::directory_iterator it("/proc", error), end; !error && it != end; it.increment(error)) {
+    const std::string pid = it->path().filename().string();
+    if (std::isdigit(static_cast<unsigned char>(pid[0])) == 0 || !HoldsOneOf(it->path(), sockets)) continue;
+    std::string name;
+    std::ifstream comm(it->path() / "comm");
+    std::getline(comm, name);
+    return (name.empty() ? "a process" : name) + " (pid " + pid + ")";
+  }
+  return {};
+}
 
 std::vector<std::string> ListenAddresses(const std::string& host) {
   if (host.empty() || host == "localhost" || host == "loopback" || host == "127.0.0.1") {

@@ -18,8 +18,13 @@ constexpr std::uint32_t kSilent_ms = 20'000;
 constexpr int kUnansweredProbes = 3;
 constexpr int kLocalSendBytes = 1 << 20;  // the kernel gives as much of it as net.core.wmem_max allows
 
-SocketAddress ToAddress(const sockaddr_storage& storage) {
+/// `get`: getpeername or getsockname.
+template <typename Get>
+SocketAddress AddressBy(Get get, int fd) {
   SocketAddress address;
+  sockaddr_storage storage{};
+  socklen_t size = sizeof storage;
+  if (get(fd, reinterpret_cast<sockaddr*>(&storage), &size) != 0) return address;
   char text[INET6_ADDRSTRLEN] = "";
   if (storage.ss_family == AF_INET) {
     sockaddr_in v4;
@@ -42,16 +47,19 @@ SocketAddress ToAddress(const sockaddr_storage& storage) {
   return address;
 }
 
+/// The value of an option that is a number; -1 if the socket has none.
+int Option(int fd, int level, int option) {
+  int value = 0;
+  socklen_t size = sizeof value;
+  return getsockopt(fd, level, option, &value, &size) == 0 ? value : -1;
+}
+
 bool IsTcp(int fd) {
-  int protocol = 0;
-  socklen_t size = sizeof protocol;
-  return getsockopt(fd, SOL_SOCKET, SO_PROTOCOL, &protocol, &size) == 0 && protocol == IPPROTO_TCP;
+  return Option(fd, SOL_SOCKET, SO_PROTOCOL) == IPPROTO_TCP;
 }
 
 bool IsLocal(int fd) {
-  int domain = 0;
-  socklen_t size = sizeof domain;
-  return getsockopt(fd, SOL_SOCKET, SO_DOMAIN, &domain, &size) == 0 && domain == AF_UNIX;
+  return Option(fd, SOL_SOCKET, SO_DOMAIN) == AF_UNIX;
 }
 
 void SetOption(int fd, int level, int option, int value) {
@@ -61,17 +69,11 @@ void SetOption(int fd, int level, int option, int value) {
 }  // namespace
 
 SocketAddress PeerAddress(int fd) {
-  sockaddr_storage storage{};
-  socklen_t size = sizeof storage;
-  if (getpeername(fd, reinterpret_cast<sockaddr*>(&storage), &size) != 0) return {};
-  return ToAddress(storage);
+  return AddressBy(getpeername, fd);
 }
 
 SocketAddress LocalAddress(int fd) {
-  sockaddr_storage storage{};
-  socklen_t size = sizeof storage;
-  if (getsockname(fd, reinterpret_cast<sockaddr*>(&storage), &size) != 0) return {};
-  return ToAddress(storage);
+  return AddressBy(getsockname, fd);
 }
 
 std::string ToString(const SocketAddress& address) {
@@ -91,9 +93,7 @@ PeerInfo DescribePeer(int fd) {
 }
 
 std::optional<ConnectionEnd> EndOf(int fd) {
-  int type = 0;
-  socklen_t size = sizeof type;
-  if (getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) != 0) return std::nullopt;
+  const int type = Option(fd, SOL_SOCKET, SO_TYPE);
   if (type == SOCK_STREAM) return ConnectionEnd{};
   if (type == SOCK_DGRAM) return ConnectionEnd{ConnectionEnd::kDatagramSilence};
   return std::nullopt;

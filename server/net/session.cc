@@ -61,7 +61,6 @@ void Session::At(Timer& timer, steady_clock::time_point time, Step then) {
 }
 
 // --- reading
-// ------------------------------------------------------------------------------------------------------
 
 void Session::StartRead() {
   if (reading_ || eof_ || closed_) return;
@@ -116,7 +115,6 @@ void Session::WatchSilence() {
 }
 
 // --- requests
-// -----------------------------------------------------------------------------------------------------
 
 // Replies given at once are collected and written together when nothing more can be done.
 void Session::Process() {
@@ -219,7 +217,6 @@ void Session::OnReply(std::uint64_t serial, const Message& reply) {
 }
 
 // --- writing
-// ------------------------------------------------------------------------------------------------------
 
 bool Session::Push(const UnaskedPtr& message, std::int64_t dropped) {
   if (closing_ || closed_ || write_dead_) return false;
@@ -281,7 +278,6 @@ void Session::TellWaiting() {
 }
 
 // --- the end
-// ------------------------------------------------------------------------------------------------------
 
 void Session::FinishIfDone() {
   if (eof_ && !closing_ && !waiting_ && !process_posted_ && out_.empty()) HardClose();

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Contacts that are better found by a formula than by dCollide: one contact where ODE makes several or
-// wanders. Pure functions; any thread.
+// Collision shapes and where they are, and the contacts that are better found by a formula than by dCollide:
+// one contact where ODE makes several or wanders. Pure functions; any thread.
 #pragma once
 
 #include <optional>
 
 #include "server/geometry/shape.h"
+#include "server/state/frame.h"
 
 namespace coopdyn {
 
@@ -30,6 +31,31 @@ struct PlacedRotation {
   Vector3 position() const { return {p[0], p[1], p[2]}; }
   Vector3 axis(int i) const { return {R[i], R[4 + i], R[8 + i]}; }
   bool upright() const;  // z axis within about 2° of the vertical
+};
+
+// What is this near the floor when the robot stands on it carries it.
+inline constexpr double kSupportGap_m = 2e-4;
+
+/// One collision shape of a mechanism.
+struct Part {
+  Shape shape;
+  int body = 0;         // of the mechanism
+  double friction = 1;  // Coulomb
+  int wheel = -1;       // of the drive: a cylinder about a driven axle rolls on one contact at its tread
+  Vector3 p_BG = Vector3::Zero();  // in its body
+  Matrix3 R_BG = Matrix3::Identity();
+};
+
+/// A part in the world, as ODE keeps such things: rows of 4.
+struct PlacedPart {
+  PlacedPart(const Part& part, const BodyState& body);
+  PlacedRotation place() const { return {p, R}; }
+
+  const Part* part;
+  double p[3];
+  double R[12];
+  /// Half of a box along the world's axes that holds it.
+  Vector3 half_m;
 };
 
 // Contacts across a gap of up to `margin_m` count too.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "server/physics/mechanism.h"
-
+// Of what robots and objects are made.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+
+#include "server/physics/things.h"
 
 namespace coopdyn {
 

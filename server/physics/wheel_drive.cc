@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "server/physics/mechanism.h"
 #include "server/physics/rest.h"
+#include "server/physics/things.h"
 
 namespace coopdyn {
 
@@ -158,18 +158,17 @@ OneBodyDrive MakeDrive(const Mechanism& robot, const WheelPair& wheels, double f
   constexpr std::array<std::array<double, 2>, 4> kWays{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
   drive.stands = std::all_of(kWays.begin(), kWays.end(),
                              [&](const auto& way) { return Reach(supports, way[0], way[1]) > 1e-3; });
-  drive.load_n = {weight_n / 2, weight_n / 2};
+  std::array<double, 2> load_n = {weight_n / 2, weight_n / 2};  // that each wheel carries at rest
   if (drive.stands) {
     const std::vector<double> loads = Loads(supports, weight_n);
     for (std::size_t i = 0; i < supports.size(); ++i) {
-      if (supports[i].wheel >= 0) drive.load_n[static_cast<std::size_t>(supports[i].wheel)] = loads[i];
+      if (supports[i].wheel >= 0) load_n[static_cast<std::size_t>(supports[i].wheel)] = loads[i];
     }
   }
-  drive.max_torque_nm = robot.model->drive()->max_torque_nm;
   drive.stalls = true;
   for (std::size_t side = 0; side < 2; ++side) {
-    const double grip_n = std::min(wheels.friction[side], floor_friction) * drive.load_n[side];
-    const double motor_n = drive.max_torque_nm / wheels.radius_m;
+    const double grip_n = std::min(wheels.friction[side], floor_friction) * load_n[side];
+    const double motor_n = robot.model->drive()->max_torque_nm / wheels.radius_m;
     drive.drive_n[side] = std::min(grip_n, motor_n);
     drive.stalls = drive.stalls && motor_n < grip_n;
     drive.sideways_n += grip_n;

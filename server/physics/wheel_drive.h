@@ -12,7 +12,7 @@
 #include <string>
 
 #include "server/model/drive.h"
-#include "server/physics/part.h"
+#include "server/physics/closed_forms.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -40,11 +40,9 @@ struct OneBodyDrive {
   Vector3 p_RB = Vector3::Zero();  // centre of mass
   WheelPair wheels;
   std::size_t first_channel = 0;    // of the robot's: left wheel, right wheel
-  std::array<double, 2> load_n{};   // that each wheel carries at rest
   std::array<double, 2> drive_n{};  // the most that each wheel pushes along its rolling direction
   double sideways_n = 0;            // the most that both wheels hold against sideways forces
   double yaw_inertia_kg_m2 = 0;     // about the middle of the axle
-  double max_torque_nm = 0;         // of each motor
   bool stalls = false;  // the motors give in before the wheels slip: a held robot's wheels stand still
   // Beyond these accelerations it slides sideways or lifts a wheel.
   double max_along_m_s2 = 0, max_across_m_s2 = 0;

@@ -42,7 +42,6 @@ struct GlApi {
   SymbolLoader load;  // first: it finds the others
 
   PFNGLGETSTRINGPROC GetString = load("glGetString");
-  PFNGLGETERRORPROC GetError = load("glGetError");
   PFNGLGETINTEGERVPROC GetIntegerv = load("glGetIntegerv");
   PFNGLVIEWPORTPROC Viewport = load("glViewport");
   PFNGLCLEARPROC Clear = load("glClear");
@@ -53,7 +52,6 @@ struct GlApi {
   PFNGLBLENDFUNCPROC BlendFunc = load("glBlendFunc");
   PFNGLSTENCILFUNCPROC StencilFunc = load("glStencilFunc");
   PFNGLSTENCILOPPROC StencilOp = load("glStencilOp");
-  PFNGLPOLYGONOFFSETPROC PolygonOffset = load("glPolygonOffset");
   PFNGLREADPIXELSPROC ReadPixels = load("glReadPixels");
   PFNGLPIXELSTOREIPROC PixelStorei = load("glPixelStorei");
 
@@ -84,7 +82,6 @@ struct GlApi {
   PFNGLDELETEPROGRAMPROC DeleteProgram = load("glDeleteProgram");
   PFNGLUSEPROGRAMPROC UseProgram = load("glUseProgram");
   PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation = load("glGetUniformLocation");
-  PFNGLUNIFORM1FPROC Uniform1f = load("glUniform1f");
   PFNGLUNIFORM3FPROC Uniform3f = load("glUniform3f");
   PFNGLUNIFORMMATRIX4FVPROC UniformMatrix4fv = load("glUniformMatrix4fv");
 

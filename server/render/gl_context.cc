@@ -6,12 +6,16 @@
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <iterator>
 
 namespace coopdyn {
 
 namespace {
+
+constexpr const char* kRendererWords[] = {"auto", "osmesa", "egl"};  // as RendererKind
 
 class OsmesaContext final : public GlContext {
  public:
@@ -139,22 +143,13 @@ void* OpenLibrary(std::initializer_list<const char*> names, std::string& error) 
 }
 
 std::optional<RendererKind> ParseRenderer(const std::string& word) {
-  for (const RendererKind kind : {RendererKind::kAuto, RendererKind::kOsmesa, RendererKind::kEgl}) {
-    if (word == ToString(kind)) return kind;
-  }
-  return std::nullopt;
+  const auto found = std::find(std::begin(kRendererWords), std::end(kRendererWords), word);
+  if (found == std::end(kRendererWords)) return std::nullopt;
+  return static_cast<RendererKind>(found - std::begin(kRendererWords));
 }
 
 const char* ToString(RendererKind kind) {
-  switch (kind) {
-    case RendererKind::kAuto:
-      return "auto";
-    case RendererKind::kOsmesa:
-      return "osmesa";
-    case RendererKind::kEgl:
-      break;
-  }
-  return "egl";
+  return kRendererWords[static_cast<std::size_t>(kind)];
 }
 
 RendererKind RendererFromEnvironment(RendererKind fallback, std::string& error) {

@@ -11,13 +11,6 @@
 
 namespace coopdyn {
 
-namespace {
-
-// The newest frame, the one in the making, and a reader's or two.
-constexpr std::size_t kMostFree = 4;
-
-}  // namespace
-
 const SceneSensing& SceneSensing::Of(const Scene& scene) {
   return static_cast<const SceneSensing&>(
       scene.cache.Get([&scene] { return std::make_unique<const SceneSensing>(scene); }));
@@ -49,11 +42,9 @@ SceneSensing::SceneSensing(const Scene& scene) {
     kept_sensors_ += static_cast<std::uint32_t>(types_[found->second].kept.size());
     kept_values_ += types_[found->second].values;
   }
-  for (const RobotType& type : types_) {
-    max_hull_radius_m_ = std::max(max_hull_radius_m_, type.hull.whole_radius_m());
-  }
   double upright_radius_m = 0;
   for (const RobotType& type : types_) {
+    max_hull_radius_m_ = std::max(max_hull_radius_m_, type.hull.whole_radius_m());
     upright_radius_m = std::max(upright_radius_m, type.hull.upright_radius_m());
   }
   for (RobotType& type : types_) {
@@ -91,6 +82,8 @@ std::unique_ptr<FrameBuffers> SceneSensing::TakeBuffers() const {
 }
 
 void SceneSensing::GiveBuffers(std::unique_ptr<FrameBuffers> buffers) const {
+  // The newest frame, the one in the making, and a reader's or two.
+  constexpr std::size_t kMostFree = 4;
   const MutexLock lock(mutex_);
   if (free_.size() < kMostFree) free_.push_back(std::move(buffers));
 }

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "server/model/readers.h"
-#include "server/model/summary.h"
+#include "server/model/scenario.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static coopdyn::RobotLibrary robots(coopdyn::SearchPath{{"."}});

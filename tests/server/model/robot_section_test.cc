@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/model/summary.h"
+#include "server/model/scenario.h"
 #include "server/model/swarm.h"
 #include "tests/server/model/read_text.h"
 

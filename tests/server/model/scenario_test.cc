@@ -6,7 +6,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "server/model/summary.h"
+#include "server/model/scenario.h"
 #include "tests/server/model/read_text.h"
 #include "tests/source_dir.h"
 

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "server/model/summary.h"
+#include "server/model/scenario.h"
 #include "server/model/swarm.h"
 #include "tests/server/model/read_text.h"
 #include "tests/source_dir.h"

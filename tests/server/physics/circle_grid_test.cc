@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The grid of discs finds exactly what all pairs would.
-#include "server/physics/circle_grid.h"
+#include "server/physics/broad_phase.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/timing/cpu_users.h"
+#include "server/timing/overload_watch.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

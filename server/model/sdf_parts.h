@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// The parts of reading a robot's SDF: what libsdformat lets pass (sdf_check.cc), and our own elements in the
+// namespace `coopdyn:` (docs/formats.md): the drive, modules, which visuals take the robot's colour
+// (sdf_extension.cc) and sensors (sdf_sensors.cc). All with lines, from the raw XML.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <sdf/Element.hh>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/model/robot_model.h"
+
+namespace tinyxml2 {
+class XMLElement;
+}
+
+namespace coopdyn {
+
+/// More than any robot has; what libsdformat takes for a model grows with the square of some of them.
+inline constexpr std::size_t kMaxModelBytes = 4u << 20;
+inline constexpr int kMaxModelParts = 300;  // of each kind: links, joints, frames
+inline constexpr int kMaxModelElements = 10'000;
+inline constexpr int kMaxElementAttributes = 64;
+
+/// False, and reported, if the `text` of a model is longer than one can be. Before it is parsed.
+bool IsModelSize(std::string_view text, const std::string& file, Diagnostics& diagnostics);
+/// False, and reported, if there is more of something below `root` than one robot has.
+bool IsModelCount(const tinyxml2::XMLElement& root, const std::string& file, Diagnostics& diagnostics);
+
+/// Compares the elements below `root` (`<sdf>`) with SDF's own description in `description`. Errors: unknown
+/// elements and attributes, missing required attributes, unreadable or non-finite values, shapes that we
+/// cannot simulate. Warnings: what SDF knows and coopdyn does not use. Elements of other namespaces are left
+/// to their owners.
+void CheckSdf(const tinyxml2::XMLElement& root, const sdf::ElementPtr& description, const std::string& file,
+              Diagnostics& diagnostics);
+
+/// Whether `visual` (`<visual>`) says coopdyn:color="robot". Another value is an error.
+bool TakesRobotColor(const tinyxml2::XMLElement& visual, const std::string& file, Diagnostics& diagnostics);
+
+/// Reads our elements in `model` (`<model>`) into `robot`, whose links and joints are complete.
+/// `max_speeds_rad_s`: of each joint, as its `<limit><velocity>` says.
+void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file,
+                   std::span<const double> max_speeds_rad_s, RobotModel& robot, Diagnostics& diagnostics);
+
+/// The attributes of one XML element, each asked for by name; what nobody asked for is reported. `element`
+/// and `diagnostics` outlive it. One thread.
+class XmlAttributes {
+ public:
+  XmlAttributes(const tinyxml2::XMLElement& element, std::string file, Diagnostics& diagnostics);
+
+  /// Its text; nothing if missing.
+  std::optional<std::string> Text(const std::string& name);
+  /// A finite number in [min, max]; nothing if missing or wrong (then reported).
+  std::optional<double> Number(const std::string& name, double min, double max);
+  std::optional<int> Integer(const std::string& name, int min, int max);
+  /// true or false.
+  std::optional<bool> Flag(const std::string& name);
+  /// `count` finite numbers.
+  std::optional<std::vector<double>> Numbers(const std::string& name, std::size_t count);
+
+  void Error(const std::string& text);
+  /// Reports that attribute `name` is needed, if it is missing.
+  void Require(const std::string& name);
+  /// Reports the attributes that were never asked for.
+  void Finish();
+  SourceLine where() const;
+
+ private:
+  const tinyxml2::XMLElement& element_;
+  std::string file_;
+  Diagnostics& diagnostics_;
+  std::vector<std::string> known_;
+};
+
+/// Reads the sensors of one robot: elements such as `<coopdyn:compass>` say what they are like, and a
+/// `<coopdyn:module>` gives each its socket. The arguments outlive it. One thread.
+class SensorReader {
+ public:
+  SensorReader(const std::string& file, RobotModel& robot, Diagnostics& diagnostics)
+      : file_(file), robot_(robot), diagnostics_(diagnostics) {}
+
+  /// The names of all elements that describe a sensor.
+  static std::vector<std::string> Elements();
+
+  /// Reads such an element; false if `element` is none. All come before the first module.
+  bool Read(const tinyxml2::XMLElement& element);
+  /// Gives the robot the sensor of a module, as the element with the module's name says, else the one
+  /// without a name.
+  void AddModule(XmlAttributes& attributes, const std::string& type, const std::string& name);
+  /// Reports the elements that no module has used.
+  void Finish();
+
+ private:
+  struct Described {
+    std::string name;  // of the module; empty: any that has none of its own
+    SensorKind kind;
+    SourceLine where;
+    bool used = false;
+  };
+
+  const std::string& file_;
+  RobotModel& robot_;
+  Diagnostics& diagnostics_;
+  std::vector<Described> described_;
+};
+
+}  // namespace coopdyn
