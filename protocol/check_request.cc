@@ -95,9 +95,7 @@ template <typename Number>
 CheckResult CheckValues(const CommandSpec& spec, std::span<const ValueSpec> values,
                         std::span<const Number> numbers) {
   std::size_t at = 0;  // in `values`; a repeating group begins again at `first`
-  const auto first = static_cast<std::size_t>(
-      std::find_if(values.begin(), values.end(), [](const ValueSpec& value) { return value.repeated; }) -
-      values.begin());
+  const std::size_t first = FixedCount(values);
   for (const Number number : numbers) {
     const ValueSpec& value = values[at];
     const auto plain = static_cast<double>(number);

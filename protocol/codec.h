@@ -81,6 +81,8 @@ enum class FirstBytes {
 inline constexpr std::size_t kMaxSniffBytes = 8192;
 FirstBytes SniffEncoding(std::string_view bytes);
 
+/// How many characters UTF-8 `text` has.
+std::size_t CharacterCount(std::string_view text);
 /// True if `text` is well-formed UTF-8 (RFC 3629) without NUL.
 bool IsCleanUtf8(std::string_view text);
 

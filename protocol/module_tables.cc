@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "protocol/module_tables.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "protocol/command_ids.h"
@@ -134,19 +135,17 @@ CommandTable CompassTable() {
                           {Value("heading", "rad")})});
 }
 
-std::vector<CommandTable> AllModuleTables() {
-  std::vector<CommandTable> tables;
-  tables.push_back(MotorsTable());
-  tables.push_back(DistanceTable());
-  tables.push_back(TargetTable());
-  tables.push_back(PoseTable());
-  tables.push_back(NeighboursTable());
-  tables.push_back(CompassTable());
-  tables.push_back(SimulationTable());
-  tables.push_back(SwarmTable());
-  tables.push_back(RecorderTable());
-  tables.push_back(PlaybackTable());
+const std::vector<CommandTable>& AllModuleTables() {
+  static const std::vector<CommandTable> tables = {
+      MotorsTable(),  DistanceTable(),   TargetTable(), PoseTable(),     NeighboursTable(),
+      CompassTable(), SimulationTable(), SwarmTable(),  RecorderTable(), PlaybackTable()};
   return tables;
+}
+
+const CommandTable* FindModuleTable(std::string_view name) {
+  const std::vector<CommandTable>& tables = AllModuleTables();
+  const auto found = std::ranges::find(tables, name, &CommandTable::module);
+  return found == tables.end() ? nullptr : &*found;
 }
 
 }  // namespace coopdyn

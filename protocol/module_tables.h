@@ -23,6 +23,8 @@ CommandTable RecorderTable();    // /recorder
 CommandTable PlaybackTable();    // /playback
 
 /// All of the above, in that order.
-std::vector<CommandTable> AllModuleTables();
+const std::vector<CommandTable>& AllModuleTables();
+/// That of the modules called `name`; null: there is none.
+const CommandTable* FindModuleTable(std::string_view name);
 
 }  // namespace coopdyn

@@ -29,16 +29,10 @@ void AppendNamed(const ValueSpec* spec, std::size_t index, std::size_t group, co
   }
 }
 
-std::size_t FirstRepeated(std::span<const ValueSpec> values) {
-  return static_cast<std::size_t>(
-      std::find_if(values.begin(), values.end(), [](const ValueSpec& v) { return v.repeated; }) -
-      values.begin());
-}
-
 template <typename Number, typename Print>
 void AppendList(std::span<const ValueSpec> specs, std::span<const Number> values, Print print,
                 std::string& out) {
-  const std::size_t fixed = FirstRepeated(specs);
+  const std::size_t fixed = FixedCount(specs);
   const std::size_t group = std::max<std::size_t>(1, specs.size() - fixed);
   for (std::size_t i = 0; i < values.size(); ++i) {
     AppendNamed(ValueAt(specs, i), i < fixed ? 0 : i - fixed, group, print(values[i]),
@@ -46,17 +40,11 @@ void AppendList(std::span<const ValueSpec> specs, std::span<const Number> values
   }
 }
 
-/// Columns that UTF-8 `text` takes on a terminal.
-std::size_t Width(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-}
-
 /// The line of `help` about one command.
 std::string HelpLine(const CommandSpec& spec) {
   constexpr std::size_t kColumn = 44;
   std::string line = "#   " + Usage(spec) + "  ";
-  line.append(kColumn - std::min(kColumn, Width(line)), ' ');
+  line.append(kColumn - std::min(kColumn, CharacterCount(line)), ' ');
   line += spec.help;
   std::string notes;
   for (const ValueSpec& value : spec.data) {

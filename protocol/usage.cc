@@ -9,12 +9,6 @@
 namespace coopdyn {
 namespace {
 
-std::size_t FixedCount(std::span<const ValueSpec> values) {
-  return static_cast<std::size_t>(
-      std::find_if(values.begin(), values.end(), [](const ValueSpec& v) { return v.repeated; }) -
-      values.begin());
-}
-
 std::size_t RequiredCount(std::span<const ValueSpec> values) {
   return static_cast<std::size_t>(std::find_if(values.begin(), values.end(),
                                                [](const ValueSpec& v) { return v.optional || v.repeated; }) -
@@ -40,6 +34,12 @@ void AppendNames(std::span<const ValueSpec> values, bool mark_optional, std::str
 }
 
 }  // namespace
+
+std::size_t FixedCount(std::span<const ValueSpec> values) {
+  return static_cast<std::size_t>(
+      std::find_if(values.begin(), values.end(), [](const ValueSpec& v) { return v.repeated; }) -
+      values.begin());
+}
 
 const ValueSpec* ValueAt(std::span<const ValueSpec> values, std::size_t index) {
   const std::size_t fixed = FixedCount(values);

@@ -11,6 +11,8 @@
 
 namespace coopdyn {
 
+/// How many values come before those that repeat.
+std::size_t FixedCount(std::span<const ValueSpec> values);
 /// The spec of value number `index` (from 0), repeating groups unrolled; null beyond the last.
 const ValueSpec* ValueAt(std::span<const ValueSpec> values, std::size_t index);
 /// True if `count` values satisfy `values`.

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cstdint>
 
 #include "protocol/codec.h"
 
 namespace coopdyn {
+
+std::size_t CharacterCount(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));  // the first byte of each
+}
 
 bool IsCleanUtf8(std::string_view text) {
   std::size_t i = 0;

@@ -162,8 +162,7 @@ std::string Daemon::OpenRobots() {
   if (host.sockets) host.addresses = Addresses(options_.hosts);
   host.threads = options_.robot_threads.value_or(0);
   host.spin = Spin();
-  const RobotServices robot_services{board_,   frames_,      names_, net_,    roster_,
-                                     devices_, robot_guard_, clock_, kVersion};
+  const RobotServices robot_services{board_, frames_, names_, net_, roster_, robot_guard_, clock_, kVersion};
   robots_ = std::make_unique<RobotHost>(robot_services, host, ports_);
   if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
     return WithAdvice(error, "--port");
@@ -216,8 +215,7 @@ std::string Daemon::OpenPage() {
   if (!options_.advertise.empty()) web.host_names.push_back(options_.advertise);
   std::array<char, 256> own_name{};
   if (::gethostname(own_name.data(), own_name.size() - 1) == 0) web.host_names.emplace_back(own_name.data());
-  web.token = token_;
-  web.wrong_tokens = &wrong_tokens_;
+  web.guard = &control_guard_;
   web.version = kVersion;
   web.name_port = name_server_->port();
   web.scenarios = [this] { return models_.path().ScenarioNames(); };

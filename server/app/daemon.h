@@ -110,7 +110,6 @@ class Daemon final : private ControlActions {
   NetServices net_;
   NameTable names_;
   ConnectionRoster roster_;
-  const DeviceFactory devices_;
   WrongTokens wrong_tokens_;
   const TokenGuard robot_guard_, control_guard_;
   PortPlan ports_;

@@ -147,14 +147,12 @@ std::string JointRows(const XMLElement& model) {
 std::string ModuleRow(const XMLElement& module) {
   const std::string type = module.Attribute("type");
   const char* name = module.Attribute("name");
-  for (const CommandTable& table : AllModuleTables()) {
-    if (table.module() != type) continue;
-    std::string commands;
-    for (const CommandSpec& spec : OwnCommands(table)) commands += CodeSpan(spec.name) + " ";
-    return TableRow({CodeSpan("/ROBOT/" + (name == nullptr ? type : name)),
-                     "[" + type + "](../modules/" + type + ".md)", std::string(Trim(commands))});
-  }
-  return {};
+  const CommandTable* table = FindModuleTable(type);
+  if (table == nullptr) return {};
+  std::string commands;
+  for (const CommandSpec& spec : OwnCommands(*table)) commands += CodeSpan(spec.name) + " ";
+  return TableRow({CodeSpan("/ROBOT/" + (name == nullptr ? type : name)),
+                   "[" + type + "](../modules/" + type + ".md)", std::string(Trim(commands))});
 }
 
 /// Our own elements of the model: what they say is what a robot has, so new kinds need nothing here.
@@ -317,9 +315,7 @@ std::string Page(const Wanted& wanted, const SearchPath& path, Diagnostics& diag
     const auto scenario = LoadScenario(wanted.name, robots, diagnostics);
     return scenario == nullptr ? "" : ScenarioPage(*scenario);
   }
-  for (const CommandTable& table : AllModuleTables()) {
-    if (table.module() == wanted.name) return ModulePage(table);
-  }
+  if (const CommandTable* table = FindModuleTable(wanted.name)) return ModulePage(*table);
   diagnostics.Error({"coopdyn describe", 0},
                     "there is no module '" + wanted.name + "'" + DidYouMean(wanted.name, ModuleNames()));
   return {};

@@ -185,6 +185,10 @@ void CallModule(RemoteConnection& connection, const RemoteOptions& options) {
   if (!token.empty()) connection.CallLine("hello coopdyn-call " + token);
   std::string line = options.words[1];
   for (std::size_t i = 2; i < options.words.size(); ++i) line += ' ' + Quoted(options.words[i]);
+  const std::string first = line.substr(0, line.find(' '));
+  if (first.empty() || first == "help" || first == "verbose") {
+    return PrintLines(connection.AskComments(line));
+  }
   const std::string reply = connection.CallLine(line);
   if (!reply.starts_with("0 ")) throw RemoteError(kExitErrors, reply);
   PrintLines(reply + "\n");

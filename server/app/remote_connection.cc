@@ -1,19 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/remote_connection.h"
 
-#include <fcntl.h>
-#include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <array>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <memory>
+#include <istream>
 
 #include "protocol/codec.h"
 #include "server/app/commands.h"
@@ -22,34 +11,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr int kConnectTimeoutMs = 3000;
-
-/// Connects without waiting longer than the timeout; -1 with errno on failure.
-int ConnectTo(const addrinfo& address) {
-  const int fd = ::socket(address.ai_family, address.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (fd < 0) return -1;
-  if (::connect(fd, address.ai_addr, address.ai_addrlen) != 0) {
-    pollfd waiting{fd, POLLOUT, 0};
-    int error = errno;
-    if (error == EINPROGRESS) {
-      socklen_t size = sizeof error;
-      if (::poll(&waiting, 1, kConnectTimeoutMs) == 1) {
-        ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
-      } else {
-        error = ETIMEDOUT;
-      }
-    }
-    if (error != 0) {
-      ::close(fd);
-      errno = error;
-      return -1;
-    }
-  }
-  ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) & ~O_NONBLOCK);
-  const int on = 1;
-  ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  return fd;
-}
+constexpr std::chrono::seconds kConnectTime{3};
 
 }  // namespace
 
@@ -86,62 +48,30 @@ ServerAddress::ServerAddress(const std::string& text) {
 }
 
 RemoteConnection::RemoteConnection(const ServerAddress& server) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
+  namespace asio = boost::asio;
   const std::string port = std::to_string(server.port);
-  if (const int error = ::getaddrinfo(server.host.c_str(), port.c_str(), &hints, &found); error != 0) {
+  stream_.expires_after(kConnectTime);
+  stream_.connect(server.host, port);
+  if (const auto error = stream_.error(); error.category() == asio::error::get_netdb_category()) {
     throw RemoteError(kExitNoDaemon,
-                      "there is no host " + server.host + " (" + ::gai_strerror(error) + "): check its name");
-  }
-  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, &::freeaddrinfo);
-  for (const addrinfo* address = found; address != nullptr && fd_ < 0; address = address->ai_next) {
-    fd_ = ConnectTo(*address);
-  }
-  if (fd_ < 0) {
+                      "there is no host " + server.host + " (" + error.message() + "): check its name");
+  } else if (error) {
     throw RemoteError(kExitNoDaemon,
-                      "no daemon answers at " + server.host + ":" + port + " (" + std::strerror(errno) +
+                      "no daemon answers at " + server.host + ":" + port + " (" + error.message() +
                           "): start one with coopdyn serve, or say where it is with --server HOST:PORT");
   }
-}
-
-RemoteConnection::~RemoteConnection() {
-  if (fd_ >= 0) ::close(fd_);
+  stream_.expires_at(asio::ip::tcp::iostream::time_point::max());
+  stream_.socket().set_option(asio::ip::tcp::no_delay(true));
 }
 
 void RemoteConnection::Send(const std::string& bytes) {
-  std::size_t sent = 0;
-  while (sent < bytes.size()) {
-    const ssize_t now = ::send(fd_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-    if (now < 0 && errno == EINTR) continue;
-    if (now <= 0) {
-      throw RemoteError(kExitErrors,
-                        std::string("the daemon closed the connection (") + std::strerror(errno) + ")");
-    }
-    sent += static_cast<std::size_t>(now);
-  }
-}
-
-void RemoteConnection::Receive() {
-  std::array<char, 65536> bytes;
-  ssize_t now;
-  do {
-    now = ::recv(fd_, bytes.data(), bytes.size(), 0);
-  } while (now < 0 && errno == EINTR);
-  if (now <= 0) throw RemoteError(kExitErrors, "the daemon closed the connection");
-  buffer_.append(bytes.data(), static_cast<std::size_t>(now));
+  if (stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush()) return;
+  throw RemoteError(kExitErrors, "the daemon closed the connection (" + stream_.error().message() + ")");
 }
 
 std::string RemoteConnection::ReadLine() {
-  std::size_t end;
-  while ((end = buffer_.find('\n')) == std::string::npos) {
-    if (buffer_.size() > kMaxReplyBytes) {
-      throw RemoteError(kExitErrors, "the daemon answered something unreadable");
-    }
-    Receive();
-  }
-  std::string line = buffer_.substr(0, end);
-  buffer_.erase(0, end + 1);
+  std::string line;
+  if (!std::getline(stream_, line)) throw RemoteError(kExitErrors, "the daemon closed the connection");
   if (line.ends_with('\r')) line.pop_back();
   return line;
 }
@@ -166,16 +96,21 @@ Message RemoteConnection::Call(const Message& request) {
   binary_started_ = true;
   EncodeBinary(request, bytes);
   Send(bytes);
-  for (;;) {
-    Decoded decoded = DecodeBinary(buffer_, kMaxReplyBytes);
+  for (std::string received;;) {
+    Decoded decoded = DecodeBinary(received, kMaxReplyBytes);
     if (decoded.status == DecodeStatus::kNeedMore) {
-      Receive();
+      if (stream_.peek() == std::char_traits<char>::eof()) {
+        throw RemoteError(kExitErrors, "the daemon closed the connection");
+      }
+      const std::size_t have = received.size();
+      received.resize(have + static_cast<std::size_t>(stream_.rdbuf()->in_avail()));
+      stream_.read(received.data() + have, static_cast<std::streamsize>(received.size() - have));
       continue;
     }
     if (decoded.status != DecodeStatus::kMessage) {
       throw RemoteError(kExitErrors, "the daemon answered something unreadable");
     }
-    buffer_.erase(0, decoded.consumed);
+    received.erase(0, decoded.consumed);
     if (decoded.message.command == -1) throw RemoteError(kExitErrors, decoded.message.text);  // it closes
     const bool pushed = decoded.message.command != request.command && decoded.message.error == 0;
     if (!pushed) return std::move(decoded.message);
@@ -189,6 +124,14 @@ std::string RemoteConnection::CallLine(const std::string& line) {
     reply = ReadLine();
   } while (reply.empty() || reply.front() == '#');
   return reply;
+}
+
+std::string RemoteConnection::AskComments(const std::string& line) {
+  Send(line + "\nping\n");  // its reply tells where they end
+  std::string comments, reply = ReadLine();
+  for (; reply.starts_with('#'); reply = ReadLine()) comments += reply + "\n";
+  if (!reply.starts_with("0 ")) throw RemoteError(kExitErrors, reply);
+  return comments;
 }
 
 }  // namespace coopdyn

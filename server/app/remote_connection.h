@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -38,9 +39,6 @@ class RemoteConnection {
  public:
   /// Connects to the name port; gives up after 3 s.
   explicit RemoteConnection(const ServerAddress& server);
-  ~RemoteConnection();
-  RemoteConnection(const RemoteConnection&) = delete;
-  RemoteConnection& operator=(const RemoteConnection&) = delete;
 
   /// Sends one line to the name server and returns the lines of its answer, without the end line.
   std::vector<std::string> AskNames(const std::string& line);
@@ -50,16 +48,15 @@ class RemoteConnection {
   Message Call(const Message& request);
   /// Text from the first CallLine on: sends `line`, waits for the reply line.
   std::string CallLine(const std::string& line);
+  /// The # lines that answer a line which nothing else answers: help, verbose, an empty one.
+  std::string AskComments(const std::string& line);
 
  private:
   void Send(const std::string& bytes);
-  /// Reads some more bytes into buffer_.
-  void Receive();
   std::string ReadLine();
 
-  int fd_ = -1;
+  boost::asio::ip::tcp::iostream stream_;
   bool binary_started_ = false;
-  std::string buffer_;  // received, not yet used
 };
 
 }  // namespace coopdyn

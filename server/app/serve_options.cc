@@ -8,8 +8,10 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <system_error>
 
+#include "protocol/codec.h"
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/model/section_reader.h"
@@ -91,10 +93,19 @@ RecordWhat ReadRecordWhat(const std::string& given) {
                              "': write some of poses,wheels,distances,targets,controllers, or all");
 }
 
-CLI::Option* AddStopOrContinue(CLI::App* sub, const std::string& name, bool& stop, const std::string& help) {
-  return sub
-      ->add_option_function<std::string>(
-          name, [&stop](const std::string& given) { stop = given == "stop"; }, help)
+/// Each option but those in `only_flags` may also be given by a variable: --robot-threads by
+/// COOPDYN_ROBOT_THREADS.
+void TakeVariables(CLI::App* sub, const std::set<std::string>& only_flags) {
+  for (CLI::Option* option : sub->get_options()) {
+    if (option->get_lnames().empty() || only_flags.contains(option->get_lnames().front())) continue;
+    const std::string name = CLI::detail::find_and_replace(option->get_lnames().front(), "-", "_");
+    option->envname("COOPDYN_" + CLI::detail::to_upper(name));
+  }
+}
+
+void AddStopOrContinue(CLI::App* sub, const std::string& name, bool& stop, const std::string& help) {
+  sub->add_option_function<std::string>(
+         name, [&stop](const std::string& given) { stop = given == "stop"; }, help)
       ->check(CLI::IsMember({"continue", "stop"}));
 }
 
@@ -102,92 +113,64 @@ CLI::Option* AddStopOrContinue(CLI::App* sub, const std::string& name, bool& sto
 void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
       ->check(CLI::Range(0, 65000))
-      ->envname("COOPDYN_PORT")
       ->capture_default_str();
   sub->add_option("--name-port", serve.name_port, "Another port for the name server")
-      ->check(CLI::Range(0, 65535))
-      ->envname("COOPDYN_NAME_PORT");
-  sub->add_option("--http-port", serve.http_port, "Another port for the page")
-      ->check(CLI::Range(0, 65535))
-      ->envname("COOPDYN_HTTP_PORT");
+      ->check(CLI::Range(0, 65535));
+  sub->add_option("--http-port", serve.http_port, "Another port for the page")->check(CLI::Range(0, 65535));
   sub->add_option("--host", serve.hosts,
-                  "Address to listen at (default: this machine only); 0.0.0.0: everybody")
-      ->envname("COOPDYN_HOST");
-  sub->add_option("--advertise", serve.advertise, "Address that the name server tells")
-      ->envname("COOPDYN_ADVERTISE");
+                  "Address to listen at (default: this machine only); 0.0.0.0: everybody");
+  sub->add_option("--advertise", serve.advertise, "Address that the name server tells");
   sub->add_option("--token", serve.token, "What changing commands from other machines must show")
-      ->check(CLI::Validator(CheckToken, ""))
-      ->envname("COOPDYN_TOKEN");
-  sub->add_flag("--weak-token", serve.weak_token, "Let --token be shorter than 12 characters")
-      ->envname("COOPDYN_WEAK_TOKEN");
-  sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too")
-      ->envname("COOPDYN_PRIVATE");
-  sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT")
-      ->envname("COOPDYN_YARP_SERVER");
-  sub->add_flag("--no-render", serve.no_render, "No pictures")->envname("COOPDYN_NO_RENDER");
-  sub->add_flag("--no-http", serve.no_http, "No page")->envname("COOPDYN_NO_HTTP");
+      ->check(CLI::Validator(CheckToken, ""));
+  sub->add_flag("--weak-token", serve.weak_token, "Let --token be shorter than 12 characters");
+  sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
+  sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT");
+  sub->add_flag("--no-render", serve.no_render, "No pictures");
+  sub->add_flag("--no-http", serve.no_http, "No page");
   sub->add_option("--render-fps", serve.render_fps, "Pictures per second of the live view")
       ->check(NumberIn(0.1, 60))
-      ->envname("COOPDYN_RENDER_FPS")
       ->capture_default_str();
   sub->add_option("--renderer", serve.renderer, "auto, osmesa or egl")
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
-      ->envname("COOPDYN_RENDERER")
       ->capture_default_str();
   sub->add_option(
          "--robot-threads", serve.robot_threads,
          "Threads for the robots' connections (default: one each for up to 64 robots with sockets; more "
          "robots, and those without, share 1 or 2)")
-      ->check(CLI::Range(1, 10000))
-      ->envname("COOPDYN_ROBOT_THREADS");
+      ->check(CLI::Range(1, 10000));
   sub->add_option("--spin", serve.spin_us, "Poll this many microseconds before sleeping")
-      ->check(CLI::Range(0, 1000000))
-      ->envname("COOPDYN_SPIN");
+      ->check(CLI::Range(0, 1000000));
   sub->add_option("--log-level", serve.log_level, "debug, info, warning, error or off")
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
-      ->envname("COOPDYN_LOG_LEVEL")
       ->capture_default_str();
-  sub->add_option("--log-file", serve.log_file, "Add the lines of the log to this file too")
-      ->envname("COOPDYN_LOG_FILE");
+  sub->add_option("--log-file", serve.log_file, "Add the lines of the log to this file too");
   sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
 }
 
 void AddRecording(CLI::App* sub, ServeOptions& serve) {
-  sub->add_option("--record", serve.record.file, "Record the run in this file, e.g. lesson1.run")
-      ->envname("COOPDYN_RECORD");
+  sub->add_option("--record", serve.record.file, "Record the run in this file, e.g. lesson1.run");
   sub->add_option_function<std::string>(
-         "--record-what", [&serve](const std::string& given) { serve.record.what = ReadRecordWhat(given); },
-         "Besides poses and commands: wheels, distances, targets, controllers (with commas), all, or "
-         "poses (default: all up to 50 robots, beyond that poses,controllers)")
-      ->envname("COOPDYN_RECORD_WHAT");
+      "--record-what", [&serve](const std::string& given) { serve.record.what = ReadRecordWhat(given); },
+      "Besides poses and commands: wheels, distances, targets, controllers (with commas), all, or "
+      "poses (default: all up to 50 robots, beyond that poses,controllers)");
   sub->add_option_function<double>(
          "--record-every", [&serve](double given_s) { serve.record.every = std::llround(given_s * 1e9); },
          "Seconds between recorded poses and readings (commands and hashes are recorded with each step)")
-      ->check(NumberIn(0, kMaxDuration_s, true))
-      ->envname("COOPDYN_RECORD_EVERY");
+      ->check(NumberIn(0, kMaxDuration_s, true));
   sub->add_flag("--force", serve.record.force,
                 "Replace the recording that --record names; record though the disk is too small");
   AddStopOrContinue(sub, "--on-record-failure", serve.record.stop_on_failure,
-                    "What to do when the recording fails, e.g. on a full disk: continue or stop")
-      ->envname("COOPDYN_ON_RECORD_FAILURE");
+                    "What to do when the recording fails, e.g. on a full disk: continue or stop");
   sub->add_option("--recordings", serve.record.folder,
                   "Folder of recordings that are started later, and of those that clients may list and copy; "
                   "made if there is none")
-      ->envname("COOPDYN_RECORDINGS")
       ->capture_default_str();
-}
-
-/// Of UTF-8.
-std::ptrdiff_t Characters(const std::string& text) {
-  return std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;  // the first byte of each
-  });
 }
 
 /// Others shall not find the token by trying.
 void CheckStrength(const ServeOptions& serve) {
-  constexpr std::ptrdiff_t kStrongToken = 12;
-  const std::ptrdiff_t characters = Characters(serve.token);
+  constexpr std::size_t kStrongToken = 12;
+  const std::size_t characters = CharacterCount(serve.token);
   if (!serve.token.empty() && characters < kStrongToken && !serve.weak_token && !serve.no_net &&
       BeyondLoopback(serve)) {
     throw CLI::ValidationError(
@@ -239,6 +222,7 @@ void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->add_flag("--loop", serve.play.loop, "Start again at the end");
   sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
   AddNetwork(sub, serve);
+  TakeVariables(sub, {"help", "scenarios", "speed", "at", "loop", "paused"});
   sub->callback([given, &chosen] {
     CheckStrength(*given);
     CheckWritable("--log-file", given->log_file, "night.log");
@@ -270,58 +254,47 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->add_option_function<std::string>(
          "--mode", [&serve](const std::string& word) { serve.run.mode = ParseMode(word); },
          "realtime, lockstep or free")
-      ->check(CLI::IsMember({"realtime", "lockstep", "free"}))
-      ->envname("COOPDYN_MODE");
+      ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
   sub->add_option_function<double>(
          "--step", [&serve](double step_s) { serve.run.step = std::llround(step_s * 1e6) * 1000; },
          "Step in seconds, 0.0005 to 0.1")
-      ->check(CLI::Validator(CheckStep, ""))
-      ->envname("COOPDYN_STEP");
+      ->check(CLI::Validator(CheckStep, ""));
   sub->add_option("--speed", serve.run.speed, "Times the wall clock; 0 or less: no limit")
-      ->check(NumberIn(-kMaxSpeed, kMaxSpeed))
-      ->envname("COOPDYN_SPEED");
-  sub->add_option("--seed", serve.run.seed, "Of noise and solver")
-      ->check(CLI::Validator(CheckSeed, ""))
-      ->envname("COOPDYN_SEED");
+      ->check(NumberIn(-kMaxSpeed, kMaxSpeed));
+  sub->add_option("--seed", serve.run.seed, "Of noise and solver")->check(CLI::Validator(CheckSeed, ""));
   sub->add_option("--duration", serve.run.duration_s, "End the run at this simulated time, s")
-      ->check(NumberIn(0, kMaxDuration_s, true))
-      ->envname("COOPDYN_DURATION");
-  sub->add_flag("--paused", serve.run.paused, "Start paused")->envname("COOPDYN_PAUSED");
-  sub->add_flag("--no-net", serve.no_net, "No sockets at all")->envname("COOPDYN_NO_NET");
+      ->check(NumberIn(0, kMaxDuration_s, true));
+  sub->add_flag("--paused", serve.run.paused, "Start paused");
+  sub->add_flag("--no-net", serve.no_net, "No sockets at all");
   sub->add_option(
          "--threads", serve.threads,
          "Threads that share out sensing, controllers and physics, at most one a core; worth it from some "
          "hundred robots on; the results stay the same")
       ->check(CLI::Range(1, 256))
-      ->envname("COOPDYN_THREADS")
       ->capture_default_str();
   sub->add_option_function<std::string>(
          "--controllers",
          [&serve](const std::string& where) { serve.controllers_in_process = where == "in-process"; },
          "Where loaded controllers run: child (a process of their own) or in-process (for a debugger)")
-      ->check(CLI::IsMember({"child", "in-process"}))
-      ->envname("COOPDYN_CONTROLLERS");
+      ->check(CLI::IsMember({"child", "in-process"}));
   sub->add_option_function<std::uint64_t>(
          "--controller-memory", [&serve](std::uint64_t mib) { serve.controller_memory_bytes = mib << 20; },
          "MiB that all loaded controllers together may use (default: half of this machine's memory; "
          "0: no limit)")
-      ->check(CLI::Range(0, 1 << 30))
-      ->envname("COOPDYN_CONTROLLER_MEMORY");
+      ->check(CLI::Range(0, 1 << 30));
   AddStopOrContinue(
       sub, "--on-controller-failure", serve.run.stop_on_controller_failure,
       "When a loaded controller fails: continue (its robot stands, the rest goes on) or stop (the "
-      "run ends); the exit code is 4 either way (default: continue)")
-      ->envname("COOPDYN_ON_CONTROLLER_FAILURE");
+      "run ends); the exit code is 4 either way (default: continue)");
   sub->add_option("--summary", serve.summary_file,
-                  "Write a summary of the run to this file (JSON) at its end, and on SIGUSR1 how it stands")
-      ->envname("COOPDYN_SUMMARY");
+                  "Write a summary of the run to this file (JSON) at its end, and on SIGUSR1 how it stands");
   sub->add_option("--from", serve.from,
                   "Go on from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
                   "RUN@start or RUN@end");
   AddRecording(sub, serve);
   AddNetwork(sub, serve);
-  sub->set_config("--config", "", "Read options from this file (name=value lines)")
-      ->envname("COOPDYN_CONFIG");
+  sub->set_config("--config", "", "Read options from this file (name=value lines)");
+  TakeVariables(sub, {"help", "scenarios", "force", "from"});
   sub->callback([sub, given, &chosen] {
     CheckServe(*sub, *given);
     chosen = [given] { return Serve(*given); };

@@ -12,8 +12,9 @@ namespace {
 /// After this long without a wrong token, the count of an address starts at 0 again.
 constexpr Nanoseconds kForgotten = 600 * kNanosecondsPerSecond;
 
-/// The address of `peer`; of IPv6 the network, in which one machine has as many addresses as it likes.
-std::string AddressOf(const std::string& peer) {
+}  // namespace
+
+std::string NetworkOf(const std::string& peer) {
   std::string address = peer.substr(peer.rfind(' ') + 1);  // without "page "
   address.resize(std::min(address.rfind(':'), address.size()));
   if (address.size() < 2 || address.front() != '[') return address;
@@ -25,10 +26,8 @@ std::string AddressOf(const std::string& peer) {
   return std::string(text) + "/64";
 }
 
-}  // namespace
-
 TokenVerdict WrongTokens::Judge(bool right, const std::string& peer, Nanoseconds now) {
-  const std::string address = AddressOf(peer);
+  const std::string address = NetworkOf(peer);
   int wrong = 0;
   {
     const MutexLock lock(mutex_);
@@ -55,7 +54,7 @@ TokenVerdict WrongTokens::Judge(bool right, const std::string& peer, Nanoseconds
 
 std::string WrongTokens::WaitText(const std::string& peer, Nanoseconds now) const {
   const MutexLock lock(mutex_);
-  const auto found = tries_.find(AddressOf(peer));
+  const auto found = tries_.find(NetworkOf(peer));
   if (found == tries_.end() || now >= found->second.next) return {};
   const Nanoseconds wait_s = (found->second.next - now + kNanosecondsPerSecond - 1) / kNanosecondsPerSecond;
   return "too many wrong tokens came from your address: wait " + std::to_string(wait_s) +
@@ -68,6 +67,22 @@ void WrongTokens::MakeRoom(Nanoseconds now) {
   if (tries_.size() < kMaxAddresses) return;
   tries_.erase(std::min_element(tries_.begin(), tries_.end(),
                                 [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
+}
+
+bool TokenGuard::Matches(std::string_view given) const {
+  if (token_.empty()) return false;
+  unsigned difference = token_.size() == given.size() ? 0 : 1;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    difference |=
+        static_cast<unsigned char>(given[i]) ^ static_cast<unsigned char>(token_[i % token_.size()]);
+  }
+  return difference == 0;
+}
+
+TokenVerdict TokenGuard::Judge(std::string_view given, const std::string& peer, Nanoseconds now) const {
+  const bool right = Matches(given);
+  if (wrong_ != nullptr) return wrong_->Judge(right, peer, now);
+  return right ? TokenVerdict::kRight : TokenVerdict::kWrong;
 }
 
 }  // namespace coopdyn

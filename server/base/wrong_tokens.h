@@ -5,13 +5,19 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/mutex.h"
 
 namespace coopdyn {
+
+/// The address in `peer` (ADDRESS:PORT); of IPv6 the network, in which one machine has as many addresses as
+/// it likes.
+std::string NetworkOf(const std::string& peer);
 
 enum class TokenVerdict { kRight, kWrong, kTooSoon };
 
@@ -40,6 +46,30 @@ class WrongTokens {
   const Logger logger_;
   mutable Mutex mutex_;
   std::unordered_map<std::string, Tries> tries_ GUARDED_BY(mutex_);  // by address
+};
+
+/// Who may change the world: connections from this machine, and those that say the token.
+class TokenGuard {
+ public:
+  /// `required`: strangers need the token for commands that change something. An empty token matches nothing.
+  /// `wrong`: counts wrong tokens of all guards together, and outlives them; null: nobody is slowed down.
+  TokenGuard(std::string token, bool required, WrongTokens* wrong = nullptr)
+      : token_(std::move(token)), required_(required), wrong_(wrong) {}
+
+  bool required() const { return required_; }
+  /// True if `given` is the token; takes the same time for every wrong one of the same length.
+  bool Matches(std::string_view given) const;
+  /// What becomes of a token that `peer` (ADDRESS:PORT) says at `now`.
+  TokenVerdict Judge(std::string_view given, const std::string& peer, Nanoseconds now) const;
+  /// As of WrongTokens.
+  std::string WaitText(const std::string& peer, Nanoseconds now) const {
+    return wrong_ == nullptr ? std::string() : wrong_->WaitText(peer, now);
+  }
+
+ private:
+  std::string token_;
+  bool required_;
+  WrongTokens* wrong_;
 };
 
 }  // namespace coopdyn

@@ -9,10 +9,10 @@
 
 #include "protocol/command_table.h"
 #include "server/base/clock.h"
+#include "server/base/wrong_tokens.h"
 #include "server/devices/connection_roster.h"
 #include "server/devices/peer_module.h"
 #include "server/devices/step_inbox.h"
-#include "server/devices/token_guard.h"
 #include "server/state/command_board.h"
 #include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"

@@ -3,13 +3,16 @@
 // nothing that changes: what they read is in the frame. Any thread.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/command_ids.h"
 #include "protocol/command_table.h"
 #include "protocol/message.h"
+#include "server/model/robot_model.h"
 #include "server/state/command_board.h"
 #include "server/state/frame.h"
 
@@ -50,5 +53,8 @@ class Device {
  private:
   const CommandTable& table_;
 };
+
+/// The device of the module `name` of robots of `model`; null if they have none.
+std::unique_ptr<Device> MakeDevice(const RobotModel& model, std::string_view name);
 
 }  // namespace coopdyn

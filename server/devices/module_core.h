@@ -16,7 +16,7 @@
 #include "protocol/command_ids.h"
 #include "protocol/command_table.h"
 #include "protocol/message.h"
-#include "server/devices/token_guard.h"
+#include "server/base/wrong_tokens.h"
 #include "server/net/endpoint.h"
 #include "server/state/command_board.h"
 #include "server/state/frame.h"

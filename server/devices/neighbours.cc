@@ -17,13 +17,7 @@ const SceneRobot& RobotAt(const Frame& frame, int index) {
 Message NeighboursDevice::Read(const Message& request, const Frame& frame, int robot) const {
   Message reply = ReplyTo(request.command);
   if (request.command == command::kGetNeighbours) {
-    for (const Sighting& sighting : Neighbours(frame, robot, number())) {
-      const SceneRobot& other = RobotAt(frame, sighting.index);
-      reply.params.push_back(static_cast<std::int32_t>(other.id.value));
-      if (!reply.text.empty()) reply.text += ' ';
-      reply.text += other.entry.name;
-      reply.data.insert(reply.data.end(), {sighting.distance_m, sighting.bearing_rad});
-    }
+    for (const Sighting& sighting : Neighbours(frame, robot, number())) AddRobot(reply, frame, sighting);
   } else if (request.command == command::kGetMessages) {
     for (const HeardMessage& heard : HeardMessages(frame, robot, number())) {
       const RobotMessage& message = *heard.message;

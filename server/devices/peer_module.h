@@ -13,10 +13,10 @@
 
 #include "protocol/command_table.h"
 #include "server/base/clock.h"
+#include "server/base/wrong_tokens.h"
 #include "server/devices/connection_roster.h"
 #include "server/devices/module_core.h"
 #include "server/devices/step_inbox.h"
-#include "server/devices/token_guard.h"
 #include "server/net/endpoint.h"
 #include "server/state/command_board.h"
 

@@ -5,6 +5,17 @@
 
 namespace coopdyn {
 
+void AddSighting(Message& reply, std::uint32_t id, const std::string& word, const Sighting& sighting) {
+  reply.params.push_back(static_cast<std::int32_t>(id));
+  reply.text += (reply.text.empty() ? "" : " ") + word;
+  reply.data.insert(reply.data.end(), {sighting.distance_m, sighting.bearing_rad});
+}
+
+void AddRobot(Message& reply, const Frame& frame, const Sighting& sighting) {
+  const SceneRobot& other = frame.scene->robots[static_cast<std::size_t>(sighting.index)];
+  AddSighting(reply, other.id.value, other.entry.name, sighting);
+}
+
 Message SensorDevice::Read(const Message& request, const Frame& frame, int robot) const {
   Message reply = ReplyTo(request.command);
   AppendFirstReading(frame, robot, reply.data);

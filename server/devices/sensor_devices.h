@@ -5,13 +5,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/devices/device.h"
 #include "server/model/robot_model.h"
+#include "server/sensing/readings.h"
 
 namespace coopdyn {
+
+/// Appends what is seen to the reply of a get-command: id, word, distance and bearing.
+void AddSighting(Message& reply, std::uint32_t id, const std::string& word, const Sighting& sighting);
+void AddRobot(Message& reply, const Frame& frame, const Sighting& sighting);
 
 /// A module whose only reading is its sensor's, e.g. /R/compass; those with more commands derive from it.
 class SensorDevice : public Device {

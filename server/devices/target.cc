@@ -38,11 +38,6 @@ std::string NoSuchTarget(const std::string& asked, bool exists, const Scene& sce
   return "there is no " + asked + ": there are " + TargetsOf(scene);
 }
 
-void AddWord(std::string& text, const std::string& word) {
-  if (!text.empty()) text += ' ';
-  text += word;
-}
-
 }  // namespace
 
 Message TargetDevice::ReadTarget(const Message& request, const Frame& frame, int robot) const {
@@ -72,20 +67,14 @@ Message TargetDevice::ReadTarget(const Message& request, const Frame& frame, int
 
 Message TargetDevice::Read(const Message& request, const Frame& frame, int robot) const {
   if (request.command == command::kGetTarget) return ReadTarget(request, frame, robot);
-  const bool robots = request.command == command::kGetRobots;
   Message reply = ReplyTo(request.command);
-  for (const Sighting& sighting :
-       robots ? SeenRobots(frame, robot, number()) : SeenTargets(frame, robot, number())) {
-    if (robots) {
-      const SceneRobot& other = frame.scene->robots[static_cast<std::size_t>(sighting.index)];
-      reply.params.push_back(static_cast<std::int32_t>(other.id.value));
-      AddWord(reply.text, other.entry.name);
-    } else {
-      const Target& target = TargetOf(frame, sighting);
-      reply.params.push_back(static_cast<std::int32_t>(target.id.value));
-      AddWord(reply.text, target.color_name);
-    }
-    reply.data.insert(reply.data.end(), {sighting.distance_m, sighting.bearing_rad});
+  if (request.command == command::kGetRobots) {
+    for (const Sighting& sighting : SeenRobots(frame, robot, number())) AddRobot(reply, frame, sighting);
+    return reply;
+  }
+  for (const Sighting& sighting : SeenTargets(frame, robot, number())) {
+    const Target& target = TargetOf(frame, sighting);
+    AddSighting(reply, target.id.value, target.color_name, sighting);
   }
   return reply;
 }

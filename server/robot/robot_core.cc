@@ -12,7 +12,7 @@ RobotCore::RobotCore(const RobotEntry& entry, const RobotServices& services, Ste
       services_(services),
       inbox_(services.board, services.frames, std::move(post), std::move(hand_over)) {
   for (const ModuleModel& module : entry.model->modules()) {
-    devices_.push_back(services.devices.Make(*entry.model, module.name));
+    devices_.push_back(MakeDevice(*entry.model, module.name));
     module_names_.push_back(module.name);
   }
 }

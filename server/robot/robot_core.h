@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "server/base/clock.h"
+#include "server/base/wrong_tokens.h"
 #include "server/devices/connection_roster.h"
 #include "server/devices/device.h"
-#include "server/devices/device_factory.h"
 #include "server/devices/step_inbox.h"
-#include "server/devices/token_guard.h"
 #include "server/naming/name_table.h"
 #include "server/net/net_services.h"
 #include "server/state/command_board.h"
@@ -27,7 +26,6 @@ struct RobotServices {
   NameTable& names;
   NetServices& net;
   ConnectionRoster& roster;
-  const DeviceFactory& devices;
   const TokenGuard& guard;  // required: `--private`
   const Clock& clock;
   std::string version;

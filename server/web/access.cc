@@ -69,15 +69,6 @@ bool OriginAllowed(std::string_view origin, std::string_view host) {
   return false;
 }
 
-bool TokenMatches(std::string_view given, std::string_view token) {
-  if (token.empty() || given.size() != token.size()) return false;
-  unsigned char difference = 0;
-  for (std::size_t i = 0; i < token.size(); ++i) {
-    difference |= static_cast<unsigned char>(given[i]) ^ static_cast<unsigned char>(token[i]);
-  }
-  return difference == 0;
-}
-
 std::string_view BearerToken(std::string_view authorization) {
   constexpr std::string_view kScheme = "bearer ";
   if (Lower(authorization.substr(0, kScheme.size())) != kScheme) return {};

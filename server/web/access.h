@@ -22,9 +22,6 @@ bool HostAllowed(std::string_view host, const std::vector<std::string>& names);
 /// request.
 bool OriginAllowed(std::string_view origin, std::string_view host);
 
-/// Compares in constant time; an empty `token` matches nothing.
-bool TokenMatches(std::string_view given, std::string_view token);
-
 /// The token of an Authorization header; empty if it is not `Bearer TOKEN`.
 std::string_view BearerToken(std::string_view authorization);
 

@@ -51,18 +51,12 @@ ResolvedCall ReadLine(const std::string& line, const CommandTable& table) {
 
 }  // namespace
 
-ModuleCatalog::ModuleCatalog() : tables_(AllModuleTables()) {}
-
-const CommandTable* ModuleCatalog::Find(std::string_view name) const {
-  const std::string_view last = name.substr(name.rfind('/') + 1);
-  for (const CommandTable& table : tables_) {
-    if (table.module() == last) return &table;
-  }
-  return nullptr;
+const CommandTable* TableOfModule(std::string_view name) {
+  return FindModuleTable(name.substr(name.rfind('/') + 1));
 }
 
-ResolvedCall ModuleCatalog::Resolve(const PageCall& call) const {
-  const CommandTable* table = Find(call.module);
+ResolvedCall ResolveCall(const PageCall& call) {
+  const CommandTable* table = TableOfModule(call.module);
   if (table == nullptr) {
     if (call.line || !call.command_name.empty()) {
       return Refuse(Error::kUnknownCommand,

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What the page needs to know of the modules' commands: names to numbers, and what a typed line means.
-// Constant after construction; any thread.
+// Pure; any thread.
 #pragma once
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "protocol/command_table.h"
 #include "server/web/page_message.h"
@@ -21,17 +20,9 @@ struct ResolvedCall {
   bool verbose = false;  // the line was `verbose`
 };
 
-class ModuleCatalog {
- public:
-  ModuleCatalog();
-
-  /// The commands of the module called `name` ("/robot1/motors"), by its last word; null if unknown.
-  const CommandTable* Find(std::string_view name) const;
-  /// Reads the line of `call`, or looks up its command's name.
-  ResolvedCall Resolve(const PageCall& call) const;
-
- private:
-  std::vector<CommandTable> tables_;
-};
+/// The commands of the module called `name` ("/robot1/motors"), by its last word; null if unknown.
+const CommandTable* TableOfModule(std::string_view name);
+/// Reads the line of `call`, or looks up its command's name.
+ResolvedCall ResolveCall(const PageCall& call);
 
 }  // namespace coopdyn

@@ -19,9 +19,9 @@ std::string Chomp(std::string text) {
 
 }  // namespace
 
-PageBridge::PageBridge(boost::asio::io_context& context, const NameTable& names, const ModuleCatalog& catalog,
-                       PeerInfo peer, SendFunction send)
-    : context_(context), names_(names), catalog_(catalog), peer_(std::move(peer)), send_(std::move(send)) {}
+PageBridge::PageBridge(boost::asio::io_context& context, const NameTable& names, PeerInfo peer,
+                       SendFunction send)
+    : context_(context), names_(names), peer_(std::move(peer)), send_(std::move(send)) {}
 
 PageBridge::~PageBridge() {
   for (auto& [key, link] : links_) link.link->Close();
@@ -36,7 +36,7 @@ void PageBridge::SetTrusted(bool trusted) {
 }
 
 void PageBridge::Handle(const PageCall& call) {
-  ResolvedCall resolved = catalog_.Resolve(call);
+  ResolvedCall resolved = ResolveCall(call);
   if (resolved.verbose) {
     Message refusal;
     if (Link* link = FindOrOpen({call.module, call.channel}, refusal)) link->verbose = true;
@@ -72,7 +72,7 @@ void PageBridge::Handle(const PageCall& call) {
       EncodeText(message, reply.line);
       reply.line = Chomp(std::move(reply.line));
       const auto found = links_.find(key);
-      const CommandTable* table = catalog_.Find(key.first);
+      const CommandTable* table = TableOfModule(key.first);
       if (table != nullptr && found != links_.end() && found->second.verbose) {
         EncodeVerbose(message, *table, reply.note);
         reply.note = Chomp(std::move(reply.note));

@@ -29,8 +29,7 @@ class PageBridge {
   using SendFunction = std::function<void(const PageReply& reply)>;
 
   /// `trusted`: may change things; else only what reads gets through. All references outlive the bridge.
-  PageBridge(boost::asio::io_context& context, const NameTable& names, const ModuleCatalog& catalog,
-             PeerInfo peer, SendFunction send);
+  PageBridge(boost::asio::io_context& context, const NameTable& names, PeerInfo peer, SendFunction send);
   /// Closes all connections; nothing is sent any more.
   ~PageBridge();
   PageBridge(const PageBridge&) = delete;
@@ -61,7 +60,6 @@ class PageBridge {
 
   boost::asio::io_context& context_;
   const NameTable& names_;
-  const ModuleCatalog& catalog_;
   PeerInfo peer_;
   SendFunction send_;
   std::map<Key, Link> links_;

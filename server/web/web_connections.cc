@@ -1,31 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "server/web/web_connections.h"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
-#include <array>
 #include <map>
 #include <utility>
+
+#include "server/base/wrong_tokens.h"
 
 namespace coopdyn {
 namespace {
 
 constexpr std::string_view kLoopback = "loopback";
-constexpr std::size_t kNetworkBytes = 8;
 
 }  // namespace
 
 std::string NetworkOf(const PeerInfo& peer) {
-  if (peer.trusted) return std::string(kLoopback);
-  const std::string address = peer.text.substr(0, peer.text.rfind(':'));
-  if (!address.starts_with('[') || !address.ends_with(']')) return address;
-  std::array<unsigned char, sizeof(in6_addr)> bytes{};
-  if (inet_pton(AF_INET6, address.substr(1, address.size() - 2).c_str(), bytes.data()) != 1) return address;
-  std::fill(bytes.begin() + kNetworkBytes, bytes.end(), static_cast<unsigned char>(0));
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  inet_ntop(AF_INET6, bytes.data(), text.data(), text.size());
-  return std::string(text.data()) + "/64";
+  return peer.trusted ? std::string(kLoopback) : NetworkOf(peer.text);
 }
 
 WebConnections::Verdict WebConnections::Admit(const PeerInfo& peer) {

@@ -11,7 +11,6 @@
 #include "server/naming/name_table.h"
 #include "server/net/net_services.h"
 #include "server/web/access.h"
-#include "server/web/module_catalog.h"
 #include "server/web/pictures.h"
 #include "server/web/run_files.h"
 #include "server/web/status_feed.h"
@@ -36,7 +35,6 @@ struct WebContext {
   const WebOptions options;
   const NameTable& names;
   NetServices& services;
-  const ModuleCatalog catalog;
   Pictures pictures;
   RunFiles runs;
   StatusFeed status;
@@ -44,15 +42,12 @@ struct WebContext {
 
   /// Whether `given` is the token. Wrong ones of `peer` are counted, and after some it waits.
   bool TakesToken(std::string_view given, const std::string& peer) const {
-    if (given.empty() || options.token.empty()) return false;
-    const bool right = TokenMatches(given, options.token);
-    if (options.wrong_tokens == nullptr) return right;
-    return options.wrong_tokens->Judge(right, peer, services.clock().Now()) == TokenVerdict::kRight;
+    if (given.empty() || options.guard == nullptr) return false;
+    return options.guard->Judge(given, peer, services.clock().Now()) == TokenVerdict::kRight;
   }
   /// What to tell `peer` if its tokens are refused unread for now; empty: they are read.
   std::string TokenWaitText(const std::string& peer) const {
-    return options.wrong_tokens == nullptr ? std::string()
-                                           : options.wrong_tokens->WaitText(peer, services.clock().Now());
+    return options.guard == nullptr ? "" : options.guard->WaitText(peer, services.clock().Now());
   }
 };
 

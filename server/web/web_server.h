@@ -40,10 +40,9 @@ struct WebOptions {
   /// `--host` and `--advertise`, and the machine's own. Any other Host header is refused, as a guard against
   /// DNS rebinding.
   std::vector<std::string> host_names;
-  /// What changing requests from beyond loopback must carry; empty: they are all refused.
-  std::string token;
-  /// Counts wrong tokens; outlives the server. Null: nobody is slowed down.
-  WrongTokens* wrong_tokens = nullptr;
+  /// Judges the token that changing requests from beyond loopback must carry; outlives the server. Null: they
+  /// are all refused.
+  const TokenGuard* guard = nullptr;
   /// Of the program, shown by the page.
   std::string version;
   /// The port of the name server, for the connection lines on the page; 0: off.

@@ -214,6 +214,8 @@ class RemoteTest(unittest.TestCase):
         self.assertTrue(self.ask("call", "/robot1/motors", "set_velocity", "0.2", "-0.5").startswith('0 "" 11 1 1 '))
         self.assertIn(" 31 ", self.ask("call", "/robot1/target", "get_target", "red"))
         self.assertIn("set_velocity", self.ask("call", "/robot1/motors", "set_velocity", "0.2", code=1))
+        self.assertIn("# This is a motors module", self.ask("call", "/robot1/motors", "help"))
+        self.assertIn("takes nothing", self.ask("call", "/robot1/motors", "verbose", "on", code=1))
         self.ask("call", "/robot9/motors", "stop", code=1)
 
     def test_a_file_of_this_machine_is_loaded_by_its_text(self):

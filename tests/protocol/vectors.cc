@@ -18,7 +18,7 @@ namespace {
 namespace json = boost::json;
 
 json::array ReadVectors(const std::string& name) {
-  return json::parse(ReadWholeFile(SourceDir() + "/protocol/vectors/" + name)).as_array();
+  return json::parse(ReadWholeFile(SourceDir() + "/tests/protocol/vectors/" + name)).as_array();
 }
 
 std::string Text(const json::object& row, const char* key) {

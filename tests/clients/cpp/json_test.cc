@@ -44,7 +44,7 @@ std::string FromHex(const std::string& hex) {
 }
 
 TEST(Codec, EveryGoldenVectorIsDecodedAndEncodedToItsBytes) {
-  std::ifstream file(SourceDir() + "/protocol/vectors/messages.json");
+  std::ifstream file(SourceDir() + "/tests/protocol/vectors/messages.json");
   const Json vectors = Json::Parse(std::string(std::istreambuf_iterator<char>(file), {}));
   ASSERT_GT(vectors.size(), 20u);
   for (const Json& v : vectors.items()) {

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 % needs: nothing
 % Every golden vector is encoded to its bytes and decoded to its values; cut ones need more; bad ones are errors.
-folder = fullfile(getenv('COOPDYN_ROOT'), 'protocol', 'vectors');
+folder = fullfile(getenv('COOPDYN_ROOT'), 'tests', 'protocol', 'vectors');
 vectors = jsondecode(fileread(fullfile(folder, 'messages.json')));
 assert(numel(vectors) > 20);
 for k = 1:numel(vectors)

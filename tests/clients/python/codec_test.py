@@ -6,7 +6,7 @@ import unittest
 import harness  # noqa: F401  (finds coopdyn.py)
 import coopdyn
 
-VECTORS = harness.ROOT / "protocol" / "vectors"
+VECTORS = harness.ROOT / "tests" / "protocol" / "vectors"
 
 
 def vectors(name):

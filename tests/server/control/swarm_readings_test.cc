@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/devices/device_factory.h"
+#include "server/devices/device.h"
 #include "server/sensing/readings.h"
 #include "tests/server/control/swarm_fixture.h"
 #include "tests/server/model/sensor_of.h"
@@ -39,10 +39,9 @@ TEST_F(SwarmModuleTest, ReadingsAreThoseOfTheRobotsOwnModulesInTheChosenOrder) {
   const Message reply = Ask("read_all 2");
   EXPECT_THAT(reply.params, ElementsAre(1, 1, 13));
   const FramePtr frame = world_.frames.Latest();
-  const DeviceFactory factory;
   std::vector<double> expected;
   for (const char* type : {"motors", "target", "pose"}) {
-    const auto device = factory.Make(*frame->scene->robots[1].entry.model, type);
+    const auto device = MakeDevice(*frame->scene->robots[1].entry.model, type);
     device->AppendFirstReading(*frame, 1, expected);
   }
   expected.resize(13);  // of the pose x, y, heading

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "server/devices/device_factory.h"
+#include "server/devices/device.h"
 #include "tests/server/devices/small_world.h"
 
 namespace coopdyn {
@@ -13,13 +13,12 @@ namespace {
 
 class DeviceTest : public testing::Test {
  protected:
-  std::unique_ptr<Device> Make(const std::string& type) { return factory_.Make(*SmallModel(), type); }
+  std::unique_ptr<Device> Make(const std::string& type) { return MakeDevice(*SmallModel(), type); }
   static Message Request(command::Id id, std::vector<double> data = {}, std::vector<std::int32_t> params = {},
                          std::string text = {}) {
     return {0, std::move(text), id, std::move(params), std::move(data)};
   }
 
-  DeviceFactory factory_;
   SmallWorld world_{2};
 };
 
@@ -155,20 +154,20 @@ TEST_F(DeviceTest, SensorsOfOneTypeAreReadByTheirModulesNames) {
   world_.Load(scenario, Mode::kLockstep);
   const FramePtr frame = world_.frames.Latest();
   const auto read = [&](const char* name, command::Id id) {
-    return factory_.Make(*model, name)->Read(Request(id), *frame, 0).data;
+    return MakeDevice(*model, name)->Read(Request(id), *frame, 0).data;
   };
   EXPECT_EQ(read("distance", command::kGetDistances).size(), 3u);
   EXPECT_EQ(read("ahead", command::kGetDistances).size(), 1u);
   EXPECT_EQ(read("ahead", command::kGetGeometry), (std::vector<double>{0, 0.2, 2}));
   EXPECT_EQ(read("north", command::kGetCompass), std::vector<double>{Heading(RobotPose(*frame, 0).q)});
-  EXPECT_EQ(factory_.Make(*model, "north")->table().module(), "compass");
+  EXPECT_EQ(MakeDevice(*model, "north")->table().module(), "compass");
 }
 
 // A load may bring another model under the same name while a module still has requests to answer.
 TEST_F(DeviceTest, AModelWithoutTheSensorReadsNothing) {
   auto model = std::make_shared<RobotModel>(*SmallModel());
   model->AddSensor("north", CompassModel());
-  const auto compass = factory_.Make(*model, "north");
+  const auto compass = MakeDevice(*model, "north");
   EXPECT_TRUE(compass->Read(Request(command::kGetCompass), *world_.frames.Latest(), 0).data.empty());
 }
 

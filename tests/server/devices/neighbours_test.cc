@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "protocol/module_tables.h"
-#include "server/devices/device_factory.h"
+#include "server/devices/device.h"
 #include "server/sensing/readings.h"
 #include "tests/server/devices/small_world.h"
 #include "tests/server/model/sensor_of.h"
@@ -26,7 +26,7 @@ class NeighboursDeviceTest : public testing::Test {
     auto scenario = std::make_shared<Scenario>(*SmallScenario(4));
     for (RobotEntry& entry : scenario->robots) entry.model = model;
     world_.Load(scenario, Mode::kLockstep);
-    device_ = factory_.Make(*model, "neighbours");
+    device_ = MakeDevice(*model, "neighbours");
     frame_ = world_.MakeFrame({});
   }
 
@@ -41,7 +41,6 @@ class NeighboursDeviceTest : public testing::Test {
     frame_->messages.push_back(sent);
   }
 
-  const DeviceFactory factory_;
   SmallWorld world_;
   std::unique_ptr<Device> device_;
   std::shared_ptr<Frame> frame_;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/devices/token_guard.h"
+#include "server/base/wrong_tokens.h"
 #include "tests/server/devices/small_world.h"
 
 namespace coopdyn {

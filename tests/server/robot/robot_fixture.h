@@ -38,12 +38,10 @@ class RobotModuleTest : public testing::Test {
   NameTable names_;
   NetServices net_{NullLogger(), clock_};
   ConnectionRoster roster_;
-  DeviceFactory devices_;
   TokenGuard guard_{"secret", false};
   SmallWorld world_;
   FakeThread thread_;
-  RobotServices services_{world_.board, world_.frames, names_, net_,   roster_,
-                          devices_,     guard_,        clock_, "1.2.3"};
+  RobotServices services_{world_.board, world_.frames, names_, net_, roster_, guard_, clock_, "1.2.3"};
   std::vector<std::unique_ptr<RobotCore>> robots_;
   std::vector<std::unique_ptr<RobotModule>> modules_;
   ClientId last_client_ = 0;

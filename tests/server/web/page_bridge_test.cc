@@ -18,7 +18,7 @@ class StrangerTest : public testing::Test {
  protected:
   StrangerTest() {
     thread_.Call([this] {
-      bridge_ = std::make_unique<PageBridge>(thread_.context(), world_.names, catalog_,
+      bridge_ = std::make_unique<PageBridge>(thread_.context(), world_.names,
                                              PeerInfo{.text = "page 10.0.0.7:5000", .trusted = false},
                                              [this](const PageReply& reply) { replied_.set_value(reply); });
     });
@@ -45,7 +45,6 @@ class StrangerTest : public testing::Test {
   }
 
   WebWorld world_;
-  const ModuleCatalog catalog_;
   IoThread thread_{"bridge", NullLogger()};
   std::promise<PageReply> replied_;
   std::unique_ptr<PageBridge> bridge_;

@@ -99,9 +99,10 @@ FakePainter::FakePainter(ImageBoard& board)
       }) {}
 
 WebOptions WebWorld::DefaultOptions() {
+  static const TokenGuard guard("secret", true);
   WebOptions options;
   options.host_names = {"labserver"};
-  options.token = "secret";
+  options.guard = &guard;
   options.version = "1.2.3";
   options.name_port = 10000;
   options.scenarios = [] { return std::vector<std::string>{"classroom", "corridor"}; };

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "server/devices/device_factory.h"
-
-#include <algorithm>
-#include <cassert>
 #include <variant>
 
 #include "protocol/module_tables.h"
@@ -37,30 +33,21 @@ struct DeviceOf<NeighboursModel> {
 
 }  // namespace
 
-DeviceFactory::DeviceFactory() : tables_(AllModuleTables()) {}
-
-std::unique_ptr<Device> DeviceFactory::Make(const RobotModel& model, std::string_view name) const {
+std::unique_ptr<Device> MakeDevice(const RobotModel& model, std::string_view name) {
   if (name.empty()) return nullptr;
   for (const ActuatorModel& actuator : model.actuators) {
     if (actuator.module != name) continue;
-    return std::make_unique<MotorsDevice>(TableOf("motors"), std::get<DriveModel>(actuator.kind),
+    return std::make_unique<MotorsDevice>(*FindModuleTable("motors"), std::get<DriveModel>(actuator.kind),
                                           model.FirstChannel(actuator));
   }
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
-    const SensorModel& sensor = model.sensors[i];
-    if (sensor.name != name) continue;
+    if (model.sensors[i].name != name) continue;
     const auto make = [&]<typename Kind>(const Kind& /*kind*/) -> std::unique_ptr<Device> {
-      return std::make_unique<typename DeviceOf<Kind>::Type>(TableOf(Kind::kType), model, i);
+      return std::make_unique<typename DeviceOf<Kind>::Type>(*FindModuleTable(Kind::kType), model, i);
     };
-    return std::visit(make, sensor.kind);
+    return std::visit(make, model.sensors[i].kind);
   }
   return nullptr;
-}
-
-const CommandTable& DeviceFactory::TableOf(std::string_view type) const {
-  const auto found = std::ranges::find(tables_, type, &CommandTable::module);
-  assert(found != tables_.end());
-  return *found;
 }
 
 }  // namespace coopdyn
