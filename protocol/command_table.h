@@ -53,6 +53,9 @@ struct CommandSpec {
                            // name, then for lines that carry something
 };
 
+/// Edits (insert, remove, replace, swap of neighbours) between two words, letters of either case alike.
+std::size_t EditDistance(std::string_view a, std::string_view b);
+
 /// The commands of one module: those that every module has, then its own.
 class CommandTable {
  public:

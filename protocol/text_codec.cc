@@ -5,8 +5,6 @@
 #include "protocol/ascii.h"
 #include "protocol/codec.h"
 #include "protocol/command_ids.h"
-#include "protocol/text_named.h"
-#include "protocol/text_numbers.h"
 #include "protocol/text_scan.h"
 
 namespace coopdyn {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "protocol/text_named.h"
 
 #include <algorithm>
 #include <optional>
@@ -10,7 +9,7 @@
 #include "protocol/ascii.h"
 #include "protocol/command_ids.h"
 #include "protocol/module_tables.h"
-#include "protocol/text_numbers.h"
+#include "protocol/text_scan.h"
 #include "protocol/usage.h"
 
 namespace coopdyn {

@@ -2,8 +2,12 @@
 // The pieces that lines of the text form are made of. Pure; any thread.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
+
+#include "protocol/command_table.h"
+#include "protocol/message.h"
 
 namespace coopdyn {
 
@@ -40,5 +44,41 @@ std::string_view Farewell(std::string_view word);
 
 /// Appends `text` in quotes with the escapes of the text form.
 void AppendQuotedText(std::string_view text, std::string& out);
+
+/// What a token is when read as a number.
+enum class NumberRead {
+  kOk,
+  kNotNumber,   // not by the grammar
+  kOutOfRange,  // a whole number outside int32, or finite digits beyond the largest double
+  kHasPoint,    // a number, but not a whole one (ReadInt32 only)
+};
+
+/// Reads `[+-]digits`.
+NumberRead ReadInt32(std::string_view token, std::int32_t& value);
+/// Reads `[+-](digits[.digits*] | .digits)[e int]` or `[+-](inf | nan)`, any case. Digits too small for a
+/// double give 0.
+NumberRead ReadDouble(std::string_view token, double& value);
+
+/// Says why `token` is not a number and what to write instead, e.g. `'0,5' is not a number: write 0.5`.
+std::string NotANumber(std::string_view token);
+/// `token` in quotes, cut after 40 bytes at the border of a character.
+std::string Quoted(std::string_view token);
+
+/// Reads the rest of a line after `word` by `table`. Returns the request, or an error reply (error != 0): 1
+/// and 7 with command -2, what CheckRequest says with the command's own number.
+Message ReadNamed(std::string_view word, LineScanner& line, const CommandTable& table);
+
+/// The reply to a line that cannot be read: error 7, command -2.
+Message Unreadable(std::string text);
+
+/// Takes one TEXT at the front (quoted, or up to the next blank) into `text`; says what is wrong with it, or
+/// nothing.
+std::string ReadText(LineScanner& line, std::string& text);
+
+/// Reads a param; says what is wrong with it and what to write instead, or nothing.
+std::string ReadParam(std::string_view token, std::int32_t& value);
+
+/// Reads a data value likewise.
+std::string ReadData(std::string_view token, double& value);
 
 }  // namespace coopdyn

@@ -20,7 +20,7 @@
 #include <memory>
 #include <sstream>
 
-#include "clients/cpp/arguments.h"
+#include "clients/cpp/words.h"
 
 namespace coopdyn::client {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <utility>
 
-#include "clients/cpp/arguments.h"
+#include "clients/cpp/words.h"
 #include "protocol/codec.h"
 #include "protocol/command_ids.h"
 

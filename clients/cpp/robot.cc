@@ -4,7 +4,6 @@
 #include <span>
 #include <utility>
 
-#include "clients/cpp/arguments.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/session.h"
 #include "clients/cpp/words.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "clients/cpp/robot_link.h"
+#include "clients/cpp/links.h"
 
 #include <algorithm>
 #include <set>

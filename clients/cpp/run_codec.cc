@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "clients/cpp/run_codec.h"
+#include "clients/cpp/run_database.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <set>
 
-#include "clients/cpp/run_codec.h"
 #include "clients/cpp/run_database.h"
 #include "clients/cpp/words.h"
 

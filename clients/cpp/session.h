@@ -14,8 +14,7 @@
 #include "clients/cpp/connection.h"
 #include "clients/cpp/error.h"
 #include "clients/cpp/json.h"
-#include "clients/cpp/robot_link.h"
-#include "clients/cpp/team_link.h"
+#include "clients/cpp/links.h"
 
 namespace coopdyn::client {
 

@@ -9,8 +9,8 @@
 #include <sstream>
 #include <utility>
 
-#include "clients/cpp/arguments.h"
 #include "clients/cpp/session.h"
+#include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
 
 namespace coopdyn::client {

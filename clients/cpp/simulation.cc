@@ -8,7 +8,6 @@
 #include <sstream>
 #include <utility>
 
-#include "clients/cpp/arguments.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/page.h"
 #include "clients/cpp/session.h"

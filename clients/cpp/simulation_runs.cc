@@ -4,7 +4,6 @@
 #include <cctype>
 #include <utility>
 
-#include "clients/cpp/arguments.h"
 #include "clients/cpp/coopdyn_client.h"
 #include "clients/cpp/page.h"
 #include "clients/cpp/session.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "clients/cpp/team_link.h"
+#include "clients/cpp/links.h"
 
 #include <algorithm>
 #include <iterator>

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Lists of names as texts, and texts in URLs.
+// Lists of names as texts, texts in URLs, and checks of numbers.
 #pragma once
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <cstdint>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "clients/cpp/error.h"
 
 namespace coopdyn::client {
 
@@ -61,6 +65,25 @@ inline std::string Nearest(const std::string& name, const std::vector<std::strin
       return "did you mean " + word + "? ";
   }
   return "";
+}
+
+/// `value`; throws Error 4 that names it if it is infinite or no number.
+inline double Finite(double value, const char* what) {
+  if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
+  return value;
+}
+
+/// `value` without its fraction, as the daemon writes whole numbers; 0 if it is none.
+inline std::int64_t Whole(double value) {
+  return std::abs(value) < 9e18 ? static_cast<std::int64_t>(value) : 0;
+}
+
+/// `value` as a program would write it.
+inline std::string Written(double value) {
+  std::ostringstream out;
+  out.precision(9);
+  out << value;
+  return out.str();
 }
 
 }  // namespace coopdyn::client

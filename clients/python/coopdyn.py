@@ -623,17 +623,11 @@ class _Address:
         except socket.gaierror:
             raise Error(-1, f"no machine is called {self.host!r}; check the name, or write its address") from None
         except (socket.timeout, TimeoutError):
-            raise Error(
-                11,
-                f"no answer from {self} within {self.timeout:g} s: the machine is off, the address is wrong, or a "
-                "firewall drops the packets; try `ping`, or a tunnel: ssh -L 10000:127.0.0.1:10000 HOST",
-            ) from None
+            raise Error(11, f"no answer from {self} within {self.timeout:g} s: the machine is off, the address is wrong, or a "
+                            "firewall drops the packets; try `ping`, or a tunnel: ssh -L 10000:127.0.0.1:10000 HOST") from None
         except ConnectionRefusedError:
-            raise Error(
-                -1,
-                f"nothing listens at {self}: start the daemon there (coopdyn serve; for other machines add "
-                '--host 0.0.0.0), or name the server: connect("HOST:PORT") or COOPDYN_SERVER',
-            ) from None
+            raise Error(-1, f"nothing listens at {self}: start the daemon there (coopdyn serve; for other machines add "
+                            '--host 0.0.0.0), or name the server: connect("HOST:PORT") or COOPDYN_SERVER') from None
         except OSError as e:
             raise Error(-1, f"cannot reach {self}: {e.strerror or e}") from None
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -676,11 +670,8 @@ class _Address:
         try:
             return sock.recv(size)
         except (socket.timeout, TimeoutError):
-            raise Error(
-                11,
-                f"{self} accepts connections but does not answer: the daemon is stopped or busy, or something else "
-                "listens there; try `coopdyn status`",
-            ) from None
+            raise Error(11, f"{self} accepts connections but does not answer: the daemon is stopped or busy, or something else "
+                            "listens there; try `coopdyn status`") from None
         except OSError:
             return b""
 
@@ -791,11 +782,8 @@ class _Connection:
         """After a failed write: what the daemon said before it closed, if anything."""
         assert self.sock is not None
         self.sock.setblocking(False)
-        try:
-            while self.try_read() is not None:
-                pass
-        except _Closed:
-            raise
+        while self.try_read() is not None:
+            pass
         self.close()
         raise _Closed("")
 
@@ -833,13 +821,8 @@ class _Connection:
                 raise Error(11, f"no answer from {self.module} within {timeout:g} s; is the daemon stopped or overloaded?")
 
     def request(
-        self,
-        command: int,
-        params: Sequence[int] = (),
-        data: Sequence[float] = (),
-        text: str = "",
-        timeout: float = _REQUEST_TIMEOUT_S,
-        spin_s: float = 0.0,
+        self, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
+        timeout: float = _REQUEST_TIMEOUT_S, spin_s: float = 0.0,
     ) -> Message:
         """Sends a request and returns its reply; an error reply is raised. Anything but a reply closes the connection."""
         self.send(encode(command, params, data, text))
@@ -1318,12 +1301,9 @@ class _Session:
         self.forget_carried()
         return self.note(reply)
 
-    def control(
-        self, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
-        timeout: float = _REQUEST_TIMEOUT_S,
-    ) -> Message:
+    def control(self, command: int, *values: Any, **named: Any) -> Message:
         """A request to /simulation."""
-        return self.tell(_SIMULATION, command, params, data, text, timeout)
+        return self.tell(_SIMULATION, command, *values, **named)
 
     def forget_carried(self) -> None:
         for link in self.links:
@@ -2100,16 +2080,11 @@ class Robot:
         if parts.get("target"):
             ids, colours = self._labels(link, step, len(parts["target"]) // 2)
             targets = [Target(i, c, d, b) for i, c, (d, b) in zip(ids, colours, _pairs(parts["target"]))]
-        return Reading(
-            reply.data[-2],
-            step,
-            parts.get("distance", []),
-            targets,
-            _choose(targets, x) if x is not None else None,
-            Pose(*parts["pose"]) if "pose" in parts else None,
-            Wheels(*parts["motors"]) if "motors" in parts else None,
-            parts["compass"][0] if parts.get("compass") else None,
-        )
+        target = _choose(targets, x) if x is not None else None
+        pose = Pose(*parts["pose"]) if "pose" in parts else None
+        wheels = Wheels(*parts["motors"]) if "motors" in parts else None
+        compass = parts["compass"][0] if parts.get("compass") else None
+        return Reading(reply.data[-2], step, parts.get("distance", []), targets, target, pose, wheels, compass)
 
     # --- pushed readings ---
     @_usage('r.subscribe("distance")')
@@ -2301,8 +2276,7 @@ class Team:
             values = list(values) if hasattr(values, "__iter__") else values  # it may be needed twice
         limit = None if timeout is None else _number(timeout, "timeout [s]")
         kept = [(other, other.kept) for other in session.links]
-        n, raw = len(link.names), text.encode()
-        data = self._data(values, what, columns)
+        n, frame = len(link.names), self._frame(values, what, columns, text)
         if link.playing:
             try:
                 session.own_team(link)
@@ -2313,19 +2287,19 @@ class Team:
                 return self.read()
             return self._step(values, what, columns, text, timeout)
         try:
-            return self._reading(session.step_team(link, self._frame(raw, data), limit))
+            return self._reading(session.step_team(link, frame, limit))
         except Error as e:
             if e.code != 3 or "no longer in the team" not in e.text or link.lost is not None or len(link.names) == n:
                 raise
         for other, command in kept:  # the step did not run
             other.kept = command
-        data = self._data(values, what, columns)
-        return self._reading(session.step_team(link, self._frame(raw, data), limit))
+        return self._reading(session.step_team(link, self._frame(values, what, columns, text), limit))
 
-    def _data(self, values: Any, what: str, columns: str) -> bytes:
-        link = self._link
+    def _frame(self, values: Any, what: str, columns: str, text: str) -> bytes:
+        """The request to step."""
+        link, raw = self._link, text.encode()
         try:
-            return _speeds(values, link.names, what, columns) if values is not None else b""
+            data = _speeds(values, link.names, what, columns) if values is not None else b""
         except Error as e:
             if e.code != 3 or not link.gone:
                 raise
@@ -2333,9 +2307,6 @@ class Team:
             gone = _list_of(link.gone[:_NAMED_ROBOTS]) + (f" and {more} more" if more > 0 else "")
             raise Error(3, f"{link.label} has lost {gone}: {what} must have {len(link.names)} rows now, in "
                            "the order of team.names, or one row for all") from None
-
-    @staticmethod
-    def _frame(raw: bytes, data: bytes) -> bytes:
         return _HEADER.pack(20 + len(raw) + len(data), 0, _STEP_ALL, len(raw), 0, len(data) // 8) + raw + data
 
     def _reading(self, reply: Message) -> TeamReading:
@@ -2851,12 +2822,9 @@ def connect(
     try:
         status = json.loads(session.control(_GET_STATUS, timeout=session.address.timeout).text)
         if status.get("protocol", PROTOCOL) != PROTOCOL:
-            raise Error(
-                5,
-                f"the daemon at {session.address} (version {status.get('version')}) speaks protocol "
-                f"{status.get('protocol')}, this coopdyn.py ({__version__}) speaks {PROTOCOL}: take the coopdyn.py "
-                "that the daemon's page offers",
-            )
+            raise Error(5, f"the daemon at {session.address} (version {status.get('version')}) speaks protocol "
+                           f"{status.get('protocol')}, this coopdyn.py ({__version__}) speaks {PROTOCOL}: take the coopdyn.py "
+                           "that the daemon's page offers")
         session.scenario = status.get("scenario")
         session.control(_GET_TIME)
     except ValueError:

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace coopdyn {
 
@@ -48,5 +50,17 @@ CLI::Validator NumberIn(double least, double most, bool above = false);
 
 /// What is wrong with the words of `app` or of its command, and what to write instead.
 std::string Explained(const CLI::App& app, const CLI::ParseError& error);
+
+// new-controller.
+/// Writes folder/name with all files; says on stdout what to do next, or on stderr why it did nothing.
+/// Returns the exit code. Nothing that exists is overwritten.
+int NewController(const std::string& name, const std::filesystem::path& folder);
+
+/// A file to write; "@NAME@" in its name and text stands for the controller's name. Built in from
+/// clients/plugin.
+struct SkeletonFile {
+  std::string name, text;
+};
+std::vector<SkeletonFile> SkeletonFiles();
 
 }  // namespace coopdyn

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "server/app/new_controller.h"
-
 #include <fstream>
 #include <memory>
 #include <system_error>

@@ -5,6 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -15,8 +16,14 @@
 namespace coopdyn {
 
 /// Texts of several lines, each ended by '\n'.
-void PrintLines(std::string_view text);
-void PrintErrorLines(std::string_view text);
+inline void PrintLines(std::string_view text, std::FILE* to = stdout) {
+  const std::string shown = PrintableLines(text);
+  std::fwrite(shown.data(), 1, shown.size(), to);
+  std::fflush(to);
+}
+inline void PrintErrorLines(std::string_view text) {
+  PrintLines(text, stderr);
+}
 
 /// A value for fmt: texts become printable, in one line, and are cut if they are very long.
 template <typename T>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/devices/motors.h"
+#include "server/devices/devices.h"
 
 #include <spdlog/fmt/fmt.h>
 

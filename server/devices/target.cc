@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "protocol/ascii.h"
-#include "server/devices/sensor_devices.h"
+#include "server/devices/devices.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {

@@ -2,34 +2,26 @@
 #include "server/web/http_routes.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <utility>
 
 #include "protocol/ascii.h"
-#include "protocol/text_numbers.h"
+#include "protocol/text_scan.h"
 #include "server/naming/run_names.h"
 #include "server/web/access.h"
 
 namespace coopdyn {
 namespace {
 
-HttpRoute Refuse(unsigned status, std::string text) {
-  HttpRoute route;
-  route.refusal.status = status;
-  route.refusal.body = std::move(text) + "\n";
-  return route;
+HttpRoute Refuse(unsigned status, const std::string& text) {
+  return {.refusal = ErrorAnswer(status, text)};
 }
 
 HttpRoute RefuseMethod(std::string allow) {
   HttpRoute route = Refuse(405, "this address takes " + allow + " only");
   route.refusal.headers.emplace_back("Allow", std::move(allow));
-  return route;
-}
-
-HttpRoute Accept(HttpRouteKind kind) {
-  HttpRoute route;
-  route.kind = kind;
   return route;
 }
 
@@ -80,7 +72,7 @@ std::string ReadParameter(std::string_view key, std::string_view text, ImageRequ
 }
 
 HttpRoute AcceptImage(HttpRouteKind kind, ImageFormat format, std::string_view query) {
-  HttpRoute route = Accept(kind);
+  HttpRoute route{.kind = kind};
   route.image.format = format;
   route.image.paced = kind == HttpRouteKind::kStream;
   const std::string error = ReadImageQuery(query, route.image);
@@ -109,19 +101,15 @@ std::string RunNameIn(std::string_view path) {
 HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/snapshot.png") return AcceptImage(HttpRouteKind::kSnapshot, ImageFormat::kPng, query);
   if (path == "/view.mjpg") return AcceptImage(HttpRouteKind::kStream, ImageFormat::kJpeg, query);
-  if (path == "/api/status") return Accept(HttpRouteKind::kStatus);
-  if (path == "/api/scenarios") return Accept(HttpRouteKind::kScenarios);
-  if (path == "/api/modules") return Accept(HttpRouteKind::kModules);
-  if (path == "/runs") return Accept(HttpRouteKind::kRuns);
+  if (path == "/api/status") return {.kind = HttpRouteKind::kStatus};
+  if (path == "/api/scenarios") return {.kind = HttpRouteKind::kScenarios};
+  if (path == "/api/modules") return {.kind = HttpRouteKind::kModules};
+  if (path == "/runs") return {.kind = HttpRouteKind::kRuns};
   if (std::string name = RunNameIn(path); !name.empty()) {
-    HttpRoute route = Accept(HttpRouteKind::kRun);
-    route.run = std::move(name);
-    return route;
+    return {.kind = HttpRouteKind::kRun, .run = std::move(name)};
   }
   if (const Asset* asset = FindAsset(path)) {
-    HttpRoute route = Accept(HttpRouteKind::kAsset);
-    route.asset = asset;
-    return route;
+    return {.kind = HttpRouteKind::kAsset, .asset = asset};
   }
   return Refuse(404, "there is nothing here: the page is at /");
 }
@@ -161,7 +149,7 @@ std::string ReadImageQuery(std::string_view query, ImageRequest& request) {
 HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>& host_names) {
   unsigned status = 0;
   if (std::string error = RefuseHost(head, host_names, status); !error.empty()) {
-    return Refuse(status, std::move(error));
+    return Refuse(status, error);
   }
   if (!head.target.starts_with('/')) return Refuse(400, "the address must start with /");
   const auto mark = head.target.find('?');
@@ -170,8 +158,7 @@ HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>&
 
   const bool from_here =
       head.origin.empty() || (!head.hosts.empty() && OriginAllowed(head.origin, head.hosts.front()));
-  constexpr std::string_view kForeign =
-      "pages of other hosts may not drive robots: open the daemon's own page";
+  constexpr const char* kForeign = "pages of other hosts may not drive robots: open the daemon's own page";
   if (path == "/ws") {
     if (head.method != "GET") return RefuseMethod("GET");
     if (!head.upgrade) {
@@ -179,13 +166,13 @@ HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>&
       route.refusal.headers.emplace_back("Upgrade", "websocket");
       return route;
     }
-    return from_here ? Accept(HttpRouteKind::kSocket) : Refuse(403, std::string(kForeign));
+    return from_here ? HttpRoute{.kind = HttpRouteKind::kSocket} : Refuse(403, kForeign);
   }
   if (path == "/api/call") {
     if (head.method != "POST") return RefuseMethod("POST");
-    if (!from_here) return Refuse(403, std::string(kForeign));
+    if (!from_here) return Refuse(403, kForeign);
     if (!IsJson(head.content_type)) return Refuse(415, "send JSON, with Content-Type: application/json");
-    return Accept(HttpRouteKind::kCall);
+    return {.kind = HttpRouteKind::kCall};
   }
   HttpRoute route = FindGet(path, query);
   const bool found = route.kind != HttpRouteKind::kRefused || route.refusal.status != 404;
@@ -224,6 +211,40 @@ const std::vector<std::pair<std::string, std::string>>& CommonHeaders() {
       {"Cross-Origin-Resource-Policy", "same-origin"},
       {"Referrer-Policy", "no-referrer"}};
   return kHeaders;
+}
+
+const Asset* FindAsset(std::string_view path) {
+  if (path == "/") path = "/index.html";
+  for (const Asset& asset : Assets()) {
+    if (asset.path == path) return &asset;
+  }
+  return nullptr;
+}
+
+std::string_view ContentType(std::string_view path) {
+  using Pair = std::pair<std::string_view, std::string_view>;
+  constexpr std::array<Pair, 7> kTypes = {{{".html", "text/html; charset=utf-8"},
+                                           {".js", "text/javascript; charset=utf-8"},
+                                           {".css", "text/css; charset=utf-8"},
+                                           {".svg", "image/svg+xml"},
+                                           {".png", "image/png"},
+                                           {".py", "text/x-python; charset=utf-8"},
+                                           {".zip", "application/zip"}}};
+  for (const auto& [ending, type] : kTypes) {
+    if (path.ends_with(ending)) return type;
+  }
+  return "application/octet-stream";
+}
+
+std::string EntityTag(const Asset& asset) {
+  std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
+  for (const char c : asset.bytes) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  }
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string tag = "\"";
+  for (int shift = 60; shift >= 0; shift -= 4) tag += kDigits[(hash >> shift) & 15U];
+  return tag + "\"";
 }
 
 }  // namespace coopdyn

@@ -15,11 +15,16 @@ namespace coopdyn {
 
 struct HttpAnswer {
   unsigned status = 200;
-  std::string body;  // of an error: one line of text
+  std::string body = {};  // of an error: one line of text
   std::string type = "text/plain; charset=utf-8";
   std::vector<std::pair<std::string, std::string>> headers = {};
   bool close = false;  // the connection, afterwards
 };
+
+/// One line of text that says what is wrong.
+inline HttpAnswer ErrorAnswer(unsigned status, const std::string& text) {
+  return {.status = status, .body = text + "\n"};
+}
 
 /// The request as far as its header goes.
 struct HttpRequestHead {
@@ -49,10 +54,10 @@ enum class HttpRouteKind {
 
 struct HttpRoute {
   HttpRouteKind kind = HttpRouteKind::kRefused;
-  HttpAnswer refusal;            // kRefused
+  HttpAnswer refusal = {};       // kRefused
   const Asset* asset = nullptr;  // kAsset
-  ImageRequest image;            // kSnapshot, kStream
-  std::string run;               // kRun: NAME.run or NAME.mat, to be checked by whoever keeps them
+  ImageRequest image = {};       // kSnapshot, kStream
+  std::string run = {};          // kRun: NAME.run or NAME.mat, to be checked by whoever keeps them
 };
 
 /// Where `head` leads. `host_names`: WebOptions.

@@ -15,10 +15,9 @@
 #include <boost/json.hpp>
 
 #include "server/web/access.h"
-#include "server/web/file_stream.h"
 #include "server/web/page_bridge.h"
 #include "server/web/page_socket.h"
-#include "server/web/picture_stream.h"
+#include "server/web/streams.h"
 
 namespace coopdyn {
 
@@ -48,19 +47,8 @@ HttpRequestHead HeadOf(const http::request<http::string_body>& request) {
   return head;
 }
 
-HttpAnswer ErrorAnswer(unsigned status, std::string text) {
-  HttpAnswer answer;
-  answer.status = status;
-  answer.body = std::move(text) + "\n";
-  return answer;
-}
-
-HttpAnswer JsonAnswer(std::string body) {
-  HttpAnswer answer;
-  answer.body = std::move(body) + "\n";
-  answer.type = "application/json";
-  answer.headers.emplace_back("Cache-Control", "no-store");
-  return answer;
+HttpAnswer JsonAnswer(const std::string& body) {
+  return {.body = body + "\n", .type = "application/json", .headers = {{"Cache-Control", "no-store"}}};
 }
 
 /// ["classroom","corridor"]
@@ -86,14 +74,10 @@ HttpAnswer AnswerModules(const WebContext& context) {
 
 /// What to answer to something that is no HTTP request.
 HttpAnswer UnreadableAnswer(const error_code& failed) {
-  HttpAnswer answer;
-  if (failed == http::error::header_limit) {
-    answer = ErrorAnswer(431, "the header is too long");
-  } else if (failed == http::error::body_limit) {
-    answer = ErrorAnswer(413, "the body is too long: at most 16 MiB");
-  } else {
-    answer = ErrorAnswer(400, "not an HTTP request: " + failed.message());
-  }
+  HttpAnswer answer = failed == http::error::header_limit ? ErrorAnswer(431, "the header is too long")
+                      : failed == http::error::body_limit
+                          ? ErrorAnswer(413, "the body is too long: at most 16 MiB")
+                          : ErrorAnswer(400, "not an HTTP request: " + failed.message());
   answer.close = true;
   return answer;
 }
@@ -240,10 +224,7 @@ void HttpSession::AnswerStatus() {
 
 void HttpSession::AnswerSnapshot(const ImageRequest& image, bool body_wanted) {
   if (!body_wanted && context_.pictures.available()) {
-    HttpAnswer answer;
-    answer.type = MediaType(image.format);
-    answer.headers.emplace_back("Cache-Control", "no-store");
-    return Answer(std::move(answer));
+    return Answer({.type = MediaType(image.format), .headers = {{"Cache-Control", "no-store"}}});
   }
   const std::uint64_t ticket = Await("the picture");
   context_.pictures.Request(

@@ -2,10 +2,13 @@
 #include "server/web/page_bridge.h"
 
 #include <boost/asio/post.hpp>
+#include <utility>
 #include <vector>
 
 #include "protocol/codec.h"
 #include "protocol/command_ids.h"
+#include "protocol/module_tables.h"
+#include "server/web/access.h"
 #include "server/web/module_link.h"
 
 namespace coopdyn {
@@ -15,6 +18,81 @@ namespace {
 std::string Chomp(std::string text) {
   while (text.ends_with('\n')) text.pop_back();
   return text;
+}
+
+/// What to do with a call.
+struct ResolvedCall {
+  bool send = false;  // `message` goes to the module; else it is the answer
+  Message message;
+  std::string note;      // with an answer: lines for the console, e.g. help
+  bool changes = true;   // needs the right to change something
+  bool verbose = false;  // the line was `verbose`
+};
+
+ResolvedCall Answer(Message message, std::string note = {}) {
+  return {.send = false, .message = std::move(message), .note = std::move(note), .changes = false};
+}
+
+ResolvedCall Refuse(Error error, std::string text) {
+  return Answer(ErrorReply(command::kUnreadable, error, std::move(text)));
+}
+
+ResolvedCall Send(Message message, const CommandTable& table) {
+  const CommandSpec* spec = table.Find(message.command);
+  const bool changes = spec == nullptr || !IsReadingCommand(spec->name);
+  return {.send = true, .message = std::move(message), .note = {}, .changes = changes};
+}
+
+ResolvedCall ReadLine(const std::string& line, const CommandTable& table) {
+  Decoded decoded = DecodeText(line + "\n", table, false);
+  switch (decoded.status) {
+    case DecodeStatus::kMessage:
+      return Send(std::move(decoded.message), table);
+    case DecodeStatus::kBad:
+    case DecodeStatus::kFatal:
+      return Answer(std::move(decoded.message));
+    case DecodeStatus::kHelp:
+      return Answer({}, HelpText(table));
+    case DecodeStatus::kVerbose: {
+      ResolvedCall answer = Answer({}, "# from now on every reply is explained");
+      answer.verbose = true;
+      return answer;
+    }
+    case DecodeStatus::kLeave:
+      return Answer({}, "# close this window to leave");
+    case DecodeStatus::kNothing:
+    case DecodeStatus::kNeedMore:
+      break;
+  }
+  return Answer({}, "# type help to see the commands");
+}
+
+/// The commands of the module called `name` ("/robot1/motors"), by its last word; null if unknown.
+const CommandTable* TableOfModule(std::string_view name) {
+  return FindModuleTable(name.substr(name.rfind('/') + 1));
+}
+
+/// Reads the line of `call`, or looks up its command's name.
+ResolvedCall ResolveCall(const PageCall& call) {
+  const CommandTable* table = TableOfModule(call.module);
+  if (table == nullptr) {
+    if (call.line || !call.command_name.empty()) {
+      return Refuse(Error::kUnknownCommand,
+                    "the commands of " + call.module + " are not known by name here: give the number");
+    }
+    return {.send = true, .message = call.message, .note = {}};
+  }
+  if (call.line) return ReadLine(*call.line, *table);
+  if (call.command_name.empty()) return Send(call.message, *table);
+  const CommandSpec* spec = table->Find(call.command_name);
+  if (spec == nullptr) {
+    const std::string nearest = table->Nearest(call.command_name);
+    return Refuse(Error::kUnknownCommand, "unknown command " + call.command_name + " of " + call.module +
+                                              (nearest.empty() ? "" : ": did you mean " + nearest + "?"));
+  }
+  Message message = call.message;
+  message.command = spec->id;
+  return Send(std::move(message), *table);
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 #include <string>
 
 #include "server/naming/name_table.h"
-#include "server/web/module_catalog.h"
 #include "server/web/page_message.h"
 
 namespace coopdyn {

@@ -15,7 +15,7 @@
 #include "server/net/io_thread.h"
 #include "server/net/unique_fd.h"
 #include "server/web/answers.h"
-#include "server/web/web_server.h"
+#include "server/web/web_options.h"
 
 namespace coopdyn {
 

@@ -15,7 +15,7 @@
 #include "server/web/run_files.h"
 #include "server/web/status_feed.h"
 #include "server/web/web_connections.h"
-#include "server/web/web_server.h"
+#include "server/web/web_options.h"
 
 namespace coopdyn {
 

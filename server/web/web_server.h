@@ -4,58 +4,14 @@
 // so that the rules of ownership, lockstep and rights are the modules' own. Nothing blocks this thread.
 #pragma once
 
-#include <chrono>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "server/base/wrong_tokens.h"
-#include "server/net/net_services.h"
-#include "server/web/web_connections.h"
+#include "server/net/io_thread.h"
+#include "server/net/listener.h"
+#include "server/web/web_context.h"
 
 namespace coopdyn {
-
-class FrameBoard;
-class ImageBoard;
-class NameTable;
-
-/// A recording to be copied, or why it cannot be.
-struct WebRunFile {
-  unsigned status = 200;   // of HTTP: 404 no such recording, 409 not now
-  std::string text;        // why not; or the list
-  std::string file;        // path
-  bool temporary = false;  // to be removed once it is open
-};
-
-/// Access to the recordings. Called on the UI thread; each function calls `done` once, on any thread.
-struct WebRuns {
-  std::function<void(std::function<void(const std::string& json)> done)> list;
-  /// `name`: NAME.run or NAME.mat as the client gave it.
-  std::function<void(const std::string& name, std::function<void(const WebRunFile&)> done)> open;
-};
-
-struct WebOptions {
-  /// Names under which a browser may ask for this daemon, besides IP addresses and "localhost": those of
-  /// `--host` and `--advertise`, and the machine's own. Any other Host header is refused, as a guard against
-  /// DNS rebinding.
-  std::vector<std::string> host_names;
-  /// Judges the token that changing requests from beyond loopback must carry; outlives the server. Null: they
-  /// are all refused.
-  const TokenGuard* guard = nullptr;
-  /// Of the program, shown by the page.
-  std::string version;
-  /// The port of the name server, for the connection lines on the page; 0: off.
-  int name_port = 0;
-  /// Names of the scenarios that can be loaded by name, sorted. Called on the UI thread.
-  std::function<std::vector<std::string>()> scenarios;
-  /// Connections beyond them get 503.
-  WebLimits limits = {};
-  /// For a whole header of a request, however slowly its bytes come; also between two requests.
-  std::chrono::milliseconds header_time{15'000};
-  /// Recordings that can be copied; without functions: none.
-  WebRuns runs = {};
-};
 
 class WebServer {
  public:
@@ -64,22 +20,29 @@ class WebServer {
   WebServer(WebOptions options, const NameTable& names, const FrameBoard& frames, ImageBoard* images,
             NetServices& services);
   /// Stops.
-  ~WebServer();
+  ~WebServer() { Stop(); }
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
   /// Listener::Listen(): returns an error text, empty if it listens. Any thread, once.
-  std::string Listen(const std::vector<std::string>& addresses, int port);
+  std::string Listen(const std::vector<std::string>& addresses, int port) {
+    return listener_.Listen(addresses, port);
+  }
   /// The port it listens on; 0 = none. Constant after Listen().
-  int port() const;
+  int port() const { return listener_.port(); }
 
   /// Closes all connections and joins the thread. Pictures that are still being made are dropped when they
   /// come. Any thread but the UI thread; again does nothing.
   void Stop();
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  void Accept(UniqueFd fd, PeerInfo peer);
+
+  NetServices& services_;
+  IoThread thread_;  // first: connections that are left end with its io_context
+  WebContext context_;
+  Listener listener_;
+  bool stopped_ = false;
 };
 
 }  // namespace coopdyn

@@ -12,7 +12,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 ROW = re.compile(r"^\|\s*`([a-z_/]+)/`\s*\|([^|]*)\|", re.M)
 
 # Commands print through one place, which makes texts of files and peers harmless.
-PRINTS = re.compile(r"print\.cc$")
+PRINTS = re.compile(r"print\.h$")
 WRITES = re.compile(r"std::(cout|cerr|clog)|\b(printf|fprintf|puts|fputs|fwrite|putchar)\(")
 
 # External headers and the only folders that may include them.

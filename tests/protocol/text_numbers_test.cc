@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "protocol/text_numbers.h"
+#include "protocol/text_scan.h"
 
 #include <gtest/gtest.h>
 

@@ -219,7 +219,7 @@ classdef Robot < handle
       end
       target = [];
       if nargin > 1
-        target = coopdyn.internal.choose_target(targets, x);
+        target = choose_target(targets, x);
       end
       s = struct('time', data(end - 1), 'step', step, 'distances', distances, 'targets', [], 'target', target, ...
                  'pose', pose, 'wheels', wheels, 'compass', compass);
@@ -359,4 +359,22 @@ classdef Robot < handle
       r.session.go_on(reply.data(end), since);
     end
   end
+end
+
+function t = choose_target(targets, x)
+% The target with this id, or the nearest of this colour; error if there is none.
+  if isnumeric(x)
+    fits = find([targets.id] == x);
+  else
+    fits = find(strcmp({targets.colour}, char(x)));
+  end
+  if isempty(fits)
+    there = strjoin({targets.colour}, ', ');
+    if isempty(there)
+      there = 'none';
+    end
+    coopdyn.internal.fail(10, ['there is no target ' num2str(x) '; there are: ' there]);
+  end
+  [~, nearest] = min([targets(fits).distance]);
+  t = targets(fits(nearest));
 end

@@ -70,7 +70,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     %   sim has driven one singly; then none is taken.
       text = '';
       if nargin > 1
-        names = coopdyn.internal.joined(names, ['sim.team(''swarm1''), sim.team({''robot1'', ''robot2''}), or sim.team() ' ...
+        names = joined(names, ['sim.team(''swarm1''), sim.team({''robot1'', ''robot2''}), or sim.team() ' ...
           'for all that are free']);
         words = strsplit(strtrim(names), ' ');
         words = regexprep(words(~cellfun(@isempty, words)), '^/+', '');
@@ -220,7 +220,7 @@ classdef Simulation < coopdyn.internal.RunCalls
       if nargin < 2
         names = '';
       end
-      names = coopdyn.internal.joined(names, 'sim.set_participants({''robot1'', ''robot2''})');
+      names = joined(names, 'sim.set_participants({''robot1'', ''robot2''})');
       sim.session.control(191, [], [], names);
     end
 
@@ -302,4 +302,22 @@ classdef Simulation < coopdyn.internal.RunCalls
       end
     end
   end
+end
+
+function text = joined(names, example)
+% Names of robots, one text or a cell array of texts, with spaces between them; anything else is an error.
+  if isa(names, 'string')
+    names = cellstr(names);
+  elseif isempty(names)
+    names = {};
+  end
+  if ~iscell(names)
+    names = {names};
+  end
+  for k = 1:numel(names)
+    if ~coopdyn.internal.is_text(names{k})
+      coopdyn.internal.fail(3, ['robots are named, not ' coopdyn.internal.show(names{k}) '; write e.g. ' example]);
+    end
+  end
+  text = strjoin(cellfun(@char, reshape(names, 1, []), 'UniformOutput', false), ' ');
 end

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // What `coopdyn new-controller` writes compiles without a warning and drives the robot of its scenario.
-#include "server/app/new_controller.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@ import coopdyn
 
 MATLAB = harness.ROOT / "clients" / "matlab" / "+coopdyn"
 CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
-CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "recordings.h", "run_file.h")]
+CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h")]
 
 SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
     set_speed set_participants release_robot status hash waiting snapshot describe modules call close

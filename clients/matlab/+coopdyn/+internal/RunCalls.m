@@ -21,7 +21,7 @@ classdef RunCalls < handle
     %RESTORE_STATE Goes on from a saved state, bit for bit the same; 'start' is the beginning of the run.
       coopdyn.internal.need(nargin, 2, 'sim.restore_state(''before_turn'')');
       sim.session.control(195, [], [], coopdyn.internal.word(name, 'the name of a state'), 60);
-      coopdyn.internal.jumped(sim.session);
+      jumped(sim.session);
     end
 
     function s = saved_states(sim)
@@ -106,7 +106,7 @@ classdef RunCalls < handle
         kind = '.run';
       end
       try
-        coopdyn.internal.download(sim.session, ['/runs/' coopdyn.internal.url_quoted([name kind])], file, 'recording', 600);
+        coopdyn.internal.download(sim.session, ['/runs/' url_quoted([name kind])], file, 'recording', 600);
       catch cause  % Octave does not tell what the page answered
         files = sim.recordings();
         at = find(strcmp({files.name}, [name '.run']), 1);
@@ -140,7 +140,7 @@ classdef RunCalls < handle
     %PLAY Plays the recording, at this speed if one is given: -4 to 64 times, negative plays backwards.
       data = [];
       if nargin > 1 && ~isempty(speed)
-        data = coopdyn.internal.play_speed(speed);
+        data = play_speed(speed);
       end
       sim.session.tell('/playback', 132, [], data);
     end
@@ -148,7 +148,7 @@ classdef RunCalls < handle
     function set_play_speed(sim, s)
     %SET_PLAY_SPEED How fast the recording is played: -4 to 64 times, negative plays backwards.
       coopdyn.internal.need(nargin, 2, 'sim.set_play_speed(2)');
-      sim.session.tell('/playback', 134, [], coopdyn.internal.play_speed(s));
+      sim.session.tell('/playback', 134, [], play_speed(s));
     end
 
     function skip(sim, n)
@@ -181,7 +181,41 @@ classdef RunCalls < handle
         data = coopdyn.internal.number(time, 'the time [s]');
       end
       sim.session.tell('/playback', 137, [], data, '', 600);
-      coopdyn.internal.jumped(sim.session);
+      jumped(sim.session);
     end
+  end
+end
+
+function quoted = url_quoted(text)
+% A name as a part of a URL: UTF-8, with %20 for a blank.
+  bytes = reshape(double(unicode2native(text, 'UTF-8')), 1, []);
+  plain = ismember(bytes, double(['a':'z' 'A':'Z' '0':'9' '-._~']));
+  parts = cell(1, numel(bytes));
+  parts(plain) = num2cell(char(bytes(plain)));
+  parts(~plain) = arrayfun(@(b) sprintf('%%%02X', b), bytes(~plain), 'UniformOutput', false);
+  quoted = [parts{:}];
+end
+
+function speed = play_speed(speed)
+% How fast a recording is played; anything else is an error.
+  speed = coopdyn.internal.number(speed, 'the speed');
+  if speed < -4 || speed > 64 || speed == 0
+    coopdyn.internal.fail(4, sprintf(['a recording is played at -4 to 64 times its speed (negative: backwards), not %g: write ' ...
+      'sim.play(2), or sim.pause() to hold it'], speed));
+  end
+end
+
+function jumped(session)
+% After a restore or branch of ours: the world goes on from another state, maybe of another scenario.
+  session.started_anew();
+  session.control(3);  % tells the mode
+  driven = {};
+  for group = {session.links, session.teams}
+    for k = 1:numel(group{1})
+      driven = [driven group{1}{k}.names]; %#ok<AGROW>
+    end
+  end
+  if ~isempty(driven) && ~all(ismember(driven, coopdyn.internal.robot_names(session)))
+    coopdyn.internal.loaded(session);
   end
 end

@@ -28,10 +28,10 @@ classdef Wait < handle
     % A millisecond; raises what is over, says what is due.
       w.now_s = toc(w.started);
       if w.now_s > w.limit
-        coopdyn.internal.fail(11, sprintf('%s within %g s; %s', w.what, w.limit, coopdyn.internal.whom(w.address)));
+        coopdyn.internal.fail(11, sprintf('%s within %g s; %s', w.what, w.limit, whom(w.address)));
       end
       if w.now_s > w.notice_s
-        text = coopdyn.internal.whom(w.address, w.held_up);
+        text = whom(w.address, w.held_up);
         w.notice_s = w.now_s + 2;
         if ~isempty(text)
           w.notice_s = Inf;
@@ -43,6 +43,60 @@ classdef Wait < handle
         w.checked_s = w.now_s;
       end
       pause(0.001);
+    end
+  end
+end
+
+function text = whom(address, held_up)
+% One line that says what the world waits for; with held_up empty if its steps go on: lockstep waits for its robots
+%   before every step, and less than 0.5 s is normal.
+  try
+    status = coopdyn.internal.fresh_status(address);
+  catch cause
+    text = ['no answer from the daemon (' cause.message ')'];
+    return
+  end
+  if isfield(status, 'playback') && ~isempty(status.playback)
+    p = status.playback;
+    if p.step == p.end_step && ~p.playing && ~p.growing
+      text = 'the recording has ended; sim.run() plays it again';
+      return
+    end
+  end
+  if strcmp(status.state, 'paused')
+    text = 'the simulation is paused; sim.run() or the page goes on';
+    return
+  elseif strcmp(status.state, 'ended')
+    text = 'the run has ended; sim.reset() starts again';
+    return
+  end
+  text = '';
+  awaiting = status.awaiting;
+  if nargin > 1 && held_up && (isempty(awaiting) || max([awaiting.seconds 0]) < 0.5)
+    return
+  end
+  if isempty(awaiting)
+    text = ['waiting for the next step, ' status.state];
+    return
+  end
+  named = min(numel(awaiting), 4);
+  for k = 1:named
+    a = awaiting(k);
+    text = sprintf('%s%s (%s), %.1f s, ', text, a.robot, a.why, a.seconds);
+  end
+  text = ['waiting for ' text(1:end - 2)];
+  more = numel(awaiting) - named;
+  if isfield(status, 'awaiting_count')
+    more = status.awaiting_count - named;
+  end
+  if more > 0
+    text = sprintf('%s and %d more', text, more);
+  end
+  if isfield(awaiting, 'cure')
+    cures = {awaiting.cure};
+    cures = cures(~cellfun('isempty', cures));
+    if ~isempty(cures)  % how to go on without one of them
+      text = [text ': ' cures{1}];
     end
   end
 end

@@ -13,7 +13,7 @@ function lose(session, link, cause)
     why = link.motors.notice;
   end
   if isempty(why)  % Octave loses a notice that comes together with the end of the connection
-    why = coopdyn.internal.new_owner(session.address, link.names{1});
+    why = new_owner(session.address, link.names{1});
   end
   if isempty(why)
     coopdyn.internal.fail(-1, ['the connection to ' link.label ' broke; is the daemon still running?']);
@@ -24,4 +24,26 @@ function lose(session, link, cause)
   link.lost = [link.label ' is not driven by this sim any more: ' why '; ' link.take_again() ' takes it again'];
   link.lost_code = 6;
   coopdyn.internal.fail(6, link.lost);
+end
+
+function why = new_owner(address, robot)
+% Who drives a robot that was ours; '' if the daemon does not answer.
+  why = '';
+  try
+    status = coopdyn.internal.fresh_status(address);
+  catch
+    return
+  end
+  for k = 1:numel(status.robots)
+    if strcmp(status.robots(k).name, robot)
+      owner = char(status.robots(k).owner);
+      if isempty(owner)
+        why = 'it was freed';
+      else
+        why = ['it is driven by ' owner];
+      end
+      return
+    end
+  end
+  why = 'it is not there any more';
 end

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The modules of sensors. What they read is computed by server/sensing: noise is Gaussian with the model's
+// The modules of robots. What sensors read is computed by server/sensing: noise is Gaussian with the model's
 // standard deviation, a function of (seed, sensor, step), so that reading twice gives the same. Ranges and
 // distances in m, angles in rad, 0 ahead, left positive, in (−π, π]. Constant; any thread.
 #pragma once
@@ -73,6 +73,23 @@ class NeighboursDevice final : public SensorDevice {
   using SensorDevice::SensorDevice;
   Message Read(const Message& request, const Frame& frame, int robot) const override;
   std::optional<RobotMessage> Broadcast(const Message& request) const override;
+};
+
+class MotorsDevice final : public Device {
+ public:
+  /// `table` outlives it.
+  /// `first_channel`: of the left wheel among the robot's; the right one follows.
+  MotorsDevice(const CommandTable& table, const DriveModel& drive, std::size_t first_channel)
+      : Device(table), drive_(drive), first_channel_(first_channel) {}
+
+  bool is_actuator() const override { return true; }
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+  void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const override;
+  std::optional<Actuation> Actuate(const Message& request) const override;
+
+ private:
+  const DriveModel drive_;
+  const std::size_t first_channel_;
 };
 
 }  // namespace coopdyn

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// /view.mjpg: pictures one after the other, the next one only when the last was written, so that a slow
-// viewer costs nothing. UI thread.
+// Connections that an HTTP answer has taken over: pictures, and files. UI thread.
 #pragma once
 
 #include <utility>
@@ -8,14 +7,19 @@
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 
+#include "server/net/unique_fd.h"
 #include "server/web/web_context.h"
 
 namespace coopdyn {
 
+/// /view.mjpg: pictures one after the other, the next one only when the last was written, so that a slow
+/// viewer costs nothing.
 class PictureStream : public WebConnection, public std::enable_shared_from_this<PictureStream> {
  public:
   static constexpr std::chrono::seconds kWriteTime{30};  // for one picture; then the viewer is given up
@@ -46,6 +50,31 @@ class PictureStream : public WebConnection, public std::enable_shared_from_this<
   SceneMoment asked_at_;
   bool shown_ = false;  // a picture at all
   std::chrono::steady_clock::time_point written_at_;
+};
+
+/// A file, read from the disk piece by piece as the client takes it.
+class FileStream : public WebConnection, public std::enable_shared_from_this<FileStream> {
+ public:
+  static constexpr std::size_t kPieceBytes = std::size_t{256} << 10;
+  static constexpr std::chrono::seconds kPieceTime{60};
+
+  /// Takes the connection, which ends with the file.
+  FileStream(boost::beast::tcp_stream stream, RunFiles& files, UniqueFd file, std::uint64_t bytes);
+
+  /// Sends the header and, unless `head_only`, the file, as `name`.
+  void Start(const std::string& name, bool head_only);
+  void Close() override;
+
+ private:
+  void SendPiece();
+  void End();
+
+  boost::beast::tcp_stream stream_;
+  RunFiles& files_;
+  const std::shared_ptr<const UniqueFd> file_;
+  std::uint64_t left_;
+  std::string header_;
+  std::array<char, 1024> ignored_;
 };
 
 }  // namespace coopdyn

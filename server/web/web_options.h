@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// What the web server is started with.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/base/wrong_tokens.h"
+#include "server/web/web_connections.h"
+
+namespace coopdyn {
+
+/// A recording to be copied, or why it cannot be.
+struct WebRunFile {
+  unsigned status = 200;   // of HTTP: 404 no such recording, 409 not now
+  std::string text;        // why not; or the list
+  std::string file;        // path
+  bool temporary = false;  // to be removed once it is open
+};
+
+/// Access to the recordings. Called on the UI thread; each function calls `done` once, on any thread.
+struct WebRuns {
+  std::function<void(std::function<void(const std::string& json)> done)> list;
+  /// `name`: NAME.run or NAME.mat as the client gave it.
+  std::function<void(const std::string& name, std::function<void(const WebRunFile&)> done)> open;
+};
+
+struct WebOptions {
+  /// Names under which a browser may ask for this daemon, besides IP addresses and "localhost": those of
+  /// `--host` and `--advertise`, and the machine's own. Any other Host header is refused, as a guard against
+  /// DNS rebinding.
+  std::vector<std::string> host_names;
+  /// Judges the token that changing requests from beyond loopback must carry; outlives the server. Null: they
+  /// are all refused.
+  const TokenGuard* guard = nullptr;
+  /// Of the program, shown by the page.
+  std::string version;
+  /// The port of the name server, for the connection lines on the page; 0: off.
+  int name_port = 0;
+  /// Names of the scenarios that can be loaded by name, sorted. Called on the UI thread.
+  std::function<std::vector<std::string>()> scenarios;
+  /// Connections beyond them get 503.
+  WebLimits limits = {};
+  /// For a whole header of a request, however slowly its bytes come; also between two requests.
+  std::chrono::milliseconds header_time{15'000};
+  /// Recordings that can be copied; without functions: none.
+  WebRuns runs = {};
+};
+
+}  // namespace coopdyn
