@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/remote_connection.h"
 
+#include <netdb.h>
+
 #include <charconv>
 #include <istream>
 
@@ -53,8 +55,9 @@ RemoteConnection::RemoteConnection(const ServerAddress& server) {
   stream_.expires_after(kConnectTime);
   stream_.connect(server.host, port);
   if (const auto error = stream_.error(); error.category() == asio::error::get_netdb_category()) {
-    throw RemoteError(kExitNoDaemon,
-                      "there is no host " + server.host + " (" + error.message() + "): check its name");
+    const std::string why =
+        error == asio::error::host_not_found ? ::gai_strerror(EAI_NONAME) : error.message();
+    throw RemoteError(kExitNoDaemon, "there is no host " + server.host + " (" + why + "): check its name");
   } else if (error) {
     throw RemoteError(kExitNoDaemon,
                       "no daemon answers at " + server.host + ":" + port + " (" + error.message() +

@@ -98,8 +98,9 @@ RecordWhat ReadRecordWhat(const std::string& given) {
 void TakeVariables(CLI::App* sub, const std::set<std::string>& only_flags) {
   for (CLI::Option* option : sub->get_options()) {
     if (option->get_lnames().empty() || only_flags.contains(option->get_lnames().front())) continue;
-    const std::string name = CLI::detail::find_and_replace(option->get_lnames().front(), "-", "_");
-    option->envname("COOPDYN_" + CLI::detail::to_upper(name));
+    std::string variable = CLI::detail::find_and_replace(option->get_lnames().front(), "-", "_");
+    std::transform(variable.begin(), variable.end(), variable.begin(), ::toupper);
+    option->envname("COOPDYN_" + variable);
   }
 }
 
