@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <boost/json/array.hpp>
+#include <boost/json/object.hpp>
+
 #include "protocol/command_table.h"
 #include "protocol/json_text.h"
 #include "protocol/message.h"
@@ -6,6 +9,8 @@
 
 namespace coopdyn {
 namespace {
+
+namespace json = boost::json;
 
 std::string_view TextUseName(TextUse use) {
   switch (use) {
@@ -21,91 +26,49 @@ std::string_view TextUseName(TextUse use) {
   return "none";
 }
 
-void AppendKey(std::string_view key, std::string& out) {
-  if (out.back() != '{') out += ',';
-  AppendJsonString(key, out);
-  out += ':';
-}
-
-void AppendText(std::string_view key, std::string_view text, std::string& out) {
-  AppendKey(key, out);
-  AppendJsonString(text, out);
-}
-
-void AppendBool(std::string_view key, bool value, std::string& out) {
-  AppendKey(key, out);
-  out += value ? "true" : "false";
-}
-
-void AppendValue(const ValueSpec& value, std::string& out) {
-  out += '{';
-  AppendText("name", value.name, out);
-  AppendText("unit", value.unit, out);
-  AppendBool("optional", value.optional, out);
-  AppendBool("repeated", value.repeated, out);
-  AppendKey("min", out);
-  AppendJsonNumber(value.min, out);
-  AppendKey("max", out);
-  AppendJsonNumber(value.max, out);
-  AppendKey("enums", out);
-  out += '[';
-  for (const auto& [word, number] : value.enums) {
-    if (out.back() != '[') out += ',';
-    out += '{';
-    AppendText("word", word, out);
-    AppendKey("value", out);
-    out += std::to_string(number) + '}';
-  }
-  out += "]}";
-}
-
-void AppendValues(std::string_view key, std::span<const ValueSpec> values, std::string& out) {
-  AppendKey(key, out);
-  out += '[';
+json::array Values(std::span<const ValueSpec> values) {
+  json::array list;
   for (const ValueSpec& value : values) {
-    if (out.back() != '[') out += ',';
-    AppendValue(value, out);
+    json::array enums;
+    for (const auto& [word, number] : value.enums) enums.push_back({{"word", word}, {"value", number}});
+    list.push_back({{"name", value.name},
+                    {"unit", value.unit},
+                    {"optional", value.optional},
+                    {"repeated", value.repeated},
+                    {"min", value.min},
+                    {"max", value.max},
+                    {"enums", std::move(enums)}});
   }
-  out += ']';
+  return list;
+}
+
+json::object CommandOf(const CommandSpec& spec) {
+  return {{"id", spec.id},
+          {"name", spec.name},
+          {"help", spec.help},
+          {"usage", Usage(spec)},
+          {"example", ExampleLine(spec)},
+          {"text", TextUseName(spec.text)},
+          {"text_name", spec.text_name},
+          {"text_optional", spec.text_optional},
+          {"params", Values(spec.params)},
+          {"data", Values(spec.data)},
+          {"reply_params", Values(spec.reply_params)},
+          {"reply_data", Values(spec.reply_data)},
+          {"reply_text", spec.reply_text}};
 }
 
 }  // namespace
 
-void AppendCommandJson(const CommandSpec& spec, std::string& out) {
-  out += '{';
-  AppendKey("id", out);
-  out += std::to_string(spec.id);
-  AppendText("name", spec.name, out);
-  AppendText("help", spec.help, out);
-  AppendText("usage", Usage(spec), out);
-  AppendText("example", ExampleLine(spec), out);
-  AppendText("text", TextUseName(spec.text), out);
-  AppendText("text_name", spec.text_name, out);
-  AppendBool("text_optional", spec.text_optional, out);
-  AppendValues("params", spec.params, out);
-  AppendValues("data", spec.data, out);
-  AppendValues("reply_params", spec.reply_params, out);
-  AppendValues("reply_data", spec.reply_data, out);
-  AppendText("reply_text", spec.reply_text, out);
-  out += '}';
-}
-
 std::string CommandTable::DescribeJson(std::string_view version) const {
-  std::string out = "{";
-  AppendKey("protocol", out);
-  out += std::to_string(kProtocolVersion);
-  AppendText("version", version, out);
-  AppendText("module", module_, out);
+  json::array commands;
+  for (const CommandSpec& spec : commands_) commands.push_back(CommandOf(spec));
   const ValueSpec end[] = {{.name = "time_s", .unit = "s"}, {.name = "step", .unit = ""}};
-  AppendValues("reply_data_end", end, out);
-  AppendKey("commands", out);
-  out += '[';
-  for (const CommandSpec& spec : commands_) {
-    if (out.back() != '[') out += ',';
-    AppendCommandJson(spec, out);
-  }
-  out += "]}";
-  return out;
+  return JsonText(json::object{{"protocol", kProtocolVersion},
+                               {"version", version},
+                               {"module", module_},
+                               {"reply_data_end", Values(end)},
+                               {"commands", std::move(commands)}});
 }
 
 }  // namespace coopdyn

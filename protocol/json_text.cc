@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+
+#include <boost/json/value.hpp>
 
 #include "protocol/ascii.h"
 #include "protocol/codec.h"
@@ -25,9 +28,7 @@ std::size_t CharacterBytes(std::string_view text) {
   return 0;
 }
 
-}  // namespace
-
-void AppendJsonString(std::string_view text, std::string& out) {
+void AppendString(std::string_view text, std::string& out) {
   out += '"';
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
@@ -51,18 +52,61 @@ void AppendJsonString(std::string_view text, std::string& out) {
   out += '"';
 }
 
-std::string JsonString(std::string_view text) {
-  std::string out;
-  AppendJsonString(text, out);
-  return out;
-}
-
-void AppendJsonNumber(double value, std::string& out) {
+void AppendNumber(double value, std::string& out) {
   if (std::isfinite(value)) {
     AppendDouble(value, out);
   } else {
     out += "null";
   }
+}
+
+void Append(const boost::json::value& value, std::string& out) {
+  switch (value.kind()) {
+    case boost::json::kind::null:
+      out += "null";
+      break;
+    case boost::json::kind::bool_:
+      out += value.get_bool() ? "true" : "false";
+      break;
+    case boost::json::kind::int64:
+      out += std::to_string(value.get_int64());
+      break;
+    case boost::json::kind::uint64:
+      out += std::to_string(value.get_uint64());
+      break;
+    case boost::json::kind::double_:
+      AppendNumber(value.get_double(), out);
+      break;
+    case boost::json::kind::string:
+      AppendString(value.get_string(), out);
+      break;
+    case boost::json::kind::array:
+      out += '[';
+      for (const boost::json::value& item : value.get_array()) {
+        if (out.back() != '[') out += ',';
+        Append(item, out);
+      }
+      out += ']';
+      break;
+    case boost::json::kind::object:
+      out += '{';
+      for (const auto& [key, item] : value.get_object()) {
+        if (out.back() != '{') out += ',';
+        AppendString(key, out);
+        out += ':';
+        Append(item, out);
+      }
+      out += '}';
+      break;
+  }
+}
+
+}  // namespace
+
+std::string JsonText(const boost::json::value& value) {
+  std::string out;
+  Append(value, out);
+  return out;
 }
 
 }  // namespace coopdyn

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Writing JSON (RFC 8259) without a library. Pure; any thread.
+// The text of a JSON value (RFC 8259): everything that coopdyn writes as JSON goes through here. Pure; any
+// thread.
 #pragma once
 
 #include <string>
-#include <string_view>
+
+#include <boost/json/fwd.hpp>
 
 namespace coopdyn {
 
-/// Appends `text` as a JSON string with its quotes. Bytes that are not UTF-8 become U+FFFD; '<', '>' and '&'
-/// are escaped too, so that the string may stand inside a page.
-void AppendJsonString(std::string_view text, std::string& out);
-/// The same as a new string.
-std::string JsonString(std::string_view text);
-/// Appends `value`; null if it is not finite.
-void AppendJsonNumber(double value, std::string& out);
+/// Numbers stand as in the text encoding, 0.5 and not Boost's 5E-1; null if they are not finite. In texts,
+/// bytes that are not UTF-8 become U+FFFD, and '<', '>' and '&' are escaped, so that they may stand in a
+/// page.
+std::string JsonText(const boost::json::value& value);
 
 }  // namespace coopdyn

@@ -35,7 +35,4 @@ std::string ListOfEnums(const ValueSpec& value);
 /// with …, in brackets if it is a group. `words`: with the numbers that enum words stand for.
 std::string ValuesCell(std::span<const ValueSpec> values, bool words = false);
 
-/// Appends the JSON object of one command to `out` (an element of `commands` in describe).
-void AppendCommandJson(const CommandSpec& spec, std::string& out);
-
 }  // namespace coopdyn

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "protocol/json_text.h"
 #include "server/app/commands.h"
 #include "server/app/print.h"
 #include "server/base/printable.h"
@@ -226,7 +227,7 @@ std::string ToJson(const RunInfo& info) {
   object["last_hash"] = HashText(info.contents.last_hash);
   object["robots"] = std::move(robots);
   object["events"] = std::move(events);
-  return json::serialize(object);
+  return JsonText(object);
 }
 
 int Info(const InfoOptions& options, std::ostream& out, std::ostream& errors) {

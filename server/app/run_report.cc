@@ -9,6 +9,7 @@
 #include <fstream>
 #include <vector>
 
+#include "protocol/json_text.h"
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/progress_bar.h"
@@ -103,7 +104,7 @@ std::string SummaryJson(const RunReport& run) {
     stopped.push_back(json::object{
         {"robot", robot}, {"by", one.by}, {"step", one.step}, {"time_s", one.time_s}, {"why", one.why}});
   }
-  return json::serialize(json::object{
+  return JsonText(json::object{
              {"version", kVersion},
              {"scenario", frame.scene->scenario->name},
              {"seed", frame.seed},

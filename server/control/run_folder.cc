@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "protocol/json_text.h"
 #include "server/naming/run_names.h"
 #include "server/record/run_open.h"
 #include "server/record/run_reader.h"
@@ -46,7 +47,7 @@ std::string RunsJson(const std::vector<RunFile>& runs, const std::string& page) 
                     {"recording", run.recording},
                     {"url", url.empty() ? json::value(nullptr) : json::value(url)}});
   }
-  return json::serialize(list);
+  return JsonText(list);
 }
 
 RunFolder::RunFolder(fs::path folder, SearchPath path, std::function<std::string()> present, Logger logger)

@@ -3,13 +3,13 @@
 // same keys; what is absent or not finite is null.
 #include <algorithm>
 #include <boost/json.hpp>
-#include <cmath>
 #include <filesystem>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
 #include "protocol/command_table.h"
+#include "protocol/json_text.h"
 #include "server/control/simulation_module.h"
 
 namespace coopdyn {
@@ -18,10 +18,6 @@ namespace {
 
 namespace json = boost::json;
 using Owner = CommandBoard::Owner;
-
-json::value Number(double value) {
-  return std::isfinite(value) ? json::value(value) : json::value(nullptr);
-}
 
 json::value Text(const std::string& text) {
   return text.empty() ? json::value(nullptr) : json::value(json::string(text));
@@ -51,11 +47,11 @@ json::value PlaybackJson(const std::optional<PlaybackStatus>& playback) {
                       {"playing", playback->playing},
                       {"loop", playback->loop},
                       {"growing", playback->growing},
-                      {"speed", Number(playback->speed)},
-                      {"time_s", Number(ToSeconds(playback->time))},
+                      {"speed", playback->speed},
+                      {"time_s", ToSeconds(playback->time)},
                       {"step", playback->step},
-                      {"begin_s", Number(ToSeconds(playback->begin))},
-                      {"end_s", Number(ToSeconds(playback->end))},
+                      {"begin_s", ToSeconds(playback->begin)},
+                      {"end_s", ToSeconds(playback->end)},
                       {"begin_step", playback->begin_step},
                       {"end_step", playback->end_step}};
 }
@@ -91,15 +87,13 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
        services_.board.Awaiting(services_.clock.Now(), kMaxAwaited, &awaiting_count)) {
     awaiting.push_back({{"robot", awaited.robot},
                         {"why", awaited.why},
-                        {"seconds", Number(awaited.seconds)},
+                        {"seconds", awaited.seconds},
                         {"cure", Text(awaited.cure)}});
   }
   json::array events;
   for (const Event& event : services_.run.events()) {
-    events.push_back({{"step", event.step},
-                      {"time_s", Number(event.time_s)},
-                      {"level", event.level},
-                      {"text", event.text}});
+    events.push_back(
+        {{"step", event.step}, {"time_s", event.time_s}, {"level", event.level}, {"text", event.text}});
   }
 
   const RunStatus run = services_.run.status();
@@ -110,7 +104,7 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
   } else if (state == RunState::kRunning && awaiting_count > 0) {
     state = RunState::kWaiting;
   }
-  return json::serialize(json::object{
+  return JsonText(json::object{
       {"version", services_.version},
       {"protocol", kProtocolVersion},
       {"scenario", Text(scene.scenario->name)},
@@ -119,10 +113,10 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
       {"state", ToString(state)},
       {"step", frame.step},
       {"revision", frame.revision},
-      {"time_s", Number(frame.time_s())},
-      {"step_s", Number(ToSeconds(run.step_length))},
-      {"speed", run.speed > 0 ? Number(run.speed) : nullptr},
-      {"rtf", Number(run.real_time_factor)},
+      {"time_s", frame.time_s()},
+      {"step_s", ToSeconds(run.step_length)},
+      {"speed", run.speed > 0 ? json::value(run.speed) : nullptr},
+      {"rtf", run.real_time_factor},
       {"late_periods", run.late_periods},
       {"hash", HashText(StateHash(frame))},
       {"robots", std::move(robots)},

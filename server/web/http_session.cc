@@ -14,6 +14,7 @@
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <boost/json.hpp>
 
+#include "protocol/json_text.h"
 #include "server/web/access.h"
 #include "server/web/page_bridge.h"
 #include "server/web/page_socket.h"
@@ -54,7 +55,7 @@ HttpAnswer JsonAnswer(const std::string& body) {
 /// ["classroom","corridor"]
 HttpAnswer AnswerScenarios(const WebContext& context) {
   const auto names = context.options.scenarios ? context.options.scenarios() : std::vector<std::string>();
-  return JsonAnswer(json::serialize(json::value_from(names)));
+  return JsonAnswer(JsonText(json::value_from(names)));
 }
 
 /// {"name_port":10000,"version":"0.1.0","modules":[{"name":"/robot1/motors","address":null,"port":10002,"external":false}]};
@@ -67,9 +68,9 @@ HttpAnswer AnswerModules(const WebContext& context) {
                        {"port", entry.port},
                        {"external", entry.external}});
   }
-  return JsonAnswer(json::serialize(json::object{{"name_port", context.options.name_port},
-                                                 {"version", context.options.version},
-                                                 {"modules", std::move(modules)}}));
+  return JsonAnswer(JsonText(json::object{{"name_port", context.options.name_port},
+                                          {"version", context.options.version},
+                                          {"modules", std::move(modules)}}));
 }
 
 /// What to answer to something that is no HTTP request.

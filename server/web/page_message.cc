@@ -75,11 +75,11 @@ const json::array& ArrayAt(const json::object& object, std::string_view key) {
   return value->get_array();
 }
 
-std::string IdAt(const json::object& object) {
+json::value IdAt(const json::object& object) {
   const json::value* id = object.if_contains("id");
-  if (id == nullptr || id->is_null()) return "null";
-  if (id->is_string() && id->get_string().size() <= kMaxNameBytes) return JsonString(id->get_string());
-  if (id->is_int64() || id->is_uint64()) return json::serialize(*id);
+  if (id == nullptr || id->is_null()) return nullptr;
+  const bool short_text = id->is_string() && id->get_string().size() <= kMaxNameBytes;
+  if (short_text || id->is_int64() || id->is_uint64()) return *id;
   throw Wrong{"\"id\" must be a whole number or a short string"};
 }
 
@@ -156,14 +156,11 @@ PageMessage ReadObject(const json::object& object) {
   throw Wrong{"unknown type: write call, hello, view, shown or close"};
 }
 
-void AppendValue(double value, std::string& out) {
-  if (std::isfinite(value)) {
-    AppendJsonNumber(value, out);
-  } else {
-    out += '"';
-    AppendDouble(value, out);
-    out += '"';
-  }
+json::value NumberOrWord(double value) {
+  if (std::isfinite(value)) return value;
+  std::string word;
+  AppendDouble(value, word);
+  return json::string(word);
 }
 
 }  // namespace
@@ -187,25 +184,24 @@ PageRead ReadPageMessage(std::string_view text) {
 
 std::string WritePageReply(const PageReply& reply) {
   const Message& message = reply.message;
-  std::string out = reply.id.empty() ? R"({"push":true)" : R"({"id":)" + reply.id;
-  out += R"(,"module":)" + JsonString(reply.module);
-  if (!reply.channel.empty()) out += R"(,"channel":)" + JsonString(reply.channel);
-  out += R"(,"error":)" + std::to_string(message.error) + R"(,"text":)" + JsonString(message.text);
-  out += R"(,"command":)" + std::to_string(message.command) + R"(,"params":[)";
-  for (std::size_t i = 0; i < message.params.size(); ++i) {
-    if (i > 0) out += ',';
-    out += std::to_string(message.params[i]);
+  json::array data;
+  for (const double value : message.data) data.push_back(NumberOrWord(value));
+  json::object said;
+  if (reply.id) {
+    said["id"] = *reply.id;
+  } else {
+    said["push"] = true;
   }
-  out += R"(],"data":[)";
-  for (std::size_t i = 0; i < message.data.size(); ++i) {
-    if (i > 0) out += ',';
-    AppendValue(message.data[i], out);
-  }
-  out += ']';
-  if (!reply.line.empty()) out += R"(,"line":)" + JsonString(reply.line);
-  if (!reply.note.empty()) out += R"(,"note":)" + JsonString(reply.note);
-  out += '}';
-  return out;
+  said["module"] = reply.module;
+  if (!reply.channel.empty()) said["channel"] = reply.channel;
+  said["error"] = message.error;
+  said["text"] = message.text;
+  said["command"] = message.command;
+  said["params"] = json::value_from(message.params);
+  said["data"] = std::move(data);
+  if (!reply.line.empty()) said["line"] = reply.line;
+  if (!reply.note.empty()) said["note"] = reply.note;
+  return JsonText(said);
 }
 
 }  // namespace coopdyn

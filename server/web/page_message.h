@@ -8,6 +8,8 @@
 #include <string_view>
 #include <variant>
 
+#include <boost/json/value.hpp>
+
 #include "protocol/message.h"
 #include "server/state/image_board.h"
 
@@ -17,8 +19,8 @@ namespace coopdyn {
 /// {"id":1,"module":"/robot1/motors","command":"set_velocity","params":[],"data":[0.2,0.5],"text":""}, or
 /// {"id":1,"module":"/robot1/motors","line":"set_velocity 0.2 0.5"}.
 struct PageCall {
-  std::string id = "null";  // as JSON, repeated in the reply: a number, a string or null
-  std::string module;       // "/robot1/motors"; a missing leading '/' is added
+  boost::json::value id;  // repeated in the reply: a number, a string or null
+  std::string module;     // "/robot1/motors"; a missing leading '/' is added
   /// Calls of one module and channel share a connection, so the next is read when the last was answered.
   std::string channel;
   std::optional<std::string> line;  // as a person types it; the rest is then empty
@@ -50,14 +52,14 @@ using PageMessage = std::variant<PageCall, PageHello, PageView, PageShown, PageC
 /// What could be read, or what is wrong with it.
 struct PageRead {
   std::optional<PageMessage> message;
-  std::string error;        // says what to write instead
-  std::string id = "null";  // of the bad message, as far as it could be read
+  std::string error;      // says what to write instead
+  boost::json::value id;  // of the bad message, as far as it could be read
 };
 PageRead ReadPageMessage(std::string_view json);
 
 /// A module's reply or push as the page gets it.
 struct PageReply {
-  std::string id;  // as JSON; empty: a push, `"push":true` instead
+  std::optional<boost::json::value> id;  // none: a push, `"push":true` instead
   std::string module;
   std::string channel;
   Message message;

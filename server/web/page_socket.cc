@@ -19,28 +19,18 @@ using boost::system::error_code;
 
 namespace {
 
-void AppendPoint(std::string_view name, const Vector3& point, std::string& json) {
-  json += ",\"" + std::string(name) + "\":[";
-  for (int i = 0; i < 3; ++i) {
-    if (i > 0) json += ',';
-    AppendJsonNumber(point[i], json);
-  }
-  json += ']';
+boost::json::array PointOf(const Vector3& point) {
+  return {point.x(), point.y(), point.z()};
 }
 
 /// A binary message: see the header of this class.
 std::string PictureMessage(const ImageResult& result) {
-  std::string json;
-  if (result.error.empty()) {
-    json = "{\"time_s\":";
-    AppendJsonNumber(ToSeconds(result.time), json);
-    json += ",\"step\":" + std::to_string(result.step);
-    AppendPoint("eye", result.camera.eye_m, json);
-    AppendPoint("look", result.camera.look_m, json);
-    json += '}';
-  } else {
-    json = "{\"error\":" + JsonString(result.error) + "}";
-  }
+  const std::string json =
+      JsonText(result.error.empty() ? boost::json::object{{"time_s", ToSeconds(result.time)},
+                                                          {"step", result.step},
+                                                          {"eye", PointOf(result.camera.eye_m)},
+                                                          {"look", PointOf(result.camera.look_m)}}
+                                    : boost::json::object{{"error", result.error}});
   std::string message;
   for (int shift = 0; shift < 32; shift += 8) message += static_cast<char>((json.size() >> shift) & 0xffU);
   message += json;
@@ -139,7 +129,7 @@ void PageSocket::OnHello(const PageHello& hello) {
   if (wrong) said["wrong_token"] = true;
   if (!wait.empty()) said["token_wait"] = wait;
   said["pictures"] = context_.pictures.available();
-  Send(boost::json::serialize(said));
+  Send(JsonText(said));
 }
 
 void PageSocket::OnStatus(const std::shared_ptr<const std::string>& status) {
@@ -149,7 +139,7 @@ void PageSocket::OnStatus(const std::shared_ptr<const std::string>& status) {
 }
 
 void PageSocket::OnReply(PageReply reply) {
-  const bool push = reply.id.empty();
+  const bool push = !reply.id;
   if (push && dropped_pushes_ > 0) {
     reply.message.text = "dropped " + std::to_string(dropped_pushes_);
     dropped_pushes_ = 0;

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/json_text.h"
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "tests/bench/bench_arena.h"
@@ -150,7 +151,7 @@ std::string Table(const LockstepBench& options, const LockstepFigures& median, c
 }
 
 std::string Json(const LockstepBench& options, const LockstepFigures& median, const std::string& hash) {
-  return boost::json::serialize(
+  return JsonText(
              boost::json::object{{"robots", options.robots},
                                  {"robot", options.robot},
                                  {"clients", options.clients},

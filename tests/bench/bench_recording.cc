@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/json_text.h"
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/controllers/controller_host.h"
@@ -202,21 +203,21 @@ std::string Table(const RecordingBench& options, const RecordingFigures& f) {
 }
 
 std::string Json(const RecordingBench& options, const RecordingFigures& f) {
-  return boost::json::serialize(boost::json::object{{"robots", options.arena.robots},
-                                                    {"seconds", options.seconds},
-                                                    {"what", options.what},
-                                                    {"live_s", f.live_s},
-                                                    {"live_cpu_s", f.live_cpu_s},
-                                                    {"recorded_s", f.recorded_s},
-                                                    {"recorded_cpu_s", f.recorded_cpu_s},
-                                                    {"recorder_cpu_s", f.recorder_cpu_s},
-                                                    {"bytes", f.bytes},
-                                                    {"bytes_per_robot_step", BytesPerBodyStep(f)},
-                                                    {"seek_ms", f.seek_ms},
-                                                    {"longest_seek_ms", f.longest_seek_ms},
-                                                    {"verify_s", f.verify_s},
-                                                    {"reset_ms", f.reset_ms},
-                                                    {"reset_growth_kb", f.reset_growth_kb}}) +
+  return JsonText(boost::json::object{{"robots", options.arena.robots},
+                                      {"seconds", options.seconds},
+                                      {"what", options.what},
+                                      {"live_s", f.live_s},
+                                      {"live_cpu_s", f.live_cpu_s},
+                                      {"recorded_s", f.recorded_s},
+                                      {"recorded_cpu_s", f.recorded_cpu_s},
+                                      {"recorder_cpu_s", f.recorder_cpu_s},
+                                      {"bytes", f.bytes},
+                                      {"bytes_per_robot_step", BytesPerBodyStep(f)},
+                                      {"seek_ms", f.seek_ms},
+                                      {"longest_seek_ms", f.longest_seek_ms},
+                                      {"verify_s", f.verify_s},
+                                      {"reset_ms", f.reset_ms},
+                                      {"reset_growth_kb", f.reset_growth_kb}}) +
          "\n";
 }
 

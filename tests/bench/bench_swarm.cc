@@ -12,6 +12,7 @@
 #include <iostream>
 #include <memory>
 
+#include "protocol/json_text.h"
 #include "server/app/commands.h"
 #include "server/state/frame.h"
 #include "tests/bench/bench_commands.h"
@@ -157,38 +158,33 @@ std::string BenchJson(const SwarmBenchOptions& options, const SwarmBenchResult& 
   const ArenaOptions& arena = options.arena;
   const BenchFigures& median = result.median;
   const BenchSplit& split = median.split;
-  std::string json;
-  const auto add = [&json](const char* key, const auto& value) {
-    json += fmt::format("{}\"{}\": {}", json.empty() ? "" : ", ", key, value);
-  };
-  const auto text = [](const std::string& value) {
-    return boost::json::serialize(boost::json::string(value));
-  };
-  add("robots", arena.robots);
-  add("robot", text(arena.robot));
-  add("rays", result.rays);
-  add("range", result.range_m);
-  add("fidelity", text(ToString(arena.fidelity)));
-  add("controller", text(arena.controller.empty() ? "none" : arena.controller));
-  add("controllers", text(options.controllers_in_process ? "in-process" : "child"));
-  add("density", arena.density_m2);
-  add("boxes", arena.boxes);
-  add("threads", options.threads);
-  add("seed", arena.seed);
-  add("seconds", options.seconds);
-  add("repeats", options.repeats);
-  add("steps", result.steps);
-  add("robot_steps_per_cpu_s", std::llround(median.robot_steps_per_cpu_s));
-  add("robot_steps_per_wall_s", std::llround(median.robot_steps_per_wall_s));
-  add("spread", Rounded(result.spread, 3));
-  add("rtf", Rounded(median.rtf, 4));
-  add("kb_per_robot", Rounded(result.kb_per_robot, 4));
-  add("split",
-      fmt::format(R"({{"sense": {}, "control": {}, "physics": {}, "publish": {}, "other": {}}})",
-                  Rounded(split.sense_us, 4), Rounded(split.control_us, 4), Rounded(split.physics_us, 4),
-                  Rounded(split.publish_us, 4), Rounded(split.other_us, 4)));
-  add("hash", text(result.hashes.back()));
-  return "{" + json + "}\n";
+  return JsonText(
+             boost::json::object{{"robots", arena.robots},
+                                 {"robot", arena.robot},
+                                 {"rays", result.rays},
+                                 {"range", result.range_m},
+                                 {"fidelity", ToString(arena.fidelity)},
+                                 {"controller", arena.controller.empty() ? "none" : arena.controller},
+                                 {"controllers", options.controllers_in_process ? "in-process" : "child"},
+                                 {"density", arena.density_m2},
+                                 {"boxes", arena.boxes},
+                                 {"threads", options.threads},
+                                 {"seed", arena.seed},
+                                 {"seconds", options.seconds},
+                                 {"repeats", options.repeats},
+                                 {"steps", result.steps},
+                                 {"robot_steps_per_cpu_s", std::llround(median.robot_steps_per_cpu_s)},
+                                 {"robot_steps_per_wall_s", std::llround(median.robot_steps_per_wall_s)},
+                                 {"spread", Rounded(result.spread, 3)},
+                                 {"rtf", Rounded(median.rtf, 4)},
+                                 {"kb_per_robot", Rounded(result.kb_per_robot, 4)},
+                                 {"split", boost::json::object{{"sense", Rounded(split.sense_us, 4)},
+                                                               {"control", Rounded(split.control_us, 4)},
+                                                               {"physics", Rounded(split.physics_us, 4)},
+                                                               {"publish", Rounded(split.publish_us, 4)},
+                                                               {"other", Rounded(split.other_us, 4)}}},
+                                 {"hash", result.hashes.back()}}) +
+         "\n";
 }
 
 std::string BenchTable(const SwarmBenchOptions& options, const SwarmBenchResult& result) {

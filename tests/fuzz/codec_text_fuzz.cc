@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include <boost/json/value.hpp>
+
 #include "protocol/codec.h"
 #include "protocol/json_text.h"
 #include "protocol/module_tables.h"
@@ -48,7 +50,7 @@ void CheckLine(std::string_view bytes, const coopdyn::CommandTable& table, const
   Require(second == line);
   std::string verbose;
   coopdyn::EncodeVerbose(message, table, verbose);
-  coopdyn::AppendJsonString(message.text, verbose);
+  coopdyn::JsonText(boost::json::string(message.text));
 }
 
 }  // namespace

@@ -244,23 +244,24 @@ TEST(Describe, TellsNamesUnitsAndWords) {
 
 TEST(JsonText, StringsReadBack) {
   const std::string text = "a\"b\\c\n\r\t\x01\x1f\x7f</script>&é€🤖";
-  EXPECT_EQ(json::value_to<std::string>(json::parse(JsonString(text))), text);
-  EXPECT_THAT(JsonString(text), ::testing::Not(HasSubstr("<")));
+  EXPECT_EQ(json::value_to<std::string>(json::parse(JsonText(json::string(text)))), text);
+  EXPECT_THAT(JsonText(json::string(text)), ::testing::Not(HasSubstr("<")));
 }
 
 TEST(JsonText, BytesThatAreNotUtf8AreReplaced) {
-  EXPECT_EQ(JsonString("a\xff"
-                       "b\xe2\x82"),
+  EXPECT_EQ(JsonText("a\xff"
+                     "b\xe2\x82"),
             "\"a\xEF\xBF\xBD"
             "b\xEF\xBF\xBD\xEF\xBF\xBD\"");
 }
 
-TEST(JsonText, NumbersThatAreNotFiniteAreNull) {
-  std::string out;
-  AppendJsonNumber(0.5, out);
-  AppendJsonNumber(NAN, out);
-  AppendJsonNumber(-INFINITY, out);
-  EXPECT_EQ(out, "0.5nullnull");
+TEST(JsonText, NumbersReadAsInTheTextEncoding) {
+  EXPECT_EQ(JsonText(json::array{0.5, 0.01, 3.0, -1, 7u, NAN, -INFINITY}), "[0.5,0.01,3,-1,7,null,null]");
+}
+
+TEST(JsonText, ObjectsKeepTheirOrder) {
+  EXPECT_EQ(JsonText(json::object{{"z", nullptr}, {"a", json::array{}}, {"m", json::object{{"b", true}}}}),
+            R"({"z":null,"a":[],"m":{"b":true}})");
 }
 
 TEST(Utf8, AcceptsTheBordersOfEachLength) {

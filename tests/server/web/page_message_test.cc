@@ -113,7 +113,7 @@ TEST(PageView, WithoutWidthEndsThePictures) {
 
 TEST(PageReply, IsJsonWhateverItHolds) {
   PageReply reply;
-  reply.id = "3";
+  reply.id = 3;
   reply.module = "/<b>";
   reply.message = {.error = 0, .text = "\"</script>", .command = 20, .params = {1, -2}, .data = {0.1, 1e300}};
   reply.message.data.push_back(std::numeric_limits<double>::infinity());
