@@ -257,7 +257,7 @@ void HttpSession::AnswerCall(const std::string& body) {
       context_.io, context_.names, std::move(peer),
       [self = weak_from_this(), ticket, wait](const PageReply& reply) {
         const auto session = self.lock();
-        if (!session || reply.id.empty()) return;  // a push
+        if (!session || !reply.id) return;  // a push
         HttpAnswer answer = JsonAnswer(WritePageReply(reply));
         if (reply.message.error == static_cast<std::int32_t>(Error::kNotAllowed)) {
           answer = ErrorAnswer(403, wait.empty() ? reply.message.text : wait);

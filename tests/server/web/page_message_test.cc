@@ -22,7 +22,7 @@ PageCall ReadCall(std::string_view json) {
 TEST(PageCall, HasTheFiveFieldsOfAMessage) {
   const PageCall call = ReadCall(
       R"({"id":7,"module":"/robot1/motors","command":"set_velocity","params":[10],"data":[0.2,-1e-3],"text":"x"})");
-  EXPECT_EQ(call.id, "7");
+  EXPECT_EQ(call.id, 7);
   EXPECT_EQ(call.module, "/robot1/motors");
   EXPECT_EQ(call.command_name, "set_velocity");
   EXPECT_THAT(call.message.params, ElementsAre(10));
@@ -33,7 +33,7 @@ TEST(PageCall, HasTheFiveFieldsOfAMessage) {
 
 TEST(PageCall, TakesTheNumberOfACommand) {
   const PageCall call = ReadCall(R"({"id":"a","module":"robot1/pose","command":40})");
-  EXPECT_EQ(call.id, "\"a\"");
+  EXPECT_EQ(call.id, "a");
   EXPECT_EQ(call.module, "/robot1/pose");
   EXPECT_EQ(call.message.command, 40);
 }
@@ -90,7 +90,7 @@ TEST(PageMessage, DeepNestingIsRefused) {
 }
 
 TEST(PageMessage, ABadCallIsAnsweredWithItsId) {
-  EXPECT_EQ(ReadPageMessage(R"({"id":12,"module":"/m"})").id, "12");
+  EXPECT_EQ(ReadPageMessage(R"({"id":12,"module":"/m"})").id, 12);
 }
 
 TEST(PageView, SaysWhereTheCameraStands) {
