@@ -5,6 +5,7 @@
 #include "protocol/command_ids.h"
 #include "protocol/common_commands.h"
 #include "protocol/module_tables.h"
+#include "protocol/spec_parts.h"
 
 namespace coopdyn {
 namespace {

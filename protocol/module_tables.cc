@@ -6,6 +6,7 @@
 
 #include "protocol/command_ids.h"
 #include "protocol/common_commands.h"
+#include "protocol/spec_parts.h"
 
 namespace coopdyn {
 namespace {
