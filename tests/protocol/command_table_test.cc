@@ -256,7 +256,7 @@ TEST(JsonText, BytesThatAreNotUtf8AreReplaced) {
 }
 
 TEST(JsonText, NumbersReadAsInTheTextEncoding) {
-  EXPECT_EQ(JsonText(json::array{0.5, 0.01, 3.0, -1, 7u, NAN, -INFINITY}), "[0.5,0.01,3,-1,7,null,null]");
+  EXPECT_EQ(JsonText(json::array{0.5, 0.01, 3.0, -1, 7u, NAN, -INFINITY}), "[0.5,0.01,3.0,-1,7,null,null]");
 }
 
 TEST(JsonText, ObjectsKeepTheirOrder) {
