@@ -18,21 +18,23 @@ extern "C" {
 #endif
 
 /* Of this file. A controller built against another one is refused. */
-#define COOPDYN_CONTROLLER_VERSION 1
+#define COOPDYN_CONTROLLER_VERSION 2
 
 #define COOPDYN_MAX_MESSAGE 8   /* numbers in one broadcast */
 #define COOPDYN_MAX_OPTIONS 64  /* of one controller */
 #define COOPDYN_MAX_STATE 65536 /* bytes */
 
-/* Which readings a controller wants: the others cost nothing and are empty. */
+/* Which readings a controller wants: the others cost nothing and are empty. COOPDYN_SETPOINTS is none: it
+ * says that the controller commands each channel by a set-point, see coopdyn_command. */
 enum coopdyn_reading {
   COOPDYN_DISTANCES = 1,
   COOPDYN_POSE = 2, /* ground truth */
-  COOPDYN_WHEELS = 4,
+  COOPDYN_CHANNELS = 4,
   COOPDYN_TARGETS = 8,
   COOPDYN_NEIGHBOURS = 16,
   COOPDYN_MESSAGES = 32,
-  COOPDYN_COMPASS = 64
+  COOPDYN_COMPASS = 64,
+  COOPDYN_SETPOINTS = 128
 };
 
 /* An option of a scenario's controller line. */
@@ -51,12 +53,31 @@ typedef struct coopdyn_description {
   const coopdyn_option* options;
 } coopdyn_description;
 
+/* What a channel does. */
+enum coopdyn_mode {
+  COOPDYN_OFF = 0,      /* it is at rest; the reference means nothing */
+  COOPDYN_POSITION = 1, /* rad or m */
+  COOPDYN_DIRECT = 2,
+  COOPDYN_VELOCITY = 3, /* rad/s or m/s */
+  COOPDYN_EFFORT = 4    /* N m or N */
+};
+
+/* A channel: a joint axis that a module drives. A wheel is one. */
+typedef struct coopdyn_joint {
+  const char* module;  /* its name, e.g. motors; "": no module, it stays at rest */
+  const char* name;    /* of the joint */
+  uint32_t modes;      /* that it takes: 1 << mode, added up; COOPDYN_OFF is always among them */
+  double max_velocity; /* rad/s or m/s; inf: no limit is known */
+} coopdyn_joint;
+
 /* The robot that a controller drives. Valid until destroy(). */
 typedef struct coopdyn_robot {
   uint32_t id;
   const char* name;
-  double radius_m; /* of its footprint */
-  double wheel_radius_m, track_m, max_wheel_speed_rad_s;
+  double radius_m;                                       /* of its footprint */
+  double wheel_radius_m, track_m, max_wheel_speed_rad_s; /* all 0: it has no two-wheel drive */
+  size_t channel_count;
+  const coopdyn_joint* channels;
   size_t distance_count;              /* sensors, right to left */
   const double* distance_bearing_rad; /* of the sector's middle */
   const double* distance_opening_rad; /* of the whole sector */
@@ -83,6 +104,13 @@ typedef struct coopdyn_heard {
   double values[COOPDYN_MAX_MESSAGE];
 } coopdyn_heard;
 
+/* The state of a channel: rad, rad/s and N m, or of a joint that slides m, m/s and N. */
+typedef struct coopdyn_channel {
+  double position; /* since the start of the run, not wrapped */
+  double velocity; /* mean of the last step */
+  double effort;   /* of its motor; nan: not measured */
+} coopdyn_channel;
+
 /* What the robot feels before a step. Valid during step() only. */
 typedef struct coopdyn_readings {
   uint64_t seed; /* of the run */
@@ -91,7 +119,8 @@ typedef struct coopdyn_readings {
   size_t distance_count; /* metres from the chassis, inf = nothing there */
   const double* distance_m;
   double x_m, y_m, heading_rad, forward_m_s, turn_rad_s; /* COOPDYN_POSE */
-  double wheel_angle_rad[2], wheel_speed_rad_s[2];       /* COOPDYN_WHEELS: left, right */
+  size_t channel_count;                                  /* COOPDYN_CHANNELS */
+  const coopdyn_channel* channels;                       /* in the order of the robot's */
   size_t target_count;
   const coopdyn_target* targets;
   size_t neighbour_count;
@@ -101,10 +130,18 @@ typedef struct coopdyn_readings {
   double compass_rad; /* COOPDYN_COMPASS: heading in the world; nan: the robot has no compass */
 } coopdyn_readings;
 
+/* What one channel is to do. A two-wheel drive whose wheels would be too fast scales both alike. */
+typedef struct coopdyn_setpoint {
+  uint32_t mode; /* of enum coopdyn_mode, one that the channel takes */
+  double reference;
+} coopdyn_setpoint;
+
 /* What the robot does in the step. All zero when step() is called: it stands and is silent. */
 typedef struct coopdyn_command {
-  double forward_m_s, turn_rad_s; /* beyond the wheels' limit both are scaled alike */
-  uint32_t message_count;         /* numbers to broadcast; 0: nothing */
+  double forward_m_s, turn_rad_s; /* of a two-wheel drive; beyond the wheels' limit both are scaled alike */
+  coopdyn_setpoint* setpoints; /* one for each channel, instead of forward and turn; NULL if describe() does
+                                  not ask for COOPDYN_SETPOINTS. Write into it, leave the pointer as it is. */
+  uint32_t message_count;      /* numbers to broadcast; 0: nothing */
   double message[COOPDYN_MAX_MESSAGE];
 } coopdyn_command;
 

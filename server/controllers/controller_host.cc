@@ -35,6 +35,14 @@ std::vector<std::string> FilesOf(const Robots& robots) {
   return files;
 }
 
+/// As for forward and turn: both wheels are scaled alike. @pre velocities, which is all that a drive takes
+void LimitSpeeds(const DriveModel& drive, std::span<Setpoint> wheels) {
+  double factor = 1;
+  const WheelSpeeds speeds = LimitWheels(drive, {wheels[0].reference, wheels[1].reference}, factor);
+  wheels[0].reference = speeds[0];
+  wheels[1].reference = speeds[1];
+}
+
 constexpr std::uint32_t kStateVersion = 1;
 
 }  // namespace
@@ -84,7 +92,7 @@ void ControllerHost::Check(const Scenario& scenario, Diagnostics& diagnostics) {
       if (said.emplace(choice.where.line, text).second) diagnostics.Warning(choice.where, text);
       continue;
     }
-    for (const std::string& text : one.description->Faults(choice)) {
+    for (const std::string& text : one.description->Faults(entry)) {
       if (said.emplace(choice.where.line, text).second) diagnostics.Error(choice.where, text);
     }
   }
@@ -105,8 +113,12 @@ void ControllerHost::List(const Scene& scene) {
     driven.robot = static_cast<int>(i);
     driven.name = robot.entry.name;
     driven.controller = robot.entry.controller.name;
-    driven.drive = *robot.entry.model->drive();
-    driven.wheels = static_cast<std::size_t>(scene.FindDrive(driven.robot));
+    driven.first_channel = static_cast<std::size_t>(robot.first_channel);
+    driven.channel_count = static_cast<std::size_t>(robot.channel_count);
+    if (const ActuatorModel* drive = robot.entry.model->drive_actuator()) {
+      driven.drive = std::get<DriveModel>(drive->kind);
+      driven.wheels = robot.entry.model->FirstChannel(*drive);
+    }
     driven_.push_back(std::move(driven));
   }
 }
@@ -137,7 +149,7 @@ void ControllerHost::Create(const FramePtr& frame) {
         Stop(driven, loaded.why);
         continue;
       }
-      const std::vector<std::string> faults = loaded.description->Faults(choice);
+      const std::vector<std::string> faults = loaded.description->Faults(robot.entry);
       if (!faults.empty()) {
         Stop(driven, "was not started: " + faults.front());
         continue;
@@ -167,6 +179,9 @@ void ControllerHost::Rebind(const std::shared_ptr<const Scene>& scene) {
   for (Driven& driven : driven_) {
     const auto found = index.find(driven.id);
     driven.robot = found == index.end() ? -1 : found->second;
+    if (driven.robot < 0) continue;
+    driven.first_channel =
+        static_cast<std::size_t>(scene->robots[static_cast<std::size_t>(driven.robot)].first_channel);
   }
   scene_ = scene;
   ListItems();
@@ -198,19 +213,17 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
   bool stopped = false;
   for (Driven& driven : driven_) {
     if (driven.status == Status::kUnloaded || driven.robot < 0) continue;
-    const std::span<Setpoint> wheels = setpoints.subspan(driven.wheels, 2);
-    std::ranges::fill(wheels, Setpoint{});
+    const std::span<Setpoint> channels = setpoints.subspan(driven.first_channel, driven.channel_count);
+    std::ranges::fill(channels, Setpoint{});
     if (driven.status != Status::kDrives) continue;
     // The child has checked it already, but a controller may write there at any time.
     const coopdyn_command command = Once(set_->areas().result(driven.slot).command);
-    if (!IsFine(command)) {
+    if (!Command(driven, command, channels)) {
+      std::ranges::fill(channels, Setpoint{});
       Stop(driven, "had its command overwritten by another controller");
       stopped = true;
       continue;
     }
-    double factor = 1;
-    const auto speeds = WheelsFor(driven.drive, command.forward_m_s, command.turn_rad_s, factor);
-    std::ranges::copy(SetpointsFor(speeds), wheels.begin());
     if (command.message_count == 0) continue;
     SentMessage sent;
     sent.robot = static_cast<std::uint32_t>(driven.robot);
@@ -220,6 +233,32 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     messages.push_back(sent);
   }
   if (stopped) ListItems();
+}
+
+bool ControllerHost::Command(const Driven& driven, const coopdyn_command& command,
+                             std::span<Setpoint> channels) const {
+  if (!IsFine(command)) return false;
+  double factor = 1;
+  if ((driven.readings & COOPDYN_SETPOINTS) == 0) {
+    const auto speeds = WheelsFor(driven.drive, command.forward_m_s, command.turn_rad_s, factor);
+    std::ranges::copy(SetpointsFor(speeds), channels.begin() + driven.wheels);
+    return true;
+  }
+  const Areas& areas = set_->areas();
+  const RobotSetup& setup = areas.setup(driven.slot);
+  const coopdyn_joint* joints = areas.in.At<coopdyn_joint>(setup.joints);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const coopdyn_setpoint given = Once(areas.out.At<coopdyn_setpoint>(setup.setpoints)[i]);
+    if (!IsFine(given, joints[i].modes)) return false;
+    if (given.mode != COOPDYN_OFF) channels[i] = {given.reference, static_cast<ControlMode>(given.mode)};
+  }
+  std::size_t first = 0;
+  for (const ActuatorModel& actuator :
+       scene_->robots[static_cast<std::size_t>(driven.robot)].entry.model->actuators) {
+    LimitSpeeds(std::get<DriveModel>(actuator.kind), channels.subspan(first, actuator.joints.size()));
+    first += actuator.joints.size();
+  }
+  return true;
 }
 
 void ControllerHost::StopCasualties(std::span<const Casualty> casualties) {

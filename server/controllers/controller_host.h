@@ -59,8 +59,9 @@ class ControllerHost final : public ControllerDriver {
     RobotId id;
     int robot = 0;  // index into the scene; -1: it is not there any more
     std::string name, controller;
-    DriveModel drive;
-    std::size_t wheels = 0;  // the first channel of its drive in the scene
+    std::size_t first_channel = 0, channel_count = 0;  // in the scene
+    DriveModel drive;                                  // for forward and turn, if it has one
+    std::size_t wheels = 0;                            // the first channel of its drive, among its own
     Status status = Status::kDrives;
     std::string why;                                 // it is stopped
     std::uint32_t slot = 0;                          // its number in the set
@@ -77,6 +78,9 @@ class ControllerHost final : public ControllerDriver {
   /// The scene has changed: finds the robots again.
   void Rebind(const std::shared_ptr<const Scene>& scene);
   static ControllerOptions WithFlag(ControllerOptions options, const std::atomic<bool>& interrupted);
+  /// What the robot's controller commands, into the set-points of its channels, which are those of a robot
+  /// at rest. False: it cannot be carried out; nothing is promised of the set-points then.
+  bool Command(const Driven& driven, const coopdyn_command& command, std::span<Setpoint> channels) const;
   /// Which robots are stepped from now on.
   void ListItems();
   /// `why` follows "controller NAME ".

@@ -84,6 +84,33 @@ void Describe(const FileResult& result, LoadedController& loaded) {
   }
 }
 
+/// Module and name of each joint that is driven, each ends with 0.
+std::string JointTexts(const RobotModel& model) {
+  std::string texts;
+  for (const ActuatorModel& actuator : model.actuators) {
+    for (const int joint : actuator.joints) {
+      for (const std::string& text : {actuator.module, model.joints[static_cast<std::size_t>(joint)].name}) {
+        texts.append(text.c_str(), text.size() + 1);
+      }
+    }
+  }
+  return texts;
+}
+
+/// The robot's channels, without their texts.
+std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
+  std::vector<coopdyn_joint> joints;
+  for (const ActuatorModel& actuator : model.actuators) {
+    std::uint32_t modes = 1u << COOPDYN_OFF;
+    for (const auto mode :
+         {ControlMode::kPosition, ControlMode::kDirect, ControlMode::kVelocity, ControlMode::kEffort}) {
+      if (actuator.Takes(mode)) modes |= 1u << static_cast<std::uint32_t>(mode);
+    }
+    joints.insert(joints.end(), actuator.joints.size(), {nullptr, nullptr, modes, actuator.max_velocity()});
+  }
+  return joints;
+}
+
 }  // namespace
 
 std::uint64_t DefaultControllerMemory() {
@@ -91,8 +118,22 @@ std::uint64_t DefaultControllerMemory() {
   return pages < 0 || page < 0 ? 0 : static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) / 2;
 }
 
-std::vector<std::string> ControllerDescription::Faults(const ControllerChoice& choice) const {
+std::vector<std::string> ControllerDescription::Faults(const RobotEntry& robot) const {
+  const ControllerChoice& choice = robot.controller;
+  const RobotModel& model = *robot.model;
   std::vector<std::string> names, faults;
+  const bool has_drive = model.drive() != nullptr && !model.drive_actuator()->module.empty();
+  if (!model.has_actuators()) {
+    faults.push_back(
+        fmt::format("controller {} has nothing to command: a {} has no actuator module, so no channels",
+                    choice.name, model.type));
+  } else if (!gives_setpoints() && !has_drive) {
+    faults.push_back(
+        fmt::format("controller {} drives by forward and turn, and a {} has no two-wheel drive: choose a "
+                    "controller that gives "
+                    "set-points (COOPDYN_SETPOINTS)",
+                    choice.name, model.type));
+  }
   for (const ControllerOption& option : options) names.push_back(option.name);
   for (const auto& [name, value] : choice.options) {
     const auto found = std::find(names.begin(), names.end(), name);
@@ -194,16 +235,20 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
   for (std::size_t i = 0; i < count; ++i) {
     const RobotModel& model = *robots[i].robot->entry.model;
     const std::size_t sensors = model.sector_count();
-    setup[i].robot = {robots[i].robot->id.value,
-                      nullptr,
-                      model.footprint_radius_m,
-                      model.drive()->wheel_radius_m,
-                      model.drive()->track_m,
-                      model.drive()->max_wheel_speed_rad_s,
-                      sensors,
-                      nullptr,
-                      nullptr,
-                      nullptr};
+    const DriveModel drive = model.drive() == nullptr ? DriveModel() : *model.drive();
+    const auto channels = static_cast<std::size_t>(robots[i].robot->channel_count);
+    setup[i].robot = {.id = robots[i].robot->id.value,
+                      .name = nullptr,
+                      .radius_m = model.footprint_radius_m,
+                      .wheel_radius_m = drive.wheel_radius_m,
+                      .track_m = drive.track_m,
+                      .max_wheel_speed_rad_s = drive.max_wheel_speed_rad_s,
+                      .channel_count = channels,
+                      .channels = nullptr,
+                      .distance_count = sensors,
+                      .distance_bearing_rad = nullptr,
+                      .distance_opening_rad = nullptr,
+                      .distance_max_m = nullptr};
     setup[i].file = robots[i].file;
     setup[i].restore = kNoState;
     setup[i].name = in.Add<char>(robots[i].robot->entry.name.size() + 1);
@@ -211,8 +256,14 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
          {&setup[i].bearing_rad, &setup[i].opening_rad, &setup[i].max_m, &setup[i].distances}) {
       *place = in.Add<double>(sensors);
     }
+    setup[i].joints = in.Add<coopdyn_joint>(channels);
+    setup[i].joint_text_bytes = JointTexts(model).size();
+    setup[i].joint_texts = in.Add<char>(setup[i].joint_text_bytes);
+    setup[i].channels = in.Add<coopdyn_channel>(channels);
     setup[i].options = in.Add<double>(robots[i].options.size());
-    const std::size_t size = loaded_[robots[i].file].description->state_size;
+    const ControllerDescription& description = *loaded_[robots[i].file].description;
+    setup[i].setpoints = out.Add<coopdyn_setpoint>(description.gives_setpoints() ? channels : 0);
+    const std::size_t size = description.state_size;
     for (Place& place : setup[i].states) place = out.AddBytes(size, alignof(std::max_align_t));
   }
   readings_end_ = in.end();
@@ -235,6 +286,8 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
       areas_.in.At<double>(setup[i].opening_rad)[k] = sectors[k].opening_rad;
       areas_.in.At<double>(setup[i].max_m)[k] = sectors[k].max_range_m;
     }
+    std::ranges::copy(JointTexts(*entry.model), areas_.in.At<char>(setup[i].joint_texts));
+    std::ranges::copy(JointsOf(*entry.model), areas_.in.At<coopdyn_joint>(setup[i].joints));
     std::copy(robots[i].options.begin(), robots[i].options.end(), areas_.in.At<double>(setup[i].options));
     if (!robots[i].state.empty()) {
       setup[i].restore = static_cast<std::int32_t>((header.serial + 1) & 1);

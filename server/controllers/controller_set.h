@@ -50,8 +50,11 @@ struct ControllerDescription {
   std::uint32_t state_size = 0;
   std::vector<ControllerOption> options;
 
-  /// What is wrong with the options that a scenario gives, with what to write instead; one text each.
-  std::vector<std::string> Faults(const ControllerChoice& choice) const;
+  /// It commands channels by set-points, not a two-wheel drive by forward and turn.
+  bool gives_setpoints() const { return (readings & COOPDYN_SETPOINTS) != 0; }
+  /// Why it cannot drive this robot with the options that its scenario gives, with what to do instead; one
+  /// text each.
+  std::vector<std::string> Faults(const RobotEntry& robot) const;
   /// One value for each option: as given, else as described.
   std::vector<double> Values(const ControllerChoice& choice) const;
 };

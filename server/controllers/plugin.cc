@@ -16,8 +16,9 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint32_t kAllReadings = COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_WHEELS | COOPDYN_TARGETS |
-                                       COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_COMPASS;
+constexpr std::uint32_t kAllReadings = COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_CHANNELS | COOPDYN_TARGETS |
+                                       COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_COMPASS |
+                                       COOPDYN_SETPOINTS;
 
 bool IsOptionName(std::string_view name) {
   return !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&
@@ -135,6 +136,7 @@ Plugin::Plugin(const std::string& path, FileResult& result)
     throw PluginError("its describe() threw an exception");
   }
   state_size_ = result.state_size;
+  gives_setpoints_ = (result.readings & COOPDYN_SETPOINTS) != 0;
   if (state_size_ > 0 && (functions_.save == nullptr || functions_.restore == nullptr)) {
     throw PluginError("its functions save and restore may be NULL only if state_size is 0");
   }

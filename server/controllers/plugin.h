@@ -29,6 +29,8 @@ class Plugin {
 
   const coopdyn_controller& functions() const { return functions_; }
   std::uint32_t state_size() const { return state_size_; }
+  /// It commands channels by set-points.
+  bool gives_setpoints() const { return gives_setpoints_; }
 
  private:
   struct Close {
@@ -37,6 +39,7 @@ class Plugin {
   std::unique_ptr<void, Close> handle_;
   coopdyn_controller functions_{};
   std::uint32_t state_size_ = 0;
+  bool gives_setpoints_ = false;
 };
 
 }  // namespace coopdyn

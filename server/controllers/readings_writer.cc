@@ -61,12 +61,13 @@ void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted
     readings.turn_rad_s = motion.turn_rad_s;
   }
   if ((wanted.readings & COOPDYN_COMPASS) != 0) readings.compass_rad = CompassHeading(frame, wanted.robot);
-  if ((wanted.readings & COOPDYN_WHEELS) != 0) {
-    const auto first = static_cast<std::size_t>(frame.scene->FindDrive(wanted.robot));
-    for (std::size_t side = 0; side < 2; ++side) {
-      readings.wheel_angle_rad[side] = frame.channels[first + side].position;
-      readings.wheel_speed_rad_s[side] = frame.channels[first + side].velocity;
-    }
+  if ((wanted.readings & COOPDYN_CHANNELS) != 0) {
+    const std::span<const ChannelState> channels = ChannelsOf(frame, wanted.robot);
+    readings.channel_count = channels.size();
+    std::ranges::transform(channels, areas.in.At<coopdyn_channel>(areas.setup(wanted.slot).channels),
+                           [](const ChannelState& of) {
+                             return coopdyn_channel{of.position, of.velocity, of.effort};
+                           });
   }
 }
 

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cfenv>
 #include <cmath>
@@ -24,7 +25,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kStepGrain = 16;  // robots that a worker takes at a time
+constexpr std::size_t kStepGrain = 16;       // robots that a worker takes at a time
+constexpr std::size_t kMaxSetpoints = 4096;  // that a controller gives in a step
 /// Reading a clock takes longer than the step of a simple controller: one step in this many is timed. Odd, so
 /// that no rhythm of the controllers hides from it.
 constexpr std::uint64_t kTimedEvery = 61;
@@ -87,6 +89,29 @@ std::string Fault(const coopdyn_command& command) {
   return {};
 }
 
+const char* ModeName(std::size_t mode) {
+  constexpr std::array kNames = {"off", "position", "direct", "velocity", "effort"};
+  return kNames[mode];
+}
+
+/// What is wrong with a set-point that is not fine.
+std::string Fault(const coopdyn_setpoint& setpoint, const coopdyn_joint& joint) {
+  const std::string channel = fmt::format("{}/{}", joint.module, joint.name);
+  if (setpoint.mode > COOPDYN_EFFORT) {
+    return fmt::format("returned mode {} for {}: there is no such mode, use enum coopdyn_mode", setpoint.mode,
+                       channel);
+  }
+  if ((joint.modes >> setpoint.mode & 1) == 0) {
+    std::string modes;
+    for (std::size_t mode = 0; mode <= COOPDYN_EFFORT; ++mode) {
+      if ((joint.modes >> mode & 1) != 0) modes += (modes.empty() ? "" : ", ") + std::string(ModeName(mode));
+    }
+    return fmt::format("returned mode {} for {}, which takes: {}", ModeName(setpoint.mode), channel, modes);
+  }
+  return fmt::format("returned reference = {} for {}: it must be a finite number", setpoint.reference,
+                     channel);
+}
+
 }  // namespace
 
 /// Memory that ends where no byte may be touched: what writes past its end crashes at once.
@@ -127,11 +152,14 @@ struct Runner::Instance {
   void* state = nullptr;
   std::string name;
   std::vector<double> bearing_rad, opening_rad, max_m;
+  std::string joint_texts;
+  std::vector<coopdyn_joint> joints;
   coopdyn_robot robot{};
 };
 
 struct Runner::Worker {
   GuardedBuffer command{sizeof(coopdyn_command)};
+  GuardedBuffer setpoints{kMaxSetpoints * sizeof(coopdyn_setpoint)};
   GuardedBuffer state{COOPDYN_MAX_STATE};
 };
 
@@ -194,6 +222,12 @@ void Runner::Create(std::uint32_t robot, Worker& worker) {
   Begin(0, robot);
   const RobotSetup& setup = areas_->setup(robot);
   if (!plugins_[setup.file]) return Fail(robot, "is not loaded");
+  const std::size_t channels = setup.robot.channel_count;
+  if (plugins_[setup.file]->gives_setpoints() && channels > kMaxSetpoints) {
+    return Fail(robot,
+                fmt::format("cannot drive it: it has {} channels, and a controller commands at most {}",
+                            channels, kMaxSetpoints));
+  }
   const auto copy = [&](Place place) {
     const double* values = In<double>(place);
     return std::vector<double>(values, values + setup.robot.distance_count);
@@ -204,7 +238,17 @@ void Runner::Create(std::uint32_t robot, Worker& worker) {
   instance->bearing_rad = copy(setup.bearing_rad);
   instance->opening_rad = copy(setup.opening_rad);
   instance->max_m = copy(setup.max_m);
+  instance->joint_texts.assign(In<char>(setup.joint_texts), setup.joint_text_bytes);
+  const coopdyn_joint* joints = In<coopdyn_joint>(setup.joints);
+  instance->joints.assign(joints, joints + channels);
+  const char* text = instance->joint_texts.c_str();
+  for (coopdyn_joint& joint : instance->joints) {
+    joint.module = text;
+    joint.name = joint.module + std::strlen(joint.module) + 1;
+    text = joint.name + std::strlen(joint.name) + 1;
+  }
   instance->robot = setup.robot;
+  instance->robot.channels = instance->joints.data();
   instance->robot.name = instance->name.c_str();
   instance->robot.distance_bearing_rad = instance->bearing_rad.data();
   instance->robot.distance_opening_rad = instance->opening_rad.data();
@@ -292,6 +336,7 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   readings.time_s = header().time_s;
   readings.step_s = header().step_s;
   readings.distance_m = In<double>(setup.distances);
+  readings.channels = In<coopdyn_channel>(setup.channels);
   readings.targets = In<coopdyn_target>(sent.targets);
   readings.neighbours = In<coopdyn_sighting>(sent.neighbours);
   readings.heard = In<coopdyn_heard>(sent.heard);
@@ -299,9 +344,24 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   auto& command =
       *static_cast<coopdyn_command*>(worker.command.Last(sizeof(coopdyn_command), alignof(coopdyn_command)));
   command = {};
+  std::span<coopdyn_setpoint> setpoints;
+  if (instance.plugin->gives_setpoints()) {
+    const std::size_t count = instance.joints.size();
+    setpoints = {static_cast<coopdyn_setpoint*>(
+                     worker.setpoints.Last(count * sizeof(coopdyn_setpoint), alignof(coopdyn_setpoint))),
+                 count};
+    std::ranges::fill(setpoints, coopdyn_setpoint{});
+    command.setpoints = setpoints.data();
+  }
   const coopdyn_controller& functions = instance.plugin->functions();
   std::string why = Guarded("step", [&] { functions.step(instance.state, &readings, &command); });
   if (why.empty() && !IsFine(command)) why = Fault(command);
+  if (why.empty() && command.setpoints != setpoints.data()) {
+    why = "changed the pointer setpoints of its command: write into the array that it points to";
+  }
+  for (std::size_t i = 0; i < setpoints.size() && why.empty(); ++i) {
+    if (!IsFine(setpoints[i], instance.joints[i].modes)) why = Fault(setpoints[i], instance.joints[i]);
+  }
   if (why.empty()) {
     why = Guarded("save", [&] { Save(instance, setup.states[header().serial & 1], worker); });
   }
@@ -309,6 +369,7 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   RobotResult& result = areas_->result(robot);
   result.failed = 0;
   result.command = command;
+  std::ranges::copy(setpoints, areas_->out.At<coopdyn_setpoint>(setup.setpoints));
   result.done.store(header().serial, std::memory_order_release);
 }
 

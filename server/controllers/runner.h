@@ -29,6 +29,12 @@ inline bool IsFine(const coopdyn_command& command) {
                      [](double value) { return std::isfinite(value); });
 }
 
+/// Whether a channel that takes `modes` can carry it out.
+inline bool IsFine(const coopdyn_setpoint& setpoint, std::uint32_t modes) {
+  return setpoint.mode <= COOPDYN_EFFORT && (modes >> setpoint.mode & 1) != 0 &&
+         std::isfinite(setpoint.reference);
+}
+
 class Runner {
  public:
   Runner();

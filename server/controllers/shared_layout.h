@@ -63,8 +63,12 @@ struct RobotSetup {
   std::int32_t restore;  // kCreate: which of the states to restore, or kNoState
   Place name;
   Place bearing_rad, opening_rad, max_m;  // distance_count doubles each
+  Place joints;                           // channel_count coopdyn_joint; pointers are null
+  Place joint_texts, joint_text_bytes;    // module and name of each of these, each ends with 0
   Place options;                          // doubles
   Place distances;                        // doubles, written before each step
+  Place channels;                         // coopdyn_channel, likewise
+  Place setpoints;                        // in `out`: coopdyn_setpoint, if the controller gives them
   Place states[2];                        // in `out`: written in turn, by the serial's parity
 };
 

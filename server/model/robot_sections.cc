@@ -166,9 +166,11 @@ void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
   Take(reader.ColorValue("color"), entry.color);
   Take(reader.Choice<Fidelity>("fidelity", kFidelityWords), entry.fidelity);
   entry.controller = ReadController(reader, library_, beside_);
-  if (!entry.controller.empty() && entry.model != nullptr &&
-      (entry.model->drive() == nullptr || entry.model->drive_actuator()->module.empty())) {
-    reader.ErrorAt("controller", "a " + entry.model->type + " has no motors that a controller could drive");
+  if (!entry.controller.empty() && entry.model != nullptr && !entry.model->has_actuators()) {
+    reader.ErrorAt("controller",
+                   "a " + entry.model->type +
+                       " has no actuator module that a controller could command: add one to its " +
+                       "model, or leave the line out");
   }
   Take(reader.YesNo("sockets"), entry.sockets);
 }

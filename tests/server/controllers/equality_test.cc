@@ -13,7 +13,7 @@ Swarm MixedSwarm(int robots) {
   Swarm swarm;
   swarm.Add("").Mark(3, 1);
   for (int i = 0; i < robots; ++i) swarm.Add(Sample(samples[static_cast<std::size_t>(i) % samples.size()]));
-  return swarm;
+  return swarm.Add(TestPlugin("setpoints"));
 }
 
 void ExpectSame(const Record& one, const Record& other) {

@@ -132,10 +132,10 @@ FramePtr ShownFrame() {
   return driven.frame();
 }
 
-TEST(ControllerReadingsTest, PoseAndWheels) {
+TEST(ControllerReadingsTest, PoseOfTheRobot) {
   const FramePtr frame = ShownFrame();
   const Pose X_WR = RobotPose(*frame, 1);
-  EXPECT_THAT(Shown(0), ElementsAre(X_WR.p.x(), X_WR.p.y(), Heading(X_WR.q), 0, 0, 0, 0, 0));
+  EXPECT_THAT(Shown(0), ElementsAre(X_WR.p.x(), X_WR.p.y(), Heading(X_WR.q), 0, 0));
 }
 
 TEST(ControllerReadingsTest, Distances) {
@@ -179,13 +179,126 @@ TEST(ControllerReadingsTest, Compass) {
   EXPECT_THAT(Shown(7), ElementsAre(Heading(RobotPose(*ShownFrame(), 1).q)));
 }
 
+TEST(ControllerReadingsTest, Channels) {
+  const FramePtr frame = ShownFrame();
+  const auto channels = ChannelsOf(*frame, 1);
+  ASSERT_EQ(channels.size(), 2u);
+  ASSERT_GT(channels[1].velocity, channels[0].velocity);
+  ASSERT_TRUE(std::isnan(channels[0].effort));
+  EXPECT_THAT(Shown(8), ElementsAre(2, channels[0].position, channels[0].velocity, -1, channels[1].position,
+                                    channels[1].velocity, -1));
+}
+
+TEST(ControllerReadingsTest, WhatTheChannelsAre) {
+  EXPECT_THAT(Shown(9), ElementsAre(2, 1, 1, 10, 1, 1, 10, 1 << COOPDYN_OFF | 1 << COOPDYN_VELOCITY));
+}
+
 TEST(ControllerReadingsTest, TheSameInProcess) {
-  for (int what = 0; what <= 7; ++what) EXPECT_EQ(Shown(what), Shown(what, true)) << what;
+  for (int what = 0; what <= 9; ++what) EXPECT_EQ(Shown(what), Shown(what, true)) << what;
+}
+
+Record RunOf(const Swarm& swarm, bool in_process = true, int steps = 20) {
+  Driven driven(swarm, TestOptions(in_process));
+  driven.Start();
+  return driven.Steps(steps);
+}
+
+Record RunSetpoints(SetpointDeed deed) {
+  return RunOf(Swarm().Add(TestPlugin("setpoints"), {{"deed", deed}}));
+}
+
+TEST(ControllerSetpointsTest, ReachTheWheelsAsForwardAndTurnDo) {
+  const Record by_forward = RunOf(Swarm().Add(TestPlugin("mirror"))), by_setpoints = RunSetpoints(kByForward);
+  EXPECT_NE(by_setpoints.setpoints.back()[0], WheelSpeeds{});
+  EXPECT_TRUE(by_setpoints.setpoints == by_forward.setpoints);
+}
+
+TEST(ControllerSetpointsTest, BeyondTheLimitBothWheelsAreScaledAlike) {
+  const WheelSpeeds wheels = RunSetpoints(kTooFast).setpoints.back()[0];
+  double factor = 1;
+  EXPECT_EQ(wheels, WheelsFor(*DiscModel()->drive(), 3, 0.3, factor));
+  EXPECT_EQ(wheels[1], 10);
+}
+
+TEST(ControllerSetpointsTest, AChannelThatIsOffIsAtRest) {
+  const Record record = RunSetpoints(kOnlyOne);
+  EXPECT_EQ(record.setpoints.back()[0], (WheelSpeeds{0, 1}));
+  EXPECT_TRUE(record.stopped.empty());
+}
+
+TEST(ControllerSetpointsTest, WhatCannotBeCarriedOutStopsTheRobot) {
+  const std::pair<SetpointDeed, const char*> cases[] = {
+      {kNoSuchMode, "mode 5 for motors/right"},
+      {kModeNotTaken, "mode effort for motors/right, which takes: off, velocity"},
+      {kReferenceNotANumber, "reference = nan for motors/left"},
+      {kOtherPointer, "the pointer setpoints"},
+      {kWritePastSetpoints, "segmentation fault"}};
+  for (const auto& [deed, why] : cases) {
+    for (const bool in_process : {false, true}) {
+      if (in_process && deed == kWritePastSetpoints) continue;
+      Swarm swarm;
+      swarm.Add(TestPlugin("setpoints"), {{"deed", deed}}).Add(TestPlugin("setpoints"));
+      const Record record = RunOf(swarm, in_process);
+      ASSERT_EQ(record.stopped.size(), 1u) << why;
+      EXPECT_EQ(record.stopped[0].robot, "robot1");
+      EXPECT_THAT(record.stopped[0].why, HasSubstr(why));
+      EXPECT_EQ(record.setpoints.back()[0], WheelSpeeds{});
+      EXPECT_NE(record.setpoints.back()[1], WheelSpeeds{});
+    }
+  }
+}
+
+/// A disc with four wheels. Its first two are a drive only if `module` is not empty.
+std::shared_ptr<RobotModel> FourWheels(const std::string& module) {
+  auto model = DiscModel();
+  model->joints = {{.name = "a"}, {.name = "b"}, {.name = "c"}, {.name = "d"}};
+  model->actuators.front().module = module;
+  model->actuators.push_back({"rear", {2, 3}, model->actuators.front().kind});
+  return model;
+}
+
+TEST(ControllerSetpointsTest, CommandChannelsOfAllModules) {
+  for (const char* module : {"", "motors"}) {
+    const bool at_rest = *module == '\0';
+    Swarm swarm(FourWheels(module));
+    swarm.Add(TestPlugin("setpoints"), {{"deed", kOnlyOne}}).Add(TestPlugin("setpoints"));
+    Driven driven(swarm);
+    driven.Start();
+    driven.Step();
+    const std::vector<WheelSpeeds>& wheels = driven.run().setpoints.back();  // of robot 1, then of robot 2
+    ASSERT_EQ(wheels.size(), 4u);
+    EXPECT_EQ(wheels[0], (WheelSpeeds{0, at_rest ? 0.0 : 1.0}));
+    EXPECT_EQ(wheels[1], WheelSpeeds{});
+    EXPECT_EQ(wheels[3] == WheelSpeeds{}, at_rest);
+    EXPECT_EQ(driven.run().stopped.size(), at_rest ? 2u : 0u) << "a joint without a module takes no command";
+  }
+}
+
+TEST(ControllerSetpointsTest, ForwardAndTurnNeedADrive) {
+  Swarm swarm(FourWheels(""));
+  swarm.Add(Sample("diffuse"));
+  const Record record = RunOf(swarm);
+  ASSERT_EQ(record.stopped.size(), 1u);
+  EXPECT_THAT(record.stopped[0].why, HasSubstr("a disc has no two-wheel drive"));
+  EXPECT_THAT(CheckOf(swarm), HasSubstr("test.scenario:10: error: controller diffuse "));
+}
+
+TEST(ControllerSetpointsTest, ARobotWithoutChannelsCannotBeDriven) {
+  const auto model = DiscModel();
+  model->actuators.clear();
+  Swarm swarm(model);
+  swarm.Add(TestPlugin("setpoints")).Add(Sample("diffuse"));
+  Driven driven(swarm);
+  driven.Start();
+  ASSERT_EQ(driven.run().stopped.size(), 2u);
+  for (const StoppedController& stopped : driven.run().stopped)
+    EXPECT_THAT(stopped.why, HasSubstr("no channels"));
 }
 
 Swarm SwarmToSave() {
   Swarm swarm;
   for (int i = 0; i < 12; ++i) swarm.Add(Sample(i % 2 == 0 ? "diffuse" : "attractor"));
+  swarm.Add(TestPlugin("setpoints"));
   return swarm.Mark(3, 1).Add(TestPlugin("hostile"), {{"deed", kNotANumber}}).Add("");
 }
 
@@ -206,7 +319,7 @@ TEST(ControllerStateTest, ARestoredRunGoesOnAsIfNothingHadHappened) {
     }
     // It was stopped before, which whoever restores must know.
     ASSERT_EQ(second.run().stopped.size(), 1u);
-    EXPECT_EQ(second.run().stopped[0].robot, "robot13");
+    EXPECT_EQ(second.run().stopped[0].robot, "robot14");
     EXPECT_EQ(second.run().stopped[0].why, first.run().stopped.at(0).why);
     EXPECT_EQ(second.host().Save(), first.host().Save());
   }

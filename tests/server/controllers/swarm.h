@@ -36,7 +36,7 @@ inline std::shared_ptr<RobotModel> DiscModel(int sensors = 8) {
     sensor.max_range_m = 0.5;
     SensorOf<DistanceModel>(*model).sectors.push_back(sensor);
   }
-  model->joints.resize(2);
+  model->joints = {{.name = "left"}, {.name = "right"}};
   model->actuators = {
       {"motors", {0, 1}, DriveModel{.wheel_radius_m = 0.03, .track_m = 0.14, .max_wheel_speed_rad_s = 10}}};
   SensorOf<NeighboursModel>(*model) = {.range_m = 1.5, .message_range_m = 1.5};
@@ -50,7 +50,7 @@ inline std::shared_ptr<RobotModel> DiscModel(int sensors = 8) {
 /// Robots, their controllers, and the frame in which they stand.
 class Swarm {
  public:
-  Swarm() : model_(DiscModel()) {}
+  explicit Swarm(std::shared_ptr<const RobotModel> model = DiscModel()) : model_(std::move(model)) {}
 
   /// Another robot, robot1, robot2, ..., driven by the shared object `file`.
   Swarm& Add(const std::string& file, std::vector<std::pair<std::string, double>> options = {}) {
@@ -107,6 +107,10 @@ class Swarm {
     next->commanded = frame->commanded;
     next->messages = std::move(messages);
     const double step_s = ToSeconds(frame->step_length);
+    for (std::size_t i = 0; i < next->channels.size(); ++i) {
+      next->channels[i].velocity = setpoints[i / 2][i % 2];
+      next->channels[i].position += next->channels[i].velocity * step_s;
+    }
     for (std::size_t i = 0; i < size(); ++i) {
       const DriveModel& drive = *model_->drive();
       const double left = setpoints[i][0] * drive.wheel_radius_m,
@@ -155,7 +159,8 @@ class Driven {
   }
   /// One more step; a robot without controller keeps (0.25, 0.5).
   void Step() {
-    std::vector<Setpoint> channels = ByChannel(std::vector<WheelSpeeds>(swarm_.size(), {0.25, 0.5}));
+    std::vector<Setpoint> channels =
+        ByChannel(std::vector<WheelSpeeds>(frame_->channels.size() / 2, {0.25, 0.5}));
     std::vector<SentMessage> messages;
     host_.Step(frame_, channels, messages);
     std::vector<WheelSpeeds> setpoints = ByRobot(channels);

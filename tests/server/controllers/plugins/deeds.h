@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the controller `hostile` does, by its option `deed`.
+// What the controllers `hostile` and `setpoints` do, by their option `deed`.
 #pragma once
 
 namespace coopdyn {
@@ -44,6 +44,19 @@ enum Deed {
   kCrashInRestore,
   kThrowInRestore,
   kHangInDestroy,
+};
+
+/// Of the controller `setpoints`.
+enum SetpointDeed {
+  kSwing,      // all channels, from what they read
+  kByForward,  // forward 0.05 m/s, turn 0.3 rad/s
+  kTooFast,
+  kOnlyOne,  // the first is off
+  kNoSuchMode,
+  kModeNotTaken,
+  kReferenceNotANumber,
+  kOtherPointer,
+  kWritePastSetpoints,
 };
 
 }  // namespace coopdyn

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Broadcasts what it feels, so that a test can see it. Option `what`: 0 pose and wheels, 1 distances, 2
-// targets, 3 neighbours, 4 messages, 5 the robot, 6 time and seed, 7 compass.
+// Broadcasts what it feels, so that a test can see it. Option `what`: 0 pose, 1 distances, 2 targets, 3
+// neighbours, 4 messages, 5 the robot, 6 time and seed, 7 compass, 8 channels, 9 what these are.
 #include <cmath>
 #include <cstring>
+#include <string_view>
 
 #include "clients/plugin/cpp_controller.h"
 
@@ -16,9 +17,9 @@ class Mirror {
   State state{};
 
   static const coopdyn_description* Describe() {
-    static const coopdyn_option options[] = {{"what", "to show", 0, 0, 7}};
+    static const coopdyn_option options[] = {{"what", "to show", 0, 0, 9}};
     static const coopdyn_description description = {"shows what it feels",
-                                                    COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_WHEELS |
+                                                    COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_CHANNELS |
                                                         COOPDYN_TARGETS | COOPDYN_NEIGHBOURS |
                                                         COOPDYN_MESSAGES | COOPDYN_COMPASS,
                                                     sizeof(State), 1, options};
@@ -35,10 +36,7 @@ class Mirror {
     const auto show = [&command](double value) { command.message[command.message_count++] = value; };
     switch (what_) {
       case 0:
-        for (const double value : {r.x_m, r.y_m, r.heading_rad, r.forward_m_s, r.turn_rad_s,
-                                   r.wheel_angle_rad[0], r.wheel_angle_rad[1], r.wheel_speed_rad_s[1]}) {
-          show(value);
-        }
+        for (const double value : {r.x_m, r.y_m, r.heading_rad, r.forward_m_s, r.turn_rad_s}) show(value);
         break;
       case 1:
         for (size_t i = 0; i < r.distance_count && i < 8; ++i) show(std::fmin(r.distance_m[i], 99));
@@ -77,6 +75,23 @@ class Mirror {
         break;
       case 7:
         show(r.compass_rad);
+        break;
+      case 8:
+        show(static_cast<double>(r.channel_count));
+        for (size_t i = 0; i < r.channel_count && i < 2; ++i) {
+          show(r.channels[i].position);
+          show(r.channels[i].velocity);
+          show(std::isnan(r.channels[i].effort) ? -1 : r.channels[i].effort);
+        }
+        break;
+      case 9:
+        show(static_cast<double>(robot_.channel_count));
+        for (size_t i = 0; i < robot_.channel_count && i < 2; ++i) {
+          show(robot_.channels[i].module == std::string_view("motors"));
+          show(robot_.channels[i].name == std::string_view(i == 0 ? "left" : "right"));
+          show(robot_.channels[i].max_velocity);
+        }
+        show(robot_.channels[0].modes);
         break;
       default:
         for (const double value :
