@@ -101,12 +101,10 @@ std::string JointTexts(const RobotModel& model) {
 std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
   std::vector<coopdyn_joint> joints;
   for (const ActuatorModel& actuator : model.actuators) {
-    std::uint32_t modes = 1u << COOPDYN_OFF;
-    for (const auto mode :
-         {ControlMode::kPosition, ControlMode::kDirect, ControlMode::kVelocity, ControlMode::kEffort}) {
-      if (actuator.Takes(mode)) modes |= 1u << static_cast<std::uint32_t>(mode);
-    }
-    joints.insert(joints.end(), actuator.joints.size(), {nullptr, nullptr, modes, actuator.max_velocity()});
+    // What the physics carries out; a joint without a module has no commands.
+    const std::uint32_t modes = 1u << COOPDYN_OFF | (actuator.module.empty() ? 0 : 1u << COOPDYN_VELOCITY);
+    joints.insert(joints.end(), actuator.joints.size(),
+                  {nullptr, nullptr, modes, std::get<DriveModel>(actuator.kind).max_wheel_speed_rad_s});
   }
   return joints;
 }

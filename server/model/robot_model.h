@@ -75,11 +75,6 @@ struct ActuatorModel {
   std::string module;       // its module's name; empty: it has none, and its joints are at rest
   std::vector<int> joints;  // index into joints: one channel each; of a drive the left and the right wheel
   std::variant<DriveModel> kind;
-
-  /// Whether its channels take set-points of this mode; at rest they always can be.
-  bool Takes(ControlMode mode) const { return !module.empty() && mode == ControlMode::kVelocity; }
-  /// Of its channels, rad/s.
-  double max_velocity() const { return std::get<DriveModel>(kind).max_wheel_speed_rad_s; }
 };
 
 // The kinds of sensors. kType is the word for such a module in a robot's SDF.
