@@ -218,11 +218,17 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     if (driven.status != Status::kDrives) continue;
     // The child has checked it already, but a controller may write there at any time.
     const coopdyn_command command = Once(set_->areas().result(driven.slot).command);
-    if (!Command(driven, command, channels)) {
+    const bool by_setpoints = (driven.readings & COOPDYN_SETPOINTS) != 0;
+    if (!IsFine(command) || (by_setpoints && !TakeSetpoints(driven, channels))) {
       std::ranges::fill(channels, Setpoint{});
       Stop(driven, "had its command overwritten by another controller");
       stopped = true;
       continue;
+    }
+    if (!by_setpoints) {
+      double factor = 1;
+      const auto speeds = WheelsFor(driven.drive, command.forward_m_s, command.turn_rad_s, factor);
+      std::ranges::copy(SetpointsFor(speeds), channels.subspan(driven.wheels).begin());
     }
     if (command.message_count == 0) continue;
     SentMessage sent;
@@ -235,15 +241,7 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
   if (stopped) ListItems();
 }
 
-bool ControllerHost::Command(const Driven& driven, const coopdyn_command& command,
-                             std::span<Setpoint> channels) const {
-  if (!IsFine(command)) return false;
-  double factor = 1;
-  if ((driven.readings & COOPDYN_SETPOINTS) == 0) {
-    const auto speeds = WheelsFor(driven.drive, command.forward_m_s, command.turn_rad_s, factor);
-    std::ranges::copy(SetpointsFor(speeds), channels.begin() + driven.wheels);
-    return true;
-  }
+bool ControllerHost::TakeSetpoints(const Driven& driven, std::span<Setpoint> channels) const {
   const Areas& areas = set_->areas();
   const RobotSetup& setup = areas.setup(driven.slot);
   const coopdyn_joint* joints = areas.in.At<coopdyn_joint>(setup.joints);

@@ -78,9 +78,9 @@ class ControllerHost final : public ControllerDriver {
   /// The scene has changed: finds the robots again.
   void Rebind(const std::shared_ptr<const Scene>& scene);
   static ControllerOptions WithFlag(ControllerOptions options, const std::atomic<bool>& interrupted);
-  /// What the robot's controller commands, into the set-points of its channels, which are those of a robot
-  /// at rest. False: it cannot be carried out; nothing is promised of the set-points then.
-  bool Command(const Driven& driven, const coopdyn_command& command, std::span<Setpoint> channels) const;
+  /// What the robot's controller wants of each channel, into `channels`, which are at rest. False: it cannot
+  /// be carried out; nothing is promised of `channels` then.
+  bool TakeSetpoints(const Driven& driven, std::span<Setpoint> channels) const;
   /// Which robots are stepped from now on.
   void ListItems();
   /// `why` follows "controller NAME ".
