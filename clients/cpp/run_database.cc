@@ -73,10 +73,17 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
     throw Error(7, foreign + ", or it is damaged (" + why + "); " + cure);
   if (status != SQLITE_OK) throw Error(5, "cannot read " + file + " (" + why + "): " + cure);
   if (Pragma("application_id") != kRunId) throw Error(7, foreign);
-  if (const std::int64_t format = Pragma("user_version"); format != kRunFormat) {
-    throw Error(5, file + " has format " + std::to_string(format) + ", this client reads format " +
-                       std::to_string(kRunFormat) +
-                       ": build it from that daemon's sources, or record the run again");
+  const std::int64_t format = Pragma("user_version");
+  if (format < 1) {
+    throw Error(7, file + " is damaged: its format is " + std::to_string(format) + ", not " +
+                       std::to_string(kRunFormat) + "; " + cure);
+  }
+  if (format != kRunFormat) {
+    const bool is_older = format < kRunFormat;
+    throw Error(5, file + " was recorded in format " + std::to_string(format) + " by " +
+                       (is_older ? "an older" : "a newer") + " coopdyn, this one reads " +
+                       std::to_string(kRunFormat) + ": " +
+                       (is_older ? "record it again" : "get that version of coopdyn and its clients"));
   }
 }
 

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kPoseBytes = 18, kCommandBytes = 13, kChannelBytes = 9;
 constexpr double kPositionUnit = 1e-5;  // rad or m
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-const std::vector<std::string> kReadings = {"distances", "targets", "wheels"};
+const std::vector<std::string> kReadings = {"distances", "targets", "channels"};
 
 double Seconds(std::int64_t ns) {
   return static_cast<double>(ns) / 1e9;
@@ -316,24 +316,24 @@ RunRows Run::reading(const std::string& name, const std::string& what) const {
     });
     width = 2 * ids.size();
   } else {
-    width = MostChannels(places);
+    width = 2 * MostChannels(places);
   }
   std::vector<double> values;
   std::size_t k = 0;
-  const std::string column = what == "wheels" ? "channels" : what;
-  impl_->ForEachMoment("step, scene, " + column, [&](const RunRow& row) {
+  impl_->ForEachMoment("step, scene, " + what, [&](const RunRow& row) {
     const std::size_t start = width * k++;
     values.resize(start + width, kNaN);
     const auto place = places.find(row.integer(1));
     if (place == places.end() || row.is_null(2)) return;
     const auto robot = static_cast<std::size_t>(place->second.robot);
-    if (what == "wheels") {
+    if (what == "channels") {
       const Place& of = place->second;
       const Bytes raw =
-          impl_->Part(row, 2, kChannelBytes * of.first_channel, kChannelBytes * of.channels, column);
+          impl_->Part(row, 2, kChannelBytes * of.first_channel, kChannelBytes * of.channels, what);
       for (std::size_t i = 0; i < of.channels; ++i) {
-        const std::int64_t units = Signed(Little(raw.subspan(kChannelBytes * i, 5)), 40);
-        values[start + i] = static_cast<double>(units) * kPositionUnit;
+        const Bytes one = raw.subspan(kChannelBytes * i, kChannelBytes);
+        values[start + i] = static_cast<double>(Signed(Little(one.first(5)), 40)) * kPositionUnit;
+        values[start + width / 2 + i] = Single(one.subspan(5));
       }
       return;
     }
@@ -345,11 +345,24 @@ RunRows Run::reading(const std::string& name, const std::string& what) const {
   return {std::move(values), width, k};
 }
 
+std::vector<std::string> Run::joints(const std::string& name) const {
+  const Places places = impl_->RobotPlacesOf(name);
+  const auto most = std::max_element(places.begin(), places.end(), [](const auto& a, const auto& b) {
+    return a.second.channels < b.second.channels;
+  });
+  std::vector<std::string> joints;
+  impl_->database.ForEach("SELECT joint FROM channel WHERE scene = " + std::to_string(most->first) +
+                              " AND robot = " + std::to_string(most->second.robot) + " ORDER BY place",
+                          [&](const RunRow& row) { joints.push_back(row.text(0)); });
+  return joints;
+}
+
 RunRows Run::commands(const std::string& name) const {
   const Places places = impl_->RobotPlacesOf(name);
   const std::string controller = impl_->UnrecordedController(name);
   bool unknown = !controller.empty();
-  std::vector<double> values, in_force(MostChannels(places), kNaN);
+  const std::size_t m = MostChannels(places);
+  std::vector<double> values, in_force(2 * m, kNaN);
   impl_->CheckSteps();
   impl_->database.ForEach(
       "SELECT step, time_ns, scene, commands FROM step WHERE step <= " + std::to_string(impl_->last) +
@@ -366,6 +379,7 @@ RunRows Run::commands(const std::string& name) const {
           if (channel >= place->second.channels) continue;
           unknown = unknown && word < 0x80000000;  // until a client sends one
           in_force[channel] = Double(raw.subspan(at + 5));
+          in_force[m + channel] = raw[at + 4];
           sent = true;
         }
         if (!sent || unknown) return;
@@ -376,8 +390,8 @@ RunRows Run::commands(const std::string& name) const {
     throw Error(5, "the commands of " + name + ", driven by controller " + controller +
                        ", were not recorded in " + file() + "; record with --record-what " +
                        impl_->info["what"] + ",controllers");
-  const std::size_t width = 2 + in_force.size(), m = values.size() / width;
-  return {std::move(values), width, m};
+  const std::size_t width = 2 + in_force.size(), rows = values.size() / width;
+  return {std::move(values), width, rows};
 }
 
 std::vector<Event> Run::events() const {

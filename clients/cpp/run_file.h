@@ -77,11 +77,16 @@ class Run {
   /// x, y, z [m] and quaternion w, x, y, z in the world.
   RunRows pose_3d(const std::string& name) const;
   /// What a robot read: "distances" [m], right to left, inf = nothing there; "targets": distance [m] and
-  /// bearing [rad] of each, nan = not seen; "wheels": angle [rad] left and right, not wrapped.
+  /// bearing [rad] of each, nan = not seen; "channels": positions [rad], not wrapped, then velocities [rad/s]
+  /// of the m channels that joints(name) names (of a sliding joint [m], [m/s]), 2m columns.
   RunRows reading(const std::string& name, const std::string& what) const;
-  /// The set-points of a robot: step, time [s], left, right [rad/s] of each that came in force, with the step
-  /// in which it did; the first is what was in force when recording began. Error 5 if a loaded controller
-  /// drove it and those were not recorded; if a client took it from the controller, its commands are there.
+  /// The names of the joints that a robot's m channels drive: the columns of its channels and commands.
+  std::vector<std::string> joints(const std::string& name) const;
+  /// The set-points of a robot, a row for each time that some came in force: the step in which they did, time
+  /// [s], the set-points of its m channels, and their control modes: 1 position [rad], 3 velocity [rad/s], 4
+  /// effort [N m] (0 idle, 2 direct), so 2 + 2m columns. The first row is what was in force when recording
+  /// began. Error 5 if a loaded controller drove it and those were not recorded; if a client took it from the
+  /// controller, its commands are there.
   RunRows commands(const std::string& name) const;
   /// What happened, in order, notes included.
   std::vector<Event> events() const;

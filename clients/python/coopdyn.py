@@ -2840,7 +2840,7 @@ def connect(
 
 _RUN_ID, _RUN_FORMAT = 0x434F4F50, 2  # SQLite's application_id and user_version of a recording
 _POSE_BYTES, _COMMAND_BYTES, _CHANNEL_BYTES = 18, 13, 9
-_RUN_READINGS = ("distances", "targets", "wheels")
+_RUN_READINGS = ("distances", "targets", "channels")
 
 
 class Event(NamedTuple):
@@ -2968,20 +2968,19 @@ class Run:
     @_usage('run.reading("robot1", "distances")')
     def reading(self, name: str, what: str) -> Rows:
         """What a robot read, a row for each moment: "distances" [m], right to left, inf = nothing there; "targets":
-        distance [m] and bearing [rad] of each, nan = not seen; "wheels": angle [rad] left and right, not wrapped."""
+        distance [m] and bearing [rad] of each, nan = not seen; "channels": positions [rad], not wrapped, then velocities
+        [rad/s] of the m channels that `joints(name)` names (of a sliding joint [m], [m/s]), 2m columns."""
         if what not in _RUN_READINGS:
             raise Error(4, f"there is no reading {what!r}; there are: {_list_of(_RUN_READINGS)}")
-        places = self._places(name)
-        if places[0].robot < 0:
-            raise Error(10, f"{name} is no robot; there are: {_list_of(self._names)}")
+        places = self._robot_places(name)
         if what not in str(self._info.get("what", "")).split(","):
             raise Error(5, f"{what} were not recorded in {self.file}; record with --record-what all")
         if what == "distances":
             width = max(p.sensors for p in places)
             return self._readings(what, width, {p.scene: (4 * p.first_sensor, 4 * p.sensors) for p in places}, {})
-        if what == "wheels":
+        if what == "channels":
             slices = {p.scene: (_CHANNEL_BYTES * p.first_channel, _CHANNEL_BYTES * p.channels) for p in places}
-            return self._readings("channels", max(p.channels for p in places), slices, {})
+            return self._readings(what, 2 * max(p.channels for p in places), slices, {})
         columns: Dict[int, List[int]] = {p.scene: [] for p in places}
         with self._reading():
             ids = sorted({i for (i,) in self._db.execute("SELECT DISTINCT id FROM target")})
@@ -2991,16 +2990,24 @@ class Run:
         slices = {p.scene: (8 * len(columns[p.scene]) * p.robot, 8 * len(columns[p.scene])) for p in places}
         return self._readings(what, 2 * len(ids), slices, columns)
 
+    @_usage('run.joints("robot1")')
+    def joints(self, name: str) -> List[str]:
+        """The names of the joints that a robot's m channels drive: the columns of its channels and commands."""
+        most = max(self._robot_places(name), key=lambda p: p.channels)
+        with self._reading():
+            return [str(joint) for (joint,) in self._db.execute(
+                "SELECT joint FROM channel WHERE scene = ? AND robot = ? ORDER BY place", (most.scene, most.robot))]
+
     @_usage('run.commands("robot1")')
     def commands(self, name: str) -> Rows:
-        """The set-points of a robot: step, time [s], left, right [rad/s] of each that came in force, with the step in
-        which it did; the first is what was in force when recording began. Error 5 if a loaded controller drove it and
-        those were not recorded; if a client took it from the controller, its commands are there."""
-        found = self._places(name)
-        if found[0].robot < 0:
-            raise Error(10, f"{name} is no robot; there are: {_list_of(self._names)}")
+        """The set-points of a robot, a row for each time that some came in force: the step in which they did, time [s], the
+        set-points of its m channels, and their control modes: 1 position [rad], 3 velocity [rad/s], 4 effort [N m] (0 idle,
+        2 direct), so 2 + 2m columns. The first row is what was in force when recording began. Error 5 if a loaded controller
+        drove it and those were not recorded; if a client took it from the controller, its commands are there."""
+        found = self._robot_places(name)
         places = {p.scene: range(p.first_channel, p.first_channel + p.channels) for p in found}
-        in_force = [math.nan] * max(p.channels for p in found)
+        m = max(p.channels for p in found)
+        in_force = [math.nan] * (2 * m)
         out = array.array("d")
         with self._reading():
             self._count()
@@ -3015,7 +3022,7 @@ class Run:
                 sent = [(i, at) for i, at in enumerate(_command_of(blob, c) for c in places.get(scene, ())) if at >= 0]
                 for i, at in sent:
                     unknown = unknown and blob[at + 3] < 0x80  # until a client sends one
-                    (in_force[i],) = struct.unpack_from("<d", blob, at + 5)
+                    in_force[m + i], in_force[i] = struct.unpack_from("<Bd", blob, at + 4)
                 if sent and not unknown:
                     out.extend((step, time_ns / 1e9, *in_force))
         if unknown:
@@ -3101,6 +3108,12 @@ class Run:
             raise Error(10, f"there is no {name!r} in {self.file}; {_nearest(str(name), known)}there are: {_list_of(known)}")
         return found
 
+    def _robot_places(self, name: str) -> List[_Place]:
+        places = self._places(name)
+        if places[0].robot < 0:
+            raise Error(10, f"{name} is no robot; there are: {_list_of(self._names)}")
+        return places
+
     def _unrecorded_controller(self, name: str) -> str:
         """The loaded controller of a robot, if what controllers sent was not recorded; else empty."""
         if "controllers" in str(self._info.get("what", "")).split(","):
@@ -3164,9 +3177,12 @@ class Run:
                 if len(raw) != slices[scene][1]:
                     raise ValueError(f"the {what} of step {step} do not add up")
                 if what == "channels":
-                    row = [_POSITION_UNIT * int.from_bytes(raw[at : at + 5], "little", signed=True)
-                           for at in range(0, len(raw), _CHANNEL_BYTES)]
-                    out.extend(row + list(nothing[len(row) :]))
+                    starts = range(0, len(raw), _CHANNEL_BYTES)
+                    fill = nothing[: width // 2 - len(starts)]  # in another scene it has more
+                    out.extend(_POSITION_UNIT * int.from_bytes(raw[at : at + 5], "little", signed=True) for at in starts)
+                    out.extend(fill)
+                    out.extend(struct.unpack_from("<f", raw, at + 5)[0] for at in starts)
+                    out.extend(fill)
                 elif scene in shifted:  # another scene has other targets
                     row = list(nothing)
                     for at, pair in zip(shifted[scene], struct.iter_unpack("<2f", raw)):
@@ -3258,12 +3274,12 @@ def _open_run(file: str) -> "sqlite3.Connection":
             if tag != _RUN_ID:
                 raise Error(7, foreign)
             version = db.execute("PRAGMA user_version").fetchone()[0]
-            if version < _RUN_FORMAT:
-                raise Error(5, f"{file} was recorded in format {version} by an older coopdyn, this coopdyn.py ({__version__}) reads "
-                               f"format {_RUN_FORMAT}: record it again")
+            if version < 1:
+                raise Error(7, f"{file} is damaged: its format is {version}, not {_RUN_FORMAT}; {cure}")
             if version != _RUN_FORMAT:
-                raise Error(5, f"{file} has format {version}, this coopdyn.py ({__version__}) reads format {_RUN_FORMAT}: "
-                               "take the coopdyn.py that came with the daemon")
+                older = version < _RUN_FORMAT
+                raise Error(5, f"{file} was recorded in format {version} by {'an older' if older else 'a newer'} coopdyn, this one "
+                               f"reads {_RUN_FORMAT}: {'record it again' if older else 'get that version of coopdyn and its clients'}")
             db.execute("SELECT count(*) FROM meta")
             return db
         except BaseException as e:

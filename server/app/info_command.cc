@@ -57,7 +57,7 @@ std::size_t Notes(const RunInfo& info) {
                                                 [](const Event& event) { return event.level == "note"; }));
 }
 
-/// "recorded poses,wheels each 0.1 s".
+/// "recorded poses,channels each 0.1 s".
 std::string What(const RunHeader& header) {
   std::string what = ToString(header.what);
   if (header.pose_every > 0)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Makes frames of a recording: recorded poses and wheels (nan if they were not recorded), velocities from the
-// difference to the poses before, set-points and broadcasts as they were in force. Of the first step, whose
-// exact state is there, the exact velocities. One thread.
+// Makes frames of a recording: recorded poses and channels (nan if they were not recorded), velocities from
+// the difference to the poses before, set-points and broadcasts as they were in force. Of the first step,
+// whose exact state is there, the exact velocities. One thread.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@ struct Word {
   const char* text;
   bool RecordWhat::*chosen;
 };
-constexpr std::array<Word, 4> kWords{{{"wheels", &RecordWhat::wheels},
+constexpr std::array<Word, 4> kWords{{{"channels", &RecordWhat::channels},
                                       {"distances", &RecordWhat::distances},
                                       {"targets", &RecordWhat::targets},
                                       {"controllers", &RecordWhat::controllers}}};

@@ -21,13 +21,13 @@ inline constexpr std::size_t kChannelBytes = 5 + 4;
 
 /// What of a step is recorded besides time, hash, poses, and the clients' commands.
 struct RecordWhat {
-  bool wheels = false;       // positions and velocities of all channels
+  bool channels = false;     // their positions and velocities
   bool distances = false;    // readings
   bool targets = false;      // readings
   bool controllers = false;  // set-points of loaded controllers
   bool operator==(const RecordWhat&) const = default;
 };
-/// "poses,wheels,distances,targets,controllers", as far as they are chosen.
+/// "poses,channels,distances,targets,controllers", as far as they are chosen.
 std::string ToString(const RecordWhat& what);
 /// Reads the same, in any order; also `all`. Nothing if a word is unknown (which goes to `unknown`).
 std::optional<RecordWhat> ParseRecordWhat(const std::string& words, std::string& unknown);

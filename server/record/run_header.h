@@ -12,7 +12,7 @@
 
 namespace coopdyn {
 
-inline constexpr int kRunFormat = 2;                           // schema version: meta `format`
+inline constexpr int kRunFormat = 2;                           // schema version
 inline constexpr std::int64_t kRunApplicationId = 0x434F4F50;  // "COOP": SQLite's application_id
 
 /// A loaded controller of the run.

@@ -162,15 +162,14 @@ void CheckKind(const Database& database) try {
   const std::int64_t application = database.Integer("PRAGMA application_id").value_or(0);
   const std::int64_t format = database.Integer("PRAGMA user_version").value_or(0);
   if (application != kRunApplicationId) throw CannotOpen(file + kOfAnotherProgram + kHowToRecord);
-  if (format > kRunFormat) {
-    throw CannotOpen(file + " was made by a newer coopdyn: format " + std::to_string(format) +
-                     ", this one reads " + std::to_string(kRunFormat) + ": use that version of coopdyn");
-  }
-  if (format == 1) {
-    throw CannotOpen(file + " was recorded in format 1 by an older coopdyn, this one reads " +
-                     std::to_string(kRunFormat) + ": record it again");
-  }
   if (format < 1 && HasNoTables(database)) throw CannotOpen(file + kNoStepsText);
+  if (format >= 1 && format != kRunFormat) {
+    const bool is_older = format < kRunFormat;
+    throw CannotOpen(file + " was recorded in format " + std::to_string(format) + " by " +
+                     (is_older ? "an older" : "a newer") + " coopdyn, this one reads " +
+                     std::to_string(kRunFormat) + ": " +
+                     (is_older ? "record it again" : "get that version of coopdyn and its clients"));
+  }
   if (format < 1) {
     throw CannotOpen(file + " is damaged: its format is " + std::to_string(format) + ", not " +
                      std::to_string(kRunFormat) + ": copy it again from where it was recorded");

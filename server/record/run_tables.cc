@@ -42,6 +42,11 @@ const JointModel& JointOf(const Scene& scene, std::size_t channel) {
   return model.joints[static_cast<std::size_t>(of.joint)];
 }
 
+/// Of its position. All joints are hinges; a sliding one would have "m".
+const char* UnitOf(const JointModel& /*joint*/) {
+  return "rad";
+}
+
 using Meta = std::unordered_map<std::string, std::string>;
 
 /// Nothing if it is missing or no number.
@@ -141,7 +146,6 @@ void WriteHeader(const Database& database, const RunHeader& header) {
   SetMeta(database, "what", ToString(header.what));
   if (!header.controllers.empty()) SetMeta(database, "controllers", PluginsText(header.controllers));
   if (header.substeps) SetMeta(database, "substeps", *header.substeps);
-  SetMeta(database, "format", kRunFormat);
   SetMeta(database, "step_ns", header.step_length);
   SetMeta(database, "pose_every_ns", header.pose_every);
   SetMeta(database, "closed", 0);
@@ -199,12 +203,23 @@ void WriteScene(const Database& database, std::int64_t number, std::uint64_t fir
   WriteTargets(database, number, scene);
 }
 
-std::string ChannelName(const Scene& scene, std::size_t channel) {
-  std::string name = JointOf(scene, channel).name;
-  for (const std::string_view end : {"_joint", "_wheel"}) {
-    if (name.ends_with(end) && name.size() > end.size()) name.resize(name.size() - end.size());
+const std::string& ChannelName(const Scene& scene, std::size_t channel) {
+  return JointOf(scene, channel).name;
+}
+
+std::string ChannelUnit(const Scene& scene, std::size_t channel) {
+  return UnitOf(JointOf(scene, channel));
+}
+
+std::string SetpointUnit(const std::string& unit, ControlMode mode) {
+  switch (mode) {
+    case ControlMode::kVelocity:
+      return unit + "_s";
+    case ControlMode::kEffort:
+      return unit == "m" ? "n" : "nm";
+    default:
+      return unit;
   }
-  return name;
 }
 
 std::vector<std::string> BodyNames(const Scene& scene) {

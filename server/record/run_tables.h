@@ -31,7 +31,11 @@ void SetMeta(const Database& database, std::string_view key, const Value& value)
 /// What the bodies of `scene` are called: BOX_1; robot1.chassis, robot1.left_wheel; or, if all its links are
 /// one body, robot1.
 std::vector<std::string> BodyNames(const Scene& scene);
-/// What a channel is called in exports: its joint's name without `_joint`, then `_wheel`, at its end.
-std::string ChannelName(const Scene& scene, std::size_t channel);
+/// What a channel is called in tables: as its joint in the model.
+const std::string& ChannelName(const Scene& scene, std::size_t channel);
+/// The unit of its position, "rad"; its velocity's is the same with "_s".
+std::string ChannelUnit(const Scene& scene, std::size_t channel);
+/// The unit of a set-point of a channel with `unit`: "rad_s", "rad" or "nm".
+std::string SetpointUnit(const std::string& unit, ControlMode mode);
 
 }  // namespace coopdyn

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "server/replay/export_tables.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <memory>
 #include <vector>
 
+#include "server/record/run_tables.h"
 #include "server/replay/export_file.h"
 #include "server/replay/run_table.h"
 
@@ -16,14 +18,29 @@ namespace {
 
 constexpr std::array<const char*, 7> kPoseNames{"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
 
+/// Of its set-points, if they have one mode; nothing was commanded: velocity.
+ControlMode ModeOf(const ChannelColumn& channel) {
+  return channel.modes.empty() ? ControlMode::kVelocity : *channel.modes.begin();
+}
+
+/// Whether a set-point of the robot is anything but a velocity.
+bool ShowsModes(const RobotColumn& robot) {
+  return std::any_of(robot.channels.begin(), robot.channels.end(), [](const ChannelColumn& channel) {
+    return channel.modes.size() > 1 || ModeOf(channel) != ControlMode::kVelocity;
+  });
+}
+
 std::string Header(const RunTable& table) {
   const RunColumns& columns = table.columns();
   std::string line = "step,time_s";
   for (const RobotColumn& robot : columns.robots) {
     const auto add = [&](const std::string& field) { line += "," + robot.name + "." + field; };
     for (const char* field : {"x_m", "y_m", "heading_rad"}) add(field);
-    if (table.what().wheels) {
-      for (const std::string& channel : robot.channels) add(channel + "_rad");
+    if (table.what().channels) {
+      for (const ChannelColumn& channel : robot.channels) add(channel.joint + "_" + channel.unit);
+      for (const ChannelColumn& channel : robot.channels) {
+        add(channel.joint + "_" + SetpointUnit(channel.unit, ControlMode::kVelocity));
+      }
     }
     for (std::size_t i = 1; table.what().distances && i <= robot.sensors; ++i)
       add("d" + std::to_string(i) + "_m");
@@ -32,7 +49,13 @@ std::string Header(const RunTable& table) {
       add(target.label + "_distance_m");
       add(target.label + "_bearing_rad");
     }
-    for (const std::string& channel : robot.channels) add(channel + "_rad_s");
+    for (const ChannelColumn& channel : robot.channels) {
+      const std::string setpoint = channel.joint + "_setpoint";
+      add(channel.modes.size() > 1 ? setpoint : setpoint + "_" + SetpointUnit(channel.unit, ModeOf(channel)));
+    }
+    for (const ChannelColumn& channel : robot.channels) {
+      if (ShowsModes(robot)) add(channel.joint + "_mode");
+    }
   }
   for (const std::string& object : columns.objects) {
     for (const char* field : kPoseNames) line += "," + object + "." + field;
@@ -40,7 +63,8 @@ std::string Header(const RunTable& table) {
   return line + ",hash\n";
 }
 
-void AppendRow(const RunRow& row, const RecordWhat& what, std::string& line) {
+void AppendRow(const RunRow& row, const RunTable& table, std::string& line) {
+  const RecordWhat& what = table.what();
   const auto add = [&line](double value) {
     line += ',';
     AppendNumber(value, line);
@@ -50,14 +74,16 @@ void AppendRow(const RunRow& row, const RecordWhat& what, std::string& line) {
   };
   line += std::to_string(row.step);
   add(row.time_s);
-  for (const RobotValues& robot : row.robots) {
+  for (std::size_t i = 0; i < row.robots.size(); ++i) {
+    const RobotValues& robot = row.robots[i];
     add(robot.X_WR[0]);
     add(robot.X_WR[1]);
     add(robot.heading_rad);
-    if (what.wheels) add_all(robot.positions);
+    if (what.channels) add_all(robot.channels);
     if (what.distances) add_all(robot.distances_m);
     if (what.targets) add_all(robot.targets);
-    add_all(robot.setpoints);
+    add_all(robot.setpoints.references);
+    if (ShowsModes(table.columns().robots[i])) add_all(robot.setpoints.modes);
   }
   for (const PoseValues& object : row.objects) add_all(object);
   line += ',';
@@ -110,12 +136,15 @@ std::string ExportCsv(RunReader& reader, const ExportOptions& options, const std
   ExportFile file(out), events(EventsFile(out));
   if (error = file.Open(options.overwrite); !error.empty()) return error;
   if (error = events.Open(options.overwrite); !error.empty()) return error;
+  const auto look = [&progress](double) { return !progress || progress(0); };
+  // The names of columns depend on the modes of all set-points.
+  if (error = table->ForEach({nullptr, nullptr}, look); !error.empty()) return error;
   file.Write(Header(*table));
   std::uint64_t rows = 0;
   std::string line;
   const auto write_row = [&](const RunRow& row) {
     line.clear();
-    AppendRow(row, table->what(), line);
+    AppendRow(row, *table, line);
     file.Write(line);
     ++rows;
   };

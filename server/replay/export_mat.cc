@@ -30,14 +30,14 @@ constexpr double kShareOfReading = 0.25;
 
 constexpr std::array kRunFields{"file",  "scenario", "seed",   "version", "time",    "step",
                                 "names", "hash",     "robots", "objects", "targets", "events"};
-constexpr std::array kRobotFields{"name",   "type",      "pose",      "pose_3d", "joints",
-                                  "wheels", "setpoints", "distances", "targets", "commands"};
+constexpr std::array kRobotFields{"name",      "type",  "pose",      "pose_3d", "joints",  "channels",
+                                  "setpoints", "modes", "distances", "targets", "commands"};
 constexpr std::array kObjectFields{"name", "pose_3d"};
 constexpr std::array kTargetFields{"color", "x", "y", "z"};
 constexpr std::array kEventFields{"step", "time_s", "level", "text"};
 
 struct RobotMatrices {
-  MatMatrix pose, pose_3d, wheels, setpoints, distances, targets, commands;
+  MatMatrix pose, pose_3d, channels, setpoints, modes, distances, targets, commands;
 };
 
 /// The numbers of a run; they outlive the values made of them.
@@ -50,7 +50,7 @@ struct RunMatrices {
 
 /// Columns of a robot's matrices that have a row per step.
 std::uint64_t ColumnsOf(const RobotColumn& robot, const RunColumns& columns, const RecordWhat& what) {
-  return 3 + 7 + (what.wheels ? 2 : 1) * robot.channels.size() + (what.distances ? robot.sensors : 0) +
+  return 3 + 7 + (what.channels ? 4 : 2) * robot.channels.size() + (what.distances ? robot.sensors : 0) +
          (what.targets ? 2 * columns.targets.size() : 0);
 }
 
@@ -109,11 +109,11 @@ RunMatrices MakeMatrices(const RunTable& table) {
   run.hashes.reserve(rows);
   for (const RobotColumn& robot : columns.robots) {
     run.robots.push_back({MatMatrix(3, rows), MatMatrix(7, rows),
-                          what.wheels ? MatMatrix(robot.channels.size(), rows) : MatMatrix(),
-                          MatMatrix(robot.channels.size(), rows),
+                          what.channels ? MatMatrix(2 * robot.channels.size(), rows) : MatMatrix(),
+                          MatMatrix(robot.channels.size(), rows), MatMatrix(robot.channels.size(), rows),
                           what.distances ? MatMatrix(robot.sensors, rows) : MatMatrix(),
                           what.targets ? MatMatrix(2 * columns.targets.size(), rows) : MatMatrix(),
-                          MatMatrix(2 + robot.channels.size(), 0)});
+                          MatMatrix(2 + 2 * robot.channels.size(), 0)});
   }
   for (std::size_t i = 0; i < columns.objects.size(); ++i) run.objects.emplace_back(7, rows);
   return run;
@@ -129,8 +129,9 @@ void AppendRow(const RunRow& row, const RecordWhat& what, RunMatrices& run) {
     RobotMatrices& robot = run.robots[i];
     robot.pose.Append(std::array{values.X_WR[0], values.X_WR[1], values.heading_rad});
     robot.pose_3d.Append(values.X_WR);
-    if (what.wheels) robot.wheels.Append(values.positions);
-    robot.setpoints.Append(values.setpoints);
+    if (what.channels) robot.channels.Append(values.channels);
+    robot.setpoints.Append(values.setpoints.references);
+    robot.modes.Append(values.setpoints.modes);
     if (what.distances) robot.distances.Append(values.distances_m);
     if (what.targets) robot.targets.Append(values.targets);
   }
@@ -141,13 +142,16 @@ MatValue RobotsValue(const RunColumns& columns, RunMatrices& run) {
   MatStruct robots(nullptr, columns.robots.size(), kRobotFields);
   for (std::size_t i = 0; i < columns.robots.size(); ++i) {
     RobotMatrices& robot = run.robots[i];
+    std::vector<std::string> joints;
+    for (const ChannelColumn& channel : columns.robots[i].channels) joints.push_back(channel.joint);
     robots.Set("name", MatText(columns.robots[i].name), i);
     robots.Set("type", MatText(columns.robots[i].type), i);
     robots.Set("pose", robot.pose.View(), i);
     robots.Set("pose_3d", robot.pose_3d.View(), i);
-    robots.Set("joints", MatCell(columns.robots[i].channels), i);
-    robots.Set("wheels", robot.wheels.View(), i);
+    robots.Set("joints", MatCell(joints), i);
+    robots.Set("channels", robot.channels.View(), i);
     robots.Set("setpoints", robot.setpoints.View(), i);
+    robots.Set("modes", robot.modes.View(), i);
     robots.Set("distances", robot.distances.View(), i);
     robots.Set("targets", robot.targets.View(), i);
     robots.Set("commands", robot.commands.View(), i);
@@ -266,7 +270,9 @@ std::string ExportMat(RunReader& reader, const ExportOptions& options, const std
   const auto take_row = [&](const RunRow& row) { AppendRow(row, table->what(), run); };
   const auto take_command = [&](const CommandRow& command) {
     std::vector<double> row{static_cast<double>(command.step), command.time_s};
-    row.insert(row.end(), command.setpoints.begin(), command.setpoints.end());
+    for (const std::vector<double>* values : {&command.setpoints.references, &command.setpoints.modes}) {
+      row.insert(row.end(), values->begin(), values->end());
+    }
     run.robots[command.robot].commands.Append(row);
   };
   const auto reading = [&](double share) { return !progress || progress(kShareOfReading * share); };

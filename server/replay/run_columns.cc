@@ -101,7 +101,9 @@ RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, c
       const RobotModel& model = *robot.entry.model;
       columns.robots.push_back({robot.entry.name, model.type, model.sector_count(), {}});
       for (int i = robot.first_channel; i < robot.first_channel + robot.channel_count; ++i) {
-        columns.robots.back().channels.push_back(ChannelName(*scene, static_cast<std::size_t>(i)));
+        const auto channel = static_cast<std::size_t>(i);
+        columns.robots.back().channels.push_back(
+            {ChannelName(*scene, channel), ChannelUnit(*scene, channel), {}});
       }
     }
     for (const SceneObject& object : scene->objects) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,10 +14,16 @@
 
 namespace coopdyn {
 
+struct ChannelColumn {
+  std::string joint;            // ChannelName()
+  std::string unit;             // ChannelUnit()
+  std::set<ControlMode> modes;  // of the set-points that were read so far
+};
+
 struct RobotColumn {
   std::string name, type;
-  std::size_t sensors = 0;            // distance sensors
-  std::vector<std::string> channels;  // ChannelName() of each
+  std::size_t sensors = 0;  // distance sensors
+  std::vector<ChannelColumn> channels;
 };
 
 struct TargetColumn {

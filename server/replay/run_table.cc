@@ -27,6 +27,8 @@ PoseValues ToValues(const Pose& X) {
 
 }  // namespace
 
+Setpoints::Setpoints(std::size_t channels) : references(channels, kNan), modes(channels, kNan) {}
+
 bool RowPicker::Takes(Nanoseconds time) {
   if (every_ <= 0) return true;
   if (begin_) {
@@ -167,16 +169,22 @@ std::string RunTable::Damage(std::uint64_t step) const {
                                  : reader_.error();
 }
 
+void RunTable::TakeSetpoint(std::size_t column, std::size_t channel, const Setpoint& setpoint) {
+  std::vector<ChannelColumn>& channels = columns_.robots[column].channels;
+  if (channel >= channels.size()) return;
+  in_force_[column].references[channel] = setpoint.reference;
+  in_force_[column].modes[channel] = static_cast<double>(setpoint.mode);
+  channels[channel].modes.insert(setpoint.mode);
+}
+
 void RunTable::TakeSetpoints(const SavedState& state) {
   const Frame& exact = *state.frame;
   for (std::size_t i = 0; i < columns_.robots.size(); ++i) {
-    std::fill(in_force_[i].begin(), in_force_[i].end(), kNan);
+    in_force_[i] = Setpoints(columns_.robots[i].channels.size());
     const int place = exact.scene->FindRobot(columns_.robots[i].name);
     if (place < 0) continue;
     const std::span<const ChannelState> channels = ChannelsOf(exact, place);
-    for (std::size_t k = 0; k < std::min(channels.size(), in_force_[i].size()); ++k) {
-      in_force_[i][k] = channels[k].setpoint.reference;
-    }
+    for (std::size_t k = 0; k < channels.size(); ++k) TakeSetpoint(i, k, channels[k].setpoint);
   }
 }
 
@@ -194,9 +202,7 @@ void RunTable::TakeCommands(const RecordedStep& recorded, const Places& places,
     for (; next != recorded.commands.end() && next->channel < end; ++next) {
       is_known |= next->by_client;
       if (column < 0) continue;
-      std::vector<double>& setpoints = in_force_[static_cast<std::size_t>(column)];
-      if (next->channel - first < setpoints.size())
-        setpoints[next->channel - first] = next->setpoint.reference;
+      TakeSetpoint(static_cast<std::size_t>(column), next->channel - first, next->setpoint);
     }
     if (!use || column < 0 || !is_known || !InRange(recorded.time)) continue;
     const auto at = static_cast<std::size_t>(column);
@@ -208,8 +214,9 @@ void RunTable::MakeRobot(const RecordedStep& recorded, const Places& places, std
   RobotValues& values = row_.robots[column];
   values.X_WR = kNowhere;
   values.heading_rad = kNan;
-  values.positions.assign(columns_.robots[column].channels.size(), kNan);
-  values.setpoints = values.positions;
+  const std::size_t channels = columns_.robots[column].channels.size();
+  values.channels.assign(2 * channels, kNan);
+  values.setpoints = Setpoints(channels);
   values.distances_m.assign(columns_.robots[column].sensors, kNan);
   values.targets.assign(2 * columns_.targets.size(), kNan);
   if (places.robots[column] < 0) return;
@@ -218,9 +225,11 @@ void RunTable::MakeRobot(const RecordedStep& recorded, const Places& places, std
   const Pose X_WR = RobotPose(frame_, static_cast<int>(place));
   values.X_WR = ToValues(X_WR);
   values.heading_rad = WrapAngle(Heading(X_WR.q));
-  for (std::size_t i = 0; !recorded.channels.empty() && i < values.positions.size(); ++i) {
+  for (std::size_t i = 0; !recorded.channels.empty() && i < channels; ++i) {
     if (i >= static_cast<std::size_t>(robot.channel_count)) break;
-    values.positions[i] = recorded.channels[static_cast<std::size_t>(robot.first_channel) + i].position;
+    const ChannelMotion& motion = recorded.channels[static_cast<std::size_t>(robot.first_channel) + i];
+    values.channels[i] = motion.position;
+    values.channels[channels + i] = motion.velocity;
   }
   if (HasSetpoints(robot)) values.setpoints = in_force_[column];
   if (recorded.distances.size() == places.distances) {
@@ -273,8 +282,11 @@ std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) 
   row_.robots.resize(columns_.robots.size());
   row_.objects.resize(columns_.objects.size());
   in_force_.clear();
-  for (const RobotColumn& robot : columns_.robots) in_force_.emplace_back(robot.channels.size(), kNan);
-  if (std::string damage = WhyDamaged(reader_, first_, last_); !damage.empty()) return damage;
+  for (const RobotColumn& robot : columns_.robots) in_force_.emplace_back(robot.channels.size());
+  if (!is_checked_) {
+    if (std::string damage = WhyDamaged(reader_, first_, last_); !damage.empty()) return damage;
+    is_checked_ = true;
+  }
   const SavedStatePtr keyframe = reader_.Keyframe(first_);
   if (keyframe == nullptr) return Damage(first_);
   TakeSetpoints(*keyframe);
@@ -298,7 +310,7 @@ std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) 
     TakeCommands(recorded, *places, uses.command);
     if (!InRange(recorded.time)) return true;
     const bool shown = !recorded.bodies.empty() || places->scene->body_ids.empty();
-    if (shown && picker.Takes(recorded.time)) {
+    if (uses.row && shown && picker.Takes(recorded.time)) {
       if (!MakeRow(recorded, *places)) return fail(recorded.step);
       uses.row(row_);
     }
@@ -307,7 +319,7 @@ std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) 
     if (done % kStepsPerReport == 0 && progress && !progress(std::min(share, 1.0))) error = kExportStopped;
     return error.empty();
   };
-  if (!reader_.ForEach(keyframe->frame->step, last_, false, use) && error.empty()) {
+  if (!reader_.ForEach(keyframe->frame->step, last_, !uses.row, use) && error.empty()) {
     error = Damage(last_);
   }
   return error;

@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -21,11 +20,18 @@ namespace coopdyn {
 /// x y z (m), quaternion w x y z; all nan while the thing is not in the world.
 using PoseValues = std::array<double, 7>;
 
+/// Of the channels of a robot: what is wanted of each, and in which mode (the number of a ControlMode).
+struct Setpoints {
+  Setpoints() = default;
+  explicit Setpoints(std::size_t channels);
+  std::vector<double> references, modes;
+};
+
 struct RobotValues {
   PoseValues X_WR{};
   double heading_rad = 0;           // in (−π, π]
-  std::vector<double> positions;    // of its channels, since the start; nan: not recorded
-  std::vector<double> setpoints;    // in force, of its channels; nan: not recorded
+  std::vector<double> channels;     // positions since the start, then velocities; nan: not recorded
+  Setpoints setpoints;              // in force; nan: not recorded
   std::vector<double> distances_m;  // right to left; nan: not recorded
   std::vector<double> targets;      // distance m, bearing rad of each; nan: not seen
 };
@@ -44,7 +50,7 @@ struct CommandRow {
   std::size_t robot = 0;  // its column
   std::uint64_t step = 0;
   double time_s = 0;
-  std::span<const double> setpoints;  // of its channels
+  const Setpoints& setpoints;
 };
 
 class RunTable {
@@ -62,11 +68,13 @@ class RunTable {
   /// Events of the time range, in order. An error text if they cannot be read.
   std::string ReadEvents(std::vector<Event>& events);
 
+  /// What is null is not read.
   struct Uses {
     std::function<void(const RunRow&)> row;
-    std::function<void(const CommandRow&)> command;  // may be null
+    std::function<void(const CommandRow&)> command;
   };
-  /// Reads the rows in order. Returns what is wrong (a damaged file, stopped); empty if all is well.
+  /// Reads the rows in order, and notes the modes of set-points in columns(). Returns what is wrong (a
+  /// damaged file, stopped); empty if all is well.
   std::string ForEach(const Uses& uses, const ExportProgress& progress);
 
  private:
@@ -91,6 +99,7 @@ class RunTable {
   bool HasSetpoints(const SceneRobot& robot) const {
     return what().controllers || robot.entry.controller.empty();
   }
+  void TakeSetpoint(std::size_t column, std::size_t channel, const Setpoint& setpoint);
   /// Set-points as they are after a keyframe.
   void TakeSetpoints(const SavedState& state);
   void TakeCommands(const RecordedStep& recorded, const Places& places,
@@ -106,10 +115,11 @@ class RunTable {
   Nanoseconds every_ = 0;
   std::uint64_t steps_ = 0;  // recorded in that time
   std::uint64_t max_rows_ = 0;
+  bool is_checked_ = false;                    // the file's chains
   std::map<std::uint64_t, Places> places_of_;  // by scene number
 
   // While rows are read:
-  std::vector<std::vector<double>> in_force_;  // set-points of each robot's channels, by column
+  std::vector<Setpoints> in_force_;  // of each robot, by column
   Frame frame_;
   RunRow row_;
 };
@@ -129,7 +139,7 @@ class RowPicker {
 /// Seconds from options as nanoseconds; an error text if they are none.
 std::string ToNanoseconds(const char* option, double seconds, Nanoseconds& ns);
 
-/// The frame of a recorded step for those who draw it or look up poses in it: poses, wheels, set-points as
+/// The frame of a recorded step for those who draw it or look up poses in it: poses, channels, set-points as
 /// given (none: zero), velocities zero. False if the step does not fit its scene, which must be that of it.
 bool FillFrame(const RecordedStep& recorded, std::shared_ptr<const Scene> scene, const RunHeader& header,
                Frame& frame);

@@ -85,10 +85,10 @@ const std::string& RobotOf(const Scene& scene, std::size_t channel) {
 std::optional<Difference> FindMotion(const Frame& recorded, const Frame& repeated) {
   for (std::size_t i = 0; i < recorded.channels.size(); ++i) {
     const ChannelState &a = recorded.channels[i], &b = repeated.channels[i];
-    const std::string name = ChannelName(*repeated.scene, i);
-    Difference difference = DifferenceAt(repeated, RobotOf(*repeated.scene, i), name + "_rad");
+    const std::string &name = ChannelName(*repeated.scene, i), unit = ChannelUnit(*repeated.scene, i);
+    Difference difference = DifferenceAt(repeated, RobotOf(*repeated.scene, i), name + "_" + unit);
     if (Differs(a.position, b.position, difference)) return difference;
-    difference.field = name + "_rad_s";
+    difference.field = name + "_" + SetpointUnit(unit, ControlMode::kVelocity);
     if (Differs(a.velocity, b.velocity, difference)) return difference;
   }
   for (std::size_t i = 0; i < recorded.commanded.size(); ++i) {
@@ -196,8 +196,8 @@ std::optional<Difference> FindRecordedMotion(const RecordedStep& step, const Fra
   const auto [ours, theirs] = std::mismatch(repeated.begin(), repeated.end(), step.channels.begin());
   if (ours == repeated.end()) return std::nullopt;
   const auto channel = static_cast<std::size_t>(ours - repeated.begin());
-  const auto worded = [](const ChannelMotion& motion) {
-    return fmt::format("{:.5f} rad, {} rad/s", motion.position, motion.velocity);
+  const auto worded = [unit = ChannelUnit(*frame.scene, channel)](const ChannelMotion& motion) {
+    return fmt::format("{:.5f} {}, {} {}/s", motion.position, unit, motion.velocity, unit);
   };
   return DifferenceAt(frame, RobotOf(*frame.scene, channel), ChannelName(*frame.scene, channel),
                       worded(*theirs), worded(*ours), false);
@@ -231,11 +231,11 @@ std::optional<Difference> FindSetpoint(std::span<const Setpoint> recorded, const
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     const Setpoint& ours = repeated.channels[i].setpoint;
     if (SameBits(recorded[i], ours) || (looks_at && !looks_at(i))) continue;
-    const std::string name = ChannelName(*repeated.scene, i);
-    Difference difference =
-        DifferenceAt(repeated, RobotOf(*repeated.scene, i), "setpoint_" + name + "_rad_s");
+    const std::string& name = ChannelName(*repeated.scene, i);
+    const std::string unit = SetpointUnit(ChannelUnit(*repeated.scene, i), recorded[i].mode);
+    Difference difference = DifferenceAt(repeated, RobotOf(*repeated.scene, i), name + "_setpoint_" + unit);
     if (Differs(recorded[i].reference, ours.reference, difference)) return difference;
-    difference.field = "mode_" + name;
+    difference.field = name + "_mode";
     if (Differs(static_cast<int>(recorded[i].mode), static_cast<int>(ours.mode), difference))
       return difference;
   }

@@ -41,8 +41,11 @@ for i = 1:numel(run.robots)
   same("names", r.name, run.names{i});
   same([n "pose"], r.pose, [column([n "x_m"]), column([n "y_m"]), column([n "heading_rad"])]);
   same([n "pose_3d"], r.pose_3d(:, 1:2), r.pose(:, 1:2));
-  same([n "wheels"], r.wheels, [column([n "left_rad"]), column([n "right_rad"])]);
-  same([n "setpoints"], r.setpoints, [column([n "left_rad_s"]), column([n "right_rad_s"])]);
+  same([n "joints"], r.joints, {"left_wheel_joint", "right_wheel_joint"});
+  of = @(word) [column([n r.joints{1} word]), column([n r.joints{2} word])];
+  same([n "channels"], r.channels, [of("_rad"), of("_rad_s")]);
+  same([n "setpoints"], r.setpoints, of("_setpoint_rad_s"));
+  same([n "modes"], r.modes, 3 * ones(size(r.setpoints)));
   same([n "targets"], r.targets, [column([n "red1_distance_m"]), column([n "red1_bearing_rad"])]);
   for k = 1:columns(r.distances)
     same([n "distances"], r.distances(:, k), column(sprintf("%sd%d_m", n, k)));
@@ -151,8 +154,9 @@ class ExportTest(RecordingTestCase):
             self.assertEqual(numbers, list(run.pose(name)))
             numbers = [tuple(float(row[f"{name}.d{k}_m"]) for k in range(1, 12)) for row in table]
             self.assertEqual(numbers, list(run.reading(name, "distances")))
-            numbers = [tuple(float(row[f"{name}.{field}"]) for field in ("left_rad", "right_rad")) for row in table]
-            self.assertEqual(numbers, list(run.reading(name, "wheels")))
+            columns = [f"{name}.{joint}_{unit}" for unit in ("rad", "rad_s") for joint in run.joints(name)]
+            self.assertEqual([tuple(float(row[column]) for column in columns) for row in table],
+                             list(run.reading(name, "channels")))
         numbers = [tuple(float(row[f"BOX_1.{field}"]) for field in ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"))
                    for row in table]
         self.assertEqual(numbers, list(run.pose_3d("BOX_1")))

@@ -4,7 +4,7 @@ classdef Run
 %     run = coopdyn.read_run('lesson1.mat');
 %     p = run.pose('robot1');  plot(p(:, 1), p(:, 2))    % a path
 %   k is the number of recorded moments: the first is the state that recording began with. What was not there, or not
-%   recorded at a moment, is nan. Methods: pose, pose_3d, reading, commands.
+%   recorded at a moment, is nan. Methods: pose, pose_3d, reading, joints, commands.
   properties (SetAccess = private)
     file      % its name
     info      % struct: what is known of the run as a whole, version and seed
@@ -76,9 +76,10 @@ classdef Run
 
     function r = reading(run, name, what)
     %READING What a robot read, a row for each moment: 'distances' [m], right to left, inf = nothing there; 'targets':
-    %   distance [m] and bearing [rad] of each, nan = not seen; 'wheels': angle [rad] left and right, not wrapped.
+    %   distance [m] and bearing [rad] of each, nan = not seen; 'channels': positions [rad], not wrapped, then velocities
+    %   [rad/s] of the m channels that run.joints(name) names (of a sliding joint [m], [m/s]), k x 2m.
       coopdyn.internal.need(nargin, 3, 'run.reading(''robot1'', ''distances'')');
-      known = {'distances', 'targets', 'wheels'};
+      known = {'distances', 'targets', 'channels'};
       what = char(what);
       if ~any(strcmp(known, what))
         coopdyn.internal.fail(4, ['there is no reading ''' what '''; there are: ' strjoin(known, ', ')]);
@@ -90,10 +91,18 @@ classdef Run
       end
     end
 
+    function j = joints(run, name)
+    %JOINTS The names of the joints that a robot's m channels drive, 1 x m cell: the columns of its channels and commands.
+      coopdyn.internal.need(nargin, 2, 'run.joints(''robot1'')');
+      robot = run.robot(name);
+      j = reshape(robot.joints, 1, []);
+    end
+
     function c = commands(run, name)
-    %COMMANDS The set-points of a robot, m x 4: step, time [s], left, right [rad/s] of each that came in force, with the
-    %   step in which it did; the first is what was in force when recording began. None if a loaded controller drove it
-    %   and its commands were not recorded.
+    %COMMANDS The set-points of a robot, a row for each time that some came in force: the step in which they did, time [s],
+    %   the set-points of its m channels, and their control modes: 1 position [rad], 3 velocity [rad/s], 4 effort [N m]
+    %   (0 idle, 2 direct), so 2 + 2m columns. The first row is what was in force when recording began. None if a loaded
+    %   controller drove it and its commands were not recorded.
       coopdyn.internal.need(nargin, 2, 'run.commands(''robot1'')');
       robot = run.robot(name);
       c = robot.commands;

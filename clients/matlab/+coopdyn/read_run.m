@@ -2,7 +2,7 @@
 function run = read_run(file)
 %READ_RUN Reads a recorded run: run = coopdyn.read_run('lesson1.mat'), as sim.fetch_run copies it from the daemon.
 %   run.time (k x 1), run.names, run.pose('robot1') (k x 3: x y heading), run.pose_3d(name), run.reading('robot1',
-%   'distances'), run.commands('robot1'), run.events, run.hash, run.steps, run.scenario, run.info; see coopdyn.Run.
+%   'distances'), run.joints('robot1'), run.commands('robot1'), run.events, run.hash, run.steps, run.scenario, run.info; see coopdyn.Run.
 %   A recording itself, lesson1.run, is read with the program coopdyn on this machine: on the path, or named by the
 %   environment variable COOPDYN.
   coopdyn.internal.need(nargin, 1, 'run = coopdyn.read_run(''lesson1.mat'')');
@@ -25,11 +25,15 @@ function s = load_run(file)
     loaded = load(mat);
     s = loaded.run;
     missing = setdiff({'time', 'step', 'names', 'hash', 'robots', 'objects', 'events', 'scenario'}, fieldnames(s));
+    if isempty(missing) && ~isempty(s.robots)
+      missing = strcat('robots.', setdiff({'joints', 'channels', 'modes'}, fieldnames(s.robots)));
+    end
   catch
     coopdyn.internal.fail(7, [file ' is no recording of coopdyn as a MAT file: `coopdyn export NAME.run --to mat` makes one']);
   end
   if ~isempty(missing)
-    coopdyn.internal.fail(7, [file ' is no recording of coopdyn as a MAT file: it lacks ' strjoin(missing, ', ')]);
+    coopdyn.internal.fail(7, [file ' is no recording of coopdyn as a MAT file: it lacks ' ...
+      strjoin(missing, ', ') ': `coopdyn export NAME.run --to mat` makes one']);
   end
   s.file = file;
 end

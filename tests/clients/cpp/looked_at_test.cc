@@ -129,7 +129,7 @@ TEST_F(LookedAt, OfARobotTakenFromItsControllerAClientsCommandsAreThere) {
                             std::string("import run_file as rf; rf.write_taken(\"") + file + "\")'";
   ASSERT_EQ(std::system(write.c_str()), 0);
   const RunRows commands = read_run(file).commands("m");
-  EXPECT_EQ(commands.values(), (std::vector<double>{1, 0.01, 2, 0, 2, 0.02, 3, 0}));
+  EXPECT_EQ(commands.values(), (std::vector<double>{1, 0.01, 2, 0, 3, 3, 2, 0.02, 3, 0, 3, 3}));
 }
 
 TEST_F(LookedAt, ARecordingMayHaveANameWithBlanks) {

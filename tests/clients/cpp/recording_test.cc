@@ -131,14 +131,20 @@ TEST(Recording, EveryNumberOfARunIsThatOfTheCsvExport) {
   EXPECT_EQ(csv.at("time_s"), run.time());
   const RunRows pose = run.pose("robot1"), ball = run.pose_3d("BALL_1");
   const RunRows distances = run.reading("robot1", "distances"), targets = run.reading("robot1", "targets");
-  const RunRows wheels = run.reading("robot1", "wheels"), commands = run.commands("robot1");
+  const RunRows channels = run.reading("robot1", "channels"), commands = run.commands("robot1");
   EXPECT_EQ(csv.at("robot1.x_m"), Column(pose, 0));
   EXPECT_EQ(csv.at("robot1.y_m"), Column(pose, 1));
   EXPECT_EQ(csv.at("robot1.heading_rad"), Column(pose, 2));
   EXPECT_EQ(csv.at("BALL_1.x_m"), Column(ball, 0));
   EXPECT_EQ(csv.at("BALL_1.qz"), Column(ball, 6));
-  EXPECT_EQ(csv.at("robot1.left_rad"), Column(wheels, 0));
-  EXPECT_EQ(csv.at("robot1.right_rad"), Column(wheels, 1));
+  const std::vector<std::string> joints = run.joints("robot1");
+  ASSERT_EQ(joints, (std::vector<std::string>{"left_wheel_joint", "right_wheel_joint"}));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    EXPECT_EQ(csv.at("robot1." + joints[i] + "_rad"), Column(channels, i));
+    EXPECT_EQ(csv.at("robot1." + joints[i] + "_rad_s"), Column(channels, 2 + i));
+    EXPECT_EQ(csv.at("robot1." + joints[i] + "_setpoint_rad_s"), Column(commands, 2 + i));
+    EXPECT_EQ(Column(commands, 4 + i), std::vector<double>(kSteps + 1, 3)) << "velocities";
+  }
   for (std::size_t i = 0; i < 11; ++i)
     EXPECT_EQ(csv.at("robot1.d" + std::to_string(i + 1) + "_m"), Column(distances, i));
   EXPECT_EQ(csv.at("robot1.red1_distance_m"), Column(targets, 0));
@@ -146,8 +152,6 @@ TEST(Recording, EveryNumberOfARunIsThatOfTheCsvExport) {
   ASSERT_EQ(commands.size(), kSteps + 1u);  // the start, and one with each step
   EXPECT_EQ(csv.at("step"), Column(commands, 0));
   EXPECT_EQ(csv.at("time_s"), Column(commands, 1));
-  EXPECT_EQ(csv.at("robot1.left_rad_s"), Column(commands, 2));
-  EXPECT_EQ(csv.at("robot1.right_rad_s"), Column(commands, 3));
 
   ASSERT_EQ(std::system((std::string(CLIENT_PLOT_RUN) + " " + (folder / "lesson1.run") + " robot1 > " +
                          (folder / "path.svg"))
@@ -281,8 +285,8 @@ TEST(ReadRun, ThingsThatComeAndGoAreNanWhereTheyAreNot) {
   EXPECT_EQ(Text(run.pose("b")), "6 0 0; 6 1 0; 8 2 0; 8 3 0");
   EXPECT_EQ(Text(run.reading("b", "distances")), "3 nan nan; 3 nan nan; 7 8 9; 7 8 9");
   EXPECT_EQ(Text(run.reading("b", "targets")), "3 4 nan nan; 3 4 nan nan; 7 8 5 6; 7 8 5 6");
-  EXPECT_EQ(Text(run.commands("a")), "0 0 1 0; 1 0.01 1 1");
-  EXPECT_EQ(Text(run.commands("b")), "0 0 2 0; 1 0.01 2 1; 2 0.02 3 2; 3 0.03 3 3");
+  EXPECT_EQ(Text(run.commands("a")), "0 0 1 0 3 3; 1 0.01 1 1 3 3");
+  EXPECT_EQ(Text(run.commands("b")), "0 0 2 0 3 3; 1 0.01 2 1 3 3; 2 0.02 3 2 3 3; 3 0.03 3 3 3 3");
   EXPECT_EQ(run.hash(), (std::vector<std::string>{"0000000000000000", "0000000000000000", "fffffffffffffffe",
                                                   "fffffffffffffffd"}));
   EXPECT_EQ(run.info().at("seed"), "18446744073709551615");
@@ -298,7 +302,8 @@ Error ReadAll(const std::string& file) {
     for (const std::string& name : run.names()) {
       run.pose(name);
       run.commands(name);
-      for (const char* what : {"distances", "targets", "wheels"}) run.reading(name, what);
+      run.joints(name);
+      for (const char* what : {"distances", "targets", "channels"}) run.reading(name, what);
     }
     run.time();
     run.steps();

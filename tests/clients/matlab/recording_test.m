@@ -60,8 +60,10 @@ column = @(name) str2double(rows{strcmp(head, name)});
 assert(isequal(rows{end}, run.hash) && isequal(column('time_s'), run.time));
 assert(isequal([column('robot1.x_m') column('robot1.y_m') column('robot1.heading_rad')], pose));
 assert(isequal(column('robot1.d11_m'), d(:, 11)));
-w = run.reading('robot1', 'wheels');
-assert(isequal([column('robot1.left_rad') column('robot1.right_rad')], w));
+j = strcat('robot1.', run.joints('robot1'));
+of = @(word) [column([j{1} word]) column([j{2} word])];
+assert(isequal([of('_rad') of('_rad_s')], run.reading('robot1', 'channels')));
+assert(isequal(of('_setpoint_rad_s'), c(:, 3:4)) && all(all(c(:, 5:6) == 3)));
 b = run.pose_3d('BALL_1');
 assert(isequal(column('BALL_1.z_m'), b(:, 3)));
 

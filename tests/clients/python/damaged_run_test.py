@@ -42,18 +42,24 @@ class ForeignAndDamaged(ReadRunTestCase):
         rf.close(rf.create(self.path, user_version=3))
         error = self.error_of(lambda: coopdyn.read_run(self.path))
         self.assertEqual(error.code, 5)
-        self.assertIn("format 3", error.text)
+        self.assertIn("was recorded in format 3 by a newer coopdyn", error.text)
 
     def test_an_older_format_is_to_be_recorded_again(self):
         rf.close(rf.create(self.path, user_version=1))
         error = self.error_of(lambda: coopdyn.read_run(self.path))
         self.assertEqual(error.code, 5)
-        self.assertIn("format 1", error.text)
+        self.assertIn("was recorded in format 1 by an older coopdyn", error.text)
         self.assertIn("record it again", error.text)
+
+    def test_a_format_that_never_was_is_damage(self):
+        rf.close(rf.create(self.path, user_version=-1))
+        error = self.error_of(lambda: coopdyn.read_run(self.path))
+        self.assertEqual(error.code, 7)
+        self.assertIn("its format is -1", error.text)
 
     def test_bytes_that_do_not_add_up_are_an_error_that_names_the_step(self):
         self.write_two()
-        for column, call in (("poses", lambda run: run.pose("robot2")), ("channels", lambda run: run.reading("robot2", "wheels")),
+        for column, call in (("poses", lambda run: run.pose("robot2")), ("channels", lambda run: run.reading("robot2", "channels")),
                              ("distances", lambda run: run.reading("robot2", "distances")),
                              ("targets", lambda run: run.reading("robot2", "targets")),
                              ("commands", lambda run: run.commands("robot2"))):
@@ -161,8 +167,8 @@ class ForeignAndDamaged(ReadRunTestCase):
     @staticmethod
     def read_all(run):
         for name in run.names:
-            run.pose(name), run.pose_3d(name), run.commands(name)
-            for what in ("distances", "targets", "wheels"):
+            run.pose(name), run.pose_3d(name), run.commands(name), run.joints(name)
+            for what in ("distances", "targets", "channels"):
                 run.reading(name, what)
         return run.time, run.steps, run.hash, run.events, run.scenario, run.info
 

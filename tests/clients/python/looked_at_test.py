@@ -121,7 +121,7 @@ class CommandsOfControllers(unittest.TestCase):
             self.assertEqual((caught.exception.code, caught.exception.text),
                              (5, f"the commands of auto, driven by controller diffuse, were not recorded in {run.file}; "
                                  "record with --record-what poses,controllers"))
-            self.assertEqual(list(run.commands("mini_1")), [(0, 0, 0, 0)])
+            self.assertEqual(list(run.commands("mini_1")), [(0, 0, 0, 0, 3, 3)])
 
     def test_those_that_were_recorded_are_read(self):
         with tempfile.TemporaryDirectory() as folder:

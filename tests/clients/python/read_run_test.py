@@ -70,14 +70,17 @@ class Columns(ReadRunTestCase):
         self.assertEqual(list(self.run_.reading("robot1", "targets")), [(1, -0.5, 2, 0.5)] * 3)
         self.assertEqual(self.run_.reading("robot2", "targets")[2][:2], (5, 0.125))
         self.assertTrue(math.isnan(self.run_.reading("robot2", "targets")[2][2]))
-        left, right = self.run_.reading("robot1", "wheels")[0]
+        self.assertEqual(self.run_.joints("robot1"), ["left_wheel_joint", "right_wheel_joint"])
+        left, right, *velocities = self.run_.reading("robot1", "channels")[0]
         self.assertAlmostEqual(left, -1000.5, delta=1e-9)
         self.assertAlmostEqual(right, 1e-5, delta=1e-15)
-        self.assertEqual(self.run_.reading("robot2", "wheels")[2], (2, -2))
+        self.assertEqual(velocities, [2.5, -2.5])
+        self.assertEqual(self.run_.reading("robot2", "channels")[2], (2, -2, 0.25, 0))
 
     def test_commands_are_those_that_came_in_force(self):
-        self.assertEqual(list(self.run_.commands("robot1")), [(10, 0.1, 0, 0)])
-        self.assertEqual(list(self.run_.commands("robot2")), [(10, 0.1, 0.5, -0.5), (12, 120000000 / 1e9, 7.25, 2**-30)])
+        self.assertEqual(list(self.run_.commands("robot1")), [(10, 0.1, 0, 0, 3, 3)])
+        self.assertEqual(list(self.run_.commands("robot2")), [(10, 0.1, 0.5, -0.5, 3, 3),
+                                                               (12, 120000000 / 1e9, 7.25, 2**-30, 1, 4)])
 
     def test_a_column_of_rows_is_an_array(self):
         pose = self.run_.pose("BOX_1")
@@ -87,9 +90,9 @@ class Columns(ReadRunTestCase):
 
     def test_wrong_names_are_answered_with_those_there_are(self):
         for call, code, hint in ((lambda: self.run_.pose("robot3"), 10, "robot1, robot2"),
-                                 (lambda: self.run_.reading("BOX_1", "wheels"), 10, "no robot"),
+                                 (lambda: self.run_.reading("BOX_1", "channels"), 10, "no robot"),
                                  (lambda: self.run_.commands("BOX_1"), 10, "no robot"),
-                                 (lambda: self.run_.reading("robot1", "smell"), 4, "distances, targets, wheels")):
+                                 (lambda: self.run_.reading("robot1", "smell"), 4, "distances, targets, channels")):
             error = self.error_of(call)
             self.assertEqual(error.code, code)
             self.assertIn(hint, error.text)
@@ -173,8 +176,9 @@ class Gaps(ReadRunTestCase):
         self.assertEqual(run.pose("b")[:, 1], array.array("d", [0, 1, 2, 3]))
         self.assertEqual(str(list(run.reading("b", "distances"))[1:3]), "[(3.0, nan, nan), (7.0, 8.0, 9.0)]")
         self.assertEqual(str(list(run.reading("b", "targets"))[1:3]), "[(3.0, 4.0, nan, nan), (7.0, 8.0, 5.0, 6.0)]")
-        self.assertEqual(list(run.commands("b")), [(0, 0, 2, 0), (1, 0.01, 2, 1), (2, 0.02, 3, 2), (3, 30000000 / 1e9, 3, 3)])
-        self.assertEqual(list(run.commands("a")), [(0, 0, 1, 0), (1, 0.01, 1, 1)])
+        self.assertEqual(list(run.commands("b")), [(0, 0, 2, 0, 3, 3), (1, 0.01, 2, 1, 3, 3), (2, 0.02, 3, 2, 3, 3),
+                                                     (3, 30000000 / 1e9, 3, 3, 3, 3)])
+        self.assertEqual(list(run.commands("a")), [(0, 0, 1, 0, 3, 3), (1, 0.01, 1, 1, 3, 3)])
 
     def test_what_was_not_recorded_says_how_to_record_it(self):
         self.write_two(what="poses,controllers")
@@ -192,11 +196,11 @@ class Gaps(ReadRunTestCase):
 
     def test_of_a_robot_taken_from_its_controller_a_clients_commands_are_there(self):
         rf.write_taken(self.path)
-        self.assertEqual(list(coopdyn.read_run(self.path).commands("m")), [(1, 0.01, 2, 0), (2, 0.02, 3, 0)])
+        self.assertEqual(list(coopdyn.read_run(self.path).commands("m")), [(1, 0.01, 2, 0, 3, 3), (2, 0.02, 3, 0, 3, 3)])
 
     def test_what_a_controller_sent_and_was_recorded_is_all_there(self):
         rf.write_controlled(self.path, "poses,controllers", (0, 0), (0, 2))
-        self.assertEqual(list(coopdyn.read_run(self.path).commands("m")), [(0, 0, 0, 0), (1, 0.01, 2, 0)])
+        self.assertEqual(list(coopdyn.read_run(self.path).commands("m")), [(0, 0, 0, 0, 3, 3), (1, 0.01, 2, 0, 3, 3)])
 
     def test_a_robot_of_a_swarm_is_found_among_the_commands_of_all(self):
         n = 300
@@ -208,7 +212,7 @@ class Gaps(ReadRunTestCase):
         rf.close(db)
         run = coopdyn.read_run(self.path)
         for k in (0, 1, 128, 255, 256, 257, 299):
-            self.assertEqual(list(run.commands(f"m_{k}")), [(0, 0, 0, k), (1, 0.01, k, 0)])
+            self.assertEqual(list(run.commands(f"m_{k}")), [(0, 0, 0, k, 3, 3), (1, 0.01, k, 0, 3, 3)])
         self.assertEqual(run.reading("m_7", "distances").shape, (2, 0))
 
 

@@ -88,7 +88,8 @@ class RecordingTest(DaemonTestCase):
         commands = list(self.run_.commands("robot2"))
         self.assertEqual([c[0] for c in commands], list(range(STEPS + 1)))
         difference, sum_ = commands[1][3] - commands[1][2], commands[1][3] + commands[1][2]
-        for k, (step, time, left, right) in enumerate(commands[1:]):
+        for k, (step, time, left, right, *modes) in enumerate(commands[1:]):
+            self.assertEqual(modes, [3, 3])
             self.assertEqual((step, time), (k + 1, self.run_.time[k + 1]))
             self.assertAlmostEqual(right - left, difference * math.sin(0.05 * k + 1) / math.sin(1), delta=1e-9)
             self.assertAlmostEqual(right + left, sum_, delta=1e-9)
@@ -114,16 +115,18 @@ class RecordingTest(DaemonTestCase):
             pose = self.run_.pose(name)
             for j, word in enumerate(("x_m", "y_m", "heading_rad")):
                 self.assertEqual(column(f"{name}.{word}"), list(pose[:, j]), word)
-            wheels = self.run_.reading(name, "wheels")
-            self.assertEqual([column(f"{name}.left_rad"), column(f"{name}.right_rad")], [list(wheels[:, 0]), list(wheels[:, 1])])
+            joints = [f"{name}.{joint}" for joint in self.run_.joints(name)]
+            channels = self.run_.reading(name, "channels")
+            for j, word in enumerate(joint + unit for unit in ("_rad", "_rad_s") for joint in joints):
+                self.assertEqual(column(word), list(channels[:, j]), word)
             distances = self.run_.reading(name, "distances")
             for j in range(11):
                 self.assertEqual(column(f"{name}.d{j + 1}_m"), list(distances[:, j]))
             targets = self.run_.reading(name, "targets")
             for j, word in enumerate(("red1_distance_m", "red1_bearing_rad", "green1_distance_m", "green1_bearing_rad")):
                 self.assertEqual(column(f"{name}.{word}"), list(targets[:, j]))
-            in_force = {int(c[0]): c[2:] for c in self.run_.commands(name)}
-            self.assertEqual(list(zip(column(f"{name}.left_rad_s"), column(f"{name}.right_rad_s"))),
+            in_force = {int(c[0]): c[2:4] for c in self.run_.commands(name)}
+            self.assertEqual(list(zip(*(column(joint + "_setpoint_rad_s") for joint in joints))),
                              [in_force[k] for k in range(STEPS + 1)])
 
     def test_a_run_is_copied_as_a_mat_file_too(self):

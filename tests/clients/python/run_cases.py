@@ -30,8 +30,8 @@ class ReadRunTestCase(unittest.TestCase):
                 db, 10 + k, rf.poses_blob([((1, 2, 0.5), rf.IDENTITY), ((0.1 * k, -0.2, 0.05), TURNED), ((0, 0, 0), rf.IDENTITY),
                                            ((-3, 0.25 * k, 0), TILTED)]),
                 hash=-1 if k == 0 else 2**62 + k,
-                commands=[rf.commands_blob((0, 0, 0, 0), (1, 0, 0.5, -0.5)), None, rf.commands_blob((1, 1, 7.25, 2**-30))][k % 3],
-                wheels=rf.wheels_blob((-1000.5, 0.00001, 2.5, -2.5), (k, -k, 0.25, 0)),
+                commands=[rf.commands_blob((0, 0, 0, 0), (1, 0, 0.5, -0.5)), None, rf.commands_blob((1, 1, 7.25, 2**-30, 1, 4))][k % 3],
+                channels=rf.channels_blob((-1000.5, 0.00001, 2.5, -2.5), (k, -k, 0.25, 0)),
                 distances=rf.floats_blob(0.1, math.inf, 2, 3 + k, 4),
                 targets=rf.floats_blob(1, -0.5, 2, 0.5, 3 + k, 0.125, math.nan, math.nan))
         db.execute("INSERT INTO event VALUES (1, 10, 100000000, 'note', 'here we go'), (2, 11, 110000000, 'warning', 'ouch')")

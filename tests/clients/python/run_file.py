@@ -20,10 +20,10 @@ CREATE TABLE keyframe(step INTEGER PRIMARY KEY, state BLOB);
 CREATE TABLE input(id INTEGER PRIMARY KEY, step, action TEXT, detail TEXT);
 CREATE TABLE event(id INTEGER PRIMARY KEY, step, time_ns, level TEXT, text TEXT);
 """
-META = {"format": 2, "version": "0.9", "build": "0" * 16, "cpu": "a processor", "started": "2026-01-02T03:04:05Z",
+META = {"version": "0.9", "build": "0" * 16, "cpu": "a processor", "started": "2026-01-02T03:04:05Z",
         "command": "coopdyn serve two", "scenario_name": "two", "scenario_file": "two.scenario", "scenario_seed": "3",
         "seed": "18446744073709551615", "mode": "lockstep", "step_ns": 10_000_000, "substeps": 1,
-        "what": "poses,wheels,distances,targets,controllers", "pose_every_ns": 0, "closed": 1, "lost": 0}
+        "what": "poses,channels,distances,targets,controllers", "pose_every_ns": 0, "closed": 1, "lost": 0}
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 COMPONENT = math.sqrt(2) * (2**19 - 1)
 
@@ -45,15 +45,15 @@ def poses_blob(poses, e=0):
 
 
 def commands_blob(*commands):
-    """(robot, by client, left, right), each."""
-    return b"".join(struct.pack("<IBd", 2 * robot + side | by_client << 31, 3, wheels[side])
-                    for robot, by_client, *wheels in commands for side in range(2))
+    """(robot, by client, left, right), each; velocities, or of the modes that follow."""
+    return b"".join(struct.pack("<IBd", 2 * robot + side | by_client << 31, ([*rest, 3, 3])[2 + side], rest[side])
+                    for robot, by_client, *rest in commands for side in range(2))
 
 
-def wheels_blob(*wheels):
-    """(angle left, right, speed left, right), each."""
-    return b"".join(round(w[side] / 1e-5).to_bytes(5, "little", signed=True) + struct.pack("<f", w[2 + side])
-                    for w in wheels for side in range(2))
+def channels_blob(*robots):
+    """(position left, right, velocity left, right), each."""
+    return b"".join(round(r[side] / 1e-5).to_bytes(5, "little", signed=True) + struct.pack("<f", r[2 + side])
+                    for r in robots for side in range(2))
 
 
 def floats_blob(*values):
@@ -94,9 +94,9 @@ def add_scene(db, scene, first_step, bodies, robots, targets=()):
         db.execute("INSERT INTO target VALUES (?, ?, ?, ?, 1, 2, 0)", (scene, place, place + 1, colour))
 
 
-def add_step(db, step, poses, scene=1, hash=0, commands=None, wheels=None, distances=None, targets=None, dt_ns=10_000_000):
+def add_step(db, step, poses, scene=1, hash=0, commands=None, channels=None, distances=None, targets=None, dt_ns=10_000_000):
     db.execute("INSERT INTO step VALUES (?, ?, ?, ?, ?, NULL, ?, ?, ?, ?)",
-               (step, step * dt_ns, hash, scene, commands, wheels, distances, targets, poses))
+               (step, step * dt_ns, hash, scene, commands, channels, distances, targets, poses))
 
 
 def describe_robot(db, scene, place, name, controller, waits_for=("motors", "pose")):

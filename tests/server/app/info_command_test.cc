@@ -120,7 +120,7 @@ TEST_F(InfoCommandTest, SaysWhatTheRecordingHolds) {
   ExpectLine("time      0 to 0.04 s, steps 0 to 4\n");
   ExpectLine("scenario  lesson, seed 1, free, steps of 10 ms\n");
   ExpectLine("robots    robot1 (coopbot)\n");
-  ExpectLine("recorded  poses,wheels,controllers\n");
+  ExpectLine("recorded  poses,channels,controllers\n");
   ExpectLine("2 keyframes\n");
   ExpectLine("inputs    3 commands, 1 other input\n");
   ExpectLine("lost      1 step\n");

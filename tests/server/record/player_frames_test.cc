@@ -54,8 +54,8 @@ TEST_F(PlayerFramesTest, HasWhatWasRecorded) {
   EXPECT_EQ(SpeedsOf(*frame, 0)[1], 20);
 }
 
-TEST_F(PlayerFramesTest, WheelsThatWereNotRecordedAreNoNumbers) {
-  Write({.wheels = false});
+TEST_F(PlayerFramesTest, ChannelsThatWereNotRecordedAreNoNumbers) {
+  Write({.channels = false});
   for (const std::uint64_t step : {0, 9}) {
     const auto frame = maker_->Make(step);
     ASSERT_NE(frame, nullptr) << reader_->error();

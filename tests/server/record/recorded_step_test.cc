@@ -15,7 +15,7 @@ namespace {
 
 TEST(RecordWhatTest, WordsAreReadInAnyOrder) {
   std::string unknown;
-  EXPECT_EQ(ParseRecordWhat("targets, poses,wheels", unknown), (RecordWhat{true, false, true, false}));
+  EXPECT_EQ(ParseRecordWhat("targets, poses,channels", unknown), (RecordWhat{true, false, true, false}));
   EXPECT_EQ(ParseRecordWhat("poses", unknown), RecordWhat());
   EXPECT_EQ(ParseRecordWhat("all", unknown), (RecordWhat{true, true, true, true}));
 }
@@ -26,13 +26,14 @@ TEST(RecordWhatTest, WhatIsWrittenIsReadAgain) {
     std::string unknown;
     EXPECT_EQ(ParseRecordWhat(ToString(what), unknown), what);
   }
-  EXPECT_EQ(ToString(RecordWhat{true, true, true, true}), "poses,wheels,distances,targets,controllers");
+  EXPECT_EQ(ToString(RecordWhat{true, true, true, true}), "poses,channels,distances,targets,controllers");
 }
 
 TEST(RecordWhatTest, AnUnknownWordIsNamed) {
   std::string unknown;
   EXPECT_FALSE(ParseRecordWhat("poses,weels", unknown));
   EXPECT_EQ(unknown, "weels");
+  EXPECT_FALSE(ParseRecordWhat("wheels", unknown));
   EXPECT_FALSE(ParseRecordWhat("", unknown));
   EXPECT_FALSE(ParseRecordWhat("poses,", unknown));
 }

@@ -115,10 +115,10 @@ TEST_F(RunReaderDamageTest, ADatabaseOfAnotherProgramIsNotTouched) {
   EXPECT_EQ(database->Integer("SELECT count(*) FROM meta"), 0);
 }
 
-TEST_F(RunReaderDamageTest, SaysThatANewerProgramMadeIt) {
+TEST_F(RunReaderDamageTest, SaysThatAProgramOfAnotherFormatMadeIt) {
   EXPECT_SAYS(RefusalAfter("PRAGMA user_version = 1"), "was recorded in format 1 by an older coopdyn");
-  EXPECT_SAYS(RefusalAfter("PRAGMA user_version = 3"),
-              "was made by a newer coopdyn: format 3, this one reads 2");
+  EXPECT_SAYS(RefusalAfter("PRAGMA user_version = 3"), "was recorded in format 3 by a newer coopdyn");
+  EXPECT_SAYS(RefusalAfter("PRAGMA user_version = 0"), "is damaged: its format is 0");
 }
 
 TEST_F(RunReaderDamageTest, SaysWhichWordOfTheHeaderIsWrong) {

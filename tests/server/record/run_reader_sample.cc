@@ -88,7 +88,7 @@ std::unique_ptr<RunWriter> SampleRun::Write(const std::string& file, const Optio
   const SavedState first = StateAt(0);
   RunWriterOptions write;
   write.header =
-      HeaderOf(*first.frame, Mode::kLockstep, {options.wheels, true, true, true}, options.pose_every);
+      HeaderOf(*first.frame, Mode::kLockstep, {options.channels, true, true, true}, options.pose_every);
   write.header.version = "1.2.3";
   write.header.build = "0123456789abcdef";
   write.header.started = "2026-01-02T03:04:05Z";

@@ -33,7 +33,7 @@ class SampleRun {
     std::uint64_t lost_from = 0, lost_to = 0;  // steps left out; 0: none
     bool close = true;
     std::size_t page_size = 0;
-    bool wheels = true;  // are recorded
+    bool channels = true;  // are recorded
   };
   /// Writes steps 0 … options.steps to `file`; the writer, committed, unless it was closed.
   std::unique_ptr<RunWriter> Write(const std::string& file, const Options& options) const;

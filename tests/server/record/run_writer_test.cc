@@ -31,7 +31,6 @@ TEST_F(RunWriterTest, AClosedRecordingIsOnePlainFile) {
 TEST_F(RunWriterTest, TheHeaderSaysAllAboutTheRun) {
   Close(*MakeWriter(file_, *maker_.Start(), {true, false, false, true}, 40'000'000));
   const std::pair<std::string, std::string> header[] = {
-      {"format", "2"},
       {"version", "1.2.3"},
       {"build", "0123456789abcdef"},
       {"cpu", "a processor"},
@@ -42,7 +41,7 @@ TEST_F(RunWriterTest, TheHeaderSaysAllAboutTheRun) {
       {"seed", "7"},
       {"mode", "lockstep"},
       {"step_ns", "10000000"},
-      {"what", "poses,wheels,controllers"},
+      {"what", "poses,channels,controllers"},
       {"pose_every_ns", "40000000"},
       {"lost", "0"},
   };

@@ -56,7 +56,7 @@ TEST_F(CompareTest, TwoRunsPartAtACommandWithBothExactValues) {
   EXPECT_EQ(report.difference->step, 79u);
   EXPECT_EQ(report.steps, 78u);
   EXPECT_EQ(report.difference->what, "robot2");
-  EXPECT_EQ(report.difference->field, "setpoint_left_rad_s");
+  EXPECT_EQ(report.difference->field, "left_wheel_joint_setpoint_rad_s");
   EXPECT_EQ(report.difference->recorded, "2");
   EXPECT_EQ(report.difference->repeated, "1.5");
   EXPECT_EQ(report.difference->recorded_is, File("a.run"));
@@ -216,7 +216,7 @@ TEST_F(CompareTest, EqualInputsAreNotNamed) {
   }
   const VerifyReport report = Against(File("a.run"), File("b.run"));
   ASSERT_TRUE(report.difference) << ToString(report);
-  EXPECT_EQ(report.difference->field, "setpoint_left_rad_s");
+  EXPECT_EQ(report.difference->field, "left_wheel_joint_setpoint_rad_s");
   EXPECT_THAT(report.difference->note, ::testing::Not(HasSubstr("input")));
 }
 

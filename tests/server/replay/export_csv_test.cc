@@ -32,12 +32,14 @@ TEST_F(ExportCsvTest, HeaderNamesRobotsThenThingsThatMoveThenTheHash) {
   Record({.what = {true, false, true, true}});
   EXPECT_THAT(
       Exported({.robots = std::vector<std::string>{"robot1"}}).names,
-      ElementsAre("step", "time_s", "robot1.x_m", "robot1.y_m", "robot1.heading_rad", "robot1.left_rad",
-                  "robot1.right_rad", "robot1.red1_distance_m", "robot1.red1_bearing_rad",
-                  "robot1.green1_distance_m", "robot1.green1_bearing_rad", "robot1.red2_distance_m",
-                  "robot1.red2_bearing_rad", "robot1.left_rad_s", "robot1.right_rad_s", "BOX_1.x_m",
-                  "BOX_1.y_m", "BOX_1.z_m", "BOX_1.qw", "BOX_1.qx", "BOX_1.qy", "BOX_1.qz", "BALL.x_m",
-                  "BALL.y_m", "BALL.z_m", "BALL.qw", "BALL.qx", "BALL.qy", "BALL.qz", "hash"));
+      ElementsAre("step", "time_s", "robot1.x_m", "robot1.y_m", "robot1.heading_rad",
+                  "robot1.left_wheel_joint_rad", "robot1.right_wheel_joint_rad",
+                  "robot1.left_wheel_joint_rad_s", "robot1.right_wheel_joint_rad_s", "robot1.red1_distance_m",
+                  "robot1.red1_bearing_rad", "robot1.green1_distance_m", "robot1.green1_bearing_rad",
+                  "robot1.red2_distance_m", "robot1.red2_bearing_rad",
+                  "robot1.left_wheel_joint_setpoint_rad_s", "robot1.right_wheel_joint_setpoint_rad_s",
+                  "BOX_1.x_m", "BOX_1.y_m", "BOX_1.z_m", "BOX_1.qw", "BOX_1.qx", "BOX_1.qy", "BOX_1.qz",
+                  "BALL.x_m", "BALL.y_m", "BALL.z_m", "BALL.qw", "BALL.qx", "BALL.qy", "BALL.qz", "hash"));
 }
 
 TEST_F(ExportCsvTest, RowsAreTheFramesAsFarAsTheyAreRecorded) {
@@ -56,8 +58,10 @@ TEST_F(ExportCsvTest, RowsAreTheFramesAsFarAsTheyAreRecorded) {
       EXPECT_NEAR(table.Number(i, name + "x_m"), X_WR.p.x(), 2e-6);
       EXPECT_NEAR(table.Number(i, name + "y_m"), X_WR.p.y(), 2e-6);
       EXPECT_NEAR(table.Number(i, name + "heading_rad"), Heading(X_WR.q), 4e-6);
-      EXPECT_NEAR(table.Number(i, name + "left_rad"), AnglesOf(frame, robot)[0], 0.5001e-5);
-      EXPECT_NEAR(table.Number(i, name + "right_rad"), AnglesOf(frame, robot)[1], 0.5001e-5);
+      EXPECT_NEAR(table.Number(i, name + "left_wheel_joint_rad"), AnglesOf(frame, robot)[0], 0.5001e-5);
+      EXPECT_NEAR(table.Number(i, name + "right_wheel_joint_rad"), AnglesOf(frame, robot)[1], 0.5001e-5);
+      EXPECT_EQ(table.Number(i, name + "right_wheel_joint_rad_s"),
+                static_cast<double>(static_cast<float>(SpeedsOf(frame, robot)[1])));
       const auto distances = Distances(frame, robot);
       for (std::size_t k = 0; k < distances.size(); ++k) {
         EXPECT_EQ(table.Number(i, name + "d" + std::to_string(k + 1) + "_m"),
@@ -83,8 +87,9 @@ TEST_F(ExportCsvTest, SetPointsAreThoseInForceAlsoWhenTheRangeBeginsBetweenKeyfr
     for (std::size_t i = 0; i < table.rows.size(); ++i) {
       const auto step = static_cast<std::uint64_t>(table.Number(i, "step"));
       const WheelSpeeds expected = step < 10 ? WheelSpeeds{} : ExportTest::SetpointAt(step, 1);
-      EXPECT_EQ(table.Number(i, "robot2.left_rad_s"), expected[0]) << "step " << step << " from " << from_s;
-      EXPECT_EQ(table.Number(i, "robot2.right_rad_s"), expected[1]) << "step " << step;
+      EXPECT_EQ(table.Number(i, "robot2.left_wheel_joint_setpoint_rad_s"), expected[0])
+          << "step " << step << " from " << from_s;
+      EXPECT_EQ(table.Number(i, "robot2.right_wheel_joint_setpoint_rad_s"), expected[1]) << "step " << step;
     }
   }
 }
@@ -111,7 +116,7 @@ TEST_F(ExportCsvTest, StepsRecordedWithoutPosesAreLeftOut) {
   std::vector<std::string> steps;
   for (const auto& row : table.rows) steps.push_back(row.front());
   EXPECT_THAT(steps, ElementsAre("0", "10", "20", "30", "40"));
-  EXPECT_EQ(table.Number(2, "robot1.left_rad_s"), SetpointAt(20, 0)[0]);
+  EXPECT_EQ(table.Number(2, "robot1.left_wheel_joint_setpoint_rad_s"), SetpointAt(20, 0)[0]);
 }
 
 TEST_F(ExportCsvTest, AfterLostStepsTheKeyframeThatFollowsTellsTheSetPoints) {
@@ -124,8 +129,28 @@ TEST_F(ExportCsvTest, AfterLostStepsTheKeyframeThatFollowsTellsTheSetPoints) {
   const Table table = Exported();
   ASSERT_EQ(table.rows.size(), 34U);
   EXPECT_EQ(table.rows[9].front(), "16");
-  EXPECT_EQ(table.Number(8, "robot1.left_rad_s"), 0);
-  EXPECT_EQ(table.Number(9, "robot1.left_rad_s"), SetpointAt(10, 0)[0]);
+  EXPECT_EQ(table.Number(8, "robot1.left_wheel_joint_setpoint_rad_s"), 0);
+  EXPECT_EQ(table.Number(9, "robot1.left_wheel_joint_setpoint_rad_s"), SetpointAt(10, 0)[0]);
+}
+
+TEST_F(ExportCsvTest, ModesAreThereIfTheyDifferFromVelocity) {
+  Record();
+  std::string error;
+  const auto database = Database::Open(File("run.run"), Database::Access::kReadWrite, error);
+  ASSERT_NE(database, nullptr) << error;
+  // Robot 1: of the left joint a position from step 20 on, of the right one an effort always.
+  ASSERT_TRUE(database->Try(
+      "UPDATE step SET commands = CAST(substr(commands, 1, 4) || CASE WHEN step < 20 THEN x'03' ELSE x'01' "
+      "END"
+      " || substr(commands, 6, 12) || x'04' || substr(commands, 19) AS BLOB) WHERE commands IS NOT NULL"));
+  Rechain(File("run.run"));
+  const Table table = Exported({.from_s = 0.1});
+  EXPECT_EQ(table.column_of.count("robot1.left_wheel_joint_setpoint_rad_s"), 0U);
+  EXPECT_EQ(table.Number(0, "robot1.left_wheel_joint_setpoint"), SetpointAt(10, 0)[0]);
+  EXPECT_EQ(table.Number(0, "robot1.left_wheel_joint_mode"), static_cast<double>(ControlMode::kVelocity));
+  EXPECT_EQ(table.Number(10, "robot1.left_wheel_joint_mode"), static_cast<double>(ControlMode::kPosition));
+  EXPECT_EQ(table.Number(10, "robot1.right_wheel_joint_mode"), static_cast<double>(ControlMode::kEffort));
+  EXPECT_EQ(table.column_of.count("robot2.left_wheel_joint_mode"), 0U);
 }
 
 TEST_F(ExportCsvTest, RobotsAndThingsAreChosenByName) {

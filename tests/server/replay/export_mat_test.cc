@@ -93,8 +93,11 @@ TEST_F(ExportMatTest, HoldsTheSameBitsAsTheCsv) {
     same(name + "x_m", field("pose"), 0);
     same(name + "y_m", field("pose_3d"), 1);
     same(name + "heading_rad", field("pose"), 2);
-    same(name + "right_rad", field("wheels"), 1);
-    same(name + "left_rad_s", field("setpoints"), 0);
+    same(name + "right_wheel_joint_rad", field("channels"), 1);
+    same(name + "left_wheel_joint_rad_s", field("channels"), 2);
+    same(name + "left_wheel_joint_setpoint_rad_s", field("setpoints"), 0);
+    EXPECT_EQ(Size(field("modes")), (std::array<std::size_t, 2>{k, 2}));
+    EXPECT_EQ(Number(field("modes"), k - 1, 1), static_cast<double>(ControlMode::kVelocity));
     same(name + "d11_m", field("distances"), 10);
     same(name + "green1_distance_m", field("targets"), 2);
     same(name + "red2_bearing_rad", field("targets"), 5);
@@ -111,6 +114,8 @@ TEST_F(ExportMatTest, SaysWhatTheRunIs) {
   EXPECT_EQ(*static_cast<const std::uint64_t*>(run.Field("seed")->data), 1U);
   EXPECT_EQ(Characters(Mat_VarGetCell(const_cast<matvar_t*>(run.Field("names")), 1)), "robot2");
   EXPECT_EQ(Characters(run.Field("robots", 1, "type")), "coopbot");
+  auto* joints = const_cast<matvar_t*>(run.Field("robots", 1, "joints"));
+  EXPECT_EQ(Characters(Mat_VarGetCell(joints, 1)), "right_wheel_joint");
   EXPECT_EQ(Characters(run.Field("targets", 1, "color")), "green");
   EXPECT_EQ(Number(run.Field("targets", 1, "y")), -2);
   EXPECT_EQ(Size(run.Field("targets")), (std::array<std::size_t, 2>{1, 3}));
@@ -131,17 +136,18 @@ TEST_F(ExportMatTest, CommandsAreThoseThatCameInForce) {
   Record();
   const MatRun run = Exported({.from_s = 0.05, .until_s = 0.25});
   const matvar_t* commands = run.Field("robots", 1, "commands");
-  ASSERT_EQ(Size(commands), (std::array<std::size_t, 2>{2, 4}));
+  ASSERT_EQ(Size(commands), (std::array<std::size_t, 2>{2, 6}));
   EXPECT_EQ(Number(commands, 0, 0), 10);
   EXPECT_EQ(Number(commands, 1, 1), 0.2);
   EXPECT_EQ(Number(commands, 1, 2), SetpointAt(20, 1)[0]);
   EXPECT_EQ(Number(commands, 1, 3), SetpointAt(20, 1)[1]);
+  EXPECT_EQ(Number(commands, 1, 5), static_cast<double>(ControlMode::kVelocity));
 }
 
 TEST_F(ExportMatTest, WhatWasNotRecordedIsEmpty) {
   Record({.steps = 3, .what = {}});
   const MatRun run = Exported({.objects = std::vector<std::string>{}});
-  for (const char* field : {"wheels", "distances", "targets"})
+  for (const char* field : {"channels", "distances", "targets"})
     EXPECT_EQ(run.Field("robots", 0, field)->nbytes, 0U) << field;
   EXPECT_EQ(Size(run.Field("objects")), (std::array<std::size_t, 2>{1, 0}));
   EXPECT_EQ(Size(run.Field("events")), (std::array<std::size_t, 2>{1, 0}));
@@ -162,9 +168,9 @@ TEST_F(ExportMatTest, OfAControllerThatWasNotRecordedThereAreOnlyCommandsOfClien
   }
   const MatRun run = Exported();
   const auto commands = [&run](std::size_t robot) { return run.Field("robots", robot, "commands"); };
-  EXPECT_EQ(Size(commands(0)), (std::array<std::size_t, 2>{1, 4})) << "before the first step";
-  EXPECT_EQ(Size(commands(1)), (std::array<std::size_t, 2>{0, 4}));
-  ASSERT_EQ(Size(commands(2)), (std::array<std::size_t, 2>{1, 4}));
+  EXPECT_EQ(Size(commands(0)), (std::array<std::size_t, 2>{1, 6})) << "before the first step";
+  EXPECT_EQ(Size(commands(1)), (std::array<std::size_t, 2>{0, 6}));
+  ASSERT_EQ(Size(commands(2)), (std::array<std::size_t, 2>{1, 6}));
   EXPECT_EQ(Number(commands(2), 0, 0), 11);
   EXPECT_EQ(Number(commands(2), 0, 3), 5);
 }

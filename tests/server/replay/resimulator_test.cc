@@ -76,7 +76,7 @@ TEST_F(ResimulatorTest, ABitOfAControllersCommandIsNamedByItsStep) {
   ASSERT_TRUE(report.difference) << ToString(report);
   EXPECT_EQ(report.difference->step, 31u);
   EXPECT_THAT(report.difference->what, ::testing::StartsWith("m_"));
-  EXPECT_EQ(report.difference->field, "setpoint_left_rad_s");
+  EXPECT_EQ(report.difference->field, "left_wheel_joint_setpoint_rad_s");
   EXPECT_TRUE(report.difference->exact);
 }
 
