@@ -85,7 +85,8 @@ const std::string& RobotOf(const Scene& scene, std::size_t channel) {
 std::optional<Difference> FindMotion(const Frame& recorded, const Frame& repeated) {
   for (std::size_t i = 0; i < recorded.channels.size(); ++i) {
     const ChannelState &a = recorded.channels[i], &b = repeated.channels[i];
-    const std::string &name = ChannelName(*repeated.scene, i), unit = ChannelUnit(*repeated.scene, i);
+    const std::string& name = ChannelName(*repeated.scene, i);
+    const std::string unit = ChannelUnit(*repeated.scene, i);
     Difference difference = DifferenceAt(repeated, RobotOf(*repeated.scene, i), name + "_" + unit);
     if (Differs(a.position, b.position, difference)) return difference;
     difference.field = name + "_" + SetpointUnit(unit, ControlMode::kVelocity);
