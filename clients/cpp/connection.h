@@ -40,6 +40,8 @@ class Connection {
   Connection(const Address& address, std::string module, bool drives, int team_number = 1);
 
   const std::string& module() const { return module_; }
+  /// The one that Open() opens from now on.
+  void set_module(std::string module) { module_ = std::move(module); }
   bool is_open() const { return socket_.fd() >= 0; }
   bool busy() const { return busy_; }
   int fd() const { return socket_.fd(); }

@@ -35,6 +35,11 @@ struct RobotLink {
   Message Read(const std::string& module, Request request);
   /// The attached readings of the newest frame: the first reading of each module.
   Message Sense();
+  /// Of the module of this type or name: "/robot1/motors".
+  std::string Path(const std::string& module) const;
+  /// After error 10: a model may call its motors module `legs`. True if the connection is to another module
+  /// now.
+  bool FindAgain(const std::string& module, Connection& connection);
   /// Opens the connection to the motors, and claims the robot unless the session watches.
   void OpenMotors();
   /// Waits until the motors' connection is free for a request.
@@ -54,6 +59,7 @@ struct RobotLink {
   std::unique_ptr<Connection> motors;                          // null: it has no motors, or `in_team`
   std::map<std::string, std::unique_ptr<Connection>> readers;  // by module
   std::map<std::string, std::unique_ptr<Connection>> pushers;  // subscriptions, by module
+  std::map<std::string, std::string> modules;                  // names by type, once they were needed
   std::optional<Command> kept;                                 // for the next step
   std::optional<Command> sent;                                 // its reply has not come yet
   std::int64_t sent_at = 0;                                    // the newest step when it was sent
@@ -61,12 +67,12 @@ struct RobotLink {
   std::int64_t unstepped_since = 0;                            // the step of the first of them
   std::optional<Error> lost;                                   // why it is not ours any more
   bool commanded = false;                                      // by this program, ever
-  bool unclaimed = false;  // only looked at: when it was last asked for a recording was played, or
-  bool another = false;    // another had it; then not asked for again before it is commanded
-  bool in_team = false;    // a team of ours drives it: for reading only
-  std::vector<std::string> attached;
-  std::optional<Message> carried;  // the readings that came with the reply to the last step
-  double labels_step = -1;         // of ids and colours of the targets
+  bool unclaimed = false;             // only looked at: when it was last asked for a recording was played, or
+  bool another = false;               // another had it; then not asked for again before it is commanded
+  bool in_team = false;               // a team of ours drives it: for reading only
+  std::vector<std::string> attached;  // types of modules, in the order of their readings
+  std::optional<Message> carried;     // the readings that came with the reply to the last step
+  double labels_step = -1;            // of ids and colours of the targets
   Deadline labels_until{};
   std::vector<std::int32_t> ids;
   std::vector<std::string> colours;
@@ -74,6 +80,8 @@ struct RobotLink {
  private:
   void Claim();
   bool AwaitCommand();
+  /// Has every reply to get_time bring the readings of these modules.
+  void AttachTo(Connection& connection, const std::vector<std::string>& types) const;
   void Attach();
   Connection& AttachedConnection(const std::string& module);
 };

@@ -222,8 +222,13 @@ void Robot::subscribe(const std::string& module, int n) {
   link_->pushers.erase(module);
   if (n == 0) return;
   if (n < 0) throw Error(4, "n must be at least 1, or 0 to end the subscription");
-  auto connection = std::make_unique<Connection>(session_->address(), "/" + name() + "/" + module, false);
-  connection->Open();
+  auto connection = std::make_unique<Connection>(session_->address(), link_->Path(module), false);
+  try {
+    connection->Open();
+  } catch (const Error& e) {
+    if (e.code() != kNoSuchName || !link_->FindAgain(module, *connection)) throw;
+    connection->Open();
+  }
   connection->Ask({command::kSubscribe, {n}});
   link_->pushers[module] = std::move(connection);
 }
@@ -265,8 +270,10 @@ Update Robot::next(const std::string& module, double timeout) {
 
 Reply Robot::call(const std::string& module, const std::string& command, std::vector<std::int32_t> params,
                   std::vector<double> data, const std::string& text, double timeout) {
-  return Simulation(session_).call("/" + name() + "/" + module, command, std::move(params), std::move(data),
-                                   text, timeout);
+  session_->RequireOpen();
+  if (link_->modules.empty()) link_->modules = session_->ModulesOf(name());
+  return Simulation(session_).call(link_->Path(module), command, std::move(params), std::move(data), text,
+                                   timeout);
 }
 
 }  // namespace coopdyn::client

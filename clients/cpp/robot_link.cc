@@ -2,7 +2,6 @@
 #include "clients/cpp/links.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "clients/cpp/session.h"
@@ -29,6 +28,18 @@ void RobotLink::Close() {
   pushers.clear();
 }
 
+std::string RobotLink::Path(const std::string& module) const {
+  const auto known = modules.find(module);
+  return "/" + robot + "/" + (known != modules.end() ? known->second : module);
+}
+
+bool RobotLink::FindAgain(const std::string& module, Connection& connection) {
+  modules = session.ModulesOf(robot);
+  const std::string before = connection.module();
+  connection.set_module(Path(module));
+  return connection.module() != before;
+}
+
 void RobotLink::OpenMotors() {
   sent.reset();
   carried.reset();
@@ -42,7 +53,7 @@ void RobotLink::OpenMotors() {
           throw;  // not possible: a recording is played; reading goes on
       }
     }
-    if (!attached.empty()) motors->Ask({.command = command::kAttach, .text = Join(attached, " ")});
+    if (!attached.empty()) AttachTo(*motors, attached);
     if (session.watches() || unclaimed) session.Note(motors->Ask({command::kGetTime}));
   } catch (...) {
     motors->Close();
@@ -170,28 +181,34 @@ Message RobotLink::Read(const std::string& module, Request request) {
   std::unique_ptr<Connection>& reader = readers[module];
   // What a robot sends is its driver's to say: that connection has the driver's name.
   const bool sends = module == "neighbours" && !session.watches();
-  if (!reader) reader = std::make_unique<Connection>(session.address(), "/" + robot + "/" + module, sends);
+  if (!reader) reader = std::make_unique<Connection>(session.address(), Path(module), sends);
   try {
     return session.Fresh(session.Ask(*reader, request), session.reached());
   } catch (const Error& e) {
     if (e.code() != kNoSuchName || reader->is_open()) throw;
     const std::vector<std::string> names = session.RobotNames();
     if (std::find(names.begin(), names.end(), robot) == names.end()) throw session.NewWorld(kLoad);
+    if (FindAgain(module, *reader)) return Read(module, std::move(request));
     if (module != "neighbours" && module != "compass") throw;
     throw Error(kNotPossible, robot + " has no module " + module + ", its type has none: a robot of type " +
                                   "minibot has one, or add it to the robot's model.sdf (docs/formats.md)");
   }
 }
 
+void RobotLink::AttachTo(Connection& connection, const std::vector<std::string>& types) const {
+  std::vector<std::string> names;
+  for (const std::string& type : types) names.push_back(Path(type).substr(robot.size() + 2));
+  connection.Ask({.command = command::kAttach, .text = Join(names, " ")});
+}
+
 void RobotLink::Attach() {
-  std::set<std::string> names;
-  for (const Module& module : session.address().Modules()) names.insert(module.name);
+  modules = session.ModulesOf(robot);
   std::vector<std::string> readable;
   for (const char* module : {"motors", "distance", "target", "pose", "compass"}) {
-    if (names.contains("/" + robot + "/" + module)) readable.emplace_back(module);
+    if (modules.contains(module)) readable.emplace_back(module);
   }
   if (readable.empty()) throw Error(kNoSuchName, robot + " has no readings");
-  AttachedConnection(readable[0]).Ask({.command = command::kAttach, .text = Join(readable, " ")});
+  AttachTo(AttachedConnection(readable[0]), readable);
   attached = std::move(readable);
 }
 
@@ -201,10 +218,10 @@ Connection& RobotLink::AttachedConnection(const std::string& module) {
     return *motors;
   }
   std::unique_ptr<Connection>& reader = readers["attached"];
-  if (!reader) reader = std::make_unique<Connection>(session.address(), "/" + robot + "/" + module, false);
+  if (!reader) reader = std::make_unique<Connection>(session.address(), Path(module), false);
   if (!reader->Alive()) {
     reader->Open();
-    if (!attached.empty()) reader->Ask({.command = command::kAttach, .text = Join(attached, " ")});
+    if (!attached.empty()) AttachTo(*reader, attached);
   }
   return *reader;
 }

@@ -64,13 +64,33 @@ Json Session::Status() {
 
 std::vector<std::string> Session::RobotNames() {
   std::vector<std::string> names;
+  for (const Json& robot : Robots()) names.push_back(robot["name"].text());
+  return names;
+}
+
+std::map<std::string, std::string> Session::ModulesOf(const std::string& robot) {
+  std::map<std::string, std::string> names;
+  for (const Json& status : Robots()) {
+    if (status["name"].text() != robot) continue;
+    for (const Json& module : status["modules"].items()) {
+      const std::string& type = module["type"].text();
+      const std::string& path = module["name"].text();
+      const std::string name = path.substr(path.rfind('/') + 1);
+      if (name == type || !names.contains(type)) names[type] = name;
+    }
+  }
+  return names;
+}
+
+std::vector<Json> Session::Robots() {
+  std::vector<Json> robots;
   while (true) {  // one status lists only a part of them
-    const auto first = static_cast<std::int32_t>(names.size() + 1);
+    const auto first = static_cast<std::int32_t>(robots.size() + 1);
     const Json status = Json::Parse(Control({command::kGetStatus, {first, kStatusRobots}}).text);
-    const std::vector<Json>& robots = status["robots"].items();
-    for (const Json& robot : robots) names.push_back(robot["name"].text());
-    if (robots.size() < kStatusRobots || static_cast<double>(names.size()) >= status["robot_count"].number())
-      return names;
+    const std::vector<Json>& more = status["robots"].items();
+    robots.insert(robots.end(), more.begin(), more.end());
+    if (more.size() < kStatusRobots || static_cast<double>(robots.size()) >= status["robot_count"].number())
+      return robots;
   }
 }
 
@@ -124,21 +144,20 @@ std::shared_ptr<RobotLink> Session::Drive(const std::string& robot) {
   auto link = std::make_shared<RobotLink>(*this, robot);
   link->in_team = in_team;
   if (!in_team) {
-    link->motors = std::make_unique<Connection>(address_, "/" + robot + "/motors", !watch_);
+    link->motors = std::make_unique<Connection>(address_, link->Path("motors"), !watch_);
     try {
       link->OpenMotors();
     } catch (const Error& e) {
       if (e.code() != kNoSuchName) throw;
-      std::set<std::string> robots;
-      for (const Module& module : address_.Modules()) {
-        const std::size_t slash = module.name.find('/', 1);
-        if (slash != std::string::npos) robots.insert(module.name.substr(1, slash - 1));
+      const std::vector<std::string> robots = RobotNames();
+      if (std::find(robots.begin(), robots.end(), robot) == robots.end())
+        throw Error(kNoSuchName, "there is no robot '" + robot + "'; " + Nearest(robot, robots) +
+                                     "there are: " + ListOf(robots));
+      if (link->FindAgain("motors", *link->motors)) {
+        link->OpenMotors();
+      } else {
+        link->motors.reset();  // it has no motors: it can be read only
       }
-      if (!robots.contains(robot))
-        throw Error(kNoSuchName, "there is no robot '" + robot + "'; " +
-                                     Nearest(robot, {robots.begin(), robots.end()}) +
-                                     "there are: " + ListOf({robots.begin(), robots.end()}));
-      link->motors.reset();  // it has no motors: it can be read only
     }
   }
   links_.push_back(link);
@@ -327,6 +346,7 @@ std::vector<std::string> Session::Loaded() {
     gone.push_back(link->robot);
     return true;
   });
+  for (const auto& link : links_) link->modules.clear();
   return gone;
 }
 

@@ -47,6 +47,8 @@ class Session {
   Json Status();
   /// The names of all robots, in the order of the scenario.
   std::vector<std::string> RobotNames();
+  /// The names of a robot's modules by type: of several of a type the one named like it, else the first.
+  std::map<std::string, std::string> ModulesOf(const std::string& robot);
   /// What a module says about its commands.
   Json Describe(const std::string& module);
   /// On a connection that is opened again if it broke since it was last used.
@@ -114,6 +116,8 @@ class Session {
     std::int64_t earliest;  // step
   };
 
+  /// What the status tells of all robots.
+  std::vector<Json> Robots();
   Connection& Of(const std::string& module);
   void GoOn(std::int64_t step, std::int64_t since);
   std::vector<Waiting> WhoSteps(const TeamCommand& command);

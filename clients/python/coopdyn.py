@@ -1009,6 +1009,7 @@ class _Link:
         self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors", drives=not session.watch)
         self.readers: Dict[str, _Connection] = {}
         self.pushers: Dict[str, _Connection] = {}
+        self.modules: Dict[str, str] = {}  # names by type, once they were needed
         self.kept: Optional[Tuple[int, Tuple[float, ...]]] = None  # for the next step
         self.sent: Optional[Tuple[int, Tuple[float, ...]]] = None  # its reply has not come yet
         self.sent_at = 0  # the newest step when it was sent
@@ -1018,7 +1019,7 @@ class _Link:
         self.commanded = False  # by this program, ever
         self.unclaimed = False  # only read: a recording was played when it was last asked for, or
         self.another = False  # another program had it; it is asked for again with the next command
-        self.attached: List[str] = []
+        self.attached: Dict[str, str] = {}  # modules by type, in the order of their readings
         self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
         self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
 
@@ -1027,6 +1028,10 @@ class _Link:
 
     def forget_commands(self) -> None:
         self.kept = self.sent = self.carried = None
+
+    def path(self, module: str) -> str:
+        """Of the module of this type or name."""
+        return f"/{self.robot}/{self.modules.get(module, module)}"
 
     def is_among(self, robots: "set[str]") -> bool:
         return self.robot in robots
@@ -1325,7 +1330,7 @@ class _Session:
             except _Closed as e:
                 raise self.lose(link, e) from None
         sends = module == "neighbours" and not self.watch  # what a robot sends is its driver's to say
-        connection = link.readers.setdefault(module, _Connection(self.address, f"/{link.robot}/{module}", drives=sends))
+        connection = link.readers.setdefault(module, _Connection(self.address, link.path(module), drives=sends))
         try:
             return self.fresh(self.ask(connection, command, params, data, text), self.reached)
         except Error as e:
@@ -1333,6 +1338,8 @@ class _Session:
                 raise
             if link.robot not in self.robot_names():
                 raise self.world_reset("load") from None
+            if self.find_again(link, module, connection):
+                return self.read(link, module, command, params, text, data)
             if module not in ("neighbours", "compass"):
                 raise
             raise Error(5, f"{link.robot} has no module {module}, its type has none: a robot of type minibot has one, "
@@ -1365,11 +1372,14 @@ class _Session:
         except Error as e:
             if e.code != 10:
                 raise
-            modules = self.address.modules()
-            if not any(m.name.startswith(f"/{robot}/") for m in modules):
-                robots = sorted({m.name.split("/")[1] for m in modules if m.name.count("/") == 2})
+            robots = self.robot_names()
+            if robot not in robots:
                 raise Error(10, f"there is no robot {robot!r}; {_nearest(robot, robots)}there are: {_list_of(robots)}") from None
-            link.motors = None  # it has no motors: it can be read only
+            assert link.motors is not None
+            if self.find_again(link, "motors", link.motors):
+                self.open_motors(link)
+            else:
+                link.motors = None  # it has no motors: it can be read only
         if in_team:
             link.motors = None
         self.links = [other for other in self.links if other.robot != robot] + [link]
@@ -1388,7 +1398,7 @@ class _Session:
                     if e.code != 5 and not link.another:  # 5: a recording is played; reading goes on
                         raise
             if link.attached:
-                link.motors.request(_ATTACH, text=" ".join(link.attached))
+                link.motors.request(_ATTACH, text=" ".join(link.attached.values()))
             if self.watch or link.unclaimed:
                 self.note(link.motors.request(_GET_TIME))
         except BaseException:
@@ -1536,12 +1546,33 @@ class _Session:
 
     def robot_names(self) -> List[str]:
         """Of all robots, in the order of the scenario."""
-        names: List[str] = []
+        return [robot["name"] for robot in self.robots()]
+
+    def robots(self) -> List[Dict[str, Any]]:
+        """What the status tells of all robots."""
+        robots: List[Dict[str, Any]] = []
         while True:  # one status lists only a part of them
-            status = json.loads(self.control(_GET_STATUS, (len(names) + 1, _LISTED)).text)
-            names += [robot["name"] for robot in status["robots"]]
-            if not status["robots"] or len(names) >= int(status.get("robot_count") or 0):
-                return names
+            status = json.loads(self.control(_GET_STATUS, (len(robots) + 1, _LISTED)).text)
+            robots += status["robots"]
+            if not status["robots"] or len(robots) >= int(status.get("robot_count") or 0):
+                return robots
+
+    def modules_of(self, robot: str) -> Dict[str, str]:
+        """The names of its modules by type: of several of a type the one named like it, else the first."""
+        names: Dict[str, str] = {}
+        for status in self.robots():
+            if status["name"] == robot:
+                for module in status.get("modules", []):
+                    name = module["name"].split("/")[-1]
+                    if name == module["type"] or module["type"] not in names:
+                        names[module["type"]] = name
+        return names
+
+    def find_again(self, link: _Link, module: str, connection: _Connection) -> bool:
+        """After error 10: a model may call its motors module `legs`. True if the connection is to another module now."""
+        link.modules = self.modules_of(link.robot)
+        before, connection.module = connection.module, link.path(module)
+        return connection.module != before
 
     def plays(self) -> bool:
         """A recording is played."""
@@ -1862,6 +1893,8 @@ class _Session:
             for connection in link.connections():
                 connection.close()
         self.links = [link for link in self.links if link.lost is None]
+        for link in self.links:
+            link.modules = {}
         return [link.robot for link in gone]
 
     def jumped(self) -> None:
@@ -2098,8 +2131,13 @@ class Robot:
             old.close()
         if n == 0:
             return
-        connection = _Connection(self._session.address, f"/{self.name}/{module}")
-        connection.open(self._session.address.timeout)
+        connection = _Connection(self._session.address, self._link.path(module))
+        try:
+            connection.open(self._session.address.timeout)
+        except Error as e:
+            if e.code != 10 or not self._session.find_again(self._link, module, connection):
+                raise
+            connection.open(self._session.address.timeout)
         connection.request(_SUBSCRIBE, (_count(n, "n"),))
         self._link.pushers[module] = connection
 
@@ -2137,31 +2175,35 @@ class Robot:
         text: str = "", timeout: Optional[float] = None,
     ) -> Reply:
         """The raw message to one of this robot's modules, e.g. `r.call("motors", "set_velocity", data=[0.2, 0])`."""
-        return _call(self._session, f"/{self.name}/{module}", command, params, data, text, timeout)
+        self._session.require_open()
+        if not self._link.modules:
+            self._link.modules = self._session.modules_of(self.name)
+        return _call(self._session, self._link.path(module), command, params, data, text, timeout)
 
     # --- inside ---
     def _get(self, module: str, command: int, params: Sequence[int] = (), text: str = "") -> Any:
         return _reading_value(command, self._session.read(self._link, module, command, params, text))
 
     def _attach(self, link: _Link) -> None:
-        names = {m.name for m in self._session.address.modules()}
-        readable = [m for m in ("motors", "distance", "target", "pose", "compass") if f"/{link.robot}/{m}" in names]
+        names = link.modules = self._session.modules_of(link.robot)
+        readable = {m: names[m] for m in ("motors", "distance", "target", "pose", "compass") if m in names}
         if not readable:
             raise Error(10, f"{link.robot} has no readings")
         connection = self._attached_connection(link, readable)
-        connection.request(_ATTACH, text=" ".join(readable))
+        connection.request(_ATTACH, text=" ".join(readable.values()))
         link.attached = readable
 
-    def _attached_connection(self, link: _Link, readable: Sequence[str]) -> _Connection:
+    def _attached_connection(self, link: _Link, readable: Dict[str, str]) -> _Connection:
         session = self._session
         if link.motors is not None:
             session.settle(link)
             return link.motors
-        connection = link.readers.setdefault("attached", _Connection(session.address, f"/{link.robot}/{readable[0]}"))
+        first = next(iter(readable.values()))
+        connection = link.readers.setdefault("attached", _Connection(session.address, f"/{link.robot}/{first}"))
         if connection.sock is None or connection.busy:
             connection.open(session.address.timeout)
             if link.attached:
-                connection.request(_ATTACH, text=" ".join(link.attached))
+                connection.request(_ATTACH, text=" ".join(link.attached.values()))
         return connection
 
     def _ask_attached(self, link: _Link) -> Message:

@@ -246,8 +246,15 @@ classdef Robot < handle
         return
       end
       n = coopdyn.internal.count(n, 'n');
-      c = coopdyn.internal.Connection(session.address, ['/' r.name '/' module]);
-      c.open();
+      c = coopdyn.internal.Connection(session.address, r.link.path(module));
+      try
+        c.open();
+      catch cause
+        if ~strcmp(cause.identifier, 'coopdyn:no_such_name') || ~r.link.find_again(session, module, c)
+          rethrow(cause);
+        end
+        c.open();
+      end
       c.request(4, n, []);
       r.link.pushers.(module) = c;
     end
@@ -302,7 +309,11 @@ classdef Robot < handle
       if nargin < 5, data = []; end
       if nargin < 4, params = []; end
       options = coopdyn.internal.options(varargin, struct('timeout', Inf));
-      reply = coopdyn.internal.raw_call(r.session, ['/' r.name '/' char(module)], command, params, data, text, options.timeout);
+      r.session.require_open();
+      if isempty(fieldnames(r.link.modules))
+        r.link.modules = coopdyn.internal.modules_of(r.session, r.name);
+      end
+      reply = coopdyn.internal.raw_call(r.session, r.link.path(char(module)), command, params, data, text, options.timeout);
     end
   end
   methods (Access = private)
@@ -312,17 +323,22 @@ classdef Robot < handle
     end
 
     function attach(r)
-      names = coopdyn.internal.ask_names(r.session.address);
-      names = {names.name};
+      link = r.link;
+      link.modules = coopdyn.internal.modules_of(r.session, r.name);
       readable = {'motors', 'distance', 'target', 'pose', 'compass'};
-      readable = readable(cellfun(@(m) any(strcmp(names, ['/' r.name '/' m])), readable));
+      readable = readable(isfield(link.modules, readable));
       if isempty(readable)
         coopdyn.internal.fail(10, [r.name ' has no readings']);
       end
       c = r.attached_connection(readable);
-      c.request(9, [], [], strjoin(readable, ' '));
-      r.link.attached = readable;
-      r.link.carried = [];
+      link.attached = readable;
+      try
+        link.attach(c);
+      catch cause
+        link.attached = {};
+        rethrow(cause);
+      end
+      link.carried = [];
     end
 
     function c = attached_connection(r, readable)
@@ -337,7 +353,7 @@ classdef Robot < handle
       if ~c.alive()
         c.open();
         if ~isempty(link.attached)
-          c.request(9, [], [], strjoin(link.attached, ' '));
+          link.attach(c);
         end
       end
     end

@@ -4,6 +4,7 @@ import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
 import {byId, say, setText} from './dom.js';
+import {ofType} from './lines.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
 import {Strip} from './strip.js';
@@ -21,13 +22,13 @@ new View(connection);
 
 const RETRY_MS = 2000;
 let asked = 0;
-async function refreshModules() {
+async function refreshModules(listed) {
   const turn = ++asked;
   try {
     const answer = await (await fetch('api/modules')).json();
     if (turn !== asked) return;  // a later question is under way
     robots.setNamePort(answer.name_port);
-    lines.setModules(answer.modules);
+    lines.setModules(answer.modules, listed.map((robot) => ofType(robot.modules, 'motors')).find(Boolean)?.name);
     showVersion(answer.version);
     await controls.refreshScenarios();
   } catch {  // the banner says if the daemon is gone
@@ -51,7 +52,7 @@ connection.addEventListener('status', ({detail: status}) => {
   const key = moduleKey(status);
   if (key === known) return;
   known = key;
-  refreshModules();
+  refreshModules(status.robots);
 });
 connection.addEventListener('silence', () => strip.update(null));
 let unlocking = false;

@@ -35,13 +35,13 @@ export class Console {
     connection.addEventListener('push', ({detail}) => this.#pushed(detail));
   }
 
-  setModules(modules) {
+  /** `first`: the name of the one that is chosen to begin with. */
+  setModules(modules, first) {
     const chosen = this.#module.value;
     const own = modules.filter((module) => !module.external);
     this.#module.replaceChildren(...own.map((module) => make('option', {value: module.name}, module.name)));
-    const first = own.find((module) => module.name.endsWith('/motors'));
-    if (own.some((module) => module.name === chosen)) this.#module.value = chosen;
-    else if (first) this.#module.value = first.name;
+    const wanted = [chosen, first].find((name) => own.some((module) => module.name === name));
+    if (wanted) this.#module.value = wanted;
   }
 
   async #learn() {

@@ -7,10 +7,16 @@ const DEFAULT_NAME_PORT = 10000;
 /** The host for a command line: an IPv6 address without its brackets. */
 const plainHost = () => location.hostname.replace(/^\[|\]$/g, '');
 
+/** The module of a type, of several the one named like it, of what the status tells of a robot. */
+export function ofType(modules, type) {
+  const all = modules.filter((module) => module.type === type);
+  return all.find((module) => module.name.endsWith(`/${type}`)) ?? all[0];
+}
+
 /** [title, lines] for each client. */
 export function linesFor(robot, modules, namePort) {
   const server = namePort === DEFAULT_NAME_PORT ? location.hostname : `${location.hostname}:${namePort}`;
-  const motors = modules.find((module) => module.name.endsWith('/motors')) ?? modules[0];
+  const motors = ofType(modules, 'motors') ?? modules[0];
   const lines = [];
   if (namePort > 0) {
     lines.push(['MATLAB', `sim = coopdyn.connect("${server}");\nr = sim.robot("${robot}");`]);

@@ -11,8 +11,8 @@ const degrees = (rad) => (typeof rad === 'number' ? (rad * 180) / Math.PI : rad)
 const inColumn = (text) => text.padStart(4, '\u2007');
 
 /** Rows of [name, text] for the first reading of a module. */
-function describeReading(module, data, colours) {
-  switch (module) {
+function describeReading({name, type}, data, colours) {
+  switch (type) {
     case 'pose':
       return [
         ['position', `${showNumber(data[0], 2)}, ${showNumber(data[1], 2)} m`],
@@ -22,7 +22,7 @@ function describeReading(module, data, colours) {
     case 'motors':
       return [['wheels', `${showNumber(data[2], 1)}, ${showNumber(data[3], 1)} rad/s`]];
     case 'compass':
-      return [['compass', `${showNumber(degrees(data[0]), 0)}°`]];
+      return [[name, `${showNumber(degrees(data[0]), 0)}°`]];
     case 'distance':
       return [['distances', data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
     case 'target': {
@@ -34,7 +34,7 @@ function describeReading(module, data, colours) {
       return [['targets', targets.length > 0 ? targets.join('; ') : 'none']];
     }
     default:
-      return [[module, data.map((value) => showNumber(value, 3)).join('  ')]];
+      return [[name, data.map((value) => showNumber(value, 3)).join('  ')]];
   }
 }
 
@@ -49,10 +49,11 @@ export class Readings {
   #stopped = false;
   element = make('dl', {class: 'readings'});
 
+  /** `modules`: name and type of each. */
   constructor(connection, robot, modules) {
     this.#connection = connection;
     this.#robot = robot;
-    const rank = (module) => (order.includes(module) ? order.indexOf(module) : order.length);
+    const rank = ({type}) => (order.includes(type) ? order.indexOf(type) : order.length);
     this.#modules = [...modules].sort((a, b) => rank(a) - rank(b));
     this.#poll();
   }
@@ -63,7 +64,7 @@ export class Readings {
     this.#connection.send({type: 'close', module: this.#home, channel: 'readings'});
   }
 
-  get #home() { return `/${this.#robot}/${this.#modules[0]}`; }
+  get #home() { return `/${this.#robot}/${this.#modules[0].name}`; }
 
   async #poll() {
     if (!document.hidden && this.#connection.isOpen && this.#modules.length > 0) await this.#read();
@@ -74,14 +75,15 @@ export class Readings {
     const call = (request) =>
       this.#connection.call({module: this.#home, channel: 'readings', ...request});
     if (!this.#attached) {
-      const reply = await call({command: 'attach', text: this.#modules.join(' ')});
+      const reply = await call({command: 'attach', text: this.#modules.map(({name}) => name).join(' ')});
       if (this.#stopped) return;  // another call would open the connection again
       if (reply.error !== 0) return this.#show([['', reply.text]]);
       this.#attached = true;
-      if (this.#modules.includes('target')) {
-        const targets = await this.#connection.call(
-          {module: `/${this.#robot}/target`, channel: 'readings', command: 'get_targets'});
-        this.#connection.send({type: 'close', module: `/${this.#robot}/target`, channel: 'readings'});
+      const seer = this.#modules.find(({type}) => type === 'target');
+      if (seer) {
+        const module = `/${this.#robot}/${seer.name}`;
+        const targets = await this.#connection.call({module, channel: 'readings', command: 'get_targets'});
+        this.#connection.send({type: 'close', module, channel: 'readings'});
         if (this.#stopped) return;
         this.#colours = targets.error === 0 ? targets.text.split(/[ ,]+/).filter(Boolean) : [];
       }

@@ -72,7 +72,7 @@ class Card {
 
   #startReadings() {
     if (this.#readings || this.#modules.length === 0) return;
-    this.#readings = new Readings(this.#connection, this.#name, this.#modules.map((module) => lastWord(module.name)));
+    this.#readings = new Readings(this.#connection, this.#name, this.#modules.map(({name, type}) => ({name: lastWord(name), type})));
     this.#body.querySelector('.readings-place')?.replaceChildren(this.#readings.element);
   }
 

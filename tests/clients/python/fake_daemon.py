@@ -300,7 +300,8 @@ class FakeDaemon:
             status = {"version": "fake", "protocol": self.protocol, "mode": MODES[self.mode],
                       "state": "waiting" if awaiting and self.state == "running" else self.state, "step": self.step,
                       "time_s": self.step * self.dt, "step_s": self.dt, "hash": f"{self.step:016x}", "http": self.runs.url,
-                      "robots": [{"name": r.name, "type": "fake", "owner": r.owner.client if r.owner else None}
+                      "robots": [{"name": r.name, "type": "fake", "owner": r.owner.client if r.owner else None,
+                                  "modules": [{"name": f"/{r.name}/{m}", "type": m, "port": 0} for m in FIRST]}
                                  for r in self.robots], "awaiting": awaiting}
             return encode(0, json.dumps(status), 100, (), self.clock())
         if command == 101:

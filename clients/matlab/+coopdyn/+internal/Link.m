@@ -10,6 +10,7 @@ classdef Link < handle
     motors = []        % the connection that commands go through; [] = it has no motors
     readers = struct() % connections to other modules, by module
     pushers = struct() % connections that readings are pushed on, by module
+    modules = struct() % names of modules by type, once they were needed
     drives = false     % open, ours, not lost, and commanded before
     commanded = false  % by this program, ever
     unclaimed = false  % only read: a recording was played when it was last asked for, or
@@ -21,7 +22,7 @@ classdef Link < handle
     unstepped_since = 0  % the step of the first of them
     lost = ''          % why it is not ours any more
     lost_code = 6
-    attached = {}
+    attached = {}      % types of modules, in the order of their readings
     carried = []       % the readings that came with the reply to the last step
     labels = struct('step', -1, 'when', uint64(0), 'ids', {{}}, 'colours', {{}})  % ids and colours of the targets
   end
@@ -31,6 +32,28 @@ classdef Link < handle
       link.label = robot;
       link.names = {robot};
       link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], drives);
+    end
+
+    function p = path(link, module)
+    % Of the module of this type or name.
+      if isfield(link.modules, module)
+        module = link.modules.(module);
+      end
+      p = ['/' link.robot '/' module];
+    end
+
+    function yes = find_again(link, session, module, c)
+    % After coopdyn:no_such_name: a model may call its motors module legs. True if c is to another module now.
+      link.modules = coopdyn.internal.modules_of(session, link.robot);
+      before = c.module;
+      c.module = link.path(module);
+      yes = ~strcmp(c.module, before);
+    end
+
+    function attach(link, c)
+    % Has every reply to get_time on c bring the readings of these modules.
+      names = cellfun(@(m) link.path(m), link.attached, 'UniformOutput', false);
+      c.request(9, [], [], strjoin(regexprep(names, '^.*/', ''), ' '));
     end
 
     function claim(link, session)
@@ -101,7 +124,7 @@ classdef Link < handle
           end
         end
         if ~isempty(link.attached)
-          c.request(9, [], [], strjoin(link.attached, ' '));
+          link.attach(c);
         end
         if session.watch || link.unclaimed
           session.note(c.request(3, [], []));

@@ -161,6 +161,10 @@ classdef Session < handle
             ~any(strcmp(coopdyn.internal.robot_names(s), link.robot))
           s.new_world('load');
         end
+        if isempty(c.socket) && strcmp(cause.identifier, 'coopdyn:no_such_name') && link.find_again(s, module, c)
+          reply = s.read(link, module, command, params, text, data);
+          return
+        end
         if isempty(c.socket) && any(strcmp(module, {'neighbours', 'compass'})) ...
             && strcmp(cause.identifier, 'coopdyn:no_such_name')
           coopdyn.internal.fail(5, [link.robot ' has no module ' module ', its type has none: a robot of type minibot ' ...
@@ -179,7 +183,7 @@ classdef Session < handle
     function c = reader(s, link, key, module)
       if ~isfield(link.readers, key)
         sends = strcmp(module, 'neighbours') && ~s.watch;  % what a robot sends is its driver's to say
-        link.readers.(key) = coopdyn.internal.Connection(s.address, ['/' link.robot '/' module], sends);
+        link.readers.(key) = coopdyn.internal.Connection(s.address, link.path(module), sends);
       end
       c = link.readers.(key);
     end

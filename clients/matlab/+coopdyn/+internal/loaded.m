@@ -25,4 +25,8 @@ function gone = loaded(session)
     end
   end
   session.links = session.links(keep);
+  for k = 1:numel(session.links)
+    link = session.links{k};
+    link.modules = struct();
+  end
 end

@@ -26,15 +26,16 @@ function link = take_robot(session, robot)
     if ~strcmp(cause.identifier, 'coopdyn:no_such_name')
       rethrow(cause);
     end
-    modules = coopdyn.internal.ask_names(session.address);
-    names = {modules.name};
-    if ~any(strncmp(names, ['/' robot '/'], numel(robot) + 2))
-      found = regexp(names, '^/([^/]+)/', 'tokens', 'once');
-      robots = unique(cellfun(@(t) t{1}, found(~cellfun(@isempty, found)), 'UniformOutput', false));
+    robots = coopdyn.internal.robot_names(session);
+    if ~any(strcmp(robots, robot))
       coopdyn.internal.fail(10, ['there is no robot ''' robot '''; ' coopdyn.internal.nearest(robot, robots) ...
         'there are: ' coopdyn.internal.list_of(robots)]);
     end
-    link.motors = [];  % it has no motors: it can be read only
+    if link.find_again(session, 'motors', link.motors)
+      link.open(session);
+    else
+      link.motors = [];  % it has no motors: it can be read only
+    end
   end
   session.links = [session.links(keep) {link}];
 end
