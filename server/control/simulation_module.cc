@@ -144,43 +144,24 @@ SimulationModule::SimulationModule(SimulationServices services, StepInbox::Post 
     : GlobalModule(services, SimulationTable(), std::move(post)), services_(std::move(services)) {}
 
 std::optional<Message> SimulationModule::Change(Peer& peer, const Message& request) {
-  switch (request.command) {
-    case command::kReset:
-      return Reset(peer, request);
-    case command::kLoadScenario:
-    case command::kReload:
-      return Load(peer, request);
-    case command::kQuit:
-      return Done(request);
-    case command::kReleaseRobot:
-      return ReleaseRobot(peer, request);
-    case command::kSaveState:
-      return Save(peer, request);
-    case command::kRestoreState:
-      return Restore(peer, request);
-    case command::kStopAll:
-      peer.text = GoOnText();
-      break;
-    default:
-      break;
-  }
+  if (request.command == command::kQuit) return Done(request);
+  if (request.command == command::kSaveState) return Save(peer, request);
+  if (request.command == command::kStopAll) peer.text = GoOnText();
   std::string error;
-  if (std::optional<RunEdit> edit = RunEditOf(request, error)) return Push(peer, *std::move(edit));
+  if (const std::optional<WorldRequest> world = WorldEditOf(request, error)) {
+    if (const auto* load = std::get_if<LoadRequest>(&*world)) return Load(peer, *load);
+    if (const auto* restore = std::get_if<RestoreRequest>(&*world)) return Restore(peer, request, *restore);
+    return PushNewScene(peer, std::get<edit::Reset>(*world));
+  }
+  if (std::optional<RunEdit> run = RunEditOf(request, error)) {
+    if (const auto* unload = std::get_if<edit::UnloadController>(&*run))
+      return Release(peer, request, *unload);
+    return Push(peer, *std::move(run));
+  }
   return ErrorReply(request.command, Error::kOutOfRange, std::move(error));
 }
 
-std::optional<Message> SimulationModule::Reset(Peer& peer, const Message& request) {
-  edit::Reset reset;
-  if (!request.params.empty()) {
-    if (request.params[0] < 0) {
-      return ErrorReply(request.command, Error::kOutOfRange, "a seed is at least 0: reset 7");
-    }
-    reset.seed = static_cast<std::uint64_t>(request.params[0]);
-  }
-  return PushNewScene(peer, reset);
-}
-
-std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request) {
+std::optional<Message> SimulationModule::Load(Peer& peer, const LoadRequest& load) {
   auto done = Later(peer, [this](const EditResult& result) {
     if (result.error == Error::kOk) services_.actions.ApplyScene(*result.frame->scene);
     loads_.pop_front();
@@ -188,10 +169,9 @@ std::optional<Message> SimulationModule::Load(Peer& peer, const Message& request
   });
   // The thread may outlive this module, but not the services.
   loads_.push_back([&robots = services_.robots, &frames = services_.frames, &edits = services_.edits,
-                    seed = services_.seed, again = request.command == command::kReload, text = request.text,
-                    done = std::move(done)] {
-    ScenarioRead read = again ? ReadScenarioAgain(*frames.Latest()->scene->scenario, robots, seed)
-                              : ReadRequestedScenario(text, robots, seed);
+                    seed = services_.seed, text = load.text, done = std::move(done)] {
+    ScenarioRead read = text ? ReadRequestedScenario(*text, robots, seed)
+                             : ReadScenarioAgain(*frames.Latest()->scene->scenario, robots, seed);
     if (read.scenario == nullptr) return done({read.error, std::move(read.text)});
     edits.Push(
         {edit::Load{std::move(read.scenario)}, [done, warnings = std::move(read.text)](EditResult result) {
@@ -216,12 +196,13 @@ std::string SimulationModule::GoOnText() const {
                      driven);
 }
 
-std::optional<Message> SimulationModule::ReleaseRobot(Peer& peer, const Message& request) {
-  const std::string robot = request.text.substr(request.text.starts_with('/') ? 1 : 0);
+std::optional<Message> SimulationModule::Release(Peer& peer, const Message& request,
+                                                 const edit::UnloadController& unload) {
+  const std::string& robot = unload.robot;
   const std::vector<CommandBoard::Owner> owners = services_.board.Owners();
   for (const CommandBoard::Owner& owner : owners) {
     if (owner.robot != robot) continue;
-    if (owner.driven) return Push(peer, edit::UnloadController{robot});
+    if (owner.driven) return Push(peer, unload);
     if (owner.is_team) {
       // The team goes on without it, and is told with its next step.
       const SlotId slot = services_.board.FindSlot(robot);
@@ -253,12 +234,14 @@ std::optional<Message> SimulationModule::Save(Peer& peer, const Message& request
   });
 }
 
-std::optional<Message> SimulationModule::Restore(Peer& peer, const Message& request) {
-  if (request.text == SavedStates::kStart) return PushNewScene(peer, edit::Reset{});
-  const SavedStatePtr state = saved_.Find(request.text);
+std::optional<Message> SimulationModule::Restore(Peer& peer, const Message& request,
+                                                 const RestoreRequest& restore) {
+  if (restore.name == SavedStates::kStart) return PushNewScene(peer, edit::Reset{});
+  const SavedStatePtr state = saved_.Find(restore.name);
   if (state == nullptr) {
     return ErrorReply(request.command, Error::kNoSuchName,
-                      "nothing is saved as " + request.text + ": there are " + saved_.Names());
+                      "nothing is saved as " + restore.name + "; save " + restore.name +
+                          " keeps the state of now, restore takes one of: " + saved_.Names());
   }
   return PushNewScene(peer, edit::Restore{state});
 }

@@ -15,6 +15,7 @@
 #include "server/model/readers.h"
 #include "server/naming/name_table.h"
 #include "server/state/run_control.h"
+#include "server/state/run_input.h"
 
 namespace coopdyn {
 
@@ -88,14 +89,13 @@ class SimulationModule final : public GlobalModule {
   std::optional<Message> Change(Peer& peer, const Message& request) override;
   void OnAnswered(const Message& request, bool done) override;
 
-  std::optional<Message> Reset(Peer& peer, const Message& request);
-  std::optional<Message> Load(Peer& peer, const Message& request);
+  std::optional<Message> Load(Peer& peer, const LoadRequest& load);
   std::optional<Message> Save(Peer& peer, const Message& request);
-  std::optional<Message> Restore(Peer& peer, const Message& request);
+  std::optional<Message> Restore(Peer& peer, const Message& request, const RestoreRequest& restore);
   Message ReadSaved(const Message& request) const;
   /// What `stop_all` has to say about robots that loaded controllers drive.
   std::string GoOnText() const;
-  std::optional<Message> ReleaseRobot(Peer& peer, const Message& request);
+  std::optional<Message> Release(Peer& peer, const Message& request, const edit::UnloadController& unload);
   /// Push() for an edit after which the robots may be others.
   std::optional<Message> PushNewScene(Peer& peer, EditAction action);
 

@@ -24,8 +24,6 @@
 
 namespace coopdyn {
 
-inline constexpr double kMinPlaySpeed = -4, kMaxPlaySpeed = 64;
-
 struct PlayOptions {
   double speed = 1;  // −4…64, not 0
   bool loop = false;

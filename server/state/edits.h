@@ -17,6 +17,8 @@ namespace coopdyn {
 
 class RunJournal;
 
+inline constexpr double kMinPlaySpeed = -4, kMaxPlaySpeed = 64;
+
 namespace edit {
 
 // How the run goes on. Each one that succeeds is an input of the run (RunInput).
@@ -68,7 +70,7 @@ struct Skip {
   int steps = 1;
 };
 struct SetPlaySpeed {
-  double factor = 1;  // −4…64, not 0
+  double factor = 1;  // kMinPlaySpeed…kMaxPlaySpeed, not 0
 };
 struct SetLoop {
   bool loop = false;

@@ -3,6 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -19,6 +20,16 @@ namespace {
 constexpr std::string_view kDeadline = "deadline", kDisconnect = "disconnect",
                            kStopped = "controller_stopped";
 
+const CommandTable& Commands() {
+  static const CommandTable table = SimulationTable();
+  return table;
+}
+
+/// The word for a command of /simulation.
+std::string Word(command::Id id) {
+  return Commands().Find(id)->name;
+}
+
 std::string Number(double value) {
   std::string text;
   AppendDouble(value, text);
@@ -32,17 +43,27 @@ std::string Joined(const std::vector<std::string>& words) {
 }
 
 struct TextOf {
-  InputText operator()(const edit::Run&) const { return {"run", ""}; }
-  InputText operator()(const edit::Pause&) const { return {"pause", ""}; }
-  InputText operator()(const edit::Step& step) const { return {"step", std::to_string(step.steps)}; }
-  InputText operator()(const edit::SetMode& set) const { return {"set_mode", ToString(set.mode)}; }
-  InputText operator()(const edit::SetStep& set) const { return {"set_step", Number(ToSeconds(set.step))}; }
-  InputText operator()(const edit::SetSpeed& set) const { return {"set_speed", Number(set.factor)}; }
-  InputText operator()(const edit::SetParticipants& set) const {
-    return {"set_participants", Joined(set.names)};
+  InputText operator()(const edit::Run&) const { return {Word(command::kRun), ""}; }
+  InputText operator()(const edit::Pause&) const { return {Word(command::kPause), ""}; }
+  InputText operator()(const edit::Step& step) const {
+    return {Word(command::kStep), std::to_string(step.steps)};
   }
-  InputText operator()(const edit::StopAll&) const { return {"stop_all", ""}; }
-  InputText operator()(const edit::UnloadController& unload) const { return {"release_robot", unload.robot}; }
+  InputText operator()(const edit::SetMode& set) const {
+    return {Word(command::kSetMode), ToString(set.mode)};
+  }
+  InputText operator()(const edit::SetStep& set) const {
+    return {Word(command::kSetStep), Number(ToSeconds(set.step))};
+  }
+  InputText operator()(const edit::SetSpeed& set) const {
+    return {Word(command::kSetSpeed), Number(set.factor)};
+  }
+  InputText operator()(const edit::SetParticipants& set) const {
+    return {Word(command::kSetParticipants), Joined(set.names)};
+  }
+  InputText operator()(const edit::StopAll&) const { return {Word(command::kStopAll), ""}; }
+  InputText operator()(const edit::UnloadController& unload) const {
+    return {Word(command::kReleaseRobot), unload.robot};
+  }
   InputText operator()(const DeadlineFired& fired) const {
     return {std::string(kDeadline), fired.robot + " " + ToString(fired.policy)};
   }
@@ -76,10 +97,9 @@ std::optional<RobotEvent> DecodeEvent(std::string_view action, std::string_view 
 
 /// What the line `action detail` asks for, sent to /simulation.
 std::optional<RunEdit> DecodeEdit(std::string_view action, std::string_view detail) {
-  static const CommandTable table = SimulationTable();
-  if (table.Find(action) == nullptr) return std::nullopt;
+  if (Commands().Find(action) == nullptr) return std::nullopt;
   const std::string line = std::string(action) + " " + std::string(detail) + "\n";
-  const Decoded decoded = DecodeText(line, table, false);
+  const Decoded decoded = DecodeText(line, Commands(), false);
   if (decoded.status != DecodeStatus::kMessage || decoded.consumed != line.size()) return std::nullopt;
   std::string ignored;
   return RunEditOf(decoded.message, ignored);
@@ -97,6 +117,24 @@ std::optional<RunEdit> SetStepTo(double step_s, std::string& error) {
     return std::nullopt;
   }
   return edit::SetStep{static_cast<Nanoseconds>(microseconds) * 1000};
+}
+
+/// Far beyond any run, and well within 64 bits.
+constexpr double kLongest_s = 1e9;
+
+std::vector<EditAction> PlayAt(double factor, std::string& error) {
+  if (factor >= kMinPlaySpeed && factor <= kMaxPlaySpeed && factor != 0) return {edit::SetPlaySpeed{factor}};
+  error = fmt::format(
+      "a recording is played at {} to {} times its speed, not 0; below 0 it goes backwards: play 2, pause to "
+      "stand",
+      kMinPlaySpeed, kMaxPlaySpeed);
+  return {};
+}
+
+std::vector<EditAction> Skip(int steps, std::string& error) {
+  if (steps != 0) return {edit::Skip{steps}};
+  error = "step takes a number of steps, below 0 to go back, not 0: step 1";
+  return {};
 }
 
 }  // namespace
@@ -136,6 +174,47 @@ std::optional<RunEdit> RunEditOf(const Message& request, std::string& error) {
       return edit::UnloadController{request.text.substr(request.text.starts_with('/') ? 1 : 0)};
     default:
       return std::nullopt;
+  }
+}
+
+std::optional<WorldRequest> WorldEditOf(const Message& request, std::string& error) {
+  switch (request.command) {
+    case command::kReset:
+      if (request.params.empty()) return edit::Reset{};
+      if (request.params[0] >= 0) return edit::Reset{static_cast<std::uint64_t>(request.params[0])};
+      error = "a seed is at least 0: reset 7";
+      return std::nullopt;
+    case command::kLoadScenario:
+      return LoadRequest{request.text};
+    case command::kReload:
+      return LoadRequest{};
+    case command::kRestoreState:
+      return RestoreRequest{request.text};
+    default:
+      return std::nullopt;
+  }
+}
+
+std::vector<EditAction> PlaybackEditsOf(const Message& request, std::string& error) {
+  switch (request.command) {
+    case command::kSeek:
+      return {edit::Seek{std::llround(std::clamp(request.data[0], -kLongest_s, kLongest_s) * 1e9)}};
+    case command::kPlay: {
+      if (request.data.empty()) return {edit::Run{}};
+      std::vector<EditAction> edits = PlayAt(request.data[0], error);
+      if (!edits.empty()) edits.emplace_back(edit::Run{});
+      return edits;
+    }
+    case command::kPausePlayback:
+      return {edit::Pause{}};
+    case command::kSetPlaySpeed:
+      return PlayAt(request.data[0], error);
+    case command::kSkip:
+      return Skip(request.params.empty() ? 1 : request.params[0], error);
+    case command::kSetLoop:
+      return {edit::SetLoop{request.params[0] == 1}};
+    default:
+      return {};
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The inputs of a run that do not stand in its frames, and their one text form: a line that a client could
-// send to /simulation, or what happened to a robot. Pure; any thread.
+// What requests ask of a run, its world or the player; the inputs of a run that do not stand in its frames,
+// and their one text form: a line that a client could send to /simulation, or what happened to a robot. Pure;
+// any thread.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "protocol/message.h"
 #include "server/model/scenario.h"
@@ -49,5 +51,21 @@ std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action,
 /// What a request to /simulation, one that its table allows, asks of the run. Nothing if it is another
 /// command; or, with `error`, if a value cannot be (error 4).
 std::optional<RunEdit> RunEditOf(const Message& request, std::string& error);
+
+/// A scenario to read and load: a name on the search path or the text of a file. Empty: that of now, again.
+struct LoadRequest {
+  std::optional<std::string> text;
+};
+/// A saved state to go on from.
+struct RestoreRequest {
+  std::string name;
+};
+/// A world edit, or what /simulation has to find for one.
+using WorldRequest = std::variant<edit::Reset, LoadRequest, RestoreRequest>;
+/// As RunEditOf(), for the world.
+std::optional<WorldRequest> WorldEditOf(const Message& request, std::string& error);
+
+/// What a request to /playback, one that its table allows, asks of the player, in this order; empty as above.
+std::vector<EditAction> PlaybackEditsOf(const Message& request, std::string& error);
 
 }  // namespace coopdyn

@@ -19,7 +19,7 @@ async function start(...words) {
   const binary = process.env.COOPDYN_BINARY;
   if (!binary) throw new Error('set COOPDYN_BINARY to the daemon to test, e.g. build/release/coopdyn');
   const child = spawn(binary, [...words, '--port', '0'],
-    {stdio: ['ignore', 'pipe', 'pipe'], env: {...process.env, COOPDYN_PATH: SOURCE_DIR}});
+    {stdio: ['ignore', 'pipe', 'pipe'], env: {...process.env, COOPDYN_PATH: process.env.COOPDYN_PATH ?? SOURCE_DIR}});
   let log = '';
   child.stderr.on('data', (chunk) => { log += chunk; });
   const ended = once(child, 'exit');

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What the page shows of a run and its robots, in a real browser against a real daemon.
 import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {mkdtempSync, rmSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
 import {after, afterEach, before, beforeEach, describe, test} from 'node:test';
 import {
   call, closeClassroom, eventually, hasText, launchBrowser, moreStatuses, nextPicture, openClassroom, openConsole, openPage,
@@ -29,6 +33,25 @@ async function position() {
   await page.waitForSelector('.card[open] .readings dd');
   return page.locator('.card[open] .readings dd').first().textContent();
 }
+
+test('a robot whose motors are called legs: its readings, and the console begins with them', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'coopdyn_legs_'));
+  const make = new URL('../clients/python/legs.py', import.meta.url).pathname;
+  process.env.COOPDYN_PATH = folder;
+  try {
+    execFileSync('python3', [make, folder]);
+    daemon = await startDaemon(join(folder, 'legs.scenario'));
+    page = await openPage(browser, daemon.url);
+    await page.waitForFunction(() => [...document.querySelectorAll('.card[open] .readings dt')]
+      .map((row) => row.textContent).join(' ').includes('wheels'));
+    await page.waitForFunction(() => document.querySelector('#console-module').value === '/robot1/legs');
+  } finally {
+    delete process.env.COOPDYN_PATH;
+    await page?.close();
+    await daemon?.stop();
+    rmSync(folder, {recursive: true, force: true});
+  }
+});
 
 describe('the page', () => {
   beforeEach(async () => { ({daemon, page} = await openClassroom(browser)); });

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Modules are found by their type: a model may give them names of their own.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "clients/cpp/coopdyn_client.h"
+#include "tests/clients/cpp/error_of.h"
+#include "tests/clients/cpp/server_process.h"
+#include "tests/source_dir.h"
+
+namespace coopdyn::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ModuleNames : public testing::Test {
+ protected:
+  ModuleNames() {
+    std::string name = (fs::temp_directory_path() / "coopdyn_legs_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    const std::string command =
+        "python3 " + SourceDir() + "/tests/clients/python/legs.py " + folder_.string() + " > /dev/null";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    setenv("COOPDYN_PATH", folder_.c_str(), 1);
+  }
+  ~ModuleNames() override {
+    unsetenv("COOPDYN_PATH");
+    fs::remove_all(folder_);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ModuleNames, MotorsCalledLegsDriveAndACompassCalledNorthIsRead) {
+  const auto daemon = ServerProcess::Command({"serve", (folder_ / "legs.scenario").string()});
+  auto sim = connect(daemon.server());
+  auto robot = sim.robot("robot1");
+  robot.set_velocity(0.2, 0);
+  sim.step(20);
+  const Reading seen = robot.sense();
+  ASSERT_TRUE(seen.pose && seen.wheels && seen.compass);
+  EXPECT_GT(seen.pose->x, 0);
+  EXPECT_GT(seen.wheels->left_speed, 1);
+  EXPECT_EQ(robot.get_wheels().left_speed, seen.wheels->left_speed);
+  EXPECT_EQ(robot.get_compass(), *seen.compass);
+  EXPECT_EQ(robot.get_compass("north"), *seen.compass);
+  EXPECT_EQ(robot.call("motors", "get_wheels").data, robot.call("legs", "get_wheels").data);
+  robot.subscribe("motors");
+  sim.step();
+  EXPECT_EQ(robot.next("motors", 10).step, 21);
+  EXPECT_EQ(ErrorOf([&] { robot.get_compass("south"); }).code, 10);
+}
+
+}  // namespace
+}  // namespace coopdyn::client
