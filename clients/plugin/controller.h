@@ -84,7 +84,7 @@ typedef struct coopdyn_robot {
   const double* distance_max_m;
 } coopdyn_robot;
 
-/* Another robot, as seen from the middle of this one's axle. */
+/* Another robot, as seen from this one's origin. */
 typedef struct coopdyn_sighting {
   uint32_t id;
   double distance_m, bearing_rad;

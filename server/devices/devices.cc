@@ -83,8 +83,10 @@ std::unique_ptr<Device> MakeDevice(const RobotModel& model, std::string_view nam
   if (name.empty()) return nullptr;
   for (const ActuatorModel& actuator : model.actuators) {
     if (actuator.module != name) continue;
-    return std::make_unique<MotorsDevice>(*FindModuleTable("motors"), std::get<DriveModel>(actuator.kind),
-                                          model.FirstChannel(actuator));
+    const auto make = [&](const DriveModel& drive) -> std::unique_ptr<Device> {
+      return std::make_unique<MotorsDevice>(*FindModuleTable("motors"), drive, model.FirstChannel(actuator));
+    };
+    return std::visit(make, actuator.kind);
   }
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
     if (model.sensors[i].name != name) continue;

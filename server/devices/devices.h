@@ -46,7 +46,7 @@ class DistanceDevice final : public SensorDevice {
   Message Read(const Message& request, const Frame& frame, int robot) const override;
 };
 
-/// /R/target: distance in the plane from the middle of the axle, and bearing, of targets and of other robots.
+/// /R/target: distance in the plane from the robot's origin, and bearing, of targets and of other robots.
 /// Range, hiding and noise of both as the model says; get_target: error 10 if no such target is seen.
 class TargetDevice final : public SensorDevice {
  public:

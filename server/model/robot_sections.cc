@@ -243,8 +243,8 @@ void RobotSections::ReadRobot(SectionReader& reader) {
     entry.X_WR.p = Vector3((*position)[0], (*position)[1], position->size() == 3 ? (*position)[2] : 0);
     if (entry.X_WR.p.z() < 0) {
       reader.ErrorAt("position",
-                     "the robot would stand below the floor: its position is the point on the floor under "
-                     "the axle, so write z = 0");
+                     "the robot would stand below the floor: `position` is where its origin stands, so write "
+                     "z = 0");
     }
   }
   Take(reader.Orientation("orientation"), entry.X_WR.q);

@@ -73,7 +73,8 @@ void AddLinks(Mechanism& robot) {
       for (const int driven : actuator.joints) {
         if (driven == static_cast<int>(j)) {
           hinge.channel = channel;
-          hinge.max_torque_nm = std::get<DriveModel>(actuator.kind).max_torque_nm;
+          hinge.max_torque_nm =
+              std::visit([](const DriveModel& drive) { return drive.max_torque_nm; }, actuator.kind);
         }
         ++channel;
       }

@@ -98,6 +98,11 @@ void Simulation::Restart(std::uint64_t seed, std::uint64_t epoch) {
 std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
                                 std::vector<StoppedController>* stopped) {
   const Frame& from = *state.frame;
+  const auto is_speed = [](const Setpoint& setpoint) { return setpoint.mode == ControlMode::kVelocity; };
+  if (!std::ranges::all_of(from.channels, is_speed, &ChannelState::setpoint) ||
+      !std::ranges::all_of(state.setpoints, is_speed)) {
+    return "it moves joints otherwise than by a speed, which this coopdyn cannot";
+  }
   seed_ = from.seed;
   epoch_ = epoch;
   step_ = from.step;

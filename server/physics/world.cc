@@ -3,6 +3,7 @@
 #include "server/physics/world.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -91,6 +92,7 @@ void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const Setpoint
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     ChannelState& channel = channels_[i];
     channel.setpoint = i < setpoints.size() ? setpoints[i] : Setpoint{};
+    assert(channel.setpoint.mode == ControlMode::kVelocity);  // its motors know no other
     channel.velocity = 0;
   }
   share_ = 1.0 / substeps;

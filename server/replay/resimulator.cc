@@ -219,6 +219,10 @@ bool Resimulator::Step(const RecordedStep& step) {
       error_ = where + " is damaged: it commands a joint that is not there";
       return false;
     }
+    if (command.setpoint.mode != ControlMode::kVelocity) {
+      error_ = where + " commands a joint otherwise than by a speed, which this coopdyn cannot repeat";
+      return false;
+    }
     in_force_[command.channel] = command.setpoint;
     commanded_[ActuatorOf(simulation_->scene(), command.channel)] = command.by_client ? 1 : 0;
   }

@@ -27,7 +27,7 @@ void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vecto
 /// Distance and bearing of a landmark as a robot sees it.
 struct Sighting {
   int index = 0;           // into scene->targets or scene->robots
-  double distance_m = 0;   // from the robot's axle middle, in the plane
+  double distance_m = 0;   // from the robot's origin, in the plane
   double bearing_rad = 0;  // 0 ahead, left positive
 };
 

@@ -127,7 +127,7 @@ std::vector<Sighting> SeenRobots(const Frame& frame, int robot, std::size_t numb
   for (int other = 0; other < static_cast<int>(robots.size()); ++other) {
     if (other == robot) continue;
     const SceneRobot& scene_robot = robots[static_cast<std::size_t>(other)];
-    // The middle of its body; in the plane that is its axle's middle unless it leans.
+    // The middle of its body; in the plane that is its origin unless it leans.
     Vector3 p_W = eye.field().pose(other).p;
     p_W.z() += scene_robot.entry.model->height_m / 2;
     Look(eye, other, scene_robot.id.value, p_W, other, {NoiseKind::kRobotDistance, NoiseKind::kRobotBearing},
