@@ -29,16 +29,16 @@ std::string Objection(const ValueSpec& spec, double value) {
   }
   if (value < spec.min || value > spec.max) {
     const std::string most = std::to_string(std::llround(spec.max));
-    return "takes as " + spec.name + " " +
+    return "needs " + spec.name + " " +
            (std::isinf(spec.max)   ? "at least " + Written(spec.min)
             : std::isinf(spec.min) ? "at most " + most
-                                   : Written(spec.min) + " to " + most) +
+                                   : "from " + Written(spec.min) + " to " + most) +
            ", not " + Written(value);
   }
   if (spec.enums.empty()) return "";
   const bool listed = std::any_of(spec.enums.begin(), spec.enums.end(),
                                   [value](const auto& word) { return word.second == value; });
-  return listed ? "" : "takes as " + spec.name + " " + ListOfEnums(spec) + ", not " + Written(value);
+  return listed ? "" : "needs a " + spec.name + ": " + ListOfEnums(spec) + ", not " + Written(value);
 }
 
 CheckResult CheckText(const CommandSpec& spec, std::string_view text, std::size_t params) {

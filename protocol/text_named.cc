@@ -197,7 +197,7 @@ class NamedReader {
   }
 
   void RefuseWord(const ValueSpec& value, std::string_view token, Error error) {
-    Refuse(error, spec_.name + " takes as " + value.name + " " + ListOfEnums(value) + ", not " +
+    Refuse(error, spec_.name + " needs a " + value.name + ": " + ListOfEnums(value) + ", not " +
                       Quoted(token) + ": " + ExampleLine(spec_));
   }
 

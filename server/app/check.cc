@@ -58,6 +58,12 @@ FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& d
     return nullptr;
   }
   std::shared_ptr<const Scenario> scenario;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    diagnostics.Error({file, 0}, "it is a folder: name the files to check, for example " +
+                                     (std::filesystem::path(file) / "*.scenario").string());
+    return nullptr;
+  }
   if (IsPipe(file)) {
     const std::optional<std::string> text = ReadPipe(file, diagnostics);
     if (text) scenario = ReadScenario(*text, kPipe, robots, false, diagnostics);

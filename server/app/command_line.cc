@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -57,7 +59,14 @@ void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
   }
   if (file.empty()) return;
   std::ifstream stream(file);
-  if (!stream) throw CLI::FileError(file + " cannot be read", CLI::ExitCodes::FileError);
+  std::error_code ignored;
+  const bool folder = std::filesystem::is_directory(file, ignored);
+  if (!stream || folder) {
+    const std::string why = folder ? "it is a folder" : std::generic_category().message(errno);
+    throw CLI::FileError(
+        "--config " + file + " cannot be read (" + why + "): name a file with lines port=10100",
+        CLI::ExitCodes::FileError);
+  }
   std::vector<std::string> added;
   for (const CLI::ConfigItem& item : CLI::ConfigINI().from_config(stream)) {
     const std::string flag = "--" + item.name;
@@ -76,6 +85,25 @@ void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
     }
   }
   arguments.insert(arguments.begin() + 1, added.begin(), added.end());
+}
+
+/// What is wrong with the value of an option or word of `command`, of which CLI11 says "--port: …".
+std::string WrongValue(const CLI::App& command, const std::string& said,
+                       const std::vector<std::string>& arguments) {
+  const std::size_t colon = said.find(": ");
+  std::string name = said.substr(0, colon);
+  const std::string what = said.substr(colon + 2);
+  const CLI::Option* option = command.get_option_no_throw(name);
+  if (option == nullptr) return said;
+  if (what.starts_with("--")) return what;  // says it itself
+  const bool given = std::ranges::any_of(
+      arguments, [&](const std::string& word) { return word == name || word.starts_with(name + "="); });
+  if (!given && !option->get_envname().empty()) {
+    name = "the variable " + option->get_envname();
+  } else if (!name.starts_with("-")) {
+    std::transform(name.begin(), name.end(), name.begin(), ::toupper);
+  }
+  return name + " " + what;
 }
 
 /// Goes on as the program coopdyn-bench; returns only if there is none.
@@ -138,12 +166,12 @@ int RunCommandLine(int argc, const char* const* argv) {
   try {
     CheckCommand(app, arguments);
     InsertConfig(app, arguments);
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
-    app.parse(std::move(arguments));
-  } catch (const CLI::Success& success) {  // --help, --version
+    app.parse(
+        std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the back
+  } catch (const CLI::Success& success) {                                 // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    PrintError("coopdyn: {}\n", Explained(app, error));
+    PrintError("coopdyn: {}\n", Explained(app, error, arguments));
     return kExitWrongUse;
   }
   return chosen();
@@ -162,7 +190,28 @@ CLI::Validator NumberIn(double least, double most, bool above) {
   return {check, fmt::format("FLOAT in {}{} - {}]", bracket, FormatNumber(least), FormatNumber(most))};
 }
 
-std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
+CLI::Validator WholeIn(std::int64_t least, std::int64_t most) {
+  const auto check = [=](const std::string& text) -> std::string {
+    std::int64_t value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return {};
+    return fmt::format("must be a whole number from {} to {}, not {}", least, most, text);
+  };
+  return {check, fmt::format("INT in [{} - {}]", least, most)};
+}
+
+CLI::Validator OneOf(std::vector<std::string> words) {
+  const std::string names = fmt::format("{{{}}}", fmt::join(words, ","));
+  const auto check = [words = std::move(words)](const std::string& text) -> std::string {
+    if (std::ranges::find(words, text) != words.end()) return {};
+    const std::string nearest = Nearest(text, words);
+    return "must be " + fmt::format("{}", fmt::join(words.begin(), words.end() - 1, ", ")) + " or " +
+           words.back() + ", not " + text + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
+  };
+  return {check, names};
+}
+
+std::string Explained(const CLI::App& app, const CLI::ParseError& error,
+                      const std::vector<std::string>& arguments) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   const CLI::App& command = chosen.empty() ? app : *chosen.back();
   const std::string said = error.what();  // of an option: "--port: …", "run is required"
@@ -170,6 +219,13 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::string word = app.remaining(true).at(0);
     what = word + " is one word too many";
+    if (chosen.empty()) {
+      std::vector<std::string> commands;
+      for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+        commands.push_back(sub->get_name());
+      }
+      what = "there is nothing called " + word + ": write one of " + JoinNames(commands);
+    }
     if (word.starts_with("--")) {
       std::vector<std::string> flags;
       for (const CLI::Option* option : command.get_options()) flags.push_back(option->get_name());
@@ -183,7 +239,10 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error) {
     std::string name = said.substr(0, said.find(' '));
     std::transform(name.begin(), name.end(), name.begin(), ::toupper);
     what = name + " is missing";
-  } else if (chosen.empty()) {
+  } else if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr && said.find(": ") != said.npos) {
+    what = WrongValue(command, said, arguments);
+  }
+  if (chosen.empty() && dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) {
     return what + " (" + app.get_name() + " --help shows the commands)";
   }
   return what + " (" + app.get_name() + (chosen.empty() ? "" : " " + command.get_name()) +

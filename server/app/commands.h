@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -48,8 +49,15 @@ void AddInfo(CLI::App& app, Chosen& chosen);
 /// number.)
 CLI::Validator NumberIn(double least, double most, bool above = false);
 
-/// What is wrong with the words of `app` or of its command, and what to write instead.
-std::string Explained(const CLI::App& app, const CLI::ParseError& error);
+/// A whole number from `least` to `most`.
+CLI::Validator WholeIn(std::int64_t least, std::int64_t most);
+/// One of `words`.
+CLI::Validator OneOf(std::vector<std::string> words);
+
+/// What is wrong with the words of `app` or of its command, and what to write instead. An option that is not
+/// among `arguments` came by its variable, if it has one.
+std::string Explained(const CLI::App& app, const CLI::ParseError& error,
+                      const std::vector<std::string>& arguments);
 
 // new-controller.
 /// Writes folder/name with all files; says on stdout what to do next, or on stderr why it did nothing.

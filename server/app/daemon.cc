@@ -75,9 +75,15 @@ std::string LanAddress() {
 /// An error of listening, with the flag that helps if the port is the matter.
 std::string WithAdvice(const std::string& error, const char* flags) {
   if (error.empty()) return error;
-  return error + (error.find("in use") != std::string::npos
-                      ? std::string(": choose another block of ports with ") + flags
-                      : ": see --host and --port");
+  if (error.find("in use") != std::string::npos) {
+    return error + ": choose another block of ports with " + flags;
+  }
+  if (error.find("assign requested address") != std::string::npos) {
+    return error +
+           ": this machine has no such address: leave --host out, or write --host 0.0.0.0 for all that it "
+           "has";
+  }
+  return error + ": --host takes an address of this machine, e.g. --host 0.0.0.0 for all that it has";
 }
 
 std::string Bracketed(const std::string& host) {

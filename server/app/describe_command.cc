@@ -104,6 +104,9 @@ std::string ModulePage(const CommandTable& table) {
     page += TableRow({"reply", spec.reply_text.empty() ? "–" : spec.reply_text, ValuesCell(spec.reply_params),
                       ValuesCell(spec.reply_data)});
     page += "\nFor example " + CodeSpan(ExampleLine(spec)) + "\n";
+    if (spec.id == command::kGetStatus) {
+      page += "\n[protocol.md](../../protocol.md#simulation) lists the fields of its JSON.\n";
+    }
     if (IsSubscribable(spec)) readings += (readings.empty() ? "" : ", ") + CodeSpan(spec.name);
   }
   page += "\n## Like every module\n";
@@ -315,9 +318,10 @@ std::string Page(const Wanted& wanted, const SearchPath& path, Diagnostics& diag
     const auto scenario = LoadScenario(wanted.name, robots, diagnostics);
     return scenario == nullptr ? "" : ScenarioPage(*scenario);
   }
-  if (const CommandTable* table = FindModuleTable(wanted.name)) return ModulePage(*table);
+  const std::string type = wanted.name.substr(wanted.name.rfind('/') + 1);  // of /robot1/compass, too
+  if (const CommandTable* table = FindModuleTable(type)) return ModulePage(*table);
   diagnostics.Error({"coopdyn describe", 0},
-                    "there is no module '" + wanted.name + "'" + DidYouMean(wanted.name, ModuleNames()));
+                    "there is no module '" + type + "'" + DidYouMean(type, ModuleNames()));
   return {};
 }
 
@@ -350,7 +354,7 @@ void AddDescribe(CLI::App& app, Chosen& chosen) {
       "          coopdyn describe module motors\n"
       "          coopdyn describe scenario formation");
   sub->add_option("kind", wanted->kind, "robot, module or scenario")
-      ->check(CLI::IsMember({"robot", "module", "scenario"}));
+      ->check(OneOf({"robot", "module", "scenario"}));
   sub->add_option("name", wanted->name, "Which one");
   sub->add_option("--scenarios", wanted->scenario_folders, "A folder with scenarios, worlds and robots");
   sub->callback([&chosen, wanted] { chosen = [wanted] { return Describe(*wanted); }; });

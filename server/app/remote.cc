@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <boost/json.hpp>
 #include <charconv>
 #include <filesystem>
@@ -7,7 +8,9 @@
 #include <memory>
 #include <sstream>
 
+#include "protocol/codec.h"
 #include "protocol/command_ids.h"
+#include "protocol/module_tables.h"
 #include "protocol/text_scan.h"
 #include "server/app/commands.h"
 #include "server/app/print.h"
@@ -179,6 +182,19 @@ std::string WithFileName(std::string text, const RemoteOptions& options) {
   return text;
 }
 
+/// An error reply, the line that the daemon sent: its text, and what its code means.
+std::string InWords(const std::string& reply) {
+  constexpr std::array kMeanings = {"ok",           "unknown command", "wrong params", "wrong data",
+                                    "out of range", "not possible",    "owned",        "malformed",
+                                    "too large",    "internal error",  "no such name", "timed out",
+                                    "not allowed"};
+  const Decoded decoded = DecodeText(reply + "\n", *FindModuleTable("simulation"), false);
+  const Message& error = decoded.message;
+  const auto code = static_cast<std::size_t>(error.error);
+  if (decoded.status != DecodeStatus::kMessage || code >= kMeanings.size()) return reply;
+  return fmt::format("{} (error {}, {})", error.text, code, kMeanings[code]);
+}
+
 void CallModule(RemoteConnection& connection, const RemoteOptions& options) {
   connection.Open(options.words[0]);
   const std::string& token = options.at->token;
@@ -190,7 +206,7 @@ void CallModule(RemoteConnection& connection, const RemoteOptions& options) {
     return PrintLines(connection.AskComments(line));
   }
   const std::string reply = connection.CallLine(line);
-  if (!reply.starts_with("0 ")) throw RemoteError(kExitErrors, reply);
+  if (!reply.starts_with("0 ")) throw RemoteError(kExitErrors, InWords(reply));
   PrintLines(reply + "\n");
   // A robot stops when the program that said hello ends; what a single command sets is to stay.
   if (!token.empty()) connection.CallLine("release");

@@ -86,6 +86,14 @@ void CheckWritable(const std::string& option, const std::string& file, const std
                              std::generic_category().message(errno) + ")");
 }
 
+void CheckFolderOf(const std::string& option, const std::string& file) {
+  std::error_code ignored;
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  if (folder.empty() || std::filesystem::is_directory(folder, ignored)) return;
+  throw CLI::ValidationError(option + " " + file + " cannot be made: there is no folder " + folder.string() +
+                             ": make it, or name a file in another");
+}
+
 RecordWhat ReadRecordWhat(const std::string& given) {
   std::string unknown;
   if (const auto what = ParseRecordWhat(given, unknown)) return *what;
@@ -107,17 +115,17 @@ void TakeVariables(CLI::App* sub, const std::set<std::string>& only_flags) {
 void AddStopOrContinue(CLI::App* sub, const std::string& name, bool& stop, const std::string& help) {
   sub->add_option_function<std::string>(
          name, [&stop](const std::string& given) { stop = given == "stop"; }, help)
-      ->check(CLI::IsMember({"continue", "stop"}));
+      ->check(OneOf({"continue", "stop"}));
 }
 
 /// How the daemon is reached, and what it shows.
 void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
-      ->check(CLI::Range(0, 65000))
+      ->check(WholeIn(0, 65000))
       ->capture_default_str();
   sub->add_option("--name-port", serve.name_port, "Another port for the name server")
-      ->check(CLI::Range(0, 65535));
-  sub->add_option("--http-port", serve.http_port, "Another port for the page")->check(CLI::Range(0, 65535));
+      ->check(WholeIn(0, 65535));
+  sub->add_option("--http-port", serve.http_port, "Another port for the page")->check(WholeIn(0, 65535));
   sub->add_option("--host", serve.hosts,
                   "Address to listen at (default: this machine only); 0.0.0.0: everybody");
   sub->add_option("--advertise", serve.advertise, "Address that the name server tells");
@@ -132,17 +140,17 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
       ->check(NumberIn(0.1, 60))
       ->capture_default_str();
   sub->add_option("--renderer", serve.renderer, "auto, osmesa or egl")
-      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->check(OneOf({"auto", "osmesa", "egl"}))
       ->capture_default_str();
   sub->add_option(
          "--robot-threads", serve.robot_threads,
          "Threads for the robots' connections (default: one each for up to 64 robots with sockets; more "
          "robots, and those without, share 1 or 2)")
-      ->check(CLI::Range(1, 10000));
+      ->check(WholeIn(1, 10000));
   sub->add_option("--spin", serve.spin_us, "Poll this many microseconds before sleeping")
-      ->check(CLI::Range(0, 1000000));
+      ->check(WholeIn(0, 1000000));
   sub->add_option("--log-level", serve.log_level, "debug, info, warning, error or off")
-      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
+      ->check(OneOf({"debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
   sub->add_option("--log-file", serve.log_file, "Add the lines of the log to this file too");
   sub->add_option("--scenarios", serve.scenario_folders, "A folder with scenarios, worlds and robots");
@@ -186,6 +194,7 @@ void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
   if (sub.count("--record") > 0 && serve.record.file.empty()) {
     throw CLI::ValidationError("--record takes the name of a file, e.g. --record lesson1.run");
   }
+  CheckFolderOf("--record", serve.record.file);
   if (!serve.from.empty()) {
     if (SplitMoment(serve.from).first.empty()) {
       throw CLI::ValidationError(
@@ -255,7 +264,7 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->add_option_function<std::string>(
          "--mode", [&serve](const std::string& word) { serve.run.mode = ParseMode(word); },
          "realtime, lockstep or free")
-      ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
+      ->check(OneOf({"realtime", "lockstep", "free"}));
   sub->add_option_function<double>(
          "--step", [&serve](double step_s) { serve.run.step = std::llround(step_s * 1e6) * 1000; },
          "Step in seconds, 0.0005 to 0.1")
@@ -271,18 +280,18 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
          "--threads", serve.threads,
          "Threads that share out sensing, controllers and physics, at most one a core; worth it from some "
          "hundred robots on; the results stay the same")
-      ->check(CLI::Range(1, 256))
+      ->check(WholeIn(1, 256))
       ->capture_default_str();
   sub->add_option_function<std::string>(
          "--controllers",
          [&serve](const std::string& where) { serve.controllers_in_process = where == "in-process"; },
          "Where loaded controllers run: child (a process of their own) or in-process (for a debugger)")
-      ->check(CLI::IsMember({"child", "in-process"}));
+      ->check(OneOf({"child", "in-process"}));
   sub->add_option_function<std::uint64_t>(
          "--controller-memory", [&serve](std::uint64_t mib) { serve.controller_memory_bytes = mib << 20; },
          "MiB that all loaded controllers together may use (default: half of this machine's memory; "
          "0: no limit)")
-      ->check(CLI::Range(0, 1 << 30));
+      ->check(WholeIn(0, 1 << 30));
   AddStopOrContinue(
       sub, "--on-controller-failure", serve.run.stop_on_controller_failure,
       "When a loaded controller fails: continue (its robot stands, the rest goes on) or stop (the "

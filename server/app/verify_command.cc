@@ -76,7 +76,7 @@ void AddVerify(CLI::App& app, Chosen& chosen) {
   sub->add_option("other", given->other, "Another, to be compared with it");
   sub->add_option("--threads", given->threads, "Threads of sensing, controllers and physics")
       ->capture_default_str()
-      ->check(CLI::Range(1, 64));
+      ->check(WholeIn(1, 64));
   sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names")
       ->allow_extra_args(false);  // what follows is a run
   sub->callback([&chosen, given] { chosen = [given] { return RunVerify(*given); }; });

@@ -12,7 +12,9 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
+#include "server/model/values.h"
 #include "server/record/row_chain.h"
 #include "server/record/run_tables.h"
 
@@ -57,10 +59,24 @@ bool IsOfRecorder(const std::string& journal) {
   return std::string_view(end.data(), end.size()) != kJournalMagic;
 }
 
+/// The recording in the folder of `file` that it may mean, as part of an error; else what to do.
+std::string NearRecording(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (fs::directory_iterator it(folder, ignored), end; !ignored && it != end; it.increment(ignored)) {
+    if (it->path().extension() == ".run") names.push_back(it->path().filename());
+  }
+  const std::string nearest = Nearest(file.filename().string(), names);
+  if (nearest.empty()) return "; coopdyn info *.run lists the recordings of a folder";
+  return "; did you mean " + (file.parent_path() / nearest).string() + "?";
+}
+
 void CheckIsFile(const std::string& file) {
   std::error_code code;
   const fs::file_status status = fs::status(file, code);
-  if (status.type() == fs::file_type::not_found) throw CannotOpen(file + ": there is no such file");
+  if (status.type() == fs::file_type::not_found)
+    throw CannotOpen(file + ": there is no such file" + NearRecording(file));
   if (status.type() == fs::file_type::directory) {
     throw CannotOpen(file + " is a folder: write the name of a recording in it, for example " + file +
                      "/lesson1.run");

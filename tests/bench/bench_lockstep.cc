@@ -238,37 +238,37 @@ void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen) {
       "processes of their own; their start and a tenth of the rounds before the first measured one do not "
       "count.");
   sub->add_option("--robots", options->robots, "How many, one to the square metre")
-      ->check(CLI::Range(1, 20000))
+      ->check(WholeIn(1, 20000))
       ->capture_default_str();
   sub->add_option("--robot", options->robot, "Their type: a folder of robots/")->capture_default_str();
   sub->add_option("--clients", options->clients, "per-robot: a connection each; batch: one team on /swarm")
-      ->check(CLI::IsMember({"per-robot", "batch"}))
+      ->check(OneOf({"per-robot", "batch"}))
       ->capture_default_str();
   sub->add_option("--language", options->language, "Of the client: cpp or python")
-      ->check(CLI::IsMember({"cpp", "python"}))
+      ->check(OneOf({"cpp", "python"}))
       ->capture_default_str();
   sub->add_option(
          "--rays", options->rays,
          "Number of single rays all round whose distances are read each round; 0: none, a team its poses")
-      ->check(CLI::Range(0, 360));
+      ->check(WholeIn(0, 360));
   sub->add_option("--range", options->range_m, "Range of the rays, m")
       ->check(NumberIn(0.001, 1000))
       ->capture_default_str();
   sub->add_option("--fidelity", options->fidelity, "full, rolling or planar")
-      ->check(CLI::IsMember({"full", "rolling", "planar"}))
+      ->check(OneOf({"full", "rolling", "planar"}))
       ->capture_default_str();
   sub->add_flag("--protocol-only", options->protocol_only,
                 "A team at rest, planar, that reads its poses: the step costs next to nothing");
   sub->add_option("--robot-threads", options->robot_threads, "Threads for the robots' connections")
-      ->check(CLI::Range(1, 10000));
+      ->check(WholeIn(1, 10000));
   sub->add_option("--threads", options->threads, "Threads of sensing and physics")
-      ->check(CLI::Range(1, 256))
+      ->check(WholeIn(1, 256))
       ->capture_default_str();
   sub->add_option("--record", options->record, "Record the run, with so much: poses, or as --record-what");
   sub->add_option("--rounds", options->rounds, "Measured rounds of each repeat (default: 50,000 by robots)")
-      ->check(CLI::Range(1, 10'000'000));
+      ->check(WholeIn(1, 10'000'000));
   sub->add_option("--repeats", options->repeats, "Runs of which the median is told")
-      ->check(CLI::Range(1, 1000))
+      ->check(WholeIn(1, 1000))
       ->capture_default_str();
   sub->add_flag("--json", options->json, "Print one JSON object instead of a table");
   sub->callback([sub, options, &chosen] {

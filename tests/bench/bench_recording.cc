@@ -260,7 +260,7 @@ void AddBenchRecording(CLI::App& bench, std::function<int()>& chosen) {
   CLI::App* sub = bench.add_subcommand("recording", "What recording, seeking, verifying and resetting take");
   sub->footer("Example: coopdyn bench recording --robots 100 --seconds 3600");
   sub->add_option("--robots", options->arena.robots, "How many, one to the square metre")
-      ->check(CLI::Range(1, 20000))
+      ->check(WholeIn(1, 20000))
       ->capture_default_str();
   sub->add_option("--robot", options->arena.robot, "Their type: a folder of robots/")->capture_default_str();
   sub->add_option("--controller", options->arena.controller, "What drives them")->capture_default_str();
@@ -270,11 +270,9 @@ void AddBenchRecording(CLI::App& bench, std::function<int()>& chosen) {
   sub->add_option("--what", options->what, "What is recorded, as --record-what")->capture_default_str();
   sub->add_option("--file", options->file, "Record here and keep it (default: a temporary file)");
   sub->add_option("--seeks", options->seeks, "Random moments to seek")
-      ->check(CLI::Range(1, 1000000))
+      ->check(WholeIn(1, 1000000))
       ->capture_default_str();
-  sub->add_option("--resets", options->resets, "How many")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
+  sub->add_option("--resets", options->resets, "How many")->check(WholeIn(1, 1000000))->capture_default_str();
   sub->add_flag("--json", options->json, "Print one JSON object instead of a table");
   sub->callback([options, &chosen] { chosen = [options] { return Measure(*options); }; });
 }

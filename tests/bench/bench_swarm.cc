@@ -233,15 +233,15 @@ void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen) {
       "CPU time is that of all threads and of the controllers' process, from the first step to the last.");
   ArenaOptions& arena = given->options.arena;
   constexpr double kLeast = 1e-3, kMost = 1e6;
-  sub->add_option("--robots", arena.robots, "How many")->check(CLI::Range(1, 100000))->capture_default_str();
+  sub->add_option("--robots", arena.robots, "How many")->check(WholeIn(1, 100000))->capture_default_str();
   sub->add_option("--robot", arena.robot, "Their type: a folder of robots/")->capture_default_str();
   sub->add_option("--rays", given->rays,
                   "So many single rays, evenly spread, instead of the robot's sensors; 0: none")
-      ->check(CLI::Range(0, 3600));
+      ->check(WholeIn(0, 3600));
   sub->add_option("--range", given->range_m, "Range of the rays in m, instead of the robot's")
       ->check(NumberIn(kLeast, 1e5));
   sub->add_option("--fidelity", given->fidelity, "full, rolling or planar")
-      ->check(CLI::IsMember({"full", "rolling", "planar"}))
+      ->check(OneOf({"full", "rolling", "planar"}))
       ->capture_default_str();
   sub->add_option(
          "--controller", given->controller,
@@ -249,22 +249,22 @@ void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen) {
          "set once")
       ->capture_default_str();
   sub->add_option("--controllers", given->controllers, "Where they run: child or in-process")
-      ->check(CLI::IsMember({"child", "in-process"}))
+      ->check(OneOf({"child", "in-process"}))
       ->capture_default_str();
   sub->add_option("--threads", given->options.threads, "Threads of sensing, controllers and physics")
-      ->check(CLI::Range(1, 256))
+      ->check(WholeIn(1, 256))
       ->capture_default_str();
   sub->add_option("--seconds", given->options.seconds, "Simulated seconds of each repeat")
       ->check(NumberIn(0.01, kMost))
       ->capture_default_str();
   sub->add_option("--repeats", given->options.repeats, "Runs of which the median is told")
-      ->check(CLI::Range(1, 1000))
+      ->check(WholeIn(1, 1000))
       ->capture_default_str();
   sub->add_option("--density", arena.density_m2, "Robots per square metre")
       ->check(NumberIn(kLeast, 1000))
       ->capture_default_str();
   sub->add_option("--boxes", arena.boxes, "Boxes of 0.5 kg among the robots, which they push")
-      ->check(CLI::Range(0, 100000))
+      ->check(WholeIn(0, 100000))
       ->capture_default_str();
   sub->add_option("--seed", arena.seed, "Of places, controllers and noise")
       ->check(CLI::Validator(CheckWhole, ""))

@@ -26,7 +26,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return bench.exit(help);
   } catch (const CLI::ParseError& error) {
-    coopdyn::PrintError("coopdyn: {}\n", coopdyn::Explained(bench, error));
+    coopdyn::PrintError("coopdyn: {}\n",
+                        coopdyn::Explained(bench, error, std::vector<std::string>(argv + 1, argv + argc)));
     return coopdyn::kExitWrongUse;
   }
   try {

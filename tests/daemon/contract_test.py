@@ -250,7 +250,7 @@ class CommandLineTest(unittest.TestCase):
                       ("bench", "recording", "--seconds", "nan")):
             done = subprocess.run([BINARY, *words], capture_output=True, timeout=100)
             self.assertEqual((done.returncode, done.stdout), (2, b""), words)
-            self.assertRegex(done.stderr, rb"\A.*%s: must be .*, not %s.*\n\Z" % (words[-2].encode(), words[-1].encode()))
+            self.assertRegex(done.stderr, rb"\A.*%s must be .*, not %s.*\n\Z" % (words[-2].encode(), words[-1].encode()))
 
     def test_a_duration_has_the_bound_of_a_scenario(self):
         done = subprocess.run([BINARY, "serve", "empty", "--duration", "1e11"], capture_output=True, timeout=100)

@@ -78,6 +78,25 @@ class MistakeTest(unittest.TestCase):
                                   (("export",), "RUN is missing (coopdyn export --help shows how to write it)")):
             self.assertIn(wanted, run(*arguments).stderr.decode())
 
+    def test_a_wrong_value_names_its_source_and_what_is_possible(self):
+        cases = (((("serve", "--port", "80x"), {}), ("--port", "0 to 65000", "80x")),
+                 ((("serve", "--mode", "realtim"), {}), ("--mode", "lockstep", "did you mean realtime?")),
+                 ((("serve",), {"COOPDYN_MODE": "foo"}), ("COOPDYN_MODE", "lockstep", "foo")),
+                 ((("describe", "thing", "x"), {}), ("KIND", "robot", "thing")),
+                 ((("serve", "--config", "/nope"), {}), ("--config /nope", "No such file")),
+                 ((("serve", "--record", "/nonexist/x.run"), {}), ("--record", "no folder /nonexist")))
+        for (words, env), wanted in cases:
+            done = run(*words, env={**os.environ, **env})
+            self.assertEqual(done.returncode, 2, done)
+            for word in wanted:
+                self.assertIn(word, done.stderr.decode())
+
+    def test_a_folder_is_not_checked_and_a_missing_recording_has_near_names(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertIn("folder", run("check", folder).stderr.decode())
+            Path(folder, "lesson1.run").touch()
+            self.assertIn("did you mean", run("info", folder + "/lesson2.run").stderr.decode())
+
     def test_a_weak_token_is_refused_where_others_can_try_tokens(self):
         done = run("serve", "empty", "--port", "0", "--host", "0.0.0.0", "--token", "chalk")
         self.assertEqual(done.returncode, 2)

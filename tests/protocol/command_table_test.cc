@@ -166,10 +166,10 @@ TEST(CheckRequest, ErrorsSayWhatToWrite) {
   EXPECT_EQ(Check("set_velocity", "", {}, {0.2}).text,
             "set_velocity takes linear (m/s) and angular (rad/s): set_velocity 0.2 0.5");
   EXPECT_EQ(Check("set_mode", "", {3}, {}).text,
-            "set_mode takes as mode realtime (0), lockstep (1) or free (2), not 3: set_mode lockstep");
-  EXPECT_EQ(Check("step", "", {0}, {}).text, "step takes as steps 1 to 10000000, not 0: step 10");
+            "set_mode needs a mode: realtime (0), lockstep (1) or free (2), not 3: set_mode lockstep");
+  EXPECT_EQ(Check("step", "", {0}, {}).text, "step needs steps from 1 to 10000000, not 0: step 10");
   EXPECT_EQ(Check("ready", "", {20000000}, {}).text,
-            "ready takes as steps 1 to 10000000, not 20000000: ready 10");
+            "ready needs steps from 1 to 10000000, not 20000000: ready 10");
   EXPECT_EQ(Check("send_message", "", {}, {}).text, "send_message takes 1 to 8 numbers: send_message 1 0.5");
 }
 

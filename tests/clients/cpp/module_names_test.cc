@@ -51,7 +51,7 @@ TEST_F(ModuleNames, MotorsCalledLegsDriveAndACompassCalledNorthIsRead) {
   robot.subscribe("motors");
   sim.step();
   EXPECT_EQ(robot.next("motors", 10).step, 21);
-  EXPECT_EQ(ErrorOf([&] { robot.get_compass("south"); }).code, 10);
+  EXPECT_EQ(ErrorOf([&] { robot.get_compass("south"); }).code(), 10);
 }
 
 }  // namespace
