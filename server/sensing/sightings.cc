@@ -76,7 +76,7 @@ class Lookout {
   const double heading_rad_;
 };
 
-// --- the target module: landmarks and other robots, seen by a camera above its origin at the robot's full
+// --- the target module: landmarks and other robots, seen by a camera above the robot's origin, at its full
 // height
 
 using Eye = Lookout<TargetModel>;
