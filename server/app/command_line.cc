@@ -103,7 +103,7 @@ std::string WrongValue(const CLI::App& command, const std::string& said,
   } else if (!name.starts_with("-")) {
     std::transform(name.begin(), name.end(), name.begin(), ::toupper);
   }
-  return name + " " + what;
+  return name + (what.starts_with("must ") ? " " : ": ") + what;
 }
 
 /// Goes on as the program coopdyn-bench; returns only if there is none.

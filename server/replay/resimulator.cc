@@ -220,7 +220,10 @@ bool Resimulator::Step(const RecordedStep& step) {
       return false;
     }
     if (command.setpoint.mode != ControlMode::kVelocity) {
-      error_ = where + " commands a joint otherwise than by a speed, which this coopdyn cannot repeat";
+      const Scene& scene = simulation_->scene();
+      const auto robot = static_cast<std::size_t>(scene.channels[command.channel].robot);
+      error_ = where + " commands " + scene.robots[robot].entry.name +
+               " otherwise than by speeds: this coopdyn cannot repeat that";
       return false;
     }
     in_force_[command.channel] = command.setpoint;

@@ -45,12 +45,18 @@ class ControllersDocsTestCase(unittest.TestCase):
         self.run_shell(blocks("sh")[1].replace("g++ ", "g++ -Wall -Wextra -Werror "))
         self.drive("controller circle radius=0.3")
 
+    def test_the_controller_of_channels(self):
+        (self.folder / "clients").symlink_to(ROOT / "clients")
+        (self.folder / "circle.cc").write_text(blocks("cpp")[1])
+        self.run_shell(blocks("sh")[1].replace("g++ ", "g++ -Wall -Wextra -Werror "))
+        self.drive("controller circle")
+
     def test_the_swarm_of_a_sample(self):
         line = re.search(r"^controller .*$", blocks("")[0], re.M).group()
         self.drive(line)
 
     def test_no_other_blocks(self):
-        self.assertEqual([len(blocks(kind)) for kind in ("", "sh", "cpp")], [1, 2, 1])
+        self.assertEqual([len(blocks(kind)) for kind in ("", "sh", "cpp")], [1, 2, 2])
 
 
 if __name__ == "__main__":
