@@ -9,6 +9,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "protocol/command_ids.h"
 #include "protocol/common_commands.h"
 #include "protocol/module_tables.h"
 #include "protocol/usage.h"

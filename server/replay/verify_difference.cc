@@ -40,7 +40,7 @@ using BodyNumbers = std::array<double, kBodyFields.size()>;
 
 BodyNumbers NumbersOf(const BodyState& body) {
   BodyNumbers numbers;
-  std::memcpy(numbers.data(), &body, sizeof numbers);
+  std::memcpy(numbers.data(), static_cast<const void*>(&body), sizeof numbers);
   return numbers;
 }
 

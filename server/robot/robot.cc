@@ -6,11 +6,11 @@
 namespace coopdyn {
 
 RobotCore::RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post,
-                     StepInbox::Post hand_over)
+                     const StepInbox::Post& hand_over)
     : name_(entry.name),
       type_(entry.model->type),
       services_(services),
-      inbox_(services.board, services.frames, std::move(post), std::move(hand_over)) {
+      inbox_(services.board, services.frames, std::move(post), hand_over) {
   for (const ModuleModel& module : entry.model->modules()) {
     devices_.push_back(MakeDevice(*entry.model, module.name));
     module_names_.push_back(module.name);

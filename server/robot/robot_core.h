@@ -36,7 +36,7 @@ class RobotCore {
  public:
   /// `post` and `hand_over` run a function on the robot's thread, as StepInbox says.
   RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post,
-            StepInbox::Post hand_over);
+            const StepInbox::Post& hand_over);
 
   const std::string& name() const { return name_; }
   const std::string& type() const { return type_; }

@@ -41,13 +41,7 @@ class EditQueue {
   explicit EditQueue(Doorbell& bell) : bell_(bell) {}
   /// Any thread. After Close() the edit is answered at once with error 5.
   void Push(Edit edit) EXCLUDES(mutex_) {
-    bool refused = false;
-    {
-      const MutexLock lock(mutex_);
-      refused = closed_;
-      if (!refused) edits_.push_back(std::move(edit));
-    }
-    if (refused) Refuse(edit);
+    if (!Add(edit)) Refuse(edit);
     bell_.Ring();
   }
   /// All that wait, in order. Stepping thread.
@@ -79,6 +73,12 @@ class EditQueue {
   }
 
  private:
+  /// Takes the edit, unless the queue is closed.
+  bool Add(Edit& edit) EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    if (!closed_) edits_.push_back(std::move(edit));
+    return !closed_;
+  }
   static void Refuse(const Edit& edit) {
     if (edit.done) edit.done({Error::kNotPossible, "the daemon is stopping"});
   }
