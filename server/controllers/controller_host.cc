@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <utility>
+#include <variant>
 
 #include "server/base/bytes.h"
 #include "server/controllers/runner.h"
@@ -116,7 +117,7 @@ void ControllerHost::List(const Scene& scene) {
     driven.first_channel = static_cast<std::size_t>(robot.first_channel);
     driven.channel_count = static_cast<std::size_t>(robot.channel_count);
     if (const ActuatorModel* drive = robot.entry.model->drive_actuator()) {
-      driven.drive = std::get<DriveModel>(drive->kind);
+      driven.drive = *robot.entry.model->drive();
       driven.wheels = robot.entry.model->FirstChannel(*drive);
     }
     driven_.push_back(std::move(driven));
@@ -253,7 +254,8 @@ bool ControllerHost::TakeSetpoints(const Driven& driven, std::span<Setpoint> cha
   std::size_t first = 0;
   for (const ActuatorModel& actuator :
        scene_->robots[static_cast<std::size_t>(driven.robot)].entry.model->actuators) {
-    LimitSpeeds(std::get<DriveModel>(actuator.kind), channels.subspan(first, actuator.joints.size()));
+    const std::span<Setpoint> its = channels.subspan(first, actuator.joints.size());
+    std::visit([its](const DriveModel& drive) { LimitSpeeds(drive, its); }, actuator.kind);
     first += actuator.joints.size();
   }
   return true;

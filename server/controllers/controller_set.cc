@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <numeric>
 #include <utility>
+#include <variant>
 
 #include "server/base/printable.h"
 #include "server/controllers/child_backend.h"
@@ -103,8 +104,9 @@ std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
   for (const ActuatorModel& actuator : model.actuators) {
     // What the physics carries out; a joint without a module has no commands.
     const std::uint32_t modes = 1u << COOPDYN_OFF | (actuator.module.empty() ? 0 : 1u << COOPDYN_VELOCITY);
-    joints.insert(joints.end(), actuator.joints.size(),
-                  {nullptr, nullptr, modes, std::get<DriveModel>(actuator.kind).max_wheel_speed_rad_s});
+    const double max_velocity =
+        std::visit([](const DriveModel& drive) { return drive.max_wheel_speed_rad_s; }, actuator.kind);
+    joints.insert(joints.end(), actuator.joints.size(), {nullptr, nullptr, modes, max_velocity});
   }
   return joints;
 }
