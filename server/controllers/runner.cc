@@ -59,17 +59,18 @@ class KeepRounding {
 #endif
 };
 
-/// Calls into a controller. Returns why it failed; empty: it did not.
+/// Calls into a controller; `called` names the function that is called at the moment. Returns why it failed;
+/// empty: it did not.
 template <typename Function>
-std::string Guarded(const char* name, Function function) {
+std::string Guarded(const char* const& called, Function function) {
   const KeepRounding keep;
   try {
     function();
     return {};
   } catch (const std::exception& exception) {
-    return fmt::format("threw an exception in {}() ({})", name, exception.what());
+    return fmt::format("threw an exception in {}() ({})", called, exception.what());
   } catch (...) {
-    return fmt::format("threw an exception in {}()", name);
+    return fmt::format("threw an exception in {}()", called);
   }
 }
 
@@ -353,19 +354,21 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
     std::ranges::fill(setpoints, coopdyn_setpoint{});
     command.setpoints = setpoints.data();
   }
-  const coopdyn_controller& functions = instance.plugin->functions();
-  std::string why = Guarded("step", [&] { functions.step(instance.state, &readings, &command); });
-  if (why.empty() && !IsFine(command)) why = Fault(command);
-  if (why.empty() && command.setpoints != setpoints.data()) {
-    why = "changed the pointer setpoints of its command: write into the array that it points to";
-  }
-  for (std::size_t i = 0; i < setpoints.size() && why.empty(); ++i) {
-    if (!IsFine(setpoints[i], instance.joints[i].modes)) why = Fault(setpoints[i], instance.joints[i]);
-  }
-  if (why.empty()) {
-    why = Guarded("save", [&] { Save(instance, setup.states[header().serial & 1], worker); });
-  }
-  if (!why.empty()) return Fail(robot, why);
+  const char* called = "step";
+  std::string wrong;
+  const std::string failed = Guarded(called, [&] {
+    instance.plugin->functions().step(instance.state, &readings, &command);
+    if (!IsFine(command)) wrong = Fault(command);
+    if (command.setpoints != setpoints.data()) {
+      wrong = "changed the pointer setpoints of its command: write into the array that it points to";
+    }
+    for (std::size_t i = 0; i < setpoints.size() && wrong.empty(); ++i) {
+      if (!IsFine(setpoints[i], instance.joints[i].modes)) wrong = Fault(setpoints[i], instance.joints[i]);
+    }
+    called = "save";
+    if (wrong.empty()) Save(instance, setup.states[header().serial & 1], worker);
+  });
+  if (!wrong.empty() || !failed.empty()) return Fail(robot, wrong.empty() ? failed : wrong);
   RobotResult& result = areas_->result(robot);
   result.failed = 0;
   result.command = command;

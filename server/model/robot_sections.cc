@@ -281,7 +281,7 @@ void RobotSections::Add(RobotEntry entry, const SourceLine& where) {
                                   std::to_string(swarm->second.line) + "): give one another name");
   }
   const Vector3& p = entry.X_WR.p;
-  if (std::abs(p.x()) > scenario_.floor.length_m / 2 || std::abs(p.y()) > scenario_.floor.width_m / 2) {
+  if (!scenario_.floor.IsUnder(p.x(), p.y())) {
     diagnostics_.Warning(where, "'" + entry.name + "' stands beside the floor, which is " +
                                     FormatNumber(scenario_.floor.length_m) + " x " +
                                     FormatNumber(scenario_.floor.width_m) + " m about the origin");

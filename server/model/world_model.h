@@ -2,6 +2,7 @@
 // The fixed description of a world: floor and objects. Constant once read; any thread.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -31,6 +32,10 @@ struct Floor {
   Color color{0.85, 0.85, 0.85};
   double friction = 1;
   SourceLine where;
+
+  bool IsUnder(double x_m, double y_m) const {
+    return std::abs(x_m) <= length_m / 2 && std::abs(y_m) <= width_m / 2;
+  }
 };
 
 /// A box, cylinder or sphere of the world; static if it has no mass.

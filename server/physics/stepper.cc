@@ -177,7 +177,7 @@ void Stepper::StepNow(Nanoseconds now) {
     status_.frozen.push_back(frozen.name);
     AddEvent("error", frozen.name + " exploded (" + frozen.why + ") and is frozen where it was last sane");
   }
-  NoteFloorLeft(*frame);
+  NoteFloorLeft(*frame, false);
   rate_.Note(now, frame->time);
   if (duration_ && frame->time >= *duration_) EndRun(RunEnd::kDuration, "the run has reached its duration");
   if (journal_ != nullptr) {
@@ -247,27 +247,16 @@ void Stepper::RestControllers() {
   if (helpers_.controllers != nullptr) helpers_.controllers->Rest();
 }
 
-std::vector<bool> Stepper::OffFloor(const Frame& frame) const {
+void Stepper::NoteFloorLeft(const Frame& frame, bool first) {
   const Scene& scene = simulation_->scene();
-  const double half_length = scene.floor.length_m / 2;
-  const double half_width = scene.floor.width_m / 2;
-  std::vector<bool> off(scene.robots.size());
-  for (std::size_t i = 0; i < off.size(); ++i) {
+  off_floor_.resize(scene.robots.size());
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const Vector3& p = frame.bodies[static_cast<std::size_t>(scene.robots[i].first_body)].p_WB;
-    off[i] = std::abs(p.x()) > half_length || std::abs(p.y()) > half_width;
+    const char off = scene.floor.IsUnder(p.x(), p.y()) ? 0 : 1;
+    if (off == off_floor_[i]) continue;
+    off_floor_[i] = off;
+    if (off == 1 && !first) AddEvent("warning", scene.robots[i].entry.name + " has left the floor");
   }
-  return off;
-}
-
-void Stepper::NoteFloorLeft(const Frame& frame) {
-  std::vector<bool> off = OffFloor(frame);
-  if (off == off_floor_) return;
-  for (std::size_t i = 0; i < off.size(); ++i) {
-    if (off[i] && !off_floor_[i]) {
-      AddEvent("warning", simulation_->scene().robots[i].entry.name + " has left the floor");
-    }
-  }
-  off_floor_ = std::move(off);
 }
 
 PhaseTimes Stepper::phase_times() {

@@ -148,8 +148,8 @@ class Stepper {
   /// Takes mode, step, speed and duration of the scenario, as far as it says them and the command line does
   /// not.
   void TakeOptions(const SimulationOptions& said) REQUIRES(baton_);
-  std::vector<bool> OffFloor(const Frame& frame) const REQUIRES(baton_);
-  void NoteFloorLeft(const Frame& frame) REQUIRES(baton_);
+  /// Says of each robot that has left the floor since the last call; `first`: stays silent.
+  void NoteFloorLeft(const Frame& frame, bool first) REQUIRES(baton_);
   bool may_step() const REQUIRES(baton_) {
     return simulation_ != nullptr && !ended_ && !stopping_ && (!paused_ || allowed_steps_ > 0);
   }
@@ -186,7 +186,7 @@ class Stepper {
   Nanoseconds status_at_ GUARDED_BY(baton_) = 0;
   bool has_deadlines_ GUARDED_BY(baton_) = false;
   Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;  // until then the physics thread sleeps
-  std::vector<bool> off_floor_ GUARDED_BY(baton_);     // by robot
+  std::vector<char> off_floor_ GUARDED_BY(baton_);     // 1: yes; by robot
 };
 
 }  // namespace coopdyn

@@ -162,7 +162,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   status_.frozen_before.insert(status_.frozen.begin(), status_.frozen.end());
   status_.frozen = FrozenNames(frame());
   boards_.control.ClearStopped();
-  off_floor_ = OffFloor(frame());
+  NoteFloorLeft(frame(), true);
   has_deadlines_ = std::any_of(scene.robots.begin(), scene.robots.end(),
                                [](const SceneRobot& robot) { return robot.entry.deadline_s.has_value(); });
   const Nanoseconds now = clock_.Now();

@@ -89,9 +89,10 @@ void PhysicsWorld::Fit() {
 
 void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
   EnsureOde();
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    ChannelState& channel = channels_[i];
-    channel.setpoint = i < setpoints.size() ? setpoints[i] : Setpoint{};
+  const std::size_t given = std::min(channels_.size(), setpoints.size());
+  for (std::size_t i = 0; i < given; ++i) channels_[i].setpoint = setpoints[i];
+  for (std::size_t i = given; i < channels_.size(); ++i) channels_[i].setpoint = {};
+  for (ChannelState& channel : channels_) {
     assert(channel.setpoint.mode == ControlMode::kVelocity);  // its motors know no other
     channel.velocity = 0;
   }

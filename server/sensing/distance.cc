@@ -35,14 +35,17 @@ double AddNoise(double range_m, const SectorModel& sector, const NoiseKey& key) 
 void Compute(const DistanceModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
              std::span<double> ranges_m) {
   std::fill(ranges_m.begin(), ranges_m.end(), kNoHit);
+  bool near = false;
   for (const SensorFan& fan : sensor.fans) {
     FanCast cast(cache, robot, fan);
     if (!cast.Run()) continue;
+    near = true;
     for (std::size_t k = 0; k < fan.rays().size(); ++k) {
       double& range_m = ranges_m[fan.rays()[k].sector];
       range_m = std::min(range_m, cast.distance_m(k));
     }
   }
+  if (!near) return;
   const Frame& frame = cache.frame();
   const RobotId id = frame.scene->robots[static_cast<std::size_t>(robot)].id;
   NoiseKey key{frame.seed, NoiseKind::kDistance, id.value, sensor.first, frame.step, 0};
