@@ -218,7 +218,8 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     std::ranges::fill(channels, Setpoint{});
     if (driven.status != Status::kDrives) continue;
     // The child has checked it already, but a controller may write there at any time.
-    const coopdyn_command command = Once(set_->areas().result(driven.slot).command);
+    coopdyn_command command{};
+    CopyCommand(set_->areas().result(driven.slot).command, command);
     const bool by_setpoints = (driven.readings & COOPDYN_SETPOINTS) != 0;
     if (!IsFine(command) || (by_setpoints && !TakeSetpoints(driven, channels))) {
       std::ranges::fill(channels, Setpoint{});

@@ -45,8 +45,8 @@ void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> w
 }
 
 void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted, const Areas& areas) const {
-  areas.readings(wanted.slot) = {};
-  coopdyn_readings& readings = areas.readings(wanted.slot).felt;
+  RobotReadings& readings = areas.readings(wanted.slot);
+  readings = {};
   if ((wanted.readings & COOPDYN_DISTANCES) != 0) {
     const std::span<const double> distances = Distances(frame, wanted.robot);
     readings.distance_count = distances.size();
@@ -103,12 +103,12 @@ void ReadingsWriter::PlaceLists(std::span<const ReadingsWanted> wanted, Controll
   Layout layout(set.readings_end());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     RobotReadings& one = areas.readings(wanted[i].slot);
-    one.felt.target_count = lists_[i].targets.size();
-    one.targets = layout.Add<coopdyn_target>(one.felt.target_count);
-    one.felt.neighbour_count = lists_[i].neighbours.size();
-    one.neighbours = layout.Add<coopdyn_sighting>(one.felt.neighbour_count);
-    one.felt.heard_count = lists_[i].heard.size();
-    one.heard = layout.Add<coopdyn_heard>(one.felt.heard_count);
+    one.target_count = lists_[i].targets.size();
+    one.targets = layout.Add<coopdyn_target>(one.target_count);
+    one.neighbour_count = lists_[i].neighbours.size();
+    one.neighbours = layout.Add<coopdyn_sighting>(one.neighbour_count);
+    one.heard_count = lists_[i].heard.size();
+    one.heard = layout.Add<coopdyn_heard>(one.heard_count);
   }
   // More than is needed now, so that growing is rare.
   if (layout.end() > areas.in.bytes()) areas.Grow(2 * layout.end(), 0);

@@ -51,8 +51,12 @@ class KeepRounding {
   static constexpr unsigned kFlags = 0x3f;
   const unsigned before_;
 #else
-  KeepRounding() { std::fegetenv(&before_); }
-  ~KeepRounding() { std::fesetenv(&before_); }
+  KeepRounding() {
+    std::fegetenv(&before_);
+  }
+  ~KeepRounding() {
+    std::fesetenv(&before_);
+  }
 
  private:
   std::fenv_t before_;
@@ -331,16 +335,28 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   const Instance& instance = *instances_[robot];
   const RobotSetup& setup = areas_->setup(robot);
   const RobotReadings& sent = areas_->readings(robot);
-  coopdyn_readings readings = sent.felt;
-  readings.seed = header().seed;
-  readings.step = header().step;
-  readings.time_s = header().time_s;
-  readings.step_s = header().step_s;
-  readings.distance_m = In<double>(setup.distances);
-  readings.channels = In<coopdyn_channel>(setup.channels);
-  readings.targets = In<coopdyn_target>(sent.targets);
-  readings.neighbours = In<coopdyn_sighting>(sent.neighbours);
-  readings.heard = In<coopdyn_heard>(sent.heard);
+  const coopdyn_readings readings = {
+      .seed = header().seed,
+      .step = header().step,
+      .time_s = header().time_s,
+      .step_s = header().step_s,
+      .distance_count = sent.distance_count,
+      .distance_m = In<double>(setup.distances),
+      .x_m = sent.x_m,
+      .y_m = sent.y_m,
+      .heading_rad = sent.heading_rad,
+      .forward_m_s = sent.forward_m_s,
+      .turn_rad_s = sent.turn_rad_s,
+      .channel_count = sent.channel_count,
+      .channels = In<coopdyn_channel>(setup.channels),
+      .target_count = sent.target_count,
+      .targets = In<coopdyn_target>(sent.targets),
+      .neighbour_count = sent.neighbour_count,
+      .neighbours = In<coopdyn_sighting>(sent.neighbours),
+      .heard_count = sent.heard_count,
+      .heard = In<coopdyn_heard>(sent.heard),
+      .compass_rad = sent.compass_rad,
+  };
 
   auto& command =
       *static_cast<coopdyn_command*>(worker.command.Last(sizeof(coopdyn_command), alignof(coopdyn_command)));
@@ -371,7 +387,7 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   if (!wrong.empty() || !failed.empty()) return Fail(robot, wrong.empty() ? failed : wrong);
   RobotResult& result = areas_->result(robot);
   result.failed = 0;
-  result.command = command;
+  CopyCommand(command, result.command);
   std::ranges::copy(setpoints, areas_->out.At<coopdyn_setpoint>(setup.setpoints));
   result.done.store(header().serial, std::memory_order_release);
 }

@@ -72,9 +72,10 @@ struct RobotSetup {
   Place states[2];                        // in `out`: written in turn, by the serial's parity
 };
 
-/// What a robot feels, as far as its controller asks for it; the rest is 0. Pointers are null.
+/// What a robot feels, as far as its controller asks for it; the rest is 0. As in coopdyn_readings.
 struct RobotReadings {
-  coopdyn_readings felt;
+  double x_m, y_m, heading_rad, forward_m_s, turn_rad_s, compass_rad;
+  std::size_t distance_count, channel_count, target_count, neighbour_count, heard_count;
   Place targets, neighbours, heard;
 };
 
@@ -119,6 +120,15 @@ T Once(const T& shared) {
   std::memcpy(&copy, &shared, sizeof(T));
   std::atomic_signal_fence(std::memory_order_seq_cst);  // the compiler must not read it again
   return copy;
+}
+
+/// Copies what counts of a command, each number read once: no pointer, and no messages beyond their count.
+inline void CopyCommand(const coopdyn_command& from, coopdyn_command& to) {
+  to.forward_m_s = Once(from.forward_m_s);
+  to.turn_rad_s = Once(from.turn_rad_s);
+  const std::uint32_t count = Once(from.message_count);
+  to.message_count = count;
+  for (std::uint32_t i = 0; i < count && i < COOPDYN_MAX_MESSAGE; ++i) to.message[i] = Once(from.message[i]);
 }
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);

@@ -61,19 +61,21 @@ Mechanism MakeObject(const WorldObject& object);
 
 /// A robot or an object. Its own parts do not collide with each other.
 struct Thing {
+  // What each step looks at lies together.
   int robot = -1;   // index into Scene::robots; -1: an object
   int object = -1;  // index into Scene::objects; -1: a robot
   const Mechanism* mechanism = nullptr;
-  std::size_t pool = 0;                              // of Things::pools: what kind of bodies it needs in ODE
-  int first_body = 0;                                // of Frame::bodies; static: none
-  BodyState fixed{};                                 // of a static object: where it stands
-  bool frozen = false;                               // held in place: nothing is joined to its bodies
   std::size_t first_channel = 0, channel_count = 0;  // of Frame::channels; of objects none
+  int first_body = 0;                                // of Frame::bodies; static: none
+  bool frozen = false;                               // held in place: nothing is joined to its bodies
+  std::size_t pool = 0;                              // of Things::pools: what kind of bodies it needs in ODE
 
   // Robots only.
+  double rest_z_m = 0;              // of one body: height of its centre of mass at rest
   Vector3 p_BR = Vector3::Zero();   // R's origin in the first body
   Vector3 up_B = Vector3::UnitZ();  // R's z axis in the first body
-  double rest_z_m = 0;              // of one body: height of its centre of mass at rest
+
+  BodyState fixed{};  // of a static object: where it stands
 
   std::size_t body_count() const { return mechanism->bodies.size(); }
 };

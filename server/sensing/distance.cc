@@ -26,7 +26,7 @@ double Cost_us(const SceneSensing::RobotType& type) {
 }
 
 double AddNoise(double range_m, const SectorModel& sector, const NoiseKey& key) {
-  if (range_m == kNoHit || sector.noise_stddev_m <= 0) return range_m;
+  if (sector.noise_stddev_m <= 0 || range_m == kNoHit) return range_m;
   return std::clamp(range_m + sector.noise_stddev_m * GaussianNoise(key), 0.0, sector.max_range_m);
 }
 

@@ -38,7 +38,8 @@ SceneSensing::SceneSensing(const Scene& scene) {
     const RobotModel& model = *robot.entry.model;
     const auto [found, is_new] = indices.emplace(&model, static_cast<std::uint32_t>(types_.size()));
     if (is_new) types_.emplace_back(model);
-    places_.push_back({found->second, kept_sensors_, kept_values_});
+    types_of_robots_.push_back(found->second);
+    places_.push_back({kept_sensors_, kept_values_});
     kept_sensors_ += static_cast<std::uint32_t>(types_[found->second].kept.size());
     kept_values_ += types_[found->second].values;
   }

@@ -46,11 +46,11 @@ class SceneSensing final : public SceneCache {
     std::uint32_t ranges = 0;          // of these
     std::uint32_t values = 0;          // of all kept
   };
-  const RobotType& type(int robot) const { return types_[place(robot).type]; }
+  const RobotType& type(int robot) const { return types_[types_of_robots_[static_cast<std::size_t>(robot)]]; }
 
   /// Where the kept sensors of a robot and their values begin among those of all robots.
   struct Place {
-    std::uint32_t type = 0, first_kept = 0, first_value = 0;
+    std::uint32_t first_kept = 0, first_value = 0;
   };
   const Place& place(int robot) const { return places_[static_cast<std::size_t>(robot)]; }
   std::size_t robots() const { return places_.size(); }
@@ -68,7 +68,8 @@ class SceneSensing final : public SceneCache {
 
  private:
   std::vector<RobotType> types_;
-  std::vector<Place> places_;  // by robot
+  std::vector<std::uint32_t> types_of_robots_;  // apart from places_: rays look at it of all who are near
+  std::vector<Place> places_;                   // by robot
   std::uint32_t kept_sensors_ = 0, kept_values_ = 0;
   double max_hull_radius_m_ = 0;
   RayGrid static_grid_;
