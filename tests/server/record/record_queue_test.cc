@@ -39,6 +39,7 @@ TEST_F(RecordQueueTest, AFileThatHasNotBegunIsWaitedForBeforeTheNext) {
   for (int taken = 0; taken < 20; ++taken) {
     while (begun_ < taken) std::this_thread::yield();
     EXPECT_TRUE(queue_.Pop(true));
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // one who does not wait would begin meanwhile
     EXPECT_LE(begun_, taken + 1) << "the one in hand: the recorder has not come back for more";
   }
 }
