@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that robots' threads call, for one robot at a time. command_board_team.cc has the
-// calls for many, command_board_steps.cc those of the stepping thread.
+// The part of the board that connections' threads call. command_board_steps.cc has the stepping thread's.
 #include "server/state/command_board.h"
 
 #include <algorithm>
@@ -8,70 +7,19 @@
 
 namespace coopdyn {
 
-// --- what all parts use
-// -------------------------------------------------------------------------------------
-
-std::size_t CommandBoard::Find(SlotId id) const {
-  return id < slot_index_.size() ? slot_index_[id] : kNoSlot;
-}
-
-std::string CommandBoard::Who(std::size_t index) const {
-  const Slot& slot = slots_[index];
-  if (drives_[index].driven) return "controller " + slot.controller;
-  return slot.owner.shown();
-}
-
-std::string CommandBoard::NameOf(std::size_t index) const {
-  const std::size_t robot = drives_[index].robot;
-  const bool several = first_slots_[robot + 1] - first_slots_[robot] > 1;
-  return several ? slots_[index].robot + "/" + slots_[index].module : slots_[index].robot;
-}
-
-bool CommandBoard::Drives(std::size_t index) const {
-  const auto first = in_force_.begin() + drives_[index].first_channel;
-  return std::any_of(first, first + drives_[index].channel_count,
-                     [](const Setpoint& setpoint) { return setpoint.drives(); });
-}
-
-void CommandBoard::Stop(std::size_t index) {
-  for (Setpoint& setpoint : Of(index, in_force_)) setpoint = setpoint.stopped();
-}
-
-void CommandBoard::StopPending(std::size_t index) {
-  Stop(index);
-  Drive& drive = drives_[index];
-  if (!drive.pending) return;
-  if (!drive.has_setpoint) std::ranges::copy(Of(index, in_force_), Of(index, commanded_).begin());
-  for (Setpoint& setpoint : Of(index, commanded_)) setpoint = setpoint.stopped();
-  drive.has_setpoint = true;
-}
-
-bool CommandBoard::NoteChange(std::size_t index, bool was_awaited) {
-  const bool is_awaited = IsAwaited(drives_[index]);
-  if (was_awaited == is_awaited) return false;
-  awaited_ += is_awaited ? 1 : -1;
-  return awaited_ == 0 && mode_ == Mode::kLockstep;
-}
-
-void CommandBoard::Completions::Call() const {
-  StepResult result{StepEnd::kRan, frame, mode};
-  for (const auto& [done, end] : calls) {
-    result.end = end;
-    done(result);
-  }
-}
+// --- who may do what, who owns what
 
 std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& client) const {
   if (stopping_) return Verdict{Error::kNotPossible, "the daemon is stopping"};
   if (playing_) return Verdict{Error::kNotPossible, kPlayingText};
-  const Drive& drive = drives_[index];
-  const std::string& robot = slots_[index].robot;
+  const Drive& drive = table_.drive(index);
+  const std::string& robot = table_.slot(index).robot;
   if (drive.driven) {
-    return Verdict{Error::kOwned, robot + " is owned by " + Who(index) + ": release_robot " + robot +
+    return Verdict{Error::kOwned, robot + " is owned by " + table_.Who(index) + ": release_robot " + robot +
                                       " of /simulation, or the page, unloads it"};
   }
   if (drive.owner != 0 && drive.owner != client.id) {
-    return Verdict{Error::kOwned, robot + " is driven by " + Who(index) +
+    return Verdict{Error::kOwned, robot + " is driven by " + table_.Who(index) +
                                       ": wait until that program ends, or free the robot (release_robot of "
                                       "/simulation, or the page)"};
   }
@@ -79,8 +27,8 @@ std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& 
 }
 
 void CommandBoard::TakeOwnership(std::size_t index, const Client& client) {
-  Drive& drive = drives_[index];
-  Slot& slot = slots_[index];
+  Drive& drive = table_.drive(index);
+  Slot& slot = table_.slot(index);
   if (client.input_ended) {
     slot.former = client;
     return;
@@ -95,132 +43,29 @@ void CommandBoard::TakeOwnership(std::size_t index, const Client& client) {
 }
 
 void CommandBoard::Disown(std::size_t index) {
-  if (slots_[index].owner.is_team) NoteTeams();
-  drives_[index].owner = 0;
-  slots_[index].owner = {};
+  if (table_.slot(index).owner.is_team) NoteTeams();
+  table_.drive(index).owner = 0;
+  table_.slot(index).owner = {};
 }
 
-void CommandBoard::ClearPending(std::size_t index) {
-  Drive& drive = drives_[index];
-  drive.pending = drive.has_setpoint = drive.latched = false;
-  drive.pending_from = 0;
-  drive.batch = 0;
-  drive.steps_left = 0;
-  if (drive.has_done) slots_[index].done = nullptr;
-  drive.has_done = false;
-}
-
-void CommandBoard::ReplacePending(std::size_t index, const Client& client, Completions& completions) {
-  Drive& drive = drives_[index];
-  if (!drive.pending || drive.pending_from == client.id) return;
-  if (drive.has_done) completions.calls.emplace_back(std::move(slots_[index].done), StepEnd::kReplaced);
-  if (drive.batch != 0) {
-    const auto waiter = std::find_if(waiters_.begin(), waiters_.end(), [&drive](const Waiter& candidate) {
-      return candidate.batch == drive.batch;
-    });
-    if (waiter != waiters_.end() && --waiter->members == 0) {
-      completions.calls.emplace_back(std::move(waiter->done), StepEnd::kReplaced);
-      waiters_.erase(waiter);
-    }
+std::optional<Verdict> CommandBoard::TeamObjection(std::size_t index, const Client& client) const {
+  if (!table_.drive(index).has_module) {
+    return Verdict{Error::kNotPossible, table_.slot(index).robot + " has no actuators: it can only be read"};
   }
-  ClearPending(index);
-}
-
-void CommandBoard::SetPending(std::size_t index, const Client& client, std::span<const Setpoint> setpoints,
-                              int steps) {
-  Drive& drive = drives_[index];
-  drive.excused = drive.dropped = drive.abandoned = false;
-  if (!setpoints.empty()) {
-    std::ranges::copy(setpoints, Of(index, commanded_).begin());
-    drive.has_setpoint = true;
-  } else if (!drive.pending) {
-    drive.has_setpoint = false;
-  }
-  drive.pending = true;
-  drive.latched = false;  // a step that runs now did not see it
-  drive.pending_from = client.id;
-  drive.batch = 0;
-  drive.steps_left = steps;
-}
-
-void CommandBoard::ApplyPolicy(std::size_t index, LossPolicy policy) {
-  Drive& drive = drives_[index];
-  switch (policy) {
-    case LossPolicy::kWait:
-      return;
-    case LossPolicy::kHold:
-      drive.excused = true;
-      return;
-    case LossPolicy::kStop:
-      Stop(index);
-      drive.excused = true;
-      return;
-    case LossPolicy::kDrop:
-      Stop(index);
-      drive.dropped = true;
-      return;
-  }
-}
-
-void CommandBoard::EndInput(std::size_t index) {
-  slots_[index].former = slots_[index].owner;
-  Disown(index);
-}
-
-void CommandBoard::LoseClient(std::size_t index) {
-  if (drives_[index].owner != 0) EndInput(index);
-  slots_[index].former.id = 0;
-  if (drives_[index].pending) {
-    drives_[index].loses_client = true;
-  } else {
-    ApplyLoss(index);
-  }
-}
-
-void CommandBoard::ApplyLoss(std::size_t index) {
-  const Slot& slot = slots_[index];
-  if (slot.on_disconnect) {
-    ApplyPolicy(index, *slot.on_disconnect);
-    if (*slot.on_disconnect != LossPolicy::kWait) NoteLoss(index, *slot.on_disconnect);
-  } else if (!slot.former.name.empty()) {
-    drives_[index].abandoned = true;
-    if (mode_ != Mode::kLockstep) StopAbandoned(index);
-  }
-}
-
-void CommandBoard::StopAbandoned(std::size_t index) {
-  drives_[index].abandoned = false;
-  if (!Drives(index)) return;
-  Stop(index);
-  NoteLoss(index, LossPolicy::kStop);
-}
-
-void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy) {
-  losses_.push_back({drives_[index].robot, slots_[index].former.shown(), policy});
+  return Objection(index, client);
 }
 
 // --- one robot
-// ----------------------------------------------------------------------------------------------
-
-SlotId CommandBoard::SlotOf(const std::string& robot, const std::string& module) const {
-  const auto found = by_name_.find(robot);
-  if (found == by_name_.end()) return 0;
-  const std::size_t first = first_slots_[found->second];
-  for (std::size_t i = first; !module.empty() && i < first_slots_[found->second + 1]; ++i) {
-    if (slots_[i].module == module) return slots_[i].id;
-  }
-  return slots_[first].id;
-}
 
 SlotId CommandBoard::FindSlot(const std::string& robot, const std::string& module) const {
   const MutexLock lock(mutex_);
-  return SlotOf(robot, module);
+  return table_.FindSlot(robot, module);
 }
 
 std::string CommandBoard::OwnerOf(SlotId slot) const {
   const MutexLock lock(mutex_);
-  const std::size_t index = Find(slot);
-  return index == kNoSlot ? "" : Who(index);
+  const std::size_t index = table_.Find(slot);
+  return index == kNoSlot ? "" : table_.Who(index);
 }
 
 std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
@@ -229,7 +74,7 @@ std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
   slots.reserve(scene.robots.size());
   for (const SceneRobot& robot : scene.robots) {
     const ActuatorModel* drive = robot.entry.model->drive_actuator();
-    slots.push_back(SlotOf(robot.entry.name, drive == nullptr ? "" : drive->module));
+    slots.push_back(table_.FindSlot(robot.entry.name, drive == nullptr ? "" : drive->module));
   }
   return slots;
 }
@@ -241,18 +86,18 @@ Verdict CommandBoard::Command(SlotId id, const Client& client, std::span<const S
   bool became_ready = false;
   {
     const MutexLock lock(mutex_);
-    const std::size_t index = Find(id);
+    const std::size_t index = table_.Find(id);
     if (index == kNoSlot) return Gone();
     if (std::optional<Verdict> objection = Objection(index, client)) return *std::move(objection);
     completions = MakeCompletions();
-    const bool was_awaited = IsAwaited(drives_[index]);
+    const bool was_awaited = table_.drive(index).is_awaited();
     TakeOwnership(index, client);
     ReplacePending(index, client, completions);
-    SetPending(index, client, setpoints, steps.value_or(1));
+    table_.SetPending(index, client.id, setpoints, steps.value_or(1));
     verdict = Fine();
     verdict.answer_now = !steps.has_value() && mode_ != Mode::kLockstep;
-    drives_[index].has_done = !verdict.answer_now;
-    slots_[index].done = verdict.answer_now ? nullptr : std::move(done);
+    table_.drive(index).has_done = !verdict.answer_now;
+    table_.slot(index).done = verdict.answer_now ? nullptr : std::move(done);
     became_ready = NoteChange(index, was_awaited);
   }
   completions.Call();
@@ -267,7 +112,7 @@ Verdict CommandBoard::Ready(SlotId slot, const Client& client, int steps, StepDo
 
 Verdict CommandBoard::Claim(SlotId id, const Client& client) {
   const MutexLock lock(mutex_);
-  const std::size_t index = Find(id);
+  const std::size_t index = table_.Find(id);
   if (index == kNoSlot) return Gone();
   if (std::optional<Verdict> objection = Objection(index, client)) return *std::move(objection);
   TakeOwnership(index, client);
@@ -276,12 +121,12 @@ Verdict CommandBoard::Claim(SlotId id, const Client& client) {
 
 Verdict CommandBoard::Release(SlotId id, const Client& client) {
   const MutexLock lock(mutex_);
-  const std::size_t index = Find(id);
+  const std::size_t index = table_.Find(id);
   if (index == kNoSlot) return Gone();
-  const ClientId owner = drives_[index].owner;
+  const ClientId owner = table_.drive(index).owner;
   if (owner == client.id) {
     Disown(index);
-  } else if (owner != 0 || drives_[index].driven) {
+  } else if (owner != 0 || table_.drive(index).driven) {
     return NotOwner(index);
   }
   return Fine();
@@ -290,36 +135,24 @@ Verdict CommandBoard::Release(SlotId id, const Client& client) {
 Verdict CommandBoard::Hello(SlotId id, const Client& client) {
   const MutexLock lock(mutex_);
   Verdict verdict = Fine();
-  const std::size_t index = Find(id);
-  if (index == kNoSlot || drives_[index].owner == 0) return verdict;
-  Drive& drive = drives_[index];
-  Slot& slot = slots_[index];
-  if (drive.owner == client.id) {
-    slot.owner.name = client.name;
-  } else if (!client.name.empty() && slot.owner.name == client.name && slot.owner.is_team == client.is_team) {
-    verdict.displaced = std::exchange(drive.owner, client.id);
-    slot.owner = client;
-  }
+  const std::size_t index = table_.Find(id);
+  if (index != kNoSlot) verdict.displaced = table_.TakeOver(index, client);
   return verdict;
 }
 
 void CommandBoard::InputEnded(SlotId id, ClientId client) {
   const MutexLock lock(mutex_);
-  const std::size_t index = Find(id);
-  if (index == kNoSlot || drives_[index].owner != client) return;
-  EndInput(index);
+  const std::size_t index = table_.Find(id);
+  if (index != kNoSlot && table_.drive(index).owner == client) EndInput(index);
 }
 
 void CommandBoard::Closed(SlotId id, ClientId client) {
   bool became_ready = false;
   {
     const MutexLock lock(mutex_);
-    const std::size_t index = Find(id);
-    if (index == kNoSlot) return;
-    const ClientId owner = drives_[index].owner;
-    const bool was_former = owner == 0 && slots_[index].former.id == client;
-    if (owner != client && !was_former) return;
-    const bool was_awaited = IsAwaited(drives_[index]);
+    const std::size_t index = table_.Find(id);
+    if (index == kNoSlot || !table_.IsOf(index, client)) return;
+    const bool was_awaited = table_.drive(index).is_awaited();
     LoseClient(index);
     became_ready = NoteChange(index, was_awaited);
   }
@@ -328,35 +161,167 @@ void CommandBoard::Closed(SlotId id, ClientId client) {
 
 Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& message) {
   const MutexLock lock(mutex_);
-  const std::size_t found = Find(id);
+  const std::size_t found = table_.Find(id);
   if (found == kNoSlot) return Gone();
   if (stopping_) return Verdict{Error::kNotPossible, "the daemon is stopping"};
   if (playing_) return Verdict{Error::kNotPossible, kPlayingText};
-  const std::size_t index = first_slots_[drives_[found].robot];
-  Slot& slot = slots_[index];
-  if (drives_[index].driven) {
-    return Verdict{Error::kOwned, slot.robot + " is owned by " + Who(index) + ", which sends for it: " +
-                                      "release_robot " + slot.robot + " of /simulation unloads it"};
+  const std::size_t index = table_.first_slot(table_.drive(found).robot);
+  Slot& slot = table_.slot(index);
+  if (table_.drive(index).driven) {
+    return Verdict{Error::kOwned, slot.robot + " is owned by " + table_.Who(index) +
+                                      ", which sends for it: release_robot " + slot.robot +
+                                      " of /simulation unloads it"};
   }
   const bool same_name = !slot.owner.name.empty() && slot.owner.name == client.name;
-  if (drives_[index].owner != 0 && !same_name) {
-    return Verdict{Error::kOwned, slot.robot + " is driven by " + Who(index) +
+  if (table_.drive(index).owner != 0 && !same_name) {
+    return Verdict{Error::kOwned, slot.robot + " is driven by " + table_.Who(index) +
                                       (slot.owner.name.empty()
                                            ? ", which has no name: say hello NAME there and here, then it "
                                              "may send here, too"
                                            : ": only a client of the same name (hello) may send for it")};
   }
-  if (slot.message == kNoMessage) {
+  if (slot.message == Slot::kNoMessage) {
     slot.message = static_cast<std::uint32_t>(messages_.size());
-    messages_.push_back({drives_[index].robot, 0, message});
+    messages_.push_back({table_.drive(index).robot, 0, message});
   } else {
     messages_[slot.message].message = message;
   }
   return Fine();
 }
 
+// --- many robots at once, for /swarm: one lock and one callback for a batch
+
+Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int steps, StepDone done) {
+  if (step.setpoints.empty() && WaitInPlayback(steps, done)) return {.answer_now = false};
+  Completions completions;
+  Verdict verdict;
+  bool became_ready = false;
+  {
+    const MutexLock lock(mutex_);
+    for (const SlotId id : step.slots) {
+      const std::size_t index = table_.Find(id);
+      if (index == kNoSlot) return Gone();
+      if (table_.drive(index).owner == client.id && !stopping_ && !playing_) continue;
+      if (std::optional<Verdict> objection = TeamObjection(index, client)) return *std::move(objection);
+    }
+    completions = MakeCompletions();
+    const std::uint64_t batch = next_batch_++;
+    Waiter waiter{batch, 0, steps, false, std::move(done), 0};
+    const auto place = [&](std::size_t index, std::span<const Setpoint> setpoints) REQUIRES(mutex_) {
+      const bool was_awaited = table_.drive(index).is_awaited();
+      TakeOwnership(index, client);
+      ReplacePending(index, client, completions);
+      table_.SetPending(index, client.id, setpoints, steps);
+      table_.drive(index).batch = batch;
+      ++waiter.members;
+      became_ready |= NoteChange(index, was_awaited);
+    };
+    std::span<const Setpoint> left = step.setpoints;
+    for (const SlotId id : step.slots) {
+      const std::size_t index = table_.Find(id),
+                        count = std::min<std::size_t>(table_.drive(index).channel_count, left.size());
+      place(index, left.first(count));
+      left = left.subspan(count);
+    }
+    for (const SlotId id : step.others) {
+      const std::size_t index = table_.Find(id);
+      if (index != kNoSlot && table_.IsOf(index, client.id)) place(index, {});
+    }
+    waiters_.push_back(std::move(waiter));
+    verdict = Fine();
+    verdict.answer_now = false;
+  }
+  completions.Call();
+  if (became_ready && all_ready_hook_) all_ready_hook_();
+  return verdict;
+}
+
+Verdict CommandBoard::ClaimAll(std::span<const SlotId> slots, const Client& client) {
+  const MutexLock lock(mutex_);
+  for (const SlotId id : slots) {
+    const std::size_t index = table_.Find(id);
+    if (index == kNoSlot) return Gone();
+    if (std::optional<Verdict> objection = TeamObjection(index, client)) return *std::move(objection);
+  }
+  for (const SlotId id : slots) TakeOwnership(table_.Find(id), client);
+  return Fine();
+}
+
+Verdict CommandBoard::ClaimFree(const Client& client) {
+  const MutexLock lock(mutex_);
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_.drive(i).owner == 0 && !TeamObjection(i, client)) TakeOwnership(i, client);
+  }
+  return Fine();
+}
+
+Verdict CommandBoard::ReleaseAll(std::span<const SlotId> slots, const Client& client) {
+  const MutexLock lock(mutex_);
+  for (const SlotId id : slots) {
+    const std::size_t index = table_.Find(id);
+    if (index == kNoSlot) return Gone();
+    const Drive& drive = table_.drive(index);
+    if (drive.owner == client.id || (drive.owner == 0 && !drive.driven)) continue;
+    return NotOwner(index);
+  }
+  for (const SlotId id : slots) {
+    const std::size_t index = table_.Find(id);
+    if (table_.drive(index).owner == client.id) Disown(index);
+    if (table_.slot(index).former.id == client.id) table_.slot(index).former.id = 0;
+  }
+  return Fine();
+}
+
+void CommandBoard::StopTeam(std::span<const SlotId> slots, const Client& client) {
+  const MutexLock lock(mutex_);
+  for (const SlotId id : slots) {
+    const std::size_t index = table_.Find(id);
+    if (index != kNoSlot && table_.IsOf(index, client.id)) table_.StopPending(index);
+  }
+}
+
+std::vector<ClientId> CommandBoard::HelloAll(const Client& client) {
+  const MutexLock lock(mutex_);
+  std::vector<ClientId> displaced;
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    const ClientId former = table_.TakeOver(i, client);
+    if (former != 0 && std::ranges::find(displaced, former) == displaced.end()) displaced.push_back(former);
+  }
+  if (!displaced.empty()) NoteTeams();
+  return displaced;
+}
+
+void CommandBoard::InputEndedAll(ClientId client) {
+  const MutexLock lock(mutex_);
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_.drive(i).owner == client) EndInput(i);
+  }
+}
+
+void CommandBoard::ClosedAll(ClientId client) {
+  bool became_ready = false;
+  {
+    const MutexLock lock(mutex_);
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      if (!table_.IsOf(i, client)) continue;
+      const bool was_awaited = table_.drive(i).is_awaited();
+      LoseClient(i);
+      became_ready |= NoteChange(i, was_awaited);
+    }
+  }
+  if (became_ready && all_ready_hook_) all_ready_hook_();
+}
+
+std::vector<SlotId> CommandBoard::Team(ClientId client) const {
+  const MutexLock lock(mutex_);
+  std::vector<SlotId> team;
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_.IsOf(i, client)) team.push_back(table_.slot(i).id);
+  }
+  return team;
+}
+
 // --- waiting, watching
-// --------------------------------------------------------------------------------------
 
 bool CommandBoard::WaitInPlayback(int steps, StepDone& done) {
   const MutexLock lock(mutex_);
@@ -390,19 +355,20 @@ void CommandBoard::RemoveObserver(std::uint64_t key) {
 std::vector<CommandBoard::Owner> CommandBoard::Owners() const {
   const MutexLock lock(mutex_);
   std::vector<Owner> owners;
-  for (std::size_t robot = 0; robot + 1 < first_slots_.size(); ++robot) {
-    const std::size_t first = first_slots_[robot], end = first_slots_[robot + 1];
+  for (std::size_t robot = 0; robot < table_.robot_count(); ++robot) {
+    const std::size_t first = table_.first_slot(robot), end = table_.first_slot(robot + 1);
     std::size_t shown = first;
-    while (shown + 1 < end && drives_[shown].owner == 0) ++shown;
-    if (drives_[shown].owner == 0) shown = first;
-    const Drive& drive = drives_[shown];
-    Owner owner{slots_[shown].robot, drive.owner, Who(shown)};
-    owner.is_team = slots_[shown].owner.is_team;
+    while (shown + 1 < end && table_.drive(shown).owner == 0) ++shown;
+    if (table_.drive(shown).owner == 0) shown = first;
+    const Drive& drive = table_.drive(shown);
+    Owner owner{table_.slot(shown).robot, drive.owner, table_.Who(shown)};
+    owner.is_team = table_.slot(shown).owner.is_team;
     owner.driven = drive.driven;
     for (std::size_t i = first; i < end; ++i) {
-      owner.participates |= drives_[i].participates && !drives_[i].dropped;
-      owner.dropped |= drives_[i].dropped;
-      owner.still_moving |= drives_[i].owner == 0 && !drives_[i].driven && !playing_ && Drives(i);
+      const Drive& each = table_.drive(i);
+      owner.participates |= each.participates && !each.dropped;
+      owner.dropped |= each.dropped;
+      owner.still_moving |= each.owner == 0 && !each.driven && !playing_ && table_.Moves(i);
     }
     owners.push_back(std::move(owner));
   }
@@ -416,32 +382,14 @@ std::vector<Awaited> CommandBoard::Awaiting(Nanoseconds now, std::size_t max, st
   if (total != nullptr) *total = waits ? awaited_ : 0;
   if (!waits || awaited_ == 0) return awaiting;
   std::string cure;
-  for (std::size_t i = 0; i < slots_.size() && awaiting.size() < max; ++i) {
-    if (!IsAwaited(drives_[i])) continue;
-    const bool no_client = drives_[i].owner == 0;
-    if (no_client && cure.empty()) cure = CureForNoClient();
-    awaiting.push_back({NameOf(i), no_client ? "no client" : "no command from " + Who(i),
+  for (std::size_t i = 0; i < table_.size() && awaiting.size() < max; ++i) {
+    if (!table_.drive(i).is_awaited()) continue;
+    const bool no_client = table_.drive(i).owner == 0;
+    if (no_client && cure.empty()) cure = table_.CureForNoClient();
+    awaiting.push_back({table_.NameOf(i), no_client ? "no client" : "no command from " + table_.Who(i),
                         ToSeconds(now - waiting_since_), no_client ? cure : ""});
   }
   return awaiting;
-}
-
-std::string CommandBoard::CureForNoClient() const {
-  const bool several = std::count_if(drives_.begin(), drives_.end(), [](const Drive& drive) {
-                         return IsAwaited(drive) && drive.owner == 0;
-                       }) > 1;
-  constexpr std::size_t kNamed = 4;
-  std::string names;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < drives_.size() && count <= kNamed; ++i) {
-    if (drives_[i].owner == 0) continue;
-    if (++count <= kNamed) names += " " + slots_[i].robot;
-  }
-  const std::string start = several ? "start their programs" : "start its program";
-  if (count == 0) return start + ", or set_mode realtime";
-  const std::string others = count <= kNamed ? names : " and the names of the robots that have one";
-  return start + ", or let the others go on with set_participants" + others +
-         ", or the page's button 'connected'";
 }
 
 }  // namespace coopdyn

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Who drives which robot, with what, for how many steps; and who waits for a step. The contract of lockstep
 // (docs/protocol.md) lives here, free of sockets and threads: robot and control threads write commands, the
-// stepping thread latches them and gets back whom to answer. One lock; callbacks are never called with it
-// held.
+// stepping thread latches them and gets back whom to answer.
 #pragma once
 
 #include <atomic>
@@ -12,32 +11,18 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "protocol/message.h"
 #include "server/base/mutex.h"
+#include "server/state/drive_table.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
 
 /// What nobody may do while a recording is played is answered with this.
 inline constexpr const char* kPlayingText = "playing a recording: branch of /playback goes on live from here";
-
-/// Names an actuator module for the life of the daemon (kept over reset, and over a load that keeps the
-/// robot). 0: none.
-using SlotId = std::uint32_t;
-/// A connection as the board knows it.
-struct Client {
-  ClientId id = 0;
-  std::string name;          // of `hello`; empty: none
-  std::string peer;          // e.g. "127.0.0.1:53120"
-  bool input_ended = false;  // may still have requests executed, but owns nothing
-  bool is_team = false;      // a connection to /swarm: its name takes over only from such ones
-
-  const std::string& shown() const { return name.empty() ? peer : name; }
-};
 
 /// How a wait for a step ended.
 enum class StepEnd {
@@ -55,9 +40,6 @@ struct StepResult {
   Mode mode = Mode::kRealtime;
   std::int64_t ran = 0, asked = 0;  // kPaused: steps of the `step n` that have run, and n
 };
-/// Called on the stepping thread, or on the thread whose call ended the wait; posts to its own thread and
-/// returns.
-using StepDone = std::function<void(const StepResult&)>;
 
 /// The board's answer to a request.
 struct Verdict {
@@ -96,10 +78,11 @@ struct LostClient {
   LossPolicy policy = LossPolicy::kStop;
 };
 
+/// The requests of all connections and what came of them. Any thread: one lock guards all but what the
+/// stepping thread alone reads. Callbacks are never called with it held.
 class CommandBoard {
  public:
   // --- robot threads and the control thread
-  // --------------------------------------------------------------------
   /// The slot of module `module` of `robot`; if it is no actuator module, or empty, the robot's first slot. 0
   /// if there is no such robot.
   SlotId FindSlot(const std::string& robot, const std::string& module = {}) const;
@@ -176,7 +159,6 @@ class CommandBoard {
   std::vector<Awaited> Awaiting(Nanoseconds now, std::size_t max, std::size_t* total) const;
 
   // --- the stepping thread (holder of the baton)
-  // ----------------------------------------------------------------
   /// Lays out the slots for a new scene. Robots of the same name and type keep slot, owner and name; all
   /// waits end with `end` (kReset keeps participants, kLoad takes them from the scene).
   void Configure(const Scene& scene, StepEnd end, FramePtr frame, Nanoseconds now);
@@ -223,44 +205,10 @@ class CommandBoard {
   void Stop(FramePtr frame);
 
  private:
-  /// What every step looks at, small so that thousands stay in the cache.
-  struct Drive {
-    std::uint32_t robot = 0;          // index into the scene
-    std::uint32_t first_channel = 0;  // of in_force_ and commanded_
-    std::uint32_t channel_count = 0;
-    ClientId owner = 0;  // connection; 0: nobody, or a controller
-    ClientId pending_from = 0;
-    std::uint64_t batch = 0;  // the Waiter that what is pending belongs to; 0: none
-    std::int32_t steps_left = 0;
-    bool pending = false;       // a command or `ready` for the next step is there
-    bool has_setpoint = false;  // it brings commanded_; else what is in force is kept
-    bool latched = false;       // it was there when the step that runs now began
-    bool has_done = false;      // somebody waits for its end: Slot::done
-    bool loses_client = false;  // on_disconnect acts once what is pending has run
-    bool abandoned = false;     // its client, which had said hello, has gone, and its entry has no policy
-    bool participates = false;  // by scenario or set_participants
-    bool excused =
-        false;  // late or without client, by policy hold or stop: not waited for until its next command
-    bool dropped = false;     // by policy drop: takes no part until its next command
-    bool driven = false;      // by a loaded controller
-    bool has_module = false;  // else nobody can command it
-  };
-  /// The rest.
-  struct Slot {
-    SlotId id = 0;
-    std::string robot, type, module;
-    Client owner;            // of Drive::owner
-    Client former;           // its input has ended, its requests may still run; id 0: it was lost
-    std::string controller;  // while driven
-    StepDone done;           // of what is pending; null: answered already
-    std::optional<double> deadline_s;
-    LossPolicy on_deadline = LossPolicy::kHold;
-    std::optional<LossPolicy> on_disconnect;
-    bool participates_by_scene = false;
-    bool is_awaited = false;             // its robot's entry does not leave it out of `waits_for`
-    bool may_participate = false;        // by its entry, were it not for the controller
-    std::uint32_t message = kNoMessage;  // index into messages_
-  };
+  using Drive = DriveTable::Drive;
+  using Slot = DriveTable::Slot;
+  static constexpr std::size_t kNoSlot = DriveTable::kNoSlot;
+
   struct Waiter {
     std::uint64_t batch = 0;  // 0: of nobody's robots
     std::size_t members = 0;  // robots of the batch that nobody has taken yet
@@ -281,41 +229,25 @@ class CommandBoard {
 
     void Call() const;
   };
-  static constexpr std::size_t kNoSlot = static_cast<std::size_t>(-1);
-  static constexpr std::uint32_t kNoMessage = static_cast<std::uint32_t>(-1);
 
-  SlotId SlotOf(const std::string& robot, const std::string& module) const REQUIRES(mutex_);
-  /// Index of a slot; kNoSlot if the robot is gone.
-  std::size_t Find(SlotId id) const REQUIRES(mutex_);
   static Verdict Gone() { return {Error::kNotPossible, "this robot is no longer part of the scenario"}; }
   Verdict NotOwner(std::size_t index) const REQUIRES(mutex_) {
-    return {Error::kOwned,
-            slots_[index].robot + " is driven by " + Who(index) + ": only its owner can release it"};
+    return {Error::kOwned, table_.slot(index).robot + " is driven by " + table_.Who(index) +
+                               ": only its owner can release it"};
   }
   /// What keeps `client` from acting on a robot, if anything does.
   std::optional<Verdict> Objection(std::size_t index, const Client& client) const REQUIRES(mutex_);
   std::optional<Verdict> TeamObjection(std::size_t index, const Client& client) const REQUIRES(mutex_);
-  /// The client owns the robot, or did until its input ended.
-  bool IsOf(std::size_t index, ClientId client) const REQUIRES(mutex_);
   /// Makes the client owner, unless its input has ended. @pre no Objection()
   void TakeOwnership(std::size_t index, const Client& client) REQUIRES(mutex_);
   void Disown(std::size_t index) REQUIRES(mutex_);
   /// Clears what another client has pending, which then gets kReplaced.
   void ReplacePending(std::size_t index, const Client& client, Completions& completions) REQUIRES(mutex_);
-  /// Something new is pending from `client`; no `setpoints`: what is in force is kept.
-  void SetPending(std::size_t index, const Client& client, std::span<const Setpoint> setpoints, int steps)
-      REQUIRES(mutex_);
-  void ClearPending(std::size_t index) REQUIRES(mutex_);
-  /// The channels of a slot among those of all.
-  std::span<Setpoint> Of(std::size_t index, std::vector<Setpoint>& channels) const REQUIRES(mutex_) {
-    return std::span(channels).subspan(drives_[index].first_channel, drives_[index].channel_count);
+  /// Clears what is pending; somebody who waits for it gets `end`.
+  void EndPending(std::size_t index, StepEnd end, Completions& completions) REQUIRES(mutex_) {
+    if (table_.drive(index).has_done) completions.calls.emplace_back(std::move(table_.slot(index).done), end);
+    table_.ClearPending(index);
   }
-  bool Drives(std::size_t index) const REQUIRES(mutex_);
-  /// Stops the set-points in force of its channels.
-  void Stop(std::size_t index) REQUIRES(mutex_);
-  /// Stops the pending set-points, too.
-  void StopPending(std::size_t index) REQUIRES(mutex_);
-  void ApplyPolicy(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
   /// The owner sends no more: the robot is free, what it sent still runs.
   void EndInput(std::size_t index) REQUIRES(mutex_);
   void LoseClient(std::size_t index) REQUIRES(mutex_);
@@ -324,18 +256,7 @@ class CommandBoard {
   /// Stops a robot without its program.
   void StopAbandoned(std::size_t index) REQUIRES(mutex_);
   void NoteLoss(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
-  /// "there are robot1, robot2 and 5 more (list shows all)".
-  std::string NamesOfRobots() const REQUIRES(mutex_);
-  /// What to do about a robot without client.
-  std::string CureForNoClient() const REQUIRES(mutex_);
-  static bool IsAwaited(const Drive& drive) {
-    return drive.participates && !drive.dropped && !drive.excused && !drive.pending;
-  }
-  std::string Who(std::size_t index) const REQUIRES(mutex_);
-  /// Its robot, or, if that has several actuator modules, `robot1/arm`.
-  std::string NameOf(std::size_t index) const REQUIRES(mutex_);
   void EndAllWaits(StepEnd end, Completions& completions) REQUIRES(mutex_);
-  void CountAwaited() REQUIRES(mutex_);
   /// Corrects the count of awaited robots after a change of a slot; true if that made the last one ready.
   bool NoteChange(std::size_t index, bool was_awaited) REQUIRES(mutex_);
   void ClearMessages() REQUIRES(mutex_);
@@ -346,27 +267,19 @@ class CommandBoard {
   Verdict Fine() const REQUIRES(mutex_) { return {.mode = mode_}; }
 
   mutable Mutex mutex_;
-  std::vector<Drive> drives_ GUARDED_BY(mutex_);             // the scene's actuators in order
-  std::vector<Slot> slots_ GUARDED_BY(mutex_);               // likewise
-  std::vector<Setpoint> in_force_ GUARDED_BY(mutex_);        // by the scene's channels
-  std::vector<Setpoint> commanded_ GUARDED_BY(mutex_);       // likewise; of what is pending
-  std::vector<std::size_t> first_slots_ GUARDED_BY(mutex_);  // by robot, and one more at the end
-  std::vector<Setpoint> latched_;                            // stepping thread only
-  std::vector<std::uint8_t> latched_commands_;               // stepping thread only
-  std::vector<SentMessage> latched_messages_;                // stepping thread only
-  std::vector<LostClient> latched_losses_;                   // stepping thread only
-  std::vector<LostClient> losses_ GUARDED_BY(mutex_);        // since the last Latch()
-  std::vector<SentMessage> messages_ GUARDED_BY(mutex_);     // for the next step, in order of arrival
+  DriveTable table_ GUARDED_BY(mutex_);
+  std::vector<Setpoint> latched_;                         // stepping thread only
+  std::vector<std::uint8_t> latched_commands_;            // stepping thread only
+  std::vector<SentMessage> latched_messages_;             // stepping thread only
+  std::vector<LostClient> latched_losses_;                // stepping thread only
+  std::vector<LostClient> losses_ GUARDED_BY(mutex_);     // since the last Latch()
+  std::vector<SentMessage> messages_ GUARDED_BY(mutex_);  // for the next step, in order of arrival
   std::vector<Waiter> waiters_ GUARDED_BY(mutex_);
   std::vector<Observer> observers_ GUARDED_BY(mutex_);
-  std::vector<std::size_t> slot_index_ GUARDED_BY(mutex_);  // SlotId → index into slots_, or kNoSlot
-  std::unordered_map<std::string, std::size_t> by_name_ GUARDED_BY(mutex_);  // robot → its index in the scene
   Mode mode_ GUARDED_BY(mutex_) = Mode::kRealtime;
   std::size_t awaited_ GUARDED_BY(mutex_) = 0;        // participants that are not ready
   std::size_t calls_at_once_ GUARDED_BY(mutex_) = 0;  // the most that one step had to answer
   Nanoseconds waiting_since_ GUARDED_BY(mutex_) = 0;
-  bool has_deadlines_ GUARDED_BY(mutex_) = false;
-  SlotId next_slot_ GUARDED_BY(mutex_) = 1;
   std::uint64_t next_observer_ GUARDED_BY(mutex_) = 1;
   std::uint64_t next_batch_ GUARDED_BY(mutex_) = 1;
   bool stopping_ GUARDED_BY(mutex_) = false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that the stepping thread calls.
+// The part of the board that the stepping thread calls: layout, modes, steps, deadlines; and what ends a wait
+// or a client's hold on a robot.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -18,21 +19,79 @@ Nanoseconds DeadlineOf(double deadline_s, Nanoseconds waiting_since) {
 
 }  // namespace
 
-void CommandBoard::EndAllWaits(StepEnd end, Completions& completions) {
-  for (std::size_t i = 0; i < drives_.size(); ++i) {
-    if (drives_[i].has_done) completions.calls.emplace_back(std::move(slots_[i].done), end);
-    ClearPending(i);
+bool CommandBoard::NoteChange(std::size_t index, bool was_awaited) {
+  const bool is_awaited = table_.drive(index).is_awaited();
+  if (was_awaited == is_awaited) return false;
+  awaited_ += is_awaited ? 1 : -1;
+  return awaited_ == 0 && mode_ == Mode::kLockstep;
+}
+
+void CommandBoard::Completions::Call() const {
+  StepResult result{StepEnd::kRan, frame, mode};
+  for (const auto& [done, end] : calls) {
+    result.end = end;
+    done(result);
   }
+}
+
+void CommandBoard::ReplacePending(std::size_t index, const Client& client, Completions& completions) {
+  const Drive& drive = table_.drive(index);
+  if (!drive.pending || drive.pending_from == client.id) return;
+  const std::uint64_t batch = drive.batch;
+  EndPending(index, StepEnd::kReplaced, completions);
+  if (batch == 0) return;
+  const auto waiter = std::ranges::find(waiters_, batch, &Waiter::batch);
+  if (waiter == waiters_.end() || --waiter->members != 0) return;
+  completions.calls.emplace_back(std::move(waiter->done), StepEnd::kReplaced);
+  waiters_.erase(waiter);
+}
+
+void CommandBoard::EndInput(std::size_t index) {
+  table_.slot(index).former = table_.slot(index).owner;
+  Disown(index);
+}
+
+void CommandBoard::LoseClient(std::size_t index) {
+  if (table_.drive(index).owner != 0) EndInput(index);
+  table_.slot(index).former.id = 0;
+  if (table_.drive(index).pending) {
+    table_.drive(index).loses_client = true;
+  } else {
+    ApplyLoss(index);
+  }
+}
+
+void CommandBoard::ApplyLoss(std::size_t index) {
+  const Slot& slot = table_.slot(index);
+  if (slot.on_disconnect) {
+    table_.ApplyPolicy(index, *slot.on_disconnect);
+    if (*slot.on_disconnect != LossPolicy::kWait) NoteLoss(index, *slot.on_disconnect);
+  } else if (!slot.former.name.empty()) {
+    table_.drive(index).abandoned = true;
+    if (mode_ != Mode::kLockstep) StopAbandoned(index);
+  }
+}
+
+void CommandBoard::StopAbandoned(std::size_t index) {
+  table_.drive(index).abandoned = false;
+  if (!table_.Moves(index)) return;
+  table_.Stop(index);
+  NoteLoss(index, LossPolicy::kStop);
+}
+
+void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy) {
+  losses_.push_back({table_.drive(index).robot, table_.slot(index).former.shown(), policy});
+}
+
+void CommandBoard::EndAllWaits(StepEnd end, Completions& completions) {
+  for (std::size_t i = 0; i < table_.size(); ++i) EndPending(i, end, completions);
   for (Waiter& waiter : waiters_) completions.calls.emplace_back(std::move(waiter.done), end);
   waiters_.clear();
 }
 
-void CommandBoard::CountAwaited() {
-  awaited_ = static_cast<std::size_t>(std::count_if(drives_.begin(), drives_.end(), IsAwaited));
-}
-
 void CommandBoard::ClearMessages() {
-  for (const SentMessage& sent : messages_) slots_[first_slots_[sent.robot]].message = kNoMessage;
+  for (const SentMessage& sent : messages_)
+    table_.slot(table_.first_slot(sent.robot)).message = Slot::kNoMessage;
   messages_.clear();
 }
 
@@ -44,70 +103,14 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
     completions = MakeCompletions();
     EndAllWaits(end, completions);
     messages_.clear();
-    const std::vector<Slot> old = std::exchange(slots_, {});
-    const std::vector<Drive> old_drives = std::exchange(drives_, {});
-    const auto old_names = std::exchange(by_name_, {});
-    const std::vector<std::size_t> old_first = std::exchange(first_slots_, {});
-    slots_.reserve(scene.actuators.size());
-    drives_.reserve(scene.actuators.size());
-    has_deadlines_ = false;
-    for (const SceneActuator& actuator : scene.actuators) {
-      Slot slot;
-      Drive drive;
-      const auto robot = static_cast<std::size_t>(actuator.robot);
-      const RobotEntry& entry = scene.robots[robot].entry;
-      const std::vector<std::string> awaited = entry.awaited_modules();
-      const bool is_awaited = std::ranges::find(awaited, actuator.module) != awaited.end();
-      slot.robot = entry.name;
-      slot.type = entry.model->type;
-      slot.module = actuator.module;
-      drive.robot = static_cast<std::uint32_t>(robot);
-      drive.first_channel = static_cast<std::uint32_t>(actuator.first_channel);
-      drive.channel_count = static_cast<std::uint32_t>(actuator.channel_count);
-      slot.controller = entry.controller.name;
-      slot.deadline_s = entry.deadline_s;
-      slot.on_deadline = entry.on_deadline;
-      slot.on_disconnect = entry.on_disconnect;
-      slot.participates_by_scene = entry.participates() && is_awaited;
-      slot.may_participate = entry.sync && is_awaited;
-      slot.is_awaited = is_awaited;
-      drive.has_module = !actuator.module.empty();
-      drive.driven = !entry.controller.empty();
-      drive.participates = slot.participates_by_scene;
-      has_deadlines_ |= slot.deadline_s.has_value();
-      if (first_slots_.size() == robot) first_slots_.push_back(slots_.size());
-      const auto named = old_names.find(slot.robot);
-      const std::size_t before =
-          named == old_names.end() ? kNoSlot : old_first[named->second] + slots_.size() - first_slots_.back();
-      if (before < old.size() && old[before].robot == slot.robot && old[before].type == slot.type &&
-          old[before].module == slot.module) {
-        const Slot& same = old[before];
-        slot.id = same.id;
-        if (!drive.driven) {
-          drive.owner = old_drives[before].owner;
-          slot.owner = same.owner;
-          slot.former = same.former;
-          if (end == StepEnd::kReset) drive.participates = old_drives[before].participates;
-        }
-      } else {
-        slot.id = next_slot_++;
-      }
-      by_name_.emplace(slot.robot, robot);
-      slots_.push_back(std::move(slot));
-      drives_.push_back(drive);
-    }
-    first_slots_.push_back(slots_.size());
-    in_force_.assign(scene.channels.size(), {});
-    commanded_ = in_force_;
-    latched_ = in_force_;
-    slot_index_.assign(next_slot_, kNoSlot);
-    for (std::size_t i = 0; i < slots_.size(); ++i) slot_index_[slots_[i].id] = i;
-    latched_commands_.assign(slots_.size(), 0);
-    latched_messages_.clear();
     losses_.clear();
+    table_.Configure(scene, end == StepEnd::kReset);
+    latched_ = table_.in_force();
+    latched_commands_.assign(table_.size(), 0);
+    latched_messages_.clear();
     latched_losses_.clear();
     waiting_since_ = now;
-    CountAwaited();
+    awaited_ = table_.CountAwaited();
     NoteTeams();
     layout_revision_.fetch_add(1, std::memory_order_release);
   }
@@ -120,8 +123,8 @@ void CommandBoard::SetMode(Mode mode, Nanoseconds now) {
   waiting_since_ = now;
   if (mode == Mode::kLockstep) return;
   // Lockstep waited for their programs; now they would drive on without.
-  for (std::size_t i = 0; i < drives_.size(); ++i) {
-    if (drives_[i].abandoned) StopAbandoned(i);
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_.drive(i).abandoned) StopAbandoned(i);
   }
 }
 
@@ -130,41 +133,29 @@ Mode CommandBoard::mode() const {
   return mode_;
 }
 
-std::string CommandBoard::NamesOfRobots() const {
-  constexpr std::size_t kNamed = 8;
-  const std::size_t robots = by_name_.size();
-  std::string names = "there are";
-  for (std::size_t i = 0; i < std::min(kNamed, robots); ++i) {
-    names += (i == 0 ? " " : ", ") + slots_[first_slots_[i]].robot;
-  }
-  if (robots > kNamed) names += " and " + std::to_string(robots - kNamed) + " more (list shows all)";
-  return slots_.empty() ? "there are no robots" : names;
-}
-
 Verdict CommandBoard::SetParticipants(std::span<const std::string> names, Nanoseconds now) {
   const MutexLock lock(mutex_);
-  std::vector<bool> chosen(by_name_.size(), false);
+  std::vector<bool> chosen(table_.robot_count(), false);
   for (const std::string& name : names) {
-    const auto found = by_name_.find(name);
-    if (found == by_name_.end()) {
-      return {Error::kNoSuchName, "no robot is called " + name + ": " + NamesOfRobots()};
-    }
-    const std::size_t first = first_slots_[found->second];
-    const Drive& drive = drives_[first];
+    const std::optional<std::size_t> robot = table_.FindRobot(name);
+    if (!robot) return {Error::kNoSuchName, "no robot is called " + name + ": " + table_.NamesOfRobots()};
+    const std::size_t first = table_.first_slot(*robot);
+    const Drive& drive = table_.drive(first);
     if (drive.driven || !drive.has_module) {
-      const std::string why = drive.driven ? " is driven by " + Who(first) : " has no actuators";
+      const std::string why = drive.driven ? " is driven by " + table_.Who(first) : " has no actuators";
       return {Error::kNotPossible, name + why + ": only robots that clients drive can be waited for"};
     }
-    chosen[found->second] = true;
+    chosen[*robot] = true;
   }
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    Drive& drive = drives_[i];
-    const bool by_scene = drive.driven ? false : slots_[i].participates_by_scene;
-    drive.participates = names.empty() ? by_scene : chosen[drive.robot] && slots_[i].is_awaited;
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    Drive& drive = table_.drive(i);
+    const Slot& slot = table_.slot(i);
+    const bool by_scene = !drive.driven && slot.may_participate;
+    drive.participates = names.empty() ? by_scene : chosen[drive.robot] && slot.may_be_awaited;
     drive.dropped = false;
   }
   waiting_since_ = now;
-  CountAwaited();
+  awaited_ = table_.CountAwaited();
   return Fine();
 }
 
@@ -172,35 +163,34 @@ void CommandBoard::SetDriven(std::size_t robot, const std::string& name, Nanosec
   Completions completions;
   {
     const MutexLock lock(mutex_);
-    if (robot + 1 >= first_slots_.size()) return;
+    if (robot >= table_.robot_count()) return;
     completions = MakeCompletions();
-    for (std::size_t i = first_slots_[robot]; i < first_slots_[robot + 1]; ++i) {
+    for (std::size_t i = table_.first_slot(robot); i < table_.first_slot(robot + 1); ++i) {
       ReplacePending(i, Client{}, completions);
       Disown(i);
-      Drive& drive = drives_[i];
-      Slot& slot = slots_[i];
-      Stop(i);
+      Drive& drive = table_.drive(i);
+      Slot& slot = table_.slot(i);
+      table_.Stop(i);
       drive.excused = drive.dropped = drive.loses_client = drive.abandoned = false;
       drive.driven = !name.empty();
       drive.participates = !drive.driven && slot.may_participate;
-      slot.participates_by_scene = drive.participates;
       slot.controller = name;
       slot.former.id = 0;
     }
     waiting_since_ = now;
-    CountAwaited();
+    awaited_ = table_.CountAwaited();
   }
   completions.Call();
 }
 
 void CommandBoard::SetInForce(std::span<const Setpoint> setpoints) {
   const MutexLock lock(mutex_);
-  if (setpoints.size() == in_force_.size()) std::ranges::copy(setpoints, in_force_.begin());
+  table_.SetInForce(setpoints);
 }
 
 std::vector<Setpoint> CommandBoard::InForce() const {
   const MutexLock lock(mutex_);
-  return in_force_;
+  return table_.in_force();
 }
 
 void CommandBoard::SetPlaying(bool playing) {
@@ -225,7 +215,7 @@ void CommandBoard::EndSteps() {
 
 void CommandBoard::StopAll() {
   const MutexLock lock(mutex_);
-  for (std::size_t i = 0; i < drives_.size(); ++i) StopPending(i);
+  for (std::size_t i = 0; i < table_.size(); ++i) table_.StopPending(i);
   ClearMessages();
 }
 
@@ -236,15 +226,8 @@ bool CommandBoard::AllReady() const {
 
 std::span<Setpoint> CommandBoard::Latch(std::uint64_t step) {
   const MutexLock lock(mutex_);
-  for (std::size_t i = 0; i < drives_.size(); ++i) {
-    Drive& drive = drives_[i];
-    latched_commands_[i] = static_cast<std::uint8_t>(drive.pending && drive.has_setpoint && !drive.latched);
-    if (drive.pending) {
-      if (drive.has_setpoint) std::ranges::copy(Of(i, commanded_), Of(i, in_force_).begin());
-      drive.latched = true;
-    }
-  }
-  std::ranges::copy(in_force_, latched_.begin());
+  table_.Latch(latched_commands_);
+  std::ranges::copy(table_.in_force(), latched_.begin());
   for (Waiter& waiter : waiters_) waiter.latched = true;
   latched_messages_.clear();
   if (!messages_.empty()) {
@@ -272,25 +255,19 @@ void CommandBoard::FinishStep(const FramePtr& frame, Nanoseconds now) {
     completions = MakeCompletions();
     completions.calls.reserve(calls_at_once_);
     awaited_ = 0;
-    for (std::size_t i = 0; i < drives_.size(); ++i) {
-      Drive& drive = drives_[i];
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      Drive& drive = table_.drive(i);
       if (drive.pending && drive.latched && --drive.steps_left <= 0) {
-        if (drive.has_done) completions.calls.emplace_back(std::move(slots_[i].done), StepEnd::kRan);
-        ClearPending(i);
+        EndPending(i, StepEnd::kRan, completions);
         if (std::exchange(drive.loses_client, false)) ApplyLoss(i);
       }
-      if (IsAwaited(drive)) ++awaited_;
+      if (drive.is_awaited()) ++awaited_;
     }
-    std::size_t kept = 0;
-    for (Waiter& waiter : waiters_) {
-      if (waiter.latched && --waiter.steps_left <= 0) {
-        completions.calls.emplace_back(std::move(waiter.done), StepEnd::kRan);
-      } else {
-        if (&waiters_[kept] != &waiter) waiters_[kept] = std::move(waiter);
-        ++kept;
-      }
-    }
-    waiters_.resize(kept);
+    std::erase_if(waiters_, [&](Waiter& waiter) {
+      if (!waiter.latched || --waiter.steps_left > 0) return false;
+      completions.calls.emplace_back(std::move(waiter.done), StepEnd::kRan);
+      return true;
+    });
     calls_at_once_ = std::max(calls_at_once_, completions.calls.size());
   }
   for (const auto& observer : observers) (*observer)(frame);
@@ -305,25 +282,26 @@ void CommandBoard::RestartWaiting(Nanoseconds now) {
 std::vector<FiredDeadline> CommandBoard::FireDeadlines(Nanoseconds now) {
   const MutexLock lock(mutex_);
   std::vector<FiredDeadline> fired;
-  if (awaited_ == 0 || !has_deadlines_) return fired;
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    const Slot& slot = slots_[i];
-    if (!IsAwaited(drives_[i]) || !slot.deadline_s || now < DeadlineOf(*slot.deadline_s, waiting_since_))
+  if (awaited_ == 0 || !table_.has_deadlines()) return fired;
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    const Slot& slot = table_.slot(i);
+    if (!table_.drive(i).is_awaited() || !slot.deadline_s ||
+        now < DeadlineOf(*slot.deadline_s, waiting_since_))
       continue;
-    ApplyPolicy(i, slot.on_deadline);
+    table_.ApplyPolicy(i, slot.on_deadline);
     if (fired.empty() || fired.back().robot != slot.robot) fired.push_back({slot.robot, slot.on_deadline});
   }
-  CountAwaited();
+  awaited_ = table_.CountAwaited();
   return fired;
 }
 
 Nanoseconds CommandBoard::NextDeadline() const {
   const MutexLock lock(mutex_);
   Nanoseconds next = kNever;
-  if (awaited_ == 0 || !has_deadlines_) return next;
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    if (IsAwaited(drives_[i]) && slots_[i].deadline_s)
-      next = std::min(next, DeadlineOf(*slots_[i].deadline_s, waiting_since_));
+  if (awaited_ == 0 || !table_.has_deadlines()) return next;
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_.drive(i).is_awaited() && table_.slot(i).deadline_s)
+      next = std::min(next, DeadlineOf(*table_.slot(i).deadline_s, waiting_since_));
   }
   return next;
 }
@@ -336,7 +314,7 @@ void CommandBoard::Stop(FramePtr frame) {
     last_frame_ = std::move(frame);
     completions = MakeCompletions();
     EndAllWaits(StepEnd::kStopping, completions);
-    CountAwaited();
+    awaited_ = table_.CountAwaited();
   }
   completions.Call();
 }
