@@ -68,9 +68,8 @@ void RobotLink::Claim() {
   } catch (const Error& e) {
     if (e.code() != kOwned) throw;
     if (session.TeamWith(robot) != nullptr) throw Error(kNotPossible, robot + " is driven by its team");
-    throw Error(kOwned, robot + " cannot be driven: " + e.what() +
-                            ". Stop the other program, or free the robot on the page; to watch only: "
-                            "connect with watch = true");
+    throw Error(kOwned,
+                robot + " cannot be driven: " + e.what() + "; to watch only: connect with watch = true");
   }
   unclaimed = another = false;
   session.Note(motors->Ask({command::kGetTime}));  // a branch may have brought another mode

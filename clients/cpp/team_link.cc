@@ -97,8 +97,8 @@ void TeamLink::NotOurs(const Error& owned) const {
   if (const TeamLink* other = session.TeamWith(robot, this))
     throw Error(kOwned, "robot " + robot + " belongs to your " + other->label() +
                             ": drive it there, or release that team first");
-  throw Error(kOwned, (one_word() ? label() : "the team with " + robot) + " cannot be driven: " +
-                          owned.text() + ". Stop the other program, or free the robot on the page");
+  throw Error(kOwned,
+              (one_word() ? label() : "the team with " + robot) + " cannot be driven: " + owned.text());
 }
 
 void TeamLink::Open() {

@@ -1077,7 +1077,7 @@ class _TeamLink:
                 self.connection.request(_RELEASE)  # an older team may have been of others
             self.take(session)
             if not self.names:
-                raise Error(10, "no robot is free: other programs or loaded controllers drive them all")
+                raise Error(10, "no robot is free: other programs, loaded controllers or other objects of this program drive them all")
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:
@@ -1983,8 +1983,7 @@ def _await_ends(sockets: List[socket.socket]) -> None:
 
 
 def _owned_text(text: str) -> str:
-    return f"cannot be driven: {text}. Stop the other program, or free the robot on the page; " \
-           "to watch only: connect(watch=True)"
+    return f"cannot be driven: {text}; to watch only: connect(watch=True)"
 
 
 # --- what a program uses ----------------------------------------------------------------------------------------------

@@ -36,6 +36,22 @@ void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments
   throw CLI::ParseError(what + ": write one of " + commands, CLI::ExitCodes::InvalidError);
 }
 
+/// Refuses an option that needs a value and is followed by the next option.
+void CheckValues(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front().starts_with("-")) return;
+  const CLI::App* command = app.get_subcommand(arguments.front());  // CheckCommand() has found it
+  const auto option_of = [command](const std::string& word) {
+    return word.starts_with("--") ? command->get_option_no_throw(word) : nullptr;
+  };
+  for (std::size_t i = 1; i + 1 < arguments.size(); ++i) {
+    const CLI::Option* option = option_of(arguments[i]);
+    if (option == nullptr || option->get_items_expected_min() == 0 || option_of(arguments[i + 1]) == nullptr)
+      continue;
+    throw CLI::ArgumentMismatch(arguments[i] + ": 1 required " + option->get_type_name() + " missing",
+                                CLI::ExitCodes::ArgumentMismatch);
+  }
+}
+
 /// Adds the lines of the config file to `arguments` (the program's name not among them), but for options that
 /// the command line or a variable gives.
 void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
@@ -116,8 +132,9 @@ int HandOverToBench(std::vector<std::string> words) {
   arguments.push_back(nullptr);
   ::execv(program.c_str(), arguments.data());
   PrintError(
-      "coopdyn: coopdyn bench needs the program coopdyn-bench in {}: build it with cmake --build --preset "
-      "release --target coopdyn-bench\n",
+      "coopdyn: coopdyn bench needs the program coopdyn-bench in {}. In the folder of the sources, build it "
+      "with "
+      "cmake --build --preset release --target coopdyn-bench\n",
       folder.string());
   return kExitErrors;
 }
@@ -165,6 +182,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddBench(app, chosen);
   try {
     CheckCommand(app, arguments);
+    CheckValues(app, arguments);
     InsertConfig(app, arguments);
     app.parse(
         std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the back
@@ -212,7 +230,9 @@ CLI::Validator OneOf(std::vector<std::string> words) {
 
 std::string Explained(const CLI::App& app, const CLI::ParseError& error,
                       const std::vector<std::string>& arguments) {
-  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  std::vector<CLI::App*> chosen = app.get_subcommands();
+  const bool mismatch = dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr;
+  if (chosen.empty() && mismatch) chosen = {app.get_subcommand(arguments.front())};  // CheckValues() said it
   const CLI::App& command = chosen.empty() ? app : *chosen.back();
   const std::string said = error.what();  // of an option: "--port: …", "run is required"
   std::string what = said;
@@ -232,9 +252,19 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error,
       const std::string nearest = Nearest(word.substr(0, word.find('=')), flags);
       what = "there is no option " + word + (nearest.empty() ? "" : ": did you mean " + nearest + "?");
     }
-  } else if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
-    const bool missing = said.find("missing") != std::string::npos;
-    what = said.substr(0, said.find(':')) + (missing ? " needs a value" : " may be given once");
+  } else if (mismatch) {
+    // CLI11: "--port: 1 required INT missing", "--port: At Most 1 required …", "--eye: FLOAT only partially
+    // …".
+    const std::string name = said.substr(0, said.find(':'));
+    const CLI::Option* option = command.get_option_no_throw(name);
+    const int numbers = option == nullptr ? 1 : option->get_items_expected_max();
+    what = name + (said.find("missing") != std::string::npos ? " needs a value"
+                   : numbers > 1 ? fmt::format(" takes {} numbers with commas between them", numbers)
+                                 : " may be given once");
+  } else if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr && said.find(" = ") != said.npos) {
+    const std::size_t equals = said.find(" = ");  // "Could not convert: --from = x"
+    what = said.substr(said.find(": ") + 2, equals - said.find(": ") - 2) + " must be a number, not " +
+           said.substr(equals + 3);
   } else if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !chosen.empty()) {
     std::string name = said.substr(0, said.find(' '));
     std::transform(name.begin(), name.end(), name.begin(), ::toupper);

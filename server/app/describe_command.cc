@@ -333,7 +333,7 @@ int Describe(const Wanted& wanted) {
     return kExitOk;
   }
   if (wanted.name.empty()) {
-    PrintError("coopdyn: describe: write which {}: {}\n", wanted.kind,
+    PrintError("coopdyn: describe {} takes a name, one of {}\n", wanted.kind,
                JoinNames(PageNames(wanted.kind, path)));
     return kExitWrongUse;
   }

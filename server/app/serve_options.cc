@@ -48,7 +48,10 @@ std::string CheckPlaySpeed(const std::string& text) {
   double value = 0;
   const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
   const bool fits = number && value >= kMinPlaySpeed && value <= kMaxPlaySpeed && value != 0;
-  return fits ? "" : "--speed of a playback lies between -4 (backwards) and 64 and is not 0, not " + text;
+  return fits ? ""
+              : "--speed " + text +
+                    " is not possible: a recording is played at -4 (backwards) to 64 times its speed, but "
+                    "not at 0";
 }
 
 /// Makes the folder if there is none.

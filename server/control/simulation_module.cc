@@ -239,6 +239,7 @@ std::optional<Message> SimulationModule::Restore(Peer& peer, const Message& requ
   if (restore.name == SavedStates::kStart) return PushNewScene(peer, edit::Reset{});
   const SavedStatePtr state = saved_.Find(restore.name);
   if (state == nullptr) {
+    if (services_.run.playback()) return ErrorReply(request.command, Error::kNotPossible, kPlayingText);
     return ErrorReply(request.command, Error::kNoSuchName,
                       "nothing is saved as " + restore.name + "; save " + restore.name +
                           " keeps the state of now, restore takes one of: " + saved_.Names());

@@ -92,7 +92,7 @@ std::string FindFile(const std::string& written, SectionReader& reader, const Ro
   return missing("there is no controller '" + name + "' " + (beside ? "beside the scenario or " : "") +
                  "on the search path" + (near.empty() ? "; " : "; did you mean '" + near + "'? ") +
                  (known.empty() ? "none is there: coopdyn new-controller NAME writes a start"
-                                : "There are " + JoinNames(known)));
+                                : (near.empty() ? "there are " : "There are ") + JoinNames(known)));
 }
 
 }  // namespace

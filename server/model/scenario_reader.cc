@@ -309,8 +309,16 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   }
   const auto path = robots.path().FindScenario(name);
   if (!path) {
-    const std::vector<std::string> names = robots.path().ScenarioNames();
-    diagnostics.Error({name, 0}, "there is no such scenario" + DidYouMean(name, names));
+    std::error_code error;
+    if (std::filesystem::is_regular_file(name, error)) {
+      const bool run = std::filesystem::path(name).extension() == ".run";
+      diagnostics.Error({name, 0},
+                        run ? std::string("this is a recorded run: coopdyn play and coopdyn info read it")
+                            : "write ./" + name + " to read that file as a scenario");
+    } else {
+      const std::vector<std::string> names = robots.path().ScenarioNames();
+      diagnostics.Error({name, 0}, "there is no such scenario" + DidYouMean(name, names));
+    }
     return nullptr;
   }
   const std::string file = path->string();

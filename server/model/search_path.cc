@@ -199,8 +199,11 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
   } else if (const std::optional<std::filesystem::path> file = path_.FindRobot(type)) {
     model = ReadRobotModel(*file, diagnostics);
   } else {
-    diagnostics.Error(where,
-                      "unknown robot type '" + type + "'" + DidYouMean(type, RobotTypes(path_, embedded_)));
+    const std::string name = IsBareName(type) ? type : "NAME";
+    diagnostics.Error(where, "unknown robot type '" + type + "'" +
+                                 DidYouMean(type, RobotTypes(path_, embedded_)) +
+                                 "; a robot of your own is a folder robots/" + name +
+                                 " in a folder that --scenarios or COOPDYN_PATH names");
   }
   if (model != nullptr) models_.emplace(type, model);
   return model;

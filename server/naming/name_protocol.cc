@@ -64,7 +64,7 @@ bool IsHttp(std::string_view line) {
 /// A name that can be opened.
 std::string ExampleName(const NameTable& table) {
   for (const NameEntry& entry : table.List()) {
-    if (entry.adopt) return entry.name;
+    if (entry.adopt && entry.name.find('/', 1) != std::string::npos) return entry.name;  // a robot's
   }
   return "/robot1/motors";
 }
@@ -90,13 +90,14 @@ class Answerer {
     if (verb == "help") return Help();
     if (!Farewell(verb).empty()) return Leave();
     if (prefixed) return End();
-    return Refused("\"" + verb.substr(0, 64) + "\" is no request; help lists them");
+    return Refused("\"" + verb.substr(0, 64) + "\" is not a request: help lists all");
   }
 
   NameReply Open() {
     const std::string name = WordAt(words_, 1);
     if (name.empty())
       return {"error 10 OPEN takes a name, as in OPEN " + ExampleName(table_) + "; list shows all\n"};
+    if (words_.size() > 2) return {"error 4 OPEN takes one name, not " + Printable(words_[2]) + " as well\n"};
     const std::optional<NameEntry> entry = table_.Find(name);
     if (!entry) {
       const std::string nearest = table_.Nearest(name);

@@ -280,6 +280,14 @@ void Session::TellWaiting() {
 // --- the end
 
 void Session::FinishIfDone() {
+  if (eof_ && !closing_ && !waiting_ && !process_posted_ && in_.size() > 0 && encoding_ != nullptr) {
+    in_.Clear();
+    out_.AddReply(
+        ErrorReply(command::kUnreadable, Error::kMalformed,
+                   "the connection ended in the middle of a message, which was not executed: a line "
+                   "ends with a newline"));
+    Flush();
+  }
   if (eof_ && !closing_ && !waiting_ && !process_posted_ && out_.empty()) HardClose();
 }
 

@@ -101,7 +101,7 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
   const auto is_speed = [](const Setpoint& setpoint) { return setpoint.mode == ControlMode::kVelocity; };
   if (!std::ranges::all_of(from.channels, is_speed, &ChannelState::setpoint) ||
       !std::ranges::all_of(state.setpoints, is_speed)) {
-    return "it moves joints otherwise than by a speed, which this coopdyn cannot";
+    return "it commands joints by positions or efforts, but this coopdyn carries out speeds only";
   }
   seed_ = from.seed;
   epoch_ = epoch;

@@ -91,8 +91,7 @@ EditResult Player::Apply(const edit::SetPlaySpeed& set) {
   const bool fits = set.factor >= kMinPlaySpeed && set.factor <= kMaxPlaySpeed && set.factor != 0;
   if (!fits) {
     return {Error::kOutOfRange,
-            "the speed lies between -4 (backwards) and 64 and is not 0: pause holds "
-            "the recording"};
+            "a recording is played at -4 (backwards) to 64 times its speed, but not at 0: pause holds it"};
   }
   const Nanoseconds due = std::clamp(pace_.DueTime(now_), extent_.begin, extent_.end);
   speed_ = set.factor;

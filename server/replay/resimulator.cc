@@ -223,7 +223,7 @@ bool Resimulator::Step(const RecordedStep& step) {
       const Scene& scene = simulation_->scene();
       const auto robot = static_cast<std::size_t>(scene.channels[command.channel].robot);
       error_ = where + " commands " + scene.robots[robot].entry.name +
-               " otherwise than by speeds: this coopdyn cannot repeat that";
+               " by positions or efforts: this coopdyn repeats speeds only";
       return false;
     }
     in_force_[command.channel] = command.setpoint;

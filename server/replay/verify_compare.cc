@@ -102,8 +102,8 @@ std::string CommandCompare::ToString() const {
   }
   if (again_ != nullptr) {
     text += fmt::format(
-        "{}the runs are equal, but not what was commanded: from step {} on {} was sent commands again that "
-        "were in force already",
+        "{}the runs are equal, but their commands differ: from step {} on {} also has commands that repeat "
+        "those in force",
         text.empty() ? "" : "\n", again_step_, again_->file());
   }
   return text;

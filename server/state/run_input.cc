@@ -125,9 +125,9 @@ constexpr double kLongest_s = 1e9;
 std::vector<EditAction> PlayAt(double factor, std::string& error) {
   if (factor >= kMinPlaySpeed && factor <= kMaxPlaySpeed && factor != 0) return {edit::SetPlaySpeed{factor}};
   error = fmt::format(
-      "a recording is played at {} to {} times its speed, not 0; below 0 it goes backwards: play 2, pause to "
-      "stand",
-      kMinPlaySpeed, kMaxPlaySpeed);
+      "speed {} is not possible: a recording is played at {} to {} times its speed, below 0 backwards; pause "
+      "holds it",
+      factor, kMinPlaySpeed, kMaxPlaySpeed);
   return {};
 }
 

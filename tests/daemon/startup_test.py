@@ -75,6 +75,12 @@ class MistakeTest(unittest.TestCase):
                                   (("serve", "--prot", "1"), "there is no option --prot: did you mean --port?"),
                                   (("serve", "--port", "1", "--port", "2"), "--port may be given once"),
                                   (("serve", "--record"), "--record needs a value"),
+                                  (("serve", "classroom", "--record", "--mode", "free"),
+                                   "--record needs a value (coopdyn serve --help shows how to write it)"),
+                                  (("export", "a.run", "--to", "png", "--eye", "1,2"), "--eye takes 3 numbers"),
+                                  (("export", "a.run", "--to", "csv", "--from", "x"), "--from must be a number, not x"),
+                                  (("check", "a.run"), "there is no such scenario"),
+                                  (("describe", "robot"), "describe robot takes a name, one of coopbot"),
                                   (("export",), "RUN is missing (coopdyn export --help shows how to write it)")):
             self.assertIn(wanted, run(*arguments).stderr.decode())
 

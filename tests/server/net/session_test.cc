@@ -92,11 +92,13 @@ TEST_F(SessionTest, TellsAtOnceThatInputEndedThenExecutesWhatCameAndCloses) {
   EXPECT_TRUE(NoSessions());
 }
 
-TEST_F(SessionTest, DoesNotExecuteALineThatWasCutOff) {
+TEST_F(SessionTest, DoesNotExecuteALineThatWasCutOffAndSaysSo) {
   TestClient client = Connect();
   client.Send("echo 1\necho 2");
   client.EndInput();
-  EXPECT_EQ(client.Rest(), "0 \"\" 500 0 3 1.0 0.25 7.0\n");
+  const std::string said = client.Rest(), echoed = "0 \"\" 500 0 3 1.0 0.25 7.0\n";
+  EXPECT_TRUE(said.starts_with(echoed + "7 \"the connection ended in the middle of a message")) << said;
+  EXPECT_EQ(std::ranges::count(said, '\n'), 2);
   EXPECT_TRUE(NoSessions());
 }
 

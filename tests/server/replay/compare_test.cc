@@ -120,8 +120,8 @@ TEST_F(CompareTest, CommandsThatWereInForceAlreadyAreNoDamage) {
   }
   const std::string said =
       "equal, 40 steps\n"
-      "warning: the runs are equal, but not what was commanded: from step 2 on " +
-      File("a.run") + " was sent commands again that were in force already\n";
+      "warning: the runs are equal, but their commands differ: from step 2 on " +
+      File("a.run") + " also has commands that repeat those in force\n";
   EXPECT_EQ(ToString(Against(File("a.run"), File("b.run"))), said);
   EXPECT_EQ(ToString(Against(File("b.run"), File("a.run"))), said);
 }
@@ -153,8 +153,8 @@ TEST_F(CompareTest, BothAreSaidOnce) {
   }
   EXPECT_EQ(Against(File("a.run"), File("b.run")).warning,
             "the commands of controllers are recorded in " + File("a.run") +
-                " only\nthe runs are equal, but not what was commanded: from step 2 on " + File("b.run") +
-                " was sent commands again that were in force already");
+                " only\nthe runs are equal, but their commands differ: from step 2 on " + File("b.run") +
+                " also has commands that repeat those in force");
 }
 
 // --- inputs that are no commands

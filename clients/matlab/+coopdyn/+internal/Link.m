@@ -65,8 +65,8 @@ classdef Link < handle
           if session.has_team_with(link.robot)
             coopdyn.internal.fail(5, [link.robot ' is driven by its team']);
           end
-          coopdyn.internal.fail(6, [link.robot ' cannot be driven: ' cause.message '. Stop the other program, or ' ...
-            'free the robot on the page; to watch only: coopdyn.connect(''watch'', true)']);
+          coopdyn.internal.fail(6, [link.robot ' cannot be driven: ' cause.message ...
+            '; to watch only: coopdyn.connect(''watch'', true)']);
         end
         rethrow(cause);
       end

@@ -55,8 +55,7 @@ function team = take_team(session, text)
       if team.one_word()
         label = team.label;
       end
-      coopdyn.internal.fail(6, [label ' cannot be driven: ' cause.message '. Stop the other program, or free ' ...
-        'the robot on the page']);
+      coopdyn.internal.fail(6, [label ' cannot be driven: ' cause.message]);
     end
     rethrow(cause);
   end
