@@ -14,7 +14,7 @@ from guide_test import Reader
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "reference"
-BINARY = os.environ["COOPDYN_BINARY"]
+BINARY = os.path.abspath(os.environ["COOPDYN_BINARY"])
 
 
 def describe(*words):
