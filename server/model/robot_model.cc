@@ -67,6 +67,11 @@ std::size_t RobotModel::FirstChannel(const ActuatorModel& actuator) const {
   return first;
 }
 
+bool RobotModel::has_limbs() const {
+  const ActuatorModel* drive = drive_actuator();
+  return fixed_base || joints.size() > (drive == nullptr ? 0 : drive->joints.size());
+}
+
 const ActuatorModel* RobotModel::drive_actuator() const {
   for (const ActuatorModel& actuator : actuators) {
     if (std::holds_alternative<DriveModel>(actuator.kind)) return &actuator;

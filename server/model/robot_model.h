@@ -35,14 +35,23 @@ struct LinkModel {
   std::vector<LinkShape> visuals;
 };
 
-/// A hinge between two links.
+/// An axis about which (hinge: rad, N m), or along which (slider: m, N), the child moves against its parent.
 struct JointModel {
+  enum class Kind { kHinge, kSlider };
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
   std::string name;
+  Kind kind = Kind::kHinge;
   int parent = 0;  // index into links
   int child = 0;
-  Vector3 p_RJ = Vector3::Zero();
+  Vector3 p_RJ = Vector3::Zero();  // a point of the axis, in the initial pose
   Vector3 axis_R = Vector3::UnitY();
-  double max_effort_nm = std::numeric_limits<double>::infinity();
+  double lower = -kInfinity, upper = kInfinity;  // its stops; the initial pose is 0
+  double max_velocity = kInfinity, max_effort = kInfinity;
+  double damping = 0;    // effort per velocity
+  double friction = 0;   // Coulomb: effort
+  double stiffness = 0;  // of a spring: effort per way from `rest`
+  double rest = 0;
 };
 
 /// Two motorised wheels on one axle, which crosses R's z axis. A positive speed of a wheel drives forward.
@@ -149,7 +158,8 @@ struct RobotModel {
   std::string type;  // the folder's name, e.g. "coopbot"
   std::string file;
   std::string text;              // the SDF as read
-  std::vector<LinkModel> links;  // links[0] is the chassis
+  std::vector<LinkModel> links;  // links[0] is the chassis, the base of an arm
+  bool fixed_base = false;       // links[0] is fixed to the world
   std::vector<JointModel> joints;
   std::vector<ActuatorModel> actuators;
   std::vector<SensorModel> sensors;  // kind by kind, in the order of SensorKind; AddSensor() keeps it
@@ -167,6 +177,8 @@ struct RobotModel {
     const ActuatorModel* actuator = drive_actuator();
     return actuator == nullptr ? nullptr : &std::get<DriveModel>(actuator->kind);
   }
+  /// It has joints other than the wheels of its drive, or is fixed to the world.
+  bool has_limbs() const;
   /// All modules, in the order of their ports.
   std::vector<ModuleModel> modules() const;
 

@@ -39,7 +39,8 @@ constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"ode", "mu mu2"},
     {"material", "diffuse ambient specular"},
     {"joint", "pose parent child axis"},
-    {"axis", "xyz limit"},
+    {"axis", "xyz limit dynamics"},
+    {"dynamics", "damping friction spring_reference spring_stiffness"},
     {"limit", "lower upper effort velocity"},
 };
 

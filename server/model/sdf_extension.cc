@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -103,9 +102,8 @@ constexpr std::size_t kMaxModules = 100;
 
 class ExtensionReader {
  public:
-  ExtensionReader(const std::string& file, std::span<const double> max_speeds, RobotModel& robot,
-                  Diagnostics& diagnostics)
-      : file_(file), max_speeds_(max_speeds), robot_(robot), diagnostics_(diagnostics) {}
+  ExtensionReader(const std::string& file, RobotModel& robot, Diagnostics& diagnostics)
+      : file_(file), robot_(robot), diagnostics_(diagnostics) {}
 
   void Read(const XMLElement& model) {
     std::vector<std::string> known = {"coopdyn:drive", "coopdyn:module"};
@@ -154,6 +152,10 @@ class ExtensionReader {
   /// Radius and contact point of the wheel on `joint`; nothing if it is no wheel of a drive (then reported).
   std::optional<double> CheckWheel(XmlAttributes& attributes, const JointModel& joint, double side) {
     const LinkModel& link = robot_.links[static_cast<std::size_t>(joint.child)];
+    if (joint.kind != JointModel::Kind::kHinge || std::isfinite(joint.lower) || std::isfinite(joint.upper)) {
+      attributes.Error("the wheel '" + link.name +
+                       "' must turn without end: remove <lower> and <upper> of '" + joint.name + "'");
+    }
     const LinkShape* tread = nullptr;
     double radius = 0;
     for (const LinkShape& collision : link.collisions) {
@@ -210,21 +212,20 @@ class ExtensionReader {
       attributes.Error("both wheels must have the same radius and distance from the middle");
     }
     for (const JointModel* joint : {&left_joint, &right_joint}) {
-      if (!(joint->max_effort_nm > 0) || !std::isfinite(joint->max_effort_nm) || joint->max_effort_nm > 1e6) {
+      if (!(joint->max_effort > 0) || !std::isfinite(joint->max_effort) || joint->max_effort > 1e6) {
         attributes.Error("the joint '" + joint->name +
                          "' needs <limit><effort>: its motor's torque in N m, above 0");
       }
-      const double speed = max_speeds_[static_cast<std::size_t>(joint - robot_.joints.data())];
-      if (!(speed > 0) || !std::isfinite(speed) || speed > 1e4) {
+      if (!(joint->max_velocity > 0) || !std::isfinite(joint->max_velocity) || joint->max_velocity > 1e4) {
         attributes.Error("the joint '" + joint->name +
                          "' needs <limit><velocity>: its top speed in rad/s, above 0");
       }
     }
-    const DriveModel drive{.wheel_radius_m = *left_radius,
-                           .track_m = contact_y_[0] - contact_y_[1],
-                           .max_wheel_speed_rad_s = std::min(max_speeds_[static_cast<std::size_t>(*left)],
-                                                             max_speeds_[static_cast<std::size_t>(*right)]),
-                           .max_torque_nm = std::min(left_joint.max_effort_nm, right_joint.max_effort_nm)};
+    const DriveModel drive{
+        .wheel_radius_m = *left_radius,
+        .track_m = contact_y_[0] - contact_y_[1],
+        .max_wheel_speed_rad_s = std::min(left_joint.max_velocity, right_joint.max_velocity),
+        .max_torque_nm = std::min(left_joint.max_effort, right_joint.max_effort)};
     robot_.actuators.push_back({"", {*left, *right}, drive});
   }
 
@@ -262,7 +263,6 @@ class ExtensionReader {
   }
 
   const std::string& file_;
-  std::span<const double> max_speeds_;  // of the joints, rad/s
   RobotModel& robot_;
   Diagnostics& diagnostics_;
   SensorReader sensors_{file_, robot_, diagnostics_};
@@ -280,9 +280,9 @@ bool TakesRobotColor(const XMLElement& visual, const std::string& file, Diagnost
   return false;
 }
 
-void ReadExtension(const XMLElement& model, const std::string& file, std::span<const double> max_speeds_rad_s,
-                   RobotModel& robot, Diagnostics& diagnostics) {
-  ExtensionReader(file, max_speeds_rad_s, robot, diagnostics).Read(model);
+void ReadExtension(const XMLElement& model, const std::string& file, RobotModel& robot,
+                   Diagnostics& diagnostics) {
+  ExtensionReader(file, robot, diagnostics).Read(model);
 }
 
 }  // namespace coopdyn

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <optional>
 #include <sdf/Element.hh>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,9 +42,8 @@ void CheckSdf(const tinyxml2::XMLElement& root, const sdf::ElementPtr& descripti
 bool TakesRobotColor(const tinyxml2::XMLElement& visual, const std::string& file, Diagnostics& diagnostics);
 
 /// Reads our elements in `model` (`<model>`) into `robot`, whose links and joints are complete.
-/// `max_speeds_rad_s`: of each joint, as its `<limit><velocity>` says.
-void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file,
-                   std::span<const double> max_speeds_rad_s, RobotModel& robot, Diagnostics& diagnostics);
+void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file, RobotModel& robot,
+                   Diagnostics& diagnostics);
 
 /// The attributes of one XML element, each asked for by name; what nobody asked for is reported. `element`
 /// and `diagnostics` outlive it. One thread.

@@ -2,12 +2,16 @@
 // Links, joints and shapes of a robot through libsdformat; our own elements through sdf_extension.h.
 #include <tinyxml2.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <ignition/math/Inertial.hh>
 #include <numbers>
+#include <optional>
 #include <sdf/sdf.hh>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "server/model/readers.h"
 #include "server/model/sdf_parts.h"
@@ -51,8 +55,9 @@ class RobotReader {
     const tinyxml2::XMLElement& xml_model = *root->FirstChildElement("model");
     ReadLinks(*model, xml_model);
     ReadJoints(*model);
-    if (!diagnostics_.has_errors()) CheckTree(*model);
-    if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, max_speeds_, *robot_, diagnostics_);
+    if (!diagnostics_.has_errors()) Weld(*model);
+    if (!diagnostics_.has_errors()) CheckConnected(*model);
+    if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, *robot_, diagnostics_);
     if (diagnostics_.has_errors()) return nullptr;
     Measure();
     return diagnostics_.has_errors() ? nullptr : robot_;
@@ -181,10 +186,14 @@ class RobotReader {
     return mu;
   }
 
+  /// A fixed joint holds it to another link.
+  bool IsWelded(const sdf::Link& link) const { return welded_.contains(link.Name()); }
+
   void ReadInertial(const sdf::Link& link, LinkModel& out) {
     const std::string what = "link '" + out.name + "'";
     const int line = LineOf(link.Element());
     if (!link.Element()->HasElement("inertial")) {
+      if (IsWelded(link)) return;  // a frame, or a shape without mass
       Error(line, what + " needs <inertial> with <mass> and <inertia>");
       return;
     }
@@ -212,6 +221,14 @@ class RobotReader {
   }
 
   void ReadLinks(const sdf::Model& model, const tinyxml2::XMLElement& xml_model) {
+    for (std::size_t i = 0; i < model.JointCount(); ++i) {
+      const sdf::Joint& joint = *model.JointByIndex(i);
+      std::string parent, child;
+      if (joint.Type() != sdf::JointType::FIXED || !joint.ResolveParentLink(parent).empty() ||
+          parent == "world")
+        continue;
+      if (joint.ResolveChildLink(child).empty()) welded_.insert(child);
+    }
     const tinyxml2::XMLElement* xml_link = xml_model.FirstChildElement("link");
     for (std::size_t i = 0; i < model.LinkCount(); ++i) {
       const sdf::Link& link = *model.LinkByIndex(i);
@@ -258,25 +275,51 @@ class RobotReader {
     return -1;
   }
 
+  /// Index of a link; kWorld: the world; nothing if there is none.
+  std::optional<int> FindEnd(const std::string& name) const {
+    if (name == "world") return kWorld;
+    const int link = FindLink(name);
+    return link < 0 ? std::nullopt : std::optional<int>(link);
+  }
+
   void ReadJoints(const sdf::Model& model) {
     for (std::size_t i = 0; i < model.JointCount(); ++i) {
       const sdf::Joint& joint = *model.JointByIndex(i);
       const int line = LineOf(joint.Element());
       const std::string what = "joint '" + joint.Name() + "'";
-      if (joint.Type() != sdf::JointType::REVOLUTE && joint.Type() != sdf::JointType::CONTINUOUS) {
-        Error(line, what + " must be of type revolute: put what is fixed to a link into that link");
+      const bool slides = joint.Type() == sdf::JointType::PRISMATIC;
+      const bool turns =
+          joint.Type() == sdf::JointType::REVOLUTE || joint.Type() == sdf::JointType::CONTINUOUS;
+      const bool fixed = joint.Type() == sdf::JointType::FIXED;
+      if (!slides && !turns && !fixed) {
+        Error(line, what + " must be of type revolute, continuous, prismatic or fixed");
+        continue;
+      }
+      std::string parent, child;
+      for (const sdf::Error& e : joint.ResolveParentLink(parent)) Error(line, e.Message());
+      for (const sdf::Error& e : joint.ResolveChildLink(child)) Error(line, e.Message());
+      const std::optional<int> from = FindEnd(parent), to = FindEnd(child);
+      if (!from || !to || *to == kWorld || *from == *to) {
+        Error(line,
+              what + " needs <parent> and <child> that are two links of this model; <parent> may be world");
+        continue;
+      }
+      if (fixed) {
+        fixed_.push_back({*from, *to, line});
+        continue;
+      }
+      if (*from == kWorld) {
+        Error(line, what + " hangs on the world: make a link that is fixed to the world its <parent>");
         continue;
       }
       JointModel out;
       out.name = joint.Name();
-      std::string parent, child;
-      for (const sdf::Error& e : joint.ResolveParentLink(parent)) Error(line, e.Message());
-      for (const sdf::Error& e : joint.ResolveChildLink(child)) Error(line, e.Message());
-      out.parent = FindLink(parent);
-      out.child = FindLink(child);
+      out.kind = slides ? JointModel::Kind::kSlider : JointModel::Kind::kHinge;
+      out.parent = *from;
+      out.child = *to;
       const sdf::JointAxis* axis = joint.Axis(0);
-      if (out.parent < 0 || out.child < 0 || axis == nullptr) {
-        Error(line, what + " needs <parent> and <child> that are links of this model, and an <axis>");
+      if (axis == nullptr) {
+        Error(line, what + " needs an <axis>");
         continue;
       }
       out.p_RJ = Resolve(joint.SemanticPose(), "__model__", joint.Element(), what).p;
@@ -288,36 +331,166 @@ class RobotReader {
         continue;
       }
       out.axis_R = direction.normalized();
-      if (axis->Lower() > -1e15 || axis->Upper() < 1e15) {
-        Error(line, "limits of the angle of " + what + " are not supported: remove <lower> and <upper>");
-      }
-      if (std::isfinite(axis->Effort()) && axis->Effort() >= 0) out.max_effort_nm = axis->Effort();
-      max_speeds_.push_back(axis->MaxVelocity());
+      ReadAxis(*axis, joint.Type() == sdf::JointType::CONTINUOUS, line, out);
       robot_->joints.push_back(std::move(out));
+      joint_lines_.push_back(line);
     }
   }
 
-  /// Every link but the chassis hangs on exactly one joint, without loops.
-  void CheckTree(const sdf::Model& model) {
-    std::vector<int> parents(robot_->links.size(), -1);
-    for (std::size_t i = 0; i < robot_->joints.size(); ++i) {
-      const JointModel& joint = robot_->joints[i];
-      const int line = LineOf(model.JointByIndex(i)->Element());
-      const auto child = static_cast<std::size_t>(joint.child);
-      if (child == 0)
-        Error(line, "the first link '" + robot_->links[0].name + "' is the chassis: it can be no child");
-      if (parents[child] >= 0)
-        Error(line, "link '" + robot_->links[child].name + "' is the child of two joints");
-      parents[child] = joint.parent;
+  void ReadAxis(const sdf::JointAxis& axis, bool endless, int line, JointModel& out) {
+    const std::string what = "joint '" + out.name + "'";
+    constexpr double kNone = 1e15;  // a limit from here on means none
+    if (!endless && axis.Lower() > -kNone) out.lower = axis.Lower();
+    if (!endless && axis.Upper() < kNone) out.upper = axis.Upper();
+    if (!(out.lower <= out.upper)) {
+      Error(line, "<lower> of " + what + " must not lie above <upper>");
+    } else if (out.lower > 0 || out.upper < 0) {
+      Error(line, "the limits of " + what + " must include 0, the pose in which the model is written");
     }
-    for (std::size_t i = 1; i < parents.size(); ++i) {
-      int at = static_cast<int>(i);
-      for (std::size_t steps = 0; at > 0 && steps <= parents.size(); ++steps)
-        at = parents[static_cast<std::size_t>(at)];
-      if (at != 0) {
-        Error(LineOf(model.LinkByIndex(i)->Element()),
-              "link '" + robot_->links[i].name + "' hangs on no joint that leads to the chassis");
+    const bool turns = out.kind == JointModel::Kind::kHinge;
+    for (const double stop : {out.lower, out.upper}) {
+      if (turns && std::isfinite(stop) && std::abs(stop) > std::numbers::pi) {
+        Error(line,
+              "a stop of " + what + " beyond 180 degrees is not supported: write at most 3.1415, or none");
       }
+    }
+    if (std::isfinite(axis.Effort()) && axis.Effort() >= 0) out.max_effort = axis.Effort();
+    if (std::isfinite(axis.MaxVelocity()) && axis.MaxVelocity() >= 0) out.max_velocity = axis.MaxVelocity();
+    out.damping = axis.Damping();
+    out.friction = axis.Friction();
+    out.stiffness = axis.SpringStiffness();
+    out.rest = axis.SpringReference();
+    for (const auto& [name, value] : {std::pair("damping", out.damping),
+                                      {"friction", out.friction},
+                                      {"spring_stiffness", out.stiffness}}) {
+      if (!(value >= 0) || value > 1e9) {
+        Error(line, std::string("<") + name + "> of " + what + " must be a number from 0 to 1e9");
+      }
+    }
+    if (!(std::abs(out.rest) <= 1e6)) Error(line, "<spring_reference> of " + what + " must be at most 1e6");
+  }
+
+  /// Makes one link of those that fixed joints hold together, and the base the first of all.
+  void Weld(const sdf::Model& model) {
+    std::vector<LinkModel>& links = robot_->links;
+    constexpr int kNone = -2;
+    std::vector<int> holds(links.size(), kNone);  // by link: what a fixed joint holds it to
+    for (const FixedJoint& fixed : fixed_) {
+      int& held = holds[static_cast<std::size_t>(fixed.child)];
+      if (held != kNone)
+        Error(fixed.line, "link '" + NameOf(fixed.child) + "' is the child of two fixed joints");
+      held = fixed.parent;
+    }
+    std::vector<int> roots(links.size());
+    std::optional<int> base;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      int at = static_cast<int>(i);
+      std::size_t steps = 0;
+      while (holds[static_cast<std::size_t>(at)] >= 0 && steps++ <= links.size()) {
+        at = holds[static_cast<std::size_t>(at)];
+      }
+      if (steps > links.size()) {
+        Error(LineOf(model.LinkByIndex(i)->Element()),
+              "link '" + links[i].name + "' hangs in a loop of fixed joints: remove one of them");
+        return;
+      }
+      roots[i] = at;
+      if (holds[static_cast<std::size_t>(at)] != kWorld) continue;
+      if (base && *base != at) {
+        Error(LineOf(model.LinkByIndex(i)->Element()),
+              "'" + NameOf(*base) + "' and '" + NameOf(at) +
+                  "' are both fixed to the world: fix one to the other");
+        return;
+      }
+      base = at;
+    }
+    robot_->fixed_base = base.has_value();
+    for (JointModel& joint : robot_->joints) {
+      joint.parent = roots[static_cast<std::size_t>(joint.parent)];
+      joint.child = roots[static_cast<std::size_t>(joint.child)];
+    }
+    if (!base) base = FirstThatIsNoChild(roots);
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      if (roots[i] != static_cast<int>(i)) Merge(links[i], links[static_cast<std::size_t>(roots[i])]);
+    }
+    std::vector<LinkModel> kept;
+    std::vector<int> places(links.size());
+    const auto keep = [&](std::size_t link) {
+      places[link] = static_cast<int>(kept.size());
+      kept.push_back(std::move(links[link]));
+    };
+    keep(static_cast<std::size_t>(*base));
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      if (roots[i] == static_cast<int>(i) && roots[i] != *base) keep(i);
+    }
+    links = std::move(kept);
+    for (JointModel& joint : robot_->joints) {
+      joint.parent = places[static_cast<std::size_t>(joint.parent)];
+      joint.child = places[static_cast<std::size_t>(joint.child)];
+    }
+  }
+
+  int FirstThatIsNoChild(const std::vector<int>& roots) const {
+    for (const int root : roots) {
+      const bool is_child = std::ranges::any_of(
+          robot_->joints, [root](const JointModel& joint) { return joint.child == root; });
+      if (!is_child) return root;
+    }
+    return roots.front();
+  }
+
+  std::string NameOf(int link) const { return robot_->links[static_cast<std::size_t>(link)].name; }
+
+  /// Gives `to` the mass and the shapes of `from`.
+  static void Merge(const LinkModel& from, LinkModel& to) {
+    const Pose X_TF = to.X_RL.Inverse() * from.X_RL;
+    for (const LinkShape& shape : from.collisions) {
+      to.collisions.push_back(shape);
+      to.collisions.back().X_LG = X_TF * shape.X_LG;
+    }
+    for (const LinkShape& shape : from.visuals) {
+      to.visuals.push_back(shape);
+      to.visuals.back().X_LG = X_TF * shape.X_LG;
+    }
+    if (from.mass_kg <= 0) return;
+    const Pose X_TI = X_TF * from.X_LI;
+    const double mass_kg = to.mass_kg + from.mass_kg;
+    const Vector3 p = (to.mass_kg * to.X_LI.p + from.mass_kg * X_TI.p) / mass_kg;
+    const auto about = [&p](const LinkModel& link, const Pose& X_I) -> Matrix3 {
+      const Matrix3 R = X_I.q.toRotationMatrix();
+      const Vector3 d = X_I.p - p;
+      return R * link.inertia_kg_m2.asDiagonal() * R.transpose() +
+             link.mass_kg * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
+    };
+    const Eigen::SelfAdjointEigenSolver<Matrix3> moments(about(to, to.X_LI) + about(from, X_TI));
+    Matrix3 axes = moments.eigenvectors();
+    if (axes.determinant() < 0) axes.col(0) *= -1;
+    to.mass_kg = mass_kg;
+    to.X_LI = {p, Quaternion(axes).normalized()};
+    to.inertia_kg_m2 = moments.eigenvalues();
+  }
+
+  /// Every link hangs on joints that lead to the first, also by a closed loop.
+  void CheckConnected(const sdf::Model& model) {
+    std::vector<std::uint8_t> reached(robot_->links.size());
+    reached[0] = 1;
+    for (std::size_t round = 0; round < robot_->joints.size(); ++round) {
+      for (std::size_t i = 0; i < robot_->joints.size(); ++i) {
+        const JointModel& joint = robot_->joints[i];
+        std::uint8_t& parent = reached[static_cast<std::size_t>(joint.parent)];
+        std::uint8_t& child = reached[static_cast<std::size_t>(joint.child)];
+        if (joint.parent == joint.child && round == 0) {
+          Error(joint_lines_[i], "joint '" + joint.name + "' joins links that fixed joints hold together");
+        }
+        parent = child = parent | child;
+      }
+    }
+    for (std::size_t i = 1; i < reached.size(); ++i) {
+      if (reached[i] != 0) continue;
+      const sdf::Link* link = model.LinkByName(robot_->links[i].name);
+      Error(link == nullptr ? 0 : LineOf(link->Element()), "link '" + robot_->links[i].name +
+                                                               "' hangs on no joint that leads to '" +
+                                                               robot_->links[0].name + "'");
     }
   }
 
@@ -328,7 +501,7 @@ class RobotReader {
         const Pose X_RG = link.X_RL * collision.X_LG;
         const Vector3 half = HalfExtents(collision.shape, X_RG.q);
         robot_->height_m = std::max(robot_->height_m, X_RG.p.z() + half.z());
-        if (X_RG.p.z() - half.z() < -1e-6) {
+        if (!robot_->fixed_base && X_RG.p.z() - half.z() < -1e-6) {
           Error(0, "a collision of link '" + link.name + "' reaches " +
                        FormatNumber(std::round((half.z() - X_RG.p.z()) * 1e6) * 1e-3) +
                        " mm below the floor z = 0");
@@ -372,7 +545,14 @@ class RobotReader {
   Diagnostics& diagnostics_;
   std::shared_ptr<RobotModel> robot_ = std::make_shared<RobotModel>();
   tinyxml2::XMLDocument document_;
-  std::vector<double> max_speeds_;  // of the joints, rad/s
+  struct FixedJoint {
+    int parent = 0, child = 0;  // links; parent may be kWorld
+    int line = 0;
+  };
+  static constexpr int kWorld = -1;
+  std::set<std::string> welded_;  // links that fixed joints hold to others
+  std::vector<FixedJoint> fixed_;
+  std::vector<int> joint_lines_;  // of RobotModel::joints
 };
 
 }  // namespace

@@ -142,8 +142,24 @@ void CircleGrid::FindPairs(std::span<const Circle> circles, std::vector<Pair>& p
   std::sort(pairs.begin(), pairs.end());
 }
 
+/// Of a robot with limbs: about its first body.
+RobotSpace SpaceOfLimbs(const Mechanism& robot, const BodyState* bodies, double margin_m) {
+  const Vector3& p = bodies[0].p_WB;
+  RobotSpace space{{p.x(), p.y(), 0}, p.z(), p.z()};
+  for (std::size_t k = 0; k < robot.bodies.size(); ++k) {
+    const Vector3& q = bodies[k].p_WB;
+    const double reach_m = robot.limb_radii_m[k] + margin_m;
+    space.circle.radius_m =
+        std::max(space.circle.radius_m, std::hypot(q.x() - p.x(), q.y() - p.y()) + reach_m);
+    space.min_z = std::min(space.min_z, q.z() - reach_m);
+    space.max_z = std::max(space.max_z, q.z() + reach_m);
+  }
+  return space;
+}
+
 RobotSpace SpaceOf(const Thing& thing, const BodyState& body, double margin_m) {
   const Mechanism& robot = *thing.mechanism;
+  if (!robot.limb_radii_m.empty()) return SpaceOfLimbs(robot, &body, margin_m);
   const std::array<double, 9>& R = body.R_WB;
   const Vector3& p = thing.p_BR;
   const Vector3 p_WR = body.p_WB + Vector3(R[0] * p.x() + R[1] * p.y() + R[2] * p.z(),

@@ -61,6 +61,46 @@ void Copy(dVector3& to, const Vector3& from) {
   std::copy_n(from.data(), 3, to);
 }
 
+void SetParam(dJointID joint, int parameter, double value) {
+  dJointGetType(joint) == dJointTypeSlider ? dJointSetSliderParam(joint, parameter, value)
+                                           : dJointSetHingeParam(joint, parameter, value);
+}
+
+/// The joint of a robot at the origin.
+dJointID MakeJoint(dWorldID world, const JointModel& of, const std::vector<dBodyID>& bodies) {
+  const bool slides = of.kind == JointModel::Kind::kSlider;
+  dJointID joint = slides ? dJointCreateSlider(world, nullptr) : dJointCreateHinge(world, nullptr);
+  dJointAttach(joint, bodies[static_cast<std::size_t>(of.child)],
+               bodies[static_cast<std::size_t>(of.parent)]);  // so that its rate is the child's
+  if (slides) {
+    dJointSetSliderAxis(joint, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
+  } else {
+    dJointSetHingeAnchor(joint, of.p_RJ.x(), of.p_RJ.y(), of.p_RJ.z());
+    dJointSetHingeAxis(joint, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
+  }
+  // Twice: ODE takes a lower stop only if it is not above the upper one, and the other way round.
+  for (int i = 0; i < 2; ++i) {
+    if (std::isfinite(of.lower)) SetParam(joint, dParamLoStop, of.lower);
+    if (std::isfinite(of.upper)) SetParam(joint, dParamHiStop, of.upper);
+  }
+  return joint;
+}
+
+/// Spring and damper of a joint without a motor, implicit over the step of `dt_s`, so that they are stable
+/// however stiff: ODE's motor row is v + cfm λ = v_target. Without them its friction.
+void Resist(dJointID joint, const JointModel& of, double dt_s) {
+  const bool slides = of.kind == JointModel::Kind::kSlider;
+  const double resistance = of.damping + dt_s * of.stiffness;
+  if (resistance > 0) {
+    const double position = slides ? dJointGetSliderPosition(joint) : dJointGetHingeAngle(joint);
+    SetParam(joint, dParamFMax, dInfinity);
+    SetParam(joint, dParamCFM, 1 / resistance);
+    SetParam(joint, dParamVel, -of.stiffness * (position - of.rest) / resistance);
+  } else {
+    SetParam(joint, dParamFMax, of.friction);
+  }
+}
+
 /// Velocity of the point `p` of a body.
 Vector3 PointVelocity(const BodyState& body, const Vector3& p) {
   return body.v_WB + body.w_WB.cross(p - body.p_WB);
@@ -145,17 +185,15 @@ Lane::Loan Lane::MakeLoan(const Mechanism* mechanism) {
   }
   if (mechanism != nullptr) {
     loan.loaded = mechanism;
-    for (const Hinge& of : mechanism->hinges) {
-      dJointID hinge = dJointCreateHinge(world_.get(), nullptr);
-      dJointAttach(hinge, loan.bodies[static_cast<std::size_t>(of.child)],
-                   loan.bodies[static_cast<std::size_t>(of.parent)]);  // so that its rate is the child's
-      dJointSetHingeAnchor(hinge, of.p_R.x(), of.p_R.y(), of.p_R.z());
-      dJointSetHingeAxis(hinge, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
+    if (mechanism->fixed_base) dBodySetKinematic(loan.bodies.front());
+    for (const Joint& of : mechanism->joints) {
+      dJointID joint = MakeJoint(world_.get(), *of.model, loan.bodies);
+      loan.joints.push_back(joint);
       if (of.channel < 0) continue;
       const auto channel = static_cast<std::size_t>(of.channel);
       if (loan.motors.size() <= channel) loan.motors.resize(channel + 1);
-      loan.motors[channel] = hinge;
-      dJointSetHingeParam(hinge, dParamFMax, of.max_torque_nm);
+      loan.motors[channel] = joint;
+      dJointSetHingeParam(joint, dParamFMax, of.max_effort);
     }
     loan.forces = std::make_unique<dJointFeedback[]>(loan.motors.size());
     for (std::size_t i = 0; i < loan.motors.size(); ++i) {
@@ -180,7 +218,8 @@ void Lane::Reserve(std::span<const std::uint32_t> members) {
   Build();
 }
 
-void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels) {
+void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels,
+                double dt_s) {
   const Mechanism& mechanism = *actor.thing.mechanism;
   Pool& pool = pools_[actor.thing.pool];
   Loan& loan = pool.loans[pool.used++];
@@ -198,6 +237,10 @@ void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const Channel
   for (std::size_t k = 0; k < loan.bodies.size(); ++k) {
     Write(loan.bodies[k], actor.bodies[k]);
     dBodyEnable(loan.bodies[k]);
+  }
+  for (std::size_t i = 0; i < loan.joints.size(); ++i) {
+    const Joint& joint = mechanism.joints[i];
+    if (joint.channel < 0 && IsResisted(*joint.model)) Resist(loan.joints[i], *joint.model, dt_s);
   }
 }
 
@@ -224,11 +267,13 @@ BodyState Lane::Read(std::uint32_t thing, std::size_t index) const {
   return state;
 }
 
-double Lane::HingeRate(std::uint32_t thing, const Hinge& hinge) const {
-  return dJointGetHingeAngleRate(loan_of_[thing]->motors[static_cast<std::size_t>(hinge.channel)]);
+double Lane::JointRate(std::uint32_t thing, std::size_t joint) const {
+  dJointID of = loan_of_[thing]->joints[joint];
+  return dJointGetType(of) == dJointTypeSlider ? dJointGetSliderPositionRate(of)
+                                               : dJointGetHingeAngleRate(of);
 }
 
-double Lane::HingeEffort(std::uint32_t thing, const Hinge& hinge) const {
+double Lane::HingeEffort(std::uint32_t thing, const Joint& hinge) const {
   const auto channel = static_cast<std::size_t>(hinge.channel);
   dVector3 axis;
   dJointGetHingeAxis(loan_of_[thing]->motors[channel], axis);
@@ -249,6 +294,7 @@ void Lane::Unload() {
 
 dBodyID Lane::BodyOf(std::uint32_t thing, const Part& part) const {
   if (thing >= loan_of_.size() || loan_of_[thing] == nullptr) return nullptr;
+  if (part.body == 0 && things_.all[thing].mechanism->fixed_base) return nullptr;
   return loan_of_[thing]->bodies[static_cast<std::size_t>(part.body)];
 }
 

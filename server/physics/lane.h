@@ -36,9 +36,9 @@ class Lane {
 
   /// Makes room for these things together. Before they are loaded.
   void Reserve(std::span<const std::uint32_t> members);
-  /// Lends `thing` bodies in the state of `actor`; `channels`: of it, with what its motors are to do. They
-  /// outlive the loan.
-  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels);
+  /// Lends `thing` bodies in the state of `actor` for a step of `dt_s`; `channels`: of it, with what its
+  /// motors are to do. They outlive the loan.
+  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels, double dt_s);
   /// Makes contact joints between A and B (-1: the floor). A thing that is not loaded counts as static.
   /// Friction: the slippier of the two decides (the smaller coefficient). Nothing bounces.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
@@ -47,10 +47,10 @@ class Lane {
   void Step(Solver solver, double dt_s);
   /// The exact state of body `body` of a loaded thing; its sleep counter is 0.
   BodyState Read(std::uint32_t thing, std::size_t body) const;
-  /// Speed of a motorised hinge of a loaded thing, rad/s.
-  double HingeRate(std::uint32_t thing, const Hinge& hinge) const;
-  /// Torque of its motor in the last step, N m.
-  double HingeEffort(std::uint32_t thing, const Hinge& hinge) const;
+  /// Speed of a joint of a loaded thing, rad/s or m/s.
+  double JointRate(std::uint32_t thing, std::size_t joint) const;
+  /// Effort of a motorised hinge in the last step, N m.
+  double HingeEffort(std::uint32_t thing, const Joint& hinge) const;
   /// Takes all bodies back.
   void Unload();
   /// A new world after ODE threw: its memory is not to be trusted.
@@ -59,9 +59,10 @@ class Lane {
   void Fit();
 
  private:
-  /// Bodies and hinges that can stand for one thing.
+  /// Bodies and joints that can stand for one thing.
   struct Loan {
     std::vector<dBodyID> bodies;
+    std::vector<dJointID> joints;
     std::vector<dJointID> motors;              // by channel; null: none
     std::unique_ptr<dJointFeedback[]> forces;  // of `motors`
     const Mechanism* loaded = nullptr;         // whose masses they have

@@ -66,22 +66,24 @@ void AddLinks(Mechanism& robot) {
     }
   }
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const JointModel& joint = model.joints[j];
-    Hinge hinge{joint.parent, joint.child, joint.p_RJ, joint.axis_R};
+    Joint joint{&model.joints[j]};
     int channel = 0;
     for (const ActuatorModel& actuator : model.actuators) {
       for (const int driven : actuator.joints) {
         if (driven == static_cast<int>(j)) {
-          hinge.channel = channel;
-          hinge.max_torque_nm =
+          joint.channel = channel;
+          joint.max_effort =
               std::visit([](const DriveModel& drive) { return drive.max_torque_nm; }, actuator.kind);
         }
         ++channel;
       }
     }
-    robot.joint_rows += hinge.channel >= 0 ? 6 : 5;
-    robot.hinges.push_back(hinge);
+    const bool has_row = joint.channel >= 0 || IsResisted(*joint.model) || HasStop(*joint.model);
+    robot.joint_rows += has_row ? 6 : 5;
+    robot.joints.push_back(joint);
   }
+  robot.fixed_base = model.fixed_base;
+  if (model.has_limbs()) robot.limb_radii_m.resize(robot.bodies.size());
 }
 
 /// A part of a robot that stands at the origin.
@@ -112,6 +114,10 @@ void Measure(Mechanism& robot) {
     robot.radius_m = std::max(robot.radius_m, RadiusOf(placed));
     robot.reach_m = std::max(robot.reach_m, placed.place().position().norm() + BoundingRadius(part.shape));
     robot.height_m = std::max(robot.height_m, placed.p[2] + placed.half_m.z());
+    if (!robot.limb_radii_m.empty()) {
+      double& radius_m = robot.limb_radii_m[static_cast<std::size_t>(part.body)];
+      radius_m = std::max(radius_m, part.p_BG.norm() + BoundingRadius(part.shape));
+    }
     if (std::abs(placed.p[2] - placed.half_m.z()) <= kSupportGap_m)
       robot.floor_rows += part.friction > 0 ? 3 : 1;
   }

@@ -56,6 +56,10 @@ void CheckFidelity(const RobotEntry& entry, Diagnostics& diagnostics) {
     diagnostics.Error(entry.where,
                       who + " does not fit " + entry.model->type + ", since " + why + ": use fidelity full");
   }
+  if (entry.model->has_limbs()) {
+    diagnostics.Error(entry.where, who + " does not fit " + entry.model->type +
+                                       ", which has joints that are no wheels: use fidelity full");
+  }
   const Vector3 up = entry.X_WR.q * Vector3::UnitZ();
   if (entry.fidelity == Fidelity::kPlanar && up.z() < 1 - 1e-9) {
     diagnostics.Error(entry.where, who + " needs an upright robot: use fidelity rolling or full");

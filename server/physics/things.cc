@@ -108,7 +108,7 @@ class Builder {
           std::make_shared<const Mechanism>(MakeRobot(model, fidelity, scene_.floor.friction, gravity_m_s2));
     }
     Kind kind{mechanism.get()};
-    if (!kind.mechanism->hinges.empty() || kind.mechanism->bodies.size() > 1) {
+    if (kind.mechanism->fixed_base || kind.mechanism->bodies.size() > 1) {
       kind.pool = things_.pools.size();
       things_.pools.push_back(kind.mechanism);
     }

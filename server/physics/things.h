@@ -3,6 +3,7 @@
 // changes. Only server/physics includes this file.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -22,24 +23,30 @@ struct RigidBody {
   Pose X_RB;
 };
 
-/// A hinge between two bodies, in R.
-struct Hinge {
-  int parent = 0, child = 0;  // index into bodies
-  Vector3 p_R = Vector3::Zero();
-  Vector3 axis_R = Vector3::UnitY();
-  int channel = -1;  // of the robot's channels, if a motor drives it
-  double max_torque_nm = 0;
+/// A spring, a damper or friction works on it.
+inline bool IsResisted(const JointModel& joint) {
+  return joint.damping > 0 || joint.friction > 0 || joint.stiffness > 0;
+}
+inline bool HasStop(const JointModel& joint) {
+  return std::isfinite(joint.lower) || std::isfinite(joint.upper);
+}
+
+/// A joint between two bodies: those of the links that the model names.
+struct Joint {
+  const JointModel* model = nullptr;
+  int channel = -1;       // of the robot's channels, if a motor drives it
+  double max_effort = 0;  // of its motor
 };
 
-/// What moves as a whole: the bodies, hinges and shapes of a robot type in one fidelity, or of an object.
+/// What moves as a whole: the bodies, joints and shapes of a robot type in one fidelity, or of an object.
 /// Constant once made and shared by all robots alike. A robot's body 0 is its chassis; of fidelity rolling
 /// and planar it is all there is, with the axes of R and its origin in the common centre of mass. A static
 /// object has no body; its only part stands in the world.
 struct Mechanism {
   std::vector<RigidBody> bodies;
-  std::vector<Hinge> hinges;
+  std::vector<Joint> joints;
   std::vector<Part> parts;
-  int joint_rows = 0;  // constraint rows of its hinges and motors
+  int joint_rows = 0;  // constraint rows of its joints, motors and stops
   int floor_rows = 0;  // of its contacts when it stands
 
   // Robots only.
@@ -50,6 +57,10 @@ struct Mechanism {
   double reach_m = 0;   // of the sphere about R's origin that holds it however its links turn
   double height_m = 0;
   std::optional<OneBodyDrive> drive;  // fidelity rolling and planar, if it has wheels
+  bool fixed_base = false;            // body 0 stands still in the world
+  /// With joints other than wheels: of the sphere about each body's centre of mass that holds its parts.
+  /// Its place in the world then follows from its bodies, not from the radius, reach and height above.
+  std::vector<double> limb_radii_m;
 
   bool one_body() const { return model != nullptr && fidelity != Fidelity::kFull; }
   bool planar() const { return fidelity == Fidelity::kPlanar; }

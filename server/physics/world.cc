@@ -137,6 +137,10 @@ void PhysicsWorld::PlanRobot(std::size_t robot, double dt_s) {
   double travel_m = 0;
   if (moves_[thing]) {
     double speed_m_s = body.v_WB.norm();
+    for (std::size_t k = 0; k < info.mechanism->limb_radii_m.size(); ++k) {
+      const BodyState& limb = (&body)[k];
+      speed_m_s = std::max(speed_m_s, limb.v_WB.norm() + limb.w_WB.norm() * info.mechanism->limb_radii_m[k]);
+    }
     DrivePlan& plan = plans_[robot];
     if (info.mechanism->drive) {
       const OneBodyDrive& drive = *info.mechanism->drive;

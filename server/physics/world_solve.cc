@@ -213,7 +213,7 @@ void PhysicsWorld::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, dou
 void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
-    lane.Load(thing, ActorOf(thing), ChannelsOf(things_.all[thing]));
+    lane.Load(thing, ActorOf(thing), ChannelsOf(things_.all[thing]), dt_s);
   }
   std::vector<FoundContact>& floor = lane.scratch();
   for (const std::uint32_t thing : batch.members) {
@@ -241,7 +241,7 @@ void PhysicsWorld::ReadBatch(Batch& batch, const Lane& lane, double dt_s) {
       Freeze(thing, *why, batch);
       continue;
     }
-    for (std::size_t k = 0; k < bodies.size(); ++k) {
+    for (std::size_t k = info.mechanism->fixed_base ? 1 : 0; k < bodies.size(); ++k) {
       const std::uint64_t counter = bodies[k].sleep_counter;
       bodies[k] = lane.Read(thing, k);
       bodies[k].sleep_counter = counter;
@@ -255,11 +255,12 @@ void PhysicsWorld::ReadChannels(std::uint32_t thing, const Lane& lane, double dt
   const Thing& info = things_.all[thing];
   const std::span<ChannelState> channels = ChannelsOf(info);
   if (!info.mechanism->one_body()) {
-    for (const Hinge& hinge : info.mechanism->hinges) {
-      if (hinge.channel < 0) continue;
-      ChannelState& channel = channels[static_cast<std::size_t>(hinge.channel)];
-      Turn(channel, lane.HingeRate(thing, hinge), dt_s);
-      channel.effort = lane.HingeEffort(thing, hinge);
+    for (std::size_t i = 0; i < info.mechanism->joints.size(); ++i) {
+      const Joint& joint = info.mechanism->joints[i];
+      if (joint.channel < 0) continue;
+      ChannelState& channel = channels[static_cast<std::size_t>(joint.channel)];
+      Turn(channel, lane.JointRate(thing, i), dt_s);
+      channel.effort = lane.HingeEffort(thing, joint);
     }
   } else if (info.mechanism->drive) {
     const OneBodyDrive& drive = *info.mechanism->drive;

@@ -76,7 +76,7 @@ class Portrait {
       for (const LinkShape& shape : link.visuals) Add(shape);
     }
     for (const JointModel& j : model.joints) {
-      Add(j.name, j.parent, j.child, j.p_RJ, j.axis_R, j.max_effort_nm);
+      Add(j.name, j.parent, j.child, j.p_RJ, j.axis_R, j.max_effort);
     }
     Add(model.drive_actuator()->joints[0], model.drive_actuator()->joints[1], model.drive()->wheel_radius_m,
         model.drive()->track_m, model.drive()->max_wheel_speed_rad_s, model.drive()->max_torque_nm);

@@ -20,7 +20,7 @@ LinkModel Wheel(const char* name, double y_m, const Cylinder& tyre, double mass_
 }
 
 JointModel Hinge(const char* name, int child, double y_m, double z_m, double effort_nm) {
-  return {name, 0, child, {0, y_m, z_m}, Vector3::UnitY(), effort_nm};
+  return {.name = name, .child = child, .p_RJ = {0, y_m, z_m}, .max_effort = effort_nm};
 }
 
 Pose Raised(double x_m, double z_m) {

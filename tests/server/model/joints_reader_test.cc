@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// Joints of a model: fixed ones, axes with stops, springs and dampers, and what is wrong with them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "server/model/readers.h"
+
+namespace coopdyn {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Answer {
+  std::shared_ptr<const RobotModel> robot;
+  std::string messages;
+};
+
+Answer ReadParts(const std::string& parts) {
+  Diagnostics diagnostics;
+  Answer answer;
+  answer.robot = ReadRobotModelText(
+      "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"><model name=\"rig\">\n" + parts +
+          "<coopdyn:module type=\"pose\"/></model></sdf>",
+      "rig/model.sdf", "rig", diagnostics);
+  answer.messages = diagnostics.ToString();
+  return answer;
+}
+
+/// A cube of 2 kg and 0.1 m edge.
+std::string Cube(const std::string& name, const std::string& pose) {
+  return "<link name=\"" + name + "\"><pose>" + pose +
+         "</pose><inertial><mass>2</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></"
+         "inertial>"
+         "<collision name=\"c\"><geometry><box><size>0.1 0.1 "
+         "0.1</size></box></geometry></collision></link>\n";
+}
+
+std::string Joint(const std::string& name, const std::string& type, const std::string& parent,
+                  const std::string& child, const std::string& axis = "") {
+  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent>" + parent + "</parent><child>" + child +
+         "</child>" + (axis.empty() ? "" : "<axis>" + axis + "</axis>") + "</joint>\n";
+}
+
+const std::string kUp = "<xyz>0 0 1</xyz>";
+
+TEST(JointsReaderTest, FixedJointsMakeOneLinkOfTheirLinks) {
+  const auto [robot, messages] =
+      ReadParts(Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0.4 0 0.1 0 0 0") + Joint("weld", "fixed", "a", "b"));
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links.size(), 1u);
+  const LinkModel& link = robot->links[0];
+  EXPECT_EQ(link.name, "a");
+  EXPECT_DOUBLE_EQ(link.mass_kg, 4);
+  EXPECT_NEAR((link.X_LI.p - Vector3(0.2, 0, 0)).norm(), 0, 1e-12);
+  // About the common centre: the cubes' own moments, and twice m d² with d = 0.2 m across the way between.
+  const Matrix3 R = link.X_LI.q.toRotationMatrix();
+  const Matrix3 inertia = R * link.inertia_kg_m2.asDiagonal() * R.transpose();
+  EXPECT_NEAR((inertia - Matrix3(Vector3(0.02, 0.18, 0.18).asDiagonal())).norm(), 0, 1e-12);
+  ASSERT_EQ(link.collisions.size(), 2u);
+  EXPECT_NEAR((link.collisions[1].X_LG.p - Vector3(0.4, 0, 0)).norm(), 0, 1e-12);
+}
+
+TEST(JointsReaderTest, JointsOfAWeldedLinkAreThoseOfTheWhole) {
+  const auto [robot, messages] =
+      ReadParts(Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0.4 0 0.1 0 0 0") + Cube("c", "0.8 0 0.1 0 0 0") +
+                Joint("weld", "fixed", "a", "b") + Joint("turn", "continuous", "b", "c", kUp));
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links.size(), 2u);
+  EXPECT_EQ(robot->joints[0].parent, 0);
+  EXPECT_EQ(robot->links[static_cast<std::size_t>(robot->joints[0].child)].name, "c");
+}
+
+TEST(JointsReaderTest, AWeldedLinkMayHaveNoMass) {
+  const auto [robot, messages] =
+      ReadParts(Cube("a", "0 0 0.1 0 0 0") + "<link name=\"tool\"/>" + Joint("weld", "fixed", "a", "tool"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_DOUBLE_EQ(robot->links[0].mass_kg, 2);
+}
+
+TEST(JointsReaderTest, WhatIsFixedToTheWorldIsTheBase) {
+  const auto [robot, messages] =
+      ReadParts(Cube("tip", "0 0 0.5 0 0 0") + Cube("foot", "0 0 0.1 0 0 0") +
+                Joint("turn", "continuous", "foot", "tip", kUp) + Joint("anchor", "fixed", "world", "foot"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_TRUE(robot->fixed_base);
+  EXPECT_EQ(robot->links[0].name, "foot");
+  EXPECT_EQ(robot->joints[0].parent, 0);
+  EXPECT_EQ(robot->joints[0].child, 1);
+}
+
+TEST(JointsReaderTest, TheFirstLinkThatIsNoChildIsTheBase) {
+  const auto [robot, messages] = ReadParts(Cube("tip", "0 0 0.5 0 0 0") + Cube("foot", "0 0 0.1 0 0 0") +
+                                           Joint("turn", "continuous", "foot", "tip", kUp));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_FALSE(robot->fixed_base);
+  EXPECT_EQ(robot->links[0].name, "foot");
+}
+
+TEST(JointsReaderTest, AnAxisHasStopsSpringAndDamper) {
+  const auto [robot, messages] = ReadParts(
+      Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0") +
+      Joint(
+          "lift", "prismatic", "a", "b",
+          kUp +
+              "<limit><lower>-0.1</lower><upper>0.3</upper><effort>50</effort><velocity>0.2</velocity></"
+              "limit>"
+              "<dynamics><damping>3</damping><friction>2</friction><spring_reference>0.05</spring_reference>"
+              "<spring_stiffness>400</spring_stiffness></dynamics>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(messages, "");
+  const JointModel& lift = robot->joints[0];
+  EXPECT_EQ(lift.kind, JointModel::Kind::kSlider);
+  EXPECT_EQ(lift.lower, -0.1);
+  EXPECT_EQ(lift.upper, 0.3);
+  EXPECT_EQ(lift.max_effort, 50);
+  EXPECT_EQ(lift.max_velocity, 0.2);
+  EXPECT_EQ(lift.damping, 3);
+  EXPECT_EQ(lift.friction, 2);
+  EXPECT_EQ(lift.stiffness, 400);
+  EXPECT_EQ(lift.rest, 0.05);
+}
+
+TEST(JointsReaderTest, WithoutLimitsAnAxisHasNone) {
+  const auto [robot, messages] = ReadParts(Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0") +
+                                           Joint("turn", "revolute", "a", "b", kUp));
+  ASSERT_NE(robot, nullptr) << messages;
+  const JointModel& turn = robot->joints[0];
+  for (const double none : {-turn.lower, turn.upper, turn.max_effort, turn.max_velocity}) {
+    EXPECT_TRUE(std::isinf(none));
+  }
+}
+
+TEST(JointsReaderTest, MistakesAreNamedWithTheirLine) {
+  const std::string links = Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0");
+  const auto said = [&](const std::string& joints) { return ReadParts(links + joints).messages; };
+  EXPECT_THAT(said(Joint("j", "ball", "a", "b")),
+              HasSubstr("rig/model.sdf:4: error: joint 'j' must be of type"));
+  EXPECT_THAT(said(Joint("j", "revolute", "world", "b", kUp)),
+              HasSubstr("4: error: joint 'j' hangs on the world"));
+  EXPECT_THAT(said(Joint("j", "fixed", "a", "b") + Joint("k", "fixed", "b", "a")),
+              HasSubstr("a loop of fixed joints"));
+  EXPECT_THAT(said(Joint("j", "fixed", "world", "a") + Joint("k", "fixed", "world", "b")),
+              HasSubstr("'a' and 'b' are both fixed to the world"));
+  EXPECT_THAT(said(Joint("j", "fixed", "a", "b") + Joint("k", "revolute", "a", "b", kUp)),
+              HasSubstr("5: error: joint 'k' joins links that fixed joints hold together"));
+  EXPECT_THAT(said(""), HasSubstr("3: error: link 'b' hangs on no joint that leads to 'a'"));
+  const auto limited = [&](const std::string& lower, const std::string& upper) {
+    return said(Joint("j", "revolute", "a", "b",
+                      kUp + "<limit><lower>" + lower + "</lower><upper>" + upper + "</upper></limit>"));
+  };
+  EXPECT_THAT(limited("1", "-1"), HasSubstr("must not lie above <upper>"));
+  EXPECT_THAT(limited("0.5", "1"), HasSubstr("must include 0"));
+  EXPECT_THAT(limited("-4", "1"), HasSubstr("beyond 180 degrees"));
+  EXPECT_THAT(said(Joint("j", "revolute", "a", "b", kUp + "<dynamics><damping>-1</damping></dynamics>")),
+              HasSubstr("<damping> of joint 'j' must be a number from 0"));
+}
+
+}  // namespace
+}  // namespace coopdyn

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+// Joints without motors against closed forms, at 1, 5 and 10 ms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+
+#include "tests/server/physics/physics_scene.h"
+
+namespace coopdyn {
+namespace {
+
+constexpr double kGravity_m_s2 = 9.81;
+constexpr double kPi = std::numbers::pi;
+
+LinkModel Link(const std::string& name, const Vector3& p_R, double mass_kg, double inertia_kg_m2) {
+  LinkModel link;
+  link.name = name;
+  link.X_RL.p = p_R;
+  link.mass_kg = mass_kg;
+  link.inertia_kg_m2 = Vector3::Constant(inertia_kg_m2);
+  link.collisions = {{Sphere{0.02}, {}, {}, 1, false}};
+  return link;
+}
+
+JointModel Hinge(const std::string& name, int parent, int child, const Vector3& p_R) {
+  JointModel joint;
+  joint.name = name;
+  joint.parent = parent;
+  joint.child = child;
+  joint.p_RJ = p_R;
+  return joint;
+}
+
+/// A base in the world at a height of 3 m.
+RobotModel OnAPost() {
+  RobotModel model;
+  model.type = "rig";
+  model.fixed_base = true;
+  model.links = {Link("base", {0, 0, 3}, 1, 0.01)};
+  model.footprint_radius_m = 0.02;
+  model.height_m = 3;
+  return model;
+}
+
+/// Hinged to the base, `angle_rad` from hanging.
+RobotModel Pendulum(double length_m, double angle_rad, double inertia_kg_m2) {
+  RobotModel model = OnAPost();
+  model.links.push_back(Link("bob", {-length_m * std::sin(angle_rad), 0, 3 - length_m * std::cos(angle_rad)},
+                             1, inertia_kg_m2));
+  model.joints = {Hinge("pivot", 0, 1, {0, 0, 3})};
+  return model;
+}
+
+/// A carriage on a rail along x.
+RobotModel Carriage() {
+  RobotModel model = OnAPost();
+  model.links.push_back(Link("carriage", {0, 0, 3}, 2, 0.01));
+  JointModel rail = Hinge("rail", 0, 1, {0, 0, 3});
+  rail.kind = JointModel::Kind::kSlider;
+  rail.axis_R = Vector3::UnitX();
+  model.joints = {rail};
+  return model;
+}
+
+class JointsTest : public ::testing::TestWithParam<int> {
+ protected:
+  void Add(RobotModel model) {
+    scene_.step_length = GetParam() * 1'000'000;
+    scene_.robot_model = std::make_shared<const RobotModel>(std::move(model));
+    scene_.AddRobot(0, 0);
+    scene_.Build();
+    ASSERT_EQ(scene_.diagnostics().ToString(), "");
+  }
+  double step_s() const { return GetParam() * 1e-3; }
+  Pose Where(int link) { return LinkPose(*scene_.Capture(), 0, link); }
+  const BodyState& body(std::size_t index) {
+    frame_ = scene_.Capture();
+    return frame_->bodies[index];
+  }
+  double Angle(int link) { return 2 * std::atan2(Where(link).q.y(), Where(link).q.w()); }
+
+  PhysicsScene scene_;
+  std::shared_ptr<Frame> frame_;
+};
+
+TEST_P(JointsTest, APendulumSwingsWithItsPeriod) {
+  const double length_m = 0.5, inertia_kg_m2 = 0.02;
+  Add(Pendulum(length_m, 0.05, inertia_kg_m2));
+  const double period_s =
+      2 * kPi * std::sqrt((inertia_kg_m2 + length_m * length_m) / (kGravity_m_s2 * length_m));
+  // Ten swings: counted where it passes the vertical.
+  int crossings = 0;
+  double last_s = 0, before = Where(1).p.x();
+  for (int step = 1; crossings < 20; ++step) {
+    ASSERT_LT(step * step_s(), 12 * period_s);
+    scene_.Run(1);
+    const double x = Where(1).p.x();
+    if (x * before < 0) {
+      ++crossings;
+      last_s = step_s() * (step - x / (x - before));
+    }
+    before = x;
+  }
+  EXPECT_NEAR(last_s / (9.75 * period_s), 1, 2e-3);
+}
+
+TEST_P(JointsTest, ADoublePendulumKeepsItsEnergy) {
+  RobotModel model = Pendulum(0.5, 0, 0.01);
+  model.links[1].X_RL.p = {-0.5, 0, 3};
+  model.links.push_back(Link("tip", {-0.9, 0, 3}, 0.5, 0.01));
+  model.joints.push_back(Hinge("elbow", 1, 2, {-0.5, 0, 3}));
+  Add(model);
+  const auto energy_j = [this] {
+    double sum = 0;
+    const double masses_kg[] = {1, 1, 0.5};
+    for (std::size_t k = 1; k < 3; ++k) {
+      const BodyState& of = body(k);
+      sum += masses_kg[k] * (kGravity_m_s2 * of.p_WB.z() + of.v_WB.squaredNorm() / 2) +
+             0.01 * of.w_WB.squaredNorm() / 2;
+    }
+    return sum;
+  };
+  const double before_j = energy_j(), span_j = (1 + 0.5) * kGravity_m_s2 * 0.9;
+  double worst = 0;
+  for (int i = 0; i < static_cast<int>(5 / step_s()); ++i) {
+    scene_.Run(1);
+    worst = std::max(worst, std::abs(energy_j() - before_j) / span_j);
+  }
+  RecordProperty("drift", std::to_string(worst));
+  EXPECT_LT(worst, 0.02 * GetParam());
+}
+
+TEST_P(JointsTest, ASpringAndADamperFollowTheFormula) {
+  RobotModel model = Carriage();
+  JointModel& rail = model.joints[0];
+  rail.stiffness = 50;
+  rail.damping = 4;
+  rail.rest = 0.2;
+  Add(model);
+  const double decay = 4 / (2 * 2.0), omega = std::sqrt(50 / 2.0 - decay * decay);
+  for (int i = 1; i <= static_cast<int>(2 / step_s()); ++i) {
+    scene_.Run(1);
+    const double t_s = i * step_s();
+    const double way_m =
+        std::exp(-decay * t_s) * (std::cos(omega * t_s) + decay / omega * std::sin(omega * t_s));
+    // An implicit step damps by ω² h / 2 more.
+    const double more = 25 * step_s() / 2 * t_s * std::exp(-decay * t_s);
+    ASSERT_NEAR(Where(1).p.x(), 0.2 * (1 - way_m), 0.2 * more + 1e-4 * GetParam()) << t_s;
+  }
+  scene_.RunFor(10);
+  EXPECT_NEAR(Where(1).p.x(), 0.2, 5e-4) << "it sleeps once it has been slow for long enough";
+}
+
+TEST_P(JointsTest, AStiffSpringIsStable) {
+  RobotModel model = Carriage();
+  model.joints[0].stiffness = 1e7;
+  model.joints[0].rest = 0.1;
+  Add(model);
+  scene_.RunFor(1);
+  EXPECT_NEAR(Where(1).p.x(), 0.1, 1e-3);
+}
+
+TEST_P(JointsTest, AStopHoldsWhatHangsOnIt) {
+  RobotModel model = Pendulum(0.5, kPi / 2, 0.02);
+  model.joints[0].lower = -0.5;
+  Add(model);
+  scene_.RunFor(5);
+  EXPECT_NEAR(Angle(1), -0.5, 2e-3);
+}
+
+TEST_P(JointsTest, FrictionHoldsUpToItsEffort) {
+  RobotModel model = Carriage();
+  model.joints[0].axis_R = Vector3::UnitZ();
+  model.joints[0].friction = 2 * kGravity_m_s2 + 0.1;
+  Add(model);
+  scene_.RunFor(1);
+  EXPECT_NEAR(Where(1).p.z(), 3, 1e-4);
+}
+
+TEST_P(JointsTest, LessFrictionLetsItFallWithTheRest) {
+  RobotModel model = Carriage();
+  model.joints[0].axis_R = Vector3::UnitZ();
+  model.joints[0].friction = kGravity_m_s2;  // half its weight
+  Add(model);
+  scene_.RunFor(0.5);
+  EXPECT_NEAR(3 - Where(1).p.z(), kGravity_m_s2 / 2 * 0.25 / 2, kGravity_m_s2 / 2 * 0.5 * step_s());
+}
+
+TEST_P(JointsTest, AFixedBaseDoesNotMoveABit) {
+  Add(Pendulum(0.5, 1, 0.02));
+  const BodyState before = body(0);
+  scene_.RunFor(2);
+  EXPECT_EQ(body(0).p_WB, before.p_WB);
+  EXPECT_EQ(body(0).q_WB, before.q_WB);
+  EXPECT_EQ(body(0).v_WB, before.v_WB);
+}
+
+TEST_P(JointsTest, AFourBarLinkageStaysClosed) {
+  RobotModel model = OnAPost();
+  model.links.push_back(Link("crank", {0, 0, 3.1}, 0.5, 0.002));
+  model.links.push_back(Link("coupler", {0.2, 0, 3.25}, 0.5, 0.01));
+  model.links.push_back(Link("rocker", {0.4, 0, 3.15}, 0.5, 0.005));
+  model.joints = {Hinge("a", 0, 1, {0, 0, 3}), Hinge("b", 1, 2, {0, 0, 3.2}), Hinge("c", 2, 3, {0.4, 0, 3.3}),
+                  Hinge("d", 0, 3, {0.4, 0, 3})};
+  Add(model);
+  double worst_m = 0;
+  for (int i = 0; i < static_cast<int>(3 / step_s()); ++i) {
+    scene_.Run(1);
+    // The ends of the coupler keep to their circles: the crank's of 0.2 m, the rocker's of 0.3 m.
+    const Pose X_WC = Where(2);
+    const Vector3 b = X_WC * Vector3(-0.2, 0, -0.05), c = X_WC * Vector3(0.2, 0, 0.05);
+    worst_m = std::max({worst_m, std::abs((b - Vector3(0, 0, 3)).norm() - 0.2),
+                        std::abs((c - Vector3(0.4, 0, 3)).norm() - 0.3)});
+  }
+  EXPECT_LT(worst_m, 1e-4 * GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, JointsTest, ::testing::Values(1, 5, 10),
+                         [](const auto& info) { return std::to_string(info.param) + "ms"; });
+
+}  // namespace
+}  // namespace coopdyn
