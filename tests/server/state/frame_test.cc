@@ -74,8 +74,8 @@ class OneBodyPoses : public testing::Test {
       model->links[k].mass_kg = 0.5;
       model->links[k].X_RL = {{0, k == 1 ? 0.1 : -0.1, 0.05}, FromRollPitchYaw(-1.5707963267948966, 0, 0)};
     }
-    model->joints = {{"left", 0, 1, {0, 0.1, 0.05}, Vector3::UnitY(), 1},
-                     {"right", 0, 2, {0, -0.1, 0.05}, Vector3::UnitY(), 1}};
+    model->joints = {{.name = "left", .child = 1, .p_RJ = {0, 0.1, 0.05}, .max_effort = 1},
+                     {.name = "right", .child = 2, .p_RJ = {0, -0.1, 0.05}, .max_effort = 1}};
     model->actuators = {{"motors", {0, 1}, DriveModel{0.05, 0.2, 10, 1}}};
     auto scenario = std::make_shared<Scenario>();
     RobotEntry entry;
