@@ -91,8 +91,13 @@ dJointID MakeJoint(dWorldID world, const JointModel& of, const std::vector<dBody
 void Resist(dJointID joint, const JointModel& of, double dt_s) {
   const bool slides = of.kind == JointModel::Kind::kSlider;
   const double resistance = of.damping + dt_s * of.stiffness;
-  if (resistance > 0) {
-    const double position = slides ? dJointGetSliderPosition(joint) : dJointGetHingeAngle(joint);
+  const double position = slides ? dJointGetSliderPosition(joint) : dJointGetHingeAngle(joint);
+  if (position <= of.lower || position >= of.upper) {
+    // ODE's row is the stop's then, and it would add the whole of FMax to it.
+    const double effort = -of.stiffness * (position - of.rest);
+    SetParam(joint, dParamFMax, 0);
+    slides ? dJointAddSliderForce(joint, effort) : dJointAddHingeTorque(joint, effort);
+  } else if (resistance > 0) {
     SetParam(joint, dParamFMax, dInfinity);
     SetParam(joint, dParamCFM, 1 / resistance);
     SetParam(joint, dParamVel, -of.stiffness * (position - of.rest) / resistance);

@@ -171,6 +171,27 @@ TEST_P(JointsTest, AStopHoldsWhatHangsOnIt) {
   EXPECT_NEAR(Angle(1), -0.5, 2e-3);
 }
 
+TEST_P(JointsTest, ADampedJointMeetsItsStop) {
+  RobotModel model = Pendulum(0.5, kPi / 2, 0.02);
+  model.joints[0].lower = -0.5;
+  model.joints[0].damping = 0.05;
+  Add(model);
+  scene_.RunFor(5);
+  EXPECT_NEAR(Angle(1), -0.5, 2e-3);
+}
+
+TEST_P(JointsTest, ASpringPullsItsJointOffTheStop) {
+  RobotModel model = Carriage();
+  JointModel& rail = model.joints[0];
+  rail.lower = 0;
+  rail.stiffness = 20;
+  rail.damping = 10;
+  rail.rest = 0.1;
+  Add(model);
+  scene_.RunFor(8);
+  EXPECT_NEAR(Where(1).p.x(), 0.1, 2e-3);
+}
+
 TEST_P(JointsTest, FrictionHoldsUpToItsEffort) {
   RobotModel model = Carriage();
   model.joints[0].axis_R = Vector3::UnitZ();
