@@ -1077,7 +1077,8 @@ class _TeamLink:
                 self.connection.request(_RELEASE)  # an older team may have been of others
             self.take(session)
             if not self.names:
-                raise Error(10, "no robot is free: other programs, loaded controllers or other objects of this program drive them all")
+                raise Error(10, "no robot is free: other programs, loaded controllers or other objects of this "
+                                "program drive them all")
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:

@@ -133,8 +133,7 @@ int HandOverToBench(std::vector<std::string> words) {
   ::execv(program.c_str(), arguments.data());
   PrintError(
       "coopdyn: coopdyn bench needs the program coopdyn-bench in {}. In the folder of the sources, build it "
-      "with "
-      "cmake --build --preset release --target coopdyn-bench\n",
+      "with cmake --build --preset release --target coopdyn-bench\n",
       folder.string());
   return kExitErrors;
 }
@@ -253,8 +252,7 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error,
       what = "there is no option " + word + (nearest.empty() ? "" : ": did you mean " + nearest + "?");
     }
   } else if (mismatch) {
-    // CLI11: "--port: 1 required INT missing", "--port: At Most 1 required …", "--eye: FLOAT only partially
-    // …".
+    // CLI11: "--port: 1 required INT missing", "--port: At Most 1 …", "--eye: FLOAT only partially …".
     const std::string name = said.substr(0, said.find(':'));
     const CLI::Option* option = command.get_option_no_throw(name);
     const int numbers = option == nullptr ? 1 : option->get_items_expected_max();

@@ -52,6 +52,10 @@ struct JointModel {
   double friction = 0;   // Coulomb: effort
   double stiffness = 0;  // of a spring: effort per way from `rest`
   double rest = 0;
+
+  /// A spring, a damper or friction works on it.
+  bool is_resisted() const { return damping > 0 || friction > 0 || stiffness > 0; }
+  bool has_stop() const { return lower > -kInfinity || upper < kInfinity; }
 };
 
 /// Two motorised wheels on one axle, which crosses R's z axis. A positive speed of a wheel drives forward.

@@ -152,9 +152,13 @@ class ExtensionReader {
   /// Radius and contact point of the wheel on `joint`; nothing if it is no wheel of a drive (then reported).
   std::optional<double> CheckWheel(XmlAttributes& attributes, const JointModel& joint, double side) {
     const LinkModel& link = robot_.links[static_cast<std::size_t>(joint.child)];
-    if (joint.kind != JointModel::Kind::kHinge || std::isfinite(joint.lower) || std::isfinite(joint.upper)) {
+    if (joint.kind != JointModel::Kind::kHinge || joint.has_stop()) {
       attributes.Error("the wheel '" + link.name +
                        "' must turn without end: remove <lower> and <upper> of '" + joint.name + "'");
+    }
+    if (joint.is_resisted()) {
+      diagnostics_.Warning(attributes.where(),
+                           "the <dynamics> of '" + joint.name + "' is not used: its motor decides");
     }
     const LinkShape* tread = nullptr;
     double radius = 0;

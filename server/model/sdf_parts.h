@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The parts of reading a robot's SDF: what libsdformat lets pass (sdf_check.cc), and our own elements in the
 // namespace `coopdyn:` (docs/formats.md): the drive, modules, which visuals take the robot's colour
-// (sdf_extension.cc) and sensors (sdf_sensors.cc). All with lines, from the raw XML.
+// (sdf_extension.cc) and sensors (sdf_sensors.cc), and the fixed joints of SDF (sdf_weld.cc). All with lines,
+// from the raw XML.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 #include <sdf/Element.hh>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +39,22 @@ bool IsModelCount(const tinyxml2::XMLElement& root, const std::string& file, Dia
 /// to their owners.
 void CheckSdf(const tinyxml2::XMLElement& root, const sdf::ElementPtr& description, const std::string& file,
               Diagnostics& diagnostics);
+
+/// A fixed joint between two links, or of the world and a link.
+struct FixedJoint {
+  static constexpr int kWorld = -1;
+  int parent = 0, child = 0;  // index into links; parent may be kWorld
+  int line = 0;
+};
+/// Where a model's links and joints stand in its file.
+struct ModelLines {
+  std::vector<int> links, joints;
+};
+/// Makes one link of those that `fixed` holds together, and the base the first of all: what is fixed to the
+/// world, else the first link that is no joint's child. Reports what does not hang together. `lines`: of
+/// `robot` as given.
+void WeldLinks(std::span<const FixedJoint> fixed, const ModelLines& lines, const std::string& file,
+               RobotModel& robot, Diagnostics& diagnostics);
 
 /// Whether `visual` (`<visual>`) says coopdyn:color="robot". Another value is an error.
 bool TakesRobotColor(const tinyxml2::XMLElement& visual, const std::string& file, Diagnostics& diagnostics);

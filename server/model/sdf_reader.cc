@@ -2,7 +2,6 @@
 // Links, joints and shapes of a robot through libsdformat; our own elements through sdf_extension.h.
 #include <tinyxml2.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <ignition/math/Inertial.hh>
@@ -55,8 +54,7 @@ class RobotReader {
     const tinyxml2::XMLElement& xml_model = *root->FirstChildElement("model");
     ReadLinks(*model, xml_model);
     ReadJoints(*model);
-    if (!diagnostics_.has_errors()) Weld(*model);
-    if (!diagnostics_.has_errors()) CheckConnected(*model);
+    if (!diagnostics_.has_errors()) WeldLinks(fixed_, lines_, file_, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, *robot_, diagnostics_);
     if (diagnostics_.has_errors()) return nullptr;
     Measure();
@@ -234,6 +232,7 @@ class RobotReader {
       const sdf::Link& link = *model.LinkByIndex(i);
       LinkModel out;
       out.name = link.Name();
+      lines_.links.push_back(LineOf(link.Element()));
       out.X_RL = Resolve(link.SemanticPose(), "__model__", link.Element(), "link '" + out.name + "'");
       ReadInertial(link, out);
       for (std::size_t c = 0; c < link.CollisionCount(); ++c) {
@@ -275,9 +274,9 @@ class RobotReader {
     return -1;
   }
 
-  /// Index of a link; kWorld: the world; nothing if there is none.
+  /// Index of a link; FixedJoint::kWorld: the world; nothing if there is none.
   std::optional<int> FindEnd(const std::string& name) const {
-    if (name == "world") return kWorld;
+    if (name == "world") return FixedJoint::kWorld;
     const int link = FindLink(name);
     return link < 0 ? std::nullopt : std::optional<int>(link);
   }
@@ -299,7 +298,7 @@ class RobotReader {
       for (const sdf::Error& e : joint.ResolveParentLink(parent)) Error(line, e.Message());
       for (const sdf::Error& e : joint.ResolveChildLink(child)) Error(line, e.Message());
       const std::optional<int> from = FindEnd(parent), to = FindEnd(child);
-      if (!from || !to || *to == kWorld || *from == *to) {
+      if (!from || !to || *to == FixedJoint::kWorld || *from == *to) {
         Error(line,
               what + " needs <parent> and <child> that are two links of this model; <parent> may be world");
         continue;
@@ -308,7 +307,7 @@ class RobotReader {
         fixed_.push_back({*from, *to, line});
         continue;
       }
-      if (*from == kWorld) {
+      if (*from == FixedJoint::kWorld) {
         Error(line, what + " hangs on the world: make a link that is fixed to the world its <parent>");
         continue;
       }
@@ -333,7 +332,7 @@ class RobotReader {
       out.axis_R = direction.normalized();
       ReadAxis(*axis, joint.Type() == sdf::JointType::CONTINUOUS, line, out);
       robot_->joints.push_back(std::move(out));
-      joint_lines_.push_back(line);
+      lines_.joints.push_back(line);
     }
   }
 
@@ -367,131 +366,11 @@ class RobotReader {
         Error(line, std::string("<") + name + "> of " + what + " must be a number from 0 to 1e9");
       }
     }
+    if (out.friction > 0 && (out.damping > 0 || out.stiffness > 0)) {
+      diagnostics_.Warning({file_, line},
+                           "<friction> of " + what + " is not used beside a damper or a spring");
+    }
     if (!(std::abs(out.rest) <= 1e6)) Error(line, "<spring_reference> of " + what + " must be at most 1e6");
-  }
-
-  /// Makes one link of those that fixed joints hold together, and the base the first of all.
-  void Weld(const sdf::Model& model) {
-    std::vector<LinkModel>& links = robot_->links;
-    constexpr int kNone = -2;
-    std::vector<int> holds(links.size(), kNone);  // by link: what a fixed joint holds it to
-    for (const FixedJoint& fixed : fixed_) {
-      int& held = holds[static_cast<std::size_t>(fixed.child)];
-      if (held != kNone)
-        Error(fixed.line, "link '" + NameOf(fixed.child) + "' is the child of two fixed joints");
-      held = fixed.parent;
-    }
-    std::vector<int> roots(links.size());
-    std::optional<int> base;
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      int at = static_cast<int>(i);
-      std::size_t steps = 0;
-      while (holds[static_cast<std::size_t>(at)] >= 0 && steps++ <= links.size()) {
-        at = holds[static_cast<std::size_t>(at)];
-      }
-      if (steps > links.size()) {
-        Error(LineOf(model.LinkByIndex(i)->Element()),
-              "link '" + links[i].name + "' hangs in a loop of fixed joints: remove one of them");
-        return;
-      }
-      roots[i] = at;
-      if (holds[static_cast<std::size_t>(at)] != kWorld) continue;
-      if (base && *base != at) {
-        Error(LineOf(model.LinkByIndex(i)->Element()),
-              "'" + NameOf(*base) + "' and '" + NameOf(at) +
-                  "' are both fixed to the world: fix one to the other");
-        return;
-      }
-      base = at;
-    }
-    robot_->fixed_base = base.has_value();
-    for (JointModel& joint : robot_->joints) {
-      joint.parent = roots[static_cast<std::size_t>(joint.parent)];
-      joint.child = roots[static_cast<std::size_t>(joint.child)];
-    }
-    if (!base) base = FirstThatIsNoChild(roots);
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      if (roots[i] != static_cast<int>(i)) Merge(links[i], links[static_cast<std::size_t>(roots[i])]);
-    }
-    std::vector<LinkModel> kept;
-    std::vector<int> places(links.size());
-    const auto keep = [&](std::size_t link) {
-      places[link] = static_cast<int>(kept.size());
-      kept.push_back(std::move(links[link]));
-    };
-    keep(static_cast<std::size_t>(*base));
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      if (roots[i] == static_cast<int>(i) && roots[i] != *base) keep(i);
-    }
-    links = std::move(kept);
-    for (JointModel& joint : robot_->joints) {
-      joint.parent = places[static_cast<std::size_t>(joint.parent)];
-      joint.child = places[static_cast<std::size_t>(joint.child)];
-    }
-  }
-
-  int FirstThatIsNoChild(const std::vector<int>& roots) const {
-    for (const int root : roots) {
-      const bool is_child = std::ranges::any_of(
-          robot_->joints, [root](const JointModel& joint) { return joint.child == root; });
-      if (!is_child) return root;
-    }
-    return roots.front();
-  }
-
-  std::string NameOf(int link) const { return robot_->links[static_cast<std::size_t>(link)].name; }
-
-  /// Gives `to` the mass and the shapes of `from`.
-  static void Merge(const LinkModel& from, LinkModel& to) {
-    const Pose X_TF = to.X_RL.Inverse() * from.X_RL;
-    for (const LinkShape& shape : from.collisions) {
-      to.collisions.push_back(shape);
-      to.collisions.back().X_LG = X_TF * shape.X_LG;
-    }
-    for (const LinkShape& shape : from.visuals) {
-      to.visuals.push_back(shape);
-      to.visuals.back().X_LG = X_TF * shape.X_LG;
-    }
-    if (from.mass_kg <= 0) return;
-    const Pose X_TI = X_TF * from.X_LI;
-    const double mass_kg = to.mass_kg + from.mass_kg;
-    const Vector3 p = (to.mass_kg * to.X_LI.p + from.mass_kg * X_TI.p) / mass_kg;
-    const auto about = [&p](const LinkModel& link, const Pose& X_I) -> Matrix3 {
-      const Matrix3 R = X_I.q.toRotationMatrix();
-      const Vector3 d = X_I.p - p;
-      return R * link.inertia_kg_m2.asDiagonal() * R.transpose() +
-             link.mass_kg * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
-    };
-    const Eigen::SelfAdjointEigenSolver<Matrix3> moments(about(to, to.X_LI) + about(from, X_TI));
-    Matrix3 axes = moments.eigenvectors();
-    if (axes.determinant() < 0) axes.col(0) *= -1;
-    to.mass_kg = mass_kg;
-    to.X_LI = {p, Quaternion(axes).normalized()};
-    to.inertia_kg_m2 = moments.eigenvalues();
-  }
-
-  /// Every link hangs on joints that lead to the first, also by a closed loop.
-  void CheckConnected(const sdf::Model& model) {
-    std::vector<std::uint8_t> reached(robot_->links.size());
-    reached[0] = 1;
-    for (std::size_t round = 0; round < robot_->joints.size(); ++round) {
-      for (std::size_t i = 0; i < robot_->joints.size(); ++i) {
-        const JointModel& joint = robot_->joints[i];
-        std::uint8_t& parent = reached[static_cast<std::size_t>(joint.parent)];
-        std::uint8_t& child = reached[static_cast<std::size_t>(joint.child)];
-        if (joint.parent == joint.child && round == 0) {
-          Error(joint_lines_[i], "joint '" + joint.name + "' joins links that fixed joints hold together");
-        }
-        parent = child = parent | child;
-      }
-    }
-    for (std::size_t i = 1; i < reached.size(); ++i) {
-      if (reached[i] != 0) continue;
-      const sdf::Link* link = model.LinkByName(robot_->links[i].name);
-      Error(link == nullptr ? 0 : LineOf(link->Element()), "link '" + robot_->links[i].name +
-                                                               "' hangs on no joint that leads to '" +
-                                                               robot_->links[0].name + "'");
-    }
   }
 
   /// Footprint and height of the collisions; nothing may reach below the floor.
@@ -545,14 +424,9 @@ class RobotReader {
   Diagnostics& diagnostics_;
   std::shared_ptr<RobotModel> robot_ = std::make_shared<RobotModel>();
   tinyxml2::XMLDocument document_;
-  struct FixedJoint {
-    int parent = 0, child = 0;  // links; parent may be kWorld
-    int line = 0;
-  };
-  static constexpr int kWorld = -1;
   std::set<std::string> welded_;  // links that fixed joints hold to others
   std::vector<FixedJoint> fixed_;
-  std::vector<int> joint_lines_;  // of RobotModel::joints
+  ModelLines lines_;
 };
 
 }  // namespace

@@ -202,8 +202,8 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
     const std::string name = IsBareName(type) ? type : "NAME";
     diagnostics.Error(where, "unknown robot type '" + type + "'" +
                                  DidYouMean(type, RobotTypes(path_, embedded_)) +
-                                 "; a robot of your own is a folder robots/" + name +
-                                 " in a folder that --scenarios or COOPDYN_PATH names");
+                                 " (a robot of your own is a folder robots/" + name +
+                                 " in a folder that --scenarios or COOPDYN_PATH names)");
   }
   if (model != nullptr) models_.emplace(type, model);
   return model;

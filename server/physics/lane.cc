@@ -245,7 +245,7 @@ void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const Channel
   }
   for (std::size_t i = 0; i < loan.joints.size(); ++i) {
     const Joint& joint = mechanism.joints[i];
-    if (joint.channel < 0 && IsResisted(*joint.model)) Resist(loan.joints[i], *joint.model, dt_s);
+    if (joint.channel < 0 && joint.model->is_resisted()) Resist(loan.joints[i], *joint.model, dt_s);
   }
 }
 

@@ -78,7 +78,7 @@ void AddLinks(Mechanism& robot) {
         ++channel;
       }
     }
-    const bool has_row = joint.channel >= 0 || IsResisted(*joint.model) || HasStop(*joint.model);
+    const bool has_row = joint.channel >= 0 || joint.model->is_resisted() || joint.model->has_stop();
     robot.joint_rows += has_row ? 6 : 5;
     robot.joints.push_back(joint);
   }

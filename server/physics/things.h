@@ -3,7 +3,6 @@
 // changes. Only server/physics includes this file.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -22,14 +21,6 @@ struct RigidBody {
   Matrix3 inertia_kg_m2 = Matrix3::Identity();  // about its centre of mass, in its own axes
   Pose X_RB;
 };
-
-/// A spring, a damper or friction works on it.
-inline bool IsResisted(const JointModel& joint) {
-  return joint.damping > 0 || joint.friction > 0 || joint.stiffness > 0;
-}
-inline bool HasStop(const JointModel& joint) {
-  return std::isfinite(joint.lower) || std::isfinite(joint.upper);
-}
 
 /// A joint between two bodies: those of the links that the model names.
 struct Joint {

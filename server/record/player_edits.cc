@@ -88,11 +88,7 @@ EditResult Player::Apply(const edit::Skip& skip) {
 }
 
 EditResult Player::Apply(const edit::SetPlaySpeed& set) {
-  const bool fits = set.factor >= kMinPlaySpeed && set.factor <= kMaxPlaySpeed && set.factor != 0;
-  if (!fits) {
-    return {Error::kOutOfRange,
-            "a recording is played at -4 (backwards) to 64 times its speed, but not at 0: pause holds it"};
-  }
+  if (!IsPlaySpeed(set.factor)) return {Error::kOutOfRange, std::string("this speed") + kNoPlaySpeed};
   const Nanoseconds due = std::clamp(pace_.DueTime(now_), extent_.begin, extent_.end);
   speed_ = set.factor;
   next_.reset();

@@ -12,9 +12,9 @@
 #include <system_error>
 #include <utility>
 
-#include "server/record/pose_codec.h"
 #include "server/record/run_tables.h"
 #include "server/record/state_codec.h"
+#include "server/record/step_row.h"
 
 namespace coopdyn {
 
@@ -25,22 +25,11 @@ constexpr int kLooksBeforeDoubt = 10;
 constexpr std::int64_t kStepsInMemory = 500;
 constexpr std::uint64_t kMostStep = std::numeric_limits<std::int64_t>::max();
 
-constexpr const char* kInputColumns = "SELECT step, time_ns, hash, scene, commands, messages FROM step";
-constexpr const char* kAllColumns =
-    "SELECT step, time_ns, hash, scene, commands, messages, channels, distances, targets, poses FROM step";
-enum Column { kStep, kTime, kHash, kScene, kCommands, kMessages, kChannels, kDistances, kTargets, kPoses };
-
 // length() looks at the head of a row alone, where IS NULL would read the poses.
 constexpr const char* kShownBefore =
     "SELECT step FROM step WHERE step < ?1 AND length(poses) > 0 ORDER BY step DESC LIMIT 1";
 constexpr const char* kShownAfter =
     "SELECT step FROM step WHERE step > ?1 AND length(poses) > 0 ORDER BY step LIMIT 1";
-
-std::size_t DistanceSensors(const Scene& scene) {
-  std::size_t sensors = 0;
-  for (const SceneRobot& robot : scene.robots) sensors += robot.entry.model->sector_count();
-  return sensors;
-}
 
 }  // namespace
 
@@ -115,8 +104,9 @@ void RunReader::Reopen() {
   run_.mended |= was_mended;
   unchanged_ = 0;
   try {  // has it the columns that will be read?
-    for (const char* sql : {kAllColumns, "SELECT step, state FROM keyframe", "SELECT description FROM scene",
-                            "SELECT value FROM meta"}) {
+    database().Prepare(StepColumns::Select(false));
+    for (const char* sql :
+         {"SELECT step, state FROM keyframe", "SELECT description FROM scene", "SELECT value FROM meta"}) {
       database().Prepare(sql);
     }
   } catch (const DatabaseError& failed) {
@@ -340,60 +330,21 @@ std::vector<std::uint64_t> RunReader::Keyframes() {
 // --- what a step holds
 
 RecordedStep RunReader::Decode(const Statement& row, bool inputs_only) {
-  const std::int64_t number = row.integer(kStep);
-  const std::string name = "step " + std::to_string(number);
-  if (number < 0 || row.integer(kTime) < 0 || row.integer(kScene) < 0) {
-    Damaged("a number, time or scene below 0 of " + name);
-  }
   RecordedStep step;
-  step.step = static_cast<std::uint64_t>(number);
-  step.time = row.integer(kTime);
-  step.hash = static_cast<std::uint64_t>(row.integer(kHash));
-  step.scene = static_cast<std::uint64_t>(row.integer(kScene));
-  const bool needs_scene = !inputs_only || scenario_ != nullptr;
-  const std::shared_ptr<const Scene> scene = needs_scene ? FindScene(step.scene) : nullptr;
-  const auto knows_channel = [&scene](const CommandRecord& command) {
-    return scene == nullptr || command.channel < scene->channels.size();
-  };
-  const auto knows_robot = [&scene](const SentMessage& sent) {
-    return scene == nullptr || sent.robot < scene->robots.size();
-  };
-  if (!DecodeCommands(row.blob(kCommands), step.commands) ||
-      !std::all_of(step.commands.begin(), step.commands.end(), knows_channel)) {
-    Damaged("the commands of " + name);
+  std::string damage = DecodeHead(row, step);
+  if (damage.empty()) {
+    const bool needs_scene = !inputs_only || scenario_ != nullptr;
+    const std::shared_ptr<const Scene> scene = needs_scene ? FindScene(step.scene) : nullptr;
+    damage = DecodeInputs(row, scene.get(), step);
+    if (damage.empty() && !inputs_only) damage = DecodeReadings(row, *scene, step);
   }
-  if (!DecodeMessages(row.blob(kMessages), step.step, step.messages) ||
-      !std::all_of(step.messages.begin(), step.messages.end(), knows_robot)) {
-    Damaged("the broadcasts of " + name);
-  }
-  if (!inputs_only) DecodeReadings(row, *scene, step);
+  if (!damage.empty()) Damaged(damage + " of step " + std::to_string(row.integer(StepColumns::kStep)));
   return step;
-}
-
-void RunReader::DecodeReadings(const Statement& row, const Scene& scene, RecordedStep& step) const {
-  const std::string name = " of step " + std::to_string(step.step);
-  const std::size_t sightings = 2 * scene.robots.size() * scene.targets.size();
-  if (!row.is_null(kChannels)) {
-    step.channels.resize(scene.channels.size());
-    if (!DecodeChannels(row.blob(kChannels), step.channels)) Damaged("the channels" + name);
-  }
-  if (!DecodeFloats(row.blob(kDistances), step.distances) ||
-      (!step.distances.empty() && step.distances.size() != DistanceSensors(scene))) {
-    Damaged("the distances" + name);
-  }
-  if (!DecodeFloats(row.blob(kTargets), step.targets) ||
-      (!step.targets.empty() && step.targets.size() != sightings)) {
-    Damaged("the sighted targets" + name);
-  }
-  if (row.is_null(kPoses)) return;
-  step.bodies.resize(scene.body_ids.size());
-  if (!DecodePoses(row.blob(kPoses), step.bodies)) Damaged("the poses" + name);
 }
 
 std::optional<RecordedStep> RunReader::Read(std::uint64_t step, bool inputs_only) {
   return Guard("step " + std::to_string(step), [&]() -> std::optional<RecordedStep> {
-    Statement row =
-        database().Prepare(std::string(inputs_only ? kInputColumns : kAllColumns) + " WHERE step = ?1");
+    Statement row = database().Prepare(StepColumns::Select(inputs_only) + " WHERE step = ?1");
     row.Bind(1, step);
     if (row.Step()) return Decode(row, inputs_only);
     CheckNotReplaced();
@@ -404,7 +355,7 @@ std::optional<RecordedStep> RunReader::Read(std::uint64_t step, bool inputs_only
 bool RunReader::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_only,
                         const std::function<bool(const RecordedStep&)>& use) {
   return Guard("the steps from " + std::to_string(first) + " on", [&] {
-    Statement rows = database().Prepare(std::string(inputs_only ? kInputColumns : kAllColumns) +
+    Statement rows = database().Prepare(StepColumns::Select(inputs_only) +
                                         " WHERE step > ?1 AND step <= ?2 ORDER BY step LIMIT ?3");
     std::int64_t before = static_cast<std::int64_t>(std::min(first, kMostStep)) - 1;
     for (std::int64_t count = kStepsInMemory; count == kStepsInMemory;) {
@@ -412,9 +363,10 @@ bool RunReader::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_onl
       for (count = 0; rows.Step(); ++count) {
         const RecordedStep step = Decode(rows, inputs_only);
         // In a damaged file rows may stand anywhere.
-        if (rows.integer(kStep) <= before) Damaged("step " + std::to_string(step.step) + " at its place");
+        if (rows.integer(StepColumns::kStep) <= before)
+          Damaged("step " + std::to_string(step.step) + " at its place");
         if (!use(step)) return true;
-        before = rows.integer(kStep);
+        before = rows.integer(StepColumns::kStep);
       }
     }
     return true;

@@ -129,7 +129,6 @@ class RunReader {
   std::int64_t Meta(const char* key) const;  // a number of `meta`; 0: it is not there
   /// The row that `row` stands at, checked against its scene.
   RecordedStep Decode(const Statement& row, bool inputs_only);
-  void DecodeReadings(const Statement& row, const Scene& scene, RecordedStep& step) const;
   std::shared_ptr<const Scene> FindScene(std::uint64_t scene);
 
   const std::string file_;

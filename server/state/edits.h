@@ -18,6 +18,11 @@ namespace coopdyn {
 class RunJournal;
 
 inline constexpr double kMinPlaySpeed = -4, kMaxPlaySpeed = 64;
+inline bool IsPlaySpeed(double factor) {
+  return factor >= kMinPlaySpeed && factor <= kMaxPlaySpeed && factor != 0;
+}
+inline constexpr const char* kNoPlaySpeed =
+    " is not possible: a recording is played at -4 to 64 times its speed, below 0 backwards; pause holds it";
 
 namespace edit {
 

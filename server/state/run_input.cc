@@ -123,11 +123,8 @@ std::optional<RunEdit> SetStepTo(double step_s, std::string& error) {
 constexpr double kLongest_s = 1e9;
 
 std::vector<EditAction> PlayAt(double factor, std::string& error) {
-  if (factor >= kMinPlaySpeed && factor <= kMaxPlaySpeed && factor != 0) return {edit::SetPlaySpeed{factor}};
-  error = fmt::format(
-      "speed {} is not possible: a recording is played at {} to {} times its speed, below 0 backwards; pause "
-      "holds it",
-      factor, kMinPlaySpeed, kMaxPlaySpeed);
+  if (IsPlaySpeed(factor)) return {edit::SetPlaySpeed{factor}};
+  error = fmt::format("speed {}{}", factor, kNoPlaySpeed);
   return {};
 }
 

@@ -97,6 +97,12 @@ class MistakeTest(unittest.TestCase):
             for word in wanted:
                 self.assertIn(word, done.stderr.decode())
 
+    def test_a_file_that_is_no_scenario_is_told_what_it_is(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, wanted in (("a.run", "this is a recorded run: coopdyn play"), ("notes", "write ./notes to read")):
+                Path(folder, name).touch()
+                self.assertIn(wanted, run("check", name, cwd=folder).stderr.decode())
+
     def test_a_folder_is_not_checked_and_a_missing_recording_has_near_names(self):
         with tempfile.TemporaryDirectory() as folder:
             self.assertIn("folder", run("check", folder).stderr.decode())

@@ -95,6 +95,13 @@ TEST_F(SavedStatesTest, UnknownNamesAreError10AndTellTheKnownOnes) {
   EXPECT_THAT(reply.text, HasSubstr("start one"));
 }
 
+TEST_F(SavedStatesTest, WhileARecordingIsPlayedARestoreIsError5) {
+  run_.SetPlayback(PlaybackStatus{});
+  const Message reply = client_->Ask("restore two");
+  EXPECT_EQ(reply.error, static_cast<std::int32_t>(Error::kNotPossible));
+  EXPECT_THAT(reply.text, HasSubstr("playing a recording"));
+}
+
 TEST_F(SavedStatesTest, WhatIsRefusedIsNotKept) {
   next_result_.error = Error::kNotPossible;
   next_result_.text = "playing a recording";

@@ -111,7 +111,8 @@ TEST(JointsReaderTest, AnAxisHasStopsSpringAndDamper) {
               "<dynamics><damping>3</damping><friction>2</friction><spring_reference>0.05</spring_reference>"
               "<spring_stiffness>400</spring_stiffness></dynamics>"));
   ASSERT_NE(robot, nullptr) << messages;
-  EXPECT_EQ(messages, "");
+  EXPECT_EQ(messages,
+            "rig/model.sdf:4: warning: <friction> of joint 'lift' is not used beside a damper or a spring\n");
   const JointModel& lift = robot->joints[0];
   EXPECT_EQ(lift.kind, JointModel::Kind::kSlider);
   EXPECT_EQ(lift.lower, -0.1);
@@ -122,6 +123,15 @@ TEST(JointsReaderTest, AnAxisHasStopsSpringAndDamper) {
   EXPECT_EQ(lift.friction, 2);
   EXPECT_EQ(lift.stiffness, 400);
   EXPECT_EQ(lift.rest, 0.05);
+}
+
+TEST(JointsReaderTest, FrictionBesideADamperIsNotDroppedInSilence) {
+  const auto [robot, messages] =
+      ReadParts(Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0") +
+                Joint("turn", "revolute", "a", "b",
+                      kUp + "<dynamics><damping>1</damping><friction>1</friction></dynamics>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("4: warning: <friction> of joint 'turn' is not used beside a damper"));
 }
 
 TEST(JointsReaderTest, WithoutLimitsAnAxisHasNone) {
@@ -144,10 +154,10 @@ TEST(JointsReaderTest, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(said(Joint("j", "fixed", "a", "b") + Joint("k", "fixed", "b", "a")),
               HasSubstr("a loop of fixed joints"));
   EXPECT_THAT(said(Joint("j", "fixed", "world", "a") + Joint("k", "fixed", "world", "b")),
-              HasSubstr("'a' and 'b' are both fixed to the world"));
+              HasSubstr("link 'a' and link 'b' are both fixed to the world"));
   EXPECT_THAT(said(Joint("j", "fixed", "a", "b") + Joint("k", "revolute", "a", "b", kUp)),
               HasSubstr("5: error: joint 'k' joins links that fixed joints hold together"));
-  EXPECT_THAT(said(""), HasSubstr("3: error: link 'b' hangs on no joint that leads to 'a'"));
+  EXPECT_THAT(said(""), HasSubstr("3: error: link 'b' hangs on no joint that leads to link 'a'"));
   const auto limited = [&](const std::string& lower, const std::string& upper) {
     return said(Joint("j", "revolute", "a", "b",
                       kUp + "<limit><lower>" + lower + "</lower><upper>" + upper + "</upper></limit>"));

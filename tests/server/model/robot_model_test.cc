@@ -272,8 +272,10 @@ TEST(RobotLibraryTest, ParsesAModelOnce) {
   const auto first = ShippedRobots().Get("coopbot", {"x", 1}, diagnostics);
   EXPECT_EQ(ShippedRobots().Get("coopbot", {"x", 1}, diagnostics), first);
   EXPECT_EQ(ShippedRobots().Get("coopbt", {"x", 1}, diagnostics), nullptr);
-  EXPECT_THAT(diagnostics.ToString(),
-              HasSubstr("x:1: error: unknown robot type 'coopbt'; did you mean 'coopbot'?"));
+  EXPECT_THAT(
+      diagnostics.ToString(),
+      HasSubstr("x:1: error: unknown robot type 'coopbt'; did you mean 'coopbot'? (a robot of your own is a "
+                "folder robots/coopbt in a folder that --scenarios or COOPDYN_PATH names)"));
 }
 
 TEST(RobotLibraryTest, TypesAreBareNames) {

@@ -138,6 +138,7 @@ TEST_F(NameProtocolTest, AFarewellInAnyCaseClosesTheConnection) {
 }
 
 TEST_F(NameProtocolTest, OpenAloneSaysWhatToWrite) {
+  EXPECT_EQ(Ask("OPEN /robot1/motors extra"), "error 4 OPEN takes one name, not extra as well\n");
   EXPECT_EQ(Ask("OPEN"), "error 10 OPEN takes a name, as in OPEN /robot1/distance; list shows all\n");
 }
 

@@ -50,7 +50,8 @@ classdef TeamLink < handle
         end
         t.take(session);
         if isempty(t.names)
-          coopdyn.internal.fail(10, 'no robot is free: other programs, loaded controllers or other objects of this program drive them all');
+          coopdyn.internal.fail(10, ['no robot is free: other programs, loaded controllers or other objects ' ...
+            'of this program drive them all']);
         end
         t.choose(t.selected, t.neighbours);
         session.note(c.request(3, [], []));
