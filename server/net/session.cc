@@ -280,7 +280,8 @@ void Session::TellWaiting() {
 // --- the end
 
 void Session::FinishIfDone() {
-  if (eof_ && !closing_ && !waiting_ && !process_posted_ && in_.size() > 0 && encoding_ != nullptr) {
+  if (!eof_ || !MayHandle() || process_posted_) return;
+  if (in_.size() > 0 && encoding_ != nullptr) {
     in_.Clear();
     out_.AddReply(
         ErrorReply(command::kUnreadable, Error::kMalformed,
@@ -288,7 +289,7 @@ void Session::FinishIfDone() {
                    "ends with a newline"));
     Flush();
   }
-  if (eof_ && !closing_ && !waiting_ && !process_posted_ && out_.empty()) HardClose();
+  if (out_.empty()) HardClose();
 }
 
 void Session::Close(const std::string& reason, spdlog::level::level_enum level) {

@@ -102,6 +102,15 @@ TEST_F(SessionTest, DoesNotExecuteALineThatWasCutOffAndSaysSo) {
   EXPECT_TRUE(NoSessions());
 }
 
+TEST_F(SessionTest, AnswersAllThatCameBeforeTheEndThoughThePeerReadsLate) {
+  TestClient client = ConnectPair();
+  client.Send("big 3000000\necho 2\necho 3\n");  // the first reply does not fit into the socket
+  client.EndInput();
+  ASSERT_TRUE(Sees("input ended"));
+  const std::string said = client.Rest();
+  EXPECT_TRUE(said.ends_with("0 \"\" 500 0 3 2.0 0.25 7.0\n0 \"\" 500 0 3 3.0 0.25 7.0\n")) << said.size();
+}
+
 TEST_F(SessionTest, NoticesAKilledPeerWhileItsRequestWaits) {
   TestClient client = Connect();
   client.Send("hold 1\n");
