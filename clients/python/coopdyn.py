@@ -996,6 +996,230 @@ def _reading_value(command: int, message: Message) -> Any:
     return kinds[command](*data) if command in kinds else data
 
 
+# --- kinematics of a serial chain: needs no daemon ---------------------------------------------------------------------
+
+
+_Vector = Tuple[float, float, float]
+_Rotation = Tuple[_Vector, _Vector, _Vector]  # rows
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> _Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _turned(R: _Rotation, v: Sequence[float]) -> _Vector:
+    return _dot(R[0], v), _dot(R[1], v), _dot(R[2], v)
+
+
+def _product(A: _Rotation, B: _Rotation) -> _Rotation:
+    columns = list(zip(*B))
+    return tuple(tuple(_dot(row, column) for column in columns) for row in A)  # type: ignore[return-value]
+
+
+def _rotation(axis: Sequence[float], angle: float) -> _Rotation:
+    """About a unit axis (Rodrigues)."""
+    x, y, z = axis
+    c, s = math.cos(angle), math.sin(angle)
+    d = 1 - c
+    return ((c + x * x * d, x * y * d - z * s, x * z * d + y * s),
+            (y * x * d + z * s, c + y * y * d, y * z * d - x * s),
+            (z * x * d - y * s, z * y * d + x * s, c + z * z * d))
+
+
+def _rotation_vector(R: _Rotation) -> _Vector:
+    """Axis times angle."""
+    v = (R[2][1] - R[1][2]) / 2, (R[0][2] - R[2][0]) / 2, (R[1][0] - R[0][1]) / 2
+    cosine, sine = (R[0][0] + R[1][1] + R[2][2] - 1) / 2, math.sqrt(_dot(v, v))
+    if sine > 1e-9:
+        scale = math.atan2(sine, cosine) / sine
+    elif cosine > 0:
+        scale = 1.0
+    else:  # half a turn: a column of R + 1 is along the axis
+        k = max(range(3), key=lambda i: R[i][i])
+        v = tuple(R[i][k] + (1.0 if i == k else 0.0) for i in range(3))  # type: ignore[assignment]
+        scale = math.pi / math.sqrt(_dot(v, v))
+    return v[0] * scale, v[1] * scale, v[2] * scale
+
+
+def _solved(A: List[List[float]], b: List[float]) -> List[float]:
+    """x of A x = b, for a positive definite A, which is overwritten."""
+    n = len(b)
+    x = list(b)
+    for i in range(n):
+        for k in range(i + 1, n):
+            factor = A[k][i] / A[i][i]
+            for j in range(i, n):
+                A[k][j] -= factor * A[i][j]
+            x[k] -= factor * x[i]
+    for i in reversed(range(n)):
+        x[i] = (x[i] - sum(A[i][j] * x[j] for j in range(i + 1, n))) / A[i][i]
+    return x
+
+
+class Chain:
+    """A serial chain of joints from a base to a tool, as product of exponentials: X(q) = exp([S1] q1) ... exp([Sn] qn) X(0)
+    (Lynch and Park, Modern Robotics, 4.1). `r.joints("arm").chain` is that of a robot's arm.
+
+    `kinds`: 0 hinge or 1 slider, per joint; `points`: x, y, z [m] of a point of each axis and `axes` its direction, in the
+    frame of the base with all joints at 0; `tool`: the tool's pose there, a 4 x 4 matrix; `lower` and `upper`: limits [rad, m].
+    """
+
+    def __init__(
+        self, kinds: Sequence[int], points: Sequence[Sequence[float]], axes: Sequence[Sequence[float]],
+        tool: Sequence[Sequence[float]], lower: Optional[Sequence[float]] = None, upper: Optional[Sequence[float]] = None,
+    ) -> None:
+        n = len(kinds)
+        self.lower = [-math.inf] * n if lower is None else [float(x) for x in lower]
+        self.upper = [math.inf] * n if upper is None else [float(x) for x in upper]
+        if not n == len(points) == len(axes) == len(self.lower) == len(self.upper):
+            raise Error(3, f"a chain of {n} joints has {n} points, {n} axes and {n} limits")
+        self._sliders = [int(kind) == 1 for kind in kinds]
+        self._points = [(float(p[0]), float(p[1]), float(p[2])) for p in points]
+        self._axes: List[_Vector] = []
+        for x, y, z in axes:
+            length = math.sqrt(x * x + y * y + z * z)
+            if not 0 < length < math.inf:
+                raise Error(4, "an axis is a direction: its length is not 0")
+            self._axes.append((x / length, y / length, z / length))
+        self._tool = _pose_parts(tool)
+
+    def __len__(self) -> int:
+        return len(self._axes)
+
+    @_usage("chain.forward([0.1, 0.2])")
+    def forward(self, q: Sequence[float]) -> List[List[float]]:
+        """The pose of the tool in the frame of the base, a 4 x 4 matrix, with the joints at q [rad, m]."""
+        R, p, _ = self._forward(self._posture(q, "q"))
+        return [[*R[0], p[0]], [*R[1], p[1]], [*R[2], p[2]], [0.0, 0.0, 0.0, 1.0]]
+
+    @_usage("chain.inverse(pose) or chain.inverse([0.3, 0, 0.5], q0)")
+    def inverse(self, pose: Any, q0: Optional[Sequence[float]] = None) -> List[float]:
+        """A posture within the limits that brings the tool to this pose, a 4 x 4 matrix as forward() returns it, or to this
+        position only, x, y, z [m]; the one found first from q0 on. Error 4 if there is none.
+        Damped least squares on the chain's Jacobian, with further starts at random postures, the same ones each time."""
+        target: Tuple[Optional[_Rotation], _Vector]
+        try:
+            whole = hasattr(pose[0], "__len__")
+        except (TypeError, IndexError, KeyError):
+            raise Error(3, f"a pose is a 4 x 4 matrix or a position x, y, z [m], not {pose!r}") from None
+        if whole:
+            target = _pose_parts(pose)
+        elif len(pose) == 3:
+            target = None, (_number(pose[0], "x [m]"), _number(pose[1], "y [m]"), _number(pose[2], "z [m]"))
+        else:
+            raise Error(3, f"a pose is a 4 x 4 matrix or a position x, y, z [m], not {len(pose)} numbers")
+        ranges = [(low if math.isfinite(low) else min(-math.pi, high - 1), high if math.isfinite(high) else max(math.pi, low + 1))
+                  for low, high in zip(self.lower, self.upper)]
+        start = [(low + high) / 2 for low, high in ranges] if q0 is None else self._posture(q0, "q0")
+        best, nearest, dice = math.inf, (math.inf, math.inf), 1
+        for _ in range(_STARTS):
+            q, error, off = self._descend(target, [min(max(x, lo), hi) for x, lo, hi in zip(start, self.lower, self.upper)])
+            if error < _REACHED:
+                return q
+            if error < best:
+                best, nearest = error, off
+            start = []
+            for low, high in ranges:
+                dice = (1664525 * dice + 1013904223) % 2**32
+                start.append(low + (high - low) * dice / 2**32)
+        angle = "" if target[0] is None else f" and {nearest[1]:.3g} rad"
+        raise Error(4, f"no posture within the limits was found that brings the tool there: the nearest is {nearest[0]:.3g} m{angle} "
+                       "off; choose a pose within reach, or give only a position x, y, z")
+
+    # --- inside ---
+    def _posture(self, q: Sequence[float], what: str) -> List[float]:
+        try:
+            numbers = [_number(value, f"a value of {what}") for value in q]
+        except TypeError:
+            numbers = [_number(q, what)]
+        if len(numbers) != len(self._axes):
+            raise Error(3, f"{what} has {len(numbers)} values, the chain {len(self._axes)} joints")
+        return numbers
+
+    def _forward(self, q: Sequence[float]) -> Tuple[_Rotation, _Vector, List[Tuple[_Vector, _Vector]]]:
+        """Rotation and position of the tool; a point and the direction of each axis, moved by the joints before it."""
+        R: _Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        t: _Vector = (0.0, 0.0, 0.0)
+        moved = []
+        for slider, point, axis, angle in zip(self._sliders, self._points, self._axes, q):
+            p, a = _turned(R, point), _turned(R, axis)
+            p = p[0] + t[0], p[1] + t[1], p[2] + t[2]
+            moved.append((p, a))
+            if slider:
+                t = t[0] + a[0] * angle, t[1] + a[1] * angle, t[2] + a[2] * angle
+            else:
+                R = _product(R, _rotation(axis, angle))
+                turned = _turned(R, point)
+                t = p[0] - turned[0], p[1] - turned[1], p[2] - turned[2]
+        R_0, p_0 = self._tool
+        p = _turned(R, p_0)
+        return _product(R, R_0), (p[0] + t[0], p[1] + t[1], p[2] + t[2]), moved
+
+    def _descend(
+        self, target: Tuple[Optional[_Rotation], _Vector], q: List[float]
+    ) -> Tuple[List[float], float, Tuple[float, float]]:
+        """From q down to where the error is least: the posture, its error, and how far [m] and how much [rad] it is off."""
+        R_T, p_T = target
+        size = 3 if R_T is None else 6
+        for _ in range(_ROUNDS):
+            R, p, moved = self._forward(q)
+            error = [p_T[0] - p[0], p_T[1] - p[1], p_T[2] - p[2]]
+            if R_T is not None:
+                error += _rotation_vector(_product(R_T, tuple(zip(*R))))  # type: ignore[arg-type]
+            square = sum(e * e for e in error)
+            off = math.sqrt(_dot(error, error)), math.sqrt(_dot(error[3:], error[3:])) if size == 6 else 0.0
+            if square < _EXACT**2:
+                break
+            columns = []
+            for slider, (point, axis) in zip(self._sliders, moved):
+                if slider:
+                    column = (*axis, 0.0, 0.0, 0.0)
+                else:
+                    column = (*_cross(axis, (p[0] - point[0], p[1] - point[1], p[2] - point[2])), *axis)
+                columns.append(column[:size])
+            free = []
+            for i, column in enumerate(columns):
+                slope = sum(c * e for c, e in zip(column, error))
+                if not (q[i] >= self.upper[i] and slope > 0 or q[i] <= self.lower[i] and slope < 0):
+                    free.append(i)
+            A = [[sum(columns[i][j] * columns[i][k] for i in free) for k in range(size)] for j in range(size)]
+            for j in range(size):
+                A[j][j] += square / 2 + _LEAST_DAMPING
+            x = _solved(A, error)
+            step = {i: sum(c * s for c, s in zip(columns[i], x)) for i in free}
+            longest = max(map(abs, step.values()), default=0.0)
+            if longest < 1e-14:
+                break
+            scale = min(1.0, _LONGEST_STEP / longest)
+            for i, change in step.items():
+                q[i] = min(max(q[i] + scale * change, self.lower[i]), self.upper[i])
+        return q, math.sqrt(square), off
+
+
+_STARTS, _ROUNDS = 30, 100  # of Chain.inverse
+_EXACT, _REACHED = 1e-10, 1e-7  # an error [m, rad] at which it stops, and one that it takes for an answer
+_LEAST_DAMPING = 1e-12
+_LONGEST_STEP = 0.7  # [rad, m]
+
+
+def _pose_parts(pose: Any) -> Tuple[_Rotation, _Vector]:
+    """Rotation and position out of a 4 x 4 matrix."""
+    try:
+        rows = [[float(value) for value in row] for row in pose]
+    except (TypeError, ValueError):
+        rows = []
+    if [len(row) for row in rows] != [4, 4, 4, 4] or not all(math.isfinite(sum(row)) for row in rows):
+        raise Error(3, "a pose is a 4 x 4 matrix of numbers: rotation and position [m], and the row 0 0 0 1 below")
+    R = tuple((row[0], row[1], row[2]) for row in rows[:3])
+    if any(abs(_dot(a, b) - (a is b)) > 1e-6 for a in R for b in R) or _dot(_cross(R[0], R[1]), R[2]) < 0:
+        raise Error(4, "the upper left 3 x 3 of a pose is a rotation: its rows are at right angles and of length 1")
+    return R, (rows[0][3], rows[1][3], rows[2][3])  # type: ignore[return-value]
+
+
 # --- what a simulation and its robots share ---------------------------------------------------------------------------
 
 
