@@ -25,6 +25,9 @@ inline constexpr Id kGetTargets = 30, kGetTarget = 31, kGetRobots = 32;
 inline constexpr Id kGetPose = 40, kGetPose3d = 41;
 // /R/neighbours
 inline constexpr Id kGetNeighbours = 200, kSendMessage = 201, kGetMessages = 202, kGetLink = 203;
+// /R/support
+inline constexpr Id kGetSupport = 280;
+
 // /R/compass
 inline constexpr Id kGetCompass = 300;
 // /swarm

@@ -138,7 +138,7 @@ CommandTable SwarmTable() {
           {.id = command::kSelectReadings,
            .name = "select_readings",
            .help = "Chooses the columns of step_all and read_all: pose, distances, targets, neighbours (of "
-                   "the nearest, 8 by default), wheels, compass. Without words: pose distances.",
+                   "the nearest, 8 by default), wheels, compass, support. Without words: pose distances.",
            .text = TextUse::kRest,
            .text_name = "READING…",
            .params = {{.name = "nearest", .unit = "", .optional = true, .min = 1}},

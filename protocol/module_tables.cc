@@ -135,10 +135,18 @@ CommandTable CompassTable() {
                           {Value("heading", "rad")})});
 }
 
+CommandTable SupportTable() {
+  return CommandTable(
+      "support", {Reading(command::kGetSupport, "get_support",
+                          "Returns how far the load has moved the support that carries it, in the robot's "
+                          "frame: 0 0 0 in its middle.",
+                          {Value("x", "m"), Value("y", "m"), Value("angle", "rad")})});
+}
+
 const std::vector<CommandTable>& AllModuleTables() {
   static const std::vector<CommandTable> tables = {
-      MotorsTable(),  DistanceTable(),   TargetTable(), PoseTable(),     NeighboursTable(),
-      CompassTable(), SimulationTable(), SwarmTable(),  RecorderTable(), PlaybackTable()};
+      MotorsTable(),  DistanceTable(),   TargetTable(), PoseTable(),     NeighboursTable(), CompassTable(),
+      SupportTable(), SimulationTable(), SwarmTable(),  RecorderTable(), PlaybackTable()};
   return tables;
 }
 

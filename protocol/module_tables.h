@@ -17,6 +17,7 @@ CommandTable TargetTable();      // /R/target
 CommandTable PoseTable();        // /R/pose
 CommandTable NeighboursTable();  // /R/neighbours
 CommandTable CompassTable();     // /R/compass
+CommandTable SupportTable();     // /R/support
 CommandTable SimulationTable();  // /simulation
 CommandTable SwarmTable();       // /swarm
 CommandTable RecorderTable();    // /recorder

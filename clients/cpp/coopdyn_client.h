@@ -75,6 +75,10 @@ struct Wheels {
 struct Limits {
   double max_wheel_speed = 0, wheel_radius = 0, track = 0;
 };
+/// How far the load has moved the support that carries it, in the robot's frame [m, rad].
+struct Support {
+  double x = 0, y = 0, angle = 0;
+};
 /// All readings of a robot in one step; what the robot lacks is empty.
 struct Reading {
   double time = 0;
@@ -85,6 +89,7 @@ struct Reading {
   std::optional<Pose> pose;
   std::optional<Wheels> wheels;
   std::optional<double> compass;  // heading [rad]
+  std::optional<Support> support;
 };
 /// A raw reply: data without the final two, time [s] and step.
 struct Reply {
@@ -166,6 +171,8 @@ class Robot {
   /// Where its front points [rad]: 0 along the world's x, left positive. For robots with a module `compass`;
   /// another compass is read by its module's name.
   double get_compass(const std::string& module = "compass");
+  /// By how much the load has moved the support that carries it. For robots with a module `support`.
+  Support get_support(const std::string& module = "support");
   /// One range per sensor [m], right to left, from the surface of the robot; inf = nothing there.
   std::vector<double> get_distances();
   Geometry get_geometry();

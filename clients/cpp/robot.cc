@@ -108,6 +108,11 @@ double Robot::get_compass(const std::string& module) {
   return Values(link_->Read(module, {command::kGetCompass}), 1)[0];
 }
 
+Support Robot::get_support(const std::string& module) {
+  const std::vector<double> d = Values(link_->Read(module, {command::kGetSupport}), 3);
+  return {d[0], d[1], d[2]};
+}
+
 Geometry Robot::get_geometry() {
   const std::vector<double> d = Values(link_->Read("distance", {command::kGetGeometry}), 0);
   Geometry geometry;
@@ -191,6 +196,8 @@ Reading Robot::sense(const std::string& x) {
       reading.wheels = Wheels{part[0], part[1], part[2], part[3]};
     } else if (module == "compass" && !part.empty()) {
       reading.compass = part[0];
+    } else if (module == "support" && part.size() >= 3) {
+      reading.support = Support{part[0], part[1], part[2]};
     } else if (module == "target") {
       seen = part;
     }

@@ -188,9 +188,9 @@ Message RobotLink::Read(const std::string& module, Request request) {
     const std::vector<std::string> names = session.RobotNames();
     if (std::find(names.begin(), names.end(), robot) == names.end()) throw session.NewWorld(kLoad);
     if (FindAgain(module, *reader)) return Read(module, std::move(request));
-    if (module != "neighbours" && module != "compass") throw;
+    if (module != "neighbours" && module != "compass" && module != "support") throw;
     throw Error(kNotPossible, robot + " has no module " + module + ", its type has none: a robot of type " +
-                                  "minibot has one, or add it to the robot's model.sdf (docs/formats.md)");
+                                  (module == "support" ? "transporter" : "minibot") + " has one, or add it to the robot's model.sdf (docs/formats.md)");
   }
 }
 
@@ -203,7 +203,7 @@ void RobotLink::AttachTo(Connection& connection, const std::vector<std::string>&
 void RobotLink::Attach() {
   modules = session.ModulesOf(robot);
   std::vector<std::string> readable;
-  for (const char* module : {"motors", "distance", "target", "pose", "compass"}) {
+  for (const char* module : {"motors", "distance", "target", "pose", "compass", "support"}) {
     if (modules.contains(module)) readable.emplace_back(module);
   }
   if (readable.empty()) throw Error(kNoSuchName, robot + " has no readings");

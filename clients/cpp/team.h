@@ -64,6 +64,7 @@ struct TeamReading {
   Rows neighbours;   // id, distance [m], bearing [rad] of each; 0, inf, nan: none
   Rows wheels;       // angles [rad] left, right, speeds [rad/s] left, right
   Rows compass;      // heading [rad]; nan without one
+  Rows support;      // x, y [m], angle [rad] of the load; nan without one
   std::shared_ptr<const std::vector<double>> values;  // what the rows point into
 };
 
@@ -85,8 +86,8 @@ class Team {
   /// The readings of the newest step, without a step.
   TeamReading read();
   /// Chooses what step() and read() return, among "pose", "distances", "targets", "neighbours" (the
-  /// nearest, as many as told), "wheels" and "compass"; "pose" and "distances" to begin with. What is not
-  /// chosen costs nothing.
+  /// nearest, as many as told), "wheels", "compass" and "support"; "pose" and "distances" to begin with.
+  /// What is not chosen costs nothing.
   void select(const std::vector<std::string>& readings, int neighbours = 8);
   /// Stops all robots of the team.
   void stop();

@@ -34,7 +34,8 @@ enum coopdyn_reading {
   COOPDYN_NEIGHBOURS = 16,
   COOPDYN_MESSAGES = 32,
   COOPDYN_COMPASS = 64,
-  COOPDYN_SETPOINTS = 128
+  COOPDYN_SETPOINTS = 128,
+  COOPDYN_SUPPORT = 256
 };
 
 /* An option of a scenario's controller line. */
@@ -128,6 +129,7 @@ typedef struct coopdyn_readings {
   size_t heard_count;
   const coopdyn_heard* heard;
   double compass_rad; /* COOPDYN_COMPASS: heading in the world; nan: the robot has no compass */
+  double support_x_m, support_y_m, support_rad; /* COOPDYN_SUPPORT: as get_support; nan: it has none */
 } coopdyn_readings;
 
 /* What one channel is to do. A two-wheel drive whose wheels would be too fast scales both alike. */

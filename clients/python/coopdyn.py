@@ -55,7 +55,7 @@ _SET_WHEEL_SPEEDS, _SET_VELOCITY, _GET_WHEELS, _GET_LIMITS, _STOP = 10, 11, 12, 
 _GET_DISTANCES, _GET_GEOMETRY = 20, 21
 _GET_TARGETS, _GET_TARGET, _GET_ROBOTS = 30, 31, 32
 _GET_POSE, _GET_POSE_3D = 40, 41
-_GET_COMPASS = 300
+_GET_COMPASS, _GET_SUPPORT = 300, 280
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD, _RELEASE_ROBOT = 108, 190, 191, 192, 193
 _SIMULATION, _RECORDER, _PLAYBACK = "/simulation", "/recorder", "/playback"
@@ -87,7 +87,7 @@ _AT_ONCE = 256  # this many further on,
 _GLANCE_S = 0.01  # for this long at most, so that it sees errors and closed connections, too
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 _LISTED = 1000  # robots in one status
-_READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass")  # of a team
+_READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass", "support")  # of a team
 _NEIGHBOURS = 8  # of each robot of a team, by default
 _MAX_MESSAGE = 8  # numbers in one message between robots
 
@@ -282,6 +282,14 @@ class Limits(NamedTuple):
     track: float
 
 
+class Support(NamedTuple):
+    """How far the load has moved the support that carries it, in the robot's frame."""
+
+    x: float  # [m]
+    y: float
+    angle: float  # [rad]
+
+
 class Reading(NamedTuple):
     """All readings of a robot in one step. What the robot lacks is None (or empty)."""
 
@@ -293,6 +301,7 @@ class Reading(NamedTuple):
     pose: Optional[Pose]
     wheels: Optional[Wheels]
     compass: Optional[float]
+    support: Optional[Support] = None
 
 
 class Rows:
@@ -348,7 +357,7 @@ class TeamReading:
     """All readings of a team in one step, those chosen with `team.select`; a row for each robot in the order of
     `team.names`: `pose` (x, y [m], heading [rad]), `distances` [m], `targets` (distance [m], bearing [rad] of each),
     `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels), `compass` (heading [rad]; nan
-    without one). `text` says if speeds were limited, and who was taken from the team."""
+    without one), `support` (x, y [m], angle [rad] of the load; nan without one). `text` says if speeds were limited, and who was taken from the team."""
 
     time: float
     step: int
@@ -359,6 +368,7 @@ class TeamReading:
     neighbours: Rows
     wheels: Rows
     compass: Rows
+    support: Rows
 
     def __init__(self, names: Sequence[str], columns: Sequence[int], reply: Message) -> None:
         data: "array.array[float]" = reply.data  # type: ignore[assignment]
@@ -992,7 +1002,8 @@ def _reading_value(command: int, message: Message) -> Any:
         return Geometry(data[0::3], data[1::3], data[2::3])
     if command == _GET_COMPASS:
         return data[0]
-    kinds = {_GET_WHEELS: Wheels, _GET_LIMITS: Limits, _GET_TARGET: Bearing, _GET_POSE: Pose, _GET_POSE_3D: Pose3d}
+    kinds = {_GET_WHEELS: Wheels, _GET_LIMITS: Limits, _GET_TARGET: Bearing, _GET_POSE: Pose, _GET_POSE_3D: Pose3d,
+             _GET_SUPPORT: Support}
     return kinds[command](*data) if command in kinds else data
 
 
@@ -1565,10 +1576,10 @@ class _Session:
                 raise self.world_reset("load") from None
             if self.find_again(link, module, connection):
                 return self.read(link, module, command, params, text, data)
-            if module not in ("neighbours", "compass"):
+            if module not in ("neighbours", "compass", "support"):
                 raise
-            raise Error(5, f"{link.robot} has no module {module}, its type has none: a robot of type minibot has one, "
-                           "or add it to the robot's model.sdf (docs/formats.md)") from None
+            raise Error(5, f"{link.robot} has no module {module}, its type has none: a robot of type "
+                           f"{'transporter' if module == 'support' else 'minibot'} has one, or add it to the robot's model.sdf (docs/formats.md)") from None
 
     def ask(
         self, connection: _Connection, command: int, params: Sequence[int], data: Sequence[float], text: str
@@ -2282,6 +2293,11 @@ class Robot:
         compass is read by its module's name."""
         return self._get(module, _GET_COMPASS)
 
+    def get_support(self, module: str = "support") -> Support:
+        """x, y [m] and angle [rad] by which the load has moved the support that carries it, in the robot's frame. For robots
+        with a module `support`."""
+        return self._get(module, _GET_SUPPORT)
+
     def get_distances(self) -> List[float]:
         """One range per sensor [m], right to left, from the surface of the robot; inf = nothing there."""
         return self._get("distance", _GET_DISTANCES)
@@ -2341,7 +2357,8 @@ class Robot:
         pose = Pose(*parts["pose"]) if "pose" in parts else None
         wheels = Wheels(*parts["motors"]) if "motors" in parts else None
         compass = parts["compass"][0] if parts.get("compass") else None
-        return Reading(reply.data[-2], step, parts.get("distance", []), targets, target, pose, wheels, compass)
+        support = Support(*parts["support"]) if parts.get("support") else None
+        return Reading(reply.data[-2], step, parts.get("distance", []), targets, target, pose, wheels, compass, support)
 
     # --- pushed readings ---
     @_usage('r.subscribe("distance")')
@@ -2410,7 +2427,7 @@ class Robot:
 
     def _attach(self, link: _Link) -> None:
         names = link.modules = self._session.modules_of(link.robot)
-        readable = {m: names[m] for m in ("motors", "distance", "target", "pose", "compass") if m in names}
+        readable = {m: names[m] for m in ("motors", "distance", "target", "pose", "compass", "support") if m in names}
         if not readable:
             raise Error(10, f"{link.robot} has no readings")
         connection = self._attached_connection(link, readable)
@@ -2508,7 +2525,7 @@ class Team:
     @_usage('team.select("pose", "neighbours", neighbours=4)')
     def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
         """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (the nearest, as many
-        as `neighbours` says), "wheels" and "compass"; "pose" and "distances" to begin with. What is not chosen costs
+        as `neighbours` says), "wheels", "compass" and "support"; "pose" and "distances" to begin with. What is not chosen costs
         nothing."""
         words: List[str] = []
         for given in readings:

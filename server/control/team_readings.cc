@@ -84,12 +84,19 @@ void FillCompass(const Frame& frame, int robot, std::span<double> columns) {
   columns[0] = CompassHeading(frame, robot);
 }
 
+void FillSupport(const Frame& frame, int robot, std::span<double> columns) {
+  const SupportReading reading = Support(frame, robot);
+  columns[0] = reading.x_m;
+  columns[1] = reading.y_m;
+  columns[2] = reading.angle_rad;
+}
+
 template <std::size_t kCount>
 std::size_t Fixed(const Scene& /*scene*/, std::size_t /*sensors*/, std::size_t /*nearest*/) {
   return kCount;
 }
 
-constexpr std::array<Reading, 6> kReadings{
+constexpr std::array<Reading, 7> kReadings{
     {{"pose", Fixed<3>, FillPose},
      {"distances", [](const Scene&, std::size_t sensors, std::size_t) { return sensors; }, FillDistances},
      {"targets", [](const Scene& scene, std::size_t, std::size_t) { return 2 * scene.targets.size(); },
@@ -97,7 +104,8 @@ constexpr std::array<Reading, 6> kReadings{
      {"neighbours", [](const Scene&, std::size_t, std::size_t nearest) { return 3 * nearest; },
       FillNeighbours},
      {"wheels", Fixed<4>, FillWheels},
-     {"compass", Fixed<1>, FillCompass}}};
+     {"compass", Fixed<1>, FillCompass},
+     {"support", Fixed<3>, FillSupport}}};
 constexpr std::size_t kDistances = 1;
 
 }  // namespace

@@ -38,6 +38,7 @@ class TeamReadings {
   ///   neighbours  id, distance m, bearing rad of the nearest, nearest first, ties by id; then 0, inf, nan
   ///   wheels      angle left, right rad, speed left, right rad/s
   ///   compass     heading rad; nan: the robot has none
+  ///   support     x m, y m, angle rad; nan: the robot has none
   void Fill(const Frame& frame, std::span<const int> robots, std::size_t sensors, WorkerPool& pool,
             std::span<double> data) const;
 

@@ -61,6 +61,12 @@ void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted
     readings.turn_rad_s = motion.turn_rad_s;
   }
   if ((wanted.readings & COOPDYN_COMPASS) != 0) readings.compass_rad = CompassHeading(frame, wanted.robot);
+  if ((wanted.readings & COOPDYN_SUPPORT) != 0) {
+    const SupportReading support = Support(frame, wanted.robot);
+    readings.support_x_m = support.x_m;
+    readings.support_y_m = support.y_m;
+    readings.support_rad = support.angle_rad;
+  }
   if ((wanted.readings & COOPDYN_CHANNELS) != 0) {
     const std::span<const ChannelState> channels = ChannelsOf(frame, wanted.robot);
     readings.channel_count = channels.size();

@@ -352,6 +352,9 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
       .heard_count = sent.heard_count,
       .heard = In<coopdyn_heard>(sent.heard),
       .compass_rad = sent.compass_rad,
+      .support_x_m = sent.support_x_m,
+      .support_y_m = sent.support_y_m,
+      .support_rad = sent.support_rad,
   };
 
   auto& command =

@@ -75,6 +75,7 @@ struct RobotSetup {
 /// What a robot feels, as far as its controller asks for it; the rest is 0. As in coopdyn_readings.
 struct RobotReadings {
   double x_m, y_m, heading_rad, forward_m_s, turn_rad_s, compass_rad;
+  double support_x_m, support_y_m, support_rad;
   std::size_t distance_count, channel_count, target_count, neighbour_count, heard_count;
   Place targets, neighbours, heard;
 };

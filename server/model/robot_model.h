@@ -139,8 +139,18 @@ struct CompassModel {
   double noise_stddev_rad = 0;
 };
 
+/// How far a load has moved the support that carries it: a link on passive joints.
+struct SupportModel {
+  static constexpr const char* kType = "support";
+  std::string link;
+  double height_m = 0;  // in R: where a load rests on it
+  double noise_stddev_m = 0;
+  double angle_noise_stddev_rad = 0;
+};
+
 /// In the order of their ports.
-using SensorKind = std::variant<DistanceModel, TargetModel, PoseModel, NeighboursModel, CompassModel>;
+using SensorKind =
+    std::variant<DistanceModel, TargetModel, PoseModel, NeighboursModel, CompassModel, SupportModel>;
 
 /// A sensor, and its module.
 struct SensorModel {

@@ -15,7 +15,20 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kTeamDistance_m = 1.0;  // from leader to helper
+constexpr const char* kTransporter = "transporter";  // what a team2 is made of
+
+// The bar of a team2.
+constexpr double kOverhang_m = 0.15;  // beyond the middle of each support
+constexpr double kMinBar_m = 0.8, kMaxBar_m = 10;
+// What fits between the pins of the support and is held by them.
+constexpr double kMinSection_m = 0.03, kMaxBarWidth_m = 0.052, kMaxBarHeight_m = 0.2;
+constexpr double kMaxBarMass_kg = 20;
+
+/// From leader to helper.
+double TeamDistance(const WorldObject& bar) {
+  return std::get<Box>(bar.shape).size_m.x() - 2 * kOverhang_m;
+}
+
 constexpr std::size_t kMaxName = 63;
 
 /// Names of the global modules: /simulation and so on.
@@ -145,7 +158,7 @@ std::shared_ptr<const RobotModel> RobotSections::ReadType(SectionReader& reader,
   if (!word) return nullptr;
   const std::string lower = ToLower(*word);
   team = lower == "team2";
-  const std::string type = lower == "single" || team ? "coopbot" : *word;
+  const std::string type = team ? kTransporter : lower == "single" ? "coopbot" : *word;
   if (broken_types_.contains(type)) return nullptr;
   std::shared_ptr<const RobotModel> model = library_.Get(type, reader.LineOf("type"), diagnostics_);
   // What is wrong inside a model's file is said once; an unknown type at every line that names it.
@@ -230,7 +243,7 @@ void RobotSections::CheckDriver(SectionReader& reader, const RobotEntry& entry) 
   }
 }
 
-void RobotSections::ReadRobot(SectionReader& reader) {
+std::optional<WorldObject> RobotSections::ReadRobot(SectionReader& reader) {
   RobotEntry entry;
   bool team = false;
   entry.model = ReadType(reader, team);
@@ -253,20 +266,54 @@ void RobotSections::ReadRobot(SectionReader& reader) {
   Take(reader.YesNo("sync"), entry.sync);
   ReadWaitsFor(reader, entry);
   CheckDriver(reader, entry);
+  std::optional<WorldObject> bar;
+  if (team) bar = ReadBar(reader, entry);
   reader.Finish();
   if (!team) {
     Add(std::move(entry), reader.LineOf("name"));
-    return;
+    return std::nullopt;
   }
   RobotEntry helper = entry;
   helper.name += "_helper";
   entry.name += "_leader";
-  const double distance = entry.model == nullptr
-                              ? kTeamDistance_m
-                              : std::max(kTeamDistance_m, 2.5 * entry.model->footprint_radius_m);
-  helper.X_WR.p = entry.X_WR * Vector3(-distance, 0, 0);
+  if (bar) helper.X_WR.p = entry.X_WR * Vector3(-TeamDistance(*bar), 0, 0);
   Add(std::move(entry), reader.LineOf("name"));
   Add(std::move(helper), reader.LineOf("name"));
+  return bar;
+}
+
+std::optional<WorldObject> RobotSections::ReadBar(SectionReader& reader, const RobotEntry& leader) {
+  WorldObject bar;
+  bar.name = leader.name + "_bar";
+  bar.where = reader.where();
+  bar.color = {0.72, 0.53, 0.3};
+  bar.mass_kg = 1;
+  Vector3 size_m(1.5, 0.05, 0.05);
+  if (const auto size = reader.Numbers("bar", Quantity::kLength, {3}, "length width height of the bar",
+                                       kMinFileSize_m, kMaxFileLength_m)) {
+    size_m = Vector3((*size)[0], (*size)[1], (*size)[2]);
+    const auto check = [&](double value, double min, double max, const std::string& what) {
+      if (value >= min && value <= max) return;
+      reader.ErrorAt("bar", "the " + what + " of the bar must lie between " + FormatNumber(min) + " and " +
+                                FormatNumber(max) + " m, so that it lies on both supports; not " +
+                                FormatNumber(value) + " m; for example: bar 1.5 0.05 0.05");
+    };
+    check(size_m.x(), kMinBar_m, kMaxBar_m, "length");
+    check(size_m.y(), kMinSection_m, kMaxBarWidth_m, "width");
+    check(size_m.z(), kMinSection_m, kMaxBarHeight_m, "height");
+  }
+  Take(reader.Number("bar_mass", Quantity::kMass, kMinFileMass_kg, kMaxBarMass_kg), bar.mass_kg);
+  Take(reader.ColorValue("bar_color"), bar.color);
+  if (leader.model == nullptr) return std::nullopt;
+  const auto* support = leader.model->Find<SupportModel>();
+  if (support == nullptr) {
+    reader.ErrorAt("type", "a " + leader.model->type + " has no support, so it cannot carry a bar");
+    return std::nullopt;
+  }
+  bar.shape = Box{size_m};
+  bar.X_WO = leader.X_WR * Pose{Vector3(-TeamDistance(bar) / 2, 0, support->height_m + size_m.z() / 2),
+                                Quaternion::Identity()};
+  return bar;
 }
 
 void RobotSections::Add(RobotEntry entry, const SourceLine& where) {

@@ -25,8 +25,8 @@ class RobotSections {
                 Diagnostics& diagnostics)
       : scenario_(scenario), library_(library), beside_(std::move(beside)), diagnostics_(diagnostics) {}
 
-  /// Adds the robot of a [ROBOT_n], or the two of a team2.
-  void ReadRobot(SectionReader& reader);
+  /// Adds the robot of a [ROBOT_n], or the two of a team2; the bar on those two, which is to be added.
+  std::optional<WorldObject> ReadRobot(SectionReader& reader);
   /// Adds the robots of a [SWARM_n]; their places are those left by objects and robots added before, so read
   /// swarms after everything else and call SortAsInFile() then.
   void ReadSwarm(SectionReader& reader);
@@ -45,6 +45,8 @@ class RobotSections {
   void CheckDriver(SectionReader& reader, const RobotEntry& entry);
   void ReadLosses(SectionReader& reader, RobotEntry& entry);
   void ReadWaitsFor(SectionReader& reader, RobotEntry& entry);
+  /// The bar of a team2 whose leader is `leader`, which has no name yet but that of the team.
+  std::optional<WorldObject> ReadBar(SectionReader& reader, const RobotEntry& leader);
   /// `where`: of its name, for messages.
   void Add(RobotEntry entry, const SourceLine& where);
   /// What a swarm is called, by its name or its section; false, and reported, if a robot or another swarm is

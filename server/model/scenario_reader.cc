@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "server/base/printable.h"
@@ -240,7 +241,10 @@ class ScenarioReader {
     if (IsNumbered(section.word, "swarm")) return;
     SectionReader reader(section, label_, degrees_, diagnostics_);
     if (IsNumbered(section.word, "robot")) {
-      robots_.ReadRobot(reader);
+      if (const std::optional<WorldObject> bar = robots_.ReadRobot(reader)) {
+        bars_.insert(ToLower(bar->name));
+        AddObject(*bar);
+      }
       return;
     }
     ObjectSection read = ReadObject(reader, kOwn);
@@ -250,8 +254,13 @@ class ScenarioReader {
 
   void AddObject(const WorldObject& object) {
     const auto [first, is_new] = objects_.emplace(ToLower(object.name), object.where);
-    // Twice in one file has been said already.
-    if (!is_new && first->second.file != object.where.file) {
+    // Twice in one file has been said already, but of the bar of a team.
+    if (!is_new && bars_.contains(first->first)) {
+      const SourceLine& other = first->second;
+      diagnostics_.Error(object.where, "'" + object.name + "' is the name of a team's bar and of a thing (" +
+                                           other.file + ":" + std::to_string(other.line) +
+                                           "): give one another name");
+    } else if (!is_new && first->second.file != object.where.file) {
       diagnostics_.Error(object.where, "[" + object.name + "] stands in the world too (" +
                                            first->second.file + ":" + std::to_string(first->second.line) +
                                            "): give it another name");
@@ -269,6 +278,7 @@ class ScenarioReader {
   std::vector<Section> sections_;
   bool degrees_ = false;
   std::unordered_map<std::string, SourceLine> objects_;  // by name in lower case
+  std::unordered_set<std::string> bars_;                 // of these
   std::vector<ScatteredObjects> scattered_;              // the world's, then the scenario's own
 };
 

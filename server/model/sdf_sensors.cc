@@ -82,6 +82,7 @@ struct Source {
   const XMLElement& element;
   XmlAttributes& attributes;
   const std::string& file;
+  const std::vector<LinkModel>& links;  // of the robot
   Diagnostics& diagnostics;
 };
 
@@ -134,6 +135,23 @@ void ReadInto(CompassModel& sensor, const Source& source) {
   if (auto v = source.attributes.Number("noise_stddev_deg", 0, 180)) sensor.noise_stddev_rad = *v * kDegree;
 }
 
+void ReadInto(SupportModel& sensor, const Source& source) {
+  XmlAttributes& attributes = source.attributes;
+  attributes.Require("link");
+  attributes.Require("height");
+  if (auto v = attributes.Text("link")) sensor.link = *v;
+  if (auto v = attributes.Number("height", 0, kMaxLength_m)) sensor.height_m = *v;
+  if (auto v = attributes.Number("noise_stddev", 0, kMaxLength_m)) sensor.noise_stddev_m = *v;
+  if (auto v = attributes.Number("angle_noise_stddev_deg", 0, 180))
+    sensor.angle_noise_stddev_rad = *v * kDegree;
+  const auto is_it = [&sensor](const LinkModel& link) { return link.name == sensor.link; };
+  if (!sensor.link.empty() && std::ranges::none_of(source.links, is_it)) {
+    std::vector<std::string> names;
+    for (const LinkModel& link : source.links) names.push_back(link.name);
+    attributes.Error("there is no link '" + sensor.link + "'" + DidYouMean(sensor.link, names));
+  }
+}
+
 template <typename Kind>
 SensorKind ReadKind(const Source& source) {
   Kind sensor;
@@ -160,6 +178,8 @@ std::span<const Words> Table() {
       Words{NeighboursModel::kType, "coopdyn:neighbours", "<coopdyn:neighbours range=\"1\"/>",
             ReadKind<NeighboursModel>, NeighboursModel()},
       Words{CompassModel::kType, "coopdyn:compass", "", ReadKind<CompassModel>, CompassModel()},
+      Words{SupportModel::kType, "coopdyn:support", "<coopdyn:support link=\"cradle\" height=\"0.3\"/>",
+            ReadKind<SupportModel>, SupportModel()},
   };
   return kTable;
 }
@@ -180,7 +200,7 @@ bool SensorReader::Read(const XMLElement& element) {
   if (words == Table().end()) return false;
   XmlAttributes attributes(element, file_, diagnostics_);
   const std::string name = attributes.Text("name").value_or("");
-  SensorKind kind = words->read({element, attributes, file_, diagnostics_});
+  SensorKind kind = words->read({element, attributes, file_, robot_.links, diagnostics_});
   attributes.Finish();
   for (const Described& other : described_) {
     if (other.kind.index() == kind.index() && other.name == name) {

@@ -86,7 +86,8 @@ void PhysicsWorld::MakeIslands() {
     const Mechanism& mechanism = *things_.all[i].mechanism;
     int rows = mechanism.joint_rows + mechanism.floor_rows;
     if (i >= things_.first_robot) {
-      rows += kRobotSurcharge;
+      // Passive joints are solved badly by iterations: such robots may share an island for longer.
+      if (mechanism.limb_radii_m.empty()) rows += kRobotSurcharge;
     } else {
       floor.clear();
       FindFloorContacts(lanes_.front()->collider(), ActorOf(i), 0, floor);

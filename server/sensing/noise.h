@@ -16,7 +16,8 @@ enum class NoiseKind : std::uint32_t {
   kNeighbourDistance,
   kNeighbourBearing,
   kMessageLoss,
-  kCompass
+  kCompass,
+  kSupport
 };
 
 /// Names one reading. Two readings that differ in any field have independent noise.

@@ -38,6 +38,10 @@ void Append(const NeighboursModel& /*model*/, const Place& at, std::vector<doubl
 void Append(const CompassModel& /*model*/, const Place& at, std::vector<double>& data) {
   data.push_back(CompassHeading(at.frame, at.robot, at.number));
 }
+void Append(const SupportModel& /*model*/, const Place& at, std::vector<double>& data) {
+  const SupportReading reading = Support(at.frame, at.robot, at.number);
+  data.insert(data.end(), {reading.x_m, reading.y_m, reading.angle_rad});
+}
 
 }  // namespace
 

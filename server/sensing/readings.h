@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -58,6 +59,14 @@ PlaneMotion MotionOf(const Frame& frame, int robot);
 /// The heading of R's x axis in the world, rad, 0 along the world's x, left positive, in (−π, π]; nan if the
 /// robot has no such compass.
 double CompassHeading(const Frame& frame, int robot, std::size_t number = 0);
+
+/// How far the load has moved the support, in R: 0 where the model is written. nan: the robot has no such
+/// support.
+struct SupportReading {
+  double x_m = std::numeric_limits<double>::quiet_NaN(), y_m = x_m;
+  double angle_rad = x_m;  // left positive
+};
+SupportReading Support(const Frame& frame, int robot, std::size_t number = 0);
 
 /// Others within the range of a neighbours module, by increasing id. Seen through obstacles.
 std::vector<Sighting> Neighbours(const Frame& frame, int robot, std::size_t number = 0);

@@ -2,7 +2,7 @@
 classdef Robot < handle
 %ROBOT One robot of a simulation. Readings are always those of the newest step.
 %   Commands: set_velocity, set_wheel_speeds, stop, send_message. Readings: get_pose, get_pose_3d, get_distances,
-%   get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages, get_compass, get_wheels,
+%   get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages, get_compass, get_support, get_wheels,
 %   get_limits; sense: all of one step at once.
 %   Units: m, rad, m/s, rad/s; bearings 0 ahead, left positive. Rows are 1 x n.
   properties (SetAccess = private)
@@ -101,6 +101,15 @@ classdef Robot < handle
       heading = r.get(char(module), 300, [], '');
     end
 
+    function s = get_support(r, module)
+    %GET_SUPPORT x, y [m] and angle [rad] by which the load has moved the support that carries it, in the robot's frame. For
+    %   robots with a module support.
+      if nargin < 2
+        module = 'support';
+      end
+      s = r.get(char(module), 280, [], '');
+    end
+
     function d = get_distances(r)
     %GET_DISTANCES One range per sensor [m], right to left, from the surface of the robot; inf = nothing there.
       d = r.get('distance', 20, [], '');
@@ -157,7 +166,8 @@ classdef Robot < handle
     end
 
     function s = sense(r, x)
-    %SENSE All readings of one step in one round trip: time, step, distances, targets, target, pose, wheels, compass.
+    %SENSE All readings of one step in one round trip: time, step, distances, targets, target, pose, wheels, compass,
+    %   support.
     %   s = r.sense('red'): s.target is the nearest target of that colour (or with that id); error if there is none.
     %   In lockstep, right after sim.step(), the readings that came with its reply, without any round trip.
       link = r.link;
@@ -181,6 +191,7 @@ classdef Robot < handle
       pose = [];
       wheels = [];
       compass = [];
+      support = [];
       at = 0;
       for k = 1:numel(attached)
         n = params(k + 1);
@@ -196,6 +207,8 @@ classdef Robot < handle
                             'right_speed', part(4));
           case 'compass'
             compass = part;
+          case 'support'
+            support = struct('x', part(1), 'y', part(2), 'angle', part(3));
           case 'target'
             seen = part;
         end
@@ -222,7 +235,7 @@ classdef Robot < handle
         target = choose_target(targets, x);
       end
       s = struct('time', data(end - 1), 'step', step, 'distances', distances, 'targets', [], 'target', target, ...
-                 'pose', pose, 'wheels', wheels, 'compass', compass);
+                 'pose', pose, 'wheels', wheels, 'compass', compass, 'support', support);
       s.targets = targets;
     end
 
@@ -325,7 +338,7 @@ classdef Robot < handle
     function attach(r)
       link = r.link;
       link.modules = coopdyn.internal.modules_of(r.session, r.name);
-      readable = {'motors', 'distance', 'target', 'pose', 'compass'};
+      readable = {'motors', 'distance', 'target', 'pose', 'compass', 'support'};
       readable = readable(isfield(link.modules, readable));
       if isempty(readable)
         coopdyn.internal.fail(10, [r.name ' has no readings']);

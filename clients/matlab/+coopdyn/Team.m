@@ -13,7 +13,8 @@ classdef Team < handle
 %   Readings are a struct with time, step, text (says if speeds were limited, who was taken away) and, of those chosen
 %   with select, matrices with a row for each robot in the order of team.names: pose (x, y [m], heading [rad]), distances
 %   [m], targets (distance [m], bearing [rad] of each), neighbours (id, distance, bearing of each; 0, inf, nan: none),
-%   wheels (as get_wheels), compass (heading [rad]; nan without one).
+%   wheels (as get_wheels), compass (heading [rad]; nan without one), support (x, y [m], angle [rad] of the load; nan
+%   without one).
   properties (Dependent)
     n      % how many robots
     names  % their names, in the order of the rows
@@ -73,10 +74,11 @@ classdef Team < handle
     end
 
     function select(t, varargin)
-    %SELECT Chooses what step and read return, among 'pose', 'distances', 'targets', 'neighbours', 'wheels' and 'compass';
+    %SELECT Chooses what step and read return, among 'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass',
+    %   'support';
     %   pose and distances to begin with. What is not chosen costs nothing. team.select('pose', 'neighbours', 4): the 4 nearest
     %   (otherwise 8).
-      known = {'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass'};
+      known = {'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass', 'support'};
       words = {};
       nearest = 8;
       for k = 1:numel(varargin)

@@ -4,7 +4,7 @@
 import {make, setText, showNumber} from './dom.js';
 
 const PERIOD_MS = 200;
-const order = ['pose', 'motors', 'distance', 'target', 'compass'];
+const order = ['pose', 'motors', 'distance', 'target', 'compass', 'support'];
 const degrees = (rad) => (typeof rad === 'number' ? (rad * 180) / Math.PI : rad);
 
 /** As wide as "9.99", so that the next ones do not move: figure spaces are as wide as digits. */
@@ -23,6 +23,10 @@ function describeReading({name, type}, data, colours) {
       return [['wheels', `${showNumber(data[2], 1)}, ${showNumber(data[3], 1)} rad/s`]];
     case 'compass':
       return [[name, `${showNumber(degrees(data[0]), 0)}°`]];
+    case 'support':
+      return [
+        [name, `${showNumber(100 * data[0], 1)}, ${showNumber(100 * data[1], 1)} cm, ${showNumber(degrees(data[2]), 0)}°`],
+      ];
     case 'distance':
       return [['distances', data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
     case 'target': {

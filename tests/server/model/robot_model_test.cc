@@ -384,6 +384,28 @@ TEST(SensorsTest, TwoDistanceModulesHaveSectorsOfTheirOwn) {
   EXPECT_EQ(robot->sectors().back().max_range_m, 1);
 }
 
+TEST(SupportTest, ElementAndModuleAreRead) {
+  const auto robot = CoopbotWith(
+      "<coopdyn:support link=\"left_wheel\" height=\"0.3\" noise_stddev=\"0.01\" "
+      "angle_noise_stddev_deg=\"2\"/><coopdyn:module type=\"support\"/>");
+  const auto* support = robot->Find<SupportModel>();
+  ASSERT_NE(support, nullptr);
+  EXPECT_EQ(support->link, "left_wheel");
+  EXPECT_EQ(support->height_m, 0.3);
+  EXPECT_EQ(support->noise_stddev_m, 0.01);
+  EXPECT_DOUBLE_EQ(support->angle_noise_stddev_rad, 2 * kDegree);
+  EXPECT_EQ(robot->modules().back().type, "support");
+}
+
+TEST(SupportTest, ItsLinkAndItsElementAreNeeded) {
+  const std::string module = "<coopdyn:module type=\"support\"/>";
+  EXPECT_THAT(WithElements("<coopdyn:support link=\"left_weel\" height=\"0.3\"/>" + module),
+              HasSubstr("there is no link 'left_weel'; did you mean 'left_wheel'?"));
+  EXPECT_THAT(WithElements("<coopdyn:support height=\"0.3\"/>" + module), HasSubstr("'link'"));
+  EXPECT_THAT(WithElements("<coopdyn:support link=\"left_wheel\"/>" + module), HasSubstr("'height'"));
+  EXPECT_THAT(WithElements(module), HasSubstr("needs <coopdyn:support"));
+}
+
 TEST(SensorsTest, MistakesAreNamed) {
   EXPECT_THAT(WithElements("<coopdyn:compass/>"), HasSubstr("write <coopdyn:module type=\"compass\"/>"));
   EXPECT_THAT(WithElements("<coopdyn:module type=\"compass\"/><coopdyn:compass name=\"north\"/>"),

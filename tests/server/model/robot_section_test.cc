@@ -262,6 +262,48 @@ TEST(SwarmTest, MistakesAreErrors) {
               HasSubstr(":3: error: a robot's name"));
 }
 
+const std::string kTeam = "[ROBOT_1]\ntype team2\nname carrier\nposition 1 2\norientation 90deg\n";
+
+TEST(TeamTest, IsTwoTransportersWithABarOnTheirSupports) {
+  const auto scenario = Good(kTeam);
+  ASSERT_EQ(scenario->robots.size(), 2u);
+  EXPECT_EQ(scenario->robots[0].name, "carrier_leader");
+  EXPECT_EQ(scenario->robots[1].name, "carrier_helper");
+  for (const RobotEntry& robot : scenario->robots) EXPECT_EQ(robot.model->type, "transporter");
+  EXPECT_LT((scenario->robots[1].X_WR.p - Vector3(1, 0.8, 0)).norm(), 1e-9);
+  ASSERT_EQ(scenario->objects.size(), 1u);
+  const WorldObject& bar = scenario->objects[0];
+  EXPECT_EQ(bar.name, "carrier_bar");
+  EXPECT_EQ(bar.shape, Shape(Box{Vector3(1.5, 0.05, 0.05)}));
+  EXPECT_EQ(bar.mass_kg, 1);
+  EXPECT_LT((bar.X_WO.p - Vector3(1, 1.4, 0.325)).norm(), 1e-9);
+  EXPECT_NEAR(Heading(bar.X_WO.q), std::numbers::pi / 2, 1e-12);
+}
+
+TEST(TeamTest, TheScenarioSaysLengthSectionMassAndColourOfTheBar) {
+  const auto scenario = Good(kTeam + "bar 2 4cm 6cm\nbar_mass 800g\nbar_color red\n");
+  const WorldObject& bar = scenario->objects.at(0);
+  EXPECT_EQ(bar.shape, Shape(Box{Vector3(2, 0.04, 0.06)}));
+  EXPECT_EQ(bar.mass_kg, 0.8);
+  EXPECT_EQ(bar.color, *NamedColor("red"));
+  EXPECT_NEAR(scenario->robots[1].X_WR.p.y(), 2 - 1.7, 1e-9);
+  EXPECT_NEAR(bar.X_WO.p.z(), 0.33, 1e-9);
+}
+
+TEST(TeamTest, ABarThatTheSupportsCannotHoldIsAnError) {
+  EXPECT_THAT(Read(kTeam + "bar 0.5 0.05 0.05\n").messages, HasSubstr(":6: error: the length of the bar"));
+  EXPECT_THAT(Read(kTeam + "bar 1.5 0.06 0.05\n").messages, HasSubstr("for example: bar 1.5 0.05 0.05"));
+  EXPECT_THAT(Read(kTeam + "bar 1.5 0.05 0.02\n").messages, HasSubstr("the height of the bar"));
+  EXPECT_THAT(Read(kTeam + "bar_mass 50\n").messages, HasSubstr(":6: error:"));
+  EXPECT_THAT(Read(kPlaced + "bar 1.5 0.05 0.05\n").messages, HasSubstr(":4: error:"));
+}
+
+TEST(TeamTest, NothingElseHasTheBarsName) {
+  const std::string box = "[CARRIER_BAR]\ntype box\nsize 1 1 1\nposition 4 4\n";
+  EXPECT_THAT(Read(kTeam + box).messages, HasSubstr("is the name of a team's bar and of a thing"));
+  EXPECT_THAT(Read(box + kTeam).messages, HasSubstr("is the name of a team's bar and of a thing"));
+}
+
 TEST(SwarmTest, BridgesAreNoObstacles) {
   EXPECT_EQ(
       Read("[FLOOR]\nsize 2 2\n[ROOF]\ntype box\nsize 2 2 0.1\nposition 0 0 1\n[SWARM]\ntype single\nname a\n"

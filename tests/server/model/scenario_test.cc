@@ -59,7 +59,7 @@ TEST(PaperFilesTest, Team2IsALeaderAndAHelperBehind) {
   const RobotEntry& helper = scenario->robots.at(2);
   EXPECT_EQ(leader.name, "carrier_leader");
   EXPECT_EQ(helper.name, "carrier_helper");
-  EXPECT_LT((leader.X_WR.Inverse() * helper.X_WR.p - Vector3(-1, 0, 0)).norm(), 1e-9);
+  EXPECT_LT((leader.X_WR.Inverse() * helper.X_WR.p - Vector3(-1.2, 0, 0)).norm(), 1e-9);
   EXPECT_NEAR(Heading(helper.X_WR.q), Heading(leader.X_WR.q), 1e-12);
 }
 

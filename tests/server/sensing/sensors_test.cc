@@ -132,6 +132,69 @@ TEST(SensorsTest, TwoTargetSensorsHaveTheirOwnRangeAndNoise) {
   EXPECT_TRUE(SeenTargets(*frame, 0, 3).empty());
 }
 
+/// A robot whose second link, 0.3 m above the floor, carries a load.
+std::shared_ptr<RobotModel> WithSupport(const SupportModel& support) {
+  auto model = SampleRobot();
+  LinkModel cradle;
+  cradle.name = support.link;
+  cradle.mass_kg = 1;
+  cradle.X_RL.p = Vector3(0.1, 0, 0.3);
+  model->links = {model->links.front(), cradle};
+  model->AddSensor("support", support);
+  return model;
+}
+
+/// A frame in which the robot stands at (1, 2) with heading 0.5 and its load has moved by (0.02, -0.03) and
+/// 0.4 rad in its frame.
+std::shared_ptr<Frame> MovedLoad(const SupportModel& support) {
+  const auto frame = SampleWorld().Robot(At(1, 2, 0.5), WithSupport(support)).MakeFrame();
+  auto moved = std::make_shared<Frame>();
+  moved->seed = frame->seed;
+  moved->scene = frame->scene;
+  moved->bodies = frame->bodies;
+  const SceneRobot& robot = moved->scene->robots[0];
+  BodyState& cradle = moved->bodies[static_cast<std::size_t>(robot.first_body) + 1];
+  const Pose X_WL = RobotPose(*moved, 0) * Pose{Vector3(0.12, -0.03, 0.3), FromRollPitchYaw(0, 0, 0.4)};
+  cradle.p_WB = X_WL.p;
+  cradle.q_WB = {X_WL.q.w(), X_WL.q.x(), X_WL.q.y(), X_WL.q.z()};
+  return moved;
+}
+
+TEST(SupportTest, TellsHowFarTheLoadHasMovedItInTheRobotsFrame) {
+  const SupportReading reading = Support(*MovedLoad({.link = "cradle"}), 0);
+  EXPECT_NEAR(reading.x_m, 0.02, 1e-9);
+  EXPECT_NEAR(reading.y_m, -0.03, 1e-9);
+  EXPECT_NEAR(reading.angle_rad, 0.4, 1e-9);
+}
+
+TEST(SupportTest, IsZeroWhereTheModelIsWritten) {
+  const auto frame = SampleWorld().Robot(At(1, 2, 0.5), WithSupport({.link = "cradle"})).MakeFrame();
+  const SupportReading reading = Support(*frame, 0);
+  EXPECT_NEAR(reading.x_m, 0, 1e-12);
+  EXPECT_NEAR(reading.y_m, 0, 1e-12);
+  EXPECT_NEAR(reading.angle_rad, 0, 1e-12);
+}
+
+TEST(SupportTest, IsNanWithoutOne) {
+  const auto frame = SampleWorld().Robot(At(0, 0)).MakeFrame();
+  EXPECT_TRUE(std::isnan(Support(*frame, 0).x_m));
+  EXPECT_TRUE(std::isnan(Support(*frame, 0).angle_rad));
+}
+
+TEST(SupportTest, NoiseHasTheModelsDeviation) {
+  const auto frame = MovedLoad({.link = "cradle", .noise_stddev_m = 0.001, .angle_noise_stddev_rad = 0.01});
+  double x2 = 0, angle2 = 0;
+  constexpr int kSamples = 2000;
+  for (int i = 0; i < kSamples; ++i) {
+    frame->step = static_cast<std::uint64_t>(i);
+    const SupportReading reading = Support(*frame, 0);
+    x2 += std::pow(reading.x_m - 0.02, 2) / kSamples;
+    angle2 += std::pow(reading.angle_rad - 0.4, 2) / kSamples;
+  }
+  EXPECT_NEAR(std::sqrt(x2), 0.001, 1e-4);
+  EXPECT_NEAR(std::sqrt(angle2), 0.01, 1e-3);
+}
+
 TEST(SensorsTest, AppendReadingReadsAnyOfThem) {
   auto model = WithCompasses({0});
   model->AddSensor("pose", PoseModel());

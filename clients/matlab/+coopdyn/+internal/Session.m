@@ -165,10 +165,10 @@ classdef Session < handle
           reply = s.read(link, module, command, params, text, data);
           return
         end
-        if isempty(c.socket) && any(strcmp(module, {'neighbours', 'compass'})) ...
+        if isempty(c.socket) && any(strcmp(module, {'neighbours', 'compass', 'support'})) ...
             && strcmp(cause.identifier, 'coopdyn:no_such_name')
-          coopdyn.internal.fail(5, [link.robot ' has no module ' module ', its type has none: a robot of type minibot ' ...
-            'has one, or add it to the robot''s model.sdf (docs/formats.md)']);
+          coopdyn.internal.fail(5, [link.robot ' has no module ' module ', its type has none: a robot of type ' ...
+            coopdyn.internal.type_with(module) ' has one, or add it to the robot''s model.sdf (docs/formats.md)']);
         end
         rethrow(cause);
       end
