@@ -27,8 +27,9 @@ constexpr double kAhead = 0.873;            // rad
 constexpr double kReached = 0.4;            // m from the leader to the target
 constexpr double kPull = 0.8;               // 1/s, speed per way to the place
 constexpr double kCalm = 0.05;              // m/s: a slower wish turns the robot less
-constexpr double kPatience = 0.3;           // m: the leader slows down when somebody is so far from its place
-constexpr double kSlowest = 0.2;            // of its speed, at twice as far
+constexpr double kAway = 0.25;     // of the wish, when it is turned away from its place by an obstacle
+constexpr double kPatience = 0.3;  // m: the leader slows down when somebody is so far from its place
+constexpr double kSlowest = 0.2;   // of its speed, at twice as far
 constexpr double kPi = 3.14159265358979323846;
 
 struct Velocity {
@@ -110,7 +111,7 @@ struct Robot {
     const double wish = std::hypot(x, y), bearing = std::atan2(y, x);
     const Obstacles obstacles(seen);
     const double turn = std::min(1.0, wish / kCalm) * kPlaceStrength * std::sin(bearing) + obstacles.turn;
-    Relax(obstacles.Limit(std::clamp(wish * std::cos(bearing), 0.0, kFollowerSpeed)), dt);
+    Relax(obstacles.Limit(std::min(wish * std::max(kAway, std::cos(bearing)), kFollowerSpeed)), dt);
     return {speed, std::clamp(turn, -kMaxTurn, kMaxTurn)};
   }
 

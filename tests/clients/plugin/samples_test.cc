@@ -123,7 +123,8 @@ TEST(SamplesTest, AllDescribeTheirOptions) {
   SteadyClock clock;
   WorkerPool pool(1);
   std::vector<std::string> files;
-  for (const char* name : {"diffuse", "braitenberg", "aggregate", "flock", "attractor"}) {
+  for (const char* name :
+       {"diffuse", "braitenberg", "aggregate", "flock", "attractor", "formation", "transport"}) {
     files.push_back(Sample(name));
   }
   ControllerOptions options = TestOptions();

@@ -190,7 +190,7 @@ TEST(ScenarioSourcesTest, ATeamIsCarriedAsTheModelThatItMeans) {
   const std::string file = folder.Write("team.scenario", "[ROBOT_1]\ntype TEAM2\nposition 1 0\n");
   const auto scenario = LoadFrom(kShipped, file);
   EXPECT_EQ(scenario->robots.size(), 2u);
-  EXPECT_THAT(SourceNames(*scenario), ElementsAre("robot coopbot"));
+  EXPECT_THAT(SourceNames(*scenario), ElementsAre("robot transporter"));
   ExpectCarriesAll(*scenario);
 }
 

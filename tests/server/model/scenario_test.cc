@@ -39,10 +39,11 @@ TEST(PaperFilesTest, FilledInTemplatesLoadUnchanged) {
   ASSERT_NE(scenario, nullptr);
   EXPECT_EQ(scenario->name, "paper");
   EXPECT_EQ(scenario->floor.length_m, 10);
-  ASSERT_EQ(scenario->objects.size(), 3u);
+  ASSERT_EQ(scenario->objects.size(), 4u);
   EXPECT_TRUE(scenario->objects[0].is_static());
   EXPECT_EQ(scenario->objects[1].mass_kg, 5);
   EXPECT_DOUBLE_EQ(std::get<Sphere>(scenario->objects[2].shape).radius_m, 0.25);
+  EXPECT_EQ(scenario->objects[3].name, "carrier_bar");
   ASSERT_EQ(scenario->targets.size(), 2u);
   EXPECT_EQ(scenario->targets[0].color_name, "red");
   EXPECT_EQ(scenario->targets[1].color_name, "green");

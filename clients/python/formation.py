@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: MIT
+"""Robots keep a formation round obstacles on the way to the red target: python3 formation.py [robot1 robot2 ...]
+
+The first robot leads. Five keep an inverted V, three a triangle (along and across below); near obstacles they break the
+formation and close it again behind. Attractor dynamics (Monteiro, Bicho): a follower's heading turns to where its place,
+carried along by the leader, moves, and away from obstacles. docs/teams.md has the equations. The same algorithm and numbers
+in all languages.
+"""
+import math
+import sys
+
+import coopdyn
+
+ROBOT_RADIUS = 0.18  # [m]
+TARGET_STRENGTH = 1.2  # [rad/s]
+PLACE_STRENGTH = 2.5  # [rad/s] by which a follower turns to its place
+OBSTACLE_STRENGTH = 10.0  # [1/s]
+OBSTACLE_DECAY = 0.2  # [m]
+BIAS = 0.02  # [rad/s] instead of noise
+LEADER_SPEED = 0.3  # [m/s]
+FOLLOWER_SPEED = 0.6  # [m/s]
+MAX_TURN = 1.8  # [rad/s]
+TIME_TO_TARGET = 1.5  # [s]
+TIME_TO_CONTACT = 1.2  # [s]
+RELAXATION = 8.0  # [1/s] of the speed
+AHEAD = 0.873  # [rad]
+REACHED = 0.4  # [m] from the leader to the target
+PULL = 0.8  # [1/s] speed per way to the place
+CALM = 0.05  # [m/s] a slower wish turns the robot less
+AWAY = 0.25  # of the wish, when an obstacle has turned the robot away from its place
+PATIENCE = 0.3  # [m] the leader slows down when somebody is so far from its place
+SLOWEST = 0.2  # of its speed, at twice as far
+V_ALONG, V_ACROSS = 1.0, 1.0  # [m] from row to row, and from the middle to the first row, of the inverted V
+TRIANGLE_ALONG, TRIANGLE_ACROSS = 1.04, 0.6  # [m] of three robots
+CLOSED = 0.1  # [m] everybody is so near to its place at the end
+TIME_LIMIT = 240.0  # [s] simulated
+
+
+def clamp(value, low, high):
+    return max(low, min(high, value))
+
+
+def place_of(number, count):
+    """Where robot `number` is to be in the leader's frame."""
+    a, b = (TRIANGLE_ALONG, TRIANGLE_ACROSS) if count == 3 else (V_ALONG, V_ACROSS)
+    row = (number + 1) // 2
+    return -a * row, b * row if number % 2 == 1 else -b * row
+
+
+class Formed:
+    """The controller of one robot. Its state is its speed."""
+
+    def __init__(self, geometry):
+        self.geometry = geometry
+        self.speed = 0.0
+
+    def lead(self, target, worst, distances, dt):
+        """Speed [m/s] and turn rate [rad/s] to the target; `worst`: how far the farthest follower is from its place [m]."""
+        if target.distance < REACHED:
+            self.speed = 0.0
+            return 0.0, 0.0
+        away, potential, free = self.obstacles(distances)
+        turn = TARGET_STRENGTH * math.sin(target.bearing) + BIAS + away
+        patience = clamp(2 - worst / PATIENCE, SLOWEST, 1.0)
+        by_target = min(patience * LEADER_SPEED, target.distance / TIME_TO_TARGET) * max(0.1, math.cos(target.bearing / 2))
+        self.relax(by_target, potential, free, dt)
+        return self.speed, clamp(turn, -MAX_TURN, MAX_TURN)
+
+    def follow(self, off, carried, distances, dt):
+        """Speed and turn rate to the place, which is `off` from here and moves as `carried`, both in this robot's frame."""
+        x, y = carried[0] + PULL * off[0], carried[1] + PULL * off[1]
+        wish, bearing = math.hypot(x, y), math.atan2(y, x)
+        away, potential, free = self.obstacles(distances)
+        turn = min(1.0, wish / CALM) * PLACE_STRENGTH * math.sin(bearing) + away
+        self.relax(min(wish * max(AWAY, math.cos(bearing)), FOLLOWER_SPEED), potential, free, dt)
+        return self.speed, clamp(turn, -MAX_TURN, MAX_TURN)
+
+    def obstacles(self, distances):
+        """Turn rate, potential and free way ahead."""
+        turn, potential, free = 0.0, 0.0, math.inf
+        for d, psi, opening in zip(distances, self.geometry.bearing, self.geometry.opening):
+            if d == math.inf:
+                continue
+            weight = OBSTACLE_STRENGTH * math.exp(-d / OBSTACLE_DECAY)
+            width = math.atan(math.tan(opening / 2) + ROBOT_RADIUS / (ROBOT_RADIUS + d))
+            gauss = math.exp(-(psi**2) / (2 * width**2))
+            turn -= weight * psi * gauss
+            potential += weight * width**2 * (gauss - math.exp(-0.5))
+            if abs(psi) <= AHEAD:
+                free = min(free, d)
+        return turn, potential, free
+
+    def relax(self, wanted, potential, free, dt):
+        near = math.atan(8 * potential) / math.pi  # -1/2: nothing near ahead, 1/2: much
+        wanted = (0.5 - near) * wanted + (0.5 + near) * min(wanted, free / TIME_TO_CONTACT)
+        self.speed = wanted + (self.speed - wanted) * math.exp(-RELAXATION * dt)
+
+
+def turned(x, y, angle):
+    return math.cos(angle) * x - math.sin(angle) * y, math.sin(angle) * x + math.cos(angle) * y
+
+
+def way_to_place(place, leader, own):
+    """From a robot to its place, in its own frame; `leader`, `own`: poses."""
+    x, y = turned(*place, leader.heading)
+    return turned(leader.x + x - own.x, leader.y + y - own.y, -own.heading)
+
+
+def main(names):
+    with coopdyn.connect() as sim:
+        names = names or sim.robots()
+        robots = [sim.robot(name) for name in names]
+        controllers = [Formed(r.get_geometry()) for r in robots]
+        places = [place_of(number, len(names)) for number in range(len(names))]
+        dt = sim.dt
+        start = sim.time
+        told = (0.0, 0.0)  # the leader
+        while sim.time - start < TIME_LIMIT:
+            seen = [r.sense("red") for r in robots]
+            leader = seen[0].pose
+            ways = [way_to_place(place, leader, s.pose) for place, s in zip(places, seen)]
+            worst = max(math.hypot(*way) for way in ways)
+            if seen[0].target.distance < REACHED and worst < CLOSED:
+                print(f"the formation reached the target, {100 * worst:.1f} cm off, at t = {seen[0].time:.2f} s")
+                return 0
+            for number, (robot, controller, s) in enumerate(zip(robots, controllers, seen)):
+                if number == 0:
+                    v, w = controller.lead(s.target, worst, s.distances, dt)
+                else:
+                    x, y = places[number]
+                    carried = turned(told[0] - told[1] * y, told[1] * x, leader.heading - s.pose.heading)
+                    v, w = controller.follow(ways[number], carried, s.distances, dt)
+                robot.set_velocity(v, w)
+                if number == 0:
+                    told = (v, w)
+            sim.step()
+        print(f"the formation did not reach the target in {TIME_LIMIT:g} s")
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
