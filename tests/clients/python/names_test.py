@@ -16,10 +16,10 @@ SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all
     save_state restore_state saved_states record stop_recording note recording recordings fetch_run
     playback seek play set_play_speed skip set_loop branch""".split())
 ROBOT = set("""name set_velocity set_wheel_speeds stop get_pose get_pose_3d get_distances get_geometry get_targets
-    get_target get_robots get_neighbours get_messages send_message get_compass get_wheels get_limits sense subscribe next call""".split())
+    get_target get_robots get_neighbours get_messages send_message get_compass get_support get_wheels get_limits sense subscribe next call""".split())
 TEAM = set("n names ids step step_wheels read select stop release close".split())
 RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events".split())
-READINGS = set("pose distances targets neighbours wheels compass".split())
+READINGS = set("pose distances targets neighbours wheels compass support".split())
 FUNCTIONS = {"connect", "doctor", "read_run"}
 
 
