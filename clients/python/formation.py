@@ -26,6 +26,7 @@ RELAXATION = 8.0  # [1/s] of the speed
 AHEAD = 0.873  # [rad]
 REACHED = 0.4  # [m] from the leader to the target
 PULL = 0.8  # [1/s] speed per way to the place
+NEAR = 0.04  # [m] so near to its place a robot is not pulled
 CALM = 0.05  # [m/s] a slower wish turns the robot less
 AWAY = 0.25  # of the wish, when an obstacle has turned the robot away from its place
 PATIENCE = 0.3  # [m] the leader slows down when somebody is so far from its place
@@ -68,10 +69,12 @@ class Formed:
 
     def follow(self, off, carried, distances, dt):
         """Speed and turn rate to the place, which is `off` from here and moves as `carried`, both in this robot's frame."""
-        x, y = carried[0] + PULL * off[0], carried[1] + PULL * off[1]
+        way = math.hypot(*off)
+        pull = PULL * (1 - NEAR / way) if way > NEAR else 0.0
+        x, y = carried[0] + pull * off[0], carried[1] + pull * off[1]
         wish, bearing = math.hypot(x, y), math.atan2(y, x)
         away, potential, free = self.obstacles(distances)
-        turn = min(1.0, wish / CALM) * PLACE_STRENGTH * math.sin(bearing) + away
+        turn = min(1.0, wish / CALM) * (PLACE_STRENGTH * math.sin(bearing) + away)
         self.relax(min(wish * max(AWAY, math.cos(bearing)), FOLLOWER_SPEED), potential, free, dt)
         return self.speed, clamp(turn, -MAX_TURN, MAX_TURN)
 

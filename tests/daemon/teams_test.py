@@ -7,8 +7,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from harness import BINARY, ROOT, Daemon
-from recording import rows, tool, verify
+from harness import BINARY, Daemon
+from recording import tool, verify
 
 SEEDS = range(1, 11)
 CRADLE_M = 0.3  # height on which a bar rests
@@ -71,18 +71,26 @@ class Transport(TeamsTestCase):
                     self.assertLess(max(start), -2, team)
                     self.assertGreater(min(end), 2, team)
 
-    def test_a_bar_whose_leader_drives_on_alone_falls(self):
-        text = ("[SIMULATION]\nmode free\n[FLOOR]\nsize 20 20\n[TARGET]\nred 8 0\n"
-                "[ROBOT_1]\ntype team2\nname a\nposition 0 0\nbar 1 5cm 5cm\n")
-        with Daemon(text) as daemon:
-            daemon.text("/simulation").must("pause")
-            daemon.text("/a_leader/motors").must("set_velocity 0.5 0")
-            daemon.text("/simulation").must("step 300")
-            x, y, _, _, _ = daemon.text("/a_helper/support").must("get_support").data[:5]
-            self.assertLess(abs(x), 0.07)
-            self.assertAlmostEqual(y, 0, delta=0.02)
-            pose = daemon.text("/a_leader/pose").must("get_pose").data
-            self.assertGreater(pose[0], 1)
+    def test_a_leader_that_drives_on_alone_drops_the_bar(self):
+        text = "[SIMULATION]\nmode lockstep\n[ROBOT_1]\ntype team2\nname a\nposition 0 0\n"
+        with Daemon(text, "--no-render", "--record", str(self.folder / "a.run")) as daemon:
+            leader, helper = (daemon.text(f"/a_{name}/motors") for name in ("leader", "helper"))
+            for words in (("set_velocity 0.5 0", "stop"), ("ready 60", "ready 60")):
+                for motors, word in zip((leader, helper), words):
+                    motors.send(word)
+                for motors in (leader, helper):
+                    self.assertEqual(motors.receive().error, 0)
+            x, y, angle = daemon.text("/a_helper/support").must("get_support").data[:3]
+            self.assertGreater(x, 0.03)  # the bar has pulled it
+            self.assertAlmostEqual(y, 0, delta=0.01)
+            self.assertAlmostEqual(angle, 0, delta=0.05)
+            for motors in (leader, helper):
+                motors.send("ready 400")
+            for motors in (leader, helper):
+                self.assertEqual(motors.receive().error, 0)
+        heights = [number(row, "a_bar", "z_m") for row in self.table()]
+        self.assertGreater(min(heights[:50]), CRADLE_M + 0.02)
+        self.assertLess(heights[-1], CRADLE_M - 0.05)
 
 
 class Formations(TeamsTestCase):
@@ -123,9 +131,8 @@ class Repeatable(TeamsTestCase):
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.assertEqual(json.loads(file.read_text())["hash"], whole)
 
-    def drive(self, daemon, order):
+    def drive(self, daemon, motors, order):
         """Forty steps in lockstep in which the four robots' commands come in this order; the hash."""
-        motors = {name: daemon.text(f"/{name}/motors") for name in order}
         for step in range(40):
             for name in order:
                 motors[name].send(f"set_velocity 0.2 {0.1 * (step % 3)}")
@@ -136,9 +143,10 @@ class Repeatable(TeamsTestCase):
     def test_the_order_of_commands_does_not_matter_and_a_reset_starts_again(self):
         names = ["team1_leader", "team1_helper", "team2_leader", "team2_helper"]
         with Daemon(name="transport") as daemon:
-            first = self.drive(daemon, names)
+            motors = {name: daemon.text(f"/{name}/motors") for name in names}
+            first = self.drive(daemon, motors, names)
             daemon.text("/simulation").must("reset")
-            self.assertEqual(self.drive(daemon, names[::-1]), first)
+            self.assertEqual(self.drive(daemon, motors, names[::-1]), first)
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ constexpr double kRelaxation = 8.0;         // 1/s, of the speed
 constexpr double kAhead = 0.873;            // rad
 constexpr double kReached = 0.4;            // m from the leader to the target
 constexpr double kPull = 0.8;               // 1/s, speed per way to the place
+constexpr double kNear = 0.04;              // m: so near to its place a robot is not pulled
 constexpr double kCalm = 0.05;              // m/s: a slower wish turns the robot less
 constexpr double kAway = 0.25;     // of the wish, when it is turned away from its place by an obstacle
 constexpr double kPatience = 0.3;  // m: the leader slows down when somebody is so far from its place
@@ -107,10 +108,11 @@ struct Robot {
     const double c = std::cos(leader.turned), s = std::sin(leader.turned);
     const double along = leader.speed - leader.turn * place.y, across = leader.turn * place.x;
     const Place to = Error(leader, place);
-    const double x = c * along - s * across + kPull * to.x, y = s * along + c * across + kPull * to.y;
+    const double off = std::hypot(to.x, to.y), pull = off > kNear ? kPull * (1 - kNear / off) : 0;
+    const double x = c * along - s * across + pull * to.x, y = s * along + c * across + pull * to.y;
     const double wish = std::hypot(x, y), bearing = std::atan2(y, x);
     const Obstacles obstacles(seen);
-    const double turn = std::min(1.0, wish / kCalm) * kPlaceStrength * std::sin(bearing) + obstacles.turn;
+    const double turn = std::min(1.0, wish / kCalm) * (kPlaceStrength * std::sin(bearing) + obstacles.turn);
     Relax(obstacles.Limit(std::min(wish * std::max(kAway, std::cos(bearing)), kFollowerSpeed)), dt);
     return {speed, std::clamp(turn, -kMaxTurn, kMaxTurn)};
   }

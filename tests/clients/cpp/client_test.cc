@@ -341,6 +341,18 @@ TEST(Programs, AttractorReachesTheTargetInLockstep) {
   EXPECT_EQ(RunProgram(CLIENT_ATTRACTOR, daemon.server()), 0);
 }
 
+TEST(Programs, TransportCarriesBothBarsInLockstep) {
+  const auto daemon = ServerProcess::Real("transport", {"--mode", "lockstep"});
+  EXPECT_EQ(RunProgram(CLIENT_TRANSPORT, daemon.server()), 0);
+}
+
+TEST(Programs, FormationReachesTheTargetInLockstep) {
+  for (const char* scenario : {"formation", "triangle"}) {
+    const auto daemon = ServerProcess::Real(scenario, {"--mode", "lockstep"});
+    EXPECT_EQ(RunProgram(CLIENT_FORMATION, daemon.server()), 0) << scenario;
+  }
+}
+
 TEST(Programs, AttractorReachesTheTargetInRealTime) {
   const auto daemon = ServerProcess::Real("fig4", {"--mode", "realtime", "--speed", "4"});
   EXPECT_EQ(RunProgram(CLIENT_ATTRACTOR, daemon.server(), "robot1"), 0);

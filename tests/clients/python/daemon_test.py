@@ -61,6 +61,16 @@ class Programs(ProgramTestCase):
         out = self.run_program(self.start("formation", "--mode", "lockstep"), "attractor.py", *names)
         self.assertEqual(sorted(line.split()[0] for line in out.splitlines() if "reached" in line), names)
 
+    def test_transport_carries_both_bars(self):
+        out = self.run_program(self.start("transport", "--mode", "lockstep"), "transport.py")
+        self.assertEqual(sorted(line.split()[0] for line in out.splitlines() if "arrived" in line), ["team1", "team2"])
+
+    def test_formation_reaches_the_target(self):
+        for scenario in ("formation", "triangle"):
+            with self.subTest(scenario):
+                out = self.run_program(self.start(scenario, "--mode", "lockstep"), "formation.py")
+                self.assertIn("the formation reached the target", out)
+
     def test_doctor_finds_nothing_wrong(self):
         daemon = self.start("classroom")
         out = self.run_program(daemon, "coopdyn.py", "doctor")

@@ -144,19 +144,27 @@ class NamesTest(unittest.TestCase):
         listed = re.search(r"kNames\[\] = \{(.*?)\};", cpp, re.S).group(1)
         self.assertEqual(re.findall(r'"(\w+)"', listed)[1:], words)
 
+    def numbers(self, path, pattern):
+        text = (harness.ROOT / "clients" / path).read_text(encoding="utf-8")
+        return {re.sub(r"^k(?=[A-Z])|_(s|m|rad)$", "", key).replace("_", "").lower(): float(re.search(r"\d[\d.]*", value).group())
+                for key, value in re.findall(pattern, text, re.M)}
+
     def test_the_attractor_has_the_same_numbers(self):
-        def numbers(path, pattern):
-            text = (harness.ROOT / "clients" / path).read_text(encoding="utf-8")
-            return {re.sub(r"^k(?=[A-Z])|_(s|m|rad)$", "", key).replace("_", "").lower(): re.search(r"\d[\d.]*", value).group()
-                    for key, value in re.findall(pattern, text, re.M)}
-
-        def values(numbers):
-            return {key: float(value) for key, value in numbers.items()}
-
-        python = numbers("python/attractor.py", r"^([A-Z_]{4,}) = ([^#\n]+)")
+        python = self.numbers("python/attractor.py", r"^([A-Z_]{4,}) = ([^#\n]+)")
         self.assertGreaterEqual(len(python), 14)
-        self.assertEqual(values(numbers("cpp/attractor.cc", r"^constexpr double (k\w+) = ([^;]+);")), values(python))
-        self.assertEqual(values(numbers("matlab/attractor.m", r"^  p\.(\w+) = ([^;]+);")), values(python))
+        self.assertEqual(self.numbers("cpp/attractor.cc", r"^constexpr double (k\w+) = ([^;]+);"), python)
+        self.assertEqual(self.numbers("matlab/attractor.m", r"^  p\.(\w+) = ([^;]+);"), python)
+
+    def test_teams_have_the_same_numbers(self):
+        for name, least in (("transport", 27), ("formation", 18)):
+            with self.subTest(name):
+                cpp = self.numbers(f"plugin/samples/{name}_dynamics.h", r"^constexpr double (k\w+) = ([^;]+);")
+                cpp.pop("pi")
+                python = self.numbers(f"python/{name}.py", r"^([A-Z_]{4,}) = ([^#\n]+)")
+                matlab = self.numbers(f"matlab/{name}.m", r"^  p\.(\w+) = ([^;]+);")
+                self.assertGreaterEqual(len(cpp), least)
+                for key, value in cpp.items():
+                    self.assertEqual((python[key], matlab[key]), (value, value), key)
 
 
 if __name__ == "__main__":
