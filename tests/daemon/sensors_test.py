@@ -39,6 +39,35 @@ class SensorsTest(unittest.TestCase):
                 said = compass.read_line()
             self.assertIn("rad", said)
 
+    def test_support_tells_how_a_load_has_moved_it_in_text_binary_attached_and_pushed(self):
+        with Daemon("[SIMULATION]\nmode lockstep\n[ROBOT]\ntype transporter\nname robot1\nposition 0 0\n") as daemon:
+            support, motors = daemon.text("/robot1/support"), daemon.text("/robot1/motors", direct=True)
+            first = support.must("get_support").data
+            self.assertEqual(first[3:], [0, 0])
+            for value, noise in zip(first[:3], (0.0005, 0.0005, 0.0035)):
+                self.assertLess(abs(value), 6 * noise)
+                self.assertNotEqual(value, 0)
+            self.assertEqual(daemon.binary("/robot1/support").ask(280).data, first)
+            motors.must("attach support pose")
+            support.must("subscribe")
+            for _ in range(5):  # the robot starts off: the empty cradle lags behind
+                reply = motors.must("set_velocity 1 0")
+                push = support.receive()
+                self.assertEqual(push.command, -280)
+                self.assertEqual(push.data[:3], reply.data[:3])
+            self.assertEqual(reply.params, [1, 3, 5])
+            self.assertLess(reply.data[0], 0)
+
+    def test_swarm_has_a_column_for_it(self):
+        text = "[SIMULATION]\nmode lockstep\n" + "".join(
+            f"[ROBOT_{i}]\ntype {kind}\nposition 0 {i}\n" for i, kind in ((1, "transporter"), (2, "coopbot")))
+        with Daemon(text) as daemon:
+            swarm = daemon.text("/swarm")
+            self.assertEqual(swarm.must("select_readings support").params, [3])
+            rows = swarm.must("read_all (1 2)").data
+            self.assertEqual(rows[:3], daemon.text("/robot1/support").must("get_support").data[:3])
+            self.assertTrue(all(value != value for value in rows[3:6]))
+
 
 if __name__ == "__main__":
     unittest.main()

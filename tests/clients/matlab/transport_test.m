@@ -1,4 +1,4 @@
 % SPDX-License-Identifier: MIT
-% needs: daemon transport --mode lockstep
+% needs: daemon transport --mode lockstep --step 0.04
 assert(transport());
 disp('passed')
