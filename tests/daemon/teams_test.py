@@ -12,7 +12,8 @@ from recording import tool, verify
 
 SEEDS = range(1, 11)
 CRADLE_M = 0.3  # height on which a bar rests
-NAMES = {5: (1.0, 1.0), 3: (1.04, 0.6)}  # along, across
+TEAM = "[SIMULATION]\nmode lockstep\n[ROBOT_1]\ntype team2\nname a\nposition 0 0\n"
+SPACING = {5: (1.0, 1.0), 3: (1.04, 0.6)}  # along, across
 
 
 class TeamsTestCase(unittest.TestCase):
@@ -45,7 +46,7 @@ def number(row, name, what):
 
 def errors(row, count):
     """How far each follower is from its place in the leader's frame."""
-    along, across = NAMES[count]
+    along, across = SPACING[count]
     x, y, heading = (number(row, "robot1", what) for what in ("x_m", "y_m", "heading_rad"))
     found = []
     for k in range(1, count):
@@ -71,23 +72,39 @@ class Transport(TeamsTestCase):
                     self.assertLess(max(start), -2, team)
                     self.assertGreater(min(end), 2, team)
 
-    def test_a_leader_that_drives_on_alone_drops_the_bar(self):
-        text = "[SIMULATION]\nmode lockstep\n[ROBOT_1]\ntype team2\nname a\nposition 0 0\n"
-        with Daemon(text, "--no-render", "--record", str(self.folder / "a.run")) as daemon:
+    def together(self, commands):
+        """Sends each motors module its line, then takes the replies."""
+        for motors, line in commands:
+            motors.send(line)
+        for motors, _ in commands:
+            self.assertEqual(motors.receive().error, 0)
+
+    def test_a_bar_that_is_pulled_by_6_cm_moves_both_supports_by_3(self):
+        with Daemon(TEAM, "--no-render") as daemon:
             leader, helper = (daemon.text(f"/a_{name}/motors") for name in ("leader", "helper"))
-            for words in (("set_velocity 0.5 0", "stop"), ("ready 60", "ready 60")):
-                for motors, word in zip((leader, helper), words):
-                    motors.send(word)
-                for motors in (leader, helper):
-                    self.assertEqual(motors.receive().error, 0)
+            for line, steps in (("set_velocity 0.1 0", 60), ("stop", 200)):
+                self.together([(leader, line), (helper, "stop")])
+                self.together([(leader, f"ready {steps - 1}"), (helper, f"ready {steps - 1}")])
+            driven = (daemon.text("/a_leader/pose").must("get_pose").data[0]
+                      - daemon.text("/a_helper/pose").must("get_pose").data[0] - 1.2)
+            self.assertAlmostEqual(driven, 0.06, delta=0.01)
+            for name, side in (("leader", -1), ("helper", 1)):
+                x, y, angle = daemon.text(f"/a_{name}/support").must("get_support").data[:3]
+                self.assertAlmostEqual(x, side * driven / 2, delta=0.004)
+                self.assertAlmostEqual(y, 0, delta=0.004)
+                self.assertAlmostEqual(angle, 0, delta=0.03)
+
+    def test_a_leader_that_drives_on_alone_drops_the_bar(self):
+        with Daemon(TEAM, "--no-render", "--record", str(self.folder / "a.run")) as daemon:
+            leader, helper = (daemon.text(f"/a_{name}/motors") for name in ("leader", "helper"))
+            self.together([(leader, "set_velocity 0.5 0"), (helper, "stop")])
+            self.together([(leader, "ready 60"), (helper, "ready 60")])
             x, y, angle = daemon.text("/a_helper/support").must("get_support").data[:3]
             self.assertGreater(x, 0.03)  # the bar has pulled it
+            self.assertLess(x, 0.065)  # to its stop
             self.assertAlmostEqual(y, 0, delta=0.01)
             self.assertAlmostEqual(angle, 0, delta=0.05)
-            for motors in (leader, helper):
-                motors.send("ready 400")
-            for motors in (leader, helper):
-                self.assertEqual(motors.receive().error, 0)
+            self.together([(leader, "ready 400"), (helper, "ready 400")])
         heights = [number(row, "a_bar", "z_m") for row in self.table()]
         self.assertGreater(min(heights[:50]), CRADLE_M + 0.02)
         self.assertLess(heights[-1], CRADLE_M - 0.05)
