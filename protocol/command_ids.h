@@ -30,6 +30,12 @@ inline constexpr Id kGetSupport = 280;
 
 // /R/compass
 inline constexpr Id kGetCompass = 300;
+// Control boards: /R/joints
+inline constexpr Id kGetJoints = 203, kSetPositions = 204, kSetPositionsDirect = 205, kSetVelocities = 206,
+                    kSetEfforts = 207, kSetModes = 208, kGetModes = 209, kSetCompliance = 210,
+                    kGetCompliance = 211, kSetProfile = 212, kGetProfile = 213, kSetGains = 214,
+                    kGetGains = 215, kGetJointLimits = 216, kGetMotion = 217, kGetReferences = 218,
+                    kHold = 219, kGetChain = 220;
 // /swarm
 inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetTeam = 113, kStopTeam = 114;
 // /simulation

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@
 
 #include "clients/cpp/address.h"
 #include "clients/cpp/error.h"
+#include "clients/cpp/joints.h"
 #include "clients/cpp/json.h"
 #include "clients/cpp/team.h"
 
@@ -90,6 +92,7 @@ struct Reading {
   std::optional<Wheels> wheels;
   std::optional<double> compass;  // heading [rad]
   std::optional<Support> support;
+  std::map<std::string, JointReading> joints;  // by the name of their group
 };
 /// A raw reply: data without the final two, time [s] and step.
 struct Reply {
@@ -194,6 +197,10 @@ class Robot {
   /// All readings of one step in one round trip; in lockstep, right after sim.step(), those that came with
   /// its reply, without any. With a colour, `target` is the nearest target of it.
   Reading sense(const std::string& x = "");
+
+  /// Its joints of this name: a group of `<coopdyn:group>` in its model, "joints" if it names none. Without a
+  /// name the only group. Error 5 if there are several, or none.
+  Joints joints(const std::string& group = "");
 
   /// Has the first reading of a module sent every n steps; next() takes them. n = 0 ends it. What is not
   /// taken in time is dropped, the oldest first (64 are kept).

@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "clients/cpp/connection.h"
@@ -19,18 +20,32 @@ namespace coopdyn::client {
 
 class Session;
 
-/// An actuator command: number and data.
+/// An actuator command. That of joints names its joints, as many values for each.
 struct Command {
   std::int32_t id = 0;
-  std::vector<double> data;
+  std::vector<double> data = {};
+  std::vector<std::int32_t> joints = {};
+
+  /// What one step of `whose` is to do that was told `kept` before, this now: what both say of a joint, the
+  /// last wins. Throws Error 5 if one step cannot do both.
+  Command After(const std::optional<Command>& kept, const std::string& whose) const;
 };
 
-/// The connections of a robot, and the command kept for the next step.
-struct RobotLink {
-  RobotLink(Session& session_of, std::string name) : session(session_of), robot(std::move(name)) {}
+inline constexpr const char* kMotors = "motors";  // a type of module
+/// Before the name of a group of joints, among types of modules.
+inline constexpr std::string_view kGroup = "joints/";
 
+/// The connections to an actuator module of a robot, and the command kept for the next step. The first of a
+/// robot, its motors if it has any, has the robot's other connections, too.
+struct RobotLink {
+  RobotLink(Session& session_of, std::string name, std::string actuator_of = kMotors)
+      : session(session_of), robot(std::move(name)), actuator(std::move(actuator_of)) {}
+
+  /// Opens the connections to all actuators of the robot, `others` included, and claims them unless the
+  /// session watches.
+  void Take();
   /// An actuator command: kept in lockstep, sent at once otherwise.
-  void Actuate(std::int32_t command, std::vector<double> data = {});
+  void Actuate(std::int32_t command, std::vector<double> data = {}, std::vector<std::int32_t> joints = {});
   /// A reading of the newest frame. A connection that broke since it was last used is opened again.
   Message Read(const std::string& module, Request request);
   /// The attached readings of the newest frame: the first reading of each module.
@@ -40,7 +55,7 @@ struct RobotLink {
   /// After error 10: a model may call its motors module `legs`. True if the connection is to another module
   /// now.
   bool FindAgain(const std::string& module, Connection& connection);
-  /// Opens the connection to the motors, and claims the robot unless the session watches.
+  /// Opens the connection to the actuator, and claims it unless the session watches.
   void OpenMotors();
   /// Waits until the motors' connection is free for a request.
   void Settle();
@@ -50,23 +65,29 @@ struct RobotLink {
   bool LetGo();
   /// The daemon closed the connection to the motors.
   [[noreturn]] void Lose(const Closed& closed);
+  bool has_joints() const { return actuator != kMotors; }
+  /// In errors: of joints "robot1/arm".
+  std::string label() const { return has_joints() ? robot + "/" + actuator : robot; }
   bool is_ours() const { return motors && motors->is_open() && !unclaimed && !lost; }
   void ForgetCommands();
   void Close();
 
   Session& session;
   const std::string robot;
-  std::unique_ptr<Connection> motors;                          // null: it has no motors, or `in_team`
+  std::string actuator;                                        // "motors", or the name of a group of joints
+  std::vector<std::shared_ptr<RobotLink>> others;              // the robot's further actuators
+  std::unique_ptr<Connection> motors;                          // null: it has no actuator, or `in_team`
   std::map<std::string, std::unique_ptr<Connection>> readers;  // by module
   std::map<std::string, std::unique_ptr<Connection>> pushers;  // subscriptions, by module
   std::map<std::string, std::string> modules;                  // names by type, once they were needed
   std::optional<Command> kept;                                 // for the next step
   std::optional<Command> sent;                                 // its reply has not come yet
   std::int64_t sent_at = 0;                                    // the newest step when it was sent
-  int unstepped = 0;                                           // commands since the last step
-  std::int64_t unstepped_since = 0;                            // the step of the first of them
-  std::optional<Error> lost;                                   // why it is not ours any more
-  bool commanded = false;                                      // by this program, ever
+  std::int64_t told_at = -1;          // the newest when a command was answered at once
+  int unstepped = 0;                  // commands since the last step
+  std::int64_t unstepped_since = 0;   // the step of the first of them
+  std::optional<Error> lost;          // why it is not ours any more
+  bool commanded = false;             // by this program, ever
   bool unclaimed = false;             // only looked at: when it was last asked for a recording was played, or
   bool another = false;               // another had it; then not asked for again before it is commanded
   bool in_team = false;               // a team of ours drives it: for reading only

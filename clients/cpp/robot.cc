@@ -198,6 +198,13 @@ Reading Robot::sense(const std::string& x) {
       reading.compass = part[0];
     } else if (module == "support" && part.size() >= 3) {
       reading.support = Support{part[0], part[1], part[2]};
+    } else if (module.starts_with(kGroup)) {
+      JointReading& joints = reading.joints[module.substr(kGroup.size())];
+      for (std::size_t k = 0; k + 2 < part.size(); k += 3) {
+        joints.position.push_back(part[k]);
+        joints.velocity.push_back(part[k + 1]);
+        joints.effort.push_back(part[k + 2]);
+      }
     } else if (module == "target") {
       seen = part;
     }
@@ -222,6 +229,25 @@ Reading Robot::sense(const std::string& x) {
     reading.targets.push_back({link_->ids[i], link_->colours[i], seen[2 * i], seen[2 * i + 1]});
   if (!x.empty()) reading.target = Choose(reading.targets, x);
   return reading;
+}
+
+Joints Robot::joints(const std::string& group) {
+  session_->RequireOpen();
+  if (link_->lost && link_->lost->code() == 10) throw Error(*link_->lost);
+  const std::vector<std::string> groups = session_->GroupsOf(name());
+  if (groups.empty()) throw Error(5, name() + " has no joints with motors of their own");
+  if (group.empty() && groups.size() > 1)
+    throw Error(5, name() + " has several groups of joints; write r.joints(\"" + groups[0] +
+                       "\"); there are: " + ListOf(groups));
+  const std::string& wanted = group.empty() ? groups[0] : group;
+  if (std::find(groups.begin(), groups.end(), wanted) != groups.end()) {
+    if (link_->actuator == wanted) return Joints(session_, link_);
+    for (const auto& other : link_->others) {
+      if (other->actuator == wanted) return Joints(session_, other);
+    }
+  }
+  throw Error(10, name() + " has no joints '" + wanted + "'; " + Nearest(wanted, groups) +
+                      "there are: " + ListOf(groups));
 }
 
 void Robot::subscribe(const std::string& module, int n) {

@@ -15,7 +15,58 @@ constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command 
 
 }  // namespace
 
+Command Command::After(const std::optional<Command>& kept, const std::string& whose) const {
+  const auto has = [](const std::vector<std::int32_t>& ids, std::int32_t id) {
+    return std::find(ids.begin(), ids.end(), id) != ids.end();
+  };
+  if (!kept || std::all_of(kept->joints.begin(), kept->joints.end(), [&](auto k) { return has(joints, k); }))
+    return *this;
+  if (kept->id != id)
+    throw Error(kNotPossible, "two commands for different joints cannot go with one step of " + whose +
+                                  ": write sim.step() between them, or command the joints alike");
+  Command both = *this;
+  for (std::size_t i = 0; i < kept->joints.size(); ++i) {
+    if (has(joints, kept->joints[i])) continue;
+    both.joints.push_back(kept->joints[i]);
+    if (!data.empty()) both.data.push_back(kept->data[i]);
+  }
+  return both;
+}
+
+void RobotLink::Take() {
+  const auto open = [this](RobotLink& link, const std::string& module) {
+    link.motors = std::make_unique<Connection>(session.address(), Path(module), !session.watches());
+    link.OpenMotors();
+  };
+  try {
+    if (!in_team) open(*this, kMotors);
+  } catch (const Error& e) {
+    if (e.code() != kNoSuchName) throw;
+    const std::vector<std::string> robots = session.RobotNames();
+    if (std::find(robots.begin(), robots.end(), robot) == robots.end())
+      throw Error(kNoSuchName, "there is no robot '" + robot + "'; " + Nearest(robot, robots) +
+                                   "there are: " + ListOf(robots));
+    if (FindAgain(kMotors, *motors)) {
+      OpenMotors();
+    } else {
+      motors.reset();  // it has no motors
+    }
+  }
+  const std::vector<std::string> groups = session.GroupsOf(robot);
+  if (!groups.empty() && !motors && !in_team) {
+    actuator = groups[0];
+    open(*this, actuator);
+  }
+  for (const std::string& group : groups) {
+    if (group == actuator) continue;
+    others.push_back(std::make_shared<RobotLink>(session, robot, group));
+    others.back()->in_team = in_team;
+    if (!in_team) open(*others.back(), group);
+  }
+}
+
 void RobotLink::ForgetCommands() {
+  told_at = -1;
   kept.reset();
   sent.reset();
   carried.reset();
@@ -29,6 +80,7 @@ void RobotLink::Close() {
 }
 
 std::string RobotLink::Path(const std::string& module) const {
+  if (module.starts_with(kGroup)) return "/" + robot + "/" + module.substr(kGroup.size());
   const auto known = modules.find(module);
   return "/" + robot + "/" + (known != modules.end() ? known->second : module);
 }
@@ -138,37 +190,44 @@ bool RobotLink::AwaitCommand() {
 
 void RobotLink::Lose(const Closed& closed) {
   ForgetCommands();
-  session.Lose(closed, robot, "sim.robot(\"" + robot + "\")", lost);
+  try {
+    session.Lose(closed, robot, "sim.robot(\"" + robot + "\")", lost);
+  } catch (const Error&) {
+    if (lost) session.LoseOthers(*this);
+    throw;
+  }
 }
 
-void RobotLink::Actuate(std::int32_t command, std::vector<double> data) {
+void RobotLink::Actuate(std::int32_t command, std::vector<double> data, std::vector<std::int32_t> joints) {
   session.RequireDriving();
-  if (!motors) throw Error(kNotPossible, robot + (in_team ? " is driven by its team" : " has no motors"));
+  if (!motors || has_joints() != !joints.empty())
+    throw Error(kNotPossible, robot + (in_team ? " is driven by its team" : " has no motors"));
   if (lost) throw Error(*lost);
   if (session.mode() != kLockstep || unclaimed) Settle();
   if (unclaimed) Claim();  // a branch may go on live from there
   commanded = true;
   if (session.mode() == kLockstep) {
     if (kept) session.CountUnstepped(*this);
-    kept = Command{command, std::move(data)};
+    kept = Command{command, std::move(data), std::move(joints)}.After(kept, label());
     return;
   }
   kept.reset();
   session.CountUnstepped(*this);
   sent_at = session.reached();
   try {
-    motors->Send(command, {}, data);
+    motors->Send(command, joints, data);
   } catch (const Closed& e) {
     Lose(e);
   }
-  sent = Command{command, std::move(data)};
+  sent = Command{command, std::move(data), std::move(joints)};
   AwaitCommand();
+  told_at = session.steps();
 }
 
 Message RobotLink::Read(const std::string& module, Request request) {
   session.RequireOpen();
   if (lost && lost->code() == kNoSuchName) throw Error(*lost);
-  if (module == "motors" && motors && !lost) {
+  if (module == actuator && motors && !lost) {
     Settle();
     const std::int64_t since = session.reached();
     try {
@@ -206,6 +265,7 @@ void RobotLink::Attach() {
   for (const char* module : {"motors", "distance", "target", "pose", "compass", "support"}) {
     if (modules.contains(module)) readable.emplace_back(module);
   }
+  for (const std::string& group : session.GroupsOf(robot)) readable.push_back(std::string(kGroup) + group);
   if (readable.empty()) throw Error(kNoSuchName, robot + " has no readings");
   AttachTo(AttachedConnection(readable[0]), readable);
   attached = std::move(readable);

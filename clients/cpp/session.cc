@@ -18,7 +18,8 @@ constexpr std::int32_t kStatusRobots = 1000;  // robots in one status
 
 bool CarriesMode(std::int32_t id) {
   return id == command::kReady || id == command::kGetTime || id == command::kSetWheelSpeeds ||
-         id == command::kSetVelocity || id == command::kStop || id == command::kStepAll;
+         id == command::kSetVelocity || id == command::kStop || id == command::kStepAll ||
+         (id >= command::kSetPositions && id <= command::kSetModes) || id == command::kHold;
 }
 
 }  // namespace
@@ -82,6 +83,21 @@ std::map<std::string, std::string> Session::ModulesOf(const std::string& robot) 
   return names;
 }
 
+std::vector<std::string> Session::GroupsOf(const std::string& robot) {
+  if (!groups_.contains(robot)) {
+    groups_.clear();
+    for (const Json& status : Robots()) {
+      std::vector<std::string>& groups = groups_[status["name"].text()];
+      for (const Json& module : status["modules"].items()) {
+        const std::string& path = module["name"].text();
+        if (module["type"].text() == "joints") groups.push_back(path.substr(path.rfind('/') + 1));
+      }
+    }
+  }
+  const auto found = groups_.find(robot);
+  return found != groups_.end() ? found->second : std::vector<std::string>{};
+}
+
 std::vector<Json> Session::Robots() {
   std::vector<Json> robots;
   while (true) {  // one status lists only a part of them
@@ -143,25 +159,28 @@ std::shared_ptr<RobotLink> Session::Drive(const std::string& robot) {
   }
   auto link = std::make_shared<RobotLink>(*this, robot);
   link->in_team = in_team;
-  if (!in_team) {
-    link->motors = std::make_unique<Connection>(address_, link->Path("motors"), !watch_);
-    try {
-      link->OpenMotors();
-    } catch (const Error& e) {
-      if (e.code() != kNoSuchName) throw;
-      const std::vector<std::string> robots = RobotNames();
-      if (std::find(robots.begin(), robots.end(), robot) == robots.end())
-        throw Error(kNoSuchName, "there is no robot '" + robot + "'; " + Nearest(robot, robots) +
-                                     "there are: " + ListOf(robots));
-      if (link->FindAgain("motors", *link->motors)) {
-        link->OpenMotors();
-      } else {
-        link->motors.reset();  // it has no motors: it can be read only
-      }
-    }
-  }
+  link->Take();
   links_.push_back(link);
+  links_.insert(links_.end(), link->others.begin(), link->others.end());
   return link;
+}
+
+bool Session::LetGo(const std::string& robot) {
+  const auto of_robot = [&](const auto& link) { return link->robot == robot; };
+  if (std::any_of(links_.begin(), links_.end(),
+                  [&](const auto& link) { return of_robot(link) && link->commanded; }))
+    return false;
+  return std::count_if(links_.begin(), links_.end(),
+                       [&](const auto& link) { return of_robot(link) && link->LetGo(); }) > 0;
+}
+
+void Session::LoseOthers(const RobotLink& lost) {
+  for (const auto& link : links_) {
+    if (link->robot != lost.robot || link.get() == &lost || !link->motors) continue;
+    link->lost.emplace(*lost.lost);
+    link->ForgetCommands();
+    link->motors->Close();
+  }
 }
 
 std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
@@ -191,9 +210,7 @@ std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
   } catch (const Error& e) {
     if (e.code() != kOwned) throw;
     const std::string robot = FirstWord(e.text());
-    const bool freed = std::any_of(links_.begin(), links_.end(),
-                                   [&](const auto& link) { return link->robot == robot && link->LetGo(); });
-    if (freed) return DriveTeam(text);
+    if (LetGo(robot)) return DriveTeam(text);
     team->NotOurs(e);
   }
   teams_.push_back(team);
@@ -303,6 +320,7 @@ void Session::ThrowIfLoaded(const Error& error) {
 
 void Session::StartedAnew() {
   reached_ = 0;
+  groups_.clear();
   ForgetCommands();
 }
 
@@ -343,7 +361,7 @@ std::vector<std::string> Session::Loaded() {
     link->lost.emplace(
         kNoSuchName, "the scenario that was loaded has no " + link->robot + "; there are: " + ListOf(names));
     link->Close();
-    gone.push_back(link->robot);
+    if (std::find(gone.begin(), gone.end(), link->robot) == gone.end()) gone.push_back(link->robot);
     return true;
   });
   for (const auto& link : links_) link->modules.clear();
@@ -357,7 +375,7 @@ void Session::Close() {
   for (const auto& link : links_) {
     if (watch_ || !link->is_ours()) continue;
     try {
-      link->motors->Send(command::kStop);
+      link->motors->Send(link->has_joints() ? command::kHold : command::kStop);
       link->motors->FinishSending();
     } catch (const Error&) {
       // It is gone already.

@@ -49,6 +49,8 @@ class Session {
   std::vector<std::string> RobotNames();
   /// The names of a robot's modules by type: of several of a type the one named like it, else the first.
   std::map<std::string, std::string> ModulesOf(const std::string& robot);
+  /// The names of a robot's groups of joints.
+  std::vector<std::string> GroupsOf(const std::string& robot);
   /// What a module says about its commands.
   Json Describe(const std::string& module);
   /// On a connection that is opened again if it broke since it was last used.
@@ -68,6 +70,8 @@ class Session {
   void CloseTeam(TeamLink& team, bool stop);
   /// Steps with what was kept, or `ready`, for every robot and every team of this session.
   void Step(int n, double timeout_s, const TeamCommand& command = {});
+  /// The robot of `lost` is another's: its other actuators are not ours any more, either.
+  void LoseOthers(const RobotLink& lost);
   /// What single robots were told for the next step; put back if it was refused.
   std::vector<std::optional<Command>> Kept() const;
   void Keep(std::vector<std::optional<Command>> kept);
@@ -118,6 +122,8 @@ class Session {
 
   /// What the status tells of all robots.
   std::vector<Json> Robots();
+  /// Gives up a robot that was only looked at, so that a team can have it.
+  bool LetGo(const std::string& robot);
   Connection& Of(const std::string& module);
   void GoOn(std::int64_t step, std::int64_t since);
   std::vector<Waiting> WhoSteps(const TeamCommand& command);
@@ -130,7 +136,8 @@ class Session {
 
   const Address address_;
   const bool watch_;
-  std::map<std::string, Connection> modules_;  // of the whole simulation
+  std::map<std::string, Connection> modules_;               // of the whole simulation
+  std::map<std::string, std::vector<std::string>> groups_;  // of joints, by robot; empty: not asked yet
   std::vector<std::shared_ptr<RobotLink>> links_;
   std::vector<std::shared_ptr<TeamLink>> teams_;
   int mode_ = 0;

@@ -53,6 +53,12 @@ std::vector<Session::Waiting> Session::WhoSteps(const TeamCommand& command) {
 
 void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
   RequireOpen();
+  if (n > 1 && std::any_of(links_.begin(), links_.end(),
+                           [](const auto& link) { return link->has_joints() && link->kept; })) {
+    const Deadline deadline = After(timeout_s);
+    Step(1, timeout_s);  // a command of joints stands for one step
+    return Step(n - 1, std::max(0.0, Until(deadline)));
+  }
   std::vector<Waiting> waiting = WhoSteps(team_command);
   const std::int64_t since = reached_ + 1;
   Replies replies;
@@ -68,7 +74,8 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
         w.link->kept.reset();
         w.link->carried.reset();
       }
-      w.connection->Send(command.id, {n}, command.data);
+      if (command.joints.empty()) command.joints = {n};
+      w.connection->Send(command.id, std::move(command.joints), command.data);
     }
     replies = Collect(waiting, timeout_s);
   } catch (const Error& e) {

@@ -47,6 +47,7 @@ PROTOCOL = 1
 DEFAULT_PORT = 10000
 
 MODES = ("realtime", "lockstep", "free")
+JOINT_MODES = ("idle", "position", "direct", "velocity", "effort")
 _LOCKSTEP = 1
 
 # Numbers of the commands that this file uses; docs/protocol.md is the whole table.
@@ -56,6 +57,9 @@ _GET_DISTANCES, _GET_GEOMETRY = 20, 21
 _GET_TARGETS, _GET_TARGET, _GET_ROBOTS = 30, 31, 32
 _GET_POSE, _GET_POSE_3D = 40, 41
 _GET_COMPASS, _GET_SUPPORT = 300, 280
+_GET_JOINTS, _SET_POSITIONS, _SET_POSITIONS_DIRECT, _SET_VELOCITIES, _SET_EFFORTS, _SET_MODES = 203, 204, 205, 206, 207, 208
+_GET_MODES, _SET_COMPLIANCE, _GET_COMPLIANCE, _SET_PROFILE, _GET_PROFILE, _SET_GAINS, _GET_GAINS = 209, 210, 211, 212, 213, 214, 215
+_GET_JOINT_LIMITS, _GET_MOTION, _GET_REFERENCES, _HOLD, _GET_CHAIN = 216, 217, 218, 219, 220
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD, _RELEASE_ROBOT = 108, 190, 191, 192, 193
 _SIMULATION, _RECORDER, _PLAYBACK = "/simulation", "/recorder", "/playback"
@@ -63,7 +67,9 @@ _SAVE_STATE, _RESTORE_STATE, _GET_SAVED = 194, 195, 196
 _GET_RECORDING, _START_RECORDING, _STOP_RECORDING, _NOTE, _LIST_RUNS = 120, 121, 122, 123, 124
 _GET_PLAYBACK, _SEEK, _PLAY, _SET_PLAY_SPEED, _SKIP, _SET_LOOP, _BRANCH = 130, 131, 132, 134, 135, 136, 137
 _STEP_ALL, _SELECT_READINGS, _READ_ALL, _GET_TEAM, _STOP_TEAM = 110, 111, 112, 113, 114
-_CARRY_MODE = frozenset((_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP, _STEP_ALL))
+_OF_JOINTS = {_SET_POSITIONS: "set_positions", _SET_POSITIONS_DIRECT: "set_positions_direct", _SET_VELOCITIES: "set_velocities",
+              _SET_EFFORTS: "set_efforts", _SET_MODES: "set_modes", _HOLD: "hold"}  # commands that take effect with a step
+_CARRY_MODE = frozenset((_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP, _STEP_ALL, *_OF_JOINTS))
 _GET_NEIGHBOURS, _SEND_MESSAGE, _GET_MESSAGES = 200, 201, 202
 
 _CLOSE_S = 0.2
@@ -85,6 +91,7 @@ _MOST_STEPS = 10_000_000  # of one request
 _FEW = 8  # more replies than this are not read one by one as they come in: a step waits for the one that is
 _AT_ONCE = 256  # this many further on,
 _GLANCE_S = 0.01  # for this long at most, so that it sees errors and closed connections, too
+_GROUP = "joints/"  # before the name of a group of joints, among types of modules
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 _LISTED = 1000  # robots in one status
 _READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass", "support")  # of a team
@@ -290,6 +297,54 @@ class Support(NamedTuple):
     angle: float  # [rad]
 
 
+class JointReading(NamedTuple):
+    """Where each joint of a group is [rad or m], how fast [rad/s, m/s], and the effort of its motor [N m, N; nan before the
+    first step]."""
+
+    position: List[float]
+    velocity: List[float]
+    effort: List[float]
+
+
+class JointLimits(NamedTuple):
+    """Limits of each joint of a group: position [rad or m; inf = none], velocity [rad/s, m/s] and effort [N m, N]."""
+
+    lower: List[float]
+    upper: List[float]
+    velocity: List[float]
+    effort: List[float]
+
+
+class Compliance(NamedTuple):
+    """Stiffness k [N m/rad; inf = a servo], damping d [N m s/rad] and offset [N m] of each joint."""
+
+    k: List[float]
+    d: List[float]
+    offset: List[float]
+
+
+class Profile(NamedTuple):
+    """Speed [rad/s] and acceleration [rad/s2] of each joint on its way to a position."""
+
+    speed: List[float]
+    acceleration: List[float]
+
+
+class Gains(NamedTuple):
+    """Gains of each joint's servo: p [1/s], i [1/s2], d."""
+
+    p: List[float]
+    i: List[float]
+    d: List[float]
+
+
+class Motion(NamedTuple):
+    """Whether each joint has arrived, and where it goes [rad or m]."""
+
+    arrived: List[bool]
+    target: List[float]
+
+
 class Reading(NamedTuple):
     """All readings of a robot in one step. What the robot lacks is None (or empty)."""
 
@@ -301,7 +356,8 @@ class Reading(NamedTuple):
     pose: Optional[Pose]
     wheels: Optional[Wheels]
     compass: Optional[float]
-    support: Optional[Support] = None
+    support: Optional[Support]
+    joints: Dict[str, JointReading]  # by the name of their group
 
 
 class Rows:
@@ -1002,6 +1058,15 @@ def _reading_value(command: int, message: Message) -> Any:
         return Geometry(data[0::3], data[1::3], data[2::3])
     if command == _GET_COMPASS:
         return data[0]
+    if command in (_GET_JOINTS, _GET_COMPLIANCE, _GET_PROFILE, _GET_GAINS, _GET_JOINT_LIMITS):
+        columns = {_GET_JOINTS: JointReading, _GET_COMPLIANCE: Compliance, _GET_PROFILE: Profile, _GET_GAINS: Gains,
+                   _GET_JOINT_LIMITS: JointLimits}[command]
+        width = len(columns._fields)
+        return columns(*(data[k::width] for k in range(width)))
+    if command == _GET_MOTION:
+        return Motion([arrived != 0 for arrived in message.params], data)
+    if command == _GET_MODES:
+        return [JOINT_MODES[mode] if 0 <= mode < len(JOINT_MODES) else str(mode) for mode in message.params]
     kinds = {_GET_WHEELS: Wheels, _GET_LIMITS: Limits, _GET_TARGET: Bearing, _GET_POSE: Pose, _GET_POSE_3D: Pose3d,
              _GET_SUPPORT: Support}
     return kinds[command](*data) if command in kinds else data
@@ -1071,6 +1136,7 @@ def _solved(A: List[List[float]], b: List[float]) -> List[float]:
     return x
 
 
+@_usages("chain")
 class Chain:
     """A serial chain of joints from a base to a tool, as product of exponentials: X(q) = exp([S1] q1) ... exp([Sn] qn) X(0)
     (Lynch and Park, Modern Robotics, 4.1). `r.joints("arm").chain` is that of a robot's arm.
@@ -1234,35 +1300,64 @@ def _pose_parts(pose: Any) -> Tuple[_Rotation, _Vector]:
 # --- what a simulation and its robots share ---------------------------------------------------------------------------
 
 
-class _Link:
-    """A robot as this client drives it: its connections, and the command kept for the next step."""
+class _Command(NamedTuple):
+    """An actuator command. That of joints names its joints, as many values for each."""
 
-    def __init__(self, session: "_Session", robot: str) -> None:
+    command: int
+    params: Tuple[int, ...] = ()
+    data: Tuple[float, ...] = ()
+
+    def after(self, kept: Optional["_Command"], whose: str) -> "_Command":
+        """What one step is to do that was told `kept` before, this now: what both say of a joint, the last wins."""
+        if kept is None or set(kept.params) <= set(self.params):
+            return self
+        if kept.command != self.command:
+            raise Error(5, f"{_OF_JOINTS[kept.command]} and {_OF_JOINTS[self.command]} of different joints cannot go with one "
+                           f"step of {whose}: write sim.step() between them")
+        values = dict(zip(kept.params, kept.data or kept.params))
+        values.update(zip(self.params, self.data or self.params))
+        return _Command(self.command, tuple(values), tuple(values.values()) if self.data else ())
+
+
+class _Link:
+    """An actuator module of a robot as this client drives it, and the command kept for the next step. The first of a robot,
+    its motors if it has any, has the robot's other connections, too."""
+
+    def __init__(self, session: "_Session", robot: str, actuator: str = "motors") -> None:
         self.robot = robot
+        self.actuator = actuator  # "motors", or the name of a group of joints
+        self.others: List["_Link"] = []  # the robot's further actuators
         self.label = robot  # in errors
         self.in_team = False  # a team of this sim drives it; it can only be read
-        self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/motors", drives=not session.watch)
+        self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/{actuator}", drives=not session.watch)
         self.readers: Dict[str, _Connection] = {}
         self.pushers: Dict[str, _Connection] = {}
         self.modules: Dict[str, str] = {}  # names by type, once they were needed
-        self.kept: Optional[Tuple[int, Tuple[float, ...]]] = None  # for the next step
-        self.sent: Optional[Tuple[int, Tuple[float, ...]]] = None  # its reply has not come yet
+        self.kept: Optional[_Command] = None  # for the next step
+        self.sent: Optional[_Command] = None  # its reply has not come yet
         self.sent_at = 0  # the newest step when it was sent
+        self.told_at = -1  # the newest step when the last command was answered at once: it runs with a later one
         self.unstepped = 0  # commands since the last step
         self.unstepped_since = 0  # the step of the first of them
         self.lost: Optional[Error] = None  # why it is not ours any more
         self.commanded = False  # by this program, ever
         self.unclaimed = False  # only read: a recording was played when it was last asked for, or
         self.another = False  # another program had it; it is asked for again with the next command
-        self.attached: Dict[str, str] = {}  # modules by type, in the order of their readings
+        self.attached: Dict[str, str] = {}  # modules by type, or those of joints by name, in the order of their readings
         self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
         self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
+
+    @property
+    def has_joints(self) -> bool:
+        """Its actuator is a group of joints."""
+        return self.actuator != "motors"
 
     def connections(self) -> List[_Connection]:
         return ([self.motors] if self.motors else []) + list(self.readers.values()) + list(self.pushers.values())
 
     def forget_commands(self) -> None:
         self.kept = self.sent = self.carried = None
+        self.told_at = -1
 
     def path(self, module: str) -> str:
         """Of the module of this type or name."""
@@ -1458,6 +1553,7 @@ class _Session:
         self.teams: List[_TeamLink] = []
         self.others: Dict[str, _Connection] = {}  # to modules of the whole, and of call()
         self.commands: Dict[str, Dict[str, int]] = {}  # numbers of commands by module and name
+        self.groups: Dict[str, List[str]] = {}  # names of the groups of joints of each robot; empty: not asked yet
         self.mode = 0
         self.time = 0.0
         self.steps = 0
@@ -1558,11 +1654,11 @@ class _Session:
         self.require_open()
         if link.lost is not None and link.lost.code == 10:
             raise link.lost
-        if module == "motors" and link.motors is not None and link.lost is None:
+        if module == link.actuator and link.motors is not None and link.lost is None:
             self.settle(link)
             since = self.reached
             try:
-                return self.fresh(link.motors.request(command, params, (), text, spin_s=self.spin_s()), since)
+                return self.fresh(link.motors.request(command, params, data, text, spin_s=self.spin_s()), since)
             except _Closed as e:
                 raise self.lose(link, e) from None
         sends = module == "neighbours" and not self.watch  # what a robot sends is its driver's to say
@@ -1601,7 +1697,19 @@ class _Session:
             if link.robot == robot and link.lost is None and link.in_team == in_team:
                 return link
         link = _Link(self, robot)
-        link.in_team = in_team
+        try:
+            self.take(link, in_team)
+        except BaseException:
+            for opened in (link, *link.others):
+                for connection in opened.connections():
+                    connection.close()
+            raise
+        self.links = [other for other in self.links if other.robot != robot] + [link, *link.others]
+        return link
+
+    def take(self, link: _Link, in_team: bool) -> None:
+        """Opens the connections to all actuators of a robot."""
+        robot = link.robot
         try:
             if not in_team:
                 self.open_motors(link)
@@ -1615,11 +1723,26 @@ class _Session:
             if self.find_again(link, "motors", link.motors):
                 self.open_motors(link)
             else:
-                link.motors = None  # it has no motors: it can be read only
-        if in_team:
-            link.motors = None
-        self.links = [other for other in self.links if other.robot != robot] + [link]
-        return link
+                link.motors = None  # it has no motors
+        groups = self.groups_of(robot)
+        if groups and link.motors is None and not in_team:
+            link.actuator = groups[0]
+            link.motors = _Connection(self.address, link.path(groups[0]), drives=not self.watch)
+            self.open_motors(link)
+        link.others = [_Link(self, robot, group) for group in groups if group != link.actuator]
+        for one in (link, *link.others):
+            one.in_team = in_team
+            if in_team:
+                one.motors = None
+            elif one is not link:
+                self.open_motors(one)
+
+    def groups_of(self, robot: str) -> List[str]:
+        """The names of its groups of joints, in its order."""
+        if robot not in self.groups:
+            self.groups = {status["name"]: [module["name"].split("/")[-1] for module in status.get("modules", [])
+                                            if module["type"] == "joints"] for status in self.robots()}
+        return self.groups.get(robot, [])
 
     def open_motors(self, link: _Link) -> None:
         """Opens (again) the connection that commands go through: `hello` takes the module back, `claim` makes it ours."""
@@ -1671,14 +1794,16 @@ class _Session:
 
     def let_go(self, robot: str) -> bool:
         """Releases a robot of ours that was only read, so that a team can have it."""
-        for link in self.links:
-            if link.robot == robot and link.motors is not None and not (link.commanded or link.unclaimed or link.lost):
-                self.settle(link)
-                link.motors.request(_RELEASE)
-                link.forget_commands()
-                link.unclaimed = link.another = True
-                return True
-        return False
+        links = [link for link in self.links if link.robot == robot and link.motors is not None]
+        if not links or any(link.commanded or link.unclaimed or link.lost for link in links):
+            return False
+        for link in links:
+            self.settle(link)
+            assert link.motors is not None
+            link.motors.request(_RELEASE)
+            link.forget_commands()
+            link.unclaimed = link.another = True
+        return True
 
     def settle(self, link: _Link) -> None:
         """Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue."""
@@ -1731,14 +1856,20 @@ class _Session:
             return self.world_reset("load")
         link.lost = Error(6, f"{link.label} is not driven by this sim any more: {closed.notice}; "
                              f"{link.take_again()} takes it again")
+        if isinstance(link, _Link):
+            for other in self.links:
+                if other.robot == link.robot and other is not link and other.motors is not None:
+                    other.lost = link.lost
+                    other.forget_commands()
+                    other.motors.close()
         return link.lost
 
-    def command(self, link: _Link, command: int, data: Tuple[float, ...]) -> None:
+    def command(self, link: _Link, command: int, data: Tuple[float, ...] = (), joints: Tuple[int, ...] = ()) -> None:
         """An actuator command: kept in lockstep, sent at once otherwise."""
         self.require_open()
         if self.watch:
             raise Error(5, "this sim only watches; connect() without watch=True to drive")
-        if link.motors is None:
+        if link.motors is None or link.has_joints != bool(joints):
             raise Error(5, f"{link.robot} {'is driven by its team' if link.in_team else 'has no motors'}")
         if link.lost is not None:
             raise link.lost
@@ -1750,17 +1881,18 @@ class _Session:
         if self.mode == _LOCKSTEP:
             if link.kept is not None:
                 self.count_unstepped(link)
-            link.kept = (command, data)
+            link.kept = _Command(command, joints, data).after(link.kept, f"{link.robot}/{link.actuator}")
             return
         link.kept = None
         self.count_unstepped(link)
         link.sent_at = self.reached
         try:
-            link.motors.send(encode(command, (), data))
+            link.motors.send(encode(command, joints, data))
         except _Closed as e:
             raise self.lose(link, e) from None
-        link.sent = (command, data)
+        link.sent = _Command(command, joints, data)
         self.await_command(link)
+        link.told_at = self.steps
 
     def count_unstepped(self, link: _Link) -> None:
         """Says once that the program never calls `sim.step()`; not if it lets time go by in another way, as by sleeping."""
@@ -1924,6 +2056,11 @@ class _Session:
     def step(self, n: int, timeout: Optional[float], team: Optional[_TeamLink] = None, frame: bytes = b"") -> None:
         """Sends what was kept (or `ready`) for every robot and every team of this sim, then takes in the replies."""
         self.require_open()
+        if n > 1 and any(link.has_joints and link.kept is not None for link in self.links):
+            wait = _Wait(self, timeout, "the step did not come")
+            self.step(1, timeout)  # a command of joints stands for one step
+            wait.check()
+            n, timeout = n - 1, None if timeout is None else wait.deadline - wait.now
         waiting: Dict[_Connection, Optional[_Driven]] = {}
         teams = []
         for link in self.links:
@@ -1945,10 +2082,10 @@ class _Session:
             try:
                 for link in driven:
                     assert link.motors is not None
-                    command, data = link.kept or (_READY, ())
+                    command, joints, data = link.kept or (_READY, (), ())
                     link.kept = link.carried = None
                     waiting[link.motors] = link
-                    link.motors.send(encode(command, (n,), data))
+                    link.motors.send(encode(command, joints or (n,), data))
                 for other in teams:
                     waiting[other.connection] = other
                     other.connection.send(frame if other is team else encode(_READY, (n,)))
@@ -2104,6 +2241,7 @@ class _Session:
     def started_anew(self) -> None:
         """After a reset or load: what was kept belongs to the old world."""
         self.reached = 0
+        self.groups = {}
         self.forget_commands()
 
     def forget_commands(self) -> None:
@@ -2131,7 +2269,7 @@ class _Session:
         self.links = [link for link in self.links if link.lost is None]
         for link in self.links:
             link.modules = {}
-        return [link.robot for link in gone]
+        return list(dict.fromkeys(link.robot for link in gone))
 
     def jumped(self) -> None:
         """After a restore or branch of ours: the world goes on from another state, which may be of another scenario."""
@@ -2163,7 +2301,7 @@ class _Session:
         for link in self.links:
             if link.motors is not None and link.motors.sock is not None and not (self.watch or link.unclaimed or link.lost):
                 try:
-                    link.motors.send(encode(_STOP))
+                    link.motors.send(encode(_HOLD if link.has_joints else _STOP))
                     link.motors.try_read()  # what is unread would make closing a reset, which loses the stop
                     assert link.motors.sock is not None
                     link.motors.sock.shutdown(socket.SHUT_WR)
@@ -2358,12 +2496,34 @@ class Robot:
         wheels = Wheels(*parts["motors"]) if "motors" in parts else None
         compass = parts["compass"][0] if parts.get("compass") else None
         support = Support(*parts["support"]) if parts.get("support") else None
-        return Reading(reply.data[-2], step, parts.get("distance", []), targets, target, pose, wheels, compass, support)
+        joints = {name[len(_GROUP):]: JointReading(values[0::3], values[1::3], values[2::3])
+                  for name, values in parts.items() if name.startswith(_GROUP)}
+        return Reading(reply.data[-2], step, parts.get("distance", []), targets, target, pose, wheels, compass, support,
+                       joints)
+
+    @_usage('r.joints() or r.joints("arm")')
+    def joints(self, name: Optional[str] = None) -> "Joints":
+        """Its joints of this name: a group of `<coopdyn:group>` in its model, "joints" if it names none. Without a name the
+        only group. Error 5 if there are several, or none."""
+        session, link = self._session, self._link
+        session.require_open()
+        if link.lost is not None and link.lost.code == 10:
+            raise link.lost
+        groups = session.groups_of(self.name)
+        if not groups:
+            raise Error(5, f"{self.name} has no joints with motors of their own")
+        if name is None and len(groups) > 1:
+            raise Error(5, f'{self.name} has several groups of joints; write r.joints("{groups[0]}"); there are: {_list_of(groups)}')
+        group = groups[0] if name is None else name
+        for one in (link, *link.others):
+            if one.actuator == group and group in groups:
+                return Joints(session, one)
+        raise Error(10, f"{self.name} has no joints {name!r}; {_nearest(str(name), groups)}there are: {_list_of(groups)}")
 
     # --- pushed readings ---
     @_usage('r.subscribe("distance")')
     def subscribe(self, module: str, n: int = 1) -> None:
-        """Has the first reading of "distance", "target", "pose" or "motors" sent every n steps; `next` takes them.
+        """Has the first reading of "distance", "target", "pose", "motors" or a group of joints sent every n steps; `next` takes them.
         n = 0 ends it. What is not taken in time is dropped, the oldest first (64 are kept)."""
         self._session.require_open()
         module = _word(module, 'a module, as "distance",')
@@ -2428,6 +2588,7 @@ class Robot:
     def _attach(self, link: _Link) -> None:
         names = link.modules = self._session.modules_of(link.robot)
         readable = {m: names[m] for m in ("motors", "distance", "target", "pose", "compass", "support") if m in names}
+        readable.update((_GROUP + group, group) for group in self._session.groups_of(link.robot))
         if not readable:
             raise Error(10, f"{link.robot} has no readings")
         connection = self._attached_connection(link, readable)
@@ -2467,6 +2628,251 @@ class Robot:
             ids, colours = [t.id for t in targets], [t.colour for t in targets]
         link.labels = (step, now, ids, colours)
         return ids, colours
+
+
+Names = Union[str, int, Sequence[Union[str, int]], None]  # of joints: by name or by id, counted from 1; None: all
+
+
+@_usages("arm")
+class Joints:
+    """A group of joints that are driven together, as an arm. Made by `r.joints("arm")`.
+
+        arm = r.joints("arm")
+        arm.set_positions([0.5, -0.3, 0, 1.2, 0, 0.4, 0])     # rad, or m of a slider: a smooth move within the profile
+        while not arm.arrived():
+            sim.step()
+        arm.set_positions(0.5, "elbow")                       # one joint, by its name or its number from 1
+
+    Commands take a value for each joint that is named (none: for all), or one value for all of them. As set_velocity, they go
+    with the next `sim.step()` in lockstep, and at once in real time. Each puts its joints into its mode.
+    """
+
+    def __init__(self, session: _Session, link: _Link) -> None:
+        self._session = session
+        self._link = link
+        limits = session.read(link, link.actuator, _GET_JOINT_LIMITS)
+        self._names = limits.text.split()
+        self._limits: JointLimits = _reading_value(_GET_JOINT_LIMITS, limits)
+        self._chain: Optional[Tuple[List[int], Chain]] = None
+
+    def __repr__(self) -> str:
+        return f"<coopdyn joints {self._link.robot}/{self.name}: {', '.join(self._names)}>"
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @property
+    def name(self) -> str:
+        return self._link.actuator
+
+    @property
+    def names(self) -> List[str]:
+        """Of the joints, in their order: the first has the id 1."""
+        return list(self._names)
+
+    # --- commands ---
+    @_usage('arm.set_positions([0.5, 0.2]) or arm.set_positions(0.5, "elbow")')
+    def set_positions(self, positions: Any, joints: Names = None) -> None:
+        """Moves joints smoothly to positions [rad, m], within their profile of speed and acceleration."""
+        self._command(_SET_POSITIONS, positions, joints, "a position")
+
+    @_usage('arm.set_positions_direct([0.5, 0.2]) or arm.set_positions_direct(0.5, "elbow")')
+    def set_positions_direct(self, positions: Any, joints: Names = None) -> None:
+        """Where joints are to be at the end of the step [rad, m]: for trajectories of one's own."""
+        self._command(_SET_POSITIONS_DIRECT, positions, joints, "a position")
+
+    @_usage('arm.set_velocities([0.5, 0.2]) or arm.set_velocities(0.5, "elbow")')
+    def set_velocities(self, velocities: Any, joints: Names = None) -> None:
+        """Velocities of joints [rad/s, m/s]."""
+        self._command(_SET_VELOCITIES, velocities, joints, "a velocity")
+
+    @_usage('arm.set_efforts([0.5, 0.2]) or arm.set_efforts(0.5, "elbow")')
+    def set_efforts(self, efforts: Any, joints: Names = None) -> None:
+        """Efforts of the motors [N m, N]."""
+        self._command(_SET_EFFORTS, efforts, joints, "an effort")
+
+    @_usage('arm.set_modes("idle") or arm.set_modes(["position", "idle"], joints=[1, 3])')
+    def set_modes(self, modes: Any, joints: Names = None) -> None:
+        """How joints are driven: "idle", "position", "direct", "velocity" or "effort". Each keeps still where it is (idle
+        and effort: without effort) until its next command."""
+        ids = self._ids(joints)
+        given = [modes] if isinstance(modes, (str, int)) else list(modes)
+        numbers = []
+        for mode in given:
+            if mode in JOINT_MODES:
+                mode = JOINT_MODES.index(mode)
+            if mode not in range(len(JOINT_MODES)):
+                raise Error(4, f"there is no mode {mode!r}; write one of: {_list_of(JOINT_MODES)}")
+            numbers.append(float(mode))
+        self._session.command(self._link, _SET_MODES, self._spread(numbers, ids, "a mode"), ids)
+
+    @_usage('arm.hold() or arm.hold("elbow")')
+    def hold(self, joints: Names = None) -> None:
+        """Holds joints where they are."""
+        self._session.command(self._link, _HOLD, (), self._ids(joints))
+
+    # --- how joints are driven ---
+    @_usage("arm.set_compliance(50, 2) or arm.set_compliance(50, 2, 0, joints=[1, 2])")
+    def set_compliance(self, k: Any, d: Any = 0.0, offset: Any = 0.0, joints: Names = None) -> None:
+        """Makes joints springs in the modes "position" and "direct": effort = k (reference - position) - d velocity + offset;
+        k [N m/rad], d [N m s/rad], offset [N m]. k = inf: a servo again."""
+        self._tune(_SET_COMPLIANCE, (k, d, offset), ("a k [N m/rad]", "a d [N m s/rad]", "an offset [N m]"), joints)
+
+    @_usage("arm.set_profile(0.5, 2) or arm.set_profile(0.5, 2, joints=[1, 2])")
+    def set_profile(self, speed: Any, acceleration: Any, joints: Names = None) -> None:
+        """How fast set_positions moves joints: speed [rad/s, m/s] and acceleration [rad/s2, m/s2]."""
+        self._tune(_SET_PROFILE, (speed, acceleration), ("a speed [rad/s]", "an acceleration [rad/s2]"), joints)
+
+    @_usage("arm.set_gains(20, 0, 0) or arm.set_gains(20, 0, 0, joints=[1, 2])")
+    def set_gains(self, p: Any, i: Any = 0.0, d: Any = 0.0, joints: Names = None) -> None:
+        """Gains of the position servos: reference velocity = p error + i integral of it (docs/physics.md)."""
+        self._tune(_SET_GAINS, (p, i, d), ("a p [1/s]", "an i [1/s2]", "a d"), joints)
+
+    # --- readings ---
+    @_usage('arm.get() or arm.get("elbow")')
+    def get(self, joints: Names = None) -> JointReading:
+        """Position [rad, m], velocity and effort of joints."""
+        return self._get(_GET_JOINTS, joints)
+
+    @_usage('arm.get_modes() or arm.get_modes("elbow")')
+    def get_modes(self, joints: Names = None) -> List[str]:
+        """How joints are driven: words as of set_modes."""
+        return self._get(_GET_MODES, joints)
+
+    @_usage('arm.get_compliance() or arm.get_compliance("elbow")')
+    def get_compliance(self, joints: Names = None) -> Compliance:
+        """k, d and offset of joints."""
+        return self._get(_GET_COMPLIANCE, joints)
+
+    @_usage('arm.get_profile() or arm.get_profile("elbow")')
+    def get_profile(self, joints: Names = None) -> Profile:
+        """Speed and acceleration of joints on their way to a position."""
+        return self._get(_GET_PROFILE, joints)
+
+    @_usage('arm.get_gains() or arm.get_gains("elbow")')
+    def get_gains(self, joints: Names = None) -> Gains:
+        """p, i and d of the position servos."""
+        return self._get(_GET_GAINS, joints)
+
+    @_usage('arm.get_limits() or arm.get_limits("elbow")')
+    def get_limits(self, joints: Names = None) -> JointLimits:
+        """Limits of position, velocity and effort of joints."""
+        return self._get(_GET_JOINT_LIMITS, joints)
+
+    @_usage('arm.get_motion() or arm.get_motion("elbow")')
+    def get_motion(self, joints: Names = None) -> Motion:
+        """Which joints have arrived where set_positions sent them, and where they go."""
+        return self._get(_GET_MOTION, joints)
+
+    @_usage('arm.arrived() or arm.arrived("elbow")')
+    def arrived(self, joints: Names = None) -> bool:
+        """True if joints are where set_positions sent them; false until a step has run since."""
+        session, link = self._session, self._link
+        if link.kept is not None:
+            return False
+        motion: Motion = self.get_motion(joints)
+        return session.steps > link.told_at and all(motion.arrived)
+
+    @_usage('arm.get_references() or arm.get_references("elbow")')
+    def get_references(self, joints: Names = None) -> List[float]:
+        """The reference in force: position, velocity or effort by the mode."""
+        return self._get(_GET_REFERENCES, joints)
+
+    # --- kinematics ---
+    def get_chain(self) -> Chain:
+        """The chain from the robot's frame R to the tool, for its forward() and inverse(). Error 5 if the joints branch."""
+        return self._kinematics()[1]
+
+    @_usage("arm.forward() or arm.forward([0.1, 0.2])")
+    def forward(self, q: Optional[Sequence[float]] = None) -> List[List[float]]:
+        """The pose of the tool in the robot's frame R, a 4 x 4 matrix, with all joints of the group at q [rad, m]; without q
+        where they are."""
+        ids, chain = self._kinematics()
+        q = self._posture(q)
+        return chain.forward([q[i - 1] for i in ids])
+
+    @_usage("arm.inverse(pose) or arm.inverse([0.3, 0, 0.5], q0)")
+    def inverse(self, pose: Any, q0: Optional[Sequence[float]] = None) -> List[float]:
+        """Positions of all joints within their limits that bring the tool to this pose in R (a 4 x 4 matrix as of forward(),
+        or only a position x, y, z [m]), near q0 if it can be; without q0 near where they are. Error 4 if there are none."""
+        ids, chain = self._kinematics()
+        q = list(self._posture(q0))
+        for i, angle in zip(ids, chain.inverse(pose, [q[i - 1] for i in ids])):
+            q[i - 1] = angle
+        return q
+
+    # --- inside ---
+    def _ids(self, joints: Names) -> Tuple[int, ...]:
+        """Ids of joints, from names or ids."""
+        if joints is None:
+            return tuple(range(1, len(self._names) + 1))
+        given = [joints] if isinstance(joints, (str, int)) or not hasattr(joints, "__iter__") else list(joints)
+        ids = []
+        for joint in given:
+            if isinstance(joint, str):
+                if joint not in self._names:
+                    raise Error(10, f"{self._link.robot}/{self.name} has no joint {joint!r}; {_nearest(joint, self._names)}"
+                                    f"there are: {_list_of(self._names)}")
+                ids.append(self._names.index(joint) + 1)
+            else:
+                number = _count(joint, "the id of a joint")
+                if number > len(self._names):
+                    raise Error(4, f"{self._link.robot}/{self.name} has {len(self._names)} joints, not {number}")
+                ids.append(number)
+        if not ids or len(set(ids)) < len(ids):
+            raise Error(2, f"name each joint once, not {joints!r}; there are: {_list_of(self._names)}")
+        return tuple(ids)
+
+    def _spread(self, values: List[float], ids: Tuple[int, ...], what: str) -> Tuple[float, ...]:
+        if len(values) == 1:
+            return tuple(values * len(ids))
+        if len(values) != len(ids):
+            raise Error(3, f"write {what} for each of the {len(ids)} joints, or one for all, not {len(values)}")
+        return tuple(values)
+
+    def _values(self, values: Any, ids: Tuple[int, ...], what: str, finite: bool = True) -> Tuple[float, ...]:
+        if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
+            values = [values]
+        if finite:
+            return self._spread([_number(value, what) for value in values], ids, what)
+        return self._spread([value if value == math.inf else _number(value, what) for value in values], ids, what)
+
+    def _command(self, command: int, values: Any, joints: Names, what: str) -> None:
+        ids = self._ids(joints)
+        self._session.command(self._link, command, self._values(values, ids, what), ids)
+
+    def _tune(self, command: int, columns: Sequence[Any], whats: Sequence[str], joints: Names) -> None:
+        if self._session.watch:
+            raise Error(5, "this sim only watches; connect() without watch=True to drive")
+        ids = self._ids(joints)
+        rows = zip(*(self._values(column, ids, what, what != "a k [N m/rad]") for column, what in zip(columns, whats)))
+        self._session.read(self._link, self.name, command, ids, data=list(itertools.chain.from_iterable(rows)))
+
+    def _get(self, command: int, joints: Names) -> Any:
+        ids = () if joints is None else self._ids(joints)
+        return _reading_value(command, self._session.read(self._link, self.name, command, ids))
+
+    def _posture(self, q: Optional[Sequence[float]]) -> Sequence[float]:
+        if q is None:
+            return self.get().position
+        if not hasattr(q, "__len__") or len(q) != len(self._names):
+            raise Error(3, f"a posture has a value for each of the {len(self._names)} joints: {_list_of(self._names)}")
+        return q
+
+    def _kinematics(self) -> Tuple[List[int], Chain]:
+        """Ids of the joints between base and tool, and their chain."""
+        if self._chain is None:
+            reply = self._session.read(self._link, self.name, _GET_CHAIN)
+            ids, kinds, data = reply.params[0::2], reply.params[1::2], reply.data[:-2]
+            rows = [data[6 * k : 6 * k + 6] for k in range(len(ids))]
+            x, y, z, qw, qx, qy, qz = data[6 * len(ids):]
+            tool = [[1 - 2 * (qy * qy + qz * qz), 2 * (qx * qy - qw * qz), 2 * (qx * qz + qw * qy), x],
+                    [2 * (qx * qy + qw * qz), 1 - 2 * (qx * qx + qz * qz), 2 * (qy * qz - qw * qx), y],
+                    [2 * (qx * qz - qw * qy), 2 * (qy * qz + qw * qx), 1 - 2 * (qx * qx + qy * qy), z], [0, 0, 0, 1]]
+            limits = self._limits
+            self._chain = ids, Chain(kinds, [row[:3] for row in rows], [row[3:] for row in rows], tool,
+                                     [limits.lower[i - 1] for i in ids], [limits.upper[i - 1] for i in ids])
+        return self._chain
 
 
 @_usages("team")
