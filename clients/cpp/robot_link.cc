@@ -249,7 +249,8 @@ Message RobotLink::Read(const std::string& module, Request request) {
     if (FindAgain(module, *reader)) return Read(module, std::move(request));
     if (module != "neighbours" && module != "compass" && module != "support") throw;
     throw Error(kNotPossible, robot + " has no module " + module + ", its type has none: a robot of type " +
-                                  (module == "support" ? "transporter" : "minibot") + " has one, or add it to the robot's model.sdf (docs/formats.md)");
+                                  (module == "support" ? "transporter" : "minibot") +
+                                  " has one, or add it to the robot's model.sdf (docs/formats.md)");
   }
 }
 

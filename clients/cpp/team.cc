@@ -14,14 +14,14 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr const char* kReadings[] = {"pose", "distances", "targets", "neighbours", "wheels", "compass", "support"};
+constexpr const char* kReadings[] = {"pose",   "distances", "targets", "neighbours",
+                                     "wheels", "compass",   "support"};
 constexpr const char* kReadingWords = "pose, distances, targets, neighbours, wheels, compass, support";
 
 Rows TeamReading::*RowsOf(const std::string& name) {
-  static constexpr Rows TeamReading::*kRows[] = {&TeamReading::pose,    &TeamReading::distances,
-                                                 &TeamReading::targets, &TeamReading::neighbours,
-                                                 &TeamReading::wheels,  &TeamReading::compass,
-                                                 &TeamReading::support};
+  static constexpr Rows TeamReading::*kRows[] = {
+      &TeamReading::pose,   &TeamReading::distances, &TeamReading::targets, &TeamReading::neighbours,
+      &TeamReading::wheels, &TeamReading::compass,   &TeamReading::support};
   const auto* found = std::find(std::begin(kReadings), std::end(kReadings), name);
   return found == std::end(kReadings) ? nullptr : kRows[found - kReadings];
 }

@@ -1,9 +1,9 @@
 % SPDX-License-Identifier: MIT
 classdef Robot < handle
 %ROBOT One robot of a simulation. Readings are always those of the newest step.
-%   Commands: set_velocity, set_wheel_speeds, stop, send_message. Readings: get_pose, get_pose_3d, get_distances,
-%   get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages, get_compass, get_support, get_wheels,
-%   get_limits; sense: all of one step at once.
+%   Commands: set_velocity, set_wheel_speeds, stop, send_message; joints: its arm and what else has motors. Readings:
+%   get_pose, get_pose_3d, get_distances, get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages,
+%   get_compass, get_support, get_wheels, get_limits; sense: all of one step at once.
 %   Units: m, rad, m/s, rad/s; bearings 0 ahead, left positive. Rows are 1 x n.
   properties (SetAccess = private)
     name
@@ -38,8 +38,8 @@ classdef Robot < handle
         command = [coopdyn.internal.number(v, 'v [m/s]') coopdyn.internal.number(w, 'w [rad/s]')];
       end
       link = r.link;
-      if link.drives && r.session.mode == 1 && isempty(link.kept)
-        link.kept = {11, command};  % lockstep: what Link.command does
+      if link.drives && r.session.mode == 1 && isempty(link.kept) && strcmp(link.actuator, 'motors')
+        link.kept = {11, command, []};  % lockstep: what Link.command does
       else
         link.command(r.session, 11, command);
       end
@@ -192,6 +192,7 @@ classdef Robot < handle
       wheels = [];
       compass = [];
       support = [];
+      joints = struct();
       at = 0;
       for k = 1:numel(attached)
         n = params(k + 1);
@@ -211,12 +212,14 @@ classdef Robot < handle
             support = struct('x', part(1), 'y', part(2), 'angle', part(3));
           case 'target'
             seen = part;
+          otherwise  % joints/arm
+            joints.(attached{k}(8:end)) = coopdyn.internal.value(203, [], '', part);
         end
       end
       % Ids and colours change with a reset, load or edit only: asked for again when the step did not go on, when their
       % number changed, or after half a second.
       labels = link.labels;
-      if step <= labels.step || 2 * numel(labels.ids) ~= numel(seen) || toc(labels.when) > 0.5
+      if ~isempty(seen) && (step <= labels.step || 2 * numel(labels.ids) ~= numel(seen) || toc(labels.when) > 0.5)
         t = r.get_targets();
         labels.ids = {t.id};
         labels.colours = {t.colour};
@@ -232,11 +235,20 @@ classdef Robot < handle
       end
       target = [];
       if nargin > 1
-        target = choose_target(targets, x);
+        target = coopdyn.internal.choose_target(targets, x);
       end
       s = struct('time', data(end - 1), 'step', step, 'distances', distances, 'targets', [], 'target', target, ...
-                 'pose', pose, 'wheels', wheels, 'compass', compass, 'support', support);
+                 'pose', pose, 'wheels', wheels, 'compass', compass, 'support', support, 'joints', joints);
       s.targets = targets;
+    end
+
+    function j = joints(r, name)
+    %JOINTS Its joints of this name, a coopdyn.Joints: a group of <coopdyn:group> in its model, 'joints' if it names none.
+    %   Without a name the only group.
+      if nargin < 2
+        name = '';
+      end
+      j = coopdyn.Joints(r.session, coopdyn.internal.group(r.session, r.link, char(name)));
     end
 
     % --- pushed readings
@@ -340,6 +352,7 @@ classdef Robot < handle
       link.modules = coopdyn.internal.modules_of(r.session, r.name);
       readable = {'motors', 'distance', 'target', 'pose', 'compass', 'support'};
       readable = readable(isfield(link.modules, readable));
+      readable = [readable strcat('joints/', coopdyn.internal.groups_of(r.session, r.name))];
       if isempty(readable)
         coopdyn.internal.fail(10, [r.name ' has no readings']);
       end
@@ -388,22 +401,4 @@ classdef Robot < handle
       r.session.go_on(reply.data(end), since);
     end
   end
-end
-
-function t = choose_target(targets, x)
-% The target with this id, or the nearest of this colour; error if there is none.
-  if isnumeric(x)
-    fits = find([targets.id] == x);
-  else
-    fits = find(strcmp({targets.colour}, char(x)));
-  end
-  if isempty(fits)
-    there = strjoin({targets.colour}, ', ');
-    if isempty(there)
-      there = 'none';
-    end
-    coopdyn.internal.fail(10, ['there is no target ' num2str(x) '; there are: ' there]);
-  end
-  [~, nearest] = min([targets(fits).distance]);
-  t = targets(fits(nearest));
 end

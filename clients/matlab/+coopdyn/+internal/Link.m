@@ -1,13 +1,16 @@
 % SPDX-License-Identifier: MIT
 classdef Link < handle
-%LINK A robot as this client drives it: its connections, and the command kept for the next step.
+%LINK An actuator module of a robot as this client drives it, and the command kept for the next step. The first of a robot, its
+%  motors if it has any, has the robot's other connections, too.
   properties
     robot
     label              % in errors
     names              % of the robots that this drives
     is_team = false
     in_team = false    % a team of this sim drives it; it can only be read
-    motors = []        % the connection that commands go through; [] = it has no motors
+    actuator = 'motors'  % or the name of a group of joints
+    others = {}        % the robot's further actuators
+    motors = []        % the connection that commands go through; [] = it has no actuator
     readers = struct() % connections to other modules, by module
     pushers = struct() % connections that readings are pushed on, by module
     modules = struct() % names of modules by type, once they were needed
@@ -15,9 +18,10 @@ classdef Link < handle
     commanded = false  % by this program, ever
     unclaimed = false  % only read: a recording was played when it was last asked for, or
     another = false    % another program had it; it is asked for again with the next command
-    kept = []          % struct of command and data, for the next step
+    kept = []          % {command, data, joints}, for the next step
     sent = []          % the same of a command whose reply has not come yet
     sent_at = 0        % the newest step when it was sent
+    told_at = -1       % the newest step when a command was answered at once: it runs with a later one
     unstepped = 0      % commands since the last step
     unstepped_since = 0  % the step of the first of them
     lost = ''          % why it is not ours any more
@@ -34,9 +38,22 @@ classdef Link < handle
       link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], drives);
     end
 
+    function drive_joints(link, address, group, drives)
+    % Its actuator is a group of joints.
+      link.actuator = group;
+      link.label = [link.robot '/' group];
+      link.motors = coopdyn.internal.Connection(address, ['/' link.robot '/' group], drives);
+    end
+
+    function yes = has_joints(link)
+      yes = ~strcmp(link.actuator, 'motors');
+    end
+
     function p = path(link, module)
-    % Of the module of this type or name.
-      if isfield(link.modules, module)
+    % Of the module of this type or name; joints/NAME is a group of joints.
+      if strncmp(module, 'joints/', 7)
+        module = module(8:end);
+      elseif isfield(link.modules, module)
         module = link.modules.(module);
       end
       p = ['/' link.robot '/' module];
@@ -190,13 +207,14 @@ classdef Link < handle
       end
     end
 
-    function command(link, session, number, data)
+    function command(link, session, number, data, joints)
     % An actuator command: kept in lockstep, sent at once otherwise.
+      if nargin < 5, joints = []; end
       session.require_open();
       if session.watch
         coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive');
       end
-      if isempty(link.motors)
+      if isempty(link.motors) || link.has_joints() == isempty(joints)
         if link.in_team
           coopdyn.internal.fail(5, [link.robot ' is driven by its team']);
         end
@@ -217,19 +235,20 @@ classdef Link < handle
         if ~isempty(link.kept)
           link.count_unstepped(session);
         end
-        link.kept = {number, data};
+        link.kept = coopdyn.internal.merged(link.kept, {number, data, joints}, link.label);
         return
       end
       link.kept = [];
       link.count_unstepped(session);
       link.sent_at = session.reached;
       try
-        link.motors.send(number, coopdyn.internal.encode(number, [], data));
+        link.motors.send(number, coopdyn.internal.encode(number, joints, data));
       catch cause
         coopdyn.internal.lose(session, link, cause);
       end
-      link.sent = {number, data};
+      link.sent = {number, data, joints};
       link.await_command(session);
+      link.told_at = session.newest(2);
     end
 
     function [number, bytes] = frame(link, n)
@@ -245,6 +264,10 @@ classdef Link < handle
       link.kept = [];
       number = kept{1};
       data = kept{2};
+      if ~isempty(kept{3})
+        bytes = coopdyn.internal.encode(number, kept{3}, data);
+        return
+      end
       k = numel(data);
       bytes = typecast(int32([24 + 8 * k, 0, number, 0, 1, k, n]), 'uint8');
       if k > 0
@@ -303,6 +326,7 @@ classdef Link < handle
       link.kept = [];
       link.sent = [];
       link.carried = [];
+      link.told_at = -1;
     end
 
     function close(link)

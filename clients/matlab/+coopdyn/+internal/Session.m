@@ -8,6 +8,7 @@ classdef Session < handle
     teams = {}
     others = {}      % connections to modules of the whole, and of call
     described = {}   % names and numbers of commands, by module: {module, names, ids; ...}
+    groups = cell(0, 2)  % of joints: robot and names; empty = not asked yet
     mode = 0
     newest = [0 0]   % time [s] and step of the newest reply
     reached = 0      % the newest step of this world that a reading, command or step has told; 0 again after a reset
@@ -29,7 +30,7 @@ classdef Session < handle
       end
       if ~isempty(reply.params)
         switch reply.command
-          case {2, 3, 10, 11, 14, 110}
+          case {2, 3, 10, 11, 14, 110, 204, 205, 206, 207, 208, 219}
             s.mode = reply.params(1);
         end
       end
@@ -142,10 +143,10 @@ classdef Session < handle
       s.require_open();
       link.require_here();
       since = s.reached;
-      if strcmp(module, 'motors') && ~isempty(link.motors) && isempty(link.lost)
+      if strcmp(module, link.actuator) && ~isempty(link.motors) && isempty(link.lost)
         link.settle(s);
         try
-          reply = link.motors.request(command, params, [], text);
+          reply = link.motors.request(command, params, data, text);
         catch cause
           coopdyn.internal.lose(s, link, cause);
         end
@@ -211,6 +212,12 @@ classdef Session < handle
     function step(s, n, limit, commanded, bytes)
     % Sends what was kept (or ready) for every robot and every team of this sim, then takes in the replies. One of the
     % teams may be commanded otherwise: bytes.
+      if n > 1 && any(cellfun(@(link) link.has_joints() && ~isempty(link.kept), s.links))
+        started = tic;
+        s.step(1, limit);  % a command of joints stands for one step
+        n = n - 1;
+        limit = max(0, limit - toc(started));
+      end
       links = s.links;
       if isempty(links) && numel(s.teams) == 1 && nargin > 3
         driven = commanded;
@@ -232,9 +239,9 @@ classdef Session < handle
           s.step_one(driven, c, number, bytes, limit);
         end
       elseif nargin < 4
-        step_all(s, n, limit);
+        coopdyn.internal.step_all(s, n, limit);
       else
-        step_all(s, n, limit, commanded, bytes);
+        coopdyn.internal.step_all(s, n, limit, commanded, bytes);
       end
     end
 
@@ -277,6 +284,7 @@ classdef Session < handle
     function started_anew(s)
     % After a reset or load: what was kept belongs to the old world.
       s.reached = 0;
+      s.groups = cell(0, 2);
       s.forget_commands();
     end
 
@@ -296,14 +304,12 @@ classdef Session < handle
       yes = any(cellfun(@(t) isempty(t.lost) && any(strcmp(t.names, robot)), s.teams));
     end
 
-    function link = looked_at(s, robot)
-    % The link of a robot of ours that was only looked at; [] if there is none.
-      link = [];
-      for k = 1:numel(s.links)
-        l = s.links{k};
-        if strcmp(l.robot, robot) && ~isempty(l.motors) && ~l.commanded && ~l.unclaimed && isempty(l.lost)
-          link = l;
-        end
+    function freed = let_go(s, robot)
+    % Releases a robot of ours that was only looked at, so that a team can have it. False if there is none.
+      links = s.links(cellfun(@(l) strcmp(l.robot, robot) && ~isempty(l.motors), s.links));
+      freed = ~isempty(links) && ~any(cellfun(@(l) l.commanded || l.unclaimed || ~isempty(l.lost), links));
+      for k = 1:freed * numel(links)
+        links{k}.let_go(s);
       end
     end
 
@@ -324,7 +330,11 @@ classdef Session < handle
         link = s.links{k};
         if ~isempty(link.motors) && ~s.watch && ~link.unclaimed && isempty(link.lost) && link.motors.alive()
           try
-            link.motors.send(14, coopdyn.internal.encode(14, [], []));
+            last = 14;
+            if link.has_joints()
+              last = 219;  % hold
+            end
+            link.motors.send(last, coopdyn.internal.encode(last, [], []));
             stopping{end + 1} = link.motors;
           catch
             % it is gone already
@@ -349,65 +359,4 @@ classdef Session < handle
       s.closed = true;
     end
   end
-end
-
-function step_all(s, n, limit, commanded, bytes)
-% A step of the world with every robot and every team of session s, as Session.step says.
-  s.require_open();
-  connections = {};
-  links = {};
-  for k = 1:numel(s.links)
-    link = s.links{k};
-    link.unstepped = 0;
-  end
-  if ~s.watch
-    settled = {};
-    for k = 1:numel(s.teams)
-      team = s.teams{k};
-      try
-        team.settle(s);
-        settled{end + 1} = team; %#ok<AGROW>
-      catch cause
-        if (isempty(team.lost) && ~isempty(team.names)) || nargin > 3 && team.number == commanded.number
-          rethrow(cause);
-        end
-      end  % else the others go on without one that is lost, or whose robots are another's after a load
-    end
-    s.drop_lost_teams();
-    for k = 1:numel(s.links)
-      link = s.links{k};
-      c = link.motors;
-      if link.drives && isempty(link.sent) && ~c.busy && ~isempty(c.socket) || link.takes_part(s)
-        links{end + 1} = link; %#ok<AGROW>
-        connections{end + 1} = c; %#ok<AGROW>
-      end
-    end
-    for k = 1:numel(settled)
-      links{end + 1} = settled{k}; %#ok<AGROW>
-      connections{end + 1} = settled{k}.connection; %#ok<AGROW>
-    end
-  end
-  if isempty(links)
-    links = {[]};
-    connections = {s.connection('/simulation')};
-  end
-  since = s.reached + 1;
-  try
-    for k = 1:numel(links)
-      link = links{k};
-      c = connections{k};
-      if isempty(link)
-        c.send(2, coopdyn.internal.encode(2, n, []));
-      elseif nargin > 3 && link.is_team && link.number == commanded.number
-        c.send(110, bytes);
-      else
-        [number, frame] = link.frame(n);
-        c.send(number, frame);
-      end
-    end
-    earliest = coopdyn.internal.collect(s, connections, links, limit);
-  catch cause
-    coopdyn.internal.recover(s, connections, links, cause);
-  end
-  s.go_on(earliest, since);
 end

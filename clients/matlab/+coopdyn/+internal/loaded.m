@@ -24,6 +24,7 @@ function gone = loaded(session)
       gone{end + 1} = link.robot; %#ok<AGROW>
     end
   end
+  gone = unique(gone, 'stable');
   session.links = session.links(keep);
   for k = 1:numel(session.links)
     link = session.links{k};

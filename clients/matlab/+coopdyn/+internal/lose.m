@@ -23,6 +23,18 @@ function lose(session, link, cause)
   end
   link.lost = [link.label ' is not driven by this sim any more: ' why '; ' link.take_again() ' takes it again'];
   link.lost_code = 6;
+  if ~link.is_team
+    for k = 1:numel(session.links)  % its other actuators are not ours any more, either
+      other = session.links{k};
+      if strcmp(other.robot, link.robot) && isempty(other.lost) && ~isempty(other.motors)
+        other.lost = link.lost;
+        other.lost_code = 6;
+        other.forget_commands();
+        other.drives = false;
+        other.motors.close();
+      end
+    end
+  end
   coopdyn.internal.fail(6, link.lost);
 end
 

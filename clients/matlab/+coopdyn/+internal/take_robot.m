@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function link = take_robot(session, robot)
-%TAKE_ROBOT The link to a robot, opened and (unless watching) claimed.
+%TAKE_ROBOT The link to a robot, opened and (unless watching) claimed, with all its actuators.
   session.require_open();
   in_team = session.has_team_with(robot);
   keep = true(1, numel(session.links));
@@ -14,12 +14,45 @@ function link = take_robot(session, robot)
     end
   end
   link = coopdyn.internal.Link(session.address, robot, ~session.watch);
+  link.in_team = in_team;
   if in_team
-    link.in_team = true;
     link.motors = [];
-    session.links = [session.links(keep) {link}];
-    return
+  else
+    open_motors(session, link);
   end
+  groups = coopdyn.internal.groups_of(session, robot);
+  try
+    if ~isempty(groups) && isempty(link.motors) && ~in_team
+      link.drive_joints(session.address, groups{1}, ~session.watch);
+      link.open(session);
+    end
+    for k = 1:numel(groups)
+      if strcmp(groups{k}, link.actuator)
+        continue
+      end
+      other = coopdyn.internal.Link(session.address, robot, ~session.watch);
+      other.in_team = in_team;
+      other.drive_joints(session.address, groups{k}, ~session.watch);
+      link.others{end + 1} = other;
+      if in_team
+        other.motors = [];
+      else
+        other.open(session);
+      end
+    end
+  catch cause
+    link.close();
+    for k = 1:numel(link.others)
+      other = link.others{k};
+      other.close();
+    end
+    rethrow(cause);
+  end
+  session.links = [session.links(keep) {link} link.others];
+end
+
+function open_motors(session, link)
+% Without motors link.motors is [] afterwards.
   try
     link.open(session);
   catch cause
@@ -27,15 +60,14 @@ function link = take_robot(session, robot)
       rethrow(cause);
     end
     robots = coopdyn.internal.robot_names(session);
-    if ~any(strcmp(robots, robot))
-      coopdyn.internal.fail(10, ['there is no robot ''' robot '''; ' coopdyn.internal.nearest(robot, robots) ...
+    if ~any(strcmp(robots, link.robot))
+      coopdyn.internal.fail(10, ['there is no robot ''' link.robot '''; ' coopdyn.internal.nearest(link.robot, robots) ...
         'there are: ' coopdyn.internal.list_of(robots)]);
     end
     if link.find_again(session, 'motors', link.motors)
       link.open(session);
     else
-      link.motors = [];  % it has no motors: it can be read only
+      link.motors = [];
     end
   end
-  session.links = [session.links(keep) {link}];
 end

@@ -38,9 +38,7 @@ function team = take_team(session, text)
   catch cause
     if strcmp(cause.identifier, 'coopdyn:owned')
       robot = strtok(cause.message, ' ');
-      link = session.looked_at(robot);
-      if ~isempty(link)
-        link.let_go(session);
+      if session.let_go(robot)
         team = coopdyn.internal.take_team(session, text);
         return
       end

@@ -24,6 +24,21 @@ function v = value(command, params, text, data)
                          'values', data(at + 3:at + 2 + count));
         at = at + 2 + count;
       end
+    case 203
+      v = struct('position', data(1:3:end), 'velocity', data(2:3:end), 'effort', data(3:3:end));
+    case 209
+      words = {'idle', 'position', 'direct', 'velocity', 'effort'};
+      v = words(params + 1);
+    case 211
+      v = struct('k', data(1:3:end), 'd', data(2:3:end), 'offset', data(3:3:end));
+    case 213
+      v = struct('speed', data(1:2:end), 'acceleration', data(2:2:end));
+    case 215
+      v = struct('p', data(1:3:end), 'i', data(2:3:end), 'd', data(3:3:end));
+    case 216
+      v = struct('lower', data(1:4:end), 'upper', data(2:4:end), 'velocity', data(3:4:end), 'effort', data(4:4:end));
+    case 217
+      v = struct('arrived', params ~= 0, 'target', data);
     case 31
       v = struct('distance', data(1), 'bearing', data(2));
     case 40
