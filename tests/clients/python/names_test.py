@@ -9,14 +9,17 @@ import coopdyn
 
 MATLAB = harness.ROOT / "clients" / "matlab" / "+coopdyn"
 CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
-CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h")]
+CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h", "joints.h", "chain.h")]
 
 SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
     set_speed set_participants release_robot status hash waiting snapshot describe modules call close
     save_state restore_state saved_states record stop_recording note recording recordings fetch_run
     playback seek play set_play_speed skip set_loop branch""".split())
 ROBOT = set("""name set_velocity set_wheel_speeds stop get_pose get_pose_3d get_distances get_geometry get_targets
-    get_target get_robots get_neighbours get_messages send_message get_compass get_support get_wheels get_limits sense subscribe next call""".split())
+    get_target get_robots get_neighbours get_messages send_message get_compass get_support get_wheels get_limits sense joints subscribe next call""".split())
+JOINTS = set("""name names set_positions set_positions_direct set_velocities set_efforts set_modes hold set_compliance set_profile
+    set_gains get get_modes get_compliance get_profile get_gains get_limits get_motion arrived get_references get_chain forward
+    inverse""".split())
 TEAM = set("n names ids step step_wheels read select stop release close".split())
 RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events".split())
 READINGS = set("pose distances targets neighbours wheels compass support".split())
@@ -83,6 +86,15 @@ class NamesTest(unittest.TestCase):
         self.assertEqual(matlab_names("Robot"), ROBOT)
         self.assertEqual(cpp_names("Robot"), ROBOT)
 
+    def test_joints_have_the_same_calls(self):
+        self.assertEqual(python_names(coopdyn.Joints), JOINTS)
+        self.assertEqual(matlab_names("Joints"), JOINTS)
+        self.assertEqual(cpp_names("Joints"), JOINTS)
+
+    def test_chains_have_the_same_calls(self):
+        for names in (python_names(coopdyn.Chain), matlab_names("Chain"), cpp_names("Chain")):
+            self.assertLessEqual({"forward", "inverse"}, names)
+
     def test_teams_have_the_same_calls(self):
         self.assertEqual(python_names(coopdyn.Team), TEAM)
         self.assertEqual(matlab_names("Team"), TEAM)
@@ -121,12 +133,13 @@ class NamesTest(unittest.TestCase):
         functions = {n for n, f in inspect.getmembers(coopdyn, inspect.isfunction)
                      if not n.startswith("_") and f.__module__ == "coopdyn"}
         self.assertEqual(functions - {"encode", "decode"}, FUNCTIONS)
-        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot", "Team", "Run"}, FUNCTIONS)
+        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot", "Team", "Run", "Joints", "Chain"}, FUNCTIONS)
         headers = "".join(path.read_text(encoding="utf-8") for path in CPP_HEADERS)
         self.assertEqual(set(re.findall(r"^(?:Simulation|bool|Run) (\w+)\(", headers, re.M)), FUNCTIONS)
 
     def test_readings_have_the_same_fields(self):
-        for command, name in ((12, "Wheels"), (13, "Limits"), (21, "Geometry"), (31, "Bearing"), (40, "Pose"), (41, "Pose3d")):
+        for command, name in ((12, "Wheels"), (13, "Limits"), (21, "Geometry"), (31, "Bearing"), (40, "Pose"), (41, "Pose3d"),
+                              (203, "JointReading"), (211, "Compliance"), (213, "Profile"), (215, "Gains"), (216, "JointLimits")):
             with self.subTest(name):
                 fields = set(getattr(coopdyn, name)._fields)
                 self.assertEqual(cpp_fields(name), fields)
