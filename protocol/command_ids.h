@@ -24,10 +24,9 @@ inline constexpr Id kGetTargets = 30, kGetTarget = 31, kGetRobots = 32;
 // /R/pose
 inline constexpr Id kGetPose = 40, kGetPose3d = 41;
 // /R/neighbours
-inline constexpr Id kGetNeighbours = 200, kSendMessage = 201, kGetMessages = 202, kGetLink = 203;
+inline constexpr Id kGetNeighbours = 200, kSendMessage = 201, kGetMessages = 202, kGetLink = 199;
 // /R/support
 inline constexpr Id kGetSupport = 280;
-
 // /R/compass
 inline constexpr Id kGetCompass = 300;
 // Control boards: /R/joints

@@ -125,10 +125,12 @@ CommandTable SwarmTable() {
           {.id = command::kStepAll,
            .name = "step_all",
            .help = "Sets the speeds of robots of the team, as velocities or as wheel speeds (left and right "
-                   "rad/s). No robots named: all; free robots join the team. Without data they keep their "
+                   "rad/s), or their joints, one value each, robot by robot: positions, positions_direct, "
+                   "joint_velocities or efforts. No robots named: all; free robots join the team. Without "
+                   "data they keep their "
                    "speeds. The reply comes after the next step.",
            .text = TextUse::kFirst,
-           .text_name = "velocities or wheels",
+           .text_name = "velocities, wheels or a word for joints",
            .params = {robot},
            .data = {Repeated("linear", "m/s"), Repeated("angular", "rad/s")},
            .reply_params = table_shape,
@@ -138,7 +140,8 @@ CommandTable SwarmTable() {
           {.id = command::kSelectReadings,
            .name = "select_readings",
            .help = "Chooses the columns of step_all and read_all: pose, distances, targets, neighbours (of "
-                   "the nearest, 8 by default), wheels, compass, support. Without words: pose distances.",
+                   "the nearest, 8 by default), wheels, compass, support, joints. Without words: pose "
+                   "distances.",
            .text = TextUse::kRest,
            .text_name = "READING…",
            .params = {{.name = "nearest", .unit = "", .optional = true, .min = 1}},

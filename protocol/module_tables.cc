@@ -145,8 +145,8 @@ CommandTable SupportTable() {
 
 const std::vector<CommandTable>& AllModuleTables() {
   static const std::vector<CommandTable> tables = {
-      MotorsTable(),  DistanceTable(),   TargetTable(), PoseTable(),     NeighboursTable(), CompassTable(),
-      SupportTable(), SimulationTable(), SwarmTable(),  RecorderTable(), PlaybackTable()};
+      MotorsTable(),  JointsTable(),  DistanceTable(),   TargetTable(), PoseTable(),     NeighboursTable(),
+      CompassTable(), SupportTable(), SimulationTable(), SwarmTable(),  RecorderTable(), PlaybackTable()};
   return tables;
 }
 

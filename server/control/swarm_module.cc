@@ -161,30 +161,33 @@ std::optional<Message> SwarmModule::Ready(Peer& peer, const Message& request) {
 }
 
 std::optional<Message> SwarmModule::StepAll(Peer& peer, const Message& request) {
-  if (request.text != "wheels" && request.text != "velocities" && !request.text.empty()) {
+  const bool joints = JointModeOf(request.text).has_value();
+  if (!joints && request.text != "wheels" && request.text != "velocities" && !request.text.empty()) {
     constexpr std::size_t kShown = 40;
-    const std::vector<std::string> words = {"velocities", "wheels"};
+    const std::vector<std::string> words = {"velocities",       "wheels",           "positions",
+                                            "positions_direct", "joint_velocities", "efforts"};
     const bool is_word = request.text.size() <= kShown;
     return ErrorReply(request.command, Error::kWrongParams,
-                      "step_all takes velocities or wheels, not " + request.text.substr(0, kShown) +
+                      "step_all takes " + JoinNames(words) + ", not " + request.text.substr(0, kShown) +
                           DidYouMean(is_word ? request.text : "", words));
   }
   if (std::optional<Message> refusal = FindRows(peer, request, peer.rows)) return refusal;
   peer.rows_scene = scene_;
-  if (!request.data.empty() && request.data.size() != 2 * peer.rows.size()) {
-    const std::string lost = LostText(peer.lost);
+  std::size_t wanted = 0;
+  for (const int robot : peer.rows) wanted += DataOf(*scene_, robot, joints);
+  if (!request.data.empty() && request.data.size() != wanted) {
+    const std::string lost = LostText(peer.lost), each = joints ? "one for each joint" : "2 data for each";
     return ErrorReply(
         request.command, Error::kWrongData,
-        fmt::format("step_all takes 2 data for each of {} robots, or none, not {}{}", peer.rows.size(),
-                    request.data.size(), lost.empty() ? lost : " (" + lost + ")"));
+        fmt::format("step_all takes {} of {} robots, {} in all, or none, not {}{}", each, peer.rows.size(),
+                    wanted, request.data.size(), lost.empty() ? lost : " (" + lost + ")"));
   }
   if (std::optional<Message> refusal = RefuseSize(peer, request.command, *scene_, peer.rows)) return refusal;
   const std::size_t limited = MakeSetpoints(peer, request);
   std::vector<SlotId> others;
   if (!request.params.empty()) {
     for (const int robot : peer.team) {
-      if (marks_[static_cast<std::size_t>(robot)] != mark_)
-        others.push_back(slots_[static_cast<std::size_t>(robot)]);
+      if (marks_[static_cast<std::size_t>(robot)] != mark_) AddSlots(robot, others);
     }
   }
   if (limited > 0) peer.text = fmt::format("limited {} robot{}", limited, limited == 1 ? "" : "s");

@@ -89,7 +89,13 @@ class SwarmModule final : public PeerModule<TeamPeer> {
   static std::size_t MostSensors(const Scene& scene, std::span<const int> rows, std::size_t at_least);
   /// Set-points of `rows` from the data of step_all; how many were beyond their limits.
   std::size_t MakeSetpoints(const Peer& peer, const Message& request);
+  /// The mode of the word of step_all that sets joints; nothing if it is none.
+  static std::optional<ControlMode> JointModeOf(std::string_view word);
+  /// Data of a robot's row in step_all.
+  static std::size_t DataOf(const Scene& scene, int robot, bool joints);
+  /// The slots of all actuators of these robots.
   std::vector<SlotId> SlotsOf(std::span<const int> robots) const;
+  void AddSlots(int robot, std::vector<SlotId>& slots) const;
 
   const CommandTable table_;
   WorkerPool pool_;
@@ -97,7 +103,7 @@ class SwarmModule final : public PeerModule<TeamPeer> {
 
   std::shared_ptr<const Scene> scene_;  // the newest seen
   std::uint64_t layout_revision_ = 0;   // of the board, when slots_ was asked for
-  std::vector<SlotId> slots_;           // of the robots of scene_
+  std::vector<SlotId> slots_;           // of the actuators of scene_
   std::vector<int> robot_of_slot_;      // SlotId → index into scene_, −1: none
   std::vector<std::uint32_t> marks_;    // by robot of scene_: named by the request number mark_
   std::uint32_t mark_ = 0;

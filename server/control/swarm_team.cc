@@ -24,6 +24,42 @@ std::string ShortList(std::span<const std::string> names) {
   return names.size() > kShown ? fmt::format("{} and {} more", list, names.size() - kShown) : list;
 }
 
+/// Adds the set-points of all channels of a robot: of its wheels as `pair` says. True if they were limited.
+bool AddWheels(const RobotModel& model, bool wheels, const WheelSpeeds& pair, std::vector<Setpoint>& all) {
+  bool limited = false;
+  for (const ActuatorModel& actuator : model.actuators) {
+    const auto* drive = std::get_if<DriveModel>(&actuator.kind);
+    if (drive == nullptr) {
+      all.insert(all.end(), actuator.joints.size(), {0, ControlMode::kKeep});
+      continue;
+    }
+    double factor = 1;
+    const auto setpoints = SetpointsFor(wheels ? LimitWheels(*drive, pair, factor)
+                                               : WheelsFor(*drive, pair[0], pair[1], factor));
+    all.insert(all.end(), setpoints.begin(), setpoints.end());
+    limited |= factor != 1;
+  }
+  return limited;
+}
+
+/// Likewise of the joints of its control boards.
+bool AddJoints(const RobotModel& model, ControlMode mode, std::span<const double> references,
+               std::vector<Setpoint>& all) {
+  bool limited = false;
+  for (const ActuatorModel& actuator : model.actuators) {
+    for (const int joint : actuator.joints) {
+      if (!actuator.is_board()) {
+        all.push_back({0, ControlMode::kKeep});
+        continue;
+      }
+      all.push_back(Limit(model.joints[static_cast<std::size_t>(joint)], {references.front(), mode}));
+      limited |= all.back().reference != references.front();
+      references = references.subspan(1);
+    }
+  }
+  return limited;
+}
+
 Message NoTeam(command::Id command, const std::string& lost) {
   return ErrorReply(command, Error::kNotPossible,
                     "this connection owns no robots: claim some first, or name them by their ids" +
@@ -36,22 +72,35 @@ std::string SwarmModule::LostText(std::span<const std::string> lost) {
   return lost.empty() ? "" : "no longer in the team: " + ShortList(lost);
 }
 
+std::optional<ControlMode> SwarmModule::JointModeOf(std::string_view word) {
+  constexpr std::pair<std::string_view, ControlMode> kModes[] = {{"positions", ControlMode::kPosition},
+                                                                 {"positions_direct", ControlMode::kDirect},
+                                                                 {"joint_velocities", ControlMode::kVelocity},
+                                                                 {"efforts", ControlMode::kEffort}};
+  const auto* const found = std::ranges::find(kModes, word, &std::pair<std::string_view, ControlMode>::first);
+  return found == std::end(kModes) ? std::nullopt : std::optional(found->second);
+}
+
+std::size_t SwarmModule::DataOf(const Scene& scene, int robot, bool joints) {
+  if (!joints) return 2;
+  return static_cast<std::size_t>(scene.robots[static_cast<std::size_t>(robot)].control_count);
+}
+
 std::size_t SwarmModule::MakeSetpoints(const Peer& peer, const Message& request) {
   setpoints_.clear();
   if (request.data.empty()) return 0;
   setpoints_.reserve(2 * peer.rows.size());
   std::size_t limited = 0;
   const bool wheels = request.text == "wheels";
-  for (std::size_t i = 0; i < peer.rows.size(); ++i) {
-    const DriveModel* of = scene_->robots[static_cast<std::size_t>(peer.rows[i])].entry.model->drive();
-    if (of == nullptr) continue;  // the board refuses it
-    const DriveModel& drive = *of;
-    const double a = request.data[2 * i], b = request.data[2 * i + 1];
-    double factor = 1;
-    const auto setpoints =
-        SetpointsFor(wheels ? LimitWheels(drive, {a, b}, factor) : WheelsFor(drive, a, b, factor));
-    setpoints_.insert(setpoints_.end(), setpoints.begin(), setpoints.end());
-    if (factor != 1) ++limited;
+  const std::optional<ControlMode> mode = JointModeOf(request.text);
+  std::span<const double> left = request.data;
+  for (const int row : peer.rows) {
+    const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(row)];
+    const RobotModel& model = *robot.entry.model;
+    const bool was_limited = mode ? AddJoints(model, *mode, left, setpoints_)
+                                  : AddWheels(model, wheels, {left[0], left[1]}, setpoints_);
+    if (was_limited) ++limited;
+    left = left.subspan(DataOf(*scene_, row, mode.has_value()));
   }
   return limited;
 }
@@ -125,8 +174,15 @@ std::optional<Message> SwarmModule::FindRows(const Peer& peer, const Message& re
 std::vector<SlotId> SwarmModule::SlotsOf(std::span<const int> robots) const {
   std::vector<SlotId> slots;
   slots.reserve(robots.size());
-  for (const int robot : robots) slots.push_back(slots_[static_cast<std::size_t>(robot)]);
+  for (const int robot : robots) AddSlots(robot, slots);
   return slots;
+}
+
+void SwarmModule::AddSlots(int robot, std::vector<SlotId>& slots) const {
+  const SceneRobot& of = scene_->robots[static_cast<std::size_t>(robot)];
+  for (int i = of.first_actuator; i < of.first_actuator + of.actuator_count; ++i) {
+    slots.push_back(slots_[static_cast<std::size_t>(i)]);
+  }
 }
 
 void SwarmModule::Refresh(Peer& peer, const Frame& frame, bool quiet) {
@@ -139,9 +195,9 @@ void SwarmModule::Refresh(Peer& peer, const Frame& frame, bool quiet) {
     layout_revision_ = layout;
     slots_ = board.FindSlots(*scene_);
     robot_of_slot_.assign(slots_.empty() ? 1 : *std::max_element(slots_.begin(), slots_.end()) + 1, -1);
-    for (std::size_t i = 0; i < slots_.size(); ++i) robot_of_slot_[slots_[i]] = static_cast<int>(i);
+    for (std::size_t i = 0; i < slots_.size(); ++i) robot_of_slot_[slots_[i]] = scene_->actuators[i].robot;
     robot_of_slot_[0] = -1;
-    marks_.assign(slots_.size(), 0);
+    marks_.assign(scene_->robots.size(), 0);
     mark_ = 0;
   }
   if (peer.scene == scene_ && peer.layout_revision == layout && peer.team_revision == revision) return;
@@ -151,7 +207,7 @@ void SwarmModule::Refresh(Peer& peer, const Frame& frame, bool quiet) {
   peer.team_revision = revision;
   for (const SlotId slot : board.Team(peer.client.client.id)) {
     const int robot = slot < robot_of_slot_.size() ? robot_of_slot_[slot] : -1;
-    if (robot >= 0) peer.team.push_back(robot);
+    if (robot >= 0 && (peer.team.empty() || peer.team.back() != robot)) peer.team.push_back(robot);
   }
   peer.sensors = MostSensors(*scene_, peer.team, 0);
   if (!quiet) NoteLost(peer, old, old_scene);

@@ -91,12 +91,31 @@ void FillSupport(const Frame& frame, int robot, std::span<double> columns) {
   columns[2] = reading.angle_rad;
 }
 
+void FillJoints(const Frame& frame, int robot, std::span<double> columns) {
+  std::ranges::fill(columns, kNan);
+  const SceneRobot& of = frame.scene->robots[static_cast<std::size_t>(robot)];
+  for (int i = of.first_channel; i < of.first_channel + of.channel_count; ++i) {
+    if (frame.scene->channels[static_cast<std::size_t>(i)].control < 0) continue;
+    const ChannelState& channel = frame.channels[static_cast<std::size_t>(i)];
+    columns[0] = channel.position;
+    columns[1] = channel.velocity;
+    columns[2] = channel.effort;
+    columns = columns.subspan(3);
+  }
+}
+
+std::size_t JointColumns(const Scene& scene, std::size_t /*sensors*/, std::size_t /*nearest*/) {
+  int most = 0;
+  for (const SceneRobot& robot : scene.robots) most = std::max(most, robot.control_count);
+  return 3 * static_cast<std::size_t>(most);
+}
+
 template <std::size_t kCount>
 std::size_t Fixed(const Scene& /*scene*/, std::size_t /*sensors*/, std::size_t /*nearest*/) {
   return kCount;
 }
 
-constexpr std::array<Reading, 7> kReadings{
+constexpr std::array<Reading, 8> kReadings{
     {{"pose", Fixed<3>, FillPose},
      {"distances", [](const Scene&, std::size_t sensors, std::size_t) { return sensors; }, FillDistances},
      {"targets", [](const Scene& scene, std::size_t, std::size_t) { return 2 * scene.targets.size(); },
@@ -105,7 +124,8 @@ constexpr std::array<Reading, 7> kReadings{
       FillNeighbours},
      {"wheels", Fixed<4>, FillWheels},
      {"compass", Fixed<1>, FillCompass},
-     {"support", Fixed<3>, FillSupport}}};
+     {"support", Fixed<3>, FillSupport},
+     {"joints", JointColumns, FillJoints}}};
 constexpr std::size_t kDistances = 1;
 
 }  // namespace

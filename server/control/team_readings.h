@@ -39,6 +39,7 @@ class TeamReadings {
   ///   wheels      angle left, right rad, speed left, right rad/s
   ///   compass     heading rad; nan: the robot has none
   ///   support     x m, y m, angle rad; nan: the robot has none
+  ///   joints      position, velocity, effort per joint of its control boards; nan beyond the robot's own
   void Fill(const Frame& frame, std::span<const int> robots, std::size_t sensors, WorkerPool& pool,
             std::span<double> data) const;
 

@@ -44,6 +44,12 @@ void LimitSpeeds(const DriveModel& drive, std::span<Setpoint> wheels) {
   wheels[1].reference = speeds[1];
 }
 
+void LimitJoints(const RobotModel& model, const ActuatorModel& board, std::span<Setpoint> setpoints) {
+  for (std::size_t i = 0; i < setpoints.size(); ++i) {
+    setpoints[i] = Limit(model.joints[static_cast<std::size_t>(board.joints[i])], setpoints[i]);
+  }
+}
+
 constexpr std::uint32_t kStateVersion = 1;
 
 }  // namespace
@@ -253,10 +259,14 @@ bool ControllerHost::TakeSetpoints(const Driven& driven, std::span<Setpoint> cha
     if (given.mode != COOPDYN_OFF) channels[i] = {given.reference, static_cast<ControlMode>(given.mode)};
   }
   std::size_t first = 0;
-  for (const ActuatorModel& actuator :
-       scene_->robots[static_cast<std::size_t>(driven.robot)].entry.model->actuators) {
+  const RobotModel& model = *scene_->robots[static_cast<std::size_t>(driven.robot)].entry.model;
+  for (const ActuatorModel& actuator : model.actuators) {
     const std::span<Setpoint> its = channels.subspan(first, actuator.joints.size());
-    std::visit([its](const DriveModel& drive) { LimitSpeeds(drive, its); }, actuator.kind);
+    if (const auto* drive = std::get_if<DriveModel>(&actuator.kind)) {
+      LimitSpeeds(*drive, its);
+    } else {
+      LimitJoints(model, actuator, its);
+    }
     first += actuator.joints.size();
   }
   return true;

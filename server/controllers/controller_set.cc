@@ -103,10 +103,16 @@ std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
   std::vector<coopdyn_joint> joints;
   for (const ActuatorModel& actuator : model.actuators) {
     // What the physics carries out; a joint without a module has no commands.
-    const std::uint32_t modes = 1u << COOPDYN_OFF | (actuator.module.empty() ? 0 : 1u << COOPDYN_VELOCITY);
-    const double max_velocity =
-        std::visit([](const DriveModel& drive) { return drive.max_wheel_speed_rad_s; }, actuator.kind);
-    joints.insert(joints.end(), actuator.joints.size(), {nullptr, nullptr, modes, max_velocity});
+    std::uint32_t modes = 1u << COOPDYN_OFF;
+    if (actuator.is_board()) {
+      modes |= 1u << COOPDYN_POSITION | 1u << COOPDYN_DIRECT | 1u << COOPDYN_EFFORT;
+    }
+    if (!actuator.module.empty()) modes |= 1u << COOPDYN_VELOCITY;
+    const auto* drive = std::get_if<DriveModel>(&actuator.kind);
+    for (const int joint : actuator.joints) {
+      const double fastest = model.joints[static_cast<std::size_t>(joint)].max_velocity;
+      joints.push_back({nullptr, nullptr, modes, drive != nullptr ? drive->max_wheel_speed_rad_s : fastest});
+    }
   }
   return joints;
 }

@@ -14,6 +14,7 @@
 #include "protocol/message.h"
 #include "server/model/robot_model.h"
 #include "server/state/command_board.h"
+#include "server/state/edits.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -21,8 +22,8 @@ namespace coopdyn {
 /// What an actuator command means.
 struct Actuation {
   std::vector<Setpoint> setpoints;  // of the module's channels, within their limits
-  std::optional<int> steps;         // as asked for; empty: one
-  std::string limited;              // `limited to …` if the command was beyond the limits, else empty
+  std::optional<int> steps = {};    // as asked for; empty: one
+  std::string limited = {};         // `limited to …` if the command was beyond the limits, else empty
 };
 
 class Device {
@@ -45,8 +46,16 @@ class Device {
   virtual Message Read(const Message& request, const Frame& frame, int robot) const = 0;
   /// Appends the data of the first reading.
   virtual void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const = 0;
-  /// The meaning of an actuator command; nothing if `request` is none. @pre as for Read().
-  virtual std::optional<Actuation> Actuate(const Message& /*request*/) const { return std::nullopt; }
+  /// The meaning of an actuator command for robot `robot`, which is as in `frame`; nothing if `request` is
+  /// none. @pre as for Read().
+  virtual std::optional<Actuation> Actuate(const Message& /*request*/, const Frame& /*frame*/,
+                                           int /*robot*/) const {
+    return std::nullopt;
+  }
+  /// How a request tunes the module, its robot's name left open; nothing if it does not. @pre as for Read().
+  virtual std::optional<edit::TuneJoints> Tune(const Message& /*request*/) const { return std::nullopt; }
+  /// The error reply to a request that its spec allows and the device does not; nothing if it is fine.
+  virtual std::optional<Message> Refuse(const Message& /*request*/) const { return std::nullopt; }
   /// What the robot is to broadcast; nothing if `request` is no order to. @pre as for Read().
   virtual std::optional<RobotMessage> Broadcast(const Message& /*request*/) const { return std::nullopt; }
 

@@ -81,12 +81,13 @@ Message PoseDevice::Read(const Message& request, const Frame& frame, int robot) 
 
 std::unique_ptr<Device> MakeDevice(const RobotModel& model, std::string_view name) {
   if (name.empty()) return nullptr;
-  for (const ActuatorModel& actuator : model.actuators) {
+  for (std::size_t i = 0; i < model.actuators.size(); ++i) {
+    const ActuatorModel& actuator = model.actuators[i];
     if (actuator.module != name) continue;
-    const auto make = [&](const DriveModel& drive) -> std::unique_ptr<Device> {
-      return std::make_unique<MotorsDevice>(*FindModuleTable("motors"), drive, model.FirstChannel(actuator));
-    };
-    return std::visit(make, actuator.kind);
+    const CommandTable& table = *FindModuleTable(actuator.type());
+    if (actuator.is_board()) return std::make_unique<JointsDevice>(table, model, i);
+    return std::make_unique<MotorsDevice>(table, std::get<DriveModel>(actuator.kind),
+                                          model.FirstChannel(actuator));
   }
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
     if (model.sensors[i].name != name) continue;

@@ -75,6 +75,32 @@ class NeighboursDevice final : public SensorDevice {
   std::optional<RobotMessage> Broadcast(const Message& request) const override;
 };
 
+/// /R/joints: a control board, a group of joints that are driven one by one.
+class JointsDevice final : public Device {
+ public:
+  /// Of model.actuators[actuator]. `table` and `model` outlive it.
+  JointsDevice(const CommandTable& table, const RobotModel& model, std::size_t actuator);
+
+  bool is_actuator() const override { return true; }
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+  void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const override;
+  std::optional<Actuation> Actuate(const Message& request, const Frame& frame, int robot) const override;
+  std::optional<edit::TuneJoints> Tune(const Message& request) const override;
+  std::optional<Message> Refuse(const Message& request) const override;
+
+ private:
+  std::span<const ChannelState> Channels(const Frame& frame, int robot) const;
+  const JointControl& Control(const Frame& frame, int robot, std::size_t joint) const;
+  /// What the encoder says.
+  double Measured(const Frame& frame, int robot, std::size_t joint) const;
+  Message ReadChain() const;
+
+  const RobotModel& model_;
+  const ActuatorModel& actuator_;
+  const BoardModel& board_;
+  std::size_t first_channel_ = 0, first_control_ = 0;  // among the robot's
+};
+
 class MotorsDevice final : public Device {
  public:
   /// `table` outlives it.
@@ -85,7 +111,7 @@ class MotorsDevice final : public Device {
   bool is_actuator() const override { return true; }
   Message Read(const Message& request, const Frame& frame, int robot) const override;
   void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const override;
-  std::optional<Actuation> Actuate(const Message& request) const override;
+  std::optional<Actuation> Actuate(const Message& request, const Frame& frame, int robot) const override;
 
  private:
   const DriveModel drive_;

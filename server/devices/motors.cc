@@ -10,7 +10,8 @@
 
 namespace coopdyn {
 
-std::optional<Actuation> MotorsDevice::Actuate(const Message& request) const {
+std::optional<Actuation> MotorsDevice::Actuate(const Message& request, const Frame& /*frame*/,
+                                               int /*robot*/) const {
   WheelSpeeds wheels_rad_s{};
   double factor = 1;
   std::string limited;

@@ -6,6 +6,25 @@
 
 namespace coopdyn {
 
+Setpoint Limit(const JointModel& joint, Setpoint setpoint) {
+  switch (setpoint.mode) {
+    case ControlMode::kPosition:
+    case ControlMode::kDirect:
+      setpoint.reference = std::clamp(setpoint.reference, joint.lower, joint.upper);
+      break;
+    case ControlMode::kVelocity:
+      setpoint.reference = std::clamp(setpoint.reference, -joint.max_velocity, joint.max_velocity);
+      break;
+    case ControlMode::kEffort:
+      setpoint.reference = std::clamp(setpoint.reference, -joint.max_effort, joint.max_effort);
+      break;
+    case ControlMode::kIdle:
+    case ControlMode::kKeep:
+      setpoint.reference = 0;
+  }
+  return setpoint;
+}
+
 std::vector<std::string> RobotModel::actuator_modules() const {
   std::vector<std::string> names;
   for (const ActuatorModel& actuator : actuators) {
@@ -16,7 +35,9 @@ std::vector<std::string> RobotModel::actuator_modules() const {
 
 std::vector<ModuleModel> RobotModel::modules() const {
   std::vector<ModuleModel> modules;
-  for (const std::string& name : actuator_modules()) modules.push_back({"motors", name});
+  for (const ActuatorModel& actuator : actuators) {
+    if (!actuator.module.empty()) modules.push_back({actuator.type(), actuator.module});
+  }
   for (const SensorModel& sensor : sensors) modules.push_back({sensor.type(), sensor.name});
   return modules;
 }
@@ -70,6 +91,16 @@ std::size_t RobotModel::FirstChannel(const ActuatorModel& actuator) const {
 bool RobotModel::has_limbs() const {
   const ActuatorModel* drive = drive_actuator();
   return fixed_base || joints.size() > (drive == nullptr ? 0 : drive->joints.size());
+}
+
+bool RobotModel::has_boards() const {
+  return std::ranges::any_of(actuators, &ActuatorModel::is_board);
+}
+
+bool RobotModel::IsDriven(int joint) const {
+  return std::ranges::any_of(actuators, [joint](const ActuatorModel& actuator) {
+    return std::ranges::find(actuator.joints, joint) != actuator.joints.end();
+  });
 }
 
 const ActuatorModel* RobotModel::drive_actuator() const {

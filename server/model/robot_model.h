@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -33,6 +34,13 @@ struct LinkModel {
   Vector3 inertia_kg_m2;  // principal moments about the axes of I
   std::vector<LinkShape> collisions;
   std::vector<LinkShape> visuals;
+};
+
+/// A link of the model's file. Fixed joints may have made it a part of another.
+struct FrameModel {
+  std::string name;
+  int link = 0;  // index into links
+  Pose X_RF;     // in the initial pose
 };
 
 /// An axis about which (hinge: rad, N m), or along which (slider: m, N), the child moves against its parent.
@@ -66,8 +74,29 @@ struct DriveModel {
   double max_torque_nm = 0;
 };
 
-/// What an actuator does with a joint; the numbers are those of the wire.
-enum class ControlMode : std::uint8_t { kIdle = 0, kPosition = 1, kDirect = 2, kVelocity = 3, kEffort = 4 };
+/// A group of joints that clients control one by one: a control board. Each of its joints has a finite
+/// effort and velocity.
+struct BoardModel {
+  enum class Profile { kMinimumJerk, kTrapezoidal };
+
+  Profile profile = Profile::kMinimumJerk;  // of the way to a position
+  bool gravity_compensation = false;        // its motors carry the weight beyond them in every mode
+  std::optional<FrameModel> tool;           // where its chain ends; empty: at the last link
+  double encoder_resolution = 0;            // rad or m; 0: exact
+  double encoder_noise_stddev = 0;
+};
+
+/// What an actuator does with a joint; the numbers are those of the wire. kKeep stands in commands alone: the
+/// channel goes on as it does.
+enum class ControlMode : std::uint8_t {
+  kIdle = 0,
+  kPosition = 1,
+  kDirect = 2,
+  kVelocity = 3,
+  kEffort = 4,
+  kKeep = 255
+};
+inline constexpr int kControlModes = 5;  // that can be in force
 
 /// What is wanted of one channel: a joint axis. rad, rad/s or N m; of a sliding joint m, m/s or N.
 struct Setpoint {
@@ -78,16 +107,26 @@ struct Setpoint {
   bool drives() const {
     return reference != 0 && (mode == ControlMode::kVelocity || mode == ControlMode::kEffort);
   }
-  /// The same at rest: nothing drives, positions are held.
-  Setpoint stopped() const { return {drives() ? 0 : reference, mode}; }
+  /// The same at rest: nothing drives, a motion to a position ends here.
+  Setpoint stopped() const {
+    if (mode == ControlMode::kPosition) return {0, ControlMode::kVelocity};
+    return {drives() ? 0 : reference, mode};
+  }
   bool operator==(const Setpoint&) const = default;
 };
+
+/// Within the limits of a joint of a control board.
+Setpoint Limit(const JointModel& joint, Setpoint setpoint);
 
 /// What moves joints on command. Its module is a slot of the command board.
 struct ActuatorModel {
   std::string module;       // its module's name; empty: it has none, and its joints are at rest
   std::vector<int> joints;  // index into joints: one channel each; of a drive the left and the right wheel
-  std::variant<DriveModel> kind;
+  std::variant<DriveModel, BoardModel> kind;
+
+  bool is_board() const { return std::holds_alternative<BoardModel>(kind); }
+  /// The word for such a module in a robot's SDF.
+  const char* type() const { return is_board() ? "joints" : "motors"; }
 };
 
 // The kinds of sensors. kType is the word for such a module in a robot's SDF.
@@ -175,6 +214,7 @@ struct RobotModel {
   std::vector<LinkModel> links;  // links[0] is the chassis, the base of an arm
   bool fixed_base = false;       // links[0] is fixed to the world
   std::vector<JointModel> joints;
+  std::vector<FrameModel> frames;
   std::vector<ActuatorModel> actuators;
   std::vector<SensorModel> sensors;  // kind by kind, in the order of SensorKind; AddSensor() keeps it
   double footprint_radius_m = 0;     // of the smallest vertical cylinder about R's z axis that holds it
@@ -185,6 +225,9 @@ struct RobotModel {
   bool has_actuators() const { return !actuator_modules().empty(); }
   /// Where the channels of one of its actuators begin among those of the robot.
   std::size_t FirstChannel(const ActuatorModel& actuator) const;
+  bool has_boards() const;
+  /// An actuator has joints[joint].
+  bool IsDriven(int joint) const;
   /// Its two-wheel drive; null if it has none.
   const ActuatorModel* drive_actuator() const;
   const DriveModel* drive() const {

@@ -106,10 +106,10 @@ class ExtensionReader {
       : file_(file), robot_(robot), diagnostics_(diagnostics) {}
 
   void Read(const XMLElement& model) {
-    std::vector<std::string> known = {"coopdyn:drive", "coopdyn:module"};
+    std::vector<std::string> known = {"coopdyn:drive", "coopdyn:group", "coopdyn:module"};
     for (const std::string& element : SensorReader::Elements()) known.push_back(element);
     const XMLElement* drive = nullptr;
-    std::vector<const XMLElement*> modules;
+    std::vector<const XMLElement*> modules, groups;
     for (const XMLElement* child = model.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       const std::string name = child->Name();
@@ -119,13 +119,20 @@ class ExtensionReader {
       } else if (name == "coopdyn:drive") {
         if (drive != nullptr) Error(*child, "<coopdyn:drive> stands here twice: keep one");
         drive = child;
+      } else if (name == "coopdyn:group") {
+        groups.push_back(child);
       } else if (!sensors_.Read(*child)) {
         Error(*child, "unknown element <" + name + ">" + DidYouMean(name, known));
       }
     }
     if (drive != nullptr) ReadDrive(*drive);
+    for (const XMLElement* group : groups) {
+      XmlAttributes attributes(*group, file_, diagnostics_);
+      ReadGroup(attributes, robot_, diagnostics_);
+    }
+    if (groups.empty()) AddDefaultGroup(robot_);
     for (const XMLElement* module : modules) ReadModule(*module);
-    if (modules.empty()) {
+    if (modules.empty() && !robot_.has_boards()) {
       Error(model, "the robot has no module: write e.g. <coopdyn:module type=\"motors\"/>");
     }
     sensors_.Finish();
@@ -233,6 +240,13 @@ class ExtensionReader {
     robot_.actuators.push_back({"", {*left, *right}, drive});
   }
 
+  ActuatorModel* Drive() {
+    for (ActuatorModel& actuator : robot_.actuators) {
+      if (!actuator.is_board()) return &actuator;
+    }
+    return nullptr;
+  }
+
   void ReadModule(const XMLElement& element) {
     XmlAttributes attributes(element, file_, diagnostics_);
     attributes.Require("type");
@@ -240,10 +254,7 @@ class ExtensionReader {
     const std::string name = attributes.Text("name").value_or(type.value_or(""));
     attributes.Finish();
     if (!type) return;
-    const bool good = !name.empty() && name.size() <= 32 && name.front() >= 'a' && name.front() <= 'z' &&
-                      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
-    if (!good)
-      attributes.Error("a module's name is made of a-z, 0-9 and _, a letter first; not '" + name + "'");
+    CheckModuleName(attributes, name);
     const std::vector<ModuleModel> modules = robot_.modules();
     if (modules.size() >= kMaxModules) {
       attributes.Error("a robot has at most " + std::to_string(kMaxModules) + " modules: leave some out");
@@ -257,10 +268,11 @@ class ExtensionReader {
       sensors_.AddModule(attributes, *type, name);
       return;
     }
-    if (!robot_.actuator_modules().empty()) {
+    ActuatorModel* const drive = Drive();
+    if (drive != nullptr && !drive->module.empty()) {
       attributes.Error("there are two modules of type 'motors': keep one");
-    } else if (!robot_.actuators.empty()) {
-      robot_.actuators.front().module = name;
+    } else if (drive != nullptr) {
+      drive->module = name;
     } else if (!diagnostics_.has_errors()) {
       attributes.Error("a module 'motors' needs <coopdyn:drive>: write it above");
     }

@@ -93,6 +93,14 @@ class XmlAttributes {
   std::vector<std::string> known_;
 };
 
+/// Reports a name that no module can have.
+void CheckModuleName(XmlAttributes& attributes, const std::string& name);
+/// Reads a `<coopdyn:group>`: a control board of `robot`, whose joints, links and drive are complete.
+void ReadGroup(XmlAttributes& attributes, RobotModel& robot, Diagnostics& diagnostics);
+/// Gives a robot without groups the group `joints` of all joints with an effort and a velocity that no drive
+/// has, if there are any.
+void AddDefaultGroup(RobotModel& robot);
+
 /// Reads the sensors of one robot: elements such as `<coopdyn:compass>` say what they are like, and a
 /// `<coopdyn:module>` gives each its socket. The arguments outlive it. One thread.
 class SensorReader {

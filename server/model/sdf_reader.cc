@@ -56,6 +56,7 @@ class RobotReader {
     ReadJoints(*model);
     if (!diagnostics_.has_errors()) WeldLinks(fixed_, lines_, file_, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, *robot_, diagnostics_);
+    if (!diagnostics_.has_errors()) CheckStops();
     if (diagnostics_.has_errors()) return nullptr;
     Measure();
     return diagnostics_.has_errors() ? nullptr : robot_;
@@ -63,6 +64,20 @@ class RobotReader {
 
  private:
   void Error(int line, std::string text) { diagnostics_.Error({file_, line}, std::move(text)); }
+
+  /// ODE's own stops end at ±180 degrees; only control boards count further.
+  void CheckStops() {
+    for (std::size_t i = 0; i < robot_->joints.size(); ++i) {
+      const JointModel& joint = robot_->joints[i];
+      const bool is_far = (std::isfinite(joint.lower) && joint.lower < -std::numbers::pi) ||
+                          (std::isfinite(joint.upper) && joint.upper > std::numbers::pi);
+      if (joint.kind != JointModel::Kind::kHinge || !is_far || robot_->IsDriven(static_cast<int>(i)))
+        continue;
+      Error(lines_.joints[i], "a stop of joint '" + joint.name +
+                                  "' beyond 180 degrees needs a motor: write at most 3.1415, none, or "
+                                  "<limit><effort> and <velocity>");
+    }
+  }
 
   /// The XML's root; null with an error if it is no SDF.
   const tinyxml2::XMLElement* Parse() {
@@ -345,13 +360,6 @@ class RobotReader {
       Error(line, "<lower> of " + what + " must not lie above <upper>");
     } else if (out.lower > 0 || out.upper < 0) {
       Error(line, "the limits of " + what + " must include 0, the pose in which the model is written");
-    }
-    const bool turns = out.kind == JointModel::Kind::kHinge;
-    for (const double stop : {out.lower, out.upper}) {
-      if (turns && std::isfinite(stop) && std::abs(stop) > std::numbers::pi) {
-        Error(line,
-              "a stop of " + what + " beyond 180 degrees is not supported: write at most 3.1415, or none");
-      }
     }
     if (std::isfinite(axis.Effort()) && axis.Effort() >= 0) out.max_effort = axis.Effort();
     if (std::isfinite(axis.MaxVelocity()) && axis.MaxVelocity() >= 0) out.max_velocity = axis.MaxVelocity();

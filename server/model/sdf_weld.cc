@@ -63,6 +63,9 @@ class Welder {
     }
     robot_.fixed_base = base.has_value();
     for (std::size_t i = 0; i < roots.size(); ++i) {
+      robot_.frames.push_back({robot_.links[i].name, roots[i], robot_.links[i].X_RL});
+    }
+    for (std::size_t i = 0; i < roots.size(); ++i) {
       if (roots[i] != static_cast<int>(i)) Merge(robot_.links[i], robot_.links[Index(roots[i])]);
     }
     Renumber(roots);
@@ -111,6 +114,7 @@ class Welder {
       joint.parent = numbers[Index(joint.parent)];
       joint.child = numbers[Index(joint.child)];
     }
+    for (FrameModel& frame : robot_.frames) frame.link = numbers[Index(frame.link)];
   }
 
   /// Keeps the links that are their own roots, the base first.

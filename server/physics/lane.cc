@@ -9,6 +9,7 @@
 #include "server/base/mutex.h"
 #include "server/physics/islands.h"
 #include "server/physics/ode.h"
+#include "server/physics/ode_joint.h"
 
 namespace coopdyn {
 
@@ -59,51 +60,6 @@ constexpr double kTouching_m = 1e-4;
 
 void Copy(dVector3& to, const Vector3& from) {
   std::copy_n(from.data(), 3, to);
-}
-
-void SetParam(dJointID joint, int parameter, double value) {
-  dJointGetType(joint) == dJointTypeSlider ? dJointSetSliderParam(joint, parameter, value)
-                                           : dJointSetHingeParam(joint, parameter, value);
-}
-
-/// The joint of a robot at the origin.
-dJointID MakeJoint(dWorldID world, const JointModel& of, const std::vector<dBodyID>& bodies) {
-  const bool slides = of.kind == JointModel::Kind::kSlider;
-  dJointID joint = slides ? dJointCreateSlider(world, nullptr) : dJointCreateHinge(world, nullptr);
-  dJointAttach(joint, bodies[static_cast<std::size_t>(of.child)],
-               bodies[static_cast<std::size_t>(of.parent)]);  // so that its rate is the child's
-  if (slides) {
-    dJointSetSliderAxis(joint, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
-  } else {
-    dJointSetHingeAnchor(joint, of.p_RJ.x(), of.p_RJ.y(), of.p_RJ.z());
-    dJointSetHingeAxis(joint, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
-  }
-  // Twice: ODE takes a lower stop only if it is not above the upper one, and the other way round.
-  for (int i = 0; i < 2; ++i) {
-    if (std::isfinite(of.lower)) SetParam(joint, dParamLoStop, of.lower);
-    if (std::isfinite(of.upper)) SetParam(joint, dParamHiStop, of.upper);
-  }
-  return joint;
-}
-
-/// Spring and damper of a joint without a motor, implicit over the step of `dt_s`, so that they are stable
-/// however stiff: ODE's motor row is v + cfm λ = v_target. Without them its friction.
-void Resist(dJointID joint, const JointModel& of, double dt_s) {
-  const bool slides = of.kind == JointModel::Kind::kSlider;
-  const double resistance = of.damping + dt_s * of.stiffness;
-  const double position = slides ? dJointGetSliderPosition(joint) : dJointGetHingeAngle(joint);
-  if (position <= of.lower || position >= of.upper) {
-    // ODE's row is the stop's then, and it would add the whole of FMax to it.
-    const double effort = -of.stiffness * (position - of.rest);
-    SetParam(joint, dParamFMax, 0);
-    slides ? dJointAddSliderForce(joint, effort) : dJointAddHingeTorque(joint, effort);
-  } else if (resistance > 0) {
-    SetParam(joint, dParamFMax, dInfinity);
-    SetParam(joint, dParamCFM, 1 / resistance);
-    SetParam(joint, dParamVel, -of.stiffness * (position - of.rest) / resistance);
-  } else {
-    SetParam(joint, dParamFMax, of.friction);
-  }
 }
 
 /// Velocity of the point `p` of a body.
@@ -198,7 +154,7 @@ Lane::Loan Lane::MakeLoan(const Mechanism* mechanism) {
       const auto channel = static_cast<std::size_t>(of.channel);
       if (loan.motors.size() <= channel) loan.motors.resize(channel + 1);
       loan.motors[channel] = joint;
-      dJointSetHingeParam(joint, dParamFMax, of.max_effort);
+      if (of.board == nullptr) dJointSetHingeParam(joint, dParamFMax, of.max_effort);
     }
     loan.forces = std::make_unique<dJointFeedback[]>(loan.motors.size());
     for (std::size_t i = 0; i < loan.motors.size(); ++i) {
@@ -224,7 +180,7 @@ void Lane::Reserve(std::span<const std::uint32_t> members) {
 }
 
 void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels,
-                double dt_s) {
+                std::span<const JointRow> rows, double dt_s) {
   const Mechanism& mechanism = *actor.thing.mechanism;
   Pool& pool = pools_[actor.thing.pool];
   Loan& loan = pool.loans[pool.used++];
@@ -236,7 +192,7 @@ void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const Channel
   }
   loan.channels = channels;
   for (std::size_t i = 0; i < loan.motors.size(); ++i) {
-    if (loan.motors[i] != nullptr)
+    if (loan.motors[i] != nullptr && rows.empty())
       dJointSetHingeParam(loan.motors[i], dParamVel, channels[i].setpoint.reference);
   }
   for (std::size_t k = 0; k < loan.bodies.size(); ++k) {
@@ -245,7 +201,14 @@ void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const Channel
   }
   for (std::size_t i = 0; i < loan.joints.size(); ++i) {
     const Joint& joint = mechanism.joints[i];
-    if (joint.channel < 0 && joint.model->is_resisted()) Resist(loan.joints[i], *joint.model, dt_s);
+    if (joint.control >= 0) {
+      Drive(loan.joints[i], rows[static_cast<std::size_t>(joint.control)]);
+    } else if (joint.channel < 0) {
+      if (joint.model->is_resisted()) Resist(loan.joints[i], *joint.model, dt_s);
+    } else if (!rows.empty()) {
+      const auto channel = static_cast<std::size_t>(joint.channel);
+      dJointSetHingeParam(loan.joints[i], dParamVel, channels[channel].setpoint.reference);
+    }
   }
 }
 
@@ -273,16 +236,21 @@ BodyState Lane::Read(std::uint32_t thing, std::size_t index) const {
 }
 
 double Lane::JointRate(std::uint32_t thing, std::size_t joint) const {
-  dJointID of = loan_of_[thing]->joints[joint];
-  return dJointGetType(of) == dJointTypeSlider ? dJointGetSliderPositionRate(of)
-                                               : dJointGetHingeAngleRate(of);
+  return RateOf(loan_of_[thing]->joints[joint]);
 }
 
-double Lane::HingeEffort(std::uint32_t thing, const Joint& hinge) const {
-  const auto channel = static_cast<std::size_t>(hinge.channel);
-  dVector3 axis;
-  dJointGetHingeAxis(loan_of_[thing]->motors[channel], axis);
+double Lane::JointPosition(std::uint32_t thing, std::size_t joint, double last) const {
+  return Unwrap(loan_of_[thing]->joints[joint], last);
+}
+
+double Lane::JointEffort(std::uint32_t thing, const Joint& joint) const {
+  const auto channel = static_cast<std::size_t>(joint.channel);
+  dJointID motor = loan_of_[thing]->motors[channel];
   const dJointFeedback& force = loan_of_[thing]->forces[channel];
+  if (joint.board != nullptr) return MeasuredEffort(motor, force);
+  // A wheel turns about its centre of mass.
+  dVector3 axis;
+  dJointGetHingeAxis(motor, axis);
   return axis[0] * force.t1[0] + axis[1] * force.t1[1] + axis[2] * force.t1[2];
 }
 

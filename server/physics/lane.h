@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/physics/contacts.h"
+#include "server/physics/joint_motor.h"
 #include "server/physics/ode.h"
 #include "server/physics/things.h"
 
@@ -37,8 +38,9 @@ class Lane {
   /// Makes room for these things together. Before they are loaded.
   void Reserve(std::span<const std::uint32_t> members);
   /// Lends `thing` bodies in the state of `actor` for a step of `dt_s`; `channels`: of it, with what its
-  /// motors are to do. They outlive the loan.
-  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels, double dt_s);
+  /// motors are to do, and `rows`: of the joints of its control boards. They outlive the loan.
+  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels,
+            std::span<const JointRow> rows, double dt_s);
   /// Makes contact joints between A and B (-1: the floor). A thing that is not loaded counts as static.
   /// Friction: the slippier of the two decides (the smaller coefficient). Nothing bounces.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
@@ -49,8 +51,10 @@ class Lane {
   BodyState Read(std::uint32_t thing, std::size_t body) const;
   /// Speed of a joint of a loaded thing, rad/s or m/s.
   double JointRate(std::uint32_t thing, std::size_t joint) const;
-  /// Effort of a motorised hinge in the last step, N m.
-  double HingeEffort(std::uint32_t thing, const Joint& hinge) const;
+  /// Its position, rad or m, beyond ±π too: the one nearest to `last`.
+  double JointPosition(std::uint32_t thing, std::size_t joint, double last) const;
+  /// Effort of a motorised joint in the last step, N m or N.
+  double JointEffort(std::uint32_t thing, const Joint& joint) const;
   /// Takes all bodies back.
   void Unload();
   /// A new world after ODE threw: its memory is not to be trusted.

@@ -50,6 +50,44 @@ void AddOneBody(Mechanism& robot) {
   robot.bodies = {body};
 }
 
+/// The bodies that joint `index` moves: all that hang on its child by other joints.
+std::vector<int> BodiesBeyond(const RobotModel& model, std::size_t index) {
+  std::vector<int> beyond{model.joints[index].child};
+  const auto add = [&](int from, int body, int next) {
+    if (from == body && next != model.joints[index].parent && !std::ranges::count(beyond, next))
+      beyond.push_back(next);
+  };
+  for (std::size_t k = 0; k < beyond.size(); ++k) {
+    for (std::size_t j = 0; j < model.joints.size(); ++j) {
+      if (j == index) continue;
+      const int body = beyond[k];
+      add(model.joints[j].parent, body, model.joints[j].child);
+      add(model.joints[j].child, body, model.joints[j].parent);
+    }
+  }
+  return beyond;
+}
+
+/// Gives joint `j` of the model its motor.
+void AddMotor(const RobotModel& model, std::size_t j, Joint& joint) {
+  int channel = 0, control = 0;
+  for (const ActuatorModel& actuator : model.actuators) {
+    const auto* board = std::get_if<BoardModel>(&actuator.kind);
+    const auto* drive = std::get_if<DriveModel>(&actuator.kind);
+    for (const int driven : actuator.joints) {
+      if (driven == static_cast<int>(j)) {
+        joint.channel = channel;
+        joint.max_effort = drive != nullptr ? drive->max_torque_nm : model.joints[j].max_effort;
+        joint.board = board;
+        if (board != nullptr) joint.control = control;
+        if (board != nullptr && board->gravity_compensation) joint.beyond = BodiesBeyond(model, j);
+      }
+      ++channel;
+      if (board != nullptr) ++control;
+    }
+  }
+}
+
 /// Each link a body.
 void AddLinks(Mechanism& robot) {
   const RobotModel& model = *robot.model;
@@ -66,18 +104,9 @@ void AddLinks(Mechanism& robot) {
     }
   }
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    Joint joint{&model.joints[j]};
-    int channel = 0;
-    for (const ActuatorModel& actuator : model.actuators) {
-      for (const int driven : actuator.joints) {
-        if (driven == static_cast<int>(j)) {
-          joint.channel = channel;
-          joint.max_effort =
-              std::visit([](const DriveModel& drive) { return drive.max_torque_nm; }, actuator.kind);
-        }
-        ++channel;
-      }
-    }
+    Joint joint;
+    joint.model = &model.joints[j];
+    AddMotor(model, j, joint);
     const bool has_row = joint.channel >= 0 || joint.model->is_resisted() || joint.model->has_stop();
     robot.joint_rows += has_row ? 6 : 5;
     robot.joints.push_back(joint);

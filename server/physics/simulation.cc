@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/physics/world.h"
+#include "server/state/joint_tuning.h"
 
 namespace coopdyn {
 
@@ -98,11 +99,6 @@ void Simulation::Restart(std::uint64_t seed, std::uint64_t epoch) {
 std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
                                 std::vector<StoppedController>* stopped) {
   const Frame& from = *state.frame;
-  const auto is_speed = [](const Setpoint& setpoint) { return setpoint.mode == ControlMode::kVelocity; };
-  if (!std::ranges::all_of(from.channels, is_speed, &ChannelState::setpoint) ||
-      !std::ranges::all_of(state.setpoints, is_speed)) {
-    return "it commands joints by positions or efforts, but this coopdyn carries out speeds only";
-  }
   seed_ = from.seed;
   epoch_ = epoch;
   step_ = from.step;
@@ -136,6 +132,19 @@ std::string Simulation::RestoreControllers(std::span<const std::byte> saved,
   if (told != nullptr) *told = stopped;
   if (!fits || stopped.empty()) return "the controllers that are found do not take the state that was saved";
   return stopped.front().why + " (" + stopped.front().robot + ")";
+}
+
+std::string Simulation::Tune(const edit::TuneJoints& tuning) {
+  std::vector<JointControl> controls = world_->controls();
+  if (std::string why = TuneControls(tuning, *scene_, controls); !why.empty()) return why;
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    if (controls[i] != world_->controls()[i]) world_->Tune(i, controls[i]);
+  }
+  const std::shared_ptr<Frame> frame = MakeFrame();
+  frame->commanded = frame_->commanded;
+  frame->revision = frame_->revision + 1;
+  frame_ = frame;
+  return {};
 }
 
 SavedState Simulation::Save() const {

@@ -15,6 +15,7 @@
 #include "server/physics/rest.h"
 #include "server/state/command_board.h"
 #include "server/state/controller_driver.h"
+#include "server/state/edits.h"
 #include "server/state/frame.h"
 #include "server/state/frame_pool.h"
 #include "server/state/run_control.h"
@@ -67,6 +68,8 @@ class Simulation {
   /// What Restore() takes; `mode` and `paused` are the caller's to fill in.
   SavedState Save() const;
 
+  /// Tunes the joints of a control board; frame() says so. Why it cannot; empty: it is done.
+  std::string Tune(const edit::TuneJoints& tuning);
   /// Runs a step of `length` and returns its frame.
   const FramePtr& Step(Nanoseconds length, const StepInputs& inputs);
   /// PhysicsWorld::TakeFrozen().

@@ -97,6 +97,7 @@ class Stepper {
   EditResult Apply(const edit::SetParticipants&) REQUIRES(baton_);
   EditResult Apply(const edit::StopAll&) REQUIRES(baton_);
   EditResult Apply(const edit::UnloadController&) REQUIRES(baton_);
+  EditResult Apply(const edit::TuneJoints& tuning) REQUIRES(baton_);
   EditResult Apply(const edit::Reset&) REQUIRES(baton_);
   EditResult Apply(const edit::Load&) REQUIRES(baton_);
   EditResult Apply(const edit::Restore&) REQUIRES(baton_);

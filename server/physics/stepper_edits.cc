@@ -270,6 +270,12 @@ EditResult Stepper::Apply(const edit::StopAll&) {
   return {};
 }
 
+EditResult Stepper::Apply(const edit::TuneJoints& tuning) {
+  if (std::string why = simulation_->Tune(tuning); !why.empty()) return {Error::kOutOfRange, std::move(why)};
+  boards_.frames.Publish(simulation_->frame());
+  return {};
+}
+
 EditResult Stepper::Apply(const edit::UnloadController& unload) {
   const int robot = simulation_->scene().FindRobot(unload.robot);
   if (robot < 0) return {Error::kNoSuchName, "there is no robot " + unload.robot};

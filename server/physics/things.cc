@@ -80,6 +80,8 @@ class Builder {
     thing.up_B = robot.X_BR.q * Vector3::UnitZ();
     thing.first_channel = static_cast<std::size_t>(robot.first_channel);
     thing.channel_count = static_cast<std::size_t>(robot.channel_count);
+    thing.first_control = static_cast<std::size_t>(robot.first_control);
+    thing.control_count = static_cast<std::size_t>(robot.control_count);
     if (robot.one_body()) {
       const bool planar = entry.fidelity == Fidelity::kPlanar;
       thing.rest_z_m = thing.mechanism->bodies.front().X_RB.p.z() + (planar ? entry.X_WR.p.z() : 0);

@@ -25,8 +25,11 @@ struct RigidBody {
 /// A joint between two bodies: those of the links that the model names.
 struct Joint {
   const JointModel* model = nullptr;
-  int channel = -1;       // of the robot's channels, if a motor drives it
-  double max_effort = 0;  // of its motor
+  int channel = -1;                   // of the robot's channels, if a motor drives it
+  double max_effort = 0;              // of its motor
+  int control = -1;                   // of the robot's controls, if it belongs to a control board,
+  const BoardModel* board = nullptr;  // this one
+  std::vector<int> beyond;            // if the board carries the weight: the bodies that the joint moves
 };
 
 /// What moves as a whole: the bodies, joints and shapes of a robot type in one fidelity, or of an object.
@@ -68,6 +71,7 @@ struct Thing {
   int object = -1;  // index into Scene::objects; -1: a robot
   const Mechanism* mechanism = nullptr;
   std::size_t first_channel = 0, channel_count = 0;  // of Frame::channels; of objects none
+  std::size_t first_control = 0, control_count = 0;  // of Frame::controls, likewise
   int first_body = 0;                                // of Frame::bodies; static: none
   bool frozen = false;                               // held in place: nothing is joined to its bodies
   std::size_t pool = 0;                              // of Things::pools: what kind of bodies it needs in ODE

@@ -3,7 +3,6 @@
 #include "server/physics/world.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -49,6 +48,7 @@ PhysicsWorld::PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t see
       things_(MakeThings(*scene_)),
       bodies_(things_.bodies),
       channels_(scene_->channels.size()),
+      controls_(StartControls(*scene_)),
       solver_seed_(SolverSeed(seed)) {
   const Lane::Settings settings{scene_->scenario->simulation.gravity_m_s2, scene_->floor.friction};
   for (int i = 0; i < (pool == nullptr ? 1 : pool->threads()); ++i) {
@@ -70,6 +70,7 @@ void PhysicsWorld::Rebuild(std::shared_ptr<const Scene> scene, const Frame& fram
 void PhysicsWorld::Fill(Frame& frame) const {
   frame.bodies = bodies_;
   frame.channels = channels_;
+  frame.controls = controls_;
   frame.commanded.assign(scene_->actuators.size(), 0);
   frame.solver_seed = solver_seed_;
 }
@@ -85,24 +86,20 @@ void PhysicsWorld::Fit() {
   travel_m_.resize(dynamic_count());
   batch_of_.resize(dynamic_count());
   islands_.Resize(dynamic_count());
+  FitBoards();
 }
 
 void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
   EnsureOde();
-  const std::size_t given = std::min(channels_.size(), setpoints.size());
-  for (std::size_t i = 0; i < given; ++i) channels_[i].setpoint = setpoints[i];
-  for (std::size_t i = given; i < channels_.size(); ++i) channels_[i].setpoint = {};
-  for (ChannelState& channel : channels_) {
-    assert(channel.setpoint.mode == ControlMode::kVelocity);  // its motors know no other
-    channel.velocity = 0;
-  }
+  TakeSetpoints(setpoints);
   share_ = 1.0 / substeps;
-  for (int i = 0; i < substeps; ++i) Substep(step / substeps);
+  for (int i = 0; i < substeps; ++i) Substep(step / substeps, substeps - i);
 }
 
-void PhysicsWorld::Substep(Nanoseconds dt) {
+void PhysicsWorld::Substep(Nanoseconds dt, int left) {
   const double dt_s =
       static_cast<double>(dt) * 1e-9;  // not ToSeconds(): recorded runs repeat to the last bit
+  if (!board_joints_.empty()) AdvanceBoards(dt_s, left);
   PlanAll(dt_s);
   Sort();
   if (!active_.empty()) {
@@ -130,7 +127,7 @@ void PhysicsWorld::PlanRobot(std::size_t robot, double dt_s) {
   const std::size_t thing = things_.first_robot + robot;
   const Thing& info = things_.all[thing];
   const BodyState& body = FirstBody(thing);
-  if (body.sleep_counter == kAsleep && IsDriven(ChannelsOf(info))) {
+  if (body.sleep_counter == kAsleep && IsDriven(info)) {
     for (BodyState& part : BodiesOf(static_cast<std::uint32_t>(thing))) part.sleep_counter = 0;
   }
   moves_[thing] = body.sleep_counter < kAsleep;
@@ -221,7 +218,7 @@ bool PhysicsWorld::AtRest(std::uint32_t thing) const {
   // Most things move: the first body tells it without a look at the rest.
   if (!IsSlow(FirstBody(thing))) return false;
   const Thing& info = things_.all[thing];
-  if (IsDriven(ChannelsOf(info))) return false;
+  if (IsDriven(info)) return false;
   for (std::size_t k = 1; k < info.body_count(); ++k) {
     if (!IsSlow(bodies_[first_bodies_[thing] + k])) return false;
   }
@@ -239,6 +236,7 @@ void PhysicsWorld::Hold(std::uint32_t thing, std::uint64_t counter) {
 void PhysicsWorld::Restore(const Frame& frame) {
   bodies_ = frame.bodies;
   channels_ = frame.channels;
+  controls_ = frame.controls;
   solver_seed_ = frame.solver_seed;
   for (std::size_t i = 0; i < dynamic_count(); ++i) {
     Thing& thing = things_.all[i];

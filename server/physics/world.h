@@ -41,6 +41,9 @@ class PhysicsWorld {
   /// or less among thousands costs a small part of Build(). Floor and gravity are those of before. @pre the
   /// robots have passed Build() in some scene.
   void Rebuild(std::shared_ptr<const Scene> scene, const Frame& frame);
+  /// Changes how a joint of a control board is driven, and wakes its robot.
+  void Tune(std::size_t control, const JointControl& tuned);
+  const std::vector<JointControl>& controls() const { return controls_; }
   /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits. Whoever
   /// changes poses in it sets the sleep counters of what may be affected to 0: sleepers look at nothing.
   void Restore(const Frame& frame);
@@ -63,7 +66,8 @@ class PhysicsWorld {
 
   /// Makes what depends on the number of things. @pre things_
   void Fit();
-  void Substep(Nanoseconds dt);
+  /// `left`: substeps of the step that are to come, this one included.
+  void Substep(Nanoseconds dt, int left);
   /// Where every robot wants to go, and the space it needs for that.
   void PlanAll(double dt_s);
   void PlanRobot(std::size_t robot, double dt_s);
@@ -86,6 +90,16 @@ class PhysicsWorld {
   void LoadBatch(const Batch& batch, Lane& lane, double dt_s);
   void ReadBatch(Batch& batch, const Lane& lane, double dt_s);
   void ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s);
+  /// Lists the joints of control boards.
+  void FitBoards();
+  /// Takes the set-points of a step; who gets other ones wakes.
+  void TakeSetpoints(std::span<const Setpoint> setpoints);
+  /// Where a joint of a control board is, by its bodies.
+  JointPlace PlaceOf(std::size_t control) const;
+  /// What the motors of the control boards do in this substep, of which `left` are to come.
+  void AdvanceBoards(double dt_s, int left);
+  /// A motor is to move the thing.
+  bool IsDriven(const Thing& thing) const;
   /// A channel has turned at this rate in a substep.
   void Turn(ChannelState& channel, double rate, double dt_s) const {
     channel.position += rate * dt_s;
@@ -110,6 +124,9 @@ class PhysicsWorld {
   std::span<const ChannelState> ChannelsOf(const Thing& thing) const {
     return std::span(channels_).subspan(thing.first_channel, thing.channel_count);
   }
+  std::span<const JointRow> JointRowsOf(const Thing& thing) const {
+    return std::span(rows_).subspan(thing.first_control, thing.control_count);
+  }
   Actor ActorOf(std::uint32_t thing) const { return things_.ActorOf(thing, bodies_); }
   const BodyState& FirstBody(std::size_t thing) const { return bodies_[first_bodies_[thing]]; }
   std::span<BodyState> BodiesOf(std::uint32_t thing) {
@@ -126,8 +143,18 @@ class PhysicsWorld {
   // All that the next step depends on, besides the scene and the set-points.
   std::vector<BodyState> bodies_;       // as Frame::bodies
   std::vector<ChannelState> channels_;  // as Frame::channels
+  std::vector<JointControl> controls_;  // as Frame::controls
   std::uint64_t solver_seed_ = 0;
   std::vector<FrozenBody> frozen_;
+
+  /// A joint of a control board.
+  struct BoardJoint {
+    std::uint32_t thing = 0;
+    std::size_t channel = 0;  // of Frame::channels
+    const Joint* joint = nullptr;
+  };
+  std::vector<BoardJoint> board_joints_;  // as controls_
+  std::vector<JointRow> rows_;            // likewise; of the present substep
 
   double share_ = 1;  // of a substep in the present step
   // Of the present substep.

@@ -214,7 +214,8 @@ void PhysicsWorld::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, dou
 void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
-    lane.Load(thing, ActorOf(thing), ChannelsOf(things_.all[thing]), dt_s);
+    const Thing& info = things_.all[thing];
+    lane.Load(thing, ActorOf(thing), ChannelsOf(info), JointRowsOf(info), dt_s);
   }
   std::vector<FoundContact>& floor = lane.scratch();
   for (const std::uint32_t thing : batch.members) {
@@ -260,8 +261,10 @@ void PhysicsWorld::ReadChannels(std::uint32_t thing, const Lane& lane, double dt
       const Joint& joint = info.mechanism->joints[i];
       if (joint.channel < 0) continue;
       ChannelState& channel = channels[static_cast<std::size_t>(joint.channel)];
+      const double last = channel.position;
       Turn(channel, lane.JointRate(thing, i), dt_s);
-      channel.effort = lane.HingeEffort(thing, joint);
+      if (joint.board != nullptr) channel.position = lane.JointPosition(thing, i, last);
+      channel.effort = lane.JointEffort(thing, joint);
     }
   } else if (info.mechanism->drive) {
     const OneBodyDrive& drive = *info.mechanism->drive;

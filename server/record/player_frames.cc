@@ -137,6 +137,10 @@ std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
   frame->bodies.assign(now->bodies.begin(), now->bodies.end());
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // what was not recorded is no number
   frame->channels.assign(scene->channels.size(), {kUnknown, kUnknown, kUnknown, {}});
+  frame->controls = keyframe.controls;
+  if (frame->controls.size() != static_cast<std::size_t>(scene->control_count)) {
+    frame->controls = StartControls(*scene);
+  }
   frame->commanded.assign(scene->actuators.size(), 0);
   const std::span<const PlayInputs::Driven> driven = inputs_.channels();
   for (std::size_t i = 0; i < scene->channels.size(); ++i) {

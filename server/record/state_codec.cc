@@ -9,7 +9,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kStateVersion = 2;
+constexpr std::uint8_t kStateVersion = 3;
 constexpr std::size_t kBodyBytes = (3 + 4 + 9 + 3 + 3) * 8 + 8;
 constexpr std::size_t kSetpointBytes = 1 + 8, kChannelStateBytes = 2 * 8 + kSetpointBytes;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
@@ -27,6 +27,24 @@ void CodeChannel(auto& codec, auto& channel) {
   codec.Finite(channel.position);
   codec.Finite(channel.velocity);
   CodeSetpoint(codec, channel.setpoint);
+}
+
+void CodeControl(auto& codec, auto& control) {
+  codec.Number(control.stiffness);  // may be infinite
+  codec.Finite(control.damping);
+  codec.Finite(control.offset);
+  codec.Finite(control.speed);
+  codec.Finite(control.acceleration);
+  codec.Finite(control.p);
+  codec.Finite(control.i);
+  codec.Finite(control.d);
+  codec.Finite(control.start);
+  codec.Finite(control.start_velocity);
+  codec.Finite(control.target);
+  codec.Finite(control.duration_s);
+  codec.Finite(control.elapsed_s);
+  codec.Finite(control.integral);
+  codec.Finite(control.reference);
 }
 
 void CodeSent(auto& codec, auto& sent) {
@@ -53,6 +71,7 @@ void CodeState(Codec& codec, auto& state, auto& frame) {
   codec.Number(frame.solver_seed);
   codec.List(frame.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
   codec.List(frame.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
+  codec.List(frame.controls, 8 * JointControl::kDoubles, [&codec](auto& one) { CodeControl(codec, one); });
   codec.List(frame.commanded, 1, [&codec](auto& commanded) { codec.Number(commanded); });
   codec.List(frame.messages, kMessageBytes, [&codec](auto& sent) { CodeSent(codec, sent); });
   codec.Bytes(state.controllers);
@@ -69,11 +88,17 @@ bool Fits(const SavedState& state, const Frame& frame, const Scene& scene) {
   const auto is_of_frame = [&](const SentMessage& sent) {
     return sent.robot < scene.robots.size() && sent.step <= frame.step;
   };
+  const auto is_fine = [](const JointControl& control) {
+    return control.stiffness >= 0 && control.damping >= 0 && control.speed > 0 && control.acceleration > 0 &&
+           control.p >= 0 && control.i >= 0 && control.d >= 0 && control.duration_s >= 0;
+  };
   return frame.time >= 0 && IsStepLength(frame.step_length) &&
          IsStepLength(state.step_length.value_or(kDefaultStep)) &&
          frame.bodies.size() == scene.body_ids.size() && frame.channels.size() == scene.channels.size() &&
+         frame.controls.size() == static_cast<std::size_t>(scene.control_count) &&
          frame.commanded.size() == scene.actuators.size() &&
          (state.setpoints.empty() || state.setpoints.size() == scene.channels.size()) &&
+         std::ranges::all_of(frame.controls, is_fine) &&
          std::all_of(frame.messages.begin(), frame.messages.end(), is_of_frame);
 }
 

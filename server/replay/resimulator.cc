@@ -194,6 +194,10 @@ void Resimulator::Apply(const RunInput& input) {
     StopChannels(static_cast<std::size_t>(robot));
     if (host_ != nullptr) host_->Unload(robot);
     ListComputed();
+  } else if (const auto* tuning = As<edit::TuneJoints>(input.what)) {
+    if (const std::string why = simulation_->Tune(*tuning); !why.empty()) {
+      Warn("step " + std::to_string(frame()->step) + ": joints are not tuned: " + why);
+    }
   } else if (const auto* stopped = As<ControllerStopped>(input.what)) {
     const int robot = scene.FindRobot(stopped->robot);
     if (robot < 0 || host_ == nullptr) return;
@@ -219,11 +223,11 @@ bool Resimulator::Step(const RecordedStep& step) {
       error_ = where + " is damaged: it commands a joint that is not there";
       return false;
     }
-    if (command.setpoint.mode != ControlMode::kVelocity) {
-      const Scene& scene = simulation_->scene();
+    const Scene& scene = simulation_->scene();
+    if (command.setpoint.mode != ControlMode::kVelocity && scene.channels[command.channel].control < 0) {
       const auto robot = static_cast<std::size_t>(scene.channels[command.channel].robot);
-      error_ = where + " commands " + scene.robots[robot].entry.name +
-               " by positions or efforts: this coopdyn repeats speeds only";
+      error_ = where + " is damaged: it commands the wheels of " + scene.robots[robot].entry.name +
+               " by positions or efforts";
       return false;
     }
     in_force_[command.channel] = command.setpoint;

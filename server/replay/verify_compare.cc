@@ -45,7 +45,8 @@ std::optional<Nanoseconds> StepLength(RunReader& reader, std::uint64_t step) {
 /// Such decide when a step runs, not what it gives.
 bool IsPace(const RunInput& input) {
   return std::holds_alternative<RunEdit>(input.what) && As<edit::SetStep>(input.what) == nullptr &&
-         As<edit::StopAll>(input.what) == nullptr && As<edit::UnloadController>(input.what) == nullptr;
+         As<edit::StopAll>(input.what) == nullptr && As<edit::UnloadController>(input.what) == nullptr &&
+         As<edit::TuneJoints>(input.what) == nullptr;
 }
 
 std::vector<RunInput> InputsOf(RunReader& reader, std::uint64_t first, std::uint64_t last) {

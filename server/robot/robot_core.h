@@ -15,6 +15,7 @@
 #include "server/naming/name_table.h"
 #include "server/net/net_services.h"
 #include "server/state/command_board.h"
+#include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
 
 namespace coopdyn {
@@ -23,6 +24,7 @@ namespace coopdyn {
 struct RobotServices {
   CommandBoard& board;
   const FrameBoard& frames;
+  EditQueue& edits;
   NameTable& names;
   NetServices& net;
   ConnectionRoster& roster;

@@ -31,8 +31,17 @@ std::optional<Message> RobotModule::Answer(Peer& peer, const Message& request) {
     default:
       break;
   }
-  if (std::optional<Actuation> actuation = device_.Actuate(request)) {
-    return Drive(peer, request, std::move(*actuation));
+  if (device_.is_actuator()) {
+    if (std::optional<edit::TuneJoints> tuning = device_.Tune(request)) {
+      return Tune(peer, request, *std::move(tuning));
+    }
+    const FramePtr now = inbox().Current();
+    const int index = now == nullptr ? -1 : robot_.IndexIn(*now);
+    if (index >= 0) {
+      if (std::optional<Actuation> actuation = device_.Actuate(request, *now, index)) {
+        return Drive(peer, request, std::move(*actuation));
+      }
+    }
   }
   if (const std::optional<RobotMessage> message = device_.Broadcast(request)) {
     return Send(peer, request, *message);
@@ -49,6 +58,27 @@ std::optional<Message> RobotModule::Drive(Peer& peer, const Message& request, Ac
   peer.text = std::move(actuation.limited);
   return Settle(
       peer, board().Command(slot_, peer.client.client, actuation.setpoints, actuation.steps, Waiter(peer)));
+}
+
+std::optional<Message> RobotModule::Tune(Peer& peer, const Message& request, edit::TuneJoints tuning) {
+  if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
+  const Verdict verdict = board().MayTune(slot_, peer.client.client);
+  if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
+  tuning.robot = robot_.name();
+  // The poster calls nothing once the robot is gone, and its modules with it.
+  const auto done = [this, poster = inbox().MakePoster(), id = peer.id()](const EditResult& result) {
+    poster([this, id, result] {
+      const FramePtr newest = inbox().Current();
+      Peer* const waiting = FindWaiting(id);
+      if (waiting == nullptr) return;
+      Message reply = result.error == Error::kOk ? ReplyTo(waiting->command)
+                                                 : ErrorReply(waiting->command, result.error, result.text);
+      if (reply.error == 0) ModuleCore::Stamp(reply, result.frame != nullptr ? *result.frame : *newest);
+      Finish(*waiting, std::move(reply));
+    });
+  };
+  robot_.services().edits.Push({RunEdit(std::move(tuning)), done});
+  return std::nullopt;
 }
 
 Message RobotModule::Send(Peer& peer, const Message& request, const RobotMessage& message) {
@@ -103,6 +133,11 @@ Message RobotModule::ClaimOrRelease(Peer& peer, const Message& request) {
       request.command == command::kClaim ? board().Claim(slot_, client) : board().Release(slot_, client);
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   return Done(request);
+}
+
+std::optional<Message> RobotModule::Refuse(const Message& request) const {
+  std::optional<Message> refusal = PeerModule::Refuse(request);
+  return refusal ? refusal : device_.Refuse(request);
 }
 
 std::string RobotModule::NewOwner() {

@@ -29,12 +29,15 @@ class RobotModule final : public PeerModule<ModulePeer> {
   std::span<const std::string> attachable() const override { return robot_.module_names(); }
   void AppendReading(std::size_t attachable, const Frame& frame, std::vector<double>& data) override;
 
+  std::optional<Message> Refuse(const Message& request) const override;
   std::optional<Message> Answer(Peer& peer, const Message& request) override;
   std::string NewOwner() override;
   void InputEnded(ClientId client) override;
   void Closed(ClientId client) override;
 
   std::optional<Message> Drive(Peer& peer, const Message& request, Actuation actuation);
+  /// Changes how the joints are driven, between two steps.
+  std::optional<Message> Tune(Peer& peer, const Message& request, edit::TuneJoints tuning);
   Message Send(Peer& peer, const Message& request, const RobotMessage& message);
   std::optional<Message> Ready(Peer& peer, const Message& request);
   Message Hello(Peer& peer, const Message& request);

@@ -17,7 +17,8 @@ enum class NoiseKind : std::uint32_t {
   kNeighbourBearing,
   kMessageLoss,
   kCompass,
-  kSupport
+  kSupport,
+  kEncoder
 };
 
 /// Names one reading. Two readings that differ in any field have independent noise.

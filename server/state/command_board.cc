@@ -71,10 +71,10 @@ std::string CommandBoard::OwnerOf(SlotId slot) const {
 std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
   const MutexLock lock(mutex_);
   std::vector<SlotId> slots;
-  slots.reserve(scene.robots.size());
-  for (const SceneRobot& robot : scene.robots) {
-    const ActuatorModel* drive = robot.entry.model->drive_actuator();
-    slots.push_back(table_.FindSlot(robot.entry.name, drive == nullptr ? "" : drive->module));
+  slots.reserve(scene.actuators.size());
+  for (const SceneActuator& actuator : scene.actuators) {
+    const SceneRobot& robot = scene.robots[static_cast<std::size_t>(actuator.robot)];
+    slots.push_back(table_.FindSlot(robot.entry.name, actuator.module));
   }
   return slots;
 }
@@ -117,6 +117,13 @@ Verdict CommandBoard::Claim(SlotId id, const Client& client) {
   if (std::optional<Verdict> objection = Objection(index, client)) return *std::move(objection);
   TakeOwnership(index, client);
   return Fine();
+}
+
+Verdict CommandBoard::MayTune(SlotId id, const Client& client) const {
+  const MutexLock lock(mutex_);
+  const std::size_t index = table_.Find(id);
+  if (index == kNoSlot) return Gone();
+  return Objection(index, client).value_or(Fine());
 }
 
 Verdict CommandBoard::Release(SlotId id, const Client& client) {

@@ -86,7 +86,7 @@ class CommandBoard {
   /// The slot of module `module` of `robot`; if it is no actuator module, or empty, the robot's first slot. 0
   /// if there is no such robot.
   SlotId FindSlot(const std::string& robot, const std::string& module = {}) const;
-  /// The slot of the two-wheel drive of each robot of `scene`, found by name; of one without, its first slot.
+  /// The slots of the actuators of `scene`, in their order, found by the names of robots and modules.
   std::vector<SlotId> FindSlots(const Scene& scene) const;
   /// Who owns a slot: client name, else peer, or `controller diffuse`; empty: nobody.
   std::string OwnerOf(SlotId slot) const;
@@ -98,6 +98,8 @@ class CommandBoard {
   /// `ready` on an actuator module: keeps the set-points; answered after `steps` steps in every mode.
   Verdict Ready(SlotId slot, const Client& client, int steps, StepDone done);
   Verdict Claim(SlotId slot, const Client& client);
+  /// Whether the client may change how the module drives: nobody else owns it.
+  Verdict MayTune(SlotId slot, const Client& client) const;
   Verdict Release(SlotId slot, const Client& client);
   /// The connection calls itself client.name from now on; takes the module over from an older connection of
   /// that name.

@@ -6,6 +6,17 @@
 
 namespace coopdyn {
 
+namespace {
+
+/// What `commanded` says of the channels, the others as they are.
+void Merge(std::span<const Setpoint> commanded, std::span<Setpoint> channels) {
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    if (commanded[i].mode != ControlMode::kKeep) channels[i] = commanded[i];
+  }
+}
+
+}  // namespace
+
 void DriveTable::Configure(const Scene& scene, bool keep_participants) {
   const DriveTable old = std::exchange(*this, {});
   next_slot_ = old.next_slot_;
@@ -136,7 +147,9 @@ void DriveTable::SetPending(std::size_t index, ClientId client, std::span<const 
   Drive& drive = drives_[index];
   drive.excused = drive.dropped = drive.abandoned = false;
   if (!setpoints.empty()) {
-    std::ranges::copy(setpoints, Of(index, commanded_).begin());
+    const bool adds = drive.pending && drive.has_setpoint && !drive.latched;
+    if (!adds) std::ranges::fill(Of(index, commanded_), Setpoint{0, ControlMode::kKeep});
+    Merge(setpoints, Of(index, commanded_));
     drive.has_setpoint = true;
   } else if (!drive.pending) {
     drive.has_setpoint = false;
@@ -153,7 +166,7 @@ void DriveTable::Latch(std::span<std::uint8_t> commanded) {
     Drive& drive = drives_[i];
     commanded[i] = static_cast<std::uint8_t>(drive.pending && drive.has_setpoint && !drive.latched);
     if (!drive.pending) continue;
-    if (drive.has_setpoint) std::ranges::copy(Of(i, commanded_), Of(i, in_force_).begin());
+    if (drive.has_setpoint) Merge(Of(i, commanded_), Of(i, in_force_));
     drive.latched = true;
   }
 }

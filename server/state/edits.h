@@ -51,6 +51,14 @@ struct UnloadController {
   std::string robot;
 };
 
+/// `set_compliance`, `set_profile` or `set_gains` of a control board.
+struct TuneJoints {
+  std::string robot, module;
+  std::int32_t command = 0;          // the number of that command
+  std::vector<std::int32_t> joints;  // of the board, from 1; empty: all
+  std::vector<double> values;        // joint by joint
+};
+
 // What stands in the world: the next frame does not follow from the one before, and a journal begins anew.
 struct Reset {
   std::optional<std::uint64_t> seed;  // empty: the same
@@ -97,7 +105,7 @@ struct Save {};
 }  // namespace edit
 
 using RunEdit = std::variant<edit::Run, edit::Pause, edit::Step, edit::SetMode, edit::SetStep, edit::SetSpeed,
-                             edit::SetParticipants, edit::StopAll, edit::UnloadController>;
+                             edit::SetParticipants, edit::StopAll, edit::UnloadController, edit::TuneJoints>;
 using WorldEdit = std::variant<edit::Reset, edit::Load, edit::Restore>;
 using PlaybackEdit = std::variant<edit::Seek, edit::Skip, edit::SetPlaySpeed, edit::SetLoop>;
 using RecordEdit = std::variant<edit::SetJournal, edit::Note, edit::Save>;

@@ -14,6 +14,19 @@ Pose BodyPose(const Frame& frame, int body) {
 
 }  // namespace
 
+std::vector<JointControl> StartControls(const Scene& scene) {
+  std::vector<JointControl> controls(static_cast<std::size_t>(scene.control_count));
+  for (const Channel& channel : scene.channels) {
+    if (channel.control < 0) continue;
+    const RobotModel& model = *scene.robots[static_cast<std::size_t>(channel.robot)].entry.model;
+    const double fastest = model.joints[static_cast<std::size_t>(channel.joint)].max_velocity;
+    JointControl& control = controls[static_cast<std::size_t>(channel.control)];
+    control.speed = fastest / 2;
+    control.acceleration = 2 * fastest;  // there within a quarter of a second
+  }
+  return controls;
+}
+
 Pose LinkPose(const Frame& frame, int index, int link) {
   const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(index)];
   const RobotModel& model = *robot.entry.model;

@@ -45,6 +45,26 @@ struct ChannelState {
   Setpoint setpoint;                             // latched for the step that made this frame
 };
 
+/// How a joint of a control board is driven, and where on its way it is. rad, s, N m; of a sliding joint m,
+/// N. Doubles alone: it is hashed and kept as they lie.
+struct JointControl {
+  // Set by clients.
+  double stiffness = std::numeric_limits<double>::infinity();  // infinite: a servo
+  double damping = 0, offset = 0;                              // of the compliance
+  double speed = 0, acceleration = 0;                          // of the profile, above 0
+  double p = 100, i = 0, d = 0;                                // of the servo: 1/s, 1/s², -
+  // The way to a position.
+  double start = 0, start_velocity = 0;  // trapezoidal: the velocity is that of the reference now
+  double target = 0;
+  double duration_s = 0, elapsed_s = 0;
+  double integral = 0;   // of the position error
+  double reference = 0;  // in force: where the joint should be; of velocity and effort these
+
+  static constexpr std::size_t kDoubles = 15;
+  bool operator==(const JointControl&) const = default;
+};
+static_assert(sizeof(JointControl) == JointControl::kDoubles * sizeof(double));
+
 /// What a robot broadcasts in one step: up to 8 numbers. count 0: nothing.
 struct RobotMessage {
   static constexpr std::size_t kMaxValues = 8;
@@ -76,6 +96,7 @@ struct Frame {
   std::shared_ptr<const Scene> scene;
   std::vector<BodyState> bodies;       // by increasing body id; scene->body_ids
   std::vector<ChannelState> channels;  // as scene->channels
+  std::vector<JointControl> controls;  // of the joints of control boards: Channel::control
   std::vector<std::uint8_t>
       commanded;  // as scene->actuators: 1 if a client's command came in force with this step
   /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
@@ -114,6 +135,8 @@ std::uint64_t StateHash(const Frame& frame);
 /// 16 lower-case hex digits.
 std::string HashText(std::uint64_t hash);
 
+/// The joints of control boards as a scene begins.
+std::vector<JointControl> StartControls(const Scene& scene);
 /// The channels of robot `index`.
 std::span<const ChannelState> ChannelsOf(const Frame& frame, int index);
 /// Whether robot `index` exploded and is held where it was last sane.

@@ -12,6 +12,7 @@
 #include "protocol/module_tables.h"
 #include "server/base/clock.h"
 #include "server/model/values.h"
+#include "server/state/joint_tuning.h"
 
 namespace coopdyn {
 
@@ -22,6 +23,12 @@ constexpr std::string_view kDeadline = "deadline", kDisconnect = "disconnect",
 
 const CommandTable& Commands() {
   static const CommandTable table = SimulationTable();
+  return table;
+}
+
+/// The commands of control boards.
+const CommandTable& Boards() {
+  static const CommandTable table = JointsTable();
   return table;
 }
 
@@ -61,6 +68,15 @@ struct TextOf {
     return {Word(command::kSetParticipants), Joined(set.names)};
   }
   InputText operator()(const edit::StopAll&) const { return {Word(command::kStopAll), ""}; }
+  InputText operator()(const edit::TuneJoints& tuning) const {
+    std::string text = "/" + tuning.robot + "/" + tuning.module;
+    for (std::size_t i = 0; i < tuning.joints.size(); ++i) {
+      text += (i == 0 ? " (" : " ") + std::to_string(tuning.joints[i]);
+    }
+    if (!tuning.joints.empty()) text += ")";
+    for (const double value : tuning.values) text += " " + Number(value);
+    return {Boards().Find(tuning.command)->name, std::move(text)};
+  }
   InputText operator()(const edit::UnloadController& unload) const {
     return {Word(command::kReleaseRobot), unload.robot};
   }
@@ -105,6 +121,21 @@ std::optional<RunEdit> DecodeEdit(std::string_view action, std::string_view deta
   return RunEditOf(decoded.message, ignored);
 }
 
+/// What the line `action` to the module that `detail` names first asks for.
+std::optional<RunEdit> DecodeTuning(std::string_view action, std::string_view detail) {
+  const std::size_t blank = detail.find(' '), slash = detail.find('/', 1);
+  if (!detail.starts_with('/') || slash >= blank || blank == std::string_view::npos) return std::nullopt;
+  const std::string line = std::string(action) + std::string(detail.substr(blank)) + "\n";
+  const Decoded decoded = DecodeText(line, Boards(), false);
+  if (decoded.status != DecodeStatus::kMessage || decoded.consumed != line.size()) return std::nullopt;
+  const Message& request = decoded.message;
+  const CommandSpec& spec = *Boards().Find(request.command);
+  if (CheckRequest(spec, request.text, request.params, request.data).error != 0) return std::nullopt;
+  return edit::TuneJoints{std::string(detail.substr(1, slash - 1)),
+                          std::string(detail.substr(slash + 1, blank - slash - 1)), request.command,
+                          request.params, request.data};
+}
+
 std::optional<RunEdit> SetStepTo(double step_s, std::string& error) {
   const double microseconds = std::round(step_s * 1e6);
   const bool in_range = step_s >= ToSeconds(kMinStep) && step_s <= ToSeconds(kMaxStep);
@@ -145,7 +176,9 @@ std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action,
     std::optional<RobotEvent> event = DecodeEvent(action, detail);
     return event ? std::optional(RunInput{step, *std::move(event)}) : std::nullopt;
   }
-  std::optional<RunEdit> edit = DecodeEdit(action, detail);
+  const CommandSpec* const board = Boards().Find(action);
+  std::optional<RunEdit> edit =
+      board != nullptr && IsTuning(board->id) ? DecodeTuning(action, detail) : DecodeEdit(action, detail);
   return edit ? std::optional(RunInput{step, *std::move(edit)}) : std::nullopt;
 }
 

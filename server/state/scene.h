@@ -31,16 +31,19 @@ struct SceneRobot {
   int channel_count = 0;
   int first_actuator = 0;  // of Scene::actuators
   int actuator_count = 0;  // at least 1
-  Pose X_BR;               // R in its first body
-  bool axes_of_R = true;   // X_BR does not turn
+  int first_control = 0;   // of Frame::controls
+  int control_count = 0;
+  Pose X_BR;              // R in its first body
+  bool axes_of_R = true;  // X_BR does not turn
 
   bool one_body() const { return entry.fidelity != Fidelity::kFull; }
 };
 
 /// A joint axis that is driven: its place in Frame::channels.
 struct Channel {
-  int robot = 0;  // index into Scene::robots
-  int joint = 0;  // index into the model's joints
+  int robot = 0;     // index into Scene::robots
+  int joint = 0;     // index into the model's joints
+  int control = -1;  // of Frame::controls, if it belongs to a control board
 };
 
 /// An actuator module: what one command drives. A robot without any has one without channels, by which it
@@ -88,6 +91,7 @@ struct Scene {
   std::vector<BodyId> body_ids;          // of Frame::bodies, increasing
   std::vector<Channel> channels;         // of Frame::channels: robot by robot, actuator by actuator
   std::vector<SceneActuator> actuators;  // robot by robot
+  int control_count = 0;                 // joints of control boards: Frame::controls
   SceneCacheSlot cache;                  // of sensing
 
   /// Index of the robot called `name`; -1 if there is none.

@@ -78,6 +78,7 @@ std::uint64_t StateHash(const Frame& frame) {
     hasher.AddByte(static_cast<unsigned char>(channel.setpoint.mode));
     hasher.AddWords(&channel.setpoint.reference, 1);
   }
+  for (const JointControl& control : frame.controls) hasher.AddWords(&control, JointControl::kDoubles);
   hasher.Add(frame.solver_seed);
   return hasher.Digest();
 }

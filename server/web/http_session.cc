@@ -254,7 +254,7 @@ void HttpSession::AnswerCall(const std::string& body) {
   peer.text = "page " + peer.text;
   const std::uint64_t ticket = Await(call->module);
   bridge_ = std::make_unique<PageBridge>(
-      context_.io, context_.names, std::move(peer),
+      context_.io, context_.names, context_.frames, std::move(peer),
       [self = weak_from_this(), ticket, wait](const PageReply& reply) {
         const auto session = self.lock();
         if (!session || !reply.id) return;  // a push

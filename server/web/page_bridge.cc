@@ -67,14 +67,8 @@ ResolvedCall ReadLine(const std::string& line, const CommandTable& table) {
   return Answer({}, "# type help to see the commands");
 }
 
-/// The commands of the module called `name` ("/robot1/motors"), by its last word; null if unknown.
-const CommandTable* TableOfModule(std::string_view name) {
-  return FindModuleTable(name.substr(name.rfind('/') + 1));
-}
-
-/// Reads the line of `call`, or looks up its command's name.
-ResolvedCall ResolveCall(const PageCall& call) {
-  const CommandTable* table = TableOfModule(call.module);
+/// Reads the line of `call`, or looks up its command's name in `table`; null: unknown.
+ResolvedCall ResolveCall(const PageCall& call, const CommandTable* table) {
   if (table == nullptr) {
     if (call.line || !call.command_name.empty()) {
       return Refuse(Error::kUnknownCommand,
@@ -97,12 +91,27 @@ ResolvedCall ResolveCall(const PageCall& call) {
 
 }  // namespace
 
-PageBridge::PageBridge(boost::asio::io_context& context, const NameTable& names, PeerInfo peer,
-                       SendFunction send)
-    : context_(context), names_(names), peer_(std::move(peer)), send_(std::move(send)) {}
+PageBridge::PageBridge(boost::asio::io_context& context, const NameTable& names, const FrameBoard& frames,
+                       PeerInfo peer, SendFunction send)
+    : context_(context), names_(names), frames_(frames), peer_(std::move(peer)), send_(std::move(send)) {}
 
 PageBridge::~PageBridge() {
   for (auto& [key, link] : links_) link.link->Close();
+}
+
+const CommandTable* PageBridge::TableOf(const std::string& name) const {
+  const std::size_t slash = name.rfind('/');
+  const std::string module = name.substr(slash + 1);
+  const FramePtr frame = frames_.Latest();
+  const int robot = frame == nullptr || slash == 0 || slash == std::string::npos
+                        ? -1
+                        : frame->scene->FindRobot(name.substr(1, slash - 1));
+  if (robot < 0) return FindModuleTable(module);
+  for (const ModuleModel& one :
+       frame->scene->robots[static_cast<std::size_t>(robot)].entry.model->modules()) {
+    if (one.name == module) return FindModuleTable(one.type);
+  }
+  return nullptr;
 }
 
 void PageBridge::SetTrusted(bool trusted) {
@@ -114,7 +123,7 @@ void PageBridge::SetTrusted(bool trusted) {
 }
 
 void PageBridge::Handle(const PageCall& call) {
-  ResolvedCall resolved = ResolveCall(call);
+  ResolvedCall resolved = ResolveCall(call, TableOf(call.module));
   if (resolved.verbose) {
     Message refusal;
     if (Link* link = FindOrOpen({call.module, call.channel}, refusal)) link->verbose = true;
@@ -150,7 +159,7 @@ void PageBridge::Handle(const PageCall& call) {
       EncodeText(message, reply.line);
       reply.line = Chomp(std::move(reply.line));
       const auto found = links_.find(key);
-      const CommandTable* table = TableOfModule(key.first);
+      const CommandTable* table = TableOf(key.first);
       if (table != nullptr && found != links_.end() && found->second.verbose) {
         EncodeVerbose(message, *table, reply.note);
         reply.note = Chomp(std::move(reply.note));

@@ -13,10 +13,12 @@
 #include <string>
 
 #include "server/naming/name_table.h"
+#include "server/state/frame_board.h"
 #include "server/web/page_message.h"
 
 namespace coopdyn {
 
+class CommandTable;
 class ModuleLink;
 
 class PageBridge {
@@ -28,7 +30,8 @@ class PageBridge {
   using SendFunction = std::function<void(const PageReply& reply)>;
 
   /// `trusted`: may change things; else only what reads gets through. All references outlive the bridge.
-  PageBridge(boost::asio::io_context& context, const NameTable& names, PeerInfo peer, SendFunction send);
+  PageBridge(boost::asio::io_context& context, const NameTable& names, const FrameBoard& frames,
+             PeerInfo peer, SendFunction send);
   /// Closes all connections; nothing is sent any more.
   ~PageBridge();
   PageBridge(const PageBridge&) = delete;
@@ -51,6 +54,8 @@ class PageBridge {
     bool verbose = false;
   };
 
+  /// The commands of the module called `name` ("/robot1/motors"); null if unknown.
+  const CommandTable* TableOf(const std::string& name) const;
   /// The open connection, or the reply that says why there is none.
   Link* FindOrOpen(const Key& key, Message& refusal);
   void Push(const Key& key, const Message& message);
@@ -59,6 +64,7 @@ class PageBridge {
 
   boost::asio::io_context& context_;
   const NameTable& names_;
+  const FrameBoard& frames_;  // the types of robots' modules are in its scene
   PeerInfo peer_;
   SendFunction send_;
   std::map<Key, Link> links_;

@@ -48,7 +48,7 @@ PeerInfo PageOf(PeerInfo peer) {
 PageSocket::PageSocket(beast::tcp_stream stream, WebContext& context, PeerInfo peer)
     : socket_(std::move(stream)),
       context_(context),
-      bridge_(context.io, context.names, PageOf(std::move(peer)),
+      bridge_(context.io, context.names, context.frames, PageOf(std::move(peer)),
               [this](const PageReply& reply) { OnReply(reply); }),
       view_(context.io, context.pictures, [this](const ImageResult& result) { OnPicture(result); }) {}
 

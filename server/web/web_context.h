@@ -21,12 +21,13 @@ namespace coopdyn {
 
 struct WebContext {
   WebContext(boost::asio::io_context& io_context, WebOptions web_options, const NameTable& name_table,
-             const FrameBoard& frames, ImageBoard* images, NetServices& net_services)
+             const FrameBoard& frame_board, ImageBoard* images, NetServices& net_services)
       : io(io_context),
         options(std::move(web_options)),
         names(name_table),
+        frames(frame_board),
         services(net_services),
-        pictures(io_context, frames, images),
+        pictures(io_context, frame_board, images),
         runs(io_context, options.runs, net_services.logger()),
         status(io_context, name_table),
         connections(options.limits) {}
@@ -34,6 +35,7 @@ struct WebContext {
   boost::asio::io_context& io;
   const WebOptions options;
   const NameTable& names;
+  const FrameBoard& frames;
   NetServices& services;
   Pictures pictures;
   RunFiles runs;

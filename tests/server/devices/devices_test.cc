@@ -23,7 +23,8 @@ class DeviceTest : public testing::Test {
 };
 
 TEST_F(DeviceTest, VelocityBecomesWheelSpeeds) {
-  const auto actuation = Make("motors")->Actuate(Request(command::kSetVelocity, {0.2, 0.5}));
+  const auto actuation =
+      Make("motors")->Actuate(Request(command::kSetVelocity, {0.2, 0.5}), *world_.frames.Latest(), 0);
   ASSERT_TRUE(actuation);
   EXPECT_NEAR(actuation->setpoints[0].reference, (0.2 - 0.5 * 0.2) / 0.1, 1e-12);
   EXPECT_NEAR(actuation->setpoints[1].reference, (0.2 + 0.5 * 0.2) / 0.1, 1e-12);
@@ -35,7 +36,8 @@ TEST_F(DeviceTest, LimitScalesBothWheelsAndKeepsTheCurvature) {
   const auto motors = Make("motors");
   for (const double v : {-3.0, 0.0, 0.5, 2.0, 1e300, 1e308}) {
     for (const double w : {-20.0, 0.0, 7.0, 1e307}) {
-      const auto actuation = motors->Actuate(Request(command::kSetVelocity, {v, w}));
+      const auto actuation =
+          motors->Actuate(Request(command::kSetVelocity, {v, w}), *world_.frames.Latest(), 0);
       const double left = actuation->setpoints[0].reference, right = actuation->setpoints[1].reference;
       EXPECT_LE(std::max(std::abs(left), std::abs(right)), 10.0);
       const double linear = (left + right) / 2 * 0.1;
@@ -50,20 +52,25 @@ TEST_F(DeviceTest, LimitScalesBothWheelsAndKeepsTheCurvature) {
 
 TEST_F(DeviceTest, LimitIsToldInTheUnitsGiven) {
   const auto motors = Make("motors");
-  EXPECT_EQ(motors->Actuate(Request(command::kSetVelocity, {2, 0}))->limited, "limited to 1 m/s 0 rad/s");
-  EXPECT_EQ(motors->Actuate(Request(command::kSetWheelSpeeds, {20, -10}))->limited, "limited to 10 -5 rad/s");
-  EXPECT_EQ(motors->Actuate(Request(command::kSetWheelSpeeds, {10, -10}))->limited, "");
+  EXPECT_EQ(motors->Actuate(Request(command::kSetVelocity, {2, 0}), *world_.frames.Latest(), 0)->limited,
+            "limited to 1 m/s 0 rad/s");
+  EXPECT_EQ(
+      motors->Actuate(Request(command::kSetWheelSpeeds, {20, -10}), *world_.frames.Latest(), 0)->limited,
+      "limited to 10 -5 rad/s");
+  EXPECT_EQ(
+      motors->Actuate(Request(command::kSetWheelSpeeds, {10, -10}), *world_.frames.Latest(), 0)->limited, "");
 }
 
 TEST_F(DeviceTest, StopMeansNoSpeedAndStepsAreTaken) {
-  const auto actuation = Make("motors")->Actuate(Request(command::kStop, {}, {7}));
+  const auto actuation =
+      Make("motors")->Actuate(Request(command::kStop, {}, {7}), *world_.frames.Latest(), 0);
   EXPECT_EQ(actuation->setpoints, std::vector<Setpoint>(2));
   EXPECT_EQ(actuation->steps, 7);
 }
 
 TEST_F(DeviceTest, GetCommandsActuateNothing) {
-  EXPECT_FALSE(Make("motors")->Actuate(Request(command::kGetWheels)));
-  EXPECT_FALSE(Make("pose")->Actuate(Request(command::kSetVelocity, {1, 1})));
+  EXPECT_FALSE(Make("motors")->Actuate(Request(command::kGetWheels), *world_.frames.Latest(), 0));
+  EXPECT_FALSE(Make("pose")->Actuate(Request(command::kSetVelocity, {1, 1}), *world_.frames.Latest(), 0));
 }
 
 TEST_F(DeviceTest, LimitsAreTheModels) {

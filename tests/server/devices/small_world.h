@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/state/command_board.h"
+#include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
 #include "server/state/scene.h"
 #include "tests/server/model/sensor_of.h"
@@ -123,6 +124,8 @@ class SmallWorld {
 
   CommandBoard board;
   FrameBoard frames;
+  Doorbell bell;
+  EditQueue edits{bell};
 
  private:
   std::shared_ptr<const Scene> scene_;

@@ -164,7 +164,8 @@ void PhysicsScene::SetVelocity(int robot, double linear_m_s, double angular_rad_
 
 void PhysicsScene::Run(int steps) {
   for (int i = 0; i < steps; ++i) {
-    world().Step(step_length, substeps > 0 ? substeps : DefaultSubsteps(step_length), ByChannel(setpoints_));
+    world().Step(step_length, substeps > 0 ? substeps : DefaultSubsteps(step_length),
+                 setpoints.empty() ? ByChannel(setpoints_) : setpoints);
     ++step_;
     time_ += step_length;
   }

@@ -62,6 +62,7 @@ class PhysicsScene {
   PhysicsWorld& world();
   Nanoseconds step_length = kDefaultStep;
   int substeps = 0;
+  std::vector<Setpoint> setpoints;  // of all channels; empty: as SetWheels() says
   // Of robots added from now on.
   std::shared_ptr<const RobotModel> robot_model;  // null: TestRobot()
   Fidelity fidelity = Fidelity::kFull;

@@ -41,7 +41,8 @@ class RobotModuleTest : public testing::Test {
   TokenGuard guard_{"secret", false};
   SmallWorld world_;
   FakeThread thread_;
-  RobotServices services_{world_.board, world_.frames, names_, net_, roster_, guard_, clock_, "1.2.3"};
+  RobotServices services_{world_.board, world_.frames, world_.edits, names_, net_,
+                          roster_,      guard_,        clock_,       "1.2.3"};
   std::vector<std::unique_ptr<RobotCore>> robots_;
   std::vector<std::unique_ptr<RobotModule>> modules_;
   ClientId last_client_ = 0;

@@ -18,7 +18,7 @@ class StrangerTest : public testing::Test {
  protected:
   StrangerTest() {
     thread_.Call([this] {
-      bridge_ = std::make_unique<PageBridge>(thread_.context(), world_.names,
+      bridge_ = std::make_unique<PageBridge>(thread_.context(), world_.names, world_.frames,
                                              PeerInfo{.text = "page 10.0.0.7:5000", .trusted = false},
                                              [this](const PageReply& reply) { replied_.set_value(reply); });
     });

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/joint_motor.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace coopdyn {
+
+namespace {
+
+using Profile = BoardModel::Profile;
+
+struct Way {
+  double position = 0, velocity = 0;
+};
+
+/// The quintic from (start, start_velocity) to rest at the target, at the share `s` of its duration.
+Way MinimumJerk(const JointControl& control, double s) {
+  const double D = control.target - control.start, w = control.start_velocity * control.duration_s;
+  const double a3 = 10 * D - 6 * w, a4 = -15 * D + 8 * w, a5 = 6 * D - 3 * w;
+  const double position = control.start + s * (w + s * s * (a3 + s * (a4 + s * a5)));
+  const double slope = w + s * s * (3 * a3 + s * (4 * a4 + s * 5 * a5));
+  return {position, control.duration_s > 0 ? slope / control.duration_s : 0};
+}
+
+/// Whether the quintic keeps to the profile; a joint that is faster at its start may slow down.
+bool KeepsTo(const JointControl& control) {
+  constexpr int kSamples = 32;
+  const double T = control.duration_s;
+  const double D = control.target - control.start, w = control.start_velocity * T;
+  const double a3 = 10 * D - 6 * w, a4 = -15 * D + 8 * w, a5 = 6 * D - 3 * w;
+  const double fastest = std::max(control.speed, std::abs(control.start_velocity)) * (1 + 1e-9);
+  for (int k = 0; k <= kSamples; ++k) {
+    const double s = static_cast<double>(k) / kSamples;
+    const double velocity = MinimumJerk(control, s).velocity;
+    const double acceleration = s * (6 * a3 + s * (12 * a4 + s * 20 * a5)) / (T * T);
+    if (std::abs(velocity) > fastest || std::abs(acceleration) > control.acceleration * (1 + 1e-3))
+      return false;
+  }
+  return true;
+}
+
+/// The shortest time in which the quintic keeps to the profile; from rest in closed form.
+double DurationOf(JointControl control) {
+  constexpr double kPeakSpeed = 1.875, kPeakAcceleration = 5.773502691896258;  // 15/8, 10/√3
+  constexpr double kGrowth = 1.05;
+  const double way = std::abs(control.target - control.start);
+  control.duration_s =
+      std::max({kPeakSpeed * way / control.speed, std::sqrt(kPeakAcceleration * way / control.acceleration),
+                std::abs(control.start_velocity) / control.acceleration});
+  if (control.start_velocity == 0) return control.duration_s;
+  for (int i = 0; i < 200 && !KeepsTo(control); ++i) control.duration_s *= kGrowth;
+  return control.duration_s;
+}
+
+/// One substep of the fastest way within speed and acceleration; start_velocity is that of the reference.
+Way Trapezoidal(const JointControl& control, double dt_s) {
+  const double way = control.target - control.reference, slack = control.acceleration * dt_s / 2;
+  const double stopping = std::sqrt(slack * slack + 2 * control.acceleration * std::abs(way)) - slack;
+  const double wanted = std::copysign(std::min({control.speed, stopping, std::abs(way) / dt_s}), way);
+  const double change = control.acceleration * dt_s;
+  const double velocity =
+      control.start_velocity + std::clamp(wanted - control.start_velocity, -change, change);
+  const double position = control.reference + velocity * dt_s;
+  const bool arrives =
+      std::abs(control.target - position) < 1e-12 && std::abs(velocity) <= change * (1 + 1e-9);
+  return arrives ? Way{control.target, 0} : Way{position, velocity};
+}
+
+double WayVelocity(Profile profile, const JointControl& control) {
+  if (profile == Profile::kTrapezoidal) return control.start_velocity;
+  if (control.elapsed_s >= control.duration_s) return 0;
+  return MinimumJerk(control, control.elapsed_s / control.duration_s).velocity;
+}
+
+/// Moves the reference by a substep; returns its velocity.
+double MoveReference(Profile profile, const Setpoint& setpoint, double dt_s, int left,
+                     JointControl& control) {
+  const double before = control.reference;
+  if (setpoint.mode == ControlMode::kDirect) {
+    control.reference = left <= 1 ? control.target : before + (control.target - before) / left;
+  } else if (profile == Profile::kTrapezoidal) {
+    const Way way = Trapezoidal(control, dt_s);
+    control.reference = way.position;
+    control.start_velocity = way.velocity;
+  } else {
+    control.elapsed_s = std::min(control.elapsed_s + dt_s, control.duration_s);
+    const bool ended = control.elapsed_s >= control.duration_s;
+    control.reference =
+        ended ? control.target : MinimumJerk(control, control.elapsed_s / control.duration_s).position;
+  }
+  return (control.reference - before) / dt_s;
+}
+
+/// An effort, with what the joint itself resists: its damper and spring, else its friction.
+JointRow EffortRow(const JointModel& joint, const JointPlace& place, double effort, double dt_s) {
+  const double total = std::clamp(effort + place.load, -joint.max_effort, joint.max_effort);
+  const double resistance = joint.damping + dt_s * joint.stiffness;
+  const double spring = -joint.stiffness * (place.position - joint.rest);
+  JointRow row;
+  if (std::abs(place.velocity) >= joint.max_velocity && total * place.velocity > 0) {
+    row = {std::copysign(joint.max_velocity, total), std::abs(total)};
+  } else if (resistance > 0) {
+    row = {(total + spring) / resistance, JointModel::kInfinity, 1 / resistance};
+  } else if (std::abs(total) > joint.friction) {
+    row = {std::copysign(joint.max_velocity, total), std::abs(total) - joint.friction};
+  } else {
+    row = {0, joint.friction - std::abs(total)};
+  }
+  if (place.position <= joint.lower || place.position >= joint.upper) {
+    row = {};
+    row.effort = total + spring;
+  }
+  return row;
+}
+
+/// Beyond a stop: the motor alone holds there as long as it can, else the stop does.
+void MeetStop(const JointModel& joint, const JointPlace& place, bool servo, JointRow& row) {
+  constexpr double kDeepest = 1e-3;  // rad or m
+  const bool below = place.position <= joint.lower;
+  if (!below && !(place.position >= joint.upper)) return;
+  const double depth = below ? joint.lower - place.position : place.position - joint.upper;
+  if (servo && depth <= kDeepest) return;
+  const bool leaves = below ? row.velocity > 0 : row.velocity < 0;
+  if (servo) row.effort = leaves ? std::copysign(row.max_effort, row.velocity) : 0;
+  row.stop = below ? -1 : 1;
+  row.depth = depth;
+  row.max_effort = row.velocity = row.softness = 0;
+}
+
+}  // namespace
+
+void Plan(const JointModel& joint, Profile profile, const JointPlace& place, const Setpoint& last,
+          const Setpoint& next, JointControl& control) {
+  const auto is_place = [](const Setpoint& of) {
+    return of.mode == ControlMode::kPosition || of.mode == ControlMode::kDirect;
+  };
+  const double reference = Limit(joint, next).reference;
+  if (!is_place(next)) {
+    control.reference = reference;
+    control.integral = 0;
+    return;
+  }
+  const bool on_way = last.mode == ControlMode::kPosition && next.mode == ControlMode::kPosition;
+  if (on_way && reference == control.target) return;
+  const double velocity = on_way ? WayVelocity(profile, control) : place.velocity;
+  if (!is_place(last)) {
+    control.reference = place.position;
+    control.integral = 0;
+  }
+  control.start = control.reference;
+  control.target = reference;
+  control.start_velocity = next.mode == ControlMode::kPosition ? velocity : 0;
+  control.elapsed_s = 0;
+  control.duration_s =
+      next.mode == ControlMode::kPosition && profile == Profile::kMinimumJerk ? DurationOf(control) : 0;
+}
+
+JointRow Advance(const JointModel& joint, Profile profile, const JointPlace& place, const Setpoint& setpoint,
+                 double dt_s, int left, JointControl& control) {
+  JointRow row;
+  bool servo = true;
+  switch (setpoint.mode) {
+    case ControlMode::kPosition:
+    case ControlMode::kDirect: {
+      const double error = control.reference - place.position;  // before the substep
+      const double rate = MoveReference(profile, setpoint, dt_s, left, control);
+      if (std::isinf(control.stiffness)) {
+        control.integral += error * dt_s;
+        if (control.i > 0) {
+          const double most = joint.max_velocity / control.i;
+          control.integral = std::clamp(control.integral, -most, most);
+        }
+        row.velocity = rate + std::min(control.p, 1 / dt_s) * error + control.i * control.integral +
+                       control.d * (rate - place.velocity);
+        row.max_effort = joint.max_effort;
+        break;
+      }
+      servo = false;
+      const double effort = control.stiffness * (control.reference - place.position) + control.offset;
+      const double resistance = control.damping + dt_s * control.stiffness;
+      if (resistance > 0) {
+        row = {(effort + place.load) / resistance, joint.max_effort, 1 / resistance};
+      } else {
+        row = EffortRow(joint, place, effort, dt_s);
+      }
+      if (place.position <= joint.lower || place.position >= joint.upper) {
+        row.effort = std::clamp(effort + place.load, -joint.max_effort, joint.max_effort);
+      }
+      break;
+    }
+    case ControlMode::kVelocity:
+      row = {control.reference, joint.max_effort};
+      break;
+    case ControlMode::kEffort:
+      servo = false;
+      row = EffortRow(joint, place, control.reference, dt_s);
+      break;
+    case ControlMode::kIdle:
+    case ControlMode::kKeep:
+      servo = false;
+      row = EffortRow(joint, place, 0, dt_s);
+  }
+  if (servo) row.velocity = std::clamp(row.velocity, -joint.max_velocity, joint.max_velocity);
+  if (row.softness == 0) {
+    // Its motor drives no joint into a stop.
+    row.velocity = std::max(std::min(row.velocity, (joint.upper - place.position) / dt_s),
+                            (joint.lower - place.position) / dt_s);
+  }
+  MeetStop(joint, place, servo, row);
+  return row;
+}
+
+bool IsUnderWay(const Setpoint& setpoint, const JointControl& control) {
+  return setpoint.mode == ControlMode::kPosition && control.reference != control.target;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// The control boards of a world: set-points, and what the motors of their joints do in a substep.
+#include <algorithm>
+
+#include "server/physics/rest.h"
+#include "server/physics/world.h"
+
+namespace coopdyn {
+
+void PhysicsWorld::FitBoards() {
+  board_joints_.clear();
+  for (std::size_t i = things_.first_robot; i < things_.first_static; ++i) {
+    const Thing& thing = things_.all[i];
+    if (thing.control_count == 0) continue;
+    board_joints_.resize(thing.first_control + thing.control_count);
+    for (const Joint& joint : thing.mechanism->joints) {
+      if (joint.control < 0) continue;
+      const std::size_t channel = thing.first_channel + static_cast<std::size_t>(joint.channel);
+      board_joints_[thing.first_control + static_cast<std::size_t>(joint.control)] = {
+          static_cast<std::uint32_t>(i), channel, &joint};
+    }
+  }
+  rows_.resize(board_joints_.size());
+}
+
+JointPlace PhysicsWorld::PlaceOf(std::size_t control) const {
+  const BoardJoint& of = board_joints_[control];
+  const JointModel& model = *of.joint->model;
+  const std::vector<RigidBody>& rigid = things_.all[of.thing].mechanism->bodies;
+  const BodyState* const bodies = &FirstBody(of.thing);
+  const auto child = static_cast<std::size_t>(model.child), parent = static_cast<std::size_t>(model.parent);
+  const Quaternion R_WR =
+      bodies[child].orientation() * rigid[child].X_RB.q.conjugate();  // as the child sees it
+  const Vector3 axis_W = R_WR * model.axis_R;
+  const Vector3 anchor_W = bodies[child].p_WB + R_WR * (model.p_RJ - rigid[child].X_RB.p);
+  JointPlace place;
+  place.position = channels_[of.channel].position;
+  const auto velocity_at = [&](const BodyState& body) -> Vector3 {
+    return body.v_WB + body.w_WB.cross(anchor_W - body.p_WB);
+  };
+  const bool slides = model.kind == JointModel::Kind::kSlider;
+  place.velocity = axis_W.dot(slides ? Vector3(velocity_at(bodies[child]) - velocity_at(bodies[parent]))
+                                     : Vector3(bodies[child].w_WB - bodies[parent].w_WB));
+  const double gravity_m_s2 = scene_->scenario->simulation.gravity_m_s2;
+  for (const int body : of.joint->beyond) {
+    const auto index = static_cast<std::size_t>(body);
+    const Vector3 weight_N(0, 0, -rigid[index].mass_kg * gravity_m_s2);
+    const Vector3 arm_m = bodies[index].p_WB - anchor_W;
+    place.load -= axis_W.dot(slides ? weight_N : Vector3(arm_m.cross(weight_N)));
+  }
+  return place;
+}
+
+void PhysicsWorld::TakeSetpoints(std::span<const Setpoint> setpoints) {
+  const std::size_t given = std::min(channels_.size(), setpoints.size());
+  const auto next = [&](std::size_t channel) { return channel < given ? setpoints[channel] : Setpoint(); };
+  for (std::size_t i = 0; i < board_joints_.size(); ++i) {
+    const BoardJoint& of = board_joints_[i];
+    const Setpoint& last = channels_[of.channel].setpoint;
+    if (next(of.channel) == last) continue;
+    Plan(*of.joint->model, of.joint->board->profile, PlaceOf(i), last, next(of.channel), controls_[i]);
+    for (BodyState& body : BodiesOf(of.thing)) {
+      if (body.sleep_counter <= kAsleep) body.sleep_counter = 0;
+    }
+  }
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    channels_[i].setpoint = next(i);
+    channels_[i].velocity = 0;
+  }
+}
+
+void PhysicsWorld::AdvanceBoards(double dt_s, int left) {
+  for (std::size_t i = 0; i < board_joints_.size(); ++i) {
+    const BoardJoint& of = board_joints_[i];
+    if (FirstBody(of.thing).frozen()) continue;
+    rows_[i] = Advance(*of.joint->model, of.joint->board->profile, PlaceOf(i), channels_[of.channel].setpoint,
+                       dt_s, left, controls_[i]);
+  }
+}
+
+bool PhysicsWorld::IsDriven(const Thing& thing) const {
+  if (coopdyn::IsDriven(ChannelsOf(thing))) return true;
+  for (std::size_t i = thing.first_control; i < thing.first_control + thing.control_count; ++i) {
+    if (IsUnderWay(channels_[board_joints_[i].channel].setpoint, controls_[i])) return true;
+  }
+  return false;
+}
+
+void PhysicsWorld::Tune(std::size_t control, const JointControl& tuned) {
+  controls_[control] = tuned;
+  for (BodyState& body : BodiesOf(board_joints_[control].thing)) {
+    if (body.sleep_counter <= kAsleep) body.sleep_counter = 0;
+  }
+}
+
+}  // namespace coopdyn
