@@ -92,40 +92,46 @@ double MoveReference(Profile profile, const Setpoint& setpoint, double dt_s, int
   return (control.reference - before) / dt_s;
 }
 
-/// An effort, with what the joint itself resists: its damper and spring, else its friction.
-JointRow EffortRow(const JointModel& joint, const JointPlace& place, double effort, double dt_s) {
-  const double total = std::clamp(effort + place.load, -joint.max_effort, joint.max_effort);
-  const double resistance = joint.damping + dt_s * joint.stiffness;
-  const double spring = -joint.stiffness * (place.position - joint.rest);
+/// Which stop a joint meets in a substep, if its motor alone does not hold it: −1, 1, or 0 for none.
+int MetStop(const JointModel& joint, const JointPlace& place, bool servo, double dt_s) {
+  constexpr double kDeepest = 1e-3;  // rad or m
+  const double next = place.position + dt_s * place.velocity, slack = servo ? kDeepest : 0;
+  if (place.position <= joint.lower - slack || next < joint.lower - kDeepest) return -1;
+  if (place.position >= joint.upper + slack || next > joint.upper + kDeepest) return 1;
+  return 0;
+}
+
+/// The stop holds the joint; the motor pushes besides.
+JointRow StopRow(const JointModel& joint, const JointPlace& place, int stop, double effort) {
   JointRow row;
-  if (std::abs(place.velocity) >= joint.max_velocity && total * place.velocity > 0) {
-    row = {std::copysign(joint.max_velocity, total), std::abs(total)};
-  } else if (resistance > 0) {
-    row = {(total + spring) / resistance, JointModel::kInfinity, 1 / resistance};
-  } else if (std::abs(total) > joint.friction) {
-    row = {std::copysign(joint.max_velocity, total), std::abs(total) - joint.friction};
-  } else {
-    row = {0, joint.friction - std::abs(total)};
-  }
-  if (place.position <= joint.lower || place.position >= joint.upper) {
-    row = {};
-    row.effort = total + spring;
-  }
+  row.stop = stop;
+  row.depth = std::max(0.0, stop < 0 ? joint.lower - place.position : place.position - joint.upper);
+  row.effort = effort;
   return row;
 }
 
-/// Beyond a stop: the motor alone holds there as long as it can, else the stop does.
-void MeetStop(const JointModel& joint, const JointPlace& place, bool servo, JointRow& row) {
-  constexpr double kDeepest = 1e-3;  // rad or m
-  const bool below = place.position <= joint.lower;
-  if (!below && !(place.position >= joint.upper)) return;
-  const double depth = below ? joint.lower - place.position : place.position - joint.upper;
-  if (servo && depth <= kDeepest) return;
-  const bool leaves = below ? row.velocity > 0 : row.velocity < 0;
-  if (servo) row.effort = leaves ? std::copysign(row.max_effort, row.velocity) : 0;
-  row.stop = below ? -1 : 1;
-  row.depth = depth;
-  row.max_effort = row.velocity = row.softness = 0;
+/// An effort, with what the joint itself resists: its damper and spring, else its friction.
+JointRow EffortRow(const JointModel& joint, const JointPlace& place, int stop, double effort, double dt_s) {
+  const double total = std::clamp(effort + place.load, -joint.max_effort, joint.max_effort);
+  const double resistance = joint.damping + dt_s * joint.stiffness;
+  const double spring = -joint.stiffness * (place.position - joint.rest);
+  if (stop != 0) return StopRow(joint, place, stop, total + spring);
+  if (std::abs(place.velocity) >= joint.max_velocity && total * place.velocity > 0) {
+    return {std::copysign(joint.max_velocity, total), std::abs(total)};
+  }
+  if (resistance > 0) return {(total + spring) / resistance, JointModel::kInfinity, 1 / resistance};
+  if (std::abs(total) <= joint.friction) return {0, joint.friction - std::abs(total)};
+  return {std::copysign(joint.max_velocity, total), std::abs(total) - joint.friction};
+}
+
+/// A velocity, up to the motor's effort; it drives no joint into a stop.
+JointRow VelocityRow(const JointModel& joint, const JointPlace& place, int stop, double velocity,
+                     double dt_s) {
+  if (stop != 0) return StopRow(joint, place, stop, 0);
+  velocity = std::clamp(velocity, -joint.max_velocity, joint.max_velocity);
+  velocity = std::max(std::min(velocity, (joint.upper - place.position) / dt_s),
+                      (joint.lower - place.position) / dt_s);
+  return {velocity, joint.max_effort};
 }
 
 }  // namespace
@@ -158,57 +164,33 @@ void Plan(const JointModel& joint, Profile profile, const JointPlace& place, con
 
 JointRow Advance(const JointModel& joint, Profile profile, const JointPlace& place, const Setpoint& setpoint,
                  double dt_s, int left, JointControl& control) {
-  JointRow row;
-  bool servo = true;
-  switch (setpoint.mode) {
-    case ControlMode::kPosition:
-    case ControlMode::kDirect: {
-      const double error = control.reference - place.position;  // before the substep
-      const double rate = MoveReference(profile, setpoint, dt_s, left, control);
-      if (std::isinf(control.stiffness)) {
-        control.integral += error * dt_s;
-        if (control.i > 0) {
-          const double most = joint.max_velocity / control.i;
-          control.integral = std::clamp(control.integral, -most, most);
-        }
-        row.velocity = rate + std::min(control.p, 1 / dt_s) * error + control.i * control.integral +
-                       control.d * (rate - place.velocity);
-        row.max_effort = joint.max_effort;
-        break;
-      }
-      servo = false;
-      const double effort = control.stiffness * (control.reference - place.position) + control.offset;
-      const double resistance = control.damping + dt_s * control.stiffness;
-      if (resistance > 0) {
-        row = {(effort + place.load) / resistance, joint.max_effort, 1 / resistance};
-      } else {
-        row = EffortRow(joint, place, effort, dt_s);
-      }
-      if (place.position <= joint.lower || place.position >= joint.upper) {
-        row.effort = std::clamp(effort + place.load, -joint.max_effort, joint.max_effort);
-      }
-      break;
+  const bool is_place = setpoint.mode == ControlMode::kPosition || setpoint.mode == ControlMode::kDirect;
+  const bool compliant = is_place && std::isfinite(control.stiffness);
+  const bool servo = (is_place && !compliant) || setpoint.mode == ControlMode::kVelocity;
+  const int stop = MetStop(joint, place, servo, dt_s);
+  if (setpoint.mode == ControlMode::kVelocity) {
+    return VelocityRow(joint, place, stop, control.reference, dt_s);
+  }
+  if (!is_place) {
+    const bool pushes = setpoint.mode == ControlMode::kEffort;
+    return EffortRow(joint, place, stop, pushes ? control.reference : 0, dt_s);
+  }
+  const double error = control.reference - place.position;  // before the substep
+  const double rate = MoveReference(profile, setpoint, dt_s, left, control);
+  if (!compliant) {
+    control.integral += error * dt_s;
+    if (control.i > 0) {
+      const double most = joint.max_velocity / control.i;
+      control.integral = std::clamp(control.integral, -most, most);
     }
-    case ControlMode::kVelocity:
-      row = {control.reference, joint.max_effort};
-      break;
-    case ControlMode::kEffort:
-      servo = false;
-      row = EffortRow(joint, place, control.reference, dt_s);
-      break;
-    case ControlMode::kIdle:
-    case ControlMode::kKeep:
-      servo = false;
-      row = EffortRow(joint, place, 0, dt_s);
+    const double velocity = rate + std::min(control.p, 1 / dt_s) * error + control.i * control.integral +
+                            control.d * (rate - place.velocity);
+    return VelocityRow(joint, place, stop, velocity, dt_s);
   }
-  if (servo) row.velocity = std::clamp(row.velocity, -joint.max_velocity, joint.max_velocity);
-  if (row.softness == 0) {
-    // Its motor drives no joint into a stop.
-    row.velocity = std::max(std::min(row.velocity, (joint.upper - place.position) / dt_s),
-                            (joint.lower - place.position) / dt_s);
-  }
-  MeetStop(joint, place, servo, row);
-  return row;
+  const double effort = control.stiffness * (control.reference - place.position) + control.offset;
+  const double resistance = control.damping + dt_s * control.stiffness;
+  if (stop != 0 || resistance <= 0) return EffortRow(joint, place, stop, effort, dt_s);
+  return {(effort + place.load) / resistance, joint.max_effort, 1 / resistance};
 }
 
 bool IsUnderWay(const Setpoint& setpoint, const JointControl& control) {

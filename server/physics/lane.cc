@@ -9,7 +9,6 @@
 #include "server/base/mutex.h"
 #include "server/physics/islands.h"
 #include "server/physics/ode.h"
-#include "server/physics/ode_joint.h"
 
 namespace coopdyn {
 
@@ -156,6 +155,7 @@ Lane::Loan Lane::MakeLoan(const Mechanism* mechanism) {
       loan.motors[channel] = joint;
       if (of.board == nullptr) dJointSetHingeParam(joint, dParamFMax, of.max_effort);
     }
+    loan.levers.resize(loan.motors.size());
     loan.forces = std::make_unique<dJointFeedback[]>(loan.motors.size());
     for (std::size_t i = 0; i < loan.motors.size(); ++i) {
       if (loan.motors[i] != nullptr) dJointSetFeedback(loan.motors[i], &loan.forces[i]);
@@ -202,7 +202,8 @@ void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const Channel
   for (std::size_t i = 0; i < loan.joints.size(); ++i) {
     const Joint& joint = mechanism.joints[i];
     if (joint.control >= 0) {
-      Drive(loan.joints[i], rows[static_cast<std::size_t>(joint.control)]);
+      loan.levers[static_cast<std::size_t>(joint.channel)] = LeverOf(loan.joints[i]);
+      Drive(loan.joints[i], rows[static_cast<std::size_t>(joint.control)], dt_s);
     } else if (joint.channel < 0) {
       if (joint.model->is_resisted()) Resist(loan.joints[i], *joint.model, dt_s);
     } else if (!rows.empty()) {
@@ -247,7 +248,7 @@ double Lane::JointEffort(std::uint32_t thing, const Joint& joint) const {
   const auto channel = static_cast<std::size_t>(joint.channel);
   dJointID motor = loan_of_[thing]->motors[channel];
   const dJointFeedback& force = loan_of_[thing]->forces[channel];
-  if (joint.board != nullptr) return MeasuredEffort(motor, force);
+  if (joint.board != nullptr) return MeasuredEffort(motor, force, loan_of_[thing]->levers[channel]);
   // A wheel turns about its centre of mass.
   dVector3 axis;
   dJointGetHingeAxis(motor, axis);

@@ -13,6 +13,7 @@
 #include "server/physics/contacts.h"
 #include "server/physics/joint_motor.h"
 #include "server/physics/ode.h"
+#include "server/physics/ode_joint.h"
 #include "server/physics/things.h"
 
 namespace coopdyn {
@@ -69,6 +70,7 @@ class Lane {
     std::vector<dJointID> joints;
     std::vector<dJointID> motors;              // by channel; null: none
     std::unique_ptr<dJointFeedback[]> forces;  // of `motors`
+    std::vector<JointLever> levers;            // likewise, of control boards
     const Mechanism* loaded = nullptr;         // whose masses they have
     std::span<const ChannelState> channels;    // of the thing that it is lent to
   };

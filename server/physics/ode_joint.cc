@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/physics/ode_joint.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -55,21 +56,26 @@ double Unwrap(dJointID joint, double last) {
   return last + std::remainder(dJointGetHingeAngle(joint) - last, 2 * std::numbers::pi);
 }
 
-double MeasuredEffort(dJointID joint, const dJointFeedback& force) {
-  dVector3 axis;
+JointLever LeverOf(dJointID joint) {
+  JointLever lever{};
   if (Slides(joint)) {
-    dJointGetSliderAxis(joint, axis);
-    return axis[0] * force.f1[0] + axis[1] * force.f1[1] + axis[2] * force.f1[2];
+    dJointGetSliderAxis(joint, lever.axis);
+    return lever;
   }
-  dJointGetHingeAxis(joint, axis);
-  // ODE's torque is about the centre of mass: what the hinge's forces give there is not the motor's.
-  dVector3 anchor;
-  dJointGetHingeAnchor(joint, anchor);
+  dJointGetHingeAxis(joint, lever.axis);
+  dJointGetHingeAnchor(joint, lever.arm);
   const dReal* const center = dBodyGetPosition(dJointGetBody(joint, 0));
-  const double x = anchor[0] - center[0], y = anchor[1] - center[1], z = anchor[2] - center[2];
-  const dReal* const f = force.f1;
-  return axis[0] * (force.t1[0] - (y * f[2] - z * f[1])) + axis[1] * (force.t1[1] - (z * f[0] - x * f[2])) +
-         axis[2] * (force.t1[2] - (x * f[1] - y * f[0]));
+  for (int i = 0; i < 3; ++i) lever.arm[i] -= center[i];
+  return lever;
+}
+
+double MeasuredEffort(dJointID joint, const dJointFeedback& force, const JointLever& lever) {
+  const dReal *const axis = lever.axis, *const r = lever.arm, *const f = force.f1;
+  if (Slides(joint)) return axis[0] * f[0] + axis[1] * f[1] + axis[2] * f[2];
+  // ODE's torque is about the centre of mass: what the hinge's forces give there is not the motor's.
+  return axis[0] * (force.t1[0] - (r[1] * f[2] - r[2] * f[1])) +
+         axis[1] * (force.t1[1] - (r[2] * f[0] - r[0] * f[2])) +
+         axis[2] * (force.t1[2] - (r[0] * f[1] - r[1] * f[0]));
 }
 
 void Resist(dJointID joint, const JointModel& of, double dt_s) {
@@ -89,11 +95,16 @@ void Resist(dJointID joint, const JointModel& of, double dt_s) {
   }
 }
 
-void Drive(dJointID joint, const JointRow& row) {
+void Drive(dJointID joint, const JointRow& row, double dt_s) {
+  // A stop pushes out no faster than this: it does not bounce.
+  constexpr double kMaxPushOut = 0.1;  // rad/s or m/s
+  const double depth = std::min(row.depth, kMaxPushOut * dt_s);
+  // Without stops ODE would not look, and keep to the last one: they stand far enough away instead.
+  constexpr double kFar = 1;
+  const double position = PositionOf(joint);
   SetParam(joint, dParamLoStop, -dInfinity);
-  SetParam(joint, dParamHiStop, dInfinity);
-  if (row.stop < 0) SetParam(joint, dParamLoStop, PositionOf(joint) + row.depth);
-  if (row.stop > 0) SetParam(joint, dParamHiStop, PositionOf(joint) - row.depth);
+  SetParam(joint, dParamHiStop, row.stop > 0 ? position - depth : position + kFar);
+  SetParam(joint, dParamLoStop, row.stop < 0 ? position + depth : position - kFar);
   SetParam(joint, dParamFMax, row.max_effort);
   SetParam(joint, dParamVel, row.velocity);
   SetParam(joint, dParamCFM, row.softness);

@@ -19,13 +19,18 @@ double PositionOf(dJointID joint);
 double RateOf(dJointID joint);
 /// `position`, which may be beyond ±π, as near to the last one as the joint's place allows.
 double Unwrap(dJointID joint, double last);
-/// What its motor or stop gave about its axis in the last step. N m or N.
-double MeasuredEffort(dJointID joint, const dJointFeedback& force);
+/// Where a joint's efforts act on its child: its axis, and the way from the centre of mass to the joint.
+struct JointLever {
+  dVector3 axis, arm;
+};
+JointLever LeverOf(dJointID joint);
+/// What its motor or stop gave about its axis in a step, before which it had this lever. N m or N.
+double MeasuredEffort(dJointID joint, const dJointFeedback& force, const JointLever& lever);
 
 /// Spring and damper of a joint without a motor, implicit over the step of `dt_s`, so that they are stable
 /// however stiff. Without them its friction.
 void Resist(dJointID joint, const JointModel& of, double dt_s);
 /// Lets the motor of a control board do what `row` says in the coming substep.
-void Drive(dJointID joint, const JointRow& row);
+void Drive(dJointID joint, const JointRow& row, double dt_s);
 
 }  // namespace coopdyn

@@ -142,7 +142,7 @@ TEST_P(BoardTest, ADirectReferenceIsReachedAtTheEndOfTheStep) {
     const double wanted = 0.3 * std::sin(2 * i * step_s()) - 0.2 * i * step_s();
     Command(ControlMode::kDirect, wanted);
     scene_.Run(1);
-    if (i <= 3) continue;
+    if (i * step_s() < 0.1) continue;  // it starts from rest
     ASSERT_NEAR(position(), wanted, 0.02 * kDegree) << i;
   }
 }
@@ -158,7 +158,7 @@ TEST_P(BoardTest, AnEffortAcceleratesByTheInertia) {
   Add(Turntable());
   Command(ControlMode::kEffort, 0.5);
   scene_.RunFor(1);
-  EXPECT_NEAR(velocity(), 0.5 / kInertia_kg_m2 * (1 - step_s() / 2), 1e-3);
+  EXPECT_NEAR(velocity(), 0.5 / kInertia_kg_m2, 1e-3);
   EXPECT_NEAR(channel().effort, 0.5, 1e-9);
 }
 
@@ -198,7 +198,7 @@ TEST_P(BoardTest, TheOffsetOfAComplianceIsAnEffort) {
 
 TEST_P(BoardTest, AStiffComplianceIsStable) {
   Add(Turntable());
-  SetCompliance(1e6, 0, 0);
+  SetCompliance(1e6, 1e3, 0);
   Command(ControlMode::kDirect, 0.3);
   scene_.RunFor(3);
   EXPECT_NEAR(position(), 0.3, 1e-3);

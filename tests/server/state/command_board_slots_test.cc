@@ -77,14 +77,14 @@ TEST_F(SlotsTest, WaitsForLeavesTheOthersOut) {
   EXPECT_TRUE(board_.AllReady());
 }
 
-TEST_F(SlotsTest, StopEndsMotionAndForceAndHoldsPositions) {
+TEST_F(SlotsTest, StopEndsMotionAndForce) {
   for (const ControlMode mode :
        {ControlMode::kVelocity, ControlMode::kEffort, ControlMode::kPosition, ControlMode::kDirect}) {
     MoveArm(ana_, 3, mode);
     RunOneStep();
     board_.StopAll();
-    const bool holds = mode == ControlMode::kPosition || mode == ControlMode::kDirect;
-    EXPECT_EQ(RunOneStep()[0], holds ? 3 : 0) << static_cast<int>(mode);
+    // A motion to a position ends; the reference of a step stays.
+    EXPECT_EQ(RunOneStep()[0], mode == ControlMode::kDirect ? 3 : 0) << static_cast<int>(mode);
   }
 }
 
