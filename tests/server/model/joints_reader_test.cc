@@ -144,6 +144,58 @@ TEST(JointsReaderTest, WithoutLimitsAnAxisHasNone) {
   }
 }
 
+std::string Motor(const std::string& name, const std::string& parent, const std::string& child) {
+  return Joint(name, "revolute", parent, child,
+               kUp + "<limit><effort>5</effort><velocity>2</velocity></limit>");
+}
+
+/// Two cubes on a third.
+std::string TwoMotors() {
+  return Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0") + Cube("c", "0 0 0.9 0 0 0") +
+         Motor("j", "a", "b") + Motor("k", "b", "c");
+}
+
+TEST(JointsReaderTest, JointsWithMotorsAreAGroupByDefault) {
+  const auto [robot, messages] = ReadParts(TwoMotors());
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->actuators.size(), 1u);
+  EXPECT_EQ(robot->actuators[0].module, "joints");
+  EXPECT_EQ(robot->actuators[0].joints, (std::vector<int>{0, 1}));
+  EXPECT_TRUE(robot->actuators[0].is_board());
+}
+
+TEST(JointsReaderTest, AGroupHasItsJointsInItsOrderAndItsTool) {
+  const auto [robot, messages] = ReadParts(
+      TwoMotors() + "<coopdyn:group name=\"arm\" joints=\"k j\" profile=\"trapezoidal\" tool=\"c\" " +
+      "gravity_compensation=\"true\" encoder_resolution=\"0.01\" encoder_noise_stddev=\"0.002\"/>");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->actuators.size(), 1u);
+  EXPECT_EQ(robot->actuators[0].joints, (std::vector<int>{1, 0}));
+  const auto& board = std::get<BoardModel>(robot->actuators[0].kind);
+  EXPECT_EQ(board.profile, BoardModel::Profile::kTrapezoidal);
+  EXPECT_TRUE(board.gravity_compensation);
+  ASSERT_TRUE(board.tool);
+  EXPECT_EQ(board.tool->link, 2);
+  EXPECT_DOUBLE_EQ(board.tool->X_RF.p.z(), 0.9);
+  EXPECT_EQ(board.encoder_resolution, 0.01);
+  EXPECT_EQ(board.encoder_noise_stddev, 0.002);
+}
+
+TEST(JointsReaderTest, MistakesInGroupsSayWhatToWrite) {
+  const auto said = [](const std::string& group) {
+    return ReadParts(TwoMotors() + "<coopdyn:group " + group + "/>").messages;
+  };
+  EXPECT_THAT(said("joints=\"j\""), HasSubstr("the attribute 'name' is missing"));
+  EXPECT_THAT(said("name=\"arm\""), HasSubstr("the attribute 'joints' is missing"));
+  EXPECT_THAT(said("name=\"arm\" joints=\"j l\""), HasSubstr("there is no joint 'l'"));
+  EXPECT_THAT(said("name=\"arm\" joints=\"j j\""), HasSubstr("named twice"));
+  EXPECT_THAT(said("name=\"Arm\" joints=\"j\""), HasSubstr("a-z, 0-9 and _"));
+  EXPECT_THAT(said("name=\"arm\" joints=\"j\" profile=\"soft\""), HasSubstr("minimum_jerk or trapezoidal"));
+  EXPECT_THAT(said("name=\"arm\" joints=\"j\" tool=\"hand\""), HasSubstr("there is no link 'hand'"));
+  EXPECT_THAT(said("name=\"arm\" joints=\"j\"/><coopdyn:group name=\"leg\" joints=\"j\""),
+              HasSubstr("belongs to another group"));
+}
+
 TEST(JointsReaderTest, MistakesAreNamedWithTheirLine) {
   const std::string links = Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0");
   const auto said = [&](const std::string& joints) { return ReadParts(links + joints).messages; };
