@@ -8,9 +8,9 @@ import unittest
 from pathlib import Path
 
 from harness import BINARY, Daemon
-from recording import tool, verify
+from recording import SANITIZED, tool, verify
 
-SEEDS = range(1, 11)
+SEEDS = range(1, 2 if SANITIZED else 11)
 CRADLE_M = 0.3  # height on which a bar rests
 TEAM = "[SIMULATION]\nmode lockstep\n[ROBOT_1]\ntype team2\nname a\nposition 0 0\n"
 SPACING = {5: (1.0, 1.0), 3: (1.04, 0.6)}  # along, across
