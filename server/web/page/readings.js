@@ -2,6 +2,7 @@
 // Live readings of one robot: all its modules' first readings of one frame, in one round trip, on a connection of their
 // own, five times a second while they are shown.
 import {make, setText, showNumber} from './dom.js';
+import {JointPanel} from './joints.js';
 
 const PERIOD_MS = 200;
 const order = ['pose', 'motors', 'distance', 'target', 'compass', 'support'];
@@ -37,6 +38,8 @@ function describeReading({name, type}, data, colours) {
       }
       return [['targets', targets.length > 0 ? targets.join('; ') : 'none']];
     }
+    case 'joints':
+      return [];  // their panel shows them
     default:
       return [[name, data.map((value) => showNumber(value, 3)).join('  ')]];
   }
@@ -51,7 +54,9 @@ export class Readings {
   #timer = 0;
   #rows = new Map();
   #stopped = false;
-  element = make('dl', {class: 'readings'});
+  #list = make('dl', {class: 'readings'});
+  #panels = new Map();  // of groups of joints, by module
+  element = make('div', {}, this.#list);
 
   /** `modules`: name and type of each. */
   constructor(connection, robot, modules) {
@@ -59,6 +64,11 @@ export class Readings {
     this.#robot = robot;
     const rank = ({type}) => (order.includes(type) ? order.indexOf(type) : order.length);
     this.#modules = [...modules].sort((a, b) => rank(a) - rank(b));
+    for (const {name} of this.#modules.filter(({type}) => type === 'joints')) {
+      const panel = new JointPanel(connection, `/${robot}/${name}`);
+      this.#panels.set(name, panel);
+      this.element.append(panel.element);
+    }
     this.#poll();
   }
 
@@ -66,6 +76,10 @@ export class Readings {
     this.#stopped = true;
     clearTimeout(this.#timer);
     this.#connection.send({type: 'close', module: this.#home, channel: 'readings'});
+    for (const [name, panel] of this.#panels) {
+      panel.stop();
+      this.#connection.send({type: 'close', module: `/${this.#robot}/${name}`, channel: 'readings'});
+    }
   }
 
   get #home() { return `/${this.#robot}/${this.#modules[0].name}`; }
@@ -100,11 +114,16 @@ export class Readings {
     }
     const lengths = reply.params.slice(-this.#modules.length);
     let start = 0;
+    const joints = [];
     this.#show(this.#modules.flatMap((module, i) => {
       const data = reply.data.slice(start, start + lengths[i]);
       start += lengths[i];
+      if (this.#panels.has(module.name)) joints.push([module.name, data]);
       return describeReading(module, data, this.#colours);
     }));
+    for (const [name, data] of joints) {
+      if (!this.#stopped) await this.#panels.get(name).show(data);
+    }
   }
 
   #show(rows) {
@@ -113,7 +132,7 @@ export class Readings {
       if (!value) {
         value = make('dd');
         this.#rows.set(name, value);
-        this.element.append(make('dt', {}, name), value);
+        this.#list.append(make('dt', {}, name), value);
       }
       setText(value, text);
     }

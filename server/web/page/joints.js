@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// A group of joints of one robot: position, target and limits of each, a slider that sends set_positions, and buttons.
+// Moving a slider makes this page the robot's driver, until `Let go`.
+import {make, say, setText, showNumber} from './dom.js';
+
+const DRIVE = 'joints';  // the channel that commands go through
+const FREE_RANGE = Math.PI;  // of a slider whose joint has no limit
+
+export class JointPanel {
+  #connection;
+  #module;
+  #rows = [];  // of each joint: name, slider, value
+  #table = make('tbody');
+  #asked = false;
+  #next = null;  // the command to send when the last has been answered
+  #busy = false;
+  element;
+
+  constructor(connection, module) {
+    this.#connection = connection;
+    this.#module = module;
+    const button = (text, title, act) => {
+      const made = make('button', {type: 'button', title}, text);
+      made.addEventListener('click', act);
+      return made;
+    };
+    this.element = make('div', {class: 'joints'},
+      make('strong', {}, module.slice(module.lastIndexOf('/') + 1)), ' ',
+      button('Hold', 'Holds all joints where they are', () => this.#send({command: 'hold'})),
+      button('Idle', 'Switches the motors of all joints off', () => this.#send({command: 'set_modes', data: this.#rows.map(() => 0)})),
+      button('Let go', 'This page does not drive the joints any more', () => this.stop()),
+      make('table', {}, this.#table));
+  }
+
+  /** Closes the connection that drives the joints, if any. */
+  stop() {
+    this.#next = null;
+    this.#connection.send({type: 'close', module: this.#module, channel: DRIVE});
+  }
+
+  /** `data`: position, velocity and effort of each joint. */
+  async show(data) {
+    if (!this.#asked) await this.#learn();
+    if (this.#rows.length === 0) return;
+    const motion = await this.#connection.call({module: this.#module, channel: 'readings', command: 'get_motion'});
+    for (const [i, row] of this.#rows.entries()) {
+      const position = data[3 * i];
+      const target = motion.error === 0 ? motion.data[i] : undefined;
+      setText(row.value, `${showNumber(position, 3)} → ${showNumber(target, 3)}`);
+      if (document.activeElement !== row.slider && typeof position === 'number') row.slider.value = position;
+    }
+  }
+
+  /** Names and limits of the joints. */
+  async #learn() {
+    this.#asked = true;
+    const reply = await this.#connection.call({module: this.#module, channel: 'readings', command: 'get_limits'});
+    if (reply.error !== 0) {
+      this.#asked = false;
+      return;
+    }
+    const finite = (value, otherwise) => (typeof value === 'number' ? value : otherwise);
+    this.#rows = reply.text.split(' ').map((name, i) => {
+      const [lower, upper] = reply.data.slice(4 * i, 4 * i + 2);
+      const slider = make('input', {type: 'range', step: 'any', min: finite(lower, -FREE_RANGE), max: finite(upper, FREE_RANGE),
+        'aria-label': name, title: `${name}: ${showNumber(lower, 2)} to ${showNumber(upper, 2)}`});
+      slider.addEventListener('input', () => this.#send({command: 'set_positions', params: [i + 1], data: [Number(slider.value)]}));
+      slider.addEventListener('change', () => slider.blur());
+      return {name, slider, value: make('td', {class: 'number'})};
+    });
+    this.#table.replaceChildren(...this.#rows.map(({name, slider, value}) =>
+      make('tr', {}, make('td', {}, name), make('td', {}, slider), value)));
+  }
+
+  /** The newest command is sent when the one before has been answered. */
+  async #send(request) {
+    this.#next = request;
+    if (this.#busy) return;
+    this.#busy = true;
+    while (this.#next) {
+      const now = this.#next;
+      this.#next = null;
+      const reply = await this.#connection.call({module: this.#module, channel: DRIVE, ...now});
+      if (reply.error !== 0) say(reply.text, true);
+    }
+    this.#busy = false;
+  }
+}

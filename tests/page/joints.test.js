@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// The joints of an arm on the page: what they are, and moving them by sliders.
+import assert from 'node:assert/strict';
+import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, afterEach, before, beforeEach, test} from 'node:test';
+import {call, eventually, launchBrowser, openPage, startDaemon} from './harness.js';
+
+const SCENARIO = '[SIMULATION]\nmode realtime\n[FLOOR]\nsize 6 6 0.1\n[ROBOT_1]\ntype lwa\nname arm1\nposition 0 0\n';
+
+let browser;
+let daemon;
+let folder;
+let page;
+
+before(async () => { browser = await launchBrowser(); });
+after(async () => { await browser?.close(); });
+
+beforeEach(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'coopdyn_arm_'));
+  writeFileSync(join(folder, 'arm.scenario'), SCENARIO);
+  daemon = await startDaemon(join(folder, 'arm.scenario'));
+  page = await openPage(browser, daemon.url);
+  await page.waitForSelector('.card[open] .joints tr');
+});
+
+afterEach(async () => {
+  assert.deepEqual(page.mistakes, []);
+  await page.close();
+  await daemon.stop();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+const joint = async (id) => (await call(daemon.url, {module: '/arm1/arm', command: 'get_joints', params: [id]})).data[0];
+
+/** Moves the slider of a joint, as a hand would. */
+const slide = (index, value) => page.evaluate(([at, to]) => {
+  const slider = document.querySelectorAll('.card[open] .joints input')[at];
+  slider.value = to;
+  slider.dispatchEvent(new Event('input'));
+}, [index, value]);
+
+test('an arm shows its joints with their limits, positions and targets', async () => {
+  const rows = await page.locator('.card[open] .joints tr').allTextContents();
+  assert.equal(rows.length, 7);
+  assert.match(rows[1], /^joint_2/);
+  const slider = page.locator('.card[open] .joints input').nth(1);
+  assert.ok(Number(await slider.getAttribute('max')) > 1.9);
+  await page.waitForFunction(() => /→ −?\d/.test(document.querySelector('.card[open] .joints .number').textContent));
+});
+
+test('a slider moves its joint, and the page drives the robot until it lets go', async () => {
+  await slide(1, 0.4);
+  await eventually(async () => Math.abs(await joint(2) - 0.4) < 0.001);
+  assert.ok(Math.abs(await joint(1)) < 0.001);
+  await page.waitForFunction(() => document.querySelectorAll('.card[open] .joints .number')[1].textContent === '0.400 → 0.400');
+  assert.ok((await daemon.status()).robots[0].owner);
+  await page.click('.card[open] .joints button:has-text("Let go")');
+  await eventually(async () => !(await daemon.status()).robots[0].owner);
+});
+
+test('hold stops a move', async () => {
+  await slide(0, 3);
+  await eventually(async () => await joint(1) > 0.05);
+  await page.click('.card[open] .joints button:has-text("Hold")');
+  await page.waitForFunction(() => {
+    const [here, there] = document.querySelector('.card[open] .joints .number').textContent.split(' → ').map(Number);
+    return there < 2.9 && Math.abs(here - there) < 0.01;
+  });
+});
