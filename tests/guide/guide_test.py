@@ -115,6 +115,9 @@ class GuideTest(unittest.TestCase):
     def test_swarms_a_team(self):
         self.read_chapter("Swarms: a team")
 
+    def test_an_arm(self):
+        self.read_chapter("An arm")
+
     def test_telnet(self):
         self.read_chapter("Telnet")
 
