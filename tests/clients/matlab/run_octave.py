@@ -36,7 +36,8 @@ def main():
     if needs[0] == "nothing":
         return octave(script, "")
     if needs[0] == "daemon":
-        with harness.Daemon(needs[1], *needs[2:]) as daemon:
+        own = HERE.parent / "python" / f"{needs[1]}.scenario"
+        with harness.Daemon(own.read_text(encoding="utf-8") if own.exists() else needs[1], *needs[2:]) as daemon:
             return octave(script, daemon.server)
     if needs[0] == "legs":
         with tempfile.TemporaryDirectory() as folder:
