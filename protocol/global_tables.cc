@@ -124,15 +124,15 @@ CommandTable SwarmTable() {
           std::move(release),
           {.id = command::kStepAll,
            .name = "step_all",
-           .help = "Sets the speeds of robots of the team, as velocities or as wheel speeds (left and right "
-                   "rad/s), or their joints, one value each, robot by robot: positions, positions_direct, "
-                   "joint_velocities or efforts. No robots named: all; free robots join the team. Without "
-                   "data they keep their "
-                   "speeds. The reply comes after the next step.",
+           .help = "Sets the speeds of robots of the team, two values each: velocities (linear m/s, angular "
+                   "rad/s) or wheels (left, right rad/s); or their joints, one value each, robot by robot: "
+                   "positions, positions_direct, joint_velocities or efforts. No robots named: all; free "
+                   "robots join the team. Without data they go on as they do. The reply comes after the next "
+                   "step.",
            .text = TextUse::kFirst,
            .text_name = "velocities, wheels or a word for joints",
            .params = {robot},
-           .data = {Repeated("linear", "m/s"), Repeated("angular", "rad/s")},
+           .data = {Repeated("value")},
            .reply_params = table_shape,
            .reply_data = {Repeated("reading")},
            .reply_text = "`limited N robots` if some were scaled; who was taken from the team",

@@ -376,11 +376,14 @@ std::string Daemon::HowToGoOn() const {
       port == 10000 && IsLoopback(host) ? "" : fmt::format("\"{}:{}\"", Bracketed(host), port);
   const auto& robots = frames_.Latest()->scene->robots;
   const std::string robot = robots.empty() ? "robot1" : robots.front().entry.name;
+  const std::vector<ModuleModel> modules =
+      robots.empty() ? std::vector<ModuleModel>() : robots.front().entry.model->modules();
+  const std::string module = modules.empty() ? "motors" : modules.front().name;  // what drives it
   if (web_ != nullptr) out << fmt::format("page:    http://{}:{}/\n", Bracketed(host), web_->port());
   out << "MATLAB:  sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot << "\");\n"
       << "Python:  import coopdyn; sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot
       << "\")\n"
-      << "telnet:  telnet " << host << ' ' << port << "   then: OPEN /" << robot << "/motors\n";
+      << "telnet:  telnet " << host << ' ' << port << "   then: OPEN /" << robot << '/' << module << "\n";
   if (!token_.empty()) out << "token:   " << token_ << "   (other machines need it to change the world)\n";
   return out.str();
 }

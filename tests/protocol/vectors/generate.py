@@ -190,7 +190,6 @@ TEXT_LINES = [  # name, module, first line of its connection, bytes without LF (
     ("step_all by ids", "swarm", False, "step_all (1 2) 0.2 0.5 0.1 0", ok(110, [1, 2], [0.2, 0.5, 0.1, 0.0])),
     ("step_all of wheels", "swarm", False, "step_all (3) wheels 2 2", ok(110, [3], [2.0, 2.0], "wheels")),
     ("step_all that keeps the set-points", "swarm", False, "step_all", ok(110)),
-    ("step_all, half a pair", "swarm", False, "step_all 0.2 0.5 0.1", bad(3, 110, "step_all (1 2) 0.2 0.5 0.1 0")),
     ("step_all, id 0", "swarm", False, "step_all (0) 0.2 0.5", bad(4, 110, "at least 1")),
     ("claim of names", "swarm", False, "claim swarm1 robot7", ok(7, text="swarm1 robot7")),
     ("claim of all", "swarm", False, "claim", ok(7)),
