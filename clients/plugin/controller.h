@@ -18,7 +18,7 @@ extern "C" {
 #endif
 
 /* Of this file. A controller built against another one is refused. */
-#define COOPDYN_CONTROLLER_VERSION 2
+#define COOPDYN_CONTROLLER_VERSION 3
 
 #define COOPDYN_MAX_MESSAGE 8   /* numbers in one broadcast */
 #define COOPDYN_MAX_OPTIONS 64  /* of one controller */
@@ -35,7 +35,8 @@ enum coopdyn_reading {
   COOPDYN_MESSAGES = 32,
   COOPDYN_COMPASS = 64,
   COOPDYN_SETPOINTS = 128,
-  COOPDYN_SUPPORT = 256
+  COOPDYN_SUPPORT = 256, /* of the load that the robot carries */
+  COOPDYN_MOTION = 512   /* ground truth: how the body lies and moves */
 };
 
 /* An option of a scenario's controller line. */
@@ -54,11 +55,11 @@ typedef struct coopdyn_description {
   const coopdyn_option* options;
 } coopdyn_description;
 
-/* What a channel does. */
+/* What a channel does. A wheel takes off and velocity; a joint of a control board takes all. */
 enum coopdyn_mode {
-  COOPDYN_OFF = 0,      /* it is at rest; the reference means nothing */
-  COOPDYN_POSITION = 1, /* rad or m */
-  COOPDYN_DIRECT = 2,
+  COOPDYN_OFF = 0,      /* it stands still; the reference means nothing */
+  COOPDYN_POSITION = 1, /* rad or m: goes there within the profile's speed and acceleration */
+  COOPDYN_DIRECT = 2,   /* rad or m: is there at the end of this step */
   COOPDYN_VELOCITY = 3, /* rad/s or m/s */
   COOPDYN_EFFORT = 4    /* N m or N */
 };
@@ -69,6 +70,11 @@ typedef struct coopdyn_joint {
   const char* name;    /* of the joint */
   uint32_t modes;      /* that it takes: 1 << mode, added up; COOPDYN_OFF is always among them */
   double max_velocity; /* rad/s or m/s; inf: no limit is known */
+  uint32_t slides;     /* 0: it turns; rad, N m. 1: it slides along its axis; m, N */
+  double lower, upper; /* its stops; inf: none */
+  double max_effort;   /* N m or N */
+  double point_m[3];   /* a point of its axis, in the robot's frame with all joints at 0 */
+  double axis[3];      /* its direction, of length 1, likewise */
 } coopdyn_joint;
 
 /* The robot that a controller drives. Valid until destroy(). */
@@ -129,7 +135,13 @@ typedef struct coopdyn_readings {
   size_t heard_count;
   const coopdyn_heard* heard;
   double compass_rad; /* COOPDYN_COMPASS: heading in the world; nan: the robot has no compass */
-  double support_x_m, support_y_m, support_rad; /* COOPDYN_SUPPORT: as get_support; nan: it has none */
+  /* COOPDYN_SUPPORT: as get_support; nan: the robot has no support. */
+  double support_x_m, support_y_m, support_rad;
+  /* COOPDYN_MOTION, besides heading_rad: of the robot's frame R in the world. */
+  double height_m;            /* of its origin: 0 as long as it stands on the floor as at the start */
+  double roll_rad, pitch_rad; /* about its x, then y axis; pitch is positive if the front is down */
+  double velocity_m_s[3];     /* of its origin, along its axes: forward, left, up */
+  double angular_velocity_rad_s[3];
 } coopdyn_readings;
 
 /* What one channel is to do. A two-wheel drive whose wheels would be too fast scales both alike. */

@@ -109,9 +109,18 @@ std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
     }
     if (!actuator.module.empty()) modes |= 1u << COOPDYN_VELOCITY;
     const auto* drive = std::get_if<DriveModel>(&actuator.kind);
-    for (const int joint : actuator.joints) {
-      const double fastest = model.joints[static_cast<std::size_t>(joint)].max_velocity;
-      joints.push_back({nullptr, nullptr, modes, drive != nullptr ? drive->max_wheel_speed_rad_s : fastest});
+    for (const int index : actuator.joints) {
+      const JointModel& of = model.joints[static_cast<std::size_t>(index)];
+      joints.push_back({.module = nullptr,
+                        .name = nullptr,
+                        .modes = modes,
+                        .max_velocity = drive != nullptr ? drive->max_wheel_speed_rad_s : of.max_velocity,
+                        .slides = of.kind == JointModel::Kind::kSlider ? 1u : 0u,
+                        .lower = of.lower,
+                        .upper = of.upper,
+                        .max_effort = of.max_effort,
+                        .point_m = {of.p_RJ.x(), of.p_RJ.y(), of.p_RJ.z()},
+                        .axis = {of.axis_R.x(), of.axis_R.y(), of.axis_R.z()}});
     }
   }
   return joints;

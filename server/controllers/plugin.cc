@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint32_t kAllReadings = COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_CHANNELS | COOPDYN_TARGETS |
                                        COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_COMPASS |
-                                       COOPDYN_SETPOINTS | COOPDYN_SUPPORT;
+                                       COOPDYN_SETPOINTS | COOPDYN_SUPPORT | COOPDYN_MOTION;
 
 bool IsOptionName(std::string_view name) {
   return !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&

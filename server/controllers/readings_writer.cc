@@ -21,6 +21,20 @@ coopdyn_sighting FromSighting(const Sighting& sighting, const Frame& frame) {
           sighting.bearing_rad};
 }
 
+/// How R lies in the world, and how it moves, along its own axes.
+void WriteMotion(const Frame& frame, int robot, RobotReadings& readings) {
+  const Pose X_WR = RobotPose(frame, robot);
+  const Twist twist = OriginTwist(frame, robot, X_WR);
+  const Matrix3 R_WR = X_WR.q.toRotationMatrix();
+  const Vector3 v_R = R_WR.transpose() * twist.v_W, w_R = R_WR.transpose() * twist.w_W;
+  readings.height_m = X_WR.p.z();
+  readings.heading_rad = Heading(X_WR.q);
+  readings.roll_rad = std::atan2(R_WR(2, 1), R_WR(2, 2));
+  readings.pitch_rad = std::asin(std::clamp(-R_WR(2, 0), -1.0, 1.0));
+  std::copy_n(v_R.data(), 3, readings.velocity_m_s);
+  std::copy_n(w_R.data(), 3, readings.angular_velocity_rad_s);
+}
+
 }  // namespace
 
 void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> wanted, ControllerSet& set) {
@@ -60,6 +74,7 @@ void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted
     readings.forward_m_s = motion.forward_m_s;
     readings.turn_rad_s = motion.turn_rad_s;
   }
+  if ((wanted.readings & COOPDYN_MOTION) != 0) WriteMotion(frame, wanted.robot, readings);
   if ((wanted.readings & COOPDYN_COMPASS) != 0) readings.compass_rad = CompassHeading(frame, wanted.robot);
   if ((wanted.readings & COOPDYN_SUPPORT) != 0) {
     const SupportReading support = Support(frame, wanted.robot);

@@ -331,7 +331,7 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   const Instance& instance = *instances_[robot];
   const RobotSetup& setup = areas_->setup(robot);
   const RobotReadings& sent = areas_->readings(robot);
-  const coopdyn_readings readings = {
+  coopdyn_readings readings = {
       .seed = header().seed,
       .step = header().step,
       .time_s = header().time_s,
@@ -355,7 +355,14 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
       .support_x_m = sent.support_x_m,
       .support_y_m = sent.support_y_m,
       .support_rad = sent.support_rad,
+      .height_m = sent.height_m,
+      .roll_rad = sent.roll_rad,
+      .pitch_rad = sent.pitch_rad,
+      .velocity_m_s = {},
+      .angular_velocity_rad_s = {},
   };
+  std::ranges::copy(sent.velocity_m_s, readings.velocity_m_s);
+  std::ranges::copy(sent.angular_velocity_rad_s, readings.angular_velocity_rad_s);
 
   auto& command =
       *static_cast<coopdyn_command*>(worker.command.Last(sizeof(coopdyn_command), alignof(coopdyn_command)));

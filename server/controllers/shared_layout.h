@@ -76,6 +76,8 @@ struct RobotSetup {
 struct RobotReadings {
   double x_m, y_m, heading_rad, forward_m_s, turn_rad_s, compass_rad;
   double support_x_m, support_y_m, support_rad;
+  double height_m, roll_rad, pitch_rad;
+  double velocity_m_s[3], angular_velocity_rad_s[3];
   std::size_t distance_count, channel_count, target_count, neighbour_count, heard_count;
   Place targets, neighbours, heard;
 };

@@ -84,7 +84,9 @@ void PhysicsWorld::MakeIslands() {
   std::vector<FoundContact> floor;
   for (const std::uint32_t i : active_) {
     const Mechanism& mechanism = *things_.all[i].mechanism;
-    int rows = mechanism.joint_rows + mechanism.floor_rows;
+    const int joint_rows =
+        mechanism.limb_radii_m.empty() ? mechanism.joint_rows : mechanism.joint_rows / kLimbRowShare;
+    int rows = joint_rows + mechanism.floor_rows;
     if (i >= things_.first_robot) {
       // Passive joints are solved badly by iterations: such robots may share an island for longer.
       if (mechanism.limb_radii_m.empty()) rows += kRobotSurcharge;

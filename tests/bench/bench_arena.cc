@@ -13,10 +13,12 @@ namespace {
 
 std::string ArenaText(const ArenaOptions& options) {
   const double inner_m = std::round(std::sqrt(options.robots / options.density_m2) * 1e3) * 1e-3;  // whole mm
-  std::string text = fmt::format("[SIMULATION]\nmode free\nseed {}\n", options.seed) +
-                     WalledSquare(inner_m, 0.5) +
-                     fmt::format("[SWARM_1]\ntype {}\nname bot\ncount {}\nfidelity {}\narea 0 0 {} {}\n",
-                                 options.robot, options.robots, ToString(options.fidelity), inner_m, inner_m);
+  std::string text =
+      fmt::format("[SIMULATION]\nmode free\nseed {}\n", options.seed) +
+      (options.walls ? WalledSquare(inner_m, 0.5) : fmt::format("[FLOOR]\nsize {0} {0} 0.1\n", 2 * inner_m)) +
+      fmt::format("[SWARM_1]\ntype {}\nname bot\ncount {}\nfidelity {}\narea 0 0 {} {}\n", options.robot,
+                  options.robots, ToString(options.fidelity), inner_m, inner_m);
+  if (options.spacing_m > 0) text += fmt::format("spacing {}\n", options.spacing_m);
   if (!options.controller.empty()) text += "controller " + options.controller + "\n";
   if (options.boxes > 0) {
     text += fmt::format("[BOX]\ntype box\nsize 0.2 0.2 0.15\nmass 0.5\ncount {}\narea 0 0 {} {}\n",

@@ -22,9 +22,12 @@ struct ArenaOptions {
   double density_m2 = 1;        // robots per square metre between the walls
   int boxes = 0;                // of 0.5 kg among them, which robots push
   std::uint64_t seed = 1;
+  bool walls = true;     // round the robots
+  double spacing_m = 0;  // least distance between two robots' middles; 0: the swarm's default
 };
 
-/// A square of robots/density m² between four static box walls, in free mode. Null with errors.
+/// A square of robots/density m², between four static box walls if there are any, in free mode. Null with
+/// errors.
 std::shared_ptr<const Scenario> MakeArena(const ArenaOptions& options, RobotLibrary& library,
                                           Diagnostics& diagnostics);
 

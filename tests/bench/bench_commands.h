@@ -13,6 +13,8 @@ namespace coopdyn {
 
 /// How many robot-steps a second of CPU gives, without sockets, pictures or pacing.
 void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen);
+/// What a step of one type of robot costs, by phase.
+void AddBenchRobot(CLI::App& bench, std::function<int()>& chosen);
 /// Rounds per second over sockets. A round: every robot gets its command, the step runs, every reply is
 /// there.
 void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen);

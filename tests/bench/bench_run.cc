@@ -30,9 +30,12 @@ void DriveAtRandom(const Scene& scene, std::uint64_t seed, CommandBoard& command
   const Client client{.id = 1, .name = "bench", .peer = {}, .input_ended = false};
   const std::vector<SlotId> slots = commands.FindSlots(scene);
   for (std::size_t i = 0; i < slots.size(); ++i) {
-    const RobotEntry& entry = scene.robots[i].entry;
+    const SceneActuator& actuator = scene.actuators[i];
+    const RobotEntry& entry = scene.robots[static_cast<std::size_t>(actuator.robot)].entry;
+    const ActuatorModel* const drive = entry.model->drive_actuator();
+    if (drive == nullptr || drive->module != actuator.module) continue;
     const double left = NextRandom(seed), right = NextRandom(seed);
-    if (!entry.controller.empty() || entry.model->drive() == nullptr) continue;
+    if (!entry.controller.empty()) continue;
     const double fastest = kFastest_m_s / entry.model->drive()->wheel_radius_m;
     commands.Command(slots[i], client, SetpointsFor({left * fastest, right * fastest}), std::nullopt,
                      nullptr);

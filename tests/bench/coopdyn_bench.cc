@@ -16,12 +16,13 @@ int main(int argc, char** argv) {
   bench.footer("Example: coopdyn bench swarm --robots 1000");
   bench.require_subcommand(0, 1);
   coopdyn::AddBenchSwarm(bench, chosen);
+  coopdyn::AddBenchRobot(bench, chosen);
   coopdyn::AddBenchLockstep(bench, chosen);
   coopdyn::AddBenchRecording(bench, chosen);
   try {
     bench.parse(argc, argv);
     if (!chosen) {
-      throw CLI::ValidationError("write what to measure: coopdyn bench swarm, lockstep or recording");
+      throw CLI::ValidationError("write what to measure: coopdyn bench swarm, robot, lockstep or recording");
     }
   } catch (const CLI::Success& help) {
     return bench.exit(help);

@@ -1,4 +1,4 @@
-"""The shipped robots with joints: they stand, hold and move as their READMEs say."""
+"""The shipped robots with joints: they stand, hold, walk, squat and drive as their READMEs say, and repeat bit by bit."""
 import math
 import random
 import re
@@ -9,13 +9,14 @@ import unittest
 from pathlib import Path
 
 from harness import BINARY, LIMIT_S, Daemon
+from recording import equal_steps
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "clients" / "python"))
 import coopdyn  # noqa: E402
 
 ARMS = {"lwa": (7, 5.0), "irb120": (6, 3.0), "mh5": (6, 5.0)}  # joints, payload in kg
-STEADY = [*ARMS, "mobile_arm", "quadruped", "car"]
+ALL = [*ARMS, "mobile_arm", "quadruped", "hexapod", "humanoid", "car"]
 
 
 def robots(*entries, more=""):
@@ -72,7 +73,7 @@ class RobotsTest(unittest.TestCase):
         return kind
 
     def test_each_stands_for_ten_seconds(self):
-        for kind in STEADY:
+        for kind in ALL:
             with self.subTest(robot=kind):
                 run = self.run_to_the_end(robots((kind, "")), 10)
                 first, last = run.pose_3d("r1")[0], run.pose_3d("r1")[-1]
@@ -141,6 +142,77 @@ class RobotsTest(unittest.TestCase):
                 self.assertEqual((motors.receive().error, arm.receive().error), (0, 0))
             self.assertGreater(daemon.text("/r1/pose").must("get_pose").data[0], 0.15)
             self.assertAlmostEqual(arm.must("get_joints (1)").data[0], 0.5, delta=0.02)
+
+    def test_the_quadruped_trots(self):
+        for step_s in (0.01, 0.005):
+            with self.subTest(step=step_s):
+                run = self.run_to_the_end(robots(("quadruped", "controller trot")), 11, "--step", str(step_s))
+                poses = run.pose_3d("r1")
+                start = poses[round(1 / step_s)]
+                self.assertGreater(poses[-1][0] - start[0], 0.1 * 10, "0.1 m/s for ten seconds")
+                self.assertLess(max(map(lean, poses)), math.radians(15))
+
+    def test_the_hexapod_walks(self):
+        run = self.run_to_the_end(robots(("hexapod", "controller tripod")), 11)
+        poses = run.pose_3d("r1")
+        self.assertGreater(poses[-1][0] - poses[100][0], 0.05 * 10, "half of what its controller wants, at least")
+        self.assertLess(max(map(lean, poses)), math.radians(10))
+
+    def test_the_humanoid_squats(self):
+        run = self.run_to_the_end(robots(("humanoid", "controller squat depth=0.1 period=4 wait=1")), 11)
+        poses = run.pose_3d("r1")
+        height_m = [pose[2] for pose in poses]
+        for down, up in ((300, 500), (700, 900)):
+            self.assertAlmostEqual(height_m[down], height_m[0] - 0.1, delta=0.01)
+            self.assertAlmostEqual(height_m[up], height_m[0], delta=0.01)
+        self.assertLess(max(map(lean, poses)), math.radians(5))
+
+    def pendulum(self, mass_kg):
+        """A ball that falls from level about a post and meets what stands 0.85 m below the pivot."""
+        moment = 0.4 * mass_kg * 0.05**2
+        folder = self.folder / "robots" / "pendulum"
+        folder.mkdir(parents=True, exist_ok=True)
+        inertial = ("<inertial><mass>{0}</mass><inertia><ixx>{1}</ixx><iyy>{1}</iyy><izz>{1}</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia>"
+                    "</inertial>")
+        (folder / "model.sdf").write_text(
+            '<sdf version="1.9" xmlns:coopdyn="https://coopdyn.dev/sdf"><model name="pendulum">'
+            f'<link name="post"><pose>0 0 1.5 0 0 0</pose>{inertial.format(1, 0.01)}'
+            '<collision name="c"><geometry><sphere><radius>0.02</radius></sphere></geometry></collision></link>'
+            '<joint name="ground" type="fixed"><parent>world</parent><child>post</child></joint>'
+            f'<link name="ball"><pose>-0.75 0 1.5 0 0 0</pose>{inertial.format(mass_kg, moment)}'
+            '<collision name="c"><geometry><sphere><radius>0.05</radius></sphere></geometry></collision></link>'
+            '<joint name="pivot" type="revolute"><pose relative_to="__model__">0 0 1.5 0 0 0</pose><parent>post</parent><child>ball</child>'
+            '<axis><xyz expressed_in="__model__">0 1 0</xyz></axis></joint><coopdyn:module type="pose"/></model></sdf>')
+
+    def test_the_humanoid_stands_when_it_is_pushed(self):
+        self.pendulum(1.0)  # 3.8 m/s: 3.8 N s if it stops, against the chest
+        for lines in ("", "controller squat depth=0"):
+            with self.subTest(controller=lines):
+                run = self.run_to_the_end(robots(("humanoid", "position 0.12 0\n" + lines), ("pendulum", "position 0 0")), 5)
+                poses = run.pose_3d("r1")
+                tilts = list(map(lean, poses))
+                self.assertGreater(max(tilts), math.radians(0.2), "it was pushed")
+                self.assertLess(tilts[-1], math.radians(2))
+                self.assertAlmostEqual(poses[-1][2], poses[0][2], delta=0.01)
+
+    def test_any_number_of_threads_gives_the_same_bits(self):
+        text = robots(*[(kind, f"controller {controller}") for kind, controller in
+                        (("lwa", "reach"), ("mh5", "reach"), ("quadruped", "trot"), ("quadruped", "trot turn=0.2"), ("hexapod", "tripod"),
+                         ("humanoid", "squat"), ("humanoid", "squat period=2"))], ("irb120", ""), ("car", ""), ("mobile_arm", ""))
+        hashes = [self.run_to_the_end(text, 2, "--threads", str(threads)).hash for threads in (1, 2, 4)]
+        self.assertEqual(len(hashes[0]), 201)
+        self.assertEqual(hashes[0], hashes[1])
+        self.assertEqual(hashes[0], hashes[2])
+
+    def test_a_recording_verifies_and_branches(self):
+        file = self.serve(robots(("lwa", "controller reach"), ("quadruped", "controller trot"), ("hexapod", "controller tripod"),
+                                 ("humanoid", "controller squat")), 3)
+        self.assertEqual(equal_steps(file), 300)
+        branch = self.folder / "branch.run"
+        done = subprocess.run([BINARY, "serve", "--from", f"{file}@1.5", "--mode", "free", "--duration", "3", "--no-net", "--record", branch],
+                              capture_output=True, text=True, timeout=4 * LIMIT_S)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(coopdyn.read_run(branch).hash[-1], coopdyn.read_run(file).hash[-1])
 
     def test_a_reset_begins_the_same_run_again(self):
         text = "[SIMULATION]\nmode lockstep\n" + robots(("irb120", ""), ("quadruped", ""))

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// The humanoid of robots/ bends its knees and rises again, with its feet flat on the floor and its trunk
+// upright. Its ankles answer when it leans, so that it stands a push.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "cpp_controller.h"
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+struct Leg {
+  size_t hip_pitch = 0, knee = 0, ankle_pitch = 0, hip_roll = 0, ankle_roll = 0;
+  double thigh_m = 0, shank_m = 0;
+};
+
+class Squat {
+ public:
+  struct State {
+    char nothing;
+  };
+  State state{};
+
+  static const coopdyn_description* Describe() {
+    static const coopdyn_option options[] = {
+        {"depth", "by which the hips sink, m", 0.1, 0, 0.2},
+        {"period", "down and up again, s", 4, 0.5, 60},
+        {"wait", "before the first time, s", 1, 0, 1000},
+        {"balance", "turn of the ankles by the lean of the trunk", 0.4, 0, 2},
+    };
+    static const coopdyn_description description = {"bends a humanoid's knees and rises again",
+                                                    COOPDYN_MOTION | COOPDYN_SETPOINTS, sizeof(State), 4,
+                                                    options};
+    return &description;
+  }
+
+  Squat(const coopdyn_robot& robot, const double* options)
+      : robot_(robot),
+        depth_m_(options[0]),
+        period_s_(options[1]),
+        wait_s_(options[2]),
+        balance_(options[3]) {
+    for (size_t side = 0; side < legs_.size(); ++side) {
+      const std::string name = side == 0 ? "left_" : "right_";
+      Leg& leg = legs_[side];
+      leg.hip_pitch = Find(name + "hip_pitch");
+      leg.hip_roll = Find(name + "hip_roll");
+      leg.knee = Find(name + "knee");
+      leg.ankle_pitch = Find(name + "ankle_pitch");
+      leg.ankle_roll = Find(name + "ankle_roll");
+      leg.thigh_m = robot.channels[leg.hip_pitch].point_m[2] - robot.channels[leg.knee].point_m[2];
+      leg.shank_m = robot.channels[leg.knee].point_m[2] - robot.channels[leg.ankle_pitch].point_m[2];
+      if (leg.thigh_m <= 0 || leg.shank_m <= 0) throw std::runtime_error("its knees must lie below its hips");
+    }
+  }
+
+  void Reset(uint64_t /*seed*/) {}
+
+  void Step(const coopdyn_readings& readings, coopdyn_command& command) {
+    // All that is not said below is held at 0.
+    for (size_t i = 0; i < robot_.channel_count; ++i) {
+      if ((robot_.channels[i].modes >> COOPDYN_DIRECT & 1) != 0) command.setpoints[i] = {COOPDYN_DIRECT, 0};
+    }
+    const double bent_s = std::max(0.0, readings.time_s - wait_s_);
+    const double sink_m = depth_m_ * (1 - std::cos(2 * kPi * bent_s / period_s_)) / 2;
+    const double pitch = Lean(readings.pitch_rad, readings.angular_velocity_rad_s[1]);
+    const double roll = Lean(readings.roll_rad, readings.angular_velocity_rad_s[0]);
+    for (const Leg& leg : legs_) {
+      const double height_m = leg.thigh_m + leg.shank_m - sink_m;
+      const auto corner = [height_m](double near, double far) {
+        const double cosine = (near * near + height_m * height_m - far * far) / (2 * near * height_m);
+        return std::acos(std::clamp(cosine, -1.0, 1.0));
+      };
+      const double thigh = corner(leg.thigh_m, leg.shank_m), shank = corner(leg.shank_m, leg.thigh_m);
+      command.setpoints[leg.hip_pitch] = {COOPDYN_DIRECT, -thigh};
+      command.setpoints[leg.knee] = {COOPDYN_DIRECT, thigh + shank};
+      command.setpoints[leg.ankle_pitch] = {COOPDYN_DIRECT, -shank + pitch};
+      command.setpoints[leg.ankle_roll] = {COOPDYN_DIRECT, roll};
+    }
+  }
+
+ private:
+  /// The turn of the ankles against a lean.
+  double Lean(double angle_rad, double rate_rad_s) const {
+    constexpr double kAhead_s = 0.1, kMost_rad = 0.1;
+    return std::clamp(balance_ * (angle_rad + kAhead_s * rate_rad_s), -kMost_rad, kMost_rad);
+  }
+
+  size_t Find(const std::string& joint) const {
+    for (size_t i = 0; i < robot_.channel_count; ++i) {
+      if (joint == robot_.channels[i].name && (robot_.channels[i].modes >> COOPDYN_DIRECT & 1) != 0) return i;
+    }
+    throw std::runtime_error("the robot has no driven joint " + joint);
+  }
+
+  const coopdyn_robot& robot_;
+  const double depth_m_, period_s_, wait_s_, balance_;
+  std::array<Leg, 2> legs_;
+};
+
+}  // namespace
+
+extern "C" const coopdyn_controller* coopdyn_controller_entry() {
+  return coopdyn::Entry<Squat>();
+}
