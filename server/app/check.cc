@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "server/model/readers.h"
 #include "server/model/scenario.h"
 #include "server/model/text_file.h"
+#include "server/model/values.h"
 #include "server/physics/world.h"
 #include "server/render/picture_maker.h"
 
@@ -42,20 +44,56 @@ FramePtr FirstFrame(const std::shared_ptr<const Scenario>& scenario, Diagnostics
   return frame;
 }
 
+/// A model, not a world.
 bool IsRobotModel(const std::string& file) {
   const std::string extension = std::filesystem::path(file).extension();
-  return extension == ".sdf" || extension == ".urdf";
+  if (extension == ".urdf") return true;
+  if (extension != ".sdf") return false;
+  Diagnostics ignored;
+  const auto text = ReadTextFile(file, {file, 0}, ignored);
+  return !text || text->find("<world") == std::string::npos;
+}
+
+constexpr const char* kAlone = "model";
+
+/// What is in a model: counts, mass, size, then joints and modules by name.
+std::string DescribeModel(const RobotModel& model) {
+  constexpr const char* kKinds[] = {"hinge", "slider", "ball", "universal"};
+  double mass_kg = 0;
+  for (std::size_t i = model.fixed_base ? 1 : 0; i < model.links.size(); ++i)
+    mass_kg += model.links[i].mass_kg;
+  const auto number = [](double value) { return FormatNumber(std::round(value * 1e4) / 1e4); };
+  std::string text = "robot " + model.type + ", " + std::to_string(model.links.size()) + " links, " +
+                     std::to_string(model.joints.size()) + " joints, " +
+                     std::to_string(model.sector_count()) + " distance sensors, " +
+                     std::to_string(model.modules().size()) + " modules; " +
+                     (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
+                     " kg, footprint radius " + number(model.footprint_radius_m) + " m, height " +
+                     number(model.height_m) + " m\n";
+  for (const JointModel& joint : model.joints) {
+    text += "  joint " + joint.name + ": " + kKinds[static_cast<std::size_t>(joint.kind)];
+    if (joint.has_stop()) text += ", from " + number(joint.lower) + " to " + number(joint.upper);
+    if (joint.max_effort > 0 && std::isfinite(joint.max_effort))
+      text += ", effort " + number(joint.max_effort);
+    text += "\n";
+  }
+  for (const ModuleModel& module : model.modules())
+    text += "  module " + module.name + " (" + module.type + ")\n";
+  return text;
 }
 
 /// Checks one file; null, or its first frame for a picture.
 FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics) {
   if (IsRobotModel(file)) {
-    const auto model = ReadRobotModel(file, diagnostics);
-    if (model != nullptr) {
-      Print("{}: robot {}, {} links, {} joints, {} distance sensors, {} modules\n", file, model->type,
-            model->links.size(), model->joints.size(), model->sector_count(), model->modules().size());
-    }
-    return nullptr;
+    const auto model = ReadRobotModel(file, robots.path(), diagnostics);
+    if (model == nullptr || diagnostics.has_errors()) return nullptr;
+    Print("{}: {}", file, DescribeModel(*model));
+    // A picture shows it on the floor of a world of its own.
+    RobotLibrary own(robots.path());
+    own.Add(kAlone, model);
+    const auto alone = ReadScenario("[ROBOT_1]\ntype " + std::string(kAlone) + "\nposition 0 0\n", "", own,
+                                    true, diagnostics);
+    return alone == nullptr ? nullptr : FirstFrame(alone, diagnostics);
   }
   std::shared_ptr<const Scenario> scenario;
   std::error_code ignored;
@@ -89,7 +127,7 @@ int Check(const CheckOptions& options) {
   }
   if (!options.picture.empty() && !failed) {
     if (last == nullptr) {
-      PrintError("coopdyn: --picture needs a .scenario or .world, a robot model alone is not drawn\n");
+      PrintError("coopdyn: --picture needs a scenario, a world or a robot model\n");
       return kExitWrongUse;
     }
     std::string unusable;
@@ -113,7 +151,7 @@ void AddCheck(CLI::App& app, Chosen& chosen) {
   CLI::App* sub = app.add_subcommand("check", "Say what is wrong in worlds, scenarios and robot models");
   sub->footer("Example: coopdyn check my.scenario --picture my.png");
   sub->add_option("file", given->files, "Files, or bare names on the search path")->required();
-  sub->add_option("--picture", given->picture, "Write a picture of the (last) scenario, PNG");
+  sub->add_option("--picture", given->picture, "Write a picture of the (last) scenario or model, PNG");
   sub->add_option("--scenarios", given->scenario_folders, "A folder with scenarios, worlds and robots");
   sub->callback([&chosen, given] { chosen = [given] { return Check(*given); }; });
 }

@@ -215,7 +215,11 @@ std::string ShapeText(const Shape& shape) {
   if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
     return "cylinder " + ShortNumber(2 * cylinder->radius_m) + " " + ShortNumber(cylinder->length_m);
   }
-  return "sphere " + ShortNumber(2 * std::get<Sphere>(shape).radius_m);
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return "sphere " + ShortNumber(2 * sphere->radius_m);
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+    return "capsule " + ShortNumber(2 * capsule->radius_m) + " " + ShortNumber(capsule->length_m);
+  }
+  return "mesh";
 }
 
 std::string ScenarioPage(const Scenario& scenario) {

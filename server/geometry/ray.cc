@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/geometry/mesh.h"
+
 namespace coopdyn {
 
 namespace {
@@ -91,10 +93,21 @@ double RayToSphere(const Ray& ray, const Sphere& sphere) {
   return inside.FirstHit();
 }
 
+double RayToCapsule(const Ray& ray, const Capsule& capsule) {
+  double nearest = RayToCylinder(ray, Cylinder{capsule.radius_m, capsule.length_m});
+  for (const double end : {-0.5, 0.5}) {
+    const Vector3 middle(0, 0, end * capsule.length_m);
+    nearest = std::min(nearest, RayToSphere({ray.origin - middle, ray.direction}, Sphere{capsule.radius_m}));
+  }
+  return nearest;
+}
+
 double RayToShape(const Ray& ray, const Shape& shape) {
   if (const auto* box = std::get_if<Box>(&shape)) return RayToBox(ray, *box);
   if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return RayToCylinder(ray, *cylinder);
-  return RayToSphere(ray, std::get<Sphere>(shape));
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return RayToSphere(ray, *sphere);
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) return RayToCapsule(ray, *capsule);
+  return RayToMesh(ray, *std::get<Mesh>(shape).data);
 }
 
 double RayToFloor(const Ray& ray) {

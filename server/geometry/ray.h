@@ -21,6 +21,7 @@ inline constexpr double kNoHit = std::numeric_limits<double>::infinity();
 double RayToBox(const Ray& ray, const Box& box);
 double RayToCylinder(const Ray& ray, const Cylinder& cylinder);
 double RayToSphere(const Ray& ray, const Sphere& sphere);
+double RayToCapsule(const Ray& ray, const Capsule& capsule);
 double RayToShape(const Ray& ray, const Shape& shape);
 
 /// The same for a cylinder about the unit vector `axis`, in any frame whose origin is the cylinder's centre.

@@ -29,7 +29,21 @@ struct Sphere {
   bool operator==(const Sphere&) const = default;
 };
 
-using Shape = std::variant<Box, Cylinder, Sphere>;
+/// A cylinder along z with a half sphere on each end.
+struct Capsule {
+  double radius_m = 0;
+  double length_m = 0;  // of the cylinder
+  bool operator==(const Capsule&) const = default;
+};
+
+struct MeshData;
+/// Triangles (server/geometry/mesh.h), about the middle of their box. Whoever made `data` keeps it.
+struct Mesh {
+  const MeshData* data = nullptr;
+  bool operator==(const Mesh&) const = default;
+};
+
+using Shape = std::variant<Box, Cylinder, Sphere, Capsule, Mesh>;
 
 /// X_AB: the pose of frame B in frame A. p_A = R_AB p_B + p_AB.
 struct Pose {

@@ -19,6 +19,8 @@
 
 namespace coopdyn {
 
+class Resources;
+
 /// Where files are looked for: beside the naming file, then these folders in order (`--scenarios DIR`,
 /// COOPDYN_PATH, the program's folder, the installed data). In each, also in its subfolders `scenarios/`,
 /// `worlds/`, `robots/`, `controllers/`.
@@ -30,7 +32,7 @@ struct SearchPath {
   std::optional<std::filesystem::path> FindScenario(const std::string& name) const;
   std::optional<std::filesystem::path> FindWorld(const std::string& name,
                                                  const std::filesystem::path& beside) const;
-  /// robots/<type>/model.sdf
+  /// The model of robots/<type>: model.sdf, model.urdf or what its model.config names.
   std::optional<std::filesystem::path> FindRobot(const std::string& type) const;
   /// controllers/<name>.so or <name>.so in `beside` (unless that is empty) or on the path, for a bare name.
   std::optional<std::filesystem::path> FindController(const std::string& name,
@@ -40,6 +42,9 @@ struct SearchPath {
   /// Names of all scenarios on the path, sorted, without extension.
   std::vector<std::string> ScenarioNames() const;
 };
+
+/// Whether a robot's type is the path of a model: it has a folder, or ends in .sdf or .urdf.
+bool IsModelPath(const std::string& type);
 
 /// True for a name without folders, drives and a leading dot, as texts from a socket may name files.
 bool IsBareName(const std::string& name);
@@ -52,11 +57,15 @@ class RobotLibrary {
   /// are not there any more are then warnings.
   explicit RobotLibrary(SearchPath path, std::vector<SourceText> embedded = {})
       : path_(std::move(path)), embedded_(std::move(embedded)) {}
-  /// The model of `type`; null with diagnostics (at `where`, or in the model's file) if there is none.
+  /// The model of `type`; null with diagnostics (at `where`, or in the model's file) if there is none. A
+  /// `type` that is a path (IsModelPath()) starts at the folder `beside`; without one it is not read.
   std::shared_ptr<const RobotModel> Get(const std::string& type, const SourceLine& where,
-                                        Diagnostics& diagnostics);
+                                        Diagnostics& diagnostics,
+                                        const std::optional<std::filesystem::path>& beside = std::nullopt);
   /// Whether there is a model called `type`, with or without errors.
-  bool Has(const std::string& type) const;
+  bool Has(const std::string& type, const std::optional<std::filesystem::path>& beside = std::nullopt) const;
+  /// Keeps a model that has no file of its own.
+  void Add(const std::string& type, std::shared_ptr<const RobotModel> model);
   /// The embedded text `name` of a `kind` (world, robot); null if there is none.
   const SourceText* Embedded(std::string_view kind, std::string_view name) const;
   bool is_of_recording() const { return !embedded_.empty(); }
@@ -69,12 +78,15 @@ class RobotLibrary {
   std::unordered_map<std::string, std::shared_ptr<const RobotModel>> models_ GUARDED_BY(mutex_);
 };
 
-/// Reads an SDF robot model (libsdformat; our own elements in the namespace `coopdyn:`). Null if it has
-/// errors.
-std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& file, Diagnostics& diagnostics);
-/// The same from a text instead of from the disk; a model names no other files. `file`: for messages.
+/// Reads a robot model: SDF 1.4 or newer with our own elements in the namespace `coopdyn:`, or URDF. What it
+/// names is looked up in its folder and on `path`. Null if it has errors.
+std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& file, const SearchPath& path,
+                                                 Diagnostics& diagnostics);
+/// The same from a text instead of from the disk. `file`: for messages. `resources`: null for a text without
+/// files.
 std::shared_ptr<const RobotModel> ReadRobotModelText(const std::string& text, const std::string& file,
-                                                     const std::string& type, Diagnostics& diagnostics);
+                                                     const std::string& type, Diagnostics& diagnostics,
+                                                     const Resources* resources = nullptr);
 
 /// Reads the text of a .world. Errors go to `diagnostics`; what could be read is returned.
 WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics);

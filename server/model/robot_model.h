@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -24,6 +25,7 @@ struct LinkShape {
   Color color;
   double friction = 1;             // Coulomb; 0 for casters
   bool takes_robot_color = false;  // visuals: drawn in the robot's own colour
+  double restitution = 0;          // of the speed of an impact that stays: 0…1
 };
 
 struct LinkModel {
@@ -44,8 +46,9 @@ struct FrameModel {
 };
 
 /// An axis about which (hinge: rad, N m), or along which (slider: m, N), the child moves against its parent.
+/// Ball and universal joints turn freely about a point; nothing drives them.
 struct JointModel {
-  enum class Kind { kHinge, kSlider };
+  enum class Kind { kHinge, kSlider, kBall, kUniversal };
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   std::string name;
@@ -54,6 +57,7 @@ struct JointModel {
   int child = 0;
   Vector3 p_RJ = Vector3::Zero();  // a point of the axis, in the initial pose
   Vector3 axis_R = Vector3::UnitY();
+  Vector3 axis2_R = Vector3::UnitX();            // of a universal joint, on the child
   double lower = -kInfinity, upper = kInfinity;  // its stops; the initial pose is 0
   double max_velocity = kInfinity, max_effort = kInfinity;
   double damping = 0;    // effort per velocity
@@ -61,6 +65,7 @@ struct JointModel {
   double stiffness = 0;  // of a spring: effort per way from `rest`
   double rest = 0;
 
+  bool has_axis() const { return kind == Kind::kHinge || kind == Kind::kSlider; }
   /// A spring, a damper or friction works on it.
   bool is_resisted() const { return damping > 0 || friction > 0 || stiffness > 0; }
   bool has_stop() const { return lower > -kInfinity || upper < kInfinity; }
@@ -210,13 +215,15 @@ struct ModuleModel {
 struct RobotModel {
   std::string type;  // the folder's name, e.g. "coopbot"
   std::string file;
-  std::string text;              // the SDF as read
-  std::vector<LinkModel> links;  // links[0] is the chassis, the base of an arm
-  bool fixed_base = false;       // links[0] is fixed to the world
+  std::string text;                                     // the SDF as read
+  std::vector<std::shared_ptr<const MeshData>> meshes;  // those that its shapes name
+  std::vector<LinkModel> links;                         // links[0] is the chassis, the base of an arm
+  bool fixed_base = false;                              // links[0] is fixed to the world
   std::vector<JointModel> joints;
   std::vector<FrameModel> frames;
   std::vector<ActuatorModel> actuators;
   std::vector<SensorModel> sensors;  // kind by kind, in the order of SensorKind; AddSensor() keeps it
+  Vector3 p_MR = Vector3::Zero();    // R's origin in the frame of the model's file
   double footprint_radius_m = 0;     // of the smallest vertical cylinder about R's z axis that holds it
   double height_m = 0;
 

@@ -160,9 +160,9 @@ std::shared_ptr<const RobotModel> RobotSections::ReadType(SectionReader& reader,
   team = lower == "team2";
   const std::string type = team ? kTransporter : lower == "single" ? "coopbot" : *word;
   if (broken_types_.contains(type)) return nullptr;
-  std::shared_ptr<const RobotModel> model = library_.Get(type, reader.LineOf("type"), diagnostics_);
+  std::shared_ptr<const RobotModel> model = library_.Get(type, reader.LineOf("type"), diagnostics_, beside_);
   // What is wrong inside a model's file is said once; an unknown type at every line that names it.
-  if (model == nullptr && library_.Has(type)) broken_types_[type] = true;
+  if (model == nullptr && library_.Has(type, beside_)) broken_types_[type] = true;
   if (model != nullptr) KeepSource(type, *model);
   return model;
 }

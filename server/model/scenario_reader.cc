@@ -9,8 +9,10 @@
 #include "server/base/printable.h"
 #include "server/model/readers.h"
 #include "server/model/robot_sections.h"
+#include "server/model/sdf_world.h"
 #include "server/model/section_reader.h"
 #include "server/model/text_file.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -333,9 +335,12 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   }
   const std::string file = path->string();
   Diagnostics found;
-  const std::optional<std::string> text = ReadTextFile(file, {file, 0}, found);
+  std::optional<std::string> text = ReadTextFile(file, {file, 0}, found);
   std::shared_ptr<const Scenario> scenario;
-  if (text) {
+  if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
+    text = ScenarioOfSdfWorld(file, robots, found);
+    if (text) scenario = ReadScenario(*text, file, robots, false, found, seed);
+  } else if (text) {
     const bool world = ToLower(path->extension().string()) == ".world";
     scenario = world ? WorldAsScenario(*text, file, seed, found)
                      : ReadScenario(*text, file, robots, false, found, seed);

@@ -23,40 +23,51 @@ using tinyxml2::XMLElement;
 /// Elements that the reader uses, by the element in which they stand.
 constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"sdf", "model"},
-    {"model", "link joint frame"},
+    {"model", "link joint frame model"},
     {"frame", "pose"},
     {"link", "pose inertial collision visual"},
     {"inertial", "pose mass inertia"},
     {"inertia", "ixx iyy izz ixy ixz iyz"},
     {"collision", "pose geometry surface"},
     {"visual", "pose geometry material"},
-    {"geometry", "box cylinder sphere"},
+    {"geometry", "box cylinder sphere capsule plane mesh"},
+    {"capsule", "radius length"},
+    {"plane", "normal size"},
+    {"mesh", "uri scale submesh"},
+    {"submesh", "name center"},
     {"box", "size"},
     {"cylinder", "radius length"},
     {"sphere", "radius"},
-    {"surface", "friction"},
+    {"surface", "friction bounce"},
+    {"bounce", "restitution_coefficient"},
     {"friction", "ode"},
     {"ode", "mu mu2"},
     {"material", "diffuse ambient specular"},
-    {"joint", "pose parent child axis"},
+    {"joint", "pose parent child axis axis2"},
     {"axis", "xyz limit dynamics"},
+    {"axis2", "xyz limit dynamics"},
     {"dynamics", "damping friction spring_reference spring_stiffness"},
     {"limit", "lower upper effort velocity"},
 };
-
-bool IsUsed(std::string_view parent, const std::string& name) {
-  return std::ranges::any_of(kUsed, [&](const auto& used) {
-    return used.first == parent && std::ranges::count(SplitWords(used.second), name) > 0;
-  });
-}
 
 bool IsForeign(std::string_view name) {
   return name.find(':') != std::string_view::npos;
 }
 
+}  // namespace
+
+bool IsUsedElement(std::string_view parent, const std::string& name) {
+  return std::ranges::any_of(kUsed, [&](const auto& used) {
+    return used.first == parent && std::ranges::count(SplitWords(used.second), name) > 0;
+  });
+}
+
+namespace {
+
 class Checker {
  public:
-  Checker(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+  Checker(const std::string& file, bool lenient, Diagnostics& diagnostics)
+      : file_(file), lenient_(lenient), diagnostics_(diagnostics) {}
 
   void Check(const XMLElement& element, const sdf::ElementPtr& description, int depth) {
     constexpr int kMaxDepth = 40;
@@ -88,14 +99,13 @@ class Checker {
       return;
     }
     const std::string path = std::string(parent.Name()) + "/" + name;
-    if (IsUsed(parent.Name(), name)) {
+    const bool nested_pose = path == "model/pose" && depth > 1;
+    if (nested_pose || IsUsedElement(parent.Name(), name)) {
       Check(child, description->GetElementDescription(name), depth + 1);
     } else if (std::string_view(parent.Name()) == "geometry") {
-      diagnostics_.Error(where,
-                         "the shape <" + name + "> is not supported: use <box>, <cylinder> or <sphere>");
-    } else if (name == "include" || path == "model/model") {
-      diagnostics_.Error(where,
-                         "<" + name + "> is not supported: write all links of the robot into this model");
+      diagnostics_.Error(
+          where, "the shape <" + name +
+                     "> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, <plane> or <mesh>");
     } else if (path == "model/static" || path == "sdf/world") {
       diagnostics_.Error(where, "<" + name + "> does not belong into a robot: remove it");
     } else {
@@ -115,8 +125,9 @@ class Checker {
         for (std::size_t i = 0; i < description->GetAttributeCount(); ++i) {
           known.push_back(description->GetAttribute(static_cast<unsigned>(i))->GetKey());
         }
-        diagnostics_.Error(
-            where, "unknown attribute '" + name + "' of <" + element.Name() + ">" + DidYouMean(name, known));
+        const std::string text =
+            "unknown attribute '" + name + "' of <" + element.Name() + ">" + DidYouMean(name, known);
+        lenient_ ? diagnostics_.Warning(where, text) : diagnostics_.Error(where, text);
       } else if (!description->GetAttribute(name)->Clone()->SetFromString(attribute->Value())) {
         diagnostics_.Error(where, "attribute '" + name + "' of <" + element.Name() + "> cannot be '" +
                                       attribute->Value() + "'");
@@ -169,6 +180,7 @@ class Checker {
   }
 
   const std::string& file_;
+  const bool lenient_;  // the model was made for other programs
   Diagnostics& diagnostics_;
 };
 
@@ -209,7 +221,8 @@ bool IsModelCount(const XMLElement& root, const std::string& file, Diagnostics& 
 
 void CheckSdf(const XMLElement& root, const sdf::ElementPtr& description, const std::string& file,
               Diagnostics& diagnostics) {
-  Checker(file, diagnostics).Check(root, description, 0);
+  const bool lenient = root.Attribute("coopdyn:foreign") != nullptr;
+  Checker(file, lenient, diagnostics).Check(root, description, 0);
 }
 
 }  // namespace coopdyn

@@ -113,7 +113,7 @@ class ExtensionReader {
     for (const XMLElement* child = model.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       const std::string name = child->Name();
-      if (!name.starts_with("coopdyn:")) continue;
+      if (!name.starts_with("coopdyn:") || name.starts_with("coopdyn:gazebo_")) continue;
       if (name == "coopdyn:module") {
         modules.push_back(child);
       } else if (name == "coopdyn:drive") {
@@ -126,19 +126,36 @@ class ExtensionReader {
       }
     }
     if (drive != nullptr) ReadDrive(*drive);
+    Adopt(model);
     for (const XMLElement* group : groups) {
       XmlAttributes attributes(*group, file_, diagnostics_);
       ReadGroup(attributes, robot_, diagnostics_);
     }
     if (groups.empty()) AddDefaultGroup(robot_);
     for (const XMLElement* module : modules) ReadModule(*module);
-    if (modules.empty() && !robot_.has_boards()) {
-      Error(model, "the robot has no module: write e.g. <coopdyn:module type=\"motors\"/>");
-    }
+    const XMLElement* root = model.Parent() == nullptr ? nullptr : model.Parent()->ToElement();
+    const bool foreign = root != nullptr && root->Attribute("coopdyn:foreign") != nullptr;
+    if (modules.empty() && (foreign || !robot_.has_boards())) AddDefaultModules();
     sensors_.Finish();
   }
 
  private:
+  /// What Gazebo's plug-ins say.
+  void Adopt(const XMLElement& model) {
+    for (const XMLElement* one = model.FirstChildElement("coopdyn:gazebo_joint"); one != nullptr;
+         one = one->NextSiblingElement("coopdyn:gazebo_joint")) {
+      AdoptJoint(*one, file_, robot_, diagnostics_);
+    }
+    const XMLElement* drive = model.FirstChildElement("coopdyn:gazebo_drive");
+    if (drive != nullptr) AdoptDrive(*drive, file_, robot_, diagnostics_);
+  }
+
+  /// Of a model without a `<coopdyn:module>`.
+  void AddDefaultModules() {
+    if (ActuatorModel* const drive = Drive()) drive->module = "motors";
+    robot_.AddSensor(PoseModel::kType, PoseModel());
+  }
+
   void Error(const XMLElement& element, std::string text) {
     diagnostics_.Error({file_, element.GetLineNum()}, std::move(text));
   }

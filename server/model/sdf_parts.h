@@ -40,6 +40,17 @@ bool IsModelCount(const tinyxml2::XMLElement& root, const std::string& file, Dia
 void CheckSdf(const tinyxml2::XMLElement& root, const sdf::ElementPtr& description, const std::string& file,
               Diagnostics& diagnostics);
 
+/// Whether the reader uses elements `name` in `parent`.
+bool IsUsedElement(std::string_view parent, const std::string& name);
+
+/// Reads what a drive plug-in of Gazebo says (gazebo.cc): the drive of `robot`, with its module `motors`.
+/// What does not fit is a warning.
+void AdoptDrive(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
+                Diagnostics& diagnostics);
+/// The same of a controller of one joint, which then has a motor.
+void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
+                Diagnostics& diagnostics);
+
 /// A fixed joint between two links, or of the world and a link.
 struct FixedJoint {
   static constexpr int kWorld = -1;

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "server/model/readers.h"
+#include "server/model/resources.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -121,7 +122,7 @@ std::vector<std::string> RobotTypes(const SearchPath& path, const std::vector<So
     if (source.kind == kRobot) types.insert(source.name);
   }
   ForAll(path.folders, {".", "robots"}, [&types](const fs::path& folder) {
-    if (IsFile(folder / "model.sdf")) types.insert(folder.filename().string());
+    if (ModelFileIn(folder)) types.insert(folder.filename().string());
   });
   return {types.begin(), types.end()};
 }
@@ -140,7 +141,7 @@ std::optional<fs::path> SearchPath::FindScenario(const std::string& name) const 
   if (file.find('/') != std::string::npos) {
     if (auto found = ExistingFile(file)) return found;
   }
-  for (const std::string& candidate : WithExtensions(file, {".scenario", ".world"})) {
+  for (const std::string& candidate : WithExtensions(file, {".scenario", ".world", ".sdf"})) {
     if (const auto found = ExistingFile(candidate)) return found;
     if (absolute) continue;
     if (const auto found = ExistingFile(folders, {".", "scenarios", "worlds"}, candidate)) return found;
@@ -172,7 +173,12 @@ std::optional<fs::path> SearchPath::FindWorld(const std::string& name, const fs:
 
 std::optional<fs::path> SearchPath::FindRobot(const std::string& type) const {
   if (!IsBareWord(type)) return std::nullopt;
-  return FirstFile(folders, {".", "robots"}, fs::path(type) / "model.sdf");
+  for (const fs::path& folder : folders) {
+    for (const char* sub : {".", "robots"}) {
+      if (const auto file = ModelFileIn((folder / sub / type).lexically_normal())) return file;
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<fs::path> SearchPath::FindController(const std::string& name, const fs::path& beside) const {
@@ -188,16 +194,47 @@ std::vector<std::string> SearchPath::ScenarioNames() const {
   return Stems(folders, {".", "scenarios"}, ".scenario");
 }
 
+bool IsModelPath(const std::string& type) {
+  const std::string lower = ToLower(type);
+  return type.find_first_of("/\\") != std::string::npos || lower.ends_with(".sdf") ||
+         lower.ends_with(".urdf");
+}
+
+namespace {
+
+/// The file that a type written as a path means.
+fs::path ModelPath(const std::string& type, const fs::path& beside) {
+  bool absolute = false;
+  fs::path path = (beside / WithSlashes(type, absolute)).lexically_normal();
+  std::error_code code;
+  if (fs::is_directory(path, code)) return ModelFileIn(path).value_or(path / "model.sdf");
+  return path;
+}
+
+}  // namespace
+
 std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, const SourceLine& where,
-                                                    Diagnostics& diagnostics) {
+                                                    Diagnostics& diagnostics,
+                                                    const std::optional<fs::path>& beside) {
   MutexLock lock(mutex_);
-  if (const auto known = models_.find(type); known != models_.end()) return known->second;
+  const bool is_path = IsModelPath(type) && Embedded(kRobot, type) == nullptr;
+  if (is_path && !beside) {
+    diagnostics.Error(
+        where, "over a socket a robot's type is a bare name on the search path, not the path '" + type + "'");
+    return nullptr;
+  }
+  const std::string key = is_path ? ModelPath(type, *beside).string() : type;
+  if (const auto known = models_.find(key); known != models_.end()) return known->second;
   // A model with errors is not kept: mended, it loads.
   std::shared_ptr<const RobotModel> model;
   if (const SourceText* source = Embedded(kRobot, type)) {
     model = ReadRobotModelText(source->text, source->file, type, diagnostics);
-  } else if (const std::optional<std::filesystem::path> file = path_.FindRobot(type)) {
-    model = ReadRobotModel(*file, diagnostics);
+  } else if (is_path && IsFile(key)) {
+    model = ReadRobotModel(key, path_, diagnostics);
+  } else if (is_path) {
+    diagnostics.Error(where, "there is no robot model " + key);
+  } else if (const std::optional<fs::path> file = path_.FindRobot(type)) {
+    model = ReadRobotModel(*file, path_, diagnostics);
   } else {
     const std::string name = IsBareName(type) ? type : "NAME";
     diagnostics.Error(where, "unknown robot type '" + type + "'" +
@@ -205,12 +242,24 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
                                  " (a robot of your own is a folder robots/" + name +
                                  " in a folder that --scenarios or COOPDYN_PATH names)");
   }
-  if (model != nullptr) models_.emplace(type, model);
+  if (model != nullptr && model->type != type) {
+    auto named = std::make_shared<RobotModel>(*model);
+    named->type = type;
+    model = std::move(named);
+  }
+  if (model != nullptr) models_.emplace(key, model);
   return model;
 }
 
-bool RobotLibrary::Has(const std::string& type) const {
-  return Embedded(kRobot, type) != nullptr || path_.FindRobot(type).has_value();
+void RobotLibrary::Add(const std::string& type, std::shared_ptr<const RobotModel> model) {
+  MutexLock lock(mutex_);
+  models_.insert_or_assign(type, std::move(model));
+}
+
+bool RobotLibrary::Has(const std::string& type, const std::optional<fs::path>& beside) const {
+  if (Embedded(kRobot, type) != nullptr) return true;
+  if (IsModelPath(type)) return beside && IsFile(ModelPath(type, *beside));
+  return path_.FindRobot(type).has_value();
 }
 
 const SourceText* RobotLibrary::Embedded(std::string_view kind, std::string_view name) const {

@@ -45,7 +45,8 @@ bool Reaches(const Circle& circle, const PlacedPart& part) {
       half_x = box->size_m.x() / 2;
       half_y = box->size_m.y() / 2;
     }
-  } else if (upright || std::holds_alternative<Sphere>(part.part->shape)) {
+  } else if ((upright && !std::holds_alternative<Mesh>(part.part->shape)) ||
+             std::holds_alternative<Sphere>(part.part->shape)) {
     const double reach = r + half_x;
     return dx * dx + dy * dy <= reach * reach;
   }

@@ -58,8 +58,12 @@ PlacedPart::PlacedPart(const Part& of, const BodyState& body) : part(&of) {
       half_m[row] =
           along * cylinder->length_m / 2 + std::sqrt(std::max(0.0, 1 - along * along)) * cylinder->radius_m;
     }
+  } else if (const Sphere* sphere = std::get_if<Sphere>(&of.shape)) {
+    half_m.setConstant(sphere->radius_m);
   } else {
-    half_m.setConstant(std::get<Sphere>(of.shape).radius_m);
+    Matrix3 R_WG;
+    for (int row = 0; row < 3; ++row) R_WG.row(row) << R[4 * row], R[4 * row + 1], R[4 * row + 2];
+    half_m = HalfExtents(of.shape, R_WG);
   }
 }
 
@@ -151,7 +155,12 @@ double DepthInside(const Shape& shape, const PlacedRotation& X_WS, const Vector3
   if (const Cylinder* c = std::get_if<Cylinder>(&shape)) {
     return std::min(c->radius_m - std::hypot(local.x(), local.y()), c->length_m / 2 - std::abs(local.z()));
   }
-  return std::get<Sphere>(shape).radius_m - local.norm();
+  if (const Sphere* sphere = std::get_if<Sphere>(&shape)) return sphere->radius_m - local.norm();
+  if (const Capsule* capsule = std::get_if<Capsule>(&shape)) {
+    const double beyond = std::max(0.0, std::abs(local.z()) - capsule->length_m / 2);
+    return capsule->radius_m - std::hypot(local.x(), local.y(), beyond);
+  }
+  return -std::get<Mesh>(shape).data->radius_m;  // only what its triangles touch
 }
 
 }  // namespace coopdyn

@@ -29,6 +29,9 @@ struct PlacedRotation {
   const double* R;
 
   Vector3 position() const { return {p[0], p[1], p[2]}; }
+  Vector3 point(const Vector3& local) const {
+    return position() + local.x() * axis(0) + local.y() * axis(1) + local.z() * axis(2);
+  }
   Vector3 axis(int i) const { return {R[i], R[4 + i], R[8 + i]}; }
   bool upright() const;  // z axis within about 2° of the vertical
 };
@@ -41,7 +44,8 @@ struct Part {
   Shape shape;
   int body = 0;         // of the mechanism
   double friction = 1;  // Coulomb
-  int wheel = -1;       // of the drive: a cylinder about a driven axle rolls on one contact at its tread
+  double restitution = 0;
+  int wheel = -1;  // of the drive: a cylinder about a driven axle rolls on one contact at its tread
   Vector3 p_BG = Vector3::Zero();  // in its body
   Matrix3 R_BG = Matrix3::Identity();
 };

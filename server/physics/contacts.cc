@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "server/geometry/mesh.h"
+
 namespace coopdyn {
 
 namespace {
@@ -66,7 +68,8 @@ std::optional<Shell> ShellOf(const Actor& actor) {
   Shell shell{mechanism.shell < 0 ? 0 : static_cast<std::size_t>(mechanism.shell)};
   const Part& part = mechanism.parts[shell.part];
   const BodyState& body = actor.bodies[static_cast<std::size_t>(part.body)];
-  if (std::holds_alternative<Sphere>(part.shape)) return std::nullopt;
+  if (!std::holds_alternative<Box>(part.shape) && !std::holds_alternative<Cylinder>(part.shape))
+    return std::nullopt;
   const PlacedPart placed(part, body);
   if (!placed.place().upright()) return std::nullopt;
   shell.z = placed.p[2];
@@ -89,6 +92,35 @@ std::pair<PartRange, PartRange> FirstToTouch(const Actor& a, const Actor& b) {
   return {{0, a.parts().size()}, {0, b.parts().size()}};
 }
 
+/// A mesh on the floor: up to four of its vertices at or below it, the deepest and those that span the most.
+ContactList MeshOnFloor(const MeshData& mesh, const PlacedRotation& place) {
+  std::vector<Vector3> low;
+  for (const Vector3& v : mesh.vertices) {
+    const Vector3 p = place.point(v);
+    if (p.z() <= 0) low.push_back(p);
+  }
+  ContactList list;
+  const auto take = [&](auto measure) {
+    if (low.empty()) return;
+    const auto best = std::ranges::max_element(low, {}, measure);
+    if (list.count > 0 && !(measure(*best) > 0)) return;
+    list.points[static_cast<std::size_t>(list.count++)] = {*best, Vector3::UnitZ(), -best->z()};
+    low.erase(best);
+  };
+  const auto at = [&list](std::size_t i) -> const Vector3& { return list.points[i].p_W; };
+  const auto side = [&](const Vector3& p) {
+    const Vector3 along = at(1) - at(0);
+    return along.x() * (p.y() - at(0).y()) - along.y() * (p.x() - at(0).x());
+  };
+  take([](const Vector3& p) { return -p.z(); });
+  if (list.count == 1) take([&](const Vector3& p) { return (p - at(0)).head<2>().squaredNorm(); });
+  if (list.count == 2) {
+    take([&](const Vector3& p) { return side(p); });
+    take([&](const Vector3& p) { return -side(p); });
+  }
+  return list;
+}
+
 }  // namespace
 
 Collider::Collider() {
@@ -98,9 +130,22 @@ Collider::Collider() {
   floor_.reset(dCreatePlane(nullptr, 0, 0, 1, 0));
 }
 
+OdeMesh::OdeMesh(const MeshData& mesh) : data_(dGeomTriMeshDataCreate()) {
+  for (const Vector3& v : mesh.vertices) vertices_.insert(vertices_.end(), {v.x(), v.y(), v.z()});
+  for (const auto& triangle : mesh.triangles)
+    indices_.insert(indices_.end(), triangle.begin(), triangle.end());
+  dGeomTriMeshDataBuildDouble(data_.get(), vertices_.data(), 3 * sizeof(double),
+                              static_cast<int>(mesh.vertices.size()), indices_.data(),
+                              static_cast<int>(indices_.size()), 3 * sizeof(dTriIndex));
+  geom_.reset(dCreateTriMesh(nullptr, data_.get(), nullptr, nullptr, nullptr));
+}
+
 Collider::Geoms Collider::MakeGeoms() {
-  return {OdeGeomPtr(dCreateBox(nullptr, 1, 1, 1)), OdeGeomPtr(dCreateCylinder(nullptr, 1, 1)),
-          OdeGeomPtr(dCreateSphere(nullptr, 1))};
+  return {OdeGeomPtr(dCreateBox(nullptr, 1, 1, 1)),
+          OdeGeomPtr(dCreateCylinder(nullptr, 1, 1)),
+          OdeGeomPtr(dCreateSphere(nullptr, 1)),
+          OdeGeomPtr(dCreateCapsule(nullptr, 1, 1)),
+          {}};
 }
 
 dGeomID Collider::Geoms::Become(const PlacedPart& part) {
@@ -111,9 +156,15 @@ dGeomID Collider::Geoms::Become(const PlacedPart& part) {
   } else if (const Cylinder* of_cylinder = std::get_if<Cylinder>(&part.part->shape)) {
     geom = cylinder.get();
     dGeomCylinderSetParams(geom, of_cylinder->radius_m, of_cylinder->length_m);
-  } else {
+  } else if (const Sphere* of_sphere = std::get_if<Sphere>(&part.part->shape)) {
     geom = sphere.get();
-    dGeomSphereSetRadius(geom, std::get<Sphere>(part.part->shape).radius_m);
+    dGeomSphereSetRadius(geom, of_sphere->radius_m);
+  } else if (const Capsule* of_capsule = std::get_if<Capsule>(&part.part->shape)) {
+    geom = capsule.get();
+    dGeomCapsuleSetParams(geom, of_capsule->radius_m, of_capsule->length_m);
+  } else {
+    const MeshData& data = *std::get<Mesh>(part.part->shape).data;
+    geom = meshes.try_emplace(data.id, data).first->second.geom();
   }
   dGeomSetPosition(geom, part.p[0], part.p[1], part.p[2]);
   dGeomSetRotation(geom, part.R);
@@ -163,6 +214,7 @@ ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_
     if (form.applies) return WheelList(form, 0);
   }
   if (place.p[2] >= a.half_m.z()) return {};
+  if (const Mesh* mesh = std::get_if<Mesh>(&a.part->shape)) return MeshOnFloor(*mesh->data, place);
   return collider.CollideFloor(a, 4);
 }
 

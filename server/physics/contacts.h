@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -24,6 +26,19 @@ struct ContactList {
   std::span<const ContactPoint> all() && = delete;  // would outlive its list
 };
 
+/// A mesh as ODE wants it.
+class OdeMesh {
+ public:
+  explicit OdeMesh(const MeshData& mesh);
+  dGeomID geom() const { return geom_.get(); }
+
+ private:
+  std::vector<double> vertices_;
+  std::vector<dTriIndex> indices_;
+  OdeMeshDataPtr data_;
+  OdeGeomPtr geom_;  // after data_, which it uses
+};
+
 /// ODE's collision tests for shapes that no closed form fits. Holds a few geoms that take on whatever is
 /// asked about. One thread each.
 class Collider {
@@ -37,7 +52,8 @@ class Collider {
 
  private:
   struct Geoms {
-    OdeGeomPtr box, cylinder, sphere;
+    OdeGeomPtr box, cylinder, sphere, capsule;
+    std::map<std::uint64_t, OdeMesh> meshes;  // by MeshData::id, each from its first use
     dGeomID Become(const PlacedPart& part);
   };
   static Geoms MakeGeoms();

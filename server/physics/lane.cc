@@ -288,6 +288,8 @@ void Lane::JoinParts(const FoundContact& found, const Actor& actor_a, const Acto
                      dBodyID b, bool flat, double dt_s) {
   const ContactPoint& point = found.point;
   dContact contact{};
+  const double restitution = std::max(found.a->restitution, found.b == nullptr ? 0 : found.b->restitution);
+  if (restitution > 0 && point.depth_m < 0) return;  // it turns round where it touches
   contact.surface.mu =
       std::min(found.a->friction, found.b == nullptr ? settings_.floor_friction : found.b->friction);
   if (contact.surface.mu > 0) {
@@ -306,6 +308,12 @@ void Lane::JoinParts(const FoundContact& found, const Actor& actor_a, const Acto
       contact.surface.mode |= dContactFDir1;
       Copy(contact.fdir1, along.normalized());
     }
+  }
+  if (restitution > 0) {
+    // Slower than gravity makes it in two steps, it stays.
+    contact.surface.mode |= dContactBounce;
+    contact.surface.bounce = restitution;
+    contact.surface.bounce_vel = 2 * settings_.gravity_m_s2 * dt_s;
   }
   Attach(contact, point, a, b, dt_s);
 }

@@ -35,6 +35,8 @@ struct OdeDelete {
 using OdeWorldPtr = std::unique_ptr<std::remove_pointer_t<dWorldID>, OdeDelete<dWorldDestroy>>;
 using OdeGroupPtr = std::unique_ptr<std::remove_pointer_t<dJointGroupID>, OdeDelete<dJointGroupDestroy>>;
 using OdeGeomPtr = std::unique_ptr<std::remove_pointer_t<dGeomID>, OdeDelete<dGeomDestroy>>;
+using OdeMeshDataPtr =
+    std::unique_ptr<std::remove_pointer_t<dTriMeshDataID>, OdeDelete<dGeomTriMeshDataDestroy>>;
 using OdeThreadingPtr = std::unique_ptr<std::remove_pointer_t<dThreadingImplementationID>,
                                         OdeDelete<dThreadingFreeImplementation>>;
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 
+#include "server/geometry/mesh.h"
 #include "server/physics/broad_phase.h"
 #include "server/physics/contacts.h"
 
@@ -41,6 +42,10 @@ double DepthBelowFloor(const Actor& actor) {
   double below = 0;
   for (std::size_t i = 0; i < actor.parts().size(); ++i) {
     const PlacedPart part = actor.Place(i);
+    if (const Mesh* mesh = std::get_if<Mesh>(&part.part->shape)) {
+      for (const Vector3& v : mesh->data->vertices) below = std::max(below, -part.place().point(v).z());
+      continue;
+    }
     below = std::max(below, part.half_m.z() - part.p[2]);
   }
   return below;

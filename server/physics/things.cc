@@ -137,7 +137,7 @@ Things MakeThings(const Scene& scene, const Things& before) {
 }
 
 std::string TitleOf(const Scene& scene, const Thing& thing) {
-  constexpr const char* kShapes[] = {"box", "cylinder", "sphere"};
+  constexpr const char* kShapes[] = {"box", "cylinder", "sphere", "capsule", "mesh"};
   if (thing.robot >= 0) return "robot " + NameOf(scene, thing);
   const Shape& shape = scene.objects[static_cast<std::size_t>(thing.object)].object.shape;
   return std::string(kShapes[shape.index()]) + " " + NameOf(scene, thing);

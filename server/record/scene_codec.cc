@@ -68,7 +68,7 @@ void CodeShape(Codec& codec, auto& shape) {
         using Kind = std::decay_t<decltype(kind)>;
         if constexpr (std::is_same_v<Kind, Box>) {
           for (auto& size_m : kind.size_m) codec.Size(size_m);
-        } else {
+        } else if constexpr (!std::is_same_v<Kind, Mesh>) {  // no object is a mesh
           codec.Size(kind.radius_m);
           if constexpr (std::is_same_v<Kind, Cylinder>) codec.Size(kind.length_m);
         }

@@ -70,15 +70,35 @@ class Builder {
     } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
       mesh = static_cast<MeshId>(static_cast<int>(MeshId::kCylinder8) + level);
       scale = {2 * cylinder->radius_m, 2 * cylinder->radius_m, cylinder->length_m};
-    } else {
+    } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
       mesh = static_cast<MeshId>(static_cast<int>(MeshId::kSphere8) + level);
-      scale = Vector3::Constant(2 * std::get<Sphere>(shape).radius_m);
+      scale = Vector3::Constant(2 * sphere->radius_m);
+    } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+      AddShape(Cylinder{capsule->radius_m, capsule->length_m}, X_WG, color);
+      for (const double end : {-0.5, 0.5}) {
+        const Pose X_GE{{0, 0, end * capsule->length_m}, Quaternion::Identity()};
+        AddShape(Sphere{capsule->radius_m}, X_WG * X_GE, color);
+      }
+      return;
+    } else {
+      InstancesOf(std::get<Mesh>(shape).data).push_back(MakeInstance(X_WG, Vector3::Ones(), color));
+      return;
     }
+    list_.meshes[static_cast<std::size_t>(mesh)].push_back(MakeInstance(X_WG, scale, color));
+  }
+
+  static Instance MakeInstance(const Pose& X_WG, const Vector3& scale, const Color& color) {
     const Matrix3 axes =
         X_WG.q.normalized().toRotationMatrix();  // column-major: the axes one after the other
-    list_.meshes[static_cast<std::size_t>(mesh)].push_back(
-        {ToFloats<9>(axes.data()), ToFloats<3>(scale.data()), ToFloats<3>(X_WG.p.data()),
-         ToFloats<3>(&color.r)});
+    return {ToFloats<9>(axes.data()), ToFloats<3>(scale.data()), ToFloats<3>(X_WG.p.data()),
+            ToFloats<3>(&color.r)};
+  }
+
+  std::vector<Instance>& InstancesOf(const MeshData* mesh) {
+    const auto found = std::ranges::find(list_.model_meshes, mesh, [](const auto& one) { return one.first; });
+    return found != list_.model_meshes.end()
+               ? found->second
+               : list_.model_meshes.emplace_back(mesh, std::vector<Instance>()).second;
   }
 
   void AddTarget(const Target& target) {

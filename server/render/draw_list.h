@@ -5,6 +5,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/model/world_model.h"
@@ -39,6 +40,7 @@ struct Label {
 
 struct DrawList {
   std::array<std::vector<Instance>, kMeshCount> meshes;
+  std::vector<std::pair<const MeshData*, std::vector<Instance>>> model_meshes;  // those of robot models
   std::vector<OverlayVertex> floor_marks;  // drawn where the floor is seen
   std::vector<OverlayVertex> rays;
   std::vector<Label> labels;  // far ones first

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <utility>
+#include <vector>
 
+#include "server/geometry/mesh.h"
 #include "server/render/gl_objects.h"
 #include "server/render/label_painter.h"
 #include "server/render/shaders.h"
@@ -36,6 +39,38 @@ DrawList Slab(const Floor& floor) {
        {f(0.8 * floor.color.r), f(0.8 * floor.color.g), f(0.8 * floor.color.b)}});
   return list;
 }
+
+// A mesh with flat faces, in the driver's memory.
+struct GlMesh {
+  GlMesh(const GlApi& gl, const MeshData& mesh)
+      : vertices(gl), indices(gl), count(static_cast<GLsizei>(3 * mesh.triangles.size())) {
+    std::vector<MeshVertex> corners;
+    std::vector<std::uint32_t> order;
+    for (const auto& triangle : mesh.triangles) {
+      const Vector3& a = mesh.vertices[triangle[0]];
+      const Vector3 n = (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).normalized();
+      for (const std::uint32_t v : triangle) {
+        MeshVertex corner{};
+        for (std::size_t i = 0; i < 3; ++i) {
+          corner.position[i] = static_cast<float>(mesh.vertices[v][static_cast<Eigen::Index>(i)]);
+          corner.normal[i] = static_cast<float>(n[static_cast<Eigen::Index>(i)]);
+        }
+        order.push_back(static_cast<std::uint32_t>(corners.size()));
+        corners.push_back(corner);
+      }
+    }
+    vertices.Bind();
+    vertices.Upload(corners.data(), corners.size() * sizeof(MeshVertex), GL_STATIC_DRAW);
+    vertices.Attribute(0, 3, sizeof(MeshVertex), offsetof(MeshVertex, position));
+    vertices.Attribute(1, 3, sizeof(MeshVertex), offsetof(MeshVertex, normal));
+    gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.buffer());
+    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(order.size() * sizeof(std::uint32_t)),
+                  order.data(), GL_STATIC_DRAW);
+  }
+
+  GlVertices vertices, indices;
+  const GLsizei count;
+};
 
 }  // namespace
 
@@ -100,6 +135,20 @@ struct SceneRenderer::Impl {
                                static_cast<GLsizei>(list.meshes[id].size()));
     }
   }
+  // Draws the meshes of models, each of which stays in the driver's memory once drawn.
+  void DrawModelMeshes(const DrawList& list) {
+    gl.Disable(GL_CULL_FACE);  // files do not always say what is outside
+    for (const auto& [data, all] : list.model_meshes) {
+      auto& made = model_meshes[data->id];
+      if (made == nullptr) made = std::make_unique<GlMesh>(gl, *data);
+      made->vertices.Bind();
+      instances.Upload(all.data(), all.size() * sizeof(Instance), GL_STREAM_DRAW);
+      for (GLuint i = 0; i < 6; ++i)
+        instances.Attribute(2 + i, 3, sizeof(Instance), 3 * i * sizeof(float), 1);
+      gl.DrawElementsInstanced(GL_TRIANGLES, made->count, GL_UNSIGNED_INT, nullptr,
+                               static_cast<GLsizei>(all.size()));
+    }
+  }
   void DrawOverlay(const std::vector<OverlayVertex>& vertices) const {
     if (vertices.empty()) return;
     gl.UseProgram(overlay.id());
@@ -138,6 +187,8 @@ struct SceneRenderer::Impl {
     SetVector(mesh, "shadow_along", Vector3::Zero());
     DrawInstances(Slab(floor_model));
     DrawInstances(list);
+    DrawModelMeshes(list);
+    gl.Enable(GL_CULL_FACE);
 
     // Seen pixels of the floor get 1 in the stencil, those in shadow 2, so that shadows do not add up.
     gl.Enable(GL_STENCIL_TEST);
@@ -158,6 +209,7 @@ struct SceneRenderer::Impl {
     Use(shadow, clip_from_W);
     SetVector(shadow, "shadow_along", SunDirection());
     DrawInstances(list);
+    DrawModelMeshes(list);
 
     gl.StencilFunc(GL_LEQUAL, 1, 0xff);
     gl.StencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
@@ -178,7 +230,8 @@ struct SceneRenderer::Impl {
   GlProgram mesh, shadow, floor, sky, overlay;
   GlVertices mesh_vertices, mesh_indices, instances, floor_vertices, sky_vertices, overlay_vertices;
   std::array<MeshRange, kMeshCount> ranges{};
-  std::unique_ptr<GlTarget> target;  // of the size drawn last
+  std::map<std::uint64_t, std::unique_ptr<GlMesh>> model_meshes;  // by MeshData::id
+  std::unique_ptr<GlTarget> target;                               // of the size drawn last
   LabelPainter labels;
 };
 

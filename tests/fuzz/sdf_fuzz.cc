@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   coopdyn::Diagnostics diagnostics;
-  const auto model = coopdyn::ReadRobotModel(file, diagnostics);
+  const auto model = coopdyn::ReadRobotModel(file, coopdyn::SearchPath{}, diagnostics);
   if ((model == nullptr) != diagnostics.has_errors()) std::abort();
   if (model == nullptr) return 0;
   for (const coopdyn::LinkModel& link : model->links) {

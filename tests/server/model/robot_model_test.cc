@@ -200,8 +200,10 @@ TEST(RobotModelTest, InertiaMustBeThatOfABody) {
 }
 
 TEST(RobotModelTest, OtherShapesAreErrors) {
-  EXPECT_THAT(ReadChanged("<sphere><radius>0.025</radius></sphere>", "<capsule><radius>1</radius></capsule>"),
-              HasSubstr("the shape <capsule> is not supported: use <box>, <cylinder> or <sphere>"));
+  EXPECT_THAT(
+      ReadChanged("<sphere><radius>0.025</radius></sphere>", "<ellipsoid><radii>1 1 1</radii></ellipsoid>"),
+      HasSubstr("the shape <ellipsoid> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, <plane> "
+                "or <mesh>"));
 }
 
 TEST(RobotModelTest, WhatIsNotUsedDrawsAWarning) {

@@ -121,7 +121,7 @@ TEST(Drive, OneLongSubstepIsStableToo) {
 TEST(Drive, TheShippedRobotDrivesAsItsModelSays) {
   Diagnostics diagnostics;
   PhysicsScene scene;
-  scene.robot_model = ReadRobotModel(SourceDir() + "/robots/coopbot/model.sdf", diagnostics);
+  scene.robot_model = ReadRobotModel(SourceDir() + "/robots/coopbot/model.sdf", SearchPath{}, diagnostics);
   ASSERT_TRUE(scene.robot_model) << diagnostics.ToString();
   const DriveModel& drive = *scene.robot_model->drive();
   scene.AddRobot(0, 0);

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Triangle meshes: rays against them, the convex hull of one. Constant once made; any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/geometry/ray.h"
+#include "server/geometry/shape.h"
+
+namespace coopdyn {
+
+struct MeshData {
+  using Triangle = std::array<std::uint32_t, 3>;
+
+  std::vector<Vector3> vertices;               // about the middle of their box
+  std::vector<Triangle> triangles;             // counter-clockwise from outside
+  Vector3 half_m = Vector3::Zero();            // of the box about the vertices
+  double radius_m = 0;                         // of the sphere about the middle
+  double volume_m3 = 0;                        // if it is closed
+  Vector3 inertia_m5 = Vector3::Zero();        // of the solid of density 1 about the axes, if it is closed
+  std::uint64_t id = 0;                        // of its content
+  std::optional<std::array<double, 3>> color;  // of the file it came from
+
+  /// A tree of boxes about triangles[first …]: an inner node's children are the next one and `right`.
+  struct Node {
+    Vector3 low = Vector3::Zero(), high = Vector3::Zero();
+    std::uint32_t first = 0, count = 0;  // count 0: an inner node
+    std::uint32_t right = 0;
+  };
+  std::vector<Node> tree;
+};
+
+/// A mesh of these triangles, moved so that the middle of its box is the origin; `middle` is where that was.
+/// @pre indices are good, all finite, at least one triangle
+MeshData MakeMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle> triangles, Vector3& middle);
+
+/// The convex hull of the points, closely: of those that lie furthest in some 300 directions. Nothing if they
+/// lie in a plane. `middle` as above.
+std::optional<MeshData> ConvexHull(std::span<const Vector3> points, Vector3& middle);
+
+/// Distance along `ray` (in the mesh's frame) to the nearest triangle from either side, m; kNoHit if it
+/// misses.
+double RayToMesh(const Ray& ray, const MeshData& mesh);
+
+}  // namespace coopdyn

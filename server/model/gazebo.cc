@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+// What models made for Gazebo or ROS say in its own way: plug-ins for drives and joints, `<static>`, and the
+// rest that coopdyn leaves out and reports.
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string_view>
+
+#include "server/model/model_source.h"
+#include "server/model/sdf_parts.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr const char* kDriveWords[] = {"diff_drive", "DiffDrive", "diff-drive", "differential_drive"};
+constexpr const char* kJointWords[] = {"joint-position-controller",
+                                       "JointPositionController",
+                                       "joint-controller",
+                                       "JointController",
+                                       "joint_position",
+                                       "joint_pose_trajectory",
+                                       "JointTrajectoryController",
+                                       "joint-trajectory-controller"};
+
+template <typename Words>
+bool HasWord(const std::string& text, const Words& words) {
+  return std::ranges::any_of(words, [&](const char* word) { return text.find(word) != std::string::npos; });
+}
+
+/// The text of the first of these elements that is there.
+std::string FirstOf(const XmlNode& node, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    if (!node.TextOf(name).empty()) return node.TextOf(name);
+  }
+  return {};
+}
+
+class Adopter {
+ public:
+  Adopter(XmlNode& model, Diagnostics& diagnostics) : model_(model), diagnostics_(diagnostics) {}
+
+  void Adopt() {
+    std::vector<XmlNode> plugins;
+    TakePlugins(model_, plugins);
+    const std::string fixed = model_.TextOf("static");
+    if (fixed == "1" || fixed == "true") MakeStatic();
+    std::erase_if(model_.children, [](const XmlNode& one) { return one.name == "static"; });
+    RemoveInitialPose();
+    Prune(model_);
+    for (const auto& [what, left_out] : left_out_) {
+      diagnostics_.Warning(left_out.first,
+                           what + " is not used by coopdyn" +
+                               (left_out.count > 1 ? " (also " + std::to_string(left_out.count - 1) +
+                                                         (left_out.count > 2 ? " more times)" : " more time)")
+                                                   : ""));
+    }
+    for (const XmlNode& plugin : plugins) Translate(plugin);
+  }
+
+ private:
+  struct LeftOut {
+    SourceLine first;
+    int count = 0;
+  };
+
+  void LeaveOut(const XmlNode& node, const std::string& what) {
+    LeftOut& entry = left_out_[what];
+    if (entry.count++ == 0) entry.first = node.where;
+  }
+
+  static void TakePlugins(XmlNode& model, std::vector<XmlNode>& plugins) {
+    for (XmlNode& child : model.children) {
+      if (child.name == "plugin") plugins.push_back(child);
+      if (child.name == "model") TakePlugins(child, plugins);
+    }
+    std::erase_if(model.children, [](const XmlNode& one) { return one.name == "plugin"; });
+  }
+
+  /// Links that stand where they are; joints have nothing to move.
+  void MakeStatic() {
+    std::vector<std::pair<std::string, SourceLine>> links;
+    CollectLinks(model_, "", links);
+    std::erase_if(model_.children, [](const XmlNode& one) { return one.name == "joint"; });
+    std::string parent = "world";
+    int number = 0;
+    for (const auto& [link, where] : links) {
+      XmlNode& joint = model_.Add("joint");
+      joint.where = where;
+      joint.Set("name", "coopdyn_static_" + std::to_string(++number));
+      joint.Set("type", "fixed");
+      joint.Add("parent", parent);
+      joint.Add("child", link);
+      parent = links.front().first;
+    }
+  }
+
+  static void CollectLinks(XmlNode& model, const std::string& prefix,
+                           std::vector<std::pair<std::string, SourceLine>>& links) {
+    for (XmlNode& child : model.children) {
+      if (child.name == "link") links.emplace_back(prefix + child.Attribute("name"), child.where);
+      if (child.name != "model") continue;
+      std::erase_if(child.children, [](const XmlNode& one) { return one.name == "joint"; });
+      CollectLinks(child, prefix + child.Attribute("name") + "::", links);
+    }
+  }
+
+  /// Where it stands is for the scenario to say.
+  void RemoveInitialPose() {
+    std::erase_if(model_.children, [this](const XmlNode& one) {
+      if (one.name != "pose") return false;
+      const std::vector<std::string> words = SplitWords(one.text);
+      const bool origin =
+          std::ranges::all_of(words, [](const std::string& w) { return ParsePlain(w).value_or(1) == 0; });
+      if (!origin)
+        diagnostics_.Warning(one.where,
+                             "<pose> of the whole model is not used: write position in the scenario");
+      return true;
+    });
+  }
+
+  void Prune(XmlNode& node) {
+    std::erase_if(node.children, [&](const XmlNode& child) {
+      if (child.name.starts_with("coopdyn:")) return false;
+      const bool nested_model = node.name == "model" && child.name == "pose";
+      if (nested_model || IsUsedElement(node.name, child.name)) return false;
+      std::string what = "<" + child.name;
+      if (child.Has("type")) what += " type=\"" + child.Attribute("type") + "\"";
+      LeaveOut(child, what + "> in <" + node.name + ">");
+      return true;
+    });
+    if (node.name == "geometry") {
+      // Each shape that coopdyn does not know was said above; what is around it goes, too.
+      for (XmlNode& shape : node.children) Prune(shape);
+      return;
+    }
+    for (XmlNode& child : node.children) Prune(child);
+    std::erase_if(node.children, [&](const XmlNode& child) {
+      if (child.name != "collision" && child.name != "visual") return false;
+      const XmlNode* geometry = child.Child("geometry");
+      if (geometry != nullptr && !geometry->children.empty()) return false;
+      LeaveOut(child, "<" + child.name + "> without a shape that coopdyn knows");
+      return true;
+    });
+  }
+
+  void Translate(const XmlNode& plugin) {
+    const std::string what = plugin.Attribute("filename") + " " + plugin.Attribute("name");
+    const std::string shown = "plug-in '" + plugin.Attribute("filename") + "'";
+    const std::string left = FirstOf(plugin, {"left_joint", "leftJoint"});
+    const std::string right = FirstOf(plugin, {"right_joint", "rightJoint"});
+    if (HasWord(what, kDriveWords) && !left.empty() && !right.empty()) {
+      if (model_.Child("coopdyn:gazebo_drive") != nullptr) {
+        diagnostics_.Warning(plugin.where, "a second differential drive is not used by coopdyn");
+        return;
+      }
+      XmlNode& drive = model_.Add("coopdyn:gazebo_drive");
+      drive.where = plugin.where;
+      drive.Set("left_joint", left);
+      drive.Set("right_joint", right);
+      for (const auto& [key, text] :
+           {std::pair("torque", FirstOf(plugin, {"max_wheel_torque", "wheelTorque", "torque"})),
+            std::pair("diameter", FirstOf(plugin, {"wheel_diameter", "wheelDiameter"})),
+            std::pair("radius", FirstOf(plugin, {"wheel_radius"}))}) {
+        if (!text.empty()) drive.Set(key, text);
+      }
+      return;
+    }
+    const std::string joint = FirstOf(plugin, {"joint_name", "jointName", "joint"});
+    if (HasWord(what, kJointWords) && !joint.empty()) {
+      XmlNode& moved = model_.Add("coopdyn:gazebo_joint");
+      moved.where = plugin.where;
+      moved.Set("joint", joint);
+      const std::string effort = FirstOf(plugin, {"cmd_max"});
+      if (!effort.empty()) moved.Set("effort", effort);
+      return;
+    }
+    diagnostics_.Warning(plugin.where, shown + " is not used by coopdyn");
+  }
+
+  XmlNode& model_;
+  Diagnostics& diagnostics_;
+  std::map<std::string, LeftOut> left_out_;
+};
+
+}  // namespace
+
+void AdoptModel(XmlNode& model, Diagnostics& diagnostics) {
+  Adopter(model, diagnostics).Adopt();
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Meshes from files, through libassimp, and as text inside a model that a recording carries. Any thread.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/base/diagnostics.h"
+#include "server/geometry/mesh.h"
+
+namespace coopdyn {
+
+inline constexpr std::size_t kMaxMeshTriangles = 200'000;   // of one mesh
+inline constexpr std::size_t kMaxModelTriangles = 500'000;  // of all of one model
+inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
+
+struct ModelMesh {
+  std::shared_ptr<const MeshData> data;
+  Vector3 middle = Vector3::Zero();  // of its box, in the frame of the file
+};
+
+/// The mesh of a .stl, .obj or .dae file, each vertex times `scale`; of its part called `submesh` alone if
+/// that is not empty. Nothing with an error at `where`.
+std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vector3& scale,
+                                  const std::string& submesh, const SourceLine& where,
+                                  Diagnostics& diagnostics);
+
+/// A mesh as one word, and back; nothing for a bad word.
+std::string MeshToText(const ModelMesh& mesh);
+std::optional<ModelMesh> MeshFromText(std::string_view text);
+
+}  // namespace coopdyn

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// A model's text in one piece, before libsdformat reads it: URDF written as SDF, older SDF as the newest,
+// what <include> names written out, meshes loaded, what only Gazebo understands translated or reported. One
+// thread.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/model/mesh_file.h"
+#include "server/model/resources.h"
+#include "server/model/xml_tree.h"
+
+namespace coopdyn {
+
+/// Meshes by the <uri> in the text (mesh:1, mesh:2, …).
+using MeshTable = std::map<std::string, ModelMesh>;
+
+struct ModelSource {
+  std::string text;               // SDF 1.9; without the data of its meshes
+  std::vector<SourceLine> lines;  // where each line of `text` was written; empty: in `text` itself
+  MeshTable meshes;
+  /// Made for other programs: what cannot be used is left out with a warning, and defaults fill the gaps.
+  bool foreign = false;
+};
+
+/// `resources`: null for a text that came without files. Nothing if the text is hopeless (then reported).
+std::optional<ModelSource> ComposeModel(const std::string& text, const std::string& file,
+                                        const Resources* resources, Diagnostics& diagnostics);
+
+/// The same of the SDF `root` that has one <model>; source.foreign is given.
+void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, Diagnostics& diagnostics);
+
+/// The text that a recording keeps: read again without files, it gives the same model.
+std::string WithMeshes(const ModelSource& source);
+
+/// The models of the world `world` (`<world>`), with what it includes written out.
+void ExpandIncludes(XmlNode& world, const Resources* resources, Diagnostics& diagnostics);
+/// Writes elements of an older SDF as those of the newest. `version`: of the file of `root`.
+void Upgrade(XmlNode& root, const std::string& version);
+
+/// The SDF of a URDF `robot` (`<robot>`). Reports what it cannot use.
+XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);
+
+/// Makes `model` (`<model>`) one that coopdyn reads: Gazebo's plug-ins become our elements, and the rest that
+/// is not used is left out, each said once.
+void AdoptModel(XmlNode& model, Diagnostics& diagnostics);
+
+/// Moves what was found at lines of a composed text to where they were written.
+void AppendMapped(const Diagnostics& found, const std::string& file, const ModelSource& source,
+                  Diagnostics& diagnostics);
+
+}  // namespace coopdyn

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// The parts of a robot that libsdformat reads: links with their shapes (sdf_links.cc), joints
+// (sdf_joints.cc), and its measures (model_measure.cc). One thread.
+#pragma once
+
+#include <ignition/math/Pose3.hh>
+#include <memory>
+#include <sdf/Model.hh>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/model/model_source.h"
+#include "server/model/sdf_parts.h"
+
+namespace coopdyn {
+
+/// What the parts have in common while one model is read.
+struct ModelReading {
+  std::string file;
+  const ModelSource& source;
+  RobotModel& robot;
+  Diagnostics& diagnostics;
+  ModelLines lines{};
+  std::vector<FixedJoint> fixed{};
+
+  void Error(int line, std::string text) { diagnostics.Error({file, line}, std::move(text)); }
+  void Warn(int line, std::string text) { diagnostics.Warning({file, line}, std::move(text)); }
+  /// An error in a model of our own; of one made for other programs a warning, and the reader helps itself:
+  /// `else` says how.
+  void Complain(int line, const std::string& text, const std::string& otherwise) {
+    source.foreign ? Warn(line, text + ": " + otherwise) : Error(line, text);
+  }
+  /// In the frame `relative_to`; reported if it is not finite or far away.
+  Pose Resolve(const sdf::SemanticPose& pose, const std::string& relative_to, const sdf::ElementPtr& element,
+               const std::string& what);
+  Pose CheckedPose(const ignition::math::Pose3d& pose, const sdf::ElementPtr& element,
+                   const std::string& what);
+};
+
+int LineOf(const sdf::ElementPtr& element);
+Vector3 ToVector(const ignition::math::Vector3d& v);
+
+/// A model, or one inside it: `prefix` of its names, and where it stands in R.
+struct ModelScope {
+  const sdf::Model& model;
+  const tinyxml2::XMLElement& xml;
+  std::string prefix;
+  Pose X_RM;
+};
+/// `model`, and those inside it.
+std::vector<ModelScope> ScopesOf(const sdf::Model& model, const tinyxml2::XMLElement& xml,
+                                 ModelReading& reading);
+
+void ReadLinks(const std::vector<ModelScope>& scopes, ModelReading& reading);
+void ReadJoints(const std::vector<ModelScope>& scopes, ModelReading& reading);
+
+/// Footprint and height of the collisions. A robot of our own may not reach below the floor; one made for
+/// other programs is lifted.
+void MeasureModel(ModelReading& reading);
+/// The robot of an SDF that has one <model> made for other programs.
+std::shared_ptr<const RobotModel> ReadRobotModelTree(XmlNode root, const std::string& file,
+                                                     const std::string& type, const Resources* resources,
+                                                     Diagnostics& diagnostics);
+
+/// What moves collides by convex hulls.
+void MakeHulls(ModelReading& reading);
+
+}  // namespace coopdyn

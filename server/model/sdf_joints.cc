@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+// Joints of a robot.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <sdf/sdf.hh>
+
+#include "server/model/sdf_body.h"
+
+namespace coopdyn {
+
+namespace {
+
+using Kind = JointModel::Kind;
+
+class JointReader {
+ public:
+  explicit JointReader(ModelReading& reading) : reading_(reading) {}
+
+  void Read(const std::vector<ModelScope>& scopes) {
+    for (const ModelScope& scope : scopes) {
+      for (std::size_t i = 0; i < scope.model.JointCount(); ++i) ReadOne(scope, *scope.model.JointByIndex(i));
+    }
+    if (!reading_.source.foreign && !world_) return;
+    // All that stands in the world is one base.
+    std::optional<int> base;
+    for (FixedJoint& fixed : reading_.fixed) {
+      if (fixed.parent != FixedJoint::kWorld) continue;
+      if (base && *base != fixed.child) fixed.parent = *base;
+      if (!base) base = fixed.child;
+    }
+  }
+
+ private:
+  /// Nothing for what is no joint of a robot.
+  static std::optional<Kind> KindOf(sdf::JointType type) {
+    switch (type) {
+      case sdf::JointType::PRISMATIC:
+        return Kind::kSlider;
+      case sdf::JointType::REVOLUTE:
+      case sdf::JointType::CONTINUOUS:
+        return Kind::kHinge;
+      default:
+        return std::nullopt;
+    }
+  }
+
+  /// Index of a link; FixedJoint::kWorld: the world; nothing if there is none.
+  std::optional<int> FindEnd(const std::string& prefix, const std::string& name) const {
+    if (name == "world") return FixedJoint::kWorld;
+    const auto& links = reading_.robot.links;
+    const auto found = std::ranges::find(links, prefix + name, &LinkModel::name);
+    if (found == links.end()) return std::nullopt;
+    return static_cast<int>(found - links.begin());
+  }
+
+  /// A link for joints that hang on the world.
+  int WorldLink(int line) {
+    if (world_) return *world_;
+    world_ = static_cast<int>(reading_.robot.links.size());
+    LinkModel link;
+    link.name = "world";
+    link.mass_kg = 1;
+    link.inertia_kg_m2 = Vector3::Ones();
+    reading_.robot.links.push_back(std::move(link));
+    reading_.lines.links.push_back(line);
+    reading_.fixed.push_back({FixedJoint::kWorld, *world_, line});
+    return *world_;
+  }
+
+  void ReadOne(const ModelScope& scope, const sdf::Joint& joint) {
+    const int line = LineOf(joint.Element());
+    const std::string what = "joint '" + scope.prefix + joint.Name() + "'";
+    const bool fixed = joint.Type() == sdf::JointType::FIXED;
+    const std::optional<Kind> kind = KindOf(joint.Type());
+    if (!fixed && !kind) {
+      reading_.Complain(line, what + " must be of type revolute, continuous, prismatic or fixed",
+                        "it is taken as fixed");
+      if (!reading_.source.foreign) return;
+    }
+    std::string parent, child;
+    for (const sdf::Error& e : joint.ResolveParentLink(parent)) reading_.Error(line, e.Message());
+    for (const sdf::Error& e : joint.ResolveChildLink(child)) reading_.Error(line, e.Message());
+    std::optional<int> from = FindEnd(scope.prefix, parent), to = FindEnd(scope.prefix, child);
+    if (!from || !to || *to == FixedJoint::kWorld || *from == *to) {
+      reading_.Error(
+          line, what + " needs <parent> and <child> that are two links of this model; <parent> may be world");
+      return;
+    }
+    if (fixed || !kind) {
+      reading_.fixed.push_back({*from, *to, line});
+      return;
+    }
+    if (*from == FixedJoint::kWorld) from = WorldLink(line);
+    JointModel out;
+    out.name = scope.prefix + joint.Name();
+    out.kind = *kind;
+    out.parent = *from;
+    out.child = *to;
+    out.p_RJ = (scope.X_RM * reading_.Resolve(joint.SemanticPose(), "__model__", joint.Element(), what)).p;
+    if (*kind == Kind::kBall || *kind == Kind::kUniversal) out.max_effort = 0;  // no motor
+    if (*kind != Kind::kBall) {
+      const auto axis = AxisOf(scope, joint, 0, line, what);
+      if (!axis) return;
+      out.axis_R = *axis;
+    }
+    if (*kind == Kind::kUniversal) {
+      const auto axis = AxisOf(scope, joint, 1, line, what);
+      if (!axis) return;
+      out.axis2_R = *axis;
+      if (std::abs(out.axis2_R.dot(out.axis_R)) > 1e-3) {
+        reading_.Error(line, "the axes of " + what + " must be at right angles");
+        return;
+      }
+    }
+    if (*kind == Kind::kHinge || *kind == Kind::kSlider) {
+      ReadAxis(*joint.Axis(0), joint.Type() == sdf::JointType::CONTINUOUS, line, out);
+    } else {
+      WarnPassive(joint, line, what);
+    }
+    reading_.robot.joints.push_back(std::move(out));
+    reading_.lines.joints.push_back(line);
+  }
+
+  std::optional<Vector3> AxisOf(const ModelScope& scope, const sdf::Joint& joint, unsigned index, int line,
+                                const std::string& what) {
+    const sdf::JointAxis* axis = joint.Axis(index);
+    if (axis == nullptr) {
+      reading_.Error(line, what + (index == 0 ? " needs an <axis>" : " needs an <axis2>"));
+      return std::nullopt;
+    }
+    ignition::math::Vector3d xyz;
+    for (const sdf::Error& e : axis->ResolveXyz(xyz, "__model__")) reading_.Error(line, e.Message());
+    const Vector3 direction = ToVector(xyz);
+    if (!direction.allFinite() || direction.norm() < 1e-9) {
+      reading_.Error(line, "the axis of " + what + " has no direction");
+      return std::nullopt;
+    }
+    return scope.X_RM.q * direction.normalized();
+  }
+
+  /// A ball or universal joint turns freely.
+  void WarnPassive(const sdf::Joint& joint, int line, const std::string& what) {
+    for (const unsigned index : {0u, 1u}) {
+      const sdf::JointAxis* axis = joint.Axis(index);
+      if (axis == nullptr) continue;
+      constexpr double kNone = 1e15;
+      const bool stops = axis->Lower() > -kNone || axis->Upper() < kNone;
+      if (!stops && axis->Damping() == 0 && axis->Friction() == 0 && axis->SpringStiffness() == 0) continue;
+      reading_.Warn(line,
+                    "<limit> and <dynamics> of " + what +
+                        " are not used: it turns freely; write two revolute joints for stops or a motor");
+      return;
+    }
+  }
+
+  void ReadAxis(const sdf::JointAxis& axis, bool endless, int line, JointModel& out) {
+    const std::string what = "joint '" + out.name + "'";
+    constexpr double kNone = 1e15;  // a limit from here on means none
+    if (!endless && axis.Lower() > -kNone) out.lower = axis.Lower();
+    if (!endless && axis.Upper() < kNone) out.upper = axis.Upper();
+    if (!(out.lower <= out.upper)) {
+      reading_.Error(line, "<lower> of " + what + " must not lie above <upper>");
+    } else if (out.lower > 0 || out.upper < 0) {
+      reading_.Complain(line,
+                        "the limits of " + what + " must include 0, the pose in which the model is written",
+                        "they are widened to it");
+      out.lower = std::min(out.lower, 0.0);
+      out.upper = std::max(out.upper, 0.0);
+    }
+    if (std::isfinite(axis.Effort()) && axis.Effort() >= 0) out.max_effort = axis.Effort();
+    if (std::isfinite(axis.MaxVelocity()) && axis.MaxVelocity() >= 0) out.max_velocity = axis.MaxVelocity();
+    out.damping = axis.Damping();
+    out.friction = axis.Friction();
+    out.stiffness = axis.SpringStiffness();
+    out.rest = axis.SpringReference();
+    for (const auto& [name, value] : {std::pair("damping", out.damping),
+                                      {"friction", out.friction},
+                                      {"spring_stiffness", out.stiffness}}) {
+      if (!(value >= 0) || value > 1e9) {
+        reading_.Error(line, std::string("<") + name + "> of " + what + " must be a number from 0 to 1e9");
+      }
+    }
+    if (out.friction > 0 && (out.damping > 0 || out.stiffness > 0)) {
+      reading_.Warn(line, "<friction> of " + what + " is not used beside a damper or a spring");
+    }
+    if (!(std::abs(out.rest) <= 1e6))
+      reading_.Error(line, "<spring_reference> of " + what + " must be at most 1e6");
+  }
+
+  ModelReading& reading_;
+  std::optional<int> world_;
+};
+
+}  // namespace
+
+void ReadJoints(const std::vector<ModelScope>& scopes, ModelReading& reading) {
+  JointReader(reading).Read(scopes);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+// Links of a robot with mass and shapes.
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ignition/math/Inertial.hh>
+#include <map>
+#include <optional>
+#include <sdf/sdf.hh>
+#include <set>
+
+#include "server/model/sdf_body.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kMaxSize_m = 1e3;
+constexpr double kMinLength_m = 1e-4;
+
+Pose ToPose(const ignition::math::Pose3d& pose) {
+  const auto& q = pose.Rot();
+  return {ToVector(pose.Pos()), Quaternion(q.W(), q.X(), q.Y(), q.Z()).normalized()};
+}
+
+/// A shape, and where it is in the frame that its <pose> gives.
+struct PlacedShape {
+  Shape shape;
+  Pose X_PG;
+  std::optional<Color> color;  // its own
+};
+
+class LinkReader {
+ public:
+  explicit LinkReader(ModelReading& reading) : reading_(reading) {}
+
+  void Read(const std::vector<ModelScope>& scopes) {
+    for (const ModelScope& scope : scopes) FindWelded(scope);
+    for (const ModelScope& scope : scopes) ReadScope(scope);
+    if (reading_.robot.links.empty())
+      reading_.Error(scopes.front().xml.GetLineNum(), "the model has no <link>: the first is the chassis");
+  }
+
+ private:
+  void FindWelded(const ModelScope& scope) {
+    for (std::size_t i = 0; i < scope.model.JointCount(); ++i) {
+      const sdf::Joint& joint = *scope.model.JointByIndex(i);
+      std::string parent, child;
+      const bool parent_known = joint.ResolveParentLink(parent).empty() && parent != "world";
+      const bool child_known = joint.ResolveChildLink(child).empty();
+      if (joint.Type() == sdf::JointType::FIXED) {
+        if (child_known && parent_known) welded_.insert(scope.prefix + child);
+        if (child_known && parent == "world") still_.insert(scope.prefix + child);
+      }
+    }
+  }
+
+  void ReadScope(const ModelScope& scope) {
+    const tinyxml2::XMLElement* xml_link = scope.xml.FirstChildElement("link");
+    for (std::size_t i = 0; i < scope.model.LinkCount(); ++i) {
+      const sdf::Link& link = *scope.model.LinkByIndex(i);
+      LinkModel out;
+      out.name = scope.prefix + link.Name();
+      const int line = LineOf(link.Element());
+      reading_.lines.links.push_back(line);
+      out.X_RL = scope.X_RM * reading_.Resolve(link.SemanticPose(), "__model__", link.Element(),
+                                               "link '" + out.name + "'");
+      if (std::ranges::count(reading_.robot.links, out.name, &LinkModel::name) > 0)
+        reading_.Error(line, "there are two links '" + out.name + "': give one another name");
+      ReadCollisions(link, out);
+      ReadVisuals(link, xml_link, out);
+      ReadInertial(link, out);
+      reading_.robot.links.push_back(std::move(out));
+      if (xml_link != nullptr) xml_link = xml_link->NextSiblingElement("link");
+    }
+  }
+
+  void ReadCollisions(const sdf::Link& link, LinkModel& out) {
+    for (std::size_t c = 0; c < link.CollisionCount(); ++c) {
+      const sdf::Collision& collision = *link.CollisionByIndex(c);
+      const std::string what = "collision '" + collision.Name() + "'";
+      const auto placed = ToShape(*collision.Geom(), LineOf(collision.Element()), what);
+      const Pose X_LG = reading_.Resolve(collision.SemanticPose(), link.Name(), collision.Element(), what);
+      const double friction = FrictionOf(collision);
+      const double restitution = RestitutionOf(collision);
+      if (placed) {
+        out.collisions.push_back({placed->shape, X_LG * placed->X_PG, Color(), friction, false});
+        out.collisions.back().restitution = restitution;
+      }
+    }
+  }
+
+  void ReadVisuals(const sdf::Link& link, const tinyxml2::XMLElement* xml_link, LinkModel& out) {
+    const tinyxml2::XMLElement* xml_visual =
+        xml_link == nullptr ? nullptr : xml_link->FirstChildElement("visual");
+    for (std::size_t v = 0; v < link.VisualCount(); ++v) {
+      const sdf::Visual& visual = *link.VisualByIndex(v);
+      const std::string what = "visual '" + visual.Name() + "'";
+      const auto placed = ToShape(*visual.Geom(), LineOf(visual.Element()), what);
+      const Pose X_LG = reading_.Resolve(visual.SemanticPose(), link.Name(), visual.Element(), what);
+      Color color = placed && placed->color ? *placed->color : Color();
+      const bool said = visual.Material() != nullptr &&
+                        (!placed || !placed->color || visual.Material()->Element()->HasElement("diffuse"));
+      if (said) {
+        const auto& diffuse = visual.Material()->Diffuse();
+        const auto clamp = [](double x) { return std::isfinite(x) ? std::clamp(x, 0.0, 1.0) : 0.0; };
+        color = {clamp(diffuse.R()), clamp(diffuse.G()), clamp(diffuse.B())};
+      }
+      const bool robot_color =
+          xml_visual != nullptr && TakesRobotColor(*xml_visual, reading_.file, reading_.diagnostics);
+      if (placed) out.visuals.push_back({placed->shape, X_LG * placed->X_PG, color, 1, robot_color});
+      if (xml_visual != nullptr) xml_visual = xml_visual->NextSiblingElement("visual");
+    }
+  }
+
+  std::optional<PlacedShape> ToShape(const sdf::Geometry& geometry, int line, const std::string& what) {
+    const auto good = [](double size) {
+      return std::isfinite(size) && size >= kMinLength_m && size <= kMaxSize_m;
+    };
+    PlacedShape placed;
+    bool fine = false;
+    if (const sdf::Box* box = geometry.BoxShape()) {
+      const Vector3 size = ToVector(box->Size());
+      placed.shape = Box{size};
+      fine = good(size.x()) && good(size.y()) && good(size.z());
+    } else if (const sdf::Cylinder* cylinder = geometry.CylinderShape()) {
+      placed.shape = Cylinder{cylinder->Radius(), cylinder->Length()};
+      fine = good(cylinder->Radius()) && good(cylinder->Length());
+    } else if (const sdf::Sphere* sphere = geometry.SphereShape()) {
+      placed.shape = Sphere{sphere->Radius()};
+      fine = good(sphere->Radius());
+    } else if (const sdf::Capsule* capsule = geometry.CapsuleShape()) {
+      placed.shape = Capsule{capsule->Radius(), capsule->Length()};
+      fine = good(capsule->Radius()) && good(capsule->Length());
+    } else if (const sdf::Plane* plane = geometry.PlaneShape()) {
+      constexpr double kDepth_m = 0.1;
+      const Vector3 normal = ToVector(plane->Normal());
+      const Vector3 size(plane->Size().X(), plane->Size().Y(), kDepth_m);
+      fine = good(size.x()) && good(size.y()) && normal.allFinite() && normal.norm() > 1e-9;
+      placed.shape = Box{size};
+      if (fine) placed.X_PG.q = Quaternion::FromTwoVectors(Vector3::UnitZ(), normal);
+      placed.X_PG.p = placed.X_PG.q * Vector3(0, 0, -kDepth_m / 2);
+    } else if (const sdf::Mesh* mesh = geometry.MeshShape()) {
+      const auto known = reading_.source.meshes.find(mesh->Uri());
+      if (known == reading_.source.meshes.end()) {
+        reading_.Error(line, what + " names a mesh that is not there: '" + mesh->Uri() + "'");
+        return std::nullopt;
+      }
+      const MeshData& data = *known->second.data;
+      placed.shape = Mesh{&data};
+      placed.X_PG.p = known->second.middle;
+      if (data.color) placed.color = Color{(*data.color)[0], (*data.color)[1], (*data.color)[2]};
+      fine = data.radius_m >= kMinLength_m && data.radius_m <= kMaxSize_m;
+    } else {
+      reading_.Error(
+          line, what + " needs a <geometry> with <box>, <cylinder>, <sphere>, <capsule>, <plane> or <mesh>");
+      return std::nullopt;
+    }
+    if (!fine) {
+      reading_.Error(line, "the sizes of " + what + " must lie between 0.1 mm and 1 km");
+      return std::nullopt;
+    }
+    return placed;
+  }
+
+  double FrictionOf(const sdf::Collision& collision) {
+    sdf::ElementPtr element = collision.Element();
+    for (const char* name : {"surface", "friction", "ode"}) {
+      if (!element->HasElement(name)) return 1;
+      element = element->GetElement(name);
+    }
+    const double mu = element->HasElement("mu") ? element->Get<double>("mu") : 1;
+    const double mu2 = element->HasElement("mu2") ? element->Get<double>("mu2") : mu;
+    if (!std::isfinite(mu) || mu < 0 || mu > 1e3) {
+      reading_.Error(LineOf(element), "<mu> must be a number from 0 to 1000");
+    } else if (mu2 != mu) {
+      reading_.Warn(LineOf(element),
+                    "<mu2> is not used: friction is " + FormatNumber(mu) + " in all directions");
+    }
+    return mu;
+  }
+
+  double RestitutionOf(const sdf::Collision& collision) {
+    sdf::ElementPtr element = collision.Element();
+    for (const char* name : {"surface", "bounce"}) {
+      if (!element->HasElement(name)) return 0;
+      element = element->GetElement(name);
+    }
+    if (!element->HasElement("restitution_coefficient")) return 0;
+    const double restitution = element->Get<double>("restitution_coefficient");
+    if (!(restitution >= 0 && restitution <= 1)) {
+      reading_.Error(LineOf(element), "<restitution_coefficient> must be a number from 0 to 1");
+      return 0;
+    }
+    return restitution;
+  }
+
+  /// Mass for a link of another program's model that says none.
+  void GiveMass(double mass_kg, LinkModel& out) {
+    out.mass_kg = mass_kg;
+    out.X_LI = {};
+    Shape shape = Sphere{0.05};
+    if (!out.collisions.empty()) {
+      shape = out.collisions.front().shape;
+      out.X_LI = out.collisions.front().X_LG;
+    }
+    out.inertia_kg_m2 = SolidInertia(shape, mass_kg).cwiseMax(1e-7 * mass_kg);
+  }
+
+  void ReadInertial(const sdf::Link& link, LinkModel& out) {
+    const std::string what = "link '" + out.name + "'";
+    const int line = LineOf(link.Element());
+    const bool foreign = reading_.source.foreign;
+    const bool welded = welded_.contains(out.name);
+    constexpr double kLight_kg = 0.01;
+    if (!link.Element()->HasElement("inertial")) {
+      if (welded) return;  // a frame, or a shape without mass
+      if (foreign && still_.contains(out.name)) return GiveMass(1, out);
+      reading_.Complain(line, what + " needs <inertial> with <mass> and <inertia>", "it gets 10 g");
+      if (foreign) GiveMass(kLight_kg, out);
+      return;
+    }
+    const int inertial_line = LineOf(link.Element()->GetElement("inertial"));
+    const ignition::math::Inertiald& inertial = link.Inertial();
+    const auto& matrix = inertial.MassMatrix();
+    out.mass_kg = matrix.Mass();
+    if (foreign && out.mass_kg == 0) {
+      out.mass_kg = 0;
+      if (welded) return;
+      if (still_.contains(out.name)) return GiveMass(1, out);
+      reading_.Warn(inertial_line, what + " has no mass: it gets 10 g; write <mass> above 0");
+      return GiveMass(kLight_kg, out);
+    }
+    if (!std::isfinite(out.mass_kg) || out.mass_kg < (foreign ? 1e-9 : 1e-6) || out.mass_kg > 1e6) {
+      reading_.Error(foreign ? inertial_line : line,
+                     "the mass of " + what + " must be a positive number of kg, at most 1e6");
+      return;
+    }
+    const Vector3 principal = ToVector(matrix.PrincipalMoments());
+    const double largest = principal.maxCoeff();
+    if (!principal.allFinite() || !(principal.minCoeff() > (foreign ? 0 : 1e-12)) || largest > 1e9 ||
+        principal.sum() - largest < largest * (1 - 1e-3)) {
+      const std::string wrong =
+          "the inertia of " + what +
+          " is not that of a body: moments must be positive, and no one above the sum of the others";
+      const bool negative = !principal.allFinite() || principal.minCoeff() < -1e-9 || largest > 1e9;
+      if (!foreign || negative) {
+        reading_.Error(foreign ? inertial_line : line, wrong);
+        return;
+      }
+      if (!welded && !still_.contains(out.name))
+        reading_.Warn(inertial_line,
+                      wrong + ": that of its first collision is taken, as a solid of this mass");
+      const Pose X_LI = reading_.CheckedPose(inertial.Pose(), link.Element(), "the inertia of " + what);
+      GiveMass(out.mass_kg, out);
+      out.X_LI = X_LI;
+      return;
+    }
+    Pose X_LI = reading_.CheckedPose(inertial.Pose(), link.Element(), "the inertia of " + what);
+    const auto axes = matrix.PrincipalAxesOffset();
+    X_LI.q = (X_LI.q * Quaternion(axes.W(), axes.X(), axes.Y(), axes.Z())).normalized();
+    out.X_LI = X_LI;
+    out.inertia_kg_m2 = principal;
+  }
+
+  ModelReading& reading_;
+  std::set<std::string> welded_;  // links that fixed joints hold to others
+  std::set<std::string> still_;   // links that are fixed to the world
+};
+
+}  // namespace
+
+int LineOf(const sdf::ElementPtr& element) {
+  return element ? element->LineNumber().value_or(0) : 0;
+}
+
+Vector3 ToVector(const ignition::math::Vector3d& v) {
+  return {v.X(), v.Y(), v.Z()};
+}
+
+Pose ModelReading::CheckedPose(const ignition::math::Pose3d& pose, const sdf::ElementPtr& element,
+                               const std::string& what) {
+  const Pose out = ToPose(pose);
+  if (!out.p.allFinite() || !out.q.coeffs().allFinite() || out.p.cwiseAbs().maxCoeff() > kMaxSize_m) {
+    Error(LineOf(element), "the pose of " + what + " is not finite or more than 1 km away");
+    return {};
+  }
+  return out;
+}
+
+Pose ModelReading::Resolve(const sdf::SemanticPose& pose, const std::string& relative_to,
+                           const sdf::ElementPtr& element, const std::string& what) {
+  ignition::math::Pose3d out;
+  for (const sdf::Error& error : pose.Resolve(out, relative_to)) Error(LineOf(element), error.Message());
+  return CheckedPose(out, element, what);
+}
+
+std::vector<ModelScope> ScopesOf(const sdf::Model& model, const tinyxml2::XMLElement& xml,
+                                 ModelReading& reading) {
+  std::vector<ModelScope> scopes{{model, xml, "", {}}};
+  for (std::size_t i = 0; i < scopes.size(); ++i) {
+    const tinyxml2::XMLElement* inner_xml = scopes[i].xml.FirstChildElement("model");
+    for (std::size_t k = 0; k < scopes[i].model.ModelCount() && inner_xml != nullptr; ++k) {
+      const sdf::Model& inner = *scopes[i].model.ModelByIndex(k);
+      const std::string name = scopes[i].prefix + inner.Name();
+      const Pose X_MI =
+          reading.Resolve(inner.SemanticPose(), "__model__", inner.Element(), "model '" + name + "'");
+      scopes.push_back({inner, *inner_xml, name + "::", scopes[i].X_RM * X_MI});
+      inner_xml = inner_xml->NextSiblingElement("model");
+    }
+  }
+  return scopes;
+}
+
+void ReadLinks(const std::vector<ModelScope>& scopes, ModelReading& reading) {
+  LinkReader(reading).Read(scopes);
+}
+
+}  // namespace coopdyn

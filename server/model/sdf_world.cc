@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+#include "server/model/sdf_world.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "server/model/model_source.h"
+#include "server/model/resources.h"
+#include "server/model/sdf_body.h"
+#include "server/model/text_file.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+std::string Exact(double value) {
+  char text[40];
+  const auto end = std::to_chars(text, text + sizeof(text), value, std::chars_format::fixed, 12);
+  std::string out(text, end.ptr);
+  out.erase(out.find_last_not_of('0') + 1);
+  if (out.ends_with('.')) out.pop_back();
+  return out == "-0" ? "0" : out;
+}
+std::string Exact(const Vector3& v) {
+  return Exact(v.x()) + " " + Exact(v.y()) + " " + Exact(v.z());
+}
+
+/// Roll, pitch, yaw about the fixed axes.
+std::string Angles(const Quaternion& q) {
+  const Matrix3 R = q.toRotationMatrix();
+  const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
+  return Exact(Vector3(std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))));
+}
+
+class WorldConverter {
+ public:
+  WorldConverter(std::filesystem::path file, RobotLibrary& library, Diagnostics& diagnostics)
+      : file_(std::move(file)),
+        resources_(library.path().folders, file_),
+        library_(library),
+        diagnostics_(diagnostics) {}
+
+  std::optional<std::string> Convert(const std::string& text) {
+    auto root = ParseXml(text, file_.string(), diagnostics_);
+    if (!root) return std::nullopt;
+    XmlNode* world = root->Child("world");
+    if (root->name != "sdf" || world == nullptr) {
+      if (root->name == "sdf" && root->Child("model") != nullptr) return OneRobot();
+      diagnostics_.Error(root->where, "an SDF world starts with <sdf version=\"1.9\"> and holds a <world>");
+      return std::nullopt;
+    }
+    Upgrade(*root, root->Attribute("version"));
+    ExpandIncludes(*world, &resources_, diagnostics_);
+    ReadSimulation(*world);
+    for (const XmlNode& child : world->children) {
+      if (child.name == "model") {
+        AddModel(child);
+      } else if (child.name != "physics" && child.name != "gravity") {
+        diagnostics_.Warning(child.where, "<" + child.name + "> in <world> is not used by coopdyn");
+      }
+    }
+    if (diagnostics_.has_errors()) return std::nullopt;
+    return "; The scenario that " + file_.filename().string() + " means.\n[SIMULATION]\n" + simulation_ +
+           "\n[FLOOR]\n" + (floor_.empty() ? "size 100 100\n" : floor_) + things_ + robots_;
+  }
+
+ private:
+  /// A file with a model alone is a scenario with that robot.
+  std::string OneRobot() const { return "[ROBOT_1]\ntype " + file_.filename().string() + "\nposition 0 0\n"; }
+
+  void ReadSimulation(const XmlNode& world) {
+    const auto gravity = SplitWords(world.TextOf("gravity"));
+    if (gravity.size() == 3) {
+      const auto x = ParsePlain(gravity[0]), y = ParsePlain(gravity[1]), z = ParsePlain(gravity[2]);
+      if (!x || !y || !z || *x != 0 || *y != 0 || *z >= 0) {
+        diagnostics_.Warning(world.Child("gravity")->where,
+                             "<gravity> must point down, 0 0 -9.8: 9.81 m/s² down is taken");
+      } else {
+        simulation_ += "gravity " + Exact(-*z) + "\n";
+      }
+    }
+    const XmlNode* physics = world.Child("physics");
+    if (physics == nullptr) return;
+    if (const auto step = ParsePlain(physics->TextOf("max_step_size"))) {
+      const double kept = std::clamp(std::round(*step * 1e6) * 1e-6, 5e-4, 0.1);
+      simulation_ += "step " + Exact(kept) + "\n";
+      if (std::abs(kept - *step) > 1e-9)
+        diagnostics_.Warning(
+            physics->where, "<max_step_size> lies between 0.5 ms and 100 ms: " + Exact(kept) + " s is taken");
+    }
+  }
+
+  std::string NewName(const std::string& given) {
+    std::string name;
+    for (const char c : given) {
+      const bool good =
+          (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+      name += good ? c : '_';
+    }
+    if (name.empty() || !((name[0] >= 'a' && name[0] <= 'z') || (name[0] >= 'A' && name[0] <= 'Z')))
+      name = "m" + name;
+    name.resize(std::min<std::size_t>(name.size(), 50));
+    // These are no things.
+    for (const char* word : {"world", "simulation", "target", "floor", "robot", "swarm"}) {
+      if (ToLower(name).starts_with(word)) name = "m_" + name;
+    }
+    std::string unique = name;
+    for (int i = 2; !names_.insert(ToLower(unique)).second; ++i) unique = name + "_" + std::to_string(i);
+    return unique;
+  }
+
+  void AddModel(const XmlNode& given) {
+    XmlNode root;
+    root.name = "sdf";
+    root.where = given.where;
+    root.Set("version", "1.9");
+    root.children.push_back(given);
+    XmlNode& model = root.children.back();
+    Pose X_WM;
+    if (const XmlNode* pose = model.Child("pose")) {
+      std::vector<double> p;
+      for (const std::string& word : SplitWords(pose->text)) p.push_back(ParsePlain(word).value_or(0));
+      p.resize(6);
+      if (pose->Has("relative_to") || pose->Has("degrees") || pose->Has("rotation_format"))
+        diagnostics_.Warning(
+            pose->where,
+            "attributes of a model's <pose> are not used: it is x y z roll pitch yaw in the world");
+      X_WM = {{p[0], p[1], p[2]}, FromRollPitchYaw(p[3], p[4], p[5])};
+    }
+    std::erase_if(model.children, [](const XmlNode& one) { return one.name == "pose"; });
+    if (IsGround(model, X_WM)) return;
+    const std::string name = NewName(model.Attribute("name"));
+    const std::string type = file_.stem().string() + "." + name;
+    const auto read = ReadRobotModelTree(std::move(root), file_.string(), type, &resources_, diagnostics_);
+    if (read == nullptr) return;
+    const Pose X_WR = X_WM * Pose{read->p_MR, Quaternion::Identity()};
+    if (AddThings(*read, name, X_WR)) return;
+    library_.Add(type, read);
+    robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +
+               "\nposition " + Exact(X_WR.p) + "\norientation " + Angles(X_WR.q) + "\n";
+    if (!read->has_actuators()) robots_ += "sockets no\n";
+  }
+
+  /// A static horizontal plane at z = 0 is the floor.
+  bool IsGround(const XmlNode& model, const Pose& X_WM) {
+    const XmlNode* link = model.Child("link");
+    const XmlNode* collision = link == nullptr ? nullptr : link->Child("collision");
+    const XmlNode* geometry = collision == nullptr ? nullptr : collision->Child("geometry");
+    const XmlNode* plane = geometry == nullptr ? nullptr : geometry->Child("plane");
+    if (plane == nullptr || std::abs(X_WM.p.z()) > 1e-3 || !floor_.empty()) return false;
+    const std::vector<std::string> size = SplitWords(plane->TextOf("size"));
+    const auto length = size.size() == 2 ? ParsePlain(size[0]) : std::nullopt;
+    const auto width = size.size() == 2 ? ParsePlain(size[1]) : std::nullopt;
+    constexpr double kSmallest_m = 10;
+    floor_ = "size " + Exact(std::max(kSmallest_m, length.value_or(100))) + " " +
+             Exact(std::max(kSmallest_m, width.value_or(100))) + "\n";
+    return true;
+  }
+
+  /// What stands still and is made of simple shapes, or is one simple shape, needs no model.
+  bool AddThings(const RobotModel& model, const std::string& name, const Pose& X_WR) {
+    if (model.links.size() != 1 || !model.joints.empty()) return false;
+    const LinkModel& link = model.links.front();
+    const bool simple = std::ranges::all_of(
+        link.collisions, [](const LinkShape& one) { return one.shape.index() <= 2 && one.restitution == 0; });
+    if (!simple || link.collisions.empty() || (!model.fixed_base && link.collisions.size() != 1))
+      return false;
+    // A mesh that is drawn needs the model.
+    if (std::ranges::any_of(link.visuals, [](const LinkShape& one) { return one.shape.index() > 2; }))
+      return false;
+    int number = 0;
+    for (const LinkShape& shape : link.collisions) {
+      const Pose X_WG = X_WR * link.X_RL * shape.X_LG;
+      const Color color = link.visuals.empty() ? Color() : link.visuals.front().color;
+      things_ += "\n[" + (++number == 1 ? name : NewName(name + "_" + std::to_string(number))) + "]\n";
+      if (const auto* box = std::get_if<Box>(&shape.shape)) {
+        things_ += "type box\nsize " + Exact(box->size_m) + "\n";
+      } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.shape)) {
+        things_ += "type cylinder\nsize " +
+                   Exact(Vector3(2 * cylinder->radius_m, 2 * cylinder->radius_m, cylinder->length_m)) + "\n";
+      } else {
+        things_ += "type sphere\nsize " + Exact(2 * std::get<Sphere>(shape.shape).radius_m) + "\n";
+      }
+      things_ += "position " + Exact(X_WG.p) + "\norientation " + Angles(X_WG.q) + "\ncolor " +
+                 Exact(Vector3(color.r, color.g, color.b)) + "\nfriction " + Exact(shape.friction) + "\n";
+      if (!model.fixed_base) things_ += "mass " + Exact(link.mass_kg) + "\n";
+    }
+    return true;
+  }
+
+  const std::filesystem::path file_;
+  const Resources resources_;
+  RobotLibrary& library_;
+  Diagnostics& diagnostics_;
+  std::string simulation_, floor_, things_, robots_;
+  std::set<std::string> names_;
+  int robot_count_ = 0;
+};
+
+}  // namespace
+
+std::optional<std::string> ScenarioOfSdfWorld(const std::filesystem::path& file, RobotLibrary& library,
+                                              Diagnostics& diagnostics) {
+  const auto text = ReadTextFile(file.string(), {file.string(), 0}, diagnostics);
+  if (!text) return std::nullopt;
+  return WorldConverter(file, library, diagnostics).Convert(*text);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+// URDF as SDF, element by element, so that messages have the lines of the URDF.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "server/model/model_source.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+class UrdfConverter {
+ public:
+  UrdfConverter(const XmlNode& robot, Diagnostics& diagnostics) : robot_(robot), diagnostics_(diagnostics) {}
+
+  XmlNode Convert() {
+    XmlNode sdf = At("sdf", robot_);
+    sdf.Set("version", "1.9");
+    XmlNode& model = sdf.children.emplace_back(At("model", robot_));
+    model.Set("name", robot_.Has("name") ? robot_.Attribute("name") : "robot");
+    for (const XmlNode& child : robot_.children) {
+      if (child.name == "material") materials_[child.Attribute("name")] = &child;
+      if (child.name == "link") links_.insert(child.Attribute("name"));
+      if (child.name == "joint") joints_.insert(child.Attribute("name"));
+    }
+    for (const XmlNode& child : robot_.children) {
+      if (child.name == "joint") parents_[TextOfEnd(child, "child")] = &child;
+      if (child.name == "gazebo") extras_[child.Attribute("reference")].push_back(&child);
+    }
+    for (const XmlNode& child : robot_.children) {
+      if (child.name == "link") {
+        model.children.push_back(Link(child));
+      } else if (child.name == "joint") {
+        if (auto joint = Joint(child)) model.children.push_back(std::move(*joint));
+      } else if (child.name == "gazebo") {
+        if (!child.Has("reference")) {
+          for (const XmlNode& inner : child.children) model.children.push_back(inner);
+        }
+      } else if (child.name != "material" && child.name != "transmission") {
+        Warn(child, "<" + child.name + "> in <robot> is not used by coopdyn");
+      }
+    }
+    return sdf;
+  }
+
+ private:
+  static XmlNode At(std::string name, const XmlNode& where) {
+    XmlNode node;
+    node.name = std::move(name);
+    node.where = where.where;
+    return node;
+  }
+  void Warn(const XmlNode& at, std::string text) { diagnostics_.Warning(at.where, std::move(text)); }
+  void Error(const XmlNode& at, std::string text) { diagnostics_.Error(at.where, std::move(text)); }
+
+  static std::string TextOfEnd(const XmlNode& joint, const char* end) {
+    const XmlNode* found = joint.Child(end);
+    return found == nullptr ? "" : found->Attribute("link");
+  }
+
+  /// "x y z roll pitch yaw" of an <origin>.
+  static std::string PoseOf(const XmlNode& element) {
+    const XmlNode* origin = element.Child("origin");
+    const auto part = [origin](const char* key) {
+      const std::string text = origin == nullptr ? "" : origin->Attribute(key);
+      return Trim(text).empty() ? std::string("0 0 0") : text;
+    };
+    return part("xyz") + " " + part("rpy");
+  }
+
+  XmlNode Link(const XmlNode& link) {
+    XmlNode out = At("link", link);
+    const std::string name = link.Attribute("name");
+    out.Set("name", name);
+    if (const auto parent = parents_.find(name); parent != parents_.end()) {
+      // A link's frame is that of the joint that holds it.
+      out.Add("pose").Set("relative_to", parent->second->Attribute("name"));
+      out.children.back().text = "0 0 0 0 0 0";
+    }
+    int shapes = 0;
+    for (const XmlNode& child : link.children) {
+      if (child.name == "inertial") {
+        out.children.push_back(Inertial(child));
+      } else if (child.name == "collision" || child.name == "visual") {
+        XmlNode shape = At(child.name, child);
+        shape.Set("name",
+                  (child.Has("name") && !child.Attribute("name").empty() ? child.Attribute("name") + "_"
+                                                                         : child.name + "_") +
+                      std::to_string(++shapes));
+        shape.Add("pose", PoseOf(child));
+        if (const XmlNode* geometry = child.Child("geometry")) shape.children.push_back(Geometry(*geometry));
+        if (child.name == "visual") AddMaterial(child, shape);
+        if (child.name == "collision") AddFriction(name, shape);
+        out.children.push_back(std::move(shape));
+      } else {
+        Warn(child, "<" + child.name + "> in <link> is not used by coopdyn");
+      }
+    }
+    for (const XmlNode* extra : extras_[name]) {
+      for (const XmlNode& inner : extra->children) {
+        if (inner.name == "sensor") out.children.push_back(inner);
+      }
+    }
+    return out;
+  }
+
+  static XmlNode Inertial(const XmlNode& inertial) {
+    XmlNode out = At("inertial", inertial);
+    out.Add("pose", PoseOf(inertial));
+    if (const XmlNode* mass = inertial.Child("mass")) {
+      out.Add("mass", mass->Attribute("value")).where = mass->where;
+    }
+    if (const XmlNode* inertia = inertial.Child("inertia")) {
+      XmlNode& moments = out.children.emplace_back(At("inertia", *inertia));
+      for (const auto& [key, value] : inertia->attributes) moments.Add(key, value);
+    }
+    return out;
+  }
+
+  XmlNode Geometry(const XmlNode& geometry) {
+    XmlNode out = At("geometry", geometry);
+    for (const XmlNode& shape : geometry.children) {
+      XmlNode& made = out.children.emplace_back(At(shape.name, shape));
+      if (shape.name == "mesh") {
+        made.Add("uri", shape.Attribute("filename"));
+        if (shape.Has("scale")) made.Add("scale", shape.Attribute("scale"));
+        continue;
+      }
+      for (const auto& [key, value] : shape.attributes) made.Add(key, value);
+    }
+    return out;
+  }
+
+  void AddMaterial(const XmlNode& visual, XmlNode& out) {
+    const XmlNode* material = visual.Child("material");
+    if (material == nullptr) return;
+    if (material->Child("color") == nullptr) {
+      const auto shared = materials_.find(material->Attribute("name"));
+      if (shared != materials_.end()) material = shared->second;
+    }
+    if (material->Child("texture") != nullptr)
+      Warn(*material, "<texture> is not drawn: write <color rgba=\"…\"/>");
+    const XmlNode* color = material->Child("color");
+    if (color == nullptr) return;
+    XmlNode& made = out.children.emplace_back(At("material", *material));
+    made.Add("diffuse", color->Attribute("rgba"));
+  }
+
+  /// <gazebo reference="link"><mu1>…
+  void AddFriction(const std::string& link, XmlNode& collision) {
+    for (const XmlNode* extra : extras_[link]) {
+      const std::string mu = extra->TextOf("mu1").empty() ? extra->TextOf("mu") : extra->TextOf("mu1");
+      if (mu.empty()) continue;
+      collision.Add("surface").Add("friction").Add("ode").Add("mu", mu);
+      return;
+    }
+  }
+
+  std::optional<XmlNode> Joint(const XmlNode& joint) {
+    const std::string name = joint.Attribute("name");
+    std::string type = joint.Attribute("type");
+    if (type == "floating") {
+      Warn(joint,
+           "joint '" + name + "' of type floating is left out: a robot that is not fixed floats anyway");
+      return std::nullopt;
+    }
+    if (type == "planar") {
+      Warn(joint,
+           "joint '" + name +
+               "' of type planar is not supported, and is taken as fixed: write two prismatic joints and a "
+               "continuous one");
+      type = "fixed";
+    }
+    XmlNode out = At("joint", joint);
+    out.Set("name", name);
+    out.Set("type", type);
+    const std::string parent = TextOfEnd(joint, "parent"), child = TextOfEnd(joint, "child");
+    for (const auto& [end, link] : {std::pair("parent", parent), std::pair("child", child)}) {
+      if (links_.contains(link) || (link == "world" && end[0] == 'p')) continue;
+      Error(joint,
+            "joint '" + name + "' needs <" + end + " link=\"…\"/> that names a link, not '" + link + "'");
+    }
+    // Its frame is written relative to the parent's.
+    out.Add("pose", PoseOf(joint))
+        .Set("relative_to", parent == "world" && !links_.contains("world") ? "__model__" : parent);
+    out.Add("parent", parent);
+    out.Add("child", child);
+    if (type != "fixed" && type != "ball") out.children.push_back(Axis(joint));
+    if (const XmlNode* mimic = joint.Child("mimic")) Mimic(*mimic, joint, out);
+    return out;
+  }
+
+  static XmlNode Axis(const XmlNode& joint) {
+    const XmlNode* axis = joint.Child("axis");
+    XmlNode out = At("axis", axis == nullptr ? joint : *axis);
+    out.Add("xyz", axis == nullptr || axis->Attribute("xyz").empty() ? "1 0 0" : axis->Attribute("xyz"));
+    if (const XmlNode* limit = joint.Child("limit")) {
+      XmlNode& made = out.children.emplace_back(At("limit", *limit));
+      for (const auto& [key, value] : limit->attributes) {
+        if (joint.Attribute("type") == "continuous" && (key == "lower" || key == "upper")) continue;
+        made.Add(key, value);
+      }
+      // URDF's default is 0, SDF's none.
+      if (joint.Attribute("type") != "continuous") {
+        for (const char* key : {"lower", "upper"}) {
+          if (!limit->Has(key)) made.Add(key, "0");
+        }
+      }
+    }
+    if (const XmlNode* dynamics = joint.Child("dynamics")) {
+      XmlNode& made = out.children.emplace_back(At("dynamics", *dynamics));
+      for (const auto& [key, value] : dynamics->attributes) made.Add(key, value);
+    }
+    return out;
+  }
+
+  void Mimic(const XmlNode& mimic, const XmlNode& joint, XmlNode& /*out*/) {
+    const std::string other = mimic.Attribute("joint");
+    const std::string who = "joint '" + joint.Attribute("name") + "'";
+    if (!joints_.contains(other)) {
+      Error(mimic, "<mimic> of " + who + " names no joint of this robot: '" + other + "'" +
+                       DidYouMean(other, std::vector<std::string>(joints_.begin(), joints_.end())));
+      return;
+    }
+    Warn(mimic, "<mimic> is not supported: " + who + " moves by itself, not with '" + other +
+                    "'; command both, or write an SDF model with a joint of type gearbox");
+  }
+
+  const XmlNode& robot_;
+  Diagnostics& diagnostics_;
+  std::map<std::string, const XmlNode*> materials_;
+  std::map<std::string, const XmlNode*> parents_;  // joints by their child
+  std::map<std::string, std::vector<const XmlNode*>> extras_;
+  std::set<std::string> links_, joints_;
+};
+
+}  // namespace
+
+XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics) {
+  return UrdfConverter(robot, diagnostics).Convert();
+}
+
+}  // namespace coopdyn

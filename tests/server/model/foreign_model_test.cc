@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT
+// Models made for other programs: URDF, older SDF, includes, meshes and Gazebo's plug-ins; and hostile ones.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "server/geometry/mesh.h"
+#include "tests/server/model/read_text.h"
+
+namespace coopdyn {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Answer {
+  std::shared_ptr<const RobotModel> robot;
+  std::string messages;
+};
+
+Answer ReadFile(const TempFolder& folder, const std::string& name, const SearchPath& path = {}) {
+  Diagnostics diagnostics;
+  Answer answer;
+  answer.robot = ReadRobotModel(folder.path() / name, path, diagnostics);
+  answer.messages = diagnostics.ToString();
+  return answer;
+}
+Answer ReadAs(const std::string& name, const std::string& text) {
+  const TempFolder folder;
+  folder.Write(name, text);
+  return ReadFile(folder, name);
+}
+Answer ReadUrdf(const std::string& inside) {
+  return ReadAs("rig.urdf", "<robot name=\"rig\">\n" + inside + "</robot>");
+}
+Answer ReadSdf(const std::string& inside, const std::string& version = "1.6") {
+  return ReadAs("model.sdf",
+                "<sdf version=\"" + version + "\"><model name=\"rig\">\n" + inside + "</model></sdf>");
+}
+
+std::string UrdfInertia(const std::string& mass = "1", const std::string& moment = "0.01") {
+  return "<inertial><mass value=\"" + mass + "\"/><inertia ixx=\"" + moment + "\" iyy=\"" + moment +
+         "\" izz=\"" + moment + "\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>\n";
+}
+std::string UrdfBox(const std::string& name) {
+  return "<link name=\"" + name + "\">" + UrdfInertia() +
+         "<collision><geometry><box size=\"0.2 0.2 0.2\"/></geometry></collision></link>\n";
+}
+std::string SdfLink(const std::string& name, const std::string& pose, const std::string& geometry) {
+  return "<link name=\"" + name + "\"><pose>" + pose +
+         "</pose><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></"
+         "inertial>\n"
+         "<collision name=\"c\"><geometry>" +
+         geometry + "</geometry></collision></link>\n";
+}
+const std::string kBox = "<box><size>0.2 0.2 0.2</size></box>";
+
+/// A cube from 0 to 1 m as an .obj file.
+const char* const kCube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+TEST(UrdfTest, LinksStandWhereTheirJointsPutThem) {
+  const auto [robot, messages] = ReadUrdf(UrdfBox("base") + UrdfBox("arm") +
+                                          "<joint name=\"turn\" type=\"revolute\"><origin xyz=\"0 0 0.3\" "
+                                          "rpy=\"0 0 1.5708\"/><parent link=\"base\"/>"
+                                          "<child link=\"arm\"/><axis xyz=\"1 0 0\"/><limit lower=\"-1\" "
+                                          "upper=\"2\" effort=\"5\" velocity=\"3\"/></joint>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->joints.size(), 1u);
+  const JointModel& joint = robot->joints[0];
+  EXPECT_EQ(joint.name, "turn");
+  EXPECT_NEAR((joint.axis_R - Vector3::UnitY()).norm(), 0, 1e-4);
+  EXPECT_EQ(joint.lower, -1);
+  EXPECT_EQ(joint.max_effort, 5);
+  // It reaches 0.1 m below its origin, so it stands that much higher.
+  EXPECT_NEAR(robot->links[1].X_RL.p.z(), 0.4, 1e-9);
+  EXPECT_NEAR(robot->height_m, 0.5, 1e-9);
+  EXPECT_THAT(messages, HasSubstr("0.1 m below its origin"));
+}
+
+TEST(UrdfTest, AMimicOfNothingIsAnErrorWithItsLine) {
+  const auto [robot, messages] = ReadUrdf(UrdfBox("base") + UrdfBox("arm") +
+                                          "<joint name=\"turn\" type=\"continuous\"><parent link=\"base\"/>"
+                                          "<child link=\"arm\"/>\n<mimic joint=\"tun\"/></joint>\n");
+  EXPECT_EQ(robot, nullptr);
+  EXPECT_THAT(messages,
+              HasSubstr("rig.urdf:7: error: <mimic> of joint 'turn' names no joint of this robot: 'tun'"));
+}
+
+TEST(UrdfTest, AJointWithoutItsLinkIsAnError) {
+  const auto [robot, messages] = ReadUrdf(UrdfBox("base") +
+                                          "<joint name=\"turn\" type=\"continuous\"><parent link=\"base\"/>"
+                                          "<child link=\"arm\"/></joint>\n");
+  EXPECT_EQ(robot, nullptr);
+  EXPECT_THAT(messages, HasSubstr("needs <child link=\"…\"/> that names a link, not 'arm'"));
+}
+
+TEST(ForeignModelTest, APoseModuleIsThereWithoutOurElements) {
+  const auto [robot, messages] = ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kBox));
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->modules().size(), 1u);
+  EXPECT_EQ(robot->modules()[0].name, "pose");
+}
+
+TEST(ForeignModelTest, WhatIsNotUsedIsAWarningWithItsLine) {
+  const auto [robot, messages] = ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kBox) +
+                                         "<plugin filename=\"libfoo.so\" name=\"foo\"/>\n<banana/>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("warning: plug-in 'libfoo.so' is not used by coopdyn"));
+  EXPECT_THAT(messages, HasSubstr("warning: <banana> in <model> is not used by coopdyn"));
+}
+
+TEST(ForeignModelTest, AnAxisOfSdf14IsInTheModelsFrame) {
+  const std::string model =
+      SdfLink("base", "0 0 0.1 0 0 0", kBox) + SdfLink("arm", "0 0 0.4 0 0 1.5708", kBox) +
+      "<joint name=\"j\" type=\"revolute\"><parent>base</parent><child>arm</child><axis><xyz>1 0 "
+      "0</xyz></axis></joint>";
+  const auto old = ReadSdf(model, "1.4").robot, newer = ReadSdf(model, "1.6").robot;
+  ASSERT_TRUE(old != nullptr && newer != nullptr);
+  EXPECT_NEAR((old->joints[0].axis_R - Vector3::UnitX()).norm(), 0, 1e-9);
+  EXPECT_NEAR((newer->joints[0].axis_R - Vector3::UnitY()).norm(), 0, 1e-4);
+}
+
+TEST(ForeignModelTest, ADriveOfGazeboHasAModuleAndItsOriginUnderTheAxle) {
+  const auto wheel = [](const std::string& name, double y) {
+    return SdfLink(name, "0.1 " + std::to_string(y) + " 0.05 -1.570796326794897 0 0",
+                   "<cylinder><radius>0.05</radius><length>0.02</length></cylinder>") +
+           "<joint name=\"" + name + "_j\" type=\"revolute\"><parent>base</parent><child>" + name +
+           "</child><axis><xyz>0 0 1</xyz></axis></joint>\n";
+  };
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("base", "0 0 0.15 0 0 0", kBox) + wheel("left", 0.2) + wheel("right", -0.2) +
+              "<plugin filename=\"libgazebo_ros_diff_drive.so\" name=\"d\"><leftJoint>left_j</leftJoint>"
+              "<rightJoint>right_j</rightJoint><wheelTorque>3</wheelTorque></plugin>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_NE(robot->drive(), nullptr) << messages;
+  EXPECT_NEAR(robot->drive()->track_m, 0.4, 1e-9);
+  EXPECT_NEAR(robot->drive()->wheel_radius_m, 0.05, 1e-9);
+  EXPECT_EQ(robot->drive()->max_torque_nm, 3);
+  EXPECT_NEAR(robot->links[0].X_RL.p.x(), -0.1, 1e-9);
+  EXPECT_EQ(robot->modules()[0].type, "motors");
+}
+
+TEST(ForeignModelTest, AStaticModelStandsFixed) {
+  const auto [robot, messages] = ReadSdf("<static>1</static>" + SdfLink("base", "0 0 1 0 0 0", kBox));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_TRUE(robot->fixed_base);
+}
+
+TEST(IncludeTest, ANestedCopyHasItsOwnNames) {
+  const TempFolder folder;
+  folder.Write("part.sdf", "<sdf version=\"1.6\"><model name=\"part\">" +
+                               SdfLink("rod", "0 0 0.5 0 0 0", kBox) + "</model></sdf>");
+  const auto part = [](const std::string& name, const std::string& x) {
+    return "<include><uri>part.sdf</uri><name>" + name + "</name><pose>" + x + " 0 0 0 0 0</pose></include>" +
+           "<joint name=\"to_" + name + "\" type=\"fixed\"><parent>base</parent><child>" + name +
+           "::rod</child></joint>";
+  };
+  folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"two\">" +
+                                SdfLink("base", "0 0 0.1 0 0 0", kBox) + part("a", "1") + part("b", "2") +
+                                "</model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links.size(), 1u);
+  ASSERT_EQ(robot->links[0].collisions.size(), 3u);
+  EXPECT_NEAR(robot->links[0].X_LI.p.x(), 1, 1e-9);  // of three equal masses at 0, 1 and 2 m
+}
+
+TEST(IncludeTest, AModelThatIncludesItselfIsAnError) {
+  const TempFolder folder;
+  folder.Write(
+      "model.sdf",
+      "<sdf version=\"1.6\"><model name=\"me\"><include><uri>model.sdf</uri></include></model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  EXPECT_EQ(robot, nullptr);
+  EXPECT_THAT(messages, HasSubstr("does a model include itself?"));
+}
+
+TEST(IncludeTest, NothingOutsideTheFolderIsRead) {
+  const TempFolder outside, folder;
+  outside.Write("secret.sdf", "<sdf version=\"1.6\"><model name=\"s\">" + SdfLink("l", "0 0 1 0 0 0", kBox) +
+                                  "</model></sdf>");
+  std::filesystem::create_symlink(outside.path() / "secret.sdf", folder.path() / "link.sdf");
+  const std::string up = std::filesystem::relative(outside.path() / "secret.sdf", folder.path()).string();
+  for (const std::string& uri : {std::string("link.sdf"), up, (outside.path() / "secret.sdf").string(),
+                                 "file://" + (outside.path() / "secret.sdf").string()}) {
+    folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"m\"><include><uri>" + uri +
+                                  "</uri></include></model></sdf>");
+    const auto [robot, messages] = ReadFile(folder, "model.sdf");
+    EXPECT_EQ(robot, nullptr) << uri;
+    EXPECT_THAT(messages, HasSubstr("lies outside the model's folder and the search path")) << uri;
+  }
+}
+
+TEST(MeshTest, WhatMovesCollidesByItsHull) {
+  const TempFolder folder;
+  folder.Write("cube.obj", kCube);
+  folder.Write("model.sdf",
+               "<sdf version=\"1.6\"><model name=\"m\">" +
+                   SdfLink("l", "0 0 0 0 0 0", "<mesh><uri>cube.obj</uri><scale>1 1 2</scale></mesh>") +
+                   "</model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  const LinkShape& shape = robot->links[0].collisions.at(0);
+  const MeshData& data = *std::get<Mesh>(shape.shape).data;
+  EXPECT_NEAR(data.volume_m3, 2, 1e-9);
+  EXPECT_EQ(data.vertices.size(), 8u);
+  EXPECT_NEAR((shape.X_LG.p - Vector3(0.5, 0.5, 1)).norm(), 0, 1e-6);
+  EXPECT_NEAR(robot->height_m, 2, 1e-6);
+  EXPECT_NEAR(robot->footprint_radius_m, std::sqrt(2.0), 1e-6);
+}
+
+TEST(MeshTest, ARecordedTextGivesTheSameModelWithoutFiles) {
+  const TempFolder folder;
+  folder.Write("cube.obj", kCube);
+  folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"m\">" +
+                                SdfLink("l", "0 0 0 0 0 0", "<mesh><uri>cube.obj</uri></mesh>") +
+                                "</model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  Diagnostics diagnostics;
+  const auto again = ReadRobotModelText(robot->text, "model.sdf", "m", diagnostics);
+  ASSERT_NE(again, nullptr) << diagnostics.ToString();
+  EXPECT_EQ(std::get<Mesh>(again->links[0].collisions[0].shape).data->id,
+            std::get<Mesh>(robot->links[0].collisions[0].shape).data->id);
+  EXPECT_EQ(again->text, robot->text);
+}
+
+TEST(MeshTest, AMissingMeshIsAnErrorWithItsLine) {
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("l", "0 0 0 0 0 0", "\n<mesh><uri>model://rig/none.stl</uri></mesh>"));
+  EXPECT_EQ(robot, nullptr);
+  EXPECT_THAT(messages, HasSubstr("model.sdf:4: error: mesh: there is no 'model://rig/none.stl'"));
+}
+
+TEST(MeshTest, TenMillionTrianglesAreRefusedUnread) {
+  const TempFolder folder;
+  std::string header(84, ' ');
+  const std::uint32_t count = 10'000'000;
+  header.replace(80, 4, reinterpret_cast<const char*>(&count), 4);
+  folder.Write("big.stl", header);
+  folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"m\">" +
+                                SdfLink("l", "0 0 0 0 0 0", "<mesh><uri>big.stl</uri></mesh>") +
+                                "</model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  EXPECT_EQ(robot, nullptr);
+  EXPECT_THAT(messages, HasSubstr("the mesh has 10000000 triangles, at most 200000 are taken: simplify it"));
+}
+
+TEST(HostileModelTest, ZeroInertiaIsReplacedAndSaid) {
+  const auto [robot, messages] =
+      ReadUrdf("<link name=\"base\">" + UrdfInertia("2", "0") +
+               "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("rig.urdf:2: warning: the inertia of link 'base'"));
+  EXPECT_NEAR(robot->links[0].inertia_kg_m2.x(), 0.4 * 2 * 0.01, 1e-12);
+}
+
+TEST(HostileModelTest, NegativeMassOrInertiaIsAnErrorWithItsLine) {
+  for (const auto& [mass, moment] : {std::pair("-1", "0.01"), {"1", "-0.01"}}) {
+    const auto [robot, messages] = ReadUrdf("\n<link name=\"base\">" + UrdfInertia(mass, moment) + "</link>");
+    EXPECT_EQ(robot, nullptr);
+    EXPECT_THAT(messages, HasSubstr("rig.urdf:3: error: the "));
+  }
+}
+
+TEST(HostileModelTest, NotANumberIsAnErrorWithItsLine) {
+  const auto [robot, messages] = ReadUrdf("<link name=\"base\">\n" + UrdfInertia("nan") + "</link>");
+  EXPECT_EQ(robot, nullptr);
+  EXPECT_THAT(messages, HasSubstr("rig.urdf:3: error: <mass> needs finite numbers, not 'nan'"));
+}
+
+TEST(HostileModelTest, ALoopOfFixedJointsIsAnError) {
+  const auto joint = [](const std::string& a, const std::string& b) {
+    return "<joint name=\"" + a + b + "\" type=\"fixed\"><parent>" + a + "</parent><child>" + b +
+           "</child></joint>";
+  };
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("a", "0 0 1 0 0 0", kBox) + SdfLink("b", "0 0 1 0 0 0", kBox) + joint("a", "b") +
+              joint("b", "a"));
+  EXPECT_EQ(robot, nullptr);
+  EXPECT_THAT(messages, HasSubstr("hangs in a loop of fixed joints: remove one of them"));
+}
+
+TEST(HostileModelTest, AnXmlBombIsNotExpanded) {
+  const auto [robot, messages] =
+      ReadAs("model.sdf",
+             "<!DOCTYPE s [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;&a;&a;&a;\">"
+             "<!ENTITY c SYSTEM \"file:///etc/passwd\">]>\n<sdf version=\"1.6\"><model name=\"&b;&c;\">" +
+                 SdfLink("l", "0 0 1 0 0 0", kBox) + "</model></sdf>");
+  EXPECT_THAT(messages, Not(HasSubstr("root:")));
+  if (robot != nullptr) EXPECT_LT(robot->text.size(), 5000u);
+}
+
+TEST(ModelPathTest, AScenarioMayNameAModelByItsPath) {
+  const TempFolder folder;
+  folder.Write("mine.urdf", "<robot name=\"rig\">" + UrdfBox("base") + "</robot>");
+  folder.Write("a.scenario", "[ROBOT_1]\ntype mine.urdf\nposition 0 0\n");
+  RobotLibrary library(SearchPath{});
+  Diagnostics diagnostics;
+  const auto scenario = LoadScenario((folder.path() / "a.scenario").string(), library, diagnostics);
+  ASSERT_NE(scenario, nullptr) << diagnostics.ToString();
+  EXPECT_EQ(scenario->robots.at(0).model->type, "mine.urdf");
+  EXPECT_THAT(Read("[ROBOT_1]\ntype ../mine.urdf\nposition 0 0\n", true).messages,
+              HasSubstr("over a socket"));
+}
+
+}  // namespace
+}  // namespace coopdyn
