@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "server/geometry/mesh.h"
+
 namespace coopdyn {
 
 namespace {
