@@ -16,27 +16,27 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-struct Answer {
+struct ForeignAnswer {
   std::shared_ptr<const RobotModel> robot;
   std::string messages;
 };
 
-Answer ReadFile(const TempFolder& folder, const std::string& name, const SearchPath& path = {}) {
+ForeignAnswer ReadFile(const TempFolder& folder, const std::string& name, const SearchPath& path = {}) {
   Diagnostics diagnostics;
-  Answer answer;
+  ForeignAnswer answer;
   answer.robot = ReadRobotModel(folder.path() / name, path, diagnostics);
   answer.messages = diagnostics.ToString();
   return answer;
 }
-Answer ReadAs(const std::string& name, const std::string& text) {
+ForeignAnswer ReadAs(const std::string& name, const std::string& text) {
   const TempFolder folder;
   folder.Write(name, text);
   return ReadFile(folder, name);
 }
-Answer ReadUrdf(const std::string& inside) {
+ForeignAnswer ReadUrdf(const std::string& inside) {
   return ReadAs("rig.urdf", "<robot name=\"rig\">\n" + inside + "</robot>");
 }
-Answer ReadSdf(const std::string& inside, const std::string& version = "1.6") {
+ForeignAnswer ReadSdf(const std::string& inside, const std::string& version = "1.6") {
   return ReadAs("model.sdf",
                 "<sdf version=\"" + version + "\"><model name=\"rig\">\n" + inside + "</model></sdf>");
 }
@@ -56,7 +56,7 @@ std::string SdfLink(const std::string& name, const std::string& pose, const std:
          "<collision name=\"c\"><geometry>" +
          geometry + "</geometry></collision></link>\n";
 }
-const std::string kBox = "<box><size>0.2 0.2 0.2</size></box>";
+const std::string kSdfBox = "<box><size>0.2 0.2 0.2</size></box>";
 
 /// A cube from 0 to 1 m as an .obj file.
 const char* const kCube =
@@ -100,14 +100,14 @@ TEST(UrdfTest, AJointWithoutItsLinkIsAnError) {
 }
 
 TEST(ForeignModelTest, APoseModuleIsThereWithoutOurElements) {
-  const auto [robot, messages] = ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kBox));
+  const auto [robot, messages] = ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox));
   ASSERT_NE(robot, nullptr) << messages;
   ASSERT_EQ(robot->modules().size(), 1u);
   EXPECT_EQ(robot->modules()[0].name, "pose");
 }
 
 TEST(ForeignModelTest, WhatIsNotUsedIsAWarningWithItsLine) {
-  const auto [robot, messages] = ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kBox) +
+  const auto [robot, messages] = ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) +
                                          "<plugin filename=\"libfoo.so\" name=\"foo\"/>\n<banana/>\n");
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_THAT(messages, HasSubstr("warning: plug-in 'libfoo.so' is not used by coopdyn"));
@@ -116,7 +116,7 @@ TEST(ForeignModelTest, WhatIsNotUsedIsAWarningWithItsLine) {
 
 TEST(ForeignModelTest, AnAxisOfSdf14IsInTheModelsFrame) {
   const std::string model =
-      SdfLink("base", "0 0 0.1 0 0 0", kBox) + SdfLink("arm", "0 0 0.4 0 0 1.5708", kBox) +
+      SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("arm", "0 0 0.4 0 0 1.5708", kSdfBox) +
       "<joint name=\"j\" type=\"revolute\"><parent>base</parent><child>arm</child><axis><xyz>1 0 "
       "0</xyz></axis></joint>";
   const auto old = ReadSdf(model, "1.4").robot, newer = ReadSdf(model, "1.6").robot;
@@ -133,7 +133,7 @@ TEST(ForeignModelTest, ADriveOfGazeboHasAModuleAndItsOriginUnderTheAxle) {
            "</child><axis><xyz>0 0 1</xyz></axis></joint>\n";
   };
   const auto [robot, messages] =
-      ReadSdf(SdfLink("base", "0 0 0.15 0 0 0", kBox) + wheel("left", 0.2) + wheel("right", -0.2) +
+      ReadSdf(SdfLink("base", "0 0 0.15 0 0 0", kSdfBox) + wheel("left", 0.2) + wheel("right", -0.2) +
               "<plugin filename=\"libgazebo_ros_diff_drive.so\" name=\"d\"><leftJoint>left_j</leftJoint>"
               "<rightJoint>right_j</rightJoint><wheelTorque>3</wheelTorque></plugin>\n");
   ASSERT_NE(robot, nullptr) << messages;
@@ -146,7 +146,7 @@ TEST(ForeignModelTest, ADriveOfGazeboHasAModuleAndItsOriginUnderTheAxle) {
 }
 
 TEST(ForeignModelTest, AStaticModelStandsFixed) {
-  const auto [robot, messages] = ReadSdf("<static>1</static>" + SdfLink("base", "0 0 1 0 0 0", kBox));
+  const auto [robot, messages] = ReadSdf("<static>1</static>" + SdfLink("base", "0 0 1 0 0 0", kSdfBox));
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_TRUE(robot->fixed_base);
 }
@@ -154,14 +154,14 @@ TEST(ForeignModelTest, AStaticModelStandsFixed) {
 TEST(IncludeTest, ANestedCopyHasItsOwnNames) {
   const TempFolder folder;
   folder.Write("part.sdf", "<sdf version=\"1.6\"><model name=\"part\">" +
-                               SdfLink("rod", "0 0 0.5 0 0 0", kBox) + "</model></sdf>");
+                               SdfLink("rod", "0 0 0.5 0 0 0", kSdfBox) + "</model></sdf>");
   const auto part = [](const std::string& name, const std::string& x) {
     return "<include><uri>part.sdf</uri><name>" + name + "</name><pose>" + x + " 0 0 0 0 0</pose></include>" +
            "<joint name=\"to_" + name + "\" type=\"fixed\"><parent>base</parent><child>" + name +
            "::rod</child></joint>";
   };
   folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"two\">" +
-                                SdfLink("base", "0 0 0.1 0 0 0", kBox) + part("a", "1") + part("b", "2") +
+                                SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + part("a", "1") + part("b", "2") +
                                 "</model></sdf>");
   const auto [robot, messages] = ReadFile(folder, "model.sdf");
   ASSERT_NE(robot, nullptr) << messages;
@@ -182,8 +182,8 @@ TEST(IncludeTest, AModelThatIncludesItselfIsAnError) {
 
 TEST(IncludeTest, NothingOutsideTheFolderIsRead) {
   const TempFolder outside, folder;
-  outside.Write("secret.sdf", "<sdf version=\"1.6\"><model name=\"s\">" + SdfLink("l", "0 0 1 0 0 0", kBox) +
-                                  "</model></sdf>");
+  outside.Write("secret.sdf", "<sdf version=\"1.6\"><model name=\"s\">" +
+                                  SdfLink("l", "0 0 1 0 0 0", kSdfBox) + "</model></sdf>");
   std::filesystem::create_symlink(outside.path() / "secret.sdf", folder.path() / "link.sdf");
   const std::string up = std::filesystem::relative(outside.path() / "secret.sdf", folder.path()).string();
   for (const std::string& uri : {std::string("link.sdf"), up, (outside.path() / "secret.sdf").string(),
@@ -280,7 +280,7 @@ TEST(HostileModelTest, ALoopOfFixedJointsIsAnError) {
            "</child></joint>";
   };
   const auto [robot, messages] =
-      ReadSdf(SdfLink("a", "0 0 1 0 0 0", kBox) + SdfLink("b", "0 0 1 0 0 0", kBox) + joint("a", "b") +
+      ReadSdf(SdfLink("a", "0 0 1 0 0 0", kSdfBox) + SdfLink("b", "0 0 1 0 0 0", kSdfBox) + joint("a", "b") +
               joint("b", "a"));
   EXPECT_EQ(robot, nullptr);
   EXPECT_THAT(messages, HasSubstr("hangs in a loop of fixed joints: remove one of them"));
@@ -291,9 +291,11 @@ TEST(HostileModelTest, AnXmlBombIsNotExpanded) {
       ReadAs("model.sdf",
              "<!DOCTYPE s [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;&a;&a;&a;\">"
              "<!ENTITY c SYSTEM \"file:///etc/passwd\">]>\n<sdf version=\"1.6\"><model name=\"&b;&c;\">" +
-                 SdfLink("l", "0 0 1 0 0 0", kBox) + "</model></sdf>");
+                 SdfLink("l", "0 0 1 0 0 0", kSdfBox) + "</model></sdf>");
   EXPECT_THAT(messages, Not(HasSubstr("root:")));
-  if (robot != nullptr) EXPECT_LT(robot->text.size(), 5000u);
+  if (robot != nullptr) {
+    EXPECT_LT(robot->text.size(), 5000u);
+  }
 }
 
 TEST(ModelPathTest, AScenarioMayNameAModelByItsPath) {

@@ -79,7 +79,7 @@ TEST(MutationTest, RobotModelsNeverCrashAndStayFinite) {
     const std::string file =
         folder.Write("robot/model.sdf", Mutate(texts[static_cast<std::size_t>(i) % texts.size()], random));
     Diagnostics diagnostics;
-    const auto model = ReadRobotModel(file, diagnostics);
+    const auto model = ReadRobotModel(file, SearchPath{}, diagnostics);
     EXPECT_EQ(model == nullptr, diagnostics.has_errors());
     if (model == nullptr) continue;
     if (const auto* neighbours = model->Find<NeighboursModel>()) {

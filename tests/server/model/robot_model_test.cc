@@ -36,7 +36,7 @@ std::string ReadChanged(const std::string& from, const std::string& to) {
   if (at != std::string::npos) text.replace(at, from.size(), to);
   const TempFolder folder;
   Diagnostics diagnostics;
-  const auto model = ReadRobotModel(folder.Write("robot/model.sdf", text), diagnostics);
+  const auto model = ReadRobotModel(folder.Write("robot/model.sdf", text), SearchPath{}, diagnostics);
   EXPECT_EQ(model == nullptr, diagnostics.has_errors());
   return folder.Strip(diagnostics.ToString());
 }
@@ -50,7 +50,7 @@ std::string LineOf(const std::string& text) {
 
 std::shared_ptr<const RobotModel> Coopbot() {
   Diagnostics diagnostics;
-  auto model = ReadRobotModel(kCoopbot, diagnostics);
+  auto model = ReadRobotModel(kCoopbot, SearchPath{}, diagnostics);
   EXPECT_EQ(diagnostics.ToString(), "");
   return model;
 }
@@ -302,7 +302,7 @@ TEST(NeighboursTest, ElementAndModuleAreRead) {
                    kPoseModule);
   const TempFolder folder;
   Diagnostics diagnostics;
-  const auto robot = ReadRobotModel(folder.Write("robot/model.sdf", text), diagnostics);
+  const auto robot = ReadRobotModel(folder.Write("robot/model.sdf", text), SearchPath{}, diagnostics);
   ASSERT_NE(robot, nullptr) << diagnostics.ToString();
   const auto* neighbours = robot->Find<NeighboursModel>();
   ASSERT_NE(neighbours, nullptr);
@@ -343,7 +343,7 @@ std::shared_ptr<const RobotModel> CoopbotWith(const std::string& elements) {
   text.replace(text.find(kPoseModule), kPoseModule.size(), elements + kPoseModule);
   const TempFolder folder;
   Diagnostics diagnostics;
-  auto robot = ReadRobotModel(folder.Write("robot/model.sdf", text), diagnostics);
+  auto robot = ReadRobotModel(folder.Write("robot/model.sdf", text), SearchPath{}, diagnostics);
   EXPECT_EQ(diagnostics.ToString(), "");
   return robot;
 }

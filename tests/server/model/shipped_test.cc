@@ -223,7 +223,7 @@ TEST(FormatsDocTest, EveryRobotLoads) {
   for (const std::string& example : examples) {
     const TempFolder folder;
     Diagnostics diagnostics;
-    EXPECT_NE(ReadRobotModel(folder.Write("small/model.sdf", example), diagnostics), nullptr);
+    EXPECT_NE(ReadRobotModel(folder.Write("small/model.sdf", example), SearchPath{}, diagnostics), nullptr);
     EXPECT_EQ(folder.Strip(diagnostics.ToString()), "");
   }
 }
