@@ -101,7 +101,8 @@ class Checker {
     const std::string path = std::string(parent.Name()) + "/" + name;
     const bool nested_pose = path == "model/pose" && depth > 1;
     if (nested_pose || IsUsedElement(parent.Name(), name)) {
-      Check(child, description->GetElementDescription(name), depth + 1);
+      // SDF describes a model inside a model by the outer one.
+      Check(child, path == "model/model" ? description : description->GetElementDescription(name), depth + 1);
     } else if (std::string_view(parent.Name()) == "geometry") {
       diagnostics_.Error(
           where, "the shape <" + name +
