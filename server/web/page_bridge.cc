@@ -103,7 +103,8 @@ const CommandTable* PageBridge::TableOf(const std::string& name) const {
   const std::size_t slash = name.rfind('/');
   const std::string module = name.substr(slash + 1);
   const FramePtr frame = frames_.Latest();
-  const int robot = frame == nullptr || slash == 0 || slash == std::string::npos
+  const bool has_scene = frame != nullptr && frame->scene != nullptr;
+  const int robot = !has_scene || slash == 0 || slash == std::string::npos
                         ? -1
                         : frame->scene->FindRobot(name.substr(1, slash - 1));
   if (robot < 0) return FindModuleTable(module);

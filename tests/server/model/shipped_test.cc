@@ -26,8 +26,8 @@ const fs::path kSource = SourceDir();
 class ShippedLibrary {
  public:
   ShippedLibrary() : library_(SearchPath{{SourceDir(), folder_.path()}}) {
-    for (const char* name :
-         {"aggregate", "attractor", "braitenberg", "diffuse", "flock", "formation", "transport"}) {
+    for (const char* name : {"aggregate", "attractor", "braitenberg", "diffuse", "flock", "formation",
+                             "reach", "squat", "transport", "tripod", "trot"}) {
       folder_.Write(std::string("controllers/") + name + ".so", "");
     }
   }
@@ -74,8 +74,9 @@ TEST(ShippedTest, NamesAreListedSorted) {
   EXPECT_THAT(ShippedRobots().path().ScenarioNames(),
               ::testing::ElementsAre("aggregate50", "arena20", "box_maze", "classroom", "cluttered",
                                      "corridor", "crowd200", "diffuse100", "empty", "fig4", "flock50",
-                                     "formation", "formation_loaded", "swarm100", "swarm1000", "swarm5000",
-                                     "transport", "transport_loaded", "triangle", "triangle_loaded"));
+                                     "formation", "formation_loaded", "reach", "squat", "swarm100",
+                                     "swarm1000", "swarm5000", "transport", "transport_loaded", "triangle",
+                                     "triangle_loaded", "tripod", "trot"));
 }
 
 TEST(ShippedTest, RobotsStartClearOfEverything) {
