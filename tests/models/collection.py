@@ -57,7 +57,7 @@ def main():
             result = f"CRASH by signal {-code}"
         elif code != 0 or errors:
             result = shorten(errors[0]) if errors else shorten((text.strip().splitlines() or ["?"])[-1])
-        elif "exploded" in text or "frozen" in text or "froze" in text:
+        elif code == 4 or "nothing frozen" not in text:
             result = "loads, but a body is frozen in motion"
         else:
             result = "loads and moves"
