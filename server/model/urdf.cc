@@ -29,8 +29,14 @@ class UrdfConverter {
       if (child.name == "joint") parents_[TextOfEnd(child, "child")] = &child;
       if (child.name == "gazebo") extras_[child.Attribute("reference")].push_back(&child);
     }
+    // Many models call the world so, to fix their base in it.
+    links_.erase("world");
     for (const XmlNode& child : robot_.children) {
-      if (child.name == "link") {
+      if (child.name == "link" && child.Attribute("name") == "world") {
+        if (!child.children.empty()) {
+          Warn(child, "the link 'world' is the world itself: what it has is left out; give it another name");
+        }
+      } else if (child.name == "link") {
         model.children.push_back(Link(child));
       } else if (child.name == "joint") {
         if (auto joint = Joint(child)) model.children.push_back(std::move(*joint));
@@ -38,7 +44,7 @@ class UrdfConverter {
         if (!child.Has("reference")) {
           for (const XmlNode& inner : child.children) model.children.push_back(inner);
         }
-      } else if (child.name != "material" && child.name != "transmission") {
+      } else if (child.name != "material") {
         Warn(child, "<" + child.name + "> in <robot> is not used by coopdyn");
       }
     }
@@ -166,6 +172,7 @@ class UrdfConverter {
            "joint '" + name + "' of type floating is left out: a robot that is not fixed floats anyway");
       return std::nullopt;
     }
+    if (type == "spherical") type = "ball";  // Bullet's word
     if (type == "planar") {
       Warn(joint,
            "joint '" + name +
@@ -183,8 +190,7 @@ class UrdfConverter {
             "joint '" + name + "' needs <" + end + " link=\"…\"/> that names a link, not '" + link + "'");
     }
     // Its frame is written relative to the parent's.
-    out.Add("pose", PoseOf(joint))
-        .Set("relative_to", parent == "world" && !links_.contains("world") ? "__model__" : parent);
+    out.Add("pose", PoseOf(joint)).Set("relative_to", parent == "world" ? "__model__" : parent);
     out.Add("parent", parent);
     out.Add("child", child);
     if (type != "fixed" && type != "ball") out.children.push_back(Axis(joint));
@@ -224,8 +230,8 @@ class UrdfConverter {
                        DidYouMean(other, std::vector<std::string>(joints_.begin(), joints_.end())));
       return;
     }
-    Warn(mimic, "<mimic> is not supported: " + who + " moves by itself, not with '" + other +
-                    "'; command both, or write an SDF model with a joint of type gearbox");
+    Warn(mimic,
+         "<mimic> is not supported: " + who + " moves by itself, not with '" + other + "': command both");
   }
 
   const XmlNode& robot_;

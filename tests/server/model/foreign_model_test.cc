@@ -91,6 +91,14 @@ TEST(UrdfTest, AMimicOfNothingIsAnErrorWithItsLine) {
               HasSubstr("rig.urdf:7: error: <mimic> of joint 'turn' names no joint of this robot: 'tun'"));
 }
 
+TEST(UrdfTest, ALinkCalledWorldIsTheWorld) {
+  const auto [robot, messages] = ReadUrdf(
+      "<link name=\"world\"/>\n" + UrdfBox("base") +
+      "<joint name=\"hold\" type=\"fixed\"><parent link=\"world\"/><child link=\"base\"/></joint>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_TRUE(robot->fixed_base);
+}
+
 TEST(UrdfTest, AJointWithoutItsLinkIsAnError) {
   const auto [robot, messages] = ReadUrdf(UrdfBox("base") +
                                           "<joint name=\"turn\" type=\"continuous\"><parent link=\"base\"/>"
