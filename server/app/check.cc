@@ -56,30 +56,34 @@ bool IsRobotModel(const std::string& file) {
 
 constexpr const char* kAlone = "model";
 
-/// What is in a model: counts, mass, size, then joints and modules by name.
-std::string DescribeModel(const RobotModel& model) {
-  constexpr const char* kKinds[] = {"hinge", "slider", "ball", "universal"};
+std::string CountOf(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/// What is in a model, in lines: counts, mass, size, then joints and modules by name.
+std::vector<std::string> DescribeModel(const RobotModel& model) {
   double mass_kg = 0;
   for (std::size_t i = model.fixed_base ? 1 : 0; i < model.links.size(); ++i)
     mass_kg += model.links[i].mass_kg;
   const auto number = [](double value) { return FormatNumber(std::round(value * 1e4) / 1e4); };
-  std::string text = "robot " + model.type + ", " + std::to_string(model.links.size()) + " links, " +
-                     std::to_string(model.joints.size()) + " joints, " +
-                     std::to_string(model.sector_count()) + " distance sensors, " +
-                     std::to_string(model.modules().size()) + " modules; " +
-                     (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
-                     " kg, footprint radius " + number(model.footprint_radius_m) + " m, height " +
-                     number(model.height_m) + " m\n";
+  std::vector<std::string> lines = {
+      "robot " + model.type + ", " + CountOf(model.links.size(), "link") + ", " +
+      CountOf(model.joints.size(), "joint") + ", " + CountOf(model.sector_count(), "distance sensor") + ", " +
+      CountOf(model.modules().size(), "module") + "; " +
+      (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
+      " kg, footprint radius " + number(model.footprint_radius_m) + " m, height " + number(model.height_m) +
+      " m"};
   for (const JointModel& joint : model.joints) {
-    text += "  joint " + joint.name + ": " + kKinds[static_cast<std::size_t>(joint.kind)];
+    std::string text = "  joint " + joint.name + ": ";
+    text += joint.kind == JointModel::Kind::kSlider ? "slider" : "hinge";
     if (joint.has_stop()) text += ", from " + number(joint.lower) + " to " + number(joint.upper);
     if (joint.max_effort > 0 && std::isfinite(joint.max_effort))
       text += ", effort " + number(joint.max_effort);
-    text += "\n";
+    lines.push_back(std::move(text));
   }
   for (const ModuleModel& module : model.modules())
-    text += "  module " + module.name + " (" + module.type + ")\n";
-  return text;
+    lines.push_back("  module " + module.name + " (" + module.type + ")");
+  return lines;
 }
 
 /// Checks one file; null, or its first frame for a picture.
@@ -87,7 +91,9 @@ FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& d
   if (IsRobotModel(file)) {
     const auto model = ReadRobotModel(file, robots.path(), diagnostics);
     if (model == nullptr || diagnostics.has_errors()) return nullptr;
-    Print("{}: {}", file, DescribeModel(*model));
+    const std::vector<std::string> lines = DescribeModel(*model);
+    Print("{}: {}\n", file, lines.front());
+    for (std::size_t i = 1; i < lines.size(); ++i) Print("{}\n", lines[i]);
     // A picture shows it on the floor of a world of its own.
     RobotLibrary own(robots.path());
     own.Add(kAlone, model);

@@ -40,6 +40,10 @@ class JointReader {
       case sdf::JointType::REVOLUTE:
       case sdf::JointType::CONTINUOUS:
         return Kind::kHinge;
+      case sdf::JointType::UNIVERSAL:
+        return Kind::kUniversal;
+      case sdf::JointType::BALL:
+        return Kind::kBall;
       default:
         return std::nullopt;
     }
@@ -74,7 +78,8 @@ class JointReader {
     const bool fixed = joint.Type() == sdf::JointType::FIXED;
     const std::optional<Kind> kind = KindOf(joint.Type());
     if (!fixed && !kind) {
-      reading_.Complain(line, what + " must be of type revolute, continuous, prismatic or fixed",
+      reading_.Complain(line,
+                        what + " must be of type revolute, continuous, prismatic, universal, ball or fixed",
                         "it is taken as fixed");
       if (!reading_.source.foreign) return;
     }

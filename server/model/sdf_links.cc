@@ -173,13 +173,14 @@ class LinkReader {
     }
     const double mu = element->HasElement("mu") ? element->Get<double>("mu") : 1;
     const double mu2 = element->HasElement("mu2") ? element->Get<double>("mu2") : mu;
-    if (!std::isfinite(mu) || mu < 0 || mu > 1e3) {
+    constexpr double kMost = 1e3;  // nothing slips before; many models write more
+    if (!std::isfinite(mu) || mu < 0) {
       reading_.Error(LineOf(element), "<mu> must be a number from 0 to 1000");
     } else if (mu2 != mu) {
       reading_.Warn(LineOf(element),
                     "<mu2> is not used: friction is " + FormatNumber(mu) + " in all directions");
     }
-    return mu;
+    return std::min(mu, kMost);
   }
 
   double RestitutionOf(const sdf::Collision& collision) {

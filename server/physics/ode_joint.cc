@@ -25,15 +25,31 @@ void Push(dJointID joint, double effort) {
 }  // namespace
 
 dJointID MakeJoint(dWorldID world, const JointModel& of, const std::vector<dBodyID>& bodies) {
+  dBodyID parent = bodies[static_cast<std::size_t>(of.parent)],
+          child = bodies[static_cast<std::size_t>(of.child)];
+  const Vector3 &p = of.p_RJ, &a = of.axis_R, &b = of.axis2_R;
+  if (of.kind == JointModel::Kind::kBall) {
+    dJointID ball = dJointCreateBall(world, nullptr);
+    dJointAttach(ball, child, parent);
+    dJointSetBallAnchor(ball, p.x(), p.y(), p.z());
+    return ball;
+  }
+  if (of.kind == JointModel::Kind::kUniversal) {
+    dJointID universal = dJointCreateUniversal(world, nullptr);
+    dJointAttach(universal, parent, child);  // the first axis is the parent's
+    dJointSetUniversalAnchor(universal, p.x(), p.y(), p.z());
+    dJointSetUniversalAxis1(universal, a.x(), a.y(), a.z());
+    dJointSetUniversalAxis2(universal, b.x(), b.y(), b.z());
+    return universal;
+  }
   const bool slides = of.kind == JointModel::Kind::kSlider;
   dJointID joint = slides ? dJointCreateSlider(world, nullptr) : dJointCreateHinge(world, nullptr);
-  dJointAttach(joint, bodies[static_cast<std::size_t>(of.child)],
-               bodies[static_cast<std::size_t>(of.parent)]);  // so that its rate is the child's
+  dJointAttach(joint, child, parent);  // so that its rate is the child's
   if (slides) {
-    dJointSetSliderAxis(joint, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
+    dJointSetSliderAxis(joint, a.x(), a.y(), a.z());
   } else {
-    dJointSetHingeAnchor(joint, of.p_RJ.x(), of.p_RJ.y(), of.p_RJ.z());
-    dJointSetHingeAxis(joint, of.axis_R.x(), of.axis_R.y(), of.axis_R.z());
+    dJointSetHingeAnchor(joint, p.x(), p.y(), p.z());
+    dJointSetHingeAxis(joint, a.x(), a.y(), a.z());
   }
   // Twice: ODE takes a lower stop only if it is not above the upper one, and the other way round.
   for (int i = 0; i < 2; ++i) {

@@ -199,7 +199,7 @@ TEST(JointsReaderTest, MistakesInGroupsSayWhatToWrite) {
 TEST(JointsReaderTest, MistakesAreNamedWithTheirLine) {
   const std::string links = Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0");
   const auto said = [&](const std::string& joints) { return ReadParts(links + joints).messages; };
-  EXPECT_THAT(said(Joint("j", "ball", "a", "b")),
+  EXPECT_THAT(said(Joint("j", "screw", "a", "b", kUp)),
               HasSubstr("rig/model.sdf:4: error: joint 'j' must be of type"));
   EXPECT_THAT(said(Joint("j", "revolute", "world", "b", kUp)),
               HasSubstr("link 'a' hangs on no joint that leads to link 'world'"));

@@ -118,6 +118,38 @@ TEST_P(JointsTest, APendulumSwingsWithItsPeriod) {
   EXPECT_NEAR(last_s / (9.75 * period_s), 1, 2e-3);
 }
 
+TEST_P(JointsTest, ABallTurnsAboutEachAxis) {
+  for (const bool along_x : {false, true}) {
+    scene_ = PhysicsScene();
+    RobotModel model = Pendulum(0.5, 0.3, 0.02);
+    if (along_x) model.links[1].X_RL.p = {0, model.links[1].X_RL.p.x(), model.links[1].X_RL.p.z()};
+    model.joints[0].kind = JointModel::Kind::kBall;
+    Add(model);
+    scene_.RunFor(kPi * std::sqrt((0.02 + 0.25) / (kGravity_m_s2 * 0.5)));  // half a period, nearly
+    const Vector3 p = Where(1).p;
+    EXPECT_NEAR(along_x ? p.y() : p.x(), 0.5 * std::sin(0.3), 0.01);
+    EXPECT_NEAR((p - Vector3(0, 0, 3)).norm(), 0.5, 1e-3);
+  }
+}
+
+TEST_P(JointsTest, AUniversalJointKeepsItsChildFromTwisting) {
+  RobotModel model = Pendulum(0.5, 0.3, 0.02);
+  model.links[1].X_RL.p.y() = -0.1;
+  model.joints[0].kind = JointModel::Kind::kUniversal;
+  model.joints[0].axis_R = Vector3::UnitX();
+  model.joints[0].axis2_R = Vector3::UnitY();
+  Add(model);
+  double most = 0;
+  for (int i = 0; i < static_cast<int>(1 / step_s()); ++i) {
+    scene_.Run(1);
+    const Matrix3 R = Where(1).q.toRotationMatrix();
+    // The first axis stays the base's, the second one the child's, at right angles.
+    most = std::max(most, std::abs(Vector3::UnitX().dot(R * Vector3::UnitY())));
+  }
+  EXPECT_LT(most, 2e-3);
+  EXPECT_GT(std::abs(Where(1).p.x() + 0.5 * std::sin(0.3)), 0.05);
+}
+
 TEST_P(JointsTest, ADoublePendulumKeepsItsEnergy) {
   RobotModel model = Pendulum(0.5, 0, 0.01);
   model.links[1].X_RL.p = {-0.5, 0, 3};
