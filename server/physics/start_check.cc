@@ -38,9 +38,11 @@ double DepthOfPair(Collider& collider, const Actor& a, const Actor& b) {
   return depth;
 }
 
+/// What stands fixed in the world may reach below the floor.
 double DepthBelowFloor(const Actor& actor) {
   double below = 0;
   for (std::size_t i = 0; i < actor.parts().size(); ++i) {
+    if (actor.thing.mechanism->fixed_base && actor.parts()[i].body == 0) continue;
     const PlacedPart part = actor.Place(i);
     if (const Mesh* mesh = std::get_if<Mesh>(&part.part->shape)) {
       for (const Vector3& v : mesh->data->vertices) below = std::max(below, -part.place().point(v).z());

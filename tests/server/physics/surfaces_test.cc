@@ -69,6 +69,16 @@ TEST_P(SurfacesTest, WithoutRestitutionABallStaysDown) {
   EXPECT_NEAR(scene_.robot(0).p.z(), 0.1, 2e-3);
 }
 
+TEST_P(SurfacesTest, WhatIsFixedMayReachBelowTheFloor) {
+  RobotModel post = Body("post", Box{{0.2, 0.2, 2}}, 1);
+  post.fixed_base = true;
+  Add(post, At(0, 0, 0.5));
+  scene_.Build();
+  EXPECT_EQ(scene_.diagnostics().ToString(), "");
+  scene_.RunFor(0.1);
+  EXPECT_EQ(scene_.robot(0).p.z(), 0.5);
+}
+
 TEST_P(SurfacesTest, ACapsuleLiesOnItsSide) {
   Add(Body("capsule", Capsule{0.1, 0.4}, 1), {{0, 0, 0.1}, FromRollPitchYaw(0, std::acos(0.0), 0)});
   scene_.RunFor(2);
