@@ -1,5 +1,6 @@
 """Control boards over raw sockets: two arms of one model, by words and by numbers, recorded and repeated."""
 import math
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -141,6 +142,39 @@ class JointsTest(unittest.TestCase):
             simulation.must("restore middle")
             arm.must("ready 50")
             self.assertEqual(arm.must("get_joints").data[:6], first)
+
+
+class EncoderTest(unittest.TestCase):
+    def arm_with(self, attributes):
+        """A daemon with one arm whose encoders are like this."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        text = (Path(__file__).parent / "robots/elbow/model.sdf").read_text()
+        model = Path(folder.name) / "elbow/model.sdf"
+        model.parent.mkdir()
+        model.write_text(text.replace('name="arm"', f'name="arm" {attributes}'))
+        return Daemon(arms(), env={"COOPDYN_PATH": folder.name})
+
+    def test_positions_come_in_steps_of_the_resolution(self):
+        with self.arm_with('encoder_resolution="0.01"') as daemon:
+            arm = daemon.text("/arm1/arm")
+            arm.must("set_velocities 0.5 0.3")
+            for _ in range(20):
+                arm.must("ready")
+                for position in arm.must("get_joints").data[0:6:3]:
+                    self.assertAlmostEqual(position / 0.01, round(position / 0.01), places=6)
+
+    def test_noise_is_new_in_each_step_and_the_same_for_all_who_read(self):
+        with self.arm_with('encoder_noise_stddev="0.02"') as daemon:
+            arm, other = daemon.text("/arm1/arm"), daemon.text("/arm1/arm")
+            readings = []
+            for _ in range(100):
+                arm.must("ready")
+                readings.append(arm.must("get_joints").data[0])
+                self.assertEqual(other.must("get_joints").data[0], readings[-1])
+            mean = sum(readings) / len(readings)
+            spread = math.sqrt(sum((r - mean) ** 2 for r in readings) / len(readings))
+            self.assertAlmostEqual(spread, 0.02, delta=0.008)
 
 
 class RecordedJointsTest(RecordingTestCase):
