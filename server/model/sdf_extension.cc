@@ -281,6 +281,10 @@ class ExtensionReader {
       if (module.name == name)
         attributes.Error("there are two modules '" + name + "': give one another name");
     }
+    if (*type == "joints") {
+      attributes.Error("joints need no module: <coopdyn:group name=\"arm\" joints=\"…\"/> makes one");
+      return;
+    }
     if (*type != "motors") {
       sensors_.AddModule(attributes, *type, name);
       return;

@@ -8,7 +8,7 @@ namespace coopdyn {
 RobotCore::RobotCore(const RobotEntry& entry, const RobotServices& services, StepInbox::Post post,
                      const StepInbox::Post& hand_over)
     : name_(entry.name),
-      type_(entry.model->type),
+      model_(entry.model),
       services_(services),
       inbox_(services.board, services.frames, std::move(post), hand_over) {
   for (const ModuleModel& module : entry.model->modules()) {
@@ -21,8 +21,7 @@ int RobotCore::IndexIn(const Frame& frame) {
   if (frame.scene != scene_) {
     scene_ = frame.scene;
     index_ = scene_->FindRobot(name_);
-    if (index_ >= 0 && scene_->robots[static_cast<std::size_t>(index_)].entry.model->type != type_)
-      index_ = -1;
+    if (index_ >= 0 && !Is(*scene_->robots[static_cast<std::size_t>(index_)].entry.model)) index_ = -1;
   }
   return index_;
 }

@@ -26,7 +26,7 @@ class Robot {
   Robot& operator=(const Robot&) = delete;
 
   const std::string& name() const { return core_.name(); }
-  const std::string& type() const { return core_.type(); }
+  bool Is(const RobotModel& model) const { return core_.Is(model); }
   std::size_t module_count() const { return modules_.size(); }
   /// "/robot1/motors"
   const std::string& module_path(std::size_t module) const { return modules_[module]->path(); }

@@ -41,7 +41,10 @@ class RobotCore {
             const StepInbox::Post& hand_over);
 
   const std::string& name() const { return name_; }
-  const std::string& type() const { return type_; }
+  /// It is a robot of this model: a scenario may have another one of the same type.
+  bool Is(const RobotModel& model) const {
+    return &model == model_.get() || (model.type == model_->type && model.text == model_->text);
+  }
   const RobotServices& services() const { return services_; }
   StepInbox& inbox() { return inbox_; }
   /// In the model's order, and their names.
@@ -52,7 +55,8 @@ class RobotCore {
   int IndexIn(const Frame& frame);
 
  private:
-  const std::string name_, type_;
+  const std::string name_;
+  const std::shared_ptr<const RobotModel> model_;  // that the devices look at
   const RobotServices& services_;
   std::vector<std::unique_ptr<Device>> devices_;
   std::vector<std::string> module_names_;

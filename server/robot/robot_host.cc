@@ -79,7 +79,7 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const RobotEntry& entry = scene.robots[i].entry;
     const auto found = before.find(entry.name);
-    if (found == before.end() || found->second->type() != entry.model->type) continue;
+    if (found == before.end() || !found->second->Is(*entry.model)) continue;
     kept[i] = std::move(found->second);
     before.erase(found);
   }

@@ -196,6 +196,11 @@ TEST(JointsReaderTest, MistakesInGroupsSayWhatToWrite) {
               HasSubstr("belongs to another group"));
 }
 
+TEST(JointsReaderTest, AModuleOfJointsIsWrittenAsAGroup) {
+  EXPECT_THAT(ReadParts(TwoMotors() + "<coopdyn:module type=\"joints\"/>").messages,
+              HasSubstr("<coopdyn:group name=\"arm\""));
+}
+
 TEST(JointsReaderTest, MistakesAreNamedWithTheirLine) {
   const std::string links = Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0");
   const auto said = [&](const std::string& joints) { return ReadParts(links + joints).messages; };

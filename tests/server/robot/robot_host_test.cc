@@ -130,6 +130,24 @@ TEST_F(RobotHostTest, BringsUpEveryModuleWithNameAndPort) {
   EXPECT_EQ(host->thread_count(), 2u);
 }
 
+TEST_F(RobotHostTest, ARobotOfAnotherModelOfItsTypeIsMadeAnew) {
+  const auto host = Start(Options());
+  TestClient client = Connect("/robot1/motors");
+  client.Send("get_limits\n");
+  EXPECT_THAT(client.Line(), HasSubstr("10.0 0.1 0.4"));
+  auto scenario = std::make_shared<Scenario>(*SmallScenario(2));
+  auto model = std::make_shared<RobotModel>(*scenario->robots[0].model);
+  model->text = "another";
+  std::get<DriveModel>(model->actuators[0].kind).max_wheel_speed_rad_s = 20;
+  scenario->robots[0].model = std::move(model);
+  Load(std::move(scenario));
+  EXPECT_EQ(host->Apply(scene(), false), "");
+  EXPECT_THAT(client.Line(), HasSubstr("is not in the new scenario"));
+  TestClient again = Connect("/robot1/motors");
+  again.Send("get_limits\n");
+  EXPECT_THAT(again.Line(), HasSubstr("20.0 0.1 0.4"));
+}
+
 TEST_F(RobotHostTest, AnswersOverItsSocketAndRunsAStep) {
   world_.StepInline();
   Load(SmallScenario(1));
@@ -211,7 +229,7 @@ TEST_F(RobotHostTest, RobotOfAnotherTypeIsANewOne) {
   scenario->robots[0].model = SmallModel("other");
   Load(scenario);
   ASSERT_EQ(host->Apply(scene(), false), "");
-  EXPECT_EQ(host->robots()[0]->type(), "other");
+  EXPECT_TRUE(host->robots()[0]->Is(*scene().robots[0].entry.model));
   EXPECT_EQ(client.Line().substr(0, 2), "0 ") << "a closing notice";
   EXPECT_EQ(world_.board.Owners()[0].id, 0u);
 }
