@@ -9,7 +9,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kStateVersion = 3;
+constexpr std::uint8_t kStateVersion = 3, kWithoutControls = 2;
 constexpr std::size_t kBodyBytes = (3 + 4 + 9 + 3 + 3) * 8 + 8;
 constexpr std::size_t kSetpointBytes = 1 + 8, kChannelStateBytes = 2 * 8 + kSetpointBytes;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
@@ -57,9 +57,10 @@ bool IsStepLength(Nanoseconds length) {
   return length >= kMinStep && length <= kMaxStep;
 }
 
-/// All of `state` and its frame; when it is read, without what the scene must say of it.
+/// All of `state` and its frame, as `version` has them; when it is read, without what the scene must say of
+/// it.
 template <typename Codec>
-void CodeState(Codec& codec, auto& state, auto& frame) {
+void CodeState(Codec& codec, auto& state, auto& frame, std::uint64_t version) {
   codec.Word(state.mode, Mode::kFree);
   codec.Bool(state.paused);
   codec.Number(frame.epoch);
@@ -71,7 +72,9 @@ void CodeState(Codec& codec, auto& state, auto& frame) {
   codec.Number(frame.solver_seed);
   codec.List(frame.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
   codec.List(frame.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
-  codec.List(frame.controls, 8 * JointControl::kDoubles, [&codec](auto& one) { CodeControl(codec, one); });
+  if (version != kWithoutControls) {
+    codec.List(frame.controls, 8 * JointControl::kDoubles, [&codec](auto& one) { CodeControl(codec, one); });
+  }
   codec.List(frame.commanded, 1, [&codec](auto& commanded) { codec.Number(commanded); });
   codec.List(frame.messages, kMessageBytes, [&codec](auto& sent) { CodeSent(codec, sent); });
   codec.Bytes(state.controllers);
@@ -111,7 +114,7 @@ std::vector<std::byte> EncodeState(const SavedState& state) {
                 frame.messages.size() * sizeof(SentMessage) + state.controllers.size());
   ByteWriter writer(bytes);
   writer.Number(kStateVersion);
-  CodeState(writer, state, frame);
+  CodeState(writer, state, frame, kStateVersion);
   return bytes;
 }
 
@@ -119,8 +122,9 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
   auto state = std::make_shared<SavedState>();
   auto frame = std::make_shared<Frame>();
   ByteReader reader(bytes);
-  if (reader.Low(1) != kStateVersion) return nullptr;
-  CodeState(reader, *state, *frame);
+  const std::uint64_t version = reader.Low(1);
+  if (version != kStateVersion && version != kWithoutControls) return nullptr;
+  CodeState(reader, *state, *frame, version);
   if (!reader.finished() || !Fits(*state, *frame, *scene)) return nullptr;
   frame->scene = std::move(scene);
   state->frame = std::move(frame);

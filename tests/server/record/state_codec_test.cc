@@ -88,6 +88,20 @@ TEST(StateCodecTest, WhatNoEditHasChangedStaysUnsaid) {
   EXPECT_TRUE(read->setpoints.empty());
 }
 
+TEST(StateCodecTest, AStateOfVersion2HasNoControlBoards) {
+  FrameMaker maker(RecordScene());
+  const SavedState state = FullState(maker);
+  std::vector<std::byte> bytes = EncodeState(state);
+  bytes[0] = std::byte{2};
+  // The list of controls, here an empty one, stands behind head, bodies and channels.
+  const std::size_t at = 59 + 4 + 184 * state.frame->bodies.size() + 4 + 25 * state.frame->channels.size();
+  bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+              bytes.begin() + static_cast<std::ptrdiff_t>(at + 4));
+  const SavedStatePtr read = DecodeState(bytes, maker.scene());
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(EncodeState(*read), EncodeState(state));
+}
+
 TEST(StateCodecTest, AStateOfAnotherSceneIsRefused) {
   FrameMaker maker(RecordScene());
   const std::vector<std::byte> bytes = EncodeState(FullState(maker));
