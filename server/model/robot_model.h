@@ -48,7 +48,7 @@ struct FrameModel {
 /// An axis about which (hinge: rad, N m), or along which (slider: m, N), the child moves against its parent.
 /// Ball and universal joints turn freely about a point; nothing drives them.
 struct JointModel {
-  enum class Kind { kHinge, kSlider, kBall, kUniversal };
+  enum class Kind { kHinge, kSlider, kBall, kUniversal, kScrew };
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   std::string name;
@@ -64,11 +64,17 @@ struct JointModel {
   double friction = 0;   // Coulomb: effort
   double stiffness = 0;  // of a spring: effort per way from `rest`
   double rest = 0;
+  double pitch_m_rad = 0;  // of a screw: way along the axis per radian
 
-  bool has_axis() const { return kind == Kind::kHinge || kind == Kind::kSlider; }
+  bool has_axis() const { return kind != Kind::kBall && kind != Kind::kUniversal; }
   /// A spring, a damper or friction works on it.
   bool is_resisted() const { return damping > 0 || friction > 0 || stiffness > 0; }
   bool has_stop() const { return lower > -kInfinity || upper < kInfinity; }
+};
+
+struct CouplingModel {
+  int follower = 0, leader = 0;
+  double multiplier = 1, offset = 0;
 };
 
 /// Two motorised wheels on one axle, which crosses R's z axis. A positive speed of a wheel drives forward.
@@ -220,6 +226,7 @@ struct RobotModel {
   std::vector<LinkModel> links;                         // links[0] is the chassis, the base of an arm
   bool fixed_base = false;                              // links[0] is fixed to the world
   std::vector<JointModel> joints;
+  std::vector<CouplingModel> couplings;
   std::vector<FrameModel> frames;
   std::vector<ActuatorModel> actuators;
   std::vector<SensorModel> sensors;  // kind by kind, in the order of SensorKind; AddSensor() keeps it

@@ -16,9 +16,6 @@ namespace coopdyn {
 /// make a crowd 1.5 times as dear).
 inline constexpr int kMaxDirectRows = 120;
 inline constexpr int kRobotSurcharge = 12;
-/// Legs and arms are always solved exactly, alone or a few robots that touch: the iterative solver lets their
-/// joints drift apart. So of their joints' rows only this share counts.
-inline constexpr int kLimbRowShare = 6;
 inline constexpr int kQuickIterations = 40;
 
 /// Union-find over the moving things. Reused from substep to substep.

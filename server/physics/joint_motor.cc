@@ -105,7 +105,7 @@ int MetStop(const JointModel& joint, const JointPlace& place, bool servo, double
 JointRow StopRow(const JointModel& joint, const JointPlace& place, int stop, double effort) {
   JointRow row;
   row.stop = stop;
-  row.depth = std::max(0.0, stop < 0 ? joint.lower - place.position : place.position - joint.upper);
+  row.gap = stop < 0 ? place.position - joint.lower : joint.upper - place.position;
   row.effort = effort;
   return row;
 }

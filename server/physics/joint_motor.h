@@ -22,7 +22,7 @@ struct JointRow {
   double max_effort = 0;
   double softness = 0;  // velocity per effort
   int stop = 0;         // −1 or 1: the lower or upper stop holds it
-  double depth = 0;     // so far beyond it
+  double gap = 0;       // to the stop; negative: so far beyond it
   double effort = 0;    // besides, whatever the velocity
 };
 

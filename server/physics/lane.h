@@ -11,23 +11,18 @@
 #include <vector>
 
 #include "server/physics/contacts.h"
-#include "server/physics/joint_motor.h"
 #include "server/physics/ode.h"
-#include "server/physics/ode_joint.h"
+#include "server/physics/surface.h"
 #include "server/physics/things.h"
 
 namespace coopdyn {
 
 class Lane {
  public:
-  struct Settings {
-    double gravity_m_s2 = 9.81;
-    double floor_friction = 1;
-  };
   enum class Solver { kDirect, kIterative };
 
   /// @pre `things` outlives it.
-  Lane(const Things& things, const Settings& settings);
+  Lane(const Things& things, const WorldSettings& settings);
   ~Lane();
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;
@@ -38,24 +33,19 @@ class Lane {
 
   /// Makes room for these things together. Before they are loaded.
   void Reserve(std::span<const std::uint32_t> members);
-  /// Lends `thing` bodies in the state of `actor` for a step of `dt_s`; `channels`: of it, with what its
-  /// motors are to do, and `rows`: of the joints of its control boards. They outlive the loan.
-  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels,
-            std::span<const JointRow> rows, double dt_s);
-  /// Makes contact joints between A and B (-1: the floor). A thing that is not loaded counts as static.
-  /// Friction: the slippier of the two decides (the smaller coefficient). Nothing bounces.
+  /// Lends `thing` bodies in the state of `actor`; `channels`: of it, with what its motors are to do. They
+  /// outlive the loan. @pre it has no limbs
+  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels);
+  /// Makes contact joints between A and B (null: the floor). A thing that is not loaded counts as static.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
             std::uint32_t index_b, double dt_s);
   /// Advances what is loaded. Throws OdeError; then the lane must be Reset().
   void Step(Solver solver, double dt_s);
   /// The exact state of body `body` of a loaded thing; its sleep counter is 0.
   BodyState Read(std::uint32_t thing, std::size_t body) const;
-  /// Speed of a joint of a loaded thing, rad/s or m/s.
+  /// Rate of a wheel of a loaded thing, rad/s, and the effort of its motor in the last step, N m.
   double JointRate(std::uint32_t thing, std::size_t joint) const;
-  /// Its position, rad or m, beyond ±π too: the one nearest to `last`.
-  double JointPosition(std::uint32_t thing, std::size_t joint, double last) const;
-  /// Effort of a motorised joint in the last step, N m or N.
-  double JointEffort(std::uint32_t thing, const Joint& joint) const;
+  double JointEffort(std::uint32_t thing, std::size_t joint) const;
   /// Takes all bodies back.
   void Unload();
   /// A new world after ODE threw: its memory is not to be trusted.
@@ -70,7 +60,6 @@ class Lane {
     std::vector<dJointID> joints;
     std::vector<dJointID> motors;              // by channel; null: none
     std::unique_ptr<dJointFeedback[]> forces;  // of `motors`
-    std::vector<JointLever> levers;            // likewise, of control boards
     const Mechanism* loaded = nullptr;         // whose masses they have
     std::span<const ChannelState> channels;    // of the thing that it is lent to
   };
@@ -82,14 +71,9 @@ class Lane {
   void Build();
   Loan MakeLoan(const Mechanism* mechanism);
   dBodyID BodyOf(std::uint32_t thing, const Part& part) const;
-  void JoinParts(const FoundContact& found, const Actor& actor_a, const Actor* actor_b, dBodyID a, dBodyID b,
-                 bool flat, double dt_s);
-  void JoinWheel(const FoundContact& found, const Actor& robot, std::uint32_t index, dBodyID body,
-                 dBodyID other, int sign, double dt_s);
-  void Attach(dContact& contact, const ContactPoint& point, dBodyID a, dBodyID b, double dt_s);
 
   const Things& things_;
-  const Settings settings_;
+  const WorldSettings settings_;
   Collider collider_;
   std::vector<FoundContact> scratch_;
   OdeThreadingPtr threading_;  // of this world alone: ODE's shared one would tie worlds together

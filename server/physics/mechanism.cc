@@ -108,12 +108,21 @@ void AddLinks(Mechanism& robot) {
     Joint joint;
     joint.model = &model.joints[j];
     AddMotor(model, j, joint);
-    const bool has_row = joint.channel >= 0 || joint.model->is_resisted() || joint.model->has_stop();
-    robot.joint_rows += has_row ? 6 : 5;
+    robot.joint_rows += 6;
     robot.joints.push_back(joint);
   }
   robot.fixed_base = model.fixed_base;
   if (model.has_limbs()) robot.limb_radii_m.resize(robot.bodies.size());
+}
+
+LimbTree TreeOf(const Mechanism& mechanism) {
+  std::vector<JointModel> joints;
+  std::vector<bool> is_driven;
+  for (const Joint& joint : mechanism.joints) {
+    joints.push_back(*joint.model);
+    is_driven.push_back(joint.channel >= 0);
+  }
+  return MakeLimbTree(mechanism.bodies.size(), joints, is_driven, mechanism.fixed_base);
 }
 
 /// A part of a robot that stands at the origin.
@@ -176,11 +185,19 @@ Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_fri
   if (!robot.one_body()) {
     robot.radius_m += kHingeSlack_m;
     robot.reach_m += kHingeSlack_m;
+    robot.tree = TreeOf(robot);
     return robot;
   }
+  robot.tree = TreeOf(robot);
   std::string why;
   if (const auto wheels = FindWheels(model, why)) {
     robot.drive = MakeDrive(robot, *wheels, floor_friction, gravity_m_s2);
+  }
+  if (robot.planar()) {
+    // Nothing tilts it.
+    constexpr double kUntiltable_kg_m2 = 1e6;
+    Matrix3& I = robot.bodies.front().inertia_kg_m2;
+    I = Vector3(kUntiltable_kg_m2, kUntiltable_kg_m2, I(2, 2)).asDiagonal();
   }
   return robot;
 }
@@ -192,6 +209,7 @@ Mechanism MakeObject(const WorldObject& object) {
   mechanism.parts = {part};
   if (!object.is_static()) {
     mechanism.bodies = {{object.mass_kg, SolidInertia(object.shape, object.mass_kg).asDiagonal(), {}}};
+    mechanism.tree = TreeOf(mechanism);
   }
   return mechanism;
 }

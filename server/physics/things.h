@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/base/diagnostics.h"
+#include "server/physics/limb_tree.h"
 #include "server/physics/wheel_drive.h"
 #include "server/state/frame.h"
 
@@ -40,7 +41,8 @@ struct Mechanism {
   std::vector<RigidBody> bodies;
   std::vector<Joint> joints;
   std::vector<Part> parts;
-  int joint_rows = 0;  // constraint rows of its joints, motors and stops
+  LimbTree tree;       // of `bodies`
+  int joint_rows = 0;  // constraint rows of its joints and motors
   int floor_rows = 0;  // of its contacts when it stands
 
   // Robots only.
@@ -58,6 +60,7 @@ struct Mechanism {
 
   bool one_body() const { return model != nullptr && fidelity != Fidelity::kFull; }
   bool planar() const { return fidelity == Fidelity::kPlanar; }
+  bool has_limbs() const { return !limb_radii_m.empty(); }
 };
 
 /// `model` on a floor with this friction. @pre masses and inertias are positive.

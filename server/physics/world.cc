@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The course of a substep, and what needs no ODE. What does is in world_solve.cc.
+// The course of a substep, and what needs no solver. What needs a solver is in world_solve.cc.
 #include "server/physics/world.h"
 
 #include <algorithm>
@@ -50,9 +50,9 @@ PhysicsWorld::PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t see
       channels_(scene_->channels.size()),
       controls_(StartControls(*scene_)),
       solver_seed_(SolverSeed(seed)) {
-  const Lane::Settings settings{scene_->scenario->simulation.gravity_m_s2, scene_->floor.friction};
+  const WorldSettings settings{scene_->scenario->simulation.gravity_m_s2, scene_->floor.friction};
   for (int i = 0; i < (pool == nullptr ? 1 : pool->threads()); ++i) {
-    lanes_.push_back(std::make_unique<Lane>(things_, settings));
+    solvers_.push_back(std::make_unique<Solvers>(things_, settings));
   }
   Fit();
 }
@@ -62,7 +62,10 @@ void PhysicsWorld::Rebuild(std::shared_ptr<const Scene> scene, const Frame& fram
   things_ = MakeThings(*scene, things_);
   scene_ = std::move(scene);
   bodies_ = frame.bodies;
-  for (const std::unique_ptr<Lane>& lane : lanes_) lane->Fit();
+  for (const std::unique_ptr<Solvers>& solvers : solvers_) {
+    solvers->lane.Fit();
+    solvers->limbs.Fit();
+  }
   Fit();
   Restore(frame);
 }

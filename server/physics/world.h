@@ -16,6 +16,7 @@
 #include "server/physics/broad_phase.h"
 #include "server/physics/islands.h"
 #include "server/physics/lane.h"
+#include "server/physics/limb_solver.h"
 #include "server/physics/rest.h"
 #include "server/physics/wheel_drive.h"
 #include "server/state/frame.h"
@@ -57,8 +58,17 @@ class PhysicsWorld {
  private:
   PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t seed, WorkerPool* pool);
 
-  /// Islands that are solved together in one lane.
+  /// What one thread solves islands with.
+  struct Solvers {
+    Solvers(const Things& things, const WorldSettings& settings)
+        : lane(things, settings), limbs(things, settings) {}
+    Lane lane;
+    LimbSolver limbs;
+  };
+  enum class Method { kDirect, kIterative, kLimbs };
+  /// Islands that are solved together; by kLimbs one.
   struct Batch {
+    Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
     std::vector<std::uint32_t> pairs;                           // index into pairs_, in order
     std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: thing and why
@@ -83,13 +93,22 @@ class PhysicsWorld {
   /// Groups who is handed to ODE into islands, and islands into batches.
   void MakeIslands();
   void MakeBatches();
-  Batch& NextBatch();
+  Batch& NextBatch(Method method);
+  bool HasLimbs(std::uint32_t root) const;
   void SolveAll(double dt_s);
-  /// Solves a batch; if ODE fails, again without the body that was fastest.
-  void SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s);
-  void LoadBatch(const Batch& batch, Lane& lane, double dt_s);
-  void ReadBatch(Batch& batch, const Lane& lane, double dt_s);
-  void ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s);
+  /// Solves a batch; if that fails, again without the body that was fastest.
+  void SolveBatch(Batch& batch, Solvers& solvers, double dt_s);
+  /// Why it failed.
+  std::optional<std::string> TryBatch(const Batch& batch, Solvers& solvers, double dt_s);
+  /// False: nothing moves.
+  bool FreezeFastest(std::string why, Batch& batch);
+  // `solver`: a Lane or a LimbSolver.
+  template <typename Solver>
+  void LoadBatch(const Batch& batch, Lane& lane, Solver& solver, double dt_s);
+  template <typename Solver>
+  void ReadBatch(Batch& batch, const Solver& solver, double dt_s);
+  template <typename Solver>
+  void ReadChannels(std::uint32_t thing, const Solver& solver, double dt_s);
   /// Lists the joints of control boards.
   void FitBoards();
   /// Takes the set-points of a step; who gets other ones wakes.
@@ -139,7 +158,7 @@ class PhysicsWorld {
   Things things_;
   std::optional<BroadPhase> broad_phase_;  // always there
   Islands islands_;
-  std::vector<std::unique_ptr<Lane>> lanes_;  // one a thread; the first also has the large islands
+  std::vector<std::unique_ptr<Solvers>> solvers_;  // one a thread; the first also has the large islands
   // All that the next step depends on, besides the scene and the set-points.
   std::vector<BodyState> bodies_;       // as Frame::bodies
   std::vector<ChannelState> channels_;  // as Frame::channels

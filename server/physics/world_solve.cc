@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What of a substep goes through ODE.
+// What of a substep goes through a solver: ODE, or that of limbs.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "server/physics/ode.h"
 #include "server/physics/rest.h"
@@ -48,7 +50,7 @@ void PhysicsWorld::Touch(double dt_s) {
 
 bool PhysicsWorld::FindPairContacts(double dt_s) {
   const std::size_t count = dynamic_count();
-  Collider& collider = lanes_.front()->collider();
+  Collider& collider = solvers_.front()->lane.collider();
   found_.clear();
   found_ends_.clear();
   bool settled = true;
@@ -84,15 +86,12 @@ void PhysicsWorld::MakeIslands() {
   std::vector<FoundContact> floor;
   for (const std::uint32_t i : active_) {
     const Mechanism& mechanism = *things_.all[i].mechanism;
-    const int joint_rows =
-        mechanism.limb_radii_m.empty() ? mechanism.joint_rows : mechanism.joint_rows / kLimbRowShare;
-    int rows = joint_rows + mechanism.floor_rows;
+    int rows = mechanism.joint_rows + mechanism.floor_rows;
     if (i >= things_.first_robot) {
-      // Passive joints are solved badly by iterations: such robots may share an island for longer.
-      if (mechanism.limb_radii_m.empty()) rows += kRobotSurcharge;
+      rows += kRobotSurcharge;
     } else {
       floor.clear();
-      FindFloorContacts(lanes_.front()->collider(), ActorOf(i), 0, floor);
+      FindFloorContacts(solvers_.front()->lane.collider(), ActorOf(i), 0, floor);
       for (const FoundContact& contact : floor) rows += RowsOf(contact);
     }
     islands_.Begin(i, rows);
@@ -111,9 +110,10 @@ void PhysicsWorld::MakeIslands() {
   islands_.List(active_);
 }
 
-PhysicsWorld::Batch& PhysicsWorld::NextBatch() {
+PhysicsWorld::Batch& PhysicsWorld::NextBatch(Method method) {
   if (batch_count_ == batches_.size()) batches_.emplace_back();
   Batch& batch = batches_[batch_count_++];
+  batch.method = method;
   batch.members.clear();
   batch.pairs.clear();
   batch.frozen.clear();
@@ -122,14 +122,17 @@ PhysicsWorld::Batch& PhysicsWorld::NextBatch() {
 
 void PhysicsWorld::MakeBatches() {
   batch_count_ = 0;
-  NextBatch();
+  NextBatch(Method::kIterative);
   std::size_t open = 0;  // 0: none
   for (const std::uint32_t root : islands_.roots()) {
     std::size_t at = 0;
-    if (islands_.RowsOf(root) <= kMaxDirectRows) {
+    if (HasLimbs(root)) {
+      at = batch_count_;
+      NextBatch(Method::kLimbs);
+    } else if (islands_.RowsOf(root) <= kMaxDirectRows) {
       if (open == 0 || batches_[open].members.size() >= kBatchThings) {
         open = batch_count_;
-        NextBatch();
+        NextBatch(Method::kDirect);
       }
       at = open;
     }
@@ -147,32 +150,37 @@ void PhysicsWorld::MakeBatches() {
   }
 }
 
+bool PhysicsWorld::HasLimbs(std::uint32_t root) const {
+  for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
+    if (things_.all[i].mechanism->has_limbs()) return true;
+  }
+  return false;
+}
+
 void PhysicsWorld::SolveAll(double dt_s) {
   Batch& large = batches_.front();
   if (!large.members.empty()) {
     // The iterative solver draws from ODE's only random generator, so it works alone.
     dRandSetSeed(static_cast<unsigned long>(solver_seed_));
-    SolveBatch(large, *lanes_.front(), Lane::Solver::kIterative, dt_s);
+    SolveBatch(large, *solvers_.front(), dt_s);
     solver_seed_ = dRandGetSeed();
   }
   const std::size_t small = batch_count_ - 1;
-  const auto solve = [&](std::size_t first, std::size_t end, Lane& lane) {
-    for (std::size_t i = first; i < end; ++i) {
-      SolveBatch(batches_[1 + i], lane, Lane::Solver::kDirect, dt_s);
-    }
+  const auto solve = [&](std::size_t first, std::size_t end, Solvers& solvers) {
+    for (std::size_t i = first; i < end; ++i) SolveBatch(batches_[1 + i], solvers, dt_s);
   };
   constexpr std::size_t kParallelFrom = 4;  // batches: some 100 µs
   if (pool_ == nullptr || small < kParallelFrom) {
-    solve(0, small, *lanes_.front());
+    solve(0, small, *solvers_.front());
   } else {
-    // Whichever thread comes first takes the next lane: all lanes give the same bits.
-    const std::size_t lanes = lanes_.size(), each = (small + 4 * lanes - 1) / (4 * lanes);
-    std::vector<std::atomic_flag> taken(lanes);
+    // Whichever thread comes first takes the next solvers: all give the same bits.
+    const std::size_t count = solvers_.size(), each = (small + 4 * count - 1) / (4 * count);
+    std::vector<std::atomic_flag> taken(count);
     pool_->For(small, each, [&](std::size_t first, std::size_t end) {
-      std::size_t lane = 0;
-      while (taken[lane].test_and_set(std::memory_order_acquire)) lane = (lane + 1) % lanes;
-      solve(first, end, *lanes_[lane]);
-      taken[lane].clear(std::memory_order_release);
+      std::size_t mine = 0;
+      while (taken[mine].test_and_set(std::memory_order_acquire)) mine = (mine + 1) % count;
+      solve(first, end, *solvers_[mine]);
+      taken[mine].clear(std::memory_order_release);
     });
   }
   for (std::size_t k = 0; k < batch_count_; ++k) {
@@ -185,39 +193,67 @@ void PhysicsWorld::SolveAll(double dt_s) {
   }
 }
 
-void PhysicsWorld::SolveBatch(Batch& batch, Lane& lane, Lane::Solver solver, double dt_s) {
+void PhysicsWorld::SolveBatch(Batch& batch, Solvers& solvers, double dt_s) {
   EnsureOde();
-  lane.Reserve(batch.members);
+  if (batch.method != Method::kLimbs) solvers.lane.Reserve(batch.members);
   while (true) {
-    try {
-      LoadBatch(batch, lane, dt_s);
-      lane.Step(solver, dt_s);
-      break;
-    } catch (const OdeError& error) {
-      lane.Reset();
-      std::uint32_t fastest = Islands::kNone;
-      double most = -1;
-      for (const std::uint32_t thing : batch.members) {
-        if (!moves_[thing]) continue;
-        for (const BodyState& body : BodiesOf(thing)) {
-          if (Violence(body) <= most) continue;
-          most = Violence(body);
-          fastest = thing;
-        }
-      }
-      if (fastest == Islands::kNone) return;
-      Freeze(fastest, error.what(), batch);
-    }
+    std::optional<std::string> why = TryBatch(batch, solvers, dt_s);
+    if (!why) break;
+    if (!FreezeFastest(std::move(*why), batch)) return;
   }
-  ReadBatch(batch, lane, dt_s);
-  lane.Unload();
+  if (batch.method == Method::kLimbs) {
+    ReadBatch(batch, solvers.limbs, dt_s);
+    solvers.limbs.Unload();
+  } else {
+    ReadBatch(batch, solvers.lane, dt_s);
+    solvers.lane.Unload();
+  }
 }
 
-void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
+std::optional<std::string> PhysicsWorld::TryBatch(const Batch& batch, Solvers& solvers, double dt_s) {
+  if (batch.method == Method::kLimbs) {
+    LoadBatch(batch, solvers.lane, solvers.limbs, dt_s);
+    if (solvers.limbs.Step(dt_s)) return std::nullopt;
+    solvers.limbs.Unload();
+    return "its joints and contacts have no solution";
+  }
+  try {
+    LoadBatch(batch, solvers.lane, solvers.lane, dt_s);
+    solvers.lane.Step(
+        batch.method == Method::kDirect ? Lane::Solver::kDirect : Lane::Solver::kIterative, dt_s);
+    return std::nullopt;
+  } catch (const OdeError& error) {
+    solvers.lane.Reset();
+    return error.what();
+  }
+}
+
+bool PhysicsWorld::FreezeFastest(std::string why, Batch& batch) {
+  std::uint32_t fastest = Islands::kNone;
+  double most = -1;
+  for (const std::uint32_t thing : batch.members) {
+    if (!moves_[thing]) continue;
+    for (const BodyState& body : BodiesOf(thing)) {
+      if (Violence(body) <= most) continue;
+      most = Violence(body);
+      fastest = thing;
+    }
+  }
+  if (fastest == Islands::kNone) return false;
+  Freeze(fastest, std::move(why), batch);
+  return true;
+}
+
+template <typename Solver>
+void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, Solver& solver, double dt_s) {
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
     const Thing& info = things_.all[thing];
-    lane.Load(thing, ActorOf(thing), ChannelsOf(info), JointRowsOf(info), dt_s);
+    if constexpr (std::is_same_v<Solver, Lane>) {
+      solver.Load(thing, ActorOf(thing), ChannelsOf(info));
+    } else {
+      solver.Load(thing, ActorOf(thing), ChannelsOf(info), JointRowsOf(info), dt_s);
+    }
   }
   std::vector<FoundContact>& floor = lane.scratch();
   for (const std::uint32_t thing : batch.members) {
@@ -225,37 +261,39 @@ void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, double dt_s) {
     const Actor actor = ActorOf(thing);
     floor.clear();
     FindFloorContacts(lane.collider(), actor, FloorGap(actor.thing, actor.bodies[0], dt_s), floor);
-    lane.Join(floor, actor, thing, nullptr, 0, dt_s);
+    solver.Join(floor, actor, thing, nullptr, 0, dt_s);
   }
   for (const std::uint32_t pair : batch.pairs) {
     const auto [a, b] = pairs_[pair];
     const Actor actor_a = ActorOf(a), actor_b = ActorOf(b);
-    lane.Join(ContactsOf(pair), actor_a, a, &actor_b, b, dt_s);
+    solver.Join(ContactsOf(pair), actor_a, a, &actor_b, b, dt_s);
   }
 }
 
-void PhysicsWorld::ReadBatch(Batch& batch, const Lane& lane, double dt_s) {
+template <typename Solver>
+void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
     const Thing& info = things_.all[thing];
     const std::span<BodyState> bodies = BodiesOf(thing);
     std::optional<std::string> why;
-    for (std::size_t k = 0; k < bodies.size() && !why; ++k) why = WhyInsane(lane.Read(thing, k));
+    for (std::size_t k = 0; k < bodies.size() && !why; ++k) why = WhyInsane(solver.Read(thing, k));
     if (why) {
       Freeze(thing, *why, batch);
       continue;
     }
     for (std::size_t k = info.mechanism->fixed_base ? 1 : 0; k < bodies.size(); ++k) {
       const std::uint64_t counter = bodies[k].sleep_counter;
-      bodies[k] = lane.Read(thing, k);
+      bodies[k] = solver.Read(thing, k);
       bodies[k].sleep_counter = counter;
     }
     if (info.mechanism->one_body() && info.mechanism->planar()) Flatten(bodies.front(), info.rest_z_m);
-    if (info.channel_count > 0) ReadChannels(thing, lane, dt_s);
+    if (info.channel_count > 0) ReadChannels(thing, solver, dt_s);
   }
 }
 
-void PhysicsWorld::ReadChannels(std::uint32_t thing, const Lane& lane, double dt_s) {
+template <typename Solver>
+void PhysicsWorld::ReadChannels(std::uint32_t thing, const Solver& solver, double dt_s) {
   const Thing& info = things_.all[thing];
   const std::span<ChannelState> channels = ChannelsOf(info);
   if (!info.mechanism->one_body()) {
@@ -263,10 +301,12 @@ void PhysicsWorld::ReadChannels(std::uint32_t thing, const Lane& lane, double dt
       const Joint& joint = info.mechanism->joints[i];
       if (joint.channel < 0) continue;
       ChannelState& channel = channels[static_cast<std::size_t>(joint.channel)];
-      const double last = channel.position;
-      Turn(channel, lane.JointRate(thing, i), dt_s);
-      if (joint.board != nullptr) channel.position = lane.JointPosition(thing, i, last);
-      channel.effort = lane.JointEffort(thing, joint);
+      [[maybe_unused]] const double last = channel.position;
+      Turn(channel, solver.JointRate(thing, i), dt_s);
+      if constexpr (std::is_same_v<Solver, LimbSolver>) {
+        if (joint.board != nullptr) channel.position = solver.JointPosition(thing, i, last);
+      }
+      channel.effort = solver.JointEffort(thing, i);
     }
   } else if (info.mechanism->drive) {
     const OneBodyDrive& drive = *info.mechanism->drive;

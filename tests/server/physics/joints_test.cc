@@ -172,7 +172,7 @@ TEST_P(JointsTest, ADoublePendulumKeepsItsEnergy) {
     scene_.Run(1);
     worst = std::max(worst, std::abs(energy_j() - before_j) / span_j);
   }
-  RecordProperty("drift", std::to_string(worst));
+  RecordProperty("drift", std::to_string(worst)); printf("drift %g\n", worst);
   EXPECT_LT(worst, 0.02 * GetParam());
 }
 

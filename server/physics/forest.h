@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// Bodies that hang on each other by joints, as trees in joint coordinates: their mass matrix, what moves them,
+// and what an impulse on a body does. Joints cannot drift, and the work grows with the number of bodies times
+// their depth. One thread at a time.
+//
+// R. Featherstone (2008), Rigid Body Dynamics Algorithms: the recursive Newton-Euler and composite rigid body
+// algorithms (tables 5.1 and 6.2) with spatial vectors in world axes about one point of each tree, and the
+// factorisation H = Lᵀ D L that keeps the branches' zeros (table 6.3). Only server/physics includes this file.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "server/physics/things.h"
+
+namespace coopdyn {
+
+/// Angular part (rad/s or N m) first, then linear (m/s or N).
+using Spatial = Eigen::Matrix<double, 6, 1>;
+
+/// Angle of a rotation about `axis`, in [-π, π].
+double AngleAbout(const Quaternion& q, const Vector3& axis);
+
+class Forest {
+  template <typename T>
+  static decltype(auto) at(T& of, int index) {
+    return of[static_cast<std::size_t>(index)];
+  }
+
+ public:
+  static constexpr int kNone = -1;
+
+  void Clear();
+  /// Adds a mechanism in the state of its bodies; returns its first node.
+  int Add(const Mechanism& mechanism, std::span<const BodyState> bodies);
+
+  int node_count() const { return static_cast<int>(nodes_.size()); }
+  int dof_count() const { return static_cast<int>(rates_.size()); }
+  /// The first degree of freedom of a node that has some; and the last one that moves it, kNone: it is fixed.
+  int FirstDof(int node) const { return at(nodes_, node).first_dof; }
+  int EndOf(int node) const { return at(nodes_, node).end; }
+  /// Degrees of freedom of the chain from the root to `dof`, this one included.
+  int ChainLength(int dof) const { return at(depths_, dof) + 1; }
+  /// The chain's degrees of freedom, from the root on.
+  std::span<const int> Chain(int dof) const {
+    return std::span(paths_).subspan(at(offsets_, dof), static_cast<std::size_t>(ChainLength(dof)));
+  }
+  /// How many degrees of freedom from the root on two chains share.
+  int SharedLength(int dof_a, int dof_b) const;
+  /// Position of a joint in the tree, in its own direction: m, or rad, wrapped unless it is a screw's; after
+  /// Move() where it has come to.
+  double Position(int node) const { return at(nodes_, node).position; }
+  /// Rates of the degrees of freedom at the beginning of the step.
+  const std::vector<double>& rates() const { return rates_; }
+
+  /// Computes the mass matrix, and the momentum that the rates of the step's end would give without rows.
+  void Begin(double gravity_m_s2, double dt_s);
+  /// Factors the mass matrix with `added` (by degree of freedom) on its diagonal.
+  void Factor(std::span<const double> added);
+  double pivot(int dof) const { return at(pivots_, dof); }
+
+  /// Row of the velocity that a force (per N, or N m) on a node's body works against: `wrench` is in world
+  /// axes, about `p_W`. Adds scale times its row to `row`, of the length of EndOf(node)'s chain.
+  void AddWrench(int node, const Vector3& p_W, const Vector3& torque, const Vector3& force,
+                 std::span<double> row) const;
+  /// Turns a chain's row J into L⁻ᵀ J. After Factor().
+  void Transform(int end, std::span<double> row) const;
+  /// `momentum` (by degree of freedom, size dof_count()) becomes D⁻¹ L⁻ᵀ of it, then, by Finish(), rates.
+  void Transform(std::span<double> momentum) const;
+  void Finish(std::span<double> transformed) const;
+  const std::vector<double>& momentum() const { return momentum_; }
+
+  /// Moves everything on by `dt_s` at `rates`.
+  void Move(std::span<const double> rates, double dt_s);
+  /// A node's body, after Move() at its end; its sleep counter is 0.
+  const BodyState& body(int node) const { return at(nodes_, node).state; }
+  /// A direction, and a point, of the model as a node's body carries it; and how the child's model is turned
+  /// against the parent's.
+  Vector3 Axis(int node, const Vector3& axis_R) const { return at(nodes_, node).R_WR * axis_R; }
+  Vector3 Point(int node, const Vector3& p_R) const;
+  Quaternion Between(int parent, int child) const {
+    return at(nodes_, parent).R_WR.conjugate() * at(nodes_, child).R_WR;
+  }
+
+ private:
+  struct Inertia {
+    double mass = 0;
+    Vector3 moment = Vector3::Zero();  // mass times the centre of mass about the point
+    Matrix3 I = Matrix3::Zero();       // about the point
+    void operator+=(const Inertia& other);
+    Spatial operator*(const Spatial& v) const;
+  };
+  struct Node {
+    const RigidBody* rigid = nullptr;
+    const JointModel* model = nullptr;  // null: a root
+    int parent = kNone;                 // node
+    int sign = 1;
+    int dofs = 0, first_dof = 0, end = kNone;
+    BodyState state;
+    Quaternion R_WR;         // of the model's axes as this body sees them
+    Quaternion q_rel;        // of a ball joint: against the parent, in the parent's axes
+    double position = 0;     // of its joint
+    double position2 = 0;    // of a universal joint's second axis
+    Vector3 origin;          // the tree's point
+    Inertia inertia;         // then of all that hangs on it
+    Spatial velocity, bias;  // acceleration without that of the degrees of freedom, gravity included
+    Spatial force;           // then of all that hangs on it: momentum to come
+  };
+
+  void AddDofs(Node& node, int index);
+  /// Where a joint stands, from its two bodies.
+  void Measure(Node& node);
+  void AddAxes(const Node& node);
+  void Place(Node& node, std::span<const double> rates, double dt_s);
+  double* RowOf(int dof) { return matrix_.data() + at(offsets_, dof); }
+  const double* RowOf(int dof) const { return matrix_.data() + at(offsets_, dof); }
+
+  std::vector<Node> nodes_;
+  // By degree of freedom.
+  std::vector<int> parents_, depths_;
+  std::vector<std::size_t> offsets_;  // into the two below
+  std::vector<Spatial> axes_;
+  std::vector<double> rates_, momentum_, pivots_;
+  // Rows of the chains.
+  std::vector<int> paths_;
+  std::vector<double> mass_, matrix_;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// What works on the joints of an island with limbs: motors, springs, friction, stops, loops, couplings.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/physics/limb_solver.h"
+
+namespace coopdyn {
+
+namespace {
+
+using Kind = JointModel::Kind;
+
+// m/s per N·s, rad/s per N·m·s: what counts as rigid.
+constexpr double kRigid = 1e-7;
+
+}  // namespace
+
+LimbSolver::Hinge LimbSolver::HingeOf(const Member& member, int joint) const {
+  const LimbTree& tree = member.mechanism->tree;
+  const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
+  const int child = tree.node_of[static_cast<std::size_t>(model.child)];
+  const int parent = tree.node_of[static_cast<std::size_t>(model.parent)];
+  Hinge hinge;
+  hinge.child = member.first_node + child;
+  hinge.parent = member.first_node + parent;
+  if (tree.nodes[static_cast<std::size_t>(child)].joint == joint) hinge.node = hinge.child;
+  if (tree.nodes[static_cast<std::size_t>(parent)].joint == joint) hinge.node = hinge.parent;
+  return hinge;
+}
+
+void LimbSolver::AddRate(const Member& member, int joint, double scale, Row& row) {
+  const Hinge hinge = HingeOf(member, joint);
+  if (hinge.node != kNone) {
+    const int dof = forest_.FirstDof(hinge.node);
+    row.parts[row.part_count++] = {dof, jacobian_.size()};
+    jacobian_.resize(jacobian_.size() + static_cast<std::size_t>(forest_.ChainLength(dof)));
+    jacobian_.back() = scale;
+    return;
+  }
+  const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
+  const Vector3 none = Vector3::Zero(), axis_W = forest_.Axis(hinge.parent, model.axis_R) * scale;
+  const Vector3 p_W = forest_.Point(hinge.child, model.p_RJ);
+  const bool slides = model.kind == Kind::kSlider;
+  const Vector3 &torque = slides ? none : axis_W, &force = slides ? axis_W : none;
+  AddWrench(hinge.child, p_W, torque, force, row);
+  AddWrench(hinge.parent, p_W, -torque, -force, row);
+}
+
+double LimbSolver::PositionOf(const Member& member, int joint) const {
+  const Hinge hinge = HingeOf(member, joint);
+  if (hinge.node != kNone) return forest_.Position(hinge.node);
+  const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
+  if (model.kind == Kind::kSlider) {
+    const Vector3 way = forest_.Point(hinge.child, model.p_RJ) - forest_.Point(hinge.parent, model.p_RJ);
+    return way.dot(forest_.Axis(hinge.parent, model.axis_R));
+  }
+  return AngleAbout(forest_.Between(hinge.parent, hinge.child), model.axis_R);
+}
+
+void LimbSolver::AddMotor(const Member& member, int joint, double target, double softness, double most) {
+  const Hinge hinge = HingeOf(member, joint);
+  const std::size_t effort = member.first_effort + static_cast<std::size_t>(joint);
+  if (hinge.node != kNone) {
+    motors_.push_back({forest_.FirstDof(hinge.node), effort, target, softness + kRigid, most});
+    return;
+  }
+  Row& row = rows_.emplace_back();
+  row.target = target;
+  row.softness = softness + kRigid;
+  row.lower = -most;
+  row.upper = most;
+  row.effort = static_cast<int>(effort);
+  AddRate(member, joint, 1, row);
+}
+
+// `gap`: how far it is away from the stop, negative: beyond. A stop pushes out slowly: it does not bounce.
+void LimbSolver::AddStop(const Member& member, int joint, int side, double gap, double dt_s) {
+  Row& row = rows_.emplace_back();
+  const double back = gap >= 0 ? -gap / dt_s : std::min(kErp * -gap / dt_s, kMaxPushOut_m_s);
+  row.target = -side * back;
+  row.softness = kRigid;
+  (side < 0 ? row.lower : row.upper) = 0;
+  row.effort = static_cast<int>(member.first_effort) + joint;
+  AddRate(member, joint, 1, row);
+}
+
+void LimbSolver::Push(const Member& member, int joint, double impulse) {
+  const Hinge hinge = HingeOf(member, joint);
+  if (hinge.node != kNone) {
+    pushes_[static_cast<std::size_t>(forest_.FirstDof(hinge.node))] += impulse;
+    return;
+  }
+  Row& row = rows_.emplace_back();  // one whose impulse is given
+  row.lower = row.upper = impulse;
+  row.softness = kRigid;
+  AddRate(member, joint, 1, row);
+}
+
+void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> rows, double dt_s) {
+  const Mechanism& mechanism = *member.mechanism;
+  for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
+    const Joint& joint = mechanism.joints[i];
+    const JointModel& model = *joint.model;
+    const int index = static_cast<int>(i);
+    if (joint.control >= 0) {
+      const JointRow& row = rows[static_cast<std::size_t>(joint.control)];
+      if (row.stop != 0) {
+        AddStop(member, index, row.stop, row.gap, dt_s);
+      } else if (row.max_effort > 0) {
+        AddMotor(member, index, row.velocity, row.softness / dt_s, row.max_effort * dt_s);
+      }
+      if (row.effort != 0) Push(member, index, row.effort * dt_s);
+    } else if (joint.channel >= 0) {
+      const Setpoint& wanted = member.channels[static_cast<std::size_t>(joint.channel)].setpoint;
+      AddMotor(member, index, wanted.reference, 0, joint.max_effort * dt_s);
+    } else if (model.has_axis() && (model.is_resisted() || model.has_stop())) {
+      const double position = PositionOf(member, index);
+      const double resistance = model.damping + dt_s * model.stiffness;
+      if (resistance > 0) {
+        const double spring = -model.stiffness * (position - model.rest);
+        AddMotor(member, index, spring / resistance, 1 / (resistance * dt_s), kInfinity);
+      }
+      if (model.friction > 0) AddMotor(member, index, 0, 0, model.friction * dt_s);
+      // Far enough that no impact gets beyond it in a substep.
+      constexpr double kNear_rad_s = 10;
+      if (position - model.lower < kNear_rad_s * dt_s)
+        AddStop(member, index, -1, position - model.lower, dt_s);
+      if (model.upper - position < kNear_rad_s * dt_s) AddStop(member, index, 1, model.upper - position, dt_s);
+    }
+  }
+}
+
+void LimbSolver::CloseLoop(const Member& member, int joint, double dt_s) {
+  const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
+  const Hinge hinge = HingeOf(member, joint);
+  const Vector3 none = Vector3::Zero();
+  const Vector3 p = forest_.Point(hinge.child, model.p_RJ);
+  const Vector3 apart = p - forest_.Point(hinge.parent, model.p_RJ);
+  const Vector3 axis = forest_.Axis(hinge.parent, model.axis_R);
+  const Vector3 across = axis.unitOrthogonal(), third = axis.cross(across);
+  const auto hold = [&](const Vector3& torque, const Vector3& force, double error) {
+    Row& row = rows_.emplace_back();
+    row.target = -kErp / dt_s * error;
+    row.softness = kRigid;
+    AddWrench(hinge.child, p, torque, force, row);
+    AddWrench(hinge.parent, p, -torque, -force, row);
+  };
+  const auto hold_point = [&](const Vector3& along) { hold(none, along, apart.dot(along)); };
+  hold_point(across);
+  hold_point(third);
+  if (model.kind == Kind::kScrew) {
+    hold(-model.pitch_m_rad * axis, axis, 0);
+  } else if (model.kind != Kind::kSlider) {
+    hold_point(axis);
+  }
+  switch (model.kind) {
+    case Kind::kBall:
+      break;
+    case Kind::kUniversal: {
+      const Vector3 second = forest_.Axis(hinge.child, model.axis2_R);
+      hold(second.cross(axis), none, axis.dot(second) - model.axis_R.dot(model.axis2_R));
+      break;
+    }
+    case Kind::kSlider: {
+      const Quaternion q = forest_.Between(hinge.parent, hinge.child);
+      const Vector3 turned = forest_.Axis(hinge.parent, std::copysign(2, q.w()) * q.vec());
+      for (const Vector3& along : {axis, across, third}) hold(along, none, turned.dot(along));
+      break;
+    }
+    default: {
+      const Vector3 turned = axis.cross(forest_.Axis(hinge.child, model.axis_R));
+      for (const Vector3& along : {across, third}) hold(along, none, turned.dot(along));
+      break;
+    }
+  }
+}
+
+// The rates are held exactly. The positions are brought together only if neither joint can wrap.
+void LimbSolver::Couple(const Member& member, double dt_s) {
+  if (member.mechanism->model == nullptr) return;
+  const auto wraps = [&](int joint) {
+    const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
+    constexpr double kTurn_rad = std::numbers::pi;
+    return model.kind == Kind::kHinge && (model.lower < -kTurn_rad || model.upper > kTurn_rad);
+  };
+  for (const CouplingModel& of : member.mechanism->model->couplings) {
+    Row& row = rows_.emplace_back();
+    row.softness = kRigid;
+    if (!wraps(of.follower) && !wraps(of.leader)) {
+      const double error =
+          PositionOf(member, of.follower) - of.multiplier * PositionOf(member, of.leader) - of.offset;
+      row.target = -kErp / dt_s * error;
+    }
+    AddRate(member, of.follower, 1, row);
+    AddRate(member, of.leader, -of.multiplier, row);
+  }
+}
+
+double LimbSolver::JointRate(std::uint32_t thing, std::size_t joint) const {
+  const Member& member = members_[static_cast<std::size_t>(member_of_[thing])];
+  const Hinge hinge = HingeOf(member, static_cast<int>(joint));
+  if (hinge.node != kNone) return rates_[static_cast<std::size_t>(forest_.FirstDof(hinge.node))];
+  const JointModel& model = *member.mechanism->joints[joint].model;
+  const BodyState &child = forest_.body(hinge.child), &parent = forest_.body(hinge.parent);
+  const Vector3 axis = forest_.Axis(hinge.parent, model.axis_R);
+  if (model.kind != Kind::kSlider) return axis.dot(child.w_WB - parent.w_WB);
+  const Vector3 p = forest_.Point(hinge.child, model.p_RJ);
+  const Vector3 of_child = child.v_WB + child.w_WB.cross(p - child.p_WB);
+  return axis.dot(of_child - parent.v_WB - parent.w_WB.cross(p - parent.p_WB));
+}
+
+double LimbSolver::JointPosition(std::uint32_t thing, std::size_t joint, double last) const {
+  const Member& member = members_[static_cast<std::size_t>(member_of_[thing])];
+  const double position = PositionOf(member, static_cast<int>(joint));
+  const Kind kind = member.mechanism->joints[joint].model->kind;
+  if (kind != Kind::kHinge) return position;
+  return last + std::remainder(position - last, 2 * std::numbers::pi);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/limb_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace coopdyn {
+
+namespace {
+
+// More rows than this are solved by iteration.
+constexpr std::size_t kMaxRows = 150;
+constexpr int kIterations = 80;
+// Motors change between holding and giving in no more often than this in a step.
+constexpr int kMotorRounds = 12;
+
+}  // namespace
+
+LimbSolver::LimbSolver(const Things& things, const WorldSettings& settings)
+    : things_(things), settings_(settings) {
+  Fit();
+}
+
+void LimbSolver::Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels,
+                      std::span<const JointRow> rows, double dt_s) {
+  const Mechanism& mechanism = *actor.thing.mechanism;
+  member_of_[thing] = static_cast<int>(members_.size());
+  loaded_.push_back(thing);
+  Member& member = members_.emplace_back();
+  member.mechanism = &mechanism;
+  member.first_node = forest_.Add(mechanism, {actor.bodies, mechanism.bodies.size()});
+  member.first_effort = efforts_.size();
+  member.channels = channels;
+  efforts_.resize(efforts_.size() + mechanism.joints.size());
+  pushes_.resize(static_cast<std::size_t>(forest_.dof_count()));
+  DriveJoints(member, rows, dt_s);
+}
+
+void LimbSolver::Unload() {
+  for (const std::uint32_t thing : loaded_) member_of_[thing] = kNone;
+  loaded_.clear();
+  members_.clear();
+  forest_.Clear();
+  motors_.clear();
+  rows_.clear();
+  jacobian_.clear();
+  pushes_.clear();
+  efforts_.clear();
+}
+
+int LimbSolver::NodeOf(std::uint32_t thing, const Part& part) const {
+  if (thing >= member_of_.size() || member_of_[thing] == kNone) return kNone;
+  const Member& member = members_[static_cast<std::size_t>(member_of_[thing])];
+  const int node = member.first_node + member.mechanism->tree.node_of[static_cast<std::size_t>(part.body)];
+  return forest_.EndOf(node) == kNone ? kNone : node;
+}
+
+void LimbSolver::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a,
+                      const Actor* b, std::uint32_t index_b, double dt_s) {
+  const auto channels = [this](std::uint32_t thing) {
+    const int member = thing < member_of_.size() ? member_of_[thing] : kNone;
+    return member == kNone ? std::span<const ChannelState>() : members_[static_cast<std::size_t>(member)].channels;
+  };
+  for (const FoundContact& contact : found) {
+    int node_a = NodeOf(index_a, *contact.a);
+    int node_b = b == nullptr ? kNone : NodeOf(index_b, *contact.b);
+    if (node_a == kNone && node_b == kNone) continue;
+    const Toucher of_b = b == nullptr ? Toucher() : Toucher{b, node_b != kNone, channels(index_b)};
+    const auto surface = SurfaceOf(contact, {&a, node_a != kNone, channels(index_a)}, of_b, settings_, dt_s);
+    if (!surface) continue;
+    if (surface->swapped) std::swap(node_a, node_b);
+    AddContact(surface->contact, node_a, node_b, dt_s);
+  }
+}
+
+void LimbSolver::AddWrench(int node, const Vector3& p_W, const Vector3& torque, const Vector3& force,
+                           Row& row) {
+  if (node == kNone || forest_.EndOf(node) == kNone) return;
+  const int end = forest_.EndOf(node);
+  Row::Part& part = row.parts[row.part_count++];
+  part = {end, jacobian_.size()};
+  const auto length = static_cast<std::size_t>(forest_.ChainLength(end));
+  jacobian_.resize(part.from + length);
+  forest_.AddWrench(node, p_W, torque, force, std::span(jacobian_).subspan(part.from, length));
+}
+
+double LimbSolver::RateOf(const Row& row, std::span<const double> rates) const {
+  double rate = 0;
+  for (const Row::Part& part : row.all()) {
+    const double* J = jacobian_.data() + part.from;
+    for (const int dof : forest_.Chain(part.end)) rate += *J++ * rates[static_cast<std::size_t>(dof)];
+  }
+  return rate;
+}
+
+// As ODE's contact joint does it.
+void LimbSolver::AddContact(const dContact& contact, int node_a, int node_b, double dt_s) {
+  const Vector3 p(contact.geom.pos), n(contact.geom.normal), none = Vector3::Zero();
+  const dSurfaceParameters& surface = contact.surface;
+  const auto add = [&](const Vector3& direction) -> Row& {
+    Row& row = rows_.emplace_back();
+    row.softness = kCfm / dt_s;
+    AddWrench(node_a, p, none, direction, row);
+    AddWrench(node_b, p, none, -direction, row);
+    return row;
+  };
+  const int normal = static_cast<int>(rows_.size());
+  Row& push = add(n);
+  const double approach = (surface.mode & dContactMotionN) != 0 ? surface.motionN : 0;
+  push.target = std::min(kErp / dt_s * contact.geom.depth + approach, kMaxPushOut_m_s);
+  push.lower = 0;
+  if ((surface.mode & dContactBounce) != 0) {
+    const double outgoing = RateOf(push, forest_.rates()) - approach;
+    if (-outgoing > surface.bounce_vel) {
+      push.target = std::max(push.target, approach - surface.bounce * outgoing);
+    }
+  }
+  dVector3 first, second;
+  if ((surface.mode & dContactFDir1) != 0) {
+    std::copy_n(contact.fdir1, 3, first);
+  } else {
+    dPlaneSpace(contact.geom.normal, first, second);
+  }
+  const Vector3 along(first);
+  const auto rub = [&](const Vector3& direction, double friction, bool by_load, double motion) {
+    if (friction <= 0) return;
+    Row& row = add(direction);
+    row.target = motion;
+    if (by_load && std::isfinite(friction)) {
+      row.normal = normal;
+      row.friction = friction;
+    } else {
+      row.lower = -friction * dt_s;
+      row.upper = friction * dt_s;
+    }
+  };
+  const bool two = (surface.mode & dContactMu2) != 0;
+  rub(along, surface.mu, (surface.mode & dContactApprox1_1) != 0,
+      (surface.mode & dContactMotion1) != 0 ? surface.motion1 : 0);
+  rub(n.cross(along), two ? surface.mu2 : surface.mu, (surface.mode & dContactApprox1_2) != 0, 0);
+}
+
+bool LimbSolver::Step(double dt_s) {
+  for (const Member& member : members_) {
+    for (const int joint : member.mechanism->tree.loops) CloseLoop(member, joint, dt_s);
+    Couple(member, dt_s);
+  }
+  forest_.Begin(settings_.gravity_m_s2, dt_s);
+  for (int round = 0; round < kMotorRounds; ++round) {
+    Solve();
+    rates_ = state_;
+    forest_.Finish(rates_);
+    if (!SwitchMotors(round < kMotorRounds / 2)) break;
+  }
+  if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return false;
+  for (const Motor& motor : motors_) {
+    const double impulse =
+        motor.gives_in != 0 ? motor.impulse()
+                            : (motor.target - rates_[static_cast<std::size_t>(motor.dof)]) / motor.softness;
+    efforts_[motor.effort] += impulse / dt_s;
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].effort == kNone) continue;
+    efforts_[static_cast<std::size_t>(rows_[i].effort)] += impulses_[static_cast<Eigen::Index>(i)] / dt_s;
+  }
+  forest_.Move(rates_, dt_s);
+  return true;
+}
+
+bool LimbSolver::SwitchMotors(bool may_hold_again) {
+  bool switched = false;
+  for (Motor& motor : motors_) {
+    if (motor.most == kInfinity) continue;
+    const double missing = motor.target - rates_[static_cast<std::size_t>(motor.dof)];
+    constexpr double kSlack = 1e-12;  // rounding
+    if (motor.gives_in == 0) {
+      if (std::abs(missing) > motor.softness * motor.most + kSlack) {
+        motor.gives_in = missing > 0 ? 1 : -1;
+        switched = true;
+      }
+    } else if (may_hold_again && motor.gives_in * missing < motor.softness * motor.most - kSlack) {
+      motor.gives_in = 0;
+      switched = true;
+    }
+  }
+  return switched;
+}
+
+void LimbSolver::Solve() {
+  added_.assign(static_cast<std::size_t>(forest_.dof_count()), 0);
+  state_ = forest_.momentum();
+  for (std::size_t dof = 0; dof < state_.size(); ++dof) state_[dof] += pushes_[dof];
+  for (const Motor& motor : motors_) {
+    const auto dof = static_cast<std::size_t>(motor.dof);
+    if (motor.gives_in == 0) {
+      added_[dof] += 1 / motor.softness;
+      state_[dof] += motor.target / motor.softness;
+    } else {
+      state_[dof] += motor.impulse();
+    }
+  }
+  forest_.Factor(added_);
+  forest_.Transform(state_);
+  transformed_ = jacobian_;
+  divided_.resize(jacobian_.size());
+  for (const Row& row : rows_) {
+    for (const Row::Part& part : row.all()) {
+      const auto length = static_cast<std::size_t>(forest_.ChainLength(part.end));
+      const std::span<double> values = std::span(transformed_).subspan(part.from, length);
+      forest_.Transform(part.end, values);
+      const std::span<const int> chain = forest_.Chain(part.end);
+      for (std::size_t d = 0; d < length; ++d) divided_[part.from + d] = values[d] / forest_.pivot(chain[d]);
+    }
+  }
+  impulses_.setZero(static_cast<Eigen::Index>(rows_.size()));
+  if (rows_.empty()) return;
+  if (rows_.size() <= kMaxRows) {
+    SolveDirectly();
+  } else {
+    SolveByIteration();
+  }
+}
+
+double LimbSolver::Dot(const Row& a, const Row& b) const {
+  double sum = 0;
+  for (const Row::Part& of_a : a.all()) {
+    const double* const x = transformed_.data() + of_a.from;
+    for (const Row::Part& of_b : b.all()) {
+      const double* const y = divided_.data() + of_b.from;
+      const int shared = forest_.SharedLength(of_a.end, of_b.end);
+      for (int d = 0; d < shared; ++d) sum += x[d] * y[d];
+    }
+  }
+  return sum;
+}
+
+double LimbSolver::Dot(const Row& row, std::span<const double> transformed) const {
+  double sum = 0;
+  for (const Row::Part& part : row.all()) {
+    const double* x = transformed_.data() + part.from;
+    for (const int dof : forest_.Chain(part.end)) sum += *x++ * transformed[static_cast<std::size_t>(dof)];
+  }
+  return sum;
+}
+
+void LimbSolver::Apply(const Row& row, double impulse) {
+  for (const Row::Part& part : row.all()) {
+    const double* x = divided_.data() + part.from;
+    for (const int dof : forest_.Chain(part.end)) state_[static_cast<std::size_t>(dof)] += *x++ * impulse;
+  }
+}
+
+void LimbSolver::SolveDirectly() {
+  const auto n = static_cast<Eigen::Index>(rows_.size());
+  A_.resize(n, n);
+  b_.resize(n);
+  lower_.resize(n);
+  upper_.resize(n);
+  bool rubs = false;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Row& row = rows_[static_cast<std::size_t>(i)];
+    for (Eigen::Index j = 0; j <= i; ++j) A_(i, j) = A_(j, i) = Dot(row, rows_[static_cast<std::size_t>(j)]);
+    A_(i, i) += row.softness;
+    b_[i] = row.target - Dot(row, state_);
+    lower_[i] = row.normal == kNone ? row.lower : 0;
+    upper_[i] = row.normal == kNone ? row.upper : 0;
+    rubs |= row.normal != kNone;
+  }
+  lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+  // First without friction, then with what these loads allow, then with those that result.
+  for (int pass = 0; rubs && pass < 2; ++pass) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Row& row = rows_[static_cast<std::size_t>(i)];
+      if (row.normal == kNone) continue;
+      upper_[i] = row.friction * std::max(0.0, impulses_[row.normal]);
+      lower_[i] = -upper_[i];
+    }
+    lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+  }
+  for (Eigen::Index i = 0; i < n; ++i) Apply(rows_[static_cast<std::size_t>(i)], impulses_[i]);
+}
+
+// Projected Gauss-Seidel; each row sees the friction that the present loads allow.
+void LimbSolver::SolveByIteration() {
+  std::vector<double> diagonal;
+  for (const Row& row : rows_) diagonal.push_back(Dot(row, row) + row.softness);
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const Row& row = rows_[i];
+      double& impulse = impulses_[static_cast<Eigen::Index>(i)];
+      double lower = row.lower, upper = row.upper;
+      if (row.normal != kNone) {
+        upper = row.friction * std::max(0.0, impulses_[row.normal]);
+        lower = -upper;
+      }
+      const double change = (row.target - Dot(row, state_) - row.softness * impulse) / diagonal[i];
+      const double next = std::clamp(impulse + change, lower, upper);
+      Apply(row, next - impulse);
+      impulse = next;
+    }
+  }
+}
+
+BodyState LimbSolver::Read(std::uint32_t thing, std::size_t body) const {
+  const Member& member = members_[static_cast<std::size_t>(member_of_[thing])];
+  return forest_.body(member.first_node + member.mechanism->tree.node_of[body]);
+}
+
+double LimbSolver::JointEffort(std::uint32_t thing, std::size_t joint) const {
+  return efforts_[members_[static_cast<std::size_t>(member_of_[thing])].first_effort + joint];
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+// Solves an island with limbs: robots of more than wheels, and whatever touches them. The joints are exact
+// (server/physics/forest.h); motors that do not give in are springs on the mass matrix's diagonal; what is
+// left for the complementarity problem are contacts, stops, loops and couplings. Remembers nothing from one
+// substep to the next. One thread at a time. Only server/physics includes this file.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "server/physics/box_lcp.h"
+#include "server/physics/forest.h"
+#include "server/physics/joint_motor.h"
+#include "server/physics/surface.h"
+
+namespace coopdyn {
+
+class LimbSolver {
+ public:
+  /// @pre `things` outlives it.
+  LimbSolver(const Things& things, const WorldSettings& settings);
+
+  /// Adds `thing` in the state of `actor` for a step of `dt_s`; `channels`: of it, with what its motors are
+  /// to do, and `rows`: of the joints of its control boards. They outlive the step.
+  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels,
+            std::span<const JointRow> rows, double dt_s);
+  /// Adds contacts between A and B (null: the floor), after all are loaded. A thing that is not loaded counts
+  /// as static.
+  void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
+            std::uint32_t index_b, double dt_s);
+  /// Advances what is loaded. False: there is no sane solution.
+  bool Step(double dt_s);
+  /// The state of body `body` of a loaded thing; its sleep counter is 0.
+  BodyState Read(std::uint32_t thing, std::size_t body) const;
+  /// Rate of a driven joint of a loaded thing, rad/s or m/s; its position, rad or m, beyond ±π too: the one
+  /// nearest to `last`; and its motor's effort in the step, with that of its stop, N m or N.
+  double JointRate(std::uint32_t thing, std::size_t joint) const;
+  double JointPosition(std::uint32_t thing, std::size_t joint, double last) const;
+  double JointEffort(std::uint32_t thing, std::size_t joint) const;
+  /// Forgets what is loaded.
+  void Unload();
+  /// The things have changed. @pre nothing is loaded
+  void Fit() { member_of_.assign(things_.first_static, kNone); }
+
+ private:
+  static constexpr int kNone = Forest::kNone;
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+  struct Member {
+    const Mechanism* mechanism = nullptr;
+    int first_node = 0;
+    std::size_t first_effort = 0;  // of efforts_, by joint
+    std::span<const ChannelState> channels;
+  };
+  /// v + softness · impulse = target on one degree of freedom, with a bounded impulse.
+  struct Motor {
+    int dof = 0;
+    std::size_t effort = 0;  // of efforts_
+    double target = 0, softness = 0, most = kInfinity;
+    int gives_in = 0;  // −1 or 1: to this side
+    double impulse() const { return gives_in * most; }
+  };
+  /// J v + softness · impulse = target, with lower ≤ impulse ≤ upper.
+  struct Row {
+    struct Part {
+      int end = kNone;       // of a chain of the forest
+      std::size_t from = 0;  // of jacobian_ and transformed_
+    };
+    std::array<Part, 4> parts;
+    std::size_t part_count = 0;
+    double target = 0, softness = 0, lower = -kInfinity, upper = kInfinity;
+    int normal = kNone;  // row whose impulse, times this friction, bounds it
+    double friction = 0;
+    int effort = kNone;  // of efforts_
+    std::span<const Part> all() const { return std::span(parts).first(part_count); }
+  };
+  /// A joint of a member: where it is in the forest, or between which nodes it closes a loop.
+  struct Hinge {
+    int node = kNone;  // in the tree
+    int child = kNone, parent = kNone;
+  };
+
+  // What works on joints: limb_joints.cc.
+  Hinge HingeOf(const Member& member, int joint) const;
+  void DriveJoints(const Member& member, std::span<const JointRow> rows, double dt_s);
+  void AddMotor(const Member& member, int joint, double target, double softness, double most);
+  void AddStop(const Member& member, int joint, int side, double gap, double dt_s);
+  void Push(const Member& member, int joint, double impulse);
+  void CloseLoop(const Member& member, int joint, double dt_s);
+  void Couple(const Member& member, double dt_s);
+  double PositionOf(const Member& member, int joint) const;
+  /// Adds scale times a joint's rate to a row.
+  void AddRate(const Member& member, int joint, double scale, Row& row);
+
+  int NodeOf(std::uint32_t thing, const Part& part) const;
+  /// Adds the velocity that `torque` and `force` at p_W, on the node's body, work against.
+  void AddWrench(int node, const Vector3& p_W, const Vector3& torque, const Vector3& force, Row& row);
+  void AddContact(const dContact& contact, int node_a, int node_b, double dt_s);
+  double RateOf(const Row& row, std::span<const double> rates) const;
+  /// Impulses of all rows, with the motors as they are; `state_` becomes the transformed rates.
+  void Solve();
+  void SolveDirectly();
+  void SolveByIteration();
+  double Dot(const Row& a, const Row& b) const;
+  double Dot(const Row& row, std::span<const double> transformed) const;
+  void Apply(const Row& row, double impulse);
+  /// Lets motors give in, or hold again; whether one did.
+  bool SwitchMotors(bool may_hold_again);
+
+  const Things& things_;
+  const WorldSettings settings_;
+  Forest forest_;
+  BoxLcp lcp_;
+  std::vector<Member> members_;
+  std::vector<int> member_of_;  // by dynamic thing
+  std::vector<std::uint32_t> loaded_;
+  std::vector<Motor> motors_;
+  std::vector<Row> rows_;
+  std::vector<double> jacobian_, transformed_, divided_;  // of the rows' parts; the last: by the pivots
+  std::vector<double> pushes_;                            // impulses by degree of freedom
+  std::vector<double> added_, state_, rates_, efforts_;
+  Eigen::MatrixXd A_;
+  Eigen::VectorXd b_, lower_, upper_, impulses_;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What happens where two things touch: friction, rolling, bouncing, in ODE's terms, for whichever solver.
+// Pure; any thread. Only server/physics includes this file.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "server/physics/contacts.h"
+
+namespace coopdyn {
+
+// A contact that sinks in is pushed out by this share of its depth in a substep, but never faster than
+// kMaxPushOut: 0.4 keeps wheels at their radius and hinges together at every step size; the cap is what makes
+// impacts not bounce.
+inline constexpr double kErp = 0.4;
+inline constexpr double kMaxPushOut_m_s = 0.1;
+// Softness (m/s per N·s): shares a load among redundant contacts; small enough that nothing creeps on a
+// slope.
+inline constexpr double kCfm = 1e-6;
+
+struct WorldSettings {
+  double gravity_m_s2 = 9.81;
+  double floor_friction = 1;
+};
+
+/// One of the two that touch.
+struct Toucher {
+  const Actor* actor = nullptr;  // null: the floor
+  bool moves = false;            // the body that touches is free to move in this step
+  std::span<const ChannelState> channels;
+};
+
+/// The contact of A and B; the normal is towards the first. Friction: the slippier of the two decides (the
+/// smaller coefficient).
+struct Surface {
+  dContact contact{};
+  bool swapped = false;  // the first is B
+};
+/// Nothing: they do not act on each other.
+std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, const Toucher& b,
+                                 const WorldSettings& settings, double dt_s);
+
+}  // namespace coopdyn
