@@ -1,79 +1,154 @@
 // SPDX-License-Identifier: MIT
 #include "server/physics/box_lcp.h"
 
-#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace coopdyn {
 
+namespace {
+
+constexpr double kSlack = 1e-9;  // of x
+constexpr double kWSlack = 1e-10;
+
+}  // namespace
+
 bool BoxLcp::Solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& lower,
                    const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  const Eigen::Index n = b.size();
-  x.setZero(n);
-  states_.assign(static_cast<std::size_t>(n), State::kFree);
-  const double x_slack = 1e-9, w_slack = 1e-10;
-  constexpr int kBlockTries = 4;
+  const Problem problem{A, b, lower, upper};
+  x.setZero(b.size());
+  states_.resize(static_cast<std::size_t>(b.size()), State::kFree);
+  const bool solved = Pivot(problem, x) || Descend(problem, x);
+  for (Eigen::Index i = 0; i < b.size(); ++i) x[i] = std::clamp(x[i], lower[i], upper[i]);
+  return solved;
+}
+
+void BoxLcp::SolveFree(const Problem& problem, Eigen::VectorXd& x) {
+  const Eigen::Index n = problem.rows();
+  free_.clear();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (state(i) == State::kFree && !problem.is_fixed(i)) {
+      free_.push_back(i);
+    } else {
+      x[i] = state(i) == State::kUpper ? problem.upper[i] : problem.lower[i];
+    }
+  }
+  const auto m = static_cast<Eigen::Index>(free_.size());
+  factor_.resize(n, n);
+  solution_.resize(n);
+  w_.resize(n);
+  // What the others leave over; then L D Lᵀ, row by row, and both substitutions.
+  for (Eigen::Index r = 0; r < m; ++r) w_[r] = problem.b[free_[static_cast<std::size_t>(r)]];
+  for (Eigen::Index j = 0, next = 0; j < n; ++j) {
+    if (next < m && free_[static_cast<std::size_t>(next)] == j) {
+      ++next;
+    } else if (x[j] != 0) {
+      for (Eigen::Index r = 0; r < m; ++r) w_[r] -= problem.A(free_[static_cast<std::size_t>(r)], j) * x[j];
+    }
+  }
+  for (Eigen::Index r = 0; r < m; ++r) {
+    const double* const of = &problem.A(0, free_[static_cast<std::size_t>(r)]);
+    double* const row = &factor_(0, r);  // a column of it: rows lie together
+    double pivot = of[free_[static_cast<std::size_t>(r)]];
+    for (Eigen::Index c = 0; c < r; ++c) {
+      const double* const above = &factor_(0, c);
+      double value = of[free_[static_cast<std::size_t>(c)]];
+      for (Eigen::Index k = 0; k < c; ++k) value -= row[k] * above[k];
+      row[c] = value;
+    }
+    for (Eigen::Index c = 0; c < r; ++c) {
+      const double value = row[c];
+      row[c] = value / factor_(c, c);
+      pivot -= value * row[c];
+      w_[r] -= row[c] * w_[c];
+    }
+    row[r] = pivot;
+  }
+  for (Eigen::Index r = m; r-- > 0;) {
+    double value = w_[r] / factor_(r, r);
+    for (Eigen::Index k = r + 1; k < m; ++k) value -= factor_(r, k) * solution_[k];
+    solution_[r] = value;
+  }
+}
+
+bool BoxLcp::Pivot(const Problem& problem, Eigen::VectorXd& x) {
+  const Eigen::Index n = problem.rows();
+  constexpr int kTries = 3;  // without progress
   Eigen::Index fewest = n + 1;
-  int tries = kBlockTries;
-  for (Eigen::Index round = 0; round < 20 + 5 * n; ++round) {
-    free_.clear();
+  for (int tries = kTries; tries > 0;) {
+    SolveFree(problem, x);
+    for (std::size_t r = 0; r < free_.size(); ++r) x[free_[r]] = solution_[static_cast<Eigen::Index>(r)];
+    w_.noalias() = problem.A * x - problem.b;
+    Eigen::Index wrong = 0;
     for (Eigen::Index i = 0; i < n; ++i) {
-      const State state = states_[static_cast<std::size_t>(i)];
-      if (state == State::kFree && lower[i] < upper[i]) {
-        free_.push_back(i);
-      } else {
-        x[i] = state == State::kUpper ? upper[i] : state == State::kLower ? lower[i] : 0;
+      if (problem.is_fixed(i)) continue;
+      if (state(i) == State::kFree) {
+        if (x[i] < problem.lower[i] - kSlack) {
+          state(i) = State::kLower;
+          ++wrong;
+        } else if (x[i] > problem.upper[i] + kSlack) {
+          state(i) = State::kUpper;
+          ++wrong;
+        }
+      } else if (static_cast<int>(state(i)) * w_[i] > kWSlack) {
+        state(i) = State::kFree;
+        ++wrong;
       }
     }
-    const Eigen::Index m = static_cast<Eigen::Index>(free_.size());
-    part_.resize(m, m);
-    rest_.resize(m);
-    for (Eigen::Index r = 0; r < m; ++r) {
-      const Eigen::Index i = free_[static_cast<std::size_t>(r)];
-      double sum = b[i];
-      for (Eigen::Index j = 0; j < n; ++j) {
-        const bool is_free = states_[static_cast<std::size_t>(j)] == State::kFree && lower[j] < upper[j];
-        if (!is_free) sum -= A(j, i) * x[j];
-      }
-      rest_[r] = sum;
-      for (Eigen::Index c = 0; c <= r; ++c) part_(r, c) = A(i, free_[static_cast<std::size_t>(c)]);
-    }
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(part_);
-    llt.solveInPlace(rest_);
-    for (Eigen::Index r = 0; r < m; ++r) x[free_[static_cast<std::size_t>(r)]] = rest_[r];
-    w_.noalias() = A * x;
-    w_ -= b;
-    wrong_.clear();
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (!(lower[i] < upper[i])) continue;
-      const State state = states_[static_cast<std::size_t>(i)];
-      const bool is_wrong = state == State::kFree    ? x[i] < lower[i] - x_slack || x[i] > upper[i] + x_slack
-                            : state == State::kLower ? w_[i] < -w_slack
-                                                     : w_[i] > w_slack;
-      if (is_wrong) wrong_.push_back(i);
-    }
-    if (wrong_.empty()) {
-      for (Eigen::Index i = 0; i < n; ++i) x[i] = std::min(std::max(x[i], lower[i]), upper[i]);
-      return true;
-    }
-    const auto switch_state = [&](Eigen::Index i) {
-      State& state = states_[static_cast<std::size_t>(i)];
-      state = state != State::kFree ? State::kFree : x[i] < lower[i] ? State::kLower : State::kUpper;
-    };
-    const Eigen::Index count = static_cast<Eigen::Index>(wrong_.size());
-    if (count < fewest) {
-      fewest = count;
-      tries = kBlockTries;
+    if (wrong == 0) return true;
+    if (wrong < fewest) {
+      fewest = wrong;
+      tries = kTries;
     } else {
       --tries;
     }
-    if (tries >= 0) {
-      for (const Eigen::Index i : wrong_) switch_state(i);
-    } else {
-      switch_state(wrong_.back());
-    }
   }
-  for (Eigen::Index i = 0; i < n; ++i) x[i] = std::min(std::max(x[i], lower[i]), upper[i]);
+  return false;
+}
+
+bool BoxLcp::Descend(const Problem& problem, Eigen::VectorXd& x) {
+  const Eigen::Index n = problem.rows();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    x[i] = std::clamp(x[i], problem.lower[i], problem.upper[i]);
+    state(i) = x[i] == problem.lower[i]   ? State::kLower
+               : x[i] == problem.upper[i] ? State::kUpper
+                                          : State::kFree;
+  }
+  for (Eigen::Index round = 0; round < 20 + 10 * n; ++round) {
+    SolveFree(problem, x);
+    // As far towards the solution as the bounds allow.
+    double share = 1;
+    Eigen::Index meets = -1;
+    for (std::size_t r = 0; r < free_.size(); ++r) {
+      const Eigen::Index i = free_[r];
+      const double way = solution_[static_cast<Eigen::Index>(r)] - x[i];
+      const double room = (way < 0 ? problem.lower[i] : problem.upper[i]) - x[i];
+      if (std::abs(way) <= std::abs(room) || room / way >= share) continue;
+      share = room / way;
+      meets = i;
+    }
+    for (std::size_t r = 0; r < free_.size(); ++r) {
+      double& value = x[free_[r]];
+      value += share * (solution_[static_cast<Eigen::Index>(r)] - value);
+    }
+    if (meets >= 0) {
+      state(meets) =
+          x[meets] - problem.lower[meets] < problem.upper[meets] - x[meets] ? State::kLower : State::kUpper;
+      continue;
+    }
+    w_.noalias() = problem.A * x - problem.b;
+    double most = kWSlack;
+    Eigen::Index worst = -1;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (problem.is_fixed(i) || state(i) == State::kFree) continue;
+      const double wrong = static_cast<int>(state(i)) * w_[i];
+      if (wrong <= most) continue;
+      most = wrong;
+      worst = i;
+    }
+    if (worst < 0) return true;
+    state(worst) = State::kFree;
+  }
   return false;
 }
 

@@ -152,8 +152,8 @@ void Forest::Measure(Node& node) {
       break;
     case Kind::kSlider: {
       const Vector3 here = Carried(node.state, node.R_WR, *node.rigid, joint.p_RJ);
-      const Vector3 v = node.state.v_WB + node.state.w_WB.cross(here - node.state.p_WB) -
-                        parent.state.v_WB - parent.state.w_WB.cross(here - parent.state.p_WB);
+      const Vector3 v = node.state.v_WB + node.state.w_WB.cross(here - node.state.p_WB) - parent.state.v_WB -
+                        parent.state.w_WB.cross(here - parent.state.p_WB);
       node.position = slide();
       rates[0] = node.sign * axis_W.dot(v);
       break;

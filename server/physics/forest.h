@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Bodies that hang on each other by joints, as trees in joint coordinates: their mass matrix, what moves them,
-// and what an impulse on a body does. Joints cannot drift, and the work grows with the number of bodies times
-// their depth. One thread at a time.
+// Bodies that hang on each other by joints, as trees in joint coordinates: their mass matrix, what moves
+// them, and what an impulse on a body does. Joints cannot drift, and the work grows with the number of bodies
+// times their depth. One thread at a time.
 //
 // R. Featherstone (2008), Rigid Body Dynamics Algorithms: the recursive Newton-Euler and composite rigid body
 // algorithms (tables 5.1 and 6.2) with spatial vectors in world axes about one point of each tree, and the
-// factorisation H = Lᵀ D L that keeps the branches' zeros (table 6.3). Only server/physics includes this file.
+// factorisation H = Lᵀ D L that keeps the branches' zeros (table 6.3). Only server/physics includes this
+// file.
 #pragma once
 
 #include <Eigen/Core>

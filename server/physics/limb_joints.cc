@@ -127,7 +127,8 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
       constexpr double kNear_rad_s = 10;
       if (position - model.lower < kNear_rad_s * dt_s)
         AddStop(member, index, -1, position - model.lower, dt_s);
-      if (model.upper - position < kNear_rad_s * dt_s) AddStop(member, index, 1, model.upper - position, dt_s);
+      if (model.upper - position < kNear_rad_s * dt_s)
+        AddStop(member, index, 1, model.upper - position, dt_s);
     }
   }
 }

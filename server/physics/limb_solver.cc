@@ -61,7 +61,8 @@ void LimbSolver::Join(std::span<const FoundContact> found, const Actor& a, std::
                       const Actor* b, std::uint32_t index_b, double dt_s) {
   const auto channels = [this](std::uint32_t thing) {
     const int member = thing < member_of_.size() ? member_of_[thing] : kNone;
-    return member == kNone ? std::span<const ChannelState>() : members_[static_cast<std::size_t>(member)].channels;
+    return member == kNone ? std::span<const ChannelState>()
+                           : members_[static_cast<std::size_t>(member)].channels;
   };
   for (const FoundContact& contact : found) {
     int node_a = NodeOf(index_a, *contact.a);
@@ -149,7 +150,7 @@ bool LimbSolver::Step(double dt_s) {
   }
   forest_.Begin(settings_.gravity_m_s2, dt_s);
   for (int round = 0; round < kMotorRounds; ++round) {
-    Solve();
+    Solve(round > 0);
     rates_ = state_;
     forest_.Finish(rates_);
     if (!SwitchMotors(round < kMotorRounds / 2)) break;
@@ -188,7 +189,7 @@ bool LimbSolver::SwitchMotors(bool may_hold_again) {
   return switched;
 }
 
-void LimbSolver::Solve() {
+void LimbSolver::Solve(bool is_again) {
   added_.assign(static_cast<std::size_t>(forest_.dof_count()), 0);
   state_ = forest_.momentum();
   for (std::size_t dof = 0; dof < state_.size(); ++dof) state_[dof] += pushes_[dof];
@@ -214,10 +215,13 @@ void LimbSolver::Solve() {
       for (std::size_t d = 0; d < length; ++d) divided_[part.from + d] = values[d] / forest_.pivot(chain[d]);
     }
   }
-  impulses_.setZero(static_cast<Eigen::Index>(rows_.size()));
+  if (!is_again) {
+    impulses_.setZero(static_cast<Eigen::Index>(rows_.size()));
+    lcp_.Forget();
+  }
   if (rows_.empty()) return;
   if (rows_.size() <= kMaxRows) {
-    SolveDirectly();
+    SolveDirectly(is_again);
   } else {
     SolveByIteration();
   }
@@ -252,7 +256,7 @@ void LimbSolver::Apply(const Row& row, double impulse) {
   }
 }
 
-void LimbSolver::SolveDirectly() {
+void LimbSolver::SolveDirectly(bool is_again) {
   const auto n = static_cast<Eigen::Index>(rows_.size());
   A_.resize(n, n);
   b_.resize(n);
@@ -268,9 +272,9 @@ void LimbSolver::SolveDirectly() {
     upper_[i] = row.normal == kNone ? row.upper : 0;
     rubs |= row.normal != kNone;
   }
-  lcp_.Solve(A_, b_, lower_, upper_, impulses_);
   // First without friction, then with what these loads allow, then with those that result.
-  for (int pass = 0; rubs && pass < 2; ++pass) {
+  if (!is_again) lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+  for (int pass = 0; (rubs || is_again) && pass < 2; ++pass) {
     for (Eigen::Index i = 0; i < n; ++i) {
       const Row& row = rows_[static_cast<std::size_t>(i)];
       if (row.normal == kNone) continue;
@@ -285,6 +289,7 @@ void LimbSolver::SolveDirectly() {
 // Projected Gauss-Seidel; each row sees the friction that the present loads allow.
 void LimbSolver::SolveByIteration() {
   std::vector<double> diagonal;
+  impulses_.setZero();
   for (const Row& row : rows_) diagonal.push_back(Dot(row, row) + row.softness);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {

@@ -100,9 +100,10 @@ class LimbSolver {
   void AddWrench(int node, const Vector3& p_W, const Vector3& torque, const Vector3& force, Row& row);
   void AddContact(const dContact& contact, int node_a, int node_b, double dt_s);
   double RateOf(const Row& row, std::span<const double> rates) const;
-  /// Impulses of all rows, with the motors as they are; `state_` becomes the transformed rates.
-  void Solve();
-  void SolveDirectly();
+  /// Impulses of all rows, with the motors as they are; `state_` becomes the transformed rates. `is_again`:
+  /// begins with the impulses of before.
+  void Solve(bool is_again);
+  void SolveDirectly(bool is_again);
   void SolveByIteration();
   double Dot(const Row& a, const Row& b) const;
   double Dot(const Row& row, std::span<const double> transformed) const;

@@ -103,8 +103,7 @@ std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, co
   if (contact.surface.mu > 0) {
     contact.surface.mode = dContactApprox1;
     // The friction pyramid lies along the slip, so that sliding bodies brake alike in every direction.
-    const Vector3 slip =
-        PointVelocity(a, found.a, point.p_W) - PointVelocity(b, found.b, point.p_W);
+    const Vector3 slip = PointVelocity(a, found.a, point.p_W) - PointVelocity(b, found.b, point.p_W);
     const Vector3 along = slip - slip.dot(point.n_W) * point.n_W;
     constexpr double kSliding_m_s = 0.01;
     constexpr double kHorizontal = 0.1;

@@ -219,8 +219,8 @@ std::optional<std::string> PhysicsWorld::TryBatch(const Batch& batch, Solvers& s
   }
   try {
     LoadBatch(batch, solvers.lane, solvers.lane, dt_s);
-    solvers.lane.Step(
-        batch.method == Method::kDirect ? Lane::Solver::kDirect : Lane::Solver::kIterative, dt_s);
+    solvers.lane.Step(batch.method == Method::kDirect ? Lane::Solver::kDirect : Lane::Solver::kIterative,
+                      dt_s);
     return std::nullopt;
   } catch (const OdeError& error) {
     solvers.lane.Reset();
