@@ -172,7 +172,7 @@ TEST_P(JointsTest, ADoublePendulumKeepsItsEnergy) {
     scene_.Run(1);
     worst = std::max(worst, std::abs(energy_j() - before_j) / span_j);
   }
-  RecordProperty("drift", std::to_string(worst)); printf("drift %g\n", worst);
+  RecordProperty("drift", std::to_string(worst));
   EXPECT_LT(worst, 0.02 * GetParam());
 }
 
@@ -275,6 +275,97 @@ TEST_P(JointsTest, AFourBarLinkageStaysClosed) {
                         std::abs((c - Vector3(0.4, 0, 3)).norm() - 0.3)});
   }
   EXPECT_LT(worst_m, 1e-4 * GetParam());
+}
+
+/// Joint 0 swings on the post; joint 1 turns a disc about the post's x axis with it.
+RobotModel Geared(double multiplier) {
+  RobotModel model = Pendulum(0.5, 0.05, 0.02);
+  model.links.push_back(Link("disc", {0, 0, 3}, 1, 0.03));
+  model.joints.push_back(Hinge("gear", 0, 2, {0, 0, 3}));
+  model.joints[1].axis_R = Vector3::UnitX();
+  model.couplings = {{1, 0, multiplier, 0}};
+  return model;
+}
+
+TEST_P(JointsTest, AGearboxAddsTheInertiaBeyondItByItsRatioSquared) {
+  Add(Geared(-3));
+  const double inertia_kg_m2 = 0.02 + 0.25 + 9 * 0.03;
+  const double quarter_s = kPi / 2 * std::sqrt(inertia_kg_m2 / (kGravity_m_s2 * 0.5));
+  int steps = 0;
+  while (Where(1).p.x() < 0 && steps * step_s() < 10) {
+    scene_.Run(1);
+    ++steps;
+  }
+  EXPECT_NEAR(steps * step_s(), quarter_s, 0.01 * quarter_s + step_s());
+}
+
+TEST_P(JointsTest, AFollowerKeepsToItsLeader) {
+  Add(Geared(2));
+  double worst_rad = 0;
+  for (int i = 0; i < static_cast<int>(5 / step_s()); ++i) {
+    scene_.Run(1);
+    const Quaternion disc = Where(2).q;
+    worst_rad = std::max(worst_rad, std::abs(2 * std::atan2(disc.x(), disc.w()) - 2 * Angle(1)));
+  }
+  EXPECT_LT(worst_rad, 1e-5);
+  EXPECT_GT(worst_rad, 0) << "it has moved";
+}
+
+TEST_P(JointsTest, AWinchLetsItsLoadFallByTheFormula) {
+  // The drum turns many times: nothing is lost beyond ±π.
+  RobotModel model = Carriage();
+  model.joints[0].axis_R = Vector3::UnitZ();
+  model.links.push_back(Link("drum", {0, 0, 3}, 1, 0.01));
+  model.joints.push_back(Hinge("axle", 0, 2, {0, 0, 3}));
+  const double radius_m = 0.05;
+  model.couplings = {{1, 0, 1 / radius_m, 0}};
+  Add(model);
+  scene_.RunFor(0.7);
+  const double acceleration = kGravity_m_s2 * 2 / (2 + 0.01 / (radius_m * radius_m));
+  EXPECT_NEAR(3 - Where(1).p.z(), acceleration * 0.7 * (0.7 + step_s()) / 2, 1e-4);
+}
+
+TEST_P(JointsTest, ANutFallsAlongItsScrewByTheFormula) {
+  RobotModel model = OnAPost();
+  model.links.push_back(Link("nut", {0, 0, 3}, 2, 0.01));
+  JointModel screw = Hinge("screw", 0, 1, {0, 0, 3});
+  screw.kind = JointModel::Kind::kScrew;
+  screw.axis_R = Vector3::UnitZ();
+  screw.pitch_m_rad = 0.05;
+  model.joints = {screw};
+  Add(model);
+  const double acceleration = kGravity_m_s2 * 2 * 0.05 * 0.05 / (2 * 0.05 * 0.05 + 0.01);
+  for (int i = 1; i <= static_cast<int>(0.8 / step_s()); ++i) {
+    scene_.Run(1);
+    const double fallen_m = acceleration * i * (i + 1) * step_s() * step_s() / 2;
+    ASSERT_NEAR(3 - Where(1).p.z(), fallen_m, 1e-6);
+    const Quaternion q = Where(1).q, turned(Eigen::AngleAxisd(-fallen_m / 0.05, Vector3::UnitZ()));
+    ASSERT_LT(q.angularDistance(turned), 1e-4);
+  }
+}
+
+TEST_P(JointsTest, ASliderCrankMovesItsPistonByTheFormula) {
+  const double crank_m = 0.1, rod_m = 0.3;
+  RobotModel model = OnAPost();
+  model.links.push_back(Link("crank", {0.05, 0, 3.05}, 0.5, 0.002));
+  model.links.push_back(Link("rod", {0.15, 0, 3}, 0.5, 0.005));
+  model.links.push_back(Link("piston", {0.4, 0, 3}, 0.5, 0.002));
+  // The crank points along x at first.
+  model.joints = {Hinge("main", 0, 1, {0, 0, 3}), Hinge("crankpin", 1, 2, {crank_m, 0, 3}),
+                  Hinge("gudgeon", 2, 3, {crank_m + rod_m, 0, 3}), Hinge("bore", 0, 3, {0.4, 0, 3})};
+  model.joints[3].kind = JointModel::Kind::kSlider;
+  model.joints[3].axis_R = Vector3::UnitX();
+  Add(model);
+  double worst_m = 0, least_m = 1;
+  for (int i = 0; i < static_cast<int>(3 / step_s()); ++i) {
+    scene_.Run(1);
+    const double angle = Angle(1), across_m = crank_m * std::sin(angle);
+    const double way_m = crank_m * std::cos(angle) + std::sqrt(rod_m * rod_m - across_m * across_m);
+    worst_m = std::max(worst_m, std::abs(Where(3).p.x() - way_m));
+    least_m = std::min(least_m, way_m);
+  }
+  EXPECT_LT(worst_m, 1e-4 * GetParam());
+  EXPECT_LT(least_m, 0.35) << "it has moved";
 }
 
 INSTANTIATE_TEST_SUITE_P(Steps, JointsTest, ::testing::Values(1, 5, 10),
