@@ -173,7 +173,7 @@ TEST_P(JointsTest, ADoublePendulumKeepsItsEnergy) {
     worst = std::max(worst, std::abs(energy_j() - before_j) / span_j);
   }
   RecordProperty("drift", std::to_string(worst));
-  EXPECT_LT(worst, 0.02 * GetParam());
+  EXPECT_LT(worst, 0.013 * GetParam());
 }
 
 TEST_P(JointsTest, ASpringAndADamperFollowTheFormula) {
