@@ -167,6 +167,16 @@ class RobotsTest(unittest.TestCase):
             self.assertAlmostEqual(height_m[up], height_m[0], delta=0.01)
         self.assertLess(max(map(lean, poses)), math.radians(5))
 
+    def test_the_humanoid_walks(self):
+        for step_s, options in ((0.01, "length=0.06"), (0.01, "length=0.1 period=0.6"), (0.01, "length=0"), (0.005, "length=0.06")):
+            with self.subTest(step=step_s, options=options):
+                run = self.run_to_the_end(robots(("humanoid", f"controller walk steps=20 wait=1 {options}")), 19, "--step", str(step_s))
+                poses = run.pose_3d("r1")
+                length_m = float(options.split()[0].split("=")[1])
+                self.assertAlmostEqual(poses[-1][0], 19 * length_m, delta=0.05 + 0.05 * 19 * length_m)
+                self.assertLess(max(map(lean, poses)), math.radians(3))
+                self.assertAlmostEqual(poses[-1][2], -0.035, delta=0.005)
+
     def pendulum(self, mass_kg):
         """A ball that falls from level about a post and meets what stands 0.85 m below the pivot."""
         moment = 0.4 * mass_kg * 0.05**2

@@ -27,7 +27,7 @@ class ShippedLibrary {
  public:
   ShippedLibrary() : library_(SearchPath{{SourceDir(), folder_.path()}}) {
     for (const char* name : {"aggregate", "attractor", "braitenberg", "diffuse", "flock", "formation",
-                             "reach", "squat", "transport", "tripod", "trot"}) {
+                             "reach", "squat", "transport", "tripod", "trot", "walk"}) {
       folder_.Write(std::string("controllers/") + name + ".so", "");
     }
   }
@@ -76,7 +76,7 @@ TEST(ShippedTest, NamesAreListedSorted) {
                                      "corridor", "crowd200", "diffuse100", "empty", "fig4", "flock50",
                                      "formation", "formation_loaded", "reach", "squat", "swarm100",
                                      "swarm1000", "swarm5000", "transport", "transport_loaded", "triangle",
-                                     "triangle_loaded", "tripod", "trot"));
+                                     "triangle_loaded", "tripod", "trot", "walk"));
 }
 
 TEST(ShippedTest, RobotsStartClearOfEverything) {
