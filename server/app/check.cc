@@ -60,6 +60,22 @@ std::string CountOf(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
+const char* WordOf(JointModel::Kind kind) {
+  switch (kind) {
+    case JointModel::Kind::kHinge:
+      return "hinge";
+    case JointModel::Kind::kSlider:
+      return "slider";
+    case JointModel::Kind::kBall:
+      return "ball";
+    case JointModel::Kind::kUniversal:
+      return "universal";
+    case JointModel::Kind::kScrew:
+      return "screw";
+  }
+  return "";
+}
+
 /// What is in a model, in lines: counts, mass, size, then joints and modules by name.
 std::vector<std::string> DescribeModel(const RobotModel& model) {
   double mass_kg = 0;
@@ -75,11 +91,20 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
       " m"};
   for (const JointModel& joint : model.joints) {
     std::string text = "  joint " + joint.name + ": ";
-    text += joint.kind == JointModel::Kind::kSlider ? "slider" : "hinge";
+    text += WordOf(joint.kind);
+    if (joint.kind == JointModel::Kind::kScrew) text += " of " + FormatNumber(joint.pitch_m_rad) + " m/rad";
     if (joint.has_stop()) text += ", from " + number(joint.lower) + " to " + number(joint.upper);
     if (joint.max_effort > 0 && std::isfinite(joint.max_effort))
       text += ", effort " + number(joint.max_effort);
     lines.push_back(std::move(text));
+  }
+  for (const CouplingModel& coupling : model.couplings) {
+    const auto joint = [&](int index) { return model.joints[static_cast<std::size_t>(index)].name; };
+    lines.push_back("  coupling: " + joint(coupling.follower) + " = " + number(coupling.multiplier) + " * " +
+                    joint(coupling.leader) +
+                    (coupling.offset == 0
+                         ? ""
+                         : (coupling.offset < 0 ? " - " : " + ") + number(std::abs(coupling.offset))));
   }
   for (const ModuleModel& module : model.modules())
     lines.push_back("  module " + module.name + " (" + module.type + ")");

@@ -41,7 +41,7 @@ class DriveAdopter {
       if (std::abs(joint->axis_R.y()) < 1 - 1e-6)
         return Leave("the axis of '" + joint->name +
                      "' does not lie along y: write <xyz>0 1 0</xyz> in the model's frame");
-      if (joint->axis_R.y() < 0) joint->axis_R = -joint->axis_R;
+      if (joint->axis_R.y() < 0) Reverse(static_cast<int>(joint - robot_.joints.data()));
       joint->axis_R = Vector3::UnitY();
       joint->lower = -JointModel::kInfinity;
       joint->upper = JointModel::kInfinity;
@@ -71,9 +71,18 @@ class DriveAdopter {
   JointModel* Find(const char* key) {
     const std::string name = attributes_.Text(key).value_or("");
     const auto found = std::ranges::find(robot_.joints, name, &JointModel::name);
-    if (found != robot_.joints.end() && found->kind == JointModel::Kind::kHinge) return &*found;
-    Leave("there is no turning joint '" + name + "'");
+    if (found != robot_.joints.end() && found->kind == JointModel::Kind::kHinge &&
+        robot_.FindCoupling(static_cast<int>(found - robot_.joints.begin())) == nullptr)
+      return &*found;
+    Leave("there is no turning joint '" + name + "' that follows no other");
     return nullptr;
+  }
+
+  /// Its positions count the other way, and what follows it goes on as before.
+  void Reverse(int joint) {
+    for (CouplingModel& coupling : robot_.couplings) {
+      if (coupling.leader == joint) coupling.multiplier = -coupling.multiplier;
+    }
   }
 
   /// A round collision whose middle lies on the joint's axis; else what the plug-in says of the wheel.
@@ -159,6 +168,11 @@ void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, Ro
   const auto found = std::ranges::find(robot.joints, name, &JointModel::name);
   if (found == robot.joints.end()) {
     diagnostics.Warning(attributes.where(), "there is no joint '" + name + "' for its controller plug-in");
+    return;
+  }
+  if (robot.FindCoupling(static_cast<int>(found - robot.joints.begin())) != nullptr) {
+    diagnostics.Warning(attributes.where(), "the controller plug-in of joint '" + name +
+                                                "' is not used: the joint follows another (<mimic>)");
     return;
   }
   constexpr double kEffort = 100, kVelocity = 10;

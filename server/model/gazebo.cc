@@ -82,7 +82,8 @@ class Adopter {
   void MakeStatic() {
     std::vector<std::pair<std::string, SourceLine>> links;
     CollectLinks(model_, "", links);
-    std::erase_if(model_.children, [](const XmlNode& one) { return one.name == "joint"; });
+    std::erase_if(model_.children,
+                  [](const XmlNode& one) { return one.name == "joint" || one.name == "coopdyn:mimic"; });
     std::string parent = "world";
     int number = 0;
     for (const auto& [link, where] : links) {

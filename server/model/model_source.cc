@@ -310,8 +310,9 @@ std::optional<ModelSource> ComposeModel(const std::string& given, const std::str
     return std::nullopt;
   }
   source.foreign = root->Attribute("coopdyn:foreign") == "true" || !HasOwnElements(*root);
-  const bool plain =
-      !source.foreign && *minor >= 7 && *minor <= 9 && !HasAny(*root, "include") && !HasAny(*root, "mesh");
+  const bool plain = !source.foreign && *minor >= 7 && *minor <= 9 && !HasAny(*root, "include") &&
+                     !HasAny(*root, "mesh") && !HasAny(*root, "mimic") &&
+                     !HasAny(*root, "screw_thread_pitch");
   if (plain && !root->Has("xmlns:coopdyn")) {
     diagnostics.Error(root->where,
                       "write xmlns:coopdyn=\"https://coopdyn.dev/sdf\" in <sdf>: a robot needs elements "
@@ -329,6 +330,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   Upgrade(root, root.Attribute("version"));
   root.Set("xmlns:coopdyn", "https://coopdyn.dev/sdf");
   ExpandIncludes(root, resources, diagnostics);
+  GatherMimics(*root.Child("model"));
   if (source.foreign) {
     root.Set("coopdyn:foreign", "true");
     AdoptModel(*root.Child("model"), diagnostics);

@@ -43,6 +43,11 @@ void ExpandIncludes(XmlNode& world, const Resources* resources, Diagnostics& dia
 /// Writes elements of an older SDF as those of the newest. `version`: of the file of `root`.
 void Upgrade(XmlNode& root, const std::string& version);
 
+/// Writes what libsdformat does not know of the joints of `model` (`<model>`) in other words: a `<mimic>` as
+/// a
+/// `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` as the older `<thread_pitch>`.
+void GatherMimics(XmlNode& model);
+
 /// The SDF of a URDF `robot` (`<robot>`). Reports what it cannot use.
 XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);
 

@@ -103,6 +103,11 @@ bool RobotModel::IsDriven(int joint) const {
   });
 }
 
+const CouplingModel* RobotModel::FindCoupling(int joint) const {
+  const auto found = std::ranges::find(couplings, joint, &CouplingModel::follower);
+  return found == couplings.end() ? nullptr : &*found;
+}
+
 const ActuatorModel* RobotModel::drive_actuator() const {
   for (const ActuatorModel& actuator : actuators) {
     if (std::holds_alternative<DriveModel>(actuator.kind)) return &actuator;

@@ -46,7 +46,8 @@ struct FrameModel {
 };
 
 /// An axis about which (hinge: rad, N m), or along which (slider: m, N), the child moves against its parent.
-/// Ball and universal joints turn freely about a point; nothing drives them.
+/// A screw turns about its axis (rad, N m) and moves along it by `pitch_m_rad`. Ball and universal joints
+/// turn freely about a point; nothing drives them.
 struct JointModel {
   enum class Kind { kHinge, kSlider, kBall, kUniversal, kScrew };
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -72,9 +73,13 @@ struct JointModel {
   bool has_stop() const { return lower > -kInfinity || upper < kInfinity; }
 };
 
+/// Gears, belts and URDF's <mimic>: the position of joints[follower] is multiplier · that of joints[leader] +
+/// offset. Positions are 0 in the pose in which the model is written. No leader is a follower.
 struct CouplingModel {
-  int follower = 0, leader = 0;
-  double multiplier = 1, offset = 0;
+  int follower = 0;  // index into joints
+  int leader = 0;
+  double multiplier = 1;
+  double offset = 0;  // rad or m
 };
 
 /// Two motorised wheels on one axle, which crosses R's z axis. A positive speed of a wheel drives forward.
@@ -226,7 +231,7 @@ struct RobotModel {
   std::vector<LinkModel> links;                         // links[0] is the chassis, the base of an arm
   bool fixed_base = false;                              // links[0] is fixed to the world
   std::vector<JointModel> joints;
-  std::vector<CouplingModel> couplings;
+  std::vector<CouplingModel> couplings;  // at most one of each follower
   std::vector<FrameModel> frames;
   std::vector<ActuatorModel> actuators;
   std::vector<SensorModel> sensors;  // kind by kind, in the order of SensorKind; AddSensor() keeps it
@@ -242,6 +247,8 @@ struct RobotModel {
   bool has_boards() const;
   /// An actuator has joints[joint].
   bool IsDriven(int joint) const;
+  /// What joints[joint] follows; null if nothing.
+  const CouplingModel* FindCoupling(int joint) const;
   /// Its two-wheel drive; null if it has none.
   const ActuatorModel* drive_actuator() const;
   const DriveModel* drive() const {

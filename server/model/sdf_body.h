@@ -23,6 +23,7 @@ struct ModelReading {
   Diagnostics& diagnostics;
   ModelLines lines{};
   std::vector<FixedJoint> fixed{};
+  std::vector<Gearbox> gearboxes{};
 
   void Error(int line, std::string text) { diagnostics.Error({file, line}, std::move(text)); }
   void Warn(int line, std::string text) { diagnostics.Warning({file, line}, std::move(text)); }

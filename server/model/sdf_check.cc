@@ -43,7 +43,7 @@ constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"friction", "ode"},
     {"ode", "mu mu2"},
     {"material", "diffuse ambient specular"},
-    {"joint", "pose parent child axis axis2"},
+    {"joint", "pose parent child axis axis2 gearbox_ratio gearbox_reference_body thread_pitch"},
     {"axis", "xyz limit dynamics"},
     {"axis2", "xyz limit dynamics"},
     {"dynamics", "damping friction spring_reference spring_stiffness"},

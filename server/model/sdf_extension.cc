@@ -113,7 +113,8 @@ class ExtensionReader {
     for (const XMLElement* child = model.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       const std::string name = child->Name();
-      if (!name.starts_with("coopdyn:") || name.starts_with("coopdyn:gazebo_")) continue;
+      if (!name.starts_with("coopdyn:") || name.starts_with("coopdyn:gazebo_") || name == "coopdyn:mimic")
+        continue;
       if (name == "coopdyn:module") {
         modules.push_back(child);
       } else if (name == "coopdyn:drive") {
@@ -230,6 +231,11 @@ class ExtensionReader {
     if (*left == *right) {
       attributes.Error("left_joint and right_joint are the same");
       return;
+    }
+    for (const int joint : {*left, *right}) {
+      if (robot_.FindCoupling(joint) == nullptr) continue;
+      attributes.Error("the joint '" + robot_.joints[static_cast<std::size_t>(joint)].name +
+                       "' follows another (<mimic> or gearbox): a wheel of a drive has its own motor");
     }
     const JointModel& left_joint = robot_.joints[static_cast<std::size_t>(*left)];
     const JointModel& right_joint = robot_.joints[static_cast<std::size_t>(*right)];

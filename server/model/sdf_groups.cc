@@ -38,6 +38,11 @@ void AddJoint(XmlAttributes& attributes, const std::string& name, const RobotMod
   if (robot.IsDriven(index)) {
     return attributes.Error("the joint '" + name + "' belongs to another group, or to the drive, already");
   }
+  if (const CouplingModel* coupling = robot.FindCoupling(index)) {
+    return attributes.Error("the joint '" + name + "' follows '" +
+                            robot.joints[static_cast<std::size_t>(coupling->leader)].name +
+                            "' (<mimic> or gearbox) and has no motor: leave it out, and name the other");
+  }
   if (!HasMotor(*found)) {
     attributes.Error("the joint '" + name + "' needs <limit><effort> (N m or N, to " +
                      FormatNumber(kMaxEffort) + ") and <velocity> (rad/s or m/s, to " +
@@ -95,6 +100,7 @@ void ReadGroup(XmlAttributes& attributes, RobotModel& robot, Diagnostics& diagno
 void AddDefaultGroup(RobotModel& robot) {
   std::vector<int> joints;
   for (int i = 0; i < static_cast<int>(robot.joints.size()); ++i) {
+    if (robot.FindCoupling(i) != nullptr) continue;
     if (!robot.IsDriven(i) && HasMotor(robot.joints[static_cast<std::size_t>(i)])) joints.push_back(i);
   }
   if (!joints.empty()) robot.actuators.push_back({"joints", std::move(joints), BoardModel()});

@@ -44,6 +44,8 @@ class JointReader {
         return Kind::kUniversal;
       case sdf::JointType::BALL:
         return Kind::kBall;
+      case sdf::JointType::SCREW:
+        return Kind::kScrew;
       default:
         return std::nullopt;
     }
@@ -75,12 +77,14 @@ class JointReader {
   void ReadOne(const ModelScope& scope, const sdf::Joint& joint) {
     const int line = LineOf(joint.Element());
     const std::string what = "joint '" + scope.prefix + joint.Name() + "'";
+    if (joint.Type() == sdf::JointType::GEARBOX) return ReadGearbox(scope, joint, line, what);
     const bool fixed = joint.Type() == sdf::JointType::FIXED;
     const std::optional<Kind> kind = KindOf(joint.Type());
     if (!fixed && !kind) {
-      reading_.Complain(line,
-                        what + " must be of type revolute, continuous, prismatic, universal, ball or fixed",
-                        "it is taken as fixed");
+      reading_.Complain(
+          line,
+          what + " must be of type revolute, continuous, prismatic, screw, universal, ball, gearbox or fixed",
+          "it is taken as fixed");
       if (!reading_.source.foreign) return;
     }
     std::string parent, child;
@@ -93,7 +97,7 @@ class JointReader {
       return;
     }
     if (fixed || !kind) {
-      reading_.fixed.push_back({*from, *to, line});
+      reading_.fixed.push_back({*from, *to, line, scope.prefix + joint.Name()});
       return;
     }
     if (*from == FixedJoint::kWorld) from = WorldLink(line);
@@ -118,13 +122,49 @@ class JointReader {
         return;
       }
     }
-    if (*kind == Kind::kHinge || *kind == Kind::kSlider) {
+    if (*kind == Kind::kScrew) ReadPitch(joint, line, what, out);
+    if (out.has_axis()) {
       ReadAxis(*joint.Axis(0), joint.Type() == sdf::JointType::CONTINUOUS, line, out);
     } else {
       WarnPassive(joint, line, what);
     }
     reading_.robot.joints.push_back(std::move(out));
     reading_.lines.joints.push_back(line);
+  }
+
+  /// The older <thread_pitch>: rad/m, positive for a left-handed thread.
+  void ReadPitch(const sdf::Joint& joint, int line, const std::string& what, JointModel& out) {
+    const double pitch_rad_m = joint.Element()->HasElement("thread_pitch") ? joint.ThreadPitch() : 0;
+    constexpr double kLeast = 1e-6, kMost = 1e9;
+    if (!(std::abs(pitch_rad_m) >= kLeast && std::abs(pitch_rad_m) <= kMost)) {
+      reading_.Error(line, what +
+                               " needs <screw_thread_pitch>: metres along the axis per revolution, not 0, "
+                               "positive for a right-handed thread");
+      return;
+    }
+    out.pitch_m_rad = -1 / pitch_rad_m;
+  }
+
+  /// It is no joint of its own: ReadCouplings() makes a coupling of it.
+  void ReadGearbox(const ModelScope& scope, const sdf::Joint& joint, int line, const std::string& what) {
+    const sdf::ElementPtr element = joint.Element();
+    const auto axis = AxisOf(scope, joint, 0, line, what), axis2 = AxisOf(scope, joint, 1, line, what);
+    if (!axis || !axis2) return;
+    const auto link = [&](const std::string& name) {
+      return name.empty() || name == "world" ? name : scope.prefix + name;
+    };
+    Gearbox gearbox{.name = scope.prefix + joint.Name(),
+                    .parent = link(joint.ParentLinkName()),
+                    .child = link(joint.ChildLinkName()),
+                    .reference = {},
+                    .axis_R = *axis,
+                    .axis2_R = *axis2,
+                    .ratio = 1,
+                    .line = line};
+    if (element->HasElement("gearbox_reference_body"))
+      gearbox.reference = link(element->Get<std::string>("gearbox_reference_body"));
+    if (element->HasElement("gearbox_ratio")) gearbox.ratio = element->Get<double>("gearbox_ratio");
+    reading_.gearboxes.push_back(std::move(gearbox));
   }
 
   std::optional<Vector3> AxisOf(const ModelScope& scope, const sdf::Joint& joint, unsigned index, int line,

@@ -56,7 +56,22 @@ struct FixedJoint {
   static constexpr int kWorld = -1;
   int parent = 0, child = 0;  // index into links; parent may be kWorld
   int line = 0;
+  std::string name{};
 };
+/// SDF's gearbox: the angle of `child` about `axis2_R` is -ratio · the angle of `parent` about `axis_R`, both
+/// against `reference`.
+struct Gearbox {
+  std::string name, parent, child, reference;  // of links
+  Vector3 axis_R, axis2_R;
+  double ratio = 1;
+  int line = 0;
+};
+/// Reads the couplings of `robot`: the `<mimic>`s of `model` (`<model>`), as GatherMimics() writes them, and
+/// `gearboxes`. `robot` has its links, joints and frames. `fixed`: joints that cannot move.
+void ReadCouplings(const tinyxml2::XMLElement& model, std::span<const Gearbox> gearboxes,
+                   std::span<const FixedJoint> fixed, const std::string& file, RobotModel& robot,
+                   Diagnostics& diagnostics);
+
 /// Where a model's links and joints stand in its file.
 struct ModelLines {
   std::vector<int> links, joints;

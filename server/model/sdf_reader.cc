@@ -42,6 +42,8 @@ class RobotReader {
     ReadJoints(scopes, reading);
     if (!diagnostics_.has_errors()) WeldLinks(reading.fixed, reading.lines, file_, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) MakeHulls(reading);
+    if (!diagnostics_.has_errors())
+      ReadCouplings(xml_model, reading.gearboxes, reading.fixed, file_, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) CheckStops(reading);
     if (diagnostics_.has_errors()) return nullptr;

@@ -23,7 +23,6 @@ class UrdfConverter {
     for (const XmlNode& child : robot_.children) {
       if (child.name == "material") materials_[child.Attribute("name")] = &child;
       if (child.name == "link") links_.insert(child.Attribute("name"));
-      if (child.name == "joint") joints_.insert(child.Attribute("name"));
     }
     for (const XmlNode& child : robot_.children) {
       if (child.name == "joint") parents_[TextOfEnd(child, "child")] = &child;
@@ -194,7 +193,7 @@ class UrdfConverter {
     out.Add("parent", parent);
     out.Add("child", child);
     if (type != "fixed" && type != "ball") out.children.push_back(Axis(joint));
-    if (const XmlNode* mimic = joint.Child("mimic")) Mimic(*mimic, joint, out);
+    if (const XmlNode* mimic = joint.Child("mimic")) out.children.push_back(Mimic(*mimic));
     return out;
   }
 
@@ -222,16 +221,14 @@ class UrdfConverter {
     return out;
   }
 
-  void Mimic(const XmlNode& mimic, const XmlNode& joint, XmlNode& /*out*/) {
-    const std::string other = mimic.Attribute("joint");
-    const std::string who = "joint '" + joint.Attribute("name") + "'";
-    if (!joints_.contains(other)) {
-      Error(mimic, "<mimic> of " + who + " names no joint of this robot: '" + other + "'" +
-                       DidYouMean(other, std::vector<std::string>(joints_.begin(), joints_.end())));
-      return;
+  /// As SDF 1.11 has it.
+  static XmlNode Mimic(const XmlNode& mimic) {
+    XmlNode out = At("mimic", mimic);
+    out.Set("joint", mimic.Attribute("joint"));
+    for (const char* key : {"multiplier", "offset"}) {
+      if (mimic.Has(key)) out.Add(key, mimic.Attribute(key));
     }
-    Warn(mimic,
-         "<mimic> is not supported: " + who + " moves by itself, not with '" + other + "': command both");
+    return out;
   }
 
   const XmlNode& robot_;
@@ -239,7 +236,7 @@ class UrdfConverter {
   std::map<std::string, const XmlNode*> materials_;
   std::map<std::string, const XmlNode*> parents_;  // joints by their child
   std::map<std::string, std::vector<const XmlNode*>> extras_;
-  std::set<std::string> links_, joints_;
+  std::set<std::string> links_;
 };
 
 }  // namespace

@@ -204,7 +204,7 @@ TEST(JointsReaderTest, AModuleOfJointsIsWrittenAsAGroup) {
 TEST(JointsReaderTest, MistakesAreNamedWithTheirLine) {
   const std::string links = Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0 0 0.5 0 0 0");
   const auto said = [&](const std::string& joints) { return ReadParts(links + joints).messages; };
-  EXPECT_THAT(said(Joint("j", "screw", "a", "b", kUp)),
+  EXPECT_THAT(said(Joint("j", "revolute2", "a", "b", kUp)),
               HasSubstr("rig/model.sdf:4: error: joint 'j' must be of type"));
   EXPECT_THAT(said(Joint("j", "revolute", "world", "b", kUp)),
               HasSubstr("link 'a' hangs on no joint that leads to link 'world'"));
