@@ -177,14 +177,19 @@ Message JointsDevice::Read(const Message& request, const Frame& frame, int robot
 }
 
 Message JointsDevice::ReadChain() const {
+  const bool starts_at_zero =
+      std::ranges::all_of(model_.joints, [](const JointModel& j) { return j.start == 0; });
+  const RobotModel zeroed = starts_at_zero ? RobotModel() : AtZero(model_);
+  const RobotModel& model = starts_at_zero ? model_ : zeroed;
   std::vector<std::size_t> chain;  // from the tool to the base; index into the board's joints
-  const int link = model_.joints[static_cast<std::size_t>(actuator_.joints.back())].child;
-  const LinkModel& last = model_.links[static_cast<std::size_t>(link)];
-  const FrameModel tool = board_.tool.value_or(FrameModel{last.name, link, last.X_RL});
+  const int link = model.joints[static_cast<std::size_t>(actuator_.joints.back())].child;
+  const LinkModel& last = model.links[static_cast<std::size_t>(link)];
+  const FrameModel tool = board_.tool ? *std::ranges::find(model.frames, board_.tool->name, &FrameModel::name)
+                                      : FrameModel{last.name, link, last.X_RL};
   for (int at = tool.link; at != 0;) {
-    const auto joint = std::ranges::find(model_.joints, at, &JointModel::child);
-    if (joint == model_.joints.end()) break;
-    const auto found = std::ranges::find(actuator_.joints, static_cast<int>(joint - model_.joints.begin()));
+    const auto joint = std::ranges::find(model.joints, at, &JointModel::child);
+    if (joint == model.joints.end()) break;
+    const auto found = std::ranges::find(actuator_.joints, static_cast<int>(joint - model.joints.begin()));
     const auto index = static_cast<std::size_t>(found - actuator_.joints.begin());
     if (std::ranges::find(chain, index) != chain.end()) break;  // a loop
     if (found != actuator_.joints.end()) chain.push_back(index);
@@ -199,7 +204,7 @@ Message JointsDevice::ReadChain() const {
   std::ranges::reverse(chain);
   Message reply = ReplyTo(command::kGetChain, tool.name);
   for (const std::size_t i : chain) {
-    const JointModel& joint = model_.joints[static_cast<std::size_t>(actuator_.joints[i])];
+    const JointModel& joint = model.joints[static_cast<std::size_t>(actuator_.joints[i])];
     reply.params.push_back(static_cast<std::int32_t>(i + 1));
     reply.params.push_back(joint.kind == JointModel::Kind::kSlider ? 1 : 0);
     const Vector3 axis = joint.axis_R.normalized();

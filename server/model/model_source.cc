@@ -331,6 +331,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   root.Set("xmlns:coopdyn", "https://coopdyn.dev/sdf");
   ExpandIncludes(root, resources, diagnostics);
   GatherMimics(*root.Child("model"));
+  FreeNames(*root.Child("model"), diagnostics);
   if (source.foreign) {
     root.Set("coopdyn:foreign", "true");
     AdoptModel(*root.Child("model"), diagnostics);

@@ -48,6 +48,10 @@ void Upgrade(XmlNode& root, const std::string& version);
 /// `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` as the older `<thread_pitch>`.
 void GatherMimics(XmlNode& model);
 
+/// Gives what libsdformat refuses other names: joints that are called like a link or `world` (`coopdyn:name`
+/// has what they are called), and shapes of one name in a link. A link `world` is the world itself.
+void FreeNames(XmlNode& model, Diagnostics& diagnostics);
+
 /// The SDF of a URDF `robot` (`<robot>`). Reports what it cannot use.
 XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);
 

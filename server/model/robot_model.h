@@ -59,7 +59,8 @@ struct JointModel {
   Vector3 p_RJ = Vector3::Zero();  // a point of the axis, in the initial pose
   Vector3 axis_R = Vector3::UnitY();
   Vector3 axis2_R = Vector3::UnitX();            // of a universal joint, on the child
-  double lower = -kInfinity, upper = kInfinity;  // its stops; the initial pose is 0
+  double lower = -kInfinity, upper = kInfinity;  // its stops
+  double start = 0;                              // its position in the initial pose
   double max_velocity = kInfinity, max_effort = kInfinity;
   double damping = 0;    // effort per velocity
   double friction = 0;   // Coulomb: effort
@@ -74,7 +75,7 @@ struct JointModel {
 };
 
 /// Gears, belts and URDF's <mimic>: the position of joints[follower] is multiplier · that of joints[leader] +
-/// offset. Positions are 0 in the pose in which the model is written. No leader is a follower.
+/// offset. No leader is a follower.
 struct CouplingModel {
   int follower = 0;  // index into joints
   int leader = 0;
@@ -279,5 +280,8 @@ struct RobotModel {
   /// The longest delay of a broadcast that the robot hears.
   int message_delay_steps() const;
 };
+
+/// `robot` in the pose in which all its joints stand at 0.
+RobotModel AtZero(const RobotModel& robot);
 
 }  // namespace coopdyn

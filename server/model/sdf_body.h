@@ -64,6 +64,11 @@ std::shared_ptr<const RobotModel> ReadRobotModelTree(XmlNode root, const std::st
                                                      const std::string& type, const Resources* resources,
                                                      Diagnostics& diagnostics);
 
+/// Moves links and joints beyond joint `index` along it; false if it closes a loop.
+bool MoveJoint(RobotModel& robot, std::size_t index, double by);
+/// Puts each joint to its `start`, and what follows others with them.
+void MoveToStart(ModelReading& reading);
+
 /// What moves collides by convex hulls.
 void MakeHulls(ModelReading& reading);
 

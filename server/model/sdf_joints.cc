@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Joints of a robot.
+#include <tinyxml2.h>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <sdf/sdf.hh>
 
 #include "server/model/sdf_body.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -74,9 +76,20 @@ class JointReader {
     return *world_;
   }
 
+  /// As the model's writer called it.
+  static std::string NameOf(const ModelScope& scope, const sdf::Joint& joint) {
+    for (const auto* xml = scope.xml.FirstChildElement("joint"); xml != nullptr;
+         xml = xml->NextSiblingElement("joint")) {
+      const char *name = xml->Attribute("name"), *given = xml->Attribute("coopdyn:name");
+      if (name != nullptr && given != nullptr && name == joint.Name()) return given;
+    }
+    return joint.Name();
+  }
+
   void ReadOne(const ModelScope& scope, const sdf::Joint& joint) {
     const int line = LineOf(joint.Element());
-    const std::string what = "joint '" + scope.prefix + joint.Name() + "'";
+    const std::string name = scope.prefix + NameOf(scope, joint);
+    const std::string what = "joint '" + name + "'";
     if (joint.Type() == sdf::JointType::GEARBOX) return ReadGearbox(scope, joint, line, what);
     const bool fixed = joint.Type() == sdf::JointType::FIXED;
     const std::optional<Kind> kind = KindOf(joint.Type());
@@ -97,12 +110,12 @@ class JointReader {
       return;
     }
     if (fixed || !kind) {
-      reading_.fixed.push_back({*from, *to, line, scope.prefix + joint.Name()});
+      reading_.fixed.push_back({*from, *to, line, name});
       return;
     }
     if (*from == FixedJoint::kWorld) from = WorldLink(line);
     JointModel out;
-    out.name = scope.prefix + joint.Name();
+    out.name = name;
     out.kind = *kind;
     out.parent = *from;
     out.child = *to;
@@ -153,7 +166,7 @@ class JointReader {
     const auto link = [&](const std::string& name) {
       return name.empty() || name == "world" ? name : scope.prefix + name;
     };
-    Gearbox gearbox{.name = scope.prefix + joint.Name(),
+    Gearbox gearbox{.name = scope.prefix + NameOf(scope, joint),
                     .parent = link(joint.ParentLinkName()),
                     .child = link(joint.ChildLinkName()),
                     .reference = {},
@@ -205,13 +218,13 @@ class JointReader {
     if (!endless && axis.Lower() > -kNone) out.lower = axis.Lower();
     if (!endless && axis.Upper() < kNone) out.upper = axis.Upper();
     if (!(out.lower <= out.upper)) {
-      reading_.Error(line, "<lower> of " + what + " must not lie above <upper>");
+      reading_.Complain(line, "<lower> of " + what + " must not lie above <upper>", "it has no stops");
+      out.lower = -JointModel::kInfinity;
+      out.upper = JointModel::kInfinity;
     } else if (out.lower > 0 || out.upper < 0) {
-      reading_.Complain(line,
-                        "the limits of " + what + " must include 0, the pose in which the model is written",
-                        "they are widened to it");
-      out.lower = std::min(out.lower, 0.0);
-      out.upper = std::max(out.upper, 0.0);
+      out.start = out.lower > 0 ? out.lower : out.upper;
+      reading_.Warn(line, what + " starts at " + FormatNumber(out.start) +
+                              ", its nearest limit: 0, the pose in which the model is written, lies beyond");
     }
     if (std::isfinite(axis.Effort()) && axis.Effort() >= 0) out.max_effort = axis.Effort();
     if (std::isfinite(axis.MaxVelocity()) && axis.MaxVelocity() >= 0) out.max_velocity = axis.MaxVelocity();

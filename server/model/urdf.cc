@@ -19,7 +19,7 @@ class UrdfConverter {
     XmlNode sdf = At("sdf", robot_);
     sdf.Set("version", "1.9");
     XmlNode& model = sdf.children.emplace_back(At("model", robot_));
-    model.Set("name", robot_.Has("name") ? robot_.Attribute("name") : "robot");
+    model.Set("name", robot_.Attribute("name").empty() ? "robot" : robot_.Attribute("name"));
     for (const XmlNode& child : robot_.children) {
       if (child.name == "material") materials_[child.Attribute("name")] = &child;
       if (child.name == "link") links_.insert(child.Attribute("name"));
@@ -27,6 +27,13 @@ class UrdfConverter {
     for (const XmlNode& child : robot_.children) {
       if (child.name == "joint") parents_[TextOfEnd(child, "child")] = &child;
       if (child.name == "gazebo") extras_[child.Attribute("reference")].push_back(&child);
+    }
+    // A frame of SDF is called by one name; the joint keeps its own beside it.
+    for (const XmlNode& child : robot_.children) {
+      if (child.name != "joint") continue;
+      std::string id = child.Attribute("name");
+      while (links_.contains(id) || id == "world") id += "_";
+      ids_[&child] = id;
     }
     // Many models call the world so, to fix their base in it.
     links_.erase("world");
@@ -81,7 +88,7 @@ class UrdfConverter {
     out.Set("name", name);
     if (const auto parent = parents_.find(name); parent != parents_.end()) {
       // A link's frame is that of the joint that holds it.
-      out.Add("pose").Set("relative_to", parent->second->Attribute("name"));
+      out.Add("pose").Set("relative_to", ids_.at(parent->second));
       out.children.back().text = "0 0 0 0 0 0";
     }
     int shapes = 0;
@@ -180,7 +187,8 @@ class UrdfConverter {
       type = "fixed";
     }
     XmlNode out = At("joint", joint);
-    out.Set("name", name);
+    out.Set("name", ids_.at(&joint));
+    if (ids_.at(&joint) != name) out.Set("coopdyn:name", name);
     out.Set("type", type);
     const std::string parent = TextOfEnd(joint, "parent"), child = TextOfEnd(joint, "child");
     for (const auto& [end, link] : {std::pair("parent", parent), std::pair("child", child)}) {
@@ -235,6 +243,7 @@ class UrdfConverter {
   Diagnostics& diagnostics_;
   std::map<std::string, const XmlNode*> materials_;
   std::map<std::string, const XmlNode*> parents_;  // joints by their child
+  std::map<const XmlNode*, std::string> ids_;      // of joints
   std::map<std::string, std::vector<const XmlNode*>> extras_;
   std::set<std::string> links_;
 };

@@ -50,13 +50,13 @@ void LimbSolver::AddRate(const Member& member, int joint, double scale, Row& row
 
 double LimbSolver::PositionOf(const Member& member, int joint) const {
   const Hinge hinge = HingeOf(member, joint);
-  if (hinge.node != kNone) return forest_.Position(hinge.node);
   const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
+  if (hinge.node != kNone) return model.start + forest_.Position(hinge.node);
   if (model.kind == Kind::kSlider) {
     const Vector3 way = forest_.Point(hinge.child, model.p_RJ) - forest_.Point(hinge.parent, model.p_RJ);
-    return way.dot(forest_.Axis(hinge.parent, model.axis_R));
+    return model.start + way.dot(forest_.Axis(hinge.parent, model.axis_R));
   }
-  return AngleAbout(forest_.Between(hinge.parent, hinge.child), model.axis_R);
+  return model.start + AngleAbout(forest_.Between(hinge.parent, hinge.child), model.axis_R);
 }
 
 void LimbSolver::AddMotor(const Member& member, int joint, double target, double softness, double most) {

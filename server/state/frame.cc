@@ -14,6 +14,12 @@ Pose BodyPose(const Frame& frame, int body) {
 
 }  // namespace
 
+double StartOf(const Scene& scene, std::size_t channel) {
+  const Channel& of = scene.channels[channel];
+  const RobotModel& model = *scene.robots[static_cast<std::size_t>(of.robot)].entry.model;
+  return model.joints[static_cast<std::size_t>(of.joint)].start;
+}
+
 std::vector<JointControl> StartControls(const Scene& scene) {
   std::vector<JointControl> controls(static_cast<std::size_t>(scene.control_count));
   for (const Channel& channel : scene.channels) {
@@ -23,6 +29,8 @@ std::vector<JointControl> StartControls(const Scene& scene) {
     JointControl& control = controls[static_cast<std::size_t>(channel.control)];
     control.speed = fastest / 2;
     control.acceleration = 2 * fastest;  // there within a quarter of a second
+    const double start = model.joints[static_cast<std::size_t>(channel.joint)].start;
+    control.start = control.target = control.reference = start;
   }
   return controls;
 }

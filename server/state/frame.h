@@ -38,12 +38,15 @@ struct BodyState {
 /// A driven joint axis; rad, rad/s, N m, or m, m/s, N. Position and velocity are nan in a playback of what
 /// was recorded without them.
 struct ChannelState {
-  double position = 0;  // since the start, not wrapped
+  double position = 0;  // not wrapped
   double velocity = 0;  // mean of the last step
   double effort =
       std::numeric_limits<double>::quiet_NaN();  // of its motor in the last substep; nan: not measured
   Setpoint setpoint;                             // latched for the step that made this frame
 };
+
+/// The position of a channel in frame 0.
+double StartOf(const Scene& scene, std::size_t channel);
 
 /// How a joint of a control board is driven, and where on its way it is. rad, s, N m; of a sliding joint m,
 /// N. Doubles alone: it is hashed and kept as they lie.

@@ -99,12 +99,49 @@ TEST(UrdfTest, ALinkCalledWorldIsTheWorld) {
   EXPECT_TRUE(robot->fixed_base);
 }
 
+TEST(UrdfTest, AJointMayBeCalledLikeALink) {
+  const auto [robot, messages] = ReadUrdf(UrdfBox("base") + UrdfBox("arm") +
+                                          "<joint name=\"arm\" type=\"continuous\"><origin xyz=\"0 0 0.5\"/>"
+                                          "<parent link=\"base\"/><child link=\"arm\"/></joint>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->joints[0].name, "arm");
+  EXPECT_EQ(robot->links[1].name, "arm");
+  EXPECT_NEAR(robot->links[1].X_RL.p.z() - robot->links[0].X_RL.p.z(), 0.5, 1e-12);
+}
+
 TEST(UrdfTest, AJointWithoutItsLinkIsAnError) {
   const auto [robot, messages] = ReadUrdf(UrdfBox("base") +
                                           "<joint name=\"turn\" type=\"continuous\"><parent link=\"base\"/>"
                                           "<child link=\"arm\"/></joint>\n");
   EXPECT_EQ(robot, nullptr);
   EXPECT_THAT(messages, HasSubstr("needs <child link=\"…\"/> that names a link, not 'arm'"));
+}
+
+TEST(ForeignModelTest, AJointMayBeCalledLikeALinkOrWorld) {
+  const std::string joints =
+      "<joint name=\"arm\" type=\"revolute\"><parent>base</parent><child>arm</child><axis><xyz>0 0 1</xyz>"
+      "<limit><effort>1</effort><velocity>1</velocity></limit></axis></joint>\n"
+      "<joint name=\"world\" type=\"fixed\"><parent>world</parent><child>base</child></joint>\n";
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("arm", "0 0 0.5 0 0 0", kSdfBox) + joints);
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->joints[0].name, "arm");
+  EXPECT_TRUE(robot->fixed_base);
+  Diagnostics diagnostics;
+  const auto again = ReadRobotModelText(robot->text, "model.sdf", "rig", diagnostics);
+  ASSERT_NE(again, nullptr) << diagnostics.ToString();
+  EXPECT_EQ(again->joints[0].name, "arm");
+}
+
+TEST(ForeignModelTest, ALinkCalledWorldIsTheWorld) {
+  const auto [robot, messages] =
+      ReadSdf("<link name=\"world\"><inertial><mass>1</mass></inertial></link>\n" +
+              SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) +
+              "<joint name=\"hold\" type=\"fixed\"><parent>world</parent><child>base</child></joint>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_TRUE(robot->fixed_base);
+  EXPECT_EQ(robot->links.size(), 1u);
+  EXPECT_THAT(messages, HasSubstr("model.sdf:2: warning: the link 'world' is the world itself"));
 }
 
 TEST(ForeignModelTest, APoseModuleIsThereWithoutOurElements) {

@@ -220,10 +220,30 @@ TEST(JointsReaderTest, MistakesAreNamedWithTheirLine) {
                       kUp + "<limit><lower>" + lower + "</lower><upper>" + upper + "</upper></limit>"));
   };
   EXPECT_THAT(limited("1", "-1"), HasSubstr("must not lie above <upper>"));
-  EXPECT_THAT(limited("0.5", "1"), HasSubstr("must include 0"));
+  EXPECT_THAT(limited("0.5", "1"), HasSubstr("4: warning: joint 'j' starts at 0.5, its nearest limit"));
   EXPECT_THAT(limited("-4", "1"), HasSubstr("beyond 180 degrees"));
   EXPECT_THAT(said(Joint("j", "revolute", "a", "b", kUp + "<dynamics><damping>-1</damping></dynamics>")),
               HasSubstr("<damping> of joint 'j' must be a number from 0"));
+}
+
+TEST(JointsReaderTest, LimitsWithoutZeroMakeAJointStartAtTheNearest) {
+  const auto [robot, messages] =
+      ReadParts(Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0.3 0 0.1 0 0 0") + Cube("c", "0.6 0 0.1 0 0 0") +
+                Joint("j", "revolute", "a", "b",
+                      kUp + "<limit><lower>0.5</lower><upper>1</upper><effort>1</effort></limit>") +
+                Joint("k", "prismatic", "b", "c",
+                      "<xyz>1 0 0</xyz><limit><lower>-0.3</lower><upper>-0.2</upper></limit>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->joints[0].start, 0.5);
+  EXPECT_EQ(robot->joints[0].lower, 0.5);
+  EXPECT_EQ(robot->joints[1].start, -0.2);
+  // SDF's joint frame is that of the child: b turns in its place, and c goes with it and 0.2 m back.
+  const Vector3 ahead(std::cos(0.5), std::sin(0.5), 0);
+  EXPECT_NEAR((robot->links[1].X_RL.p - Vector3(0.3, 0, 0.1)).norm(), 0, 1e-12);
+  EXPECT_NEAR((robot->links[2].X_RL.p - Vector3(0.3, 0, 0.1) - 0.1 * ahead).norm(), 0, 1e-12);
+  EXPECT_NEAR((robot->joints[1].axis_R - ahead).norm(), 0, 1e-12);
+  const RobotModel zero = AtZero(*robot);
+  EXPECT_NEAR((zero.links[2].X_RL.p - Vector3(0.6, 0, 0.1)).norm(), 0, 1e-12);
 }
 
 }  // namespace
