@@ -124,15 +124,16 @@ CommandTable SwarmTable() {
           std::move(release),
           {.id = command::kStepAll,
            .name = "step_all",
-           .help = "Sets the speeds of robots of the team, two values each: velocities (linear m/s, angular "
-                   "rad/s) or wheels (left, right rad/s); or their joints, one value each, robot by robot: "
-                   "positions, positions_direct, joint_velocities or efforts. No robots named: all; free "
-                   "robots join the team. Without data they go on as they do. The reply comes after the next "
-                   "step.",
+           .help = "Tells the robots of the team what to do, a row of values each: velocities (linear m/s, "
+                   "angular rad/s), wheels (left, right rad/s), or positions, positions_direct, "
+                   "joint_velocities or efforts, one value a joint, of all joints or of a group "
+                   "(positions/arm). Several words: their values one after the other in each row. No robots "
+                   "named: all; free robots join the team. Without data they go on as they do. The reply "
+                   "comes after the next step.",
            .text = TextUse::kFirst,
-           .text_name = "velocities, wheels or a word for joints",
+           .text_name = "COMMAND…",
            .params = {robot},
-           .data = {Repeated("value")},
+           .data = {{.name = "value", .unit = "", .repeated = true, .any_number = true}},
            .reply_params = table_shape,
            .reply_data = {Repeated("reading")},
            .reply_text = "`limited N robots` if some were scaled; who was taken from the team",

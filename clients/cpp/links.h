@@ -169,9 +169,9 @@ struct TeamLink {
 };
 
 /// What one team of a session does in a step, while the others keep their speeds.
-struct TeamCommand {
+struct TeamRequest {
   TeamLink* team = nullptr;
-  std::string text;  // `wheels`, or empty
+  std::string text;  // its words, or empty
   std::span<const double> values;
 };
 

@@ -69,7 +69,7 @@ class Session {
   void GiveToTeam(const std::vector<std::string>& robots);
   void CloseTeam(TeamLink& team, bool stop);
   /// Steps with what was kept, or `ready`, for every robot and every team of this session.
-  void Step(int n, double timeout_s, const TeamCommand& command = {});
+  void Step(int n, double timeout_s, const TeamRequest& command = {});
   /// The robot of `lost` is another's: its other actuators are not ours any more, either.
   void LoseOthers(const RobotLink& lost);
   /// What single robots were told for the next step; put back if it was refused.
@@ -126,7 +126,7 @@ class Session {
   bool LetGo(const std::string& robot);
   Connection& Of(const std::string& module);
   void GoOn(std::int64_t step, std::int64_t since);
-  std::vector<Waiting> WhoSteps(const TeamCommand& command);
+  std::vector<Waiting> WhoSteps(const TeamRequest& command);
   void TakeIn(Waiting& w, Message reply, Replies& replies);
   bool TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing, Replies& replies);
   Replies Collect(std::vector<Waiting>& waiting, double timeout_s);

@@ -28,7 +28,7 @@ constexpr double kGlance_s = 0.01;
 }  // namespace
 
 /// The connections that step, settled.
-std::vector<Session::Waiting> Session::WhoSteps(const TeamCommand& command) {
+std::vector<Session::Waiting> Session::WhoSteps(const TeamRequest& command) {
   std::vector<Waiting> waiting, of_teams;
   for (const auto& link : links_) link->unstepped = 0;
   if (!watch_) {
@@ -51,7 +51,7 @@ std::vector<Session::Waiting> Session::WhoSteps(const TeamCommand& command) {
   return waiting;
 }
 
-void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
+void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
   RequireOpen();
   if (n > 1 && std::any_of(links_.begin(), links_.end(),
                            [](const auto& link) { return link->has_joints() && link->kept; })) {
@@ -59,13 +59,13 @@ void Session::Step(int n, double timeout_s, const TeamCommand& team_command) {
     Step(1, timeout_s);  // a command of joints stands for one step
     return Step(n - 1, std::max(0.0, Until(deadline)));
   }
-  std::vector<Waiting> waiting = WhoSteps(team_command);
+  std::vector<Waiting> waiting = WhoSteps(team_request);
   const std::int64_t since = reached_ + 1;
   Replies replies;
   try {
     for (Waiting& w : waiting) {
-      if (w.team != nullptr && w.team == team_command.team) {
-        w.connection->Send(command::kStepAll, {}, team_command.values, team_command.text);
+      if (w.team != nullptr && w.team == team_request.team) {
+        w.connection->Send(command::kStepAll, {}, team_request.values, team_request.text);
         continue;
       }
       Command command{command::kReady, {}};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <sstream>
 #include <utility>
@@ -15,13 +16,18 @@ namespace coopdyn::client {
 namespace {
 
 constexpr const char* kReadings[] = {"pose",   "distances", "targets", "neighbours",
-                                     "wheels", "compass",   "support"};
-constexpr const char* kReadingWords = "pose, distances, targets, neighbours, wheels, compass, support";
+                                     "wheels", "compass",   "support", "joints"};
+constexpr const char* kReadingWords =
+    "pose, distances, targets, neighbours, wheels, compass, support, joints";
+constexpr const char* kCommands[] = {"velocities",       "wheels",           "positions",
+                                     "positions_direct", "joint_velocities", "efforts"};
+constexpr const char* kCommandWords =
+    "velocities, wheels, positions, positions_direct, joint_velocities, efforts";
 
 Rows TeamReading::*RowsOf(const std::string& name) {
   static constexpr Rows TeamReading::*kRows[] = {
       &TeamReading::pose,   &TeamReading::distances, &TeamReading::targets, &TeamReading::neighbours,
-      &TeamReading::wheels, &TeamReading::compass,   &TeamReading::support};
+      &TeamReading::wheels, &TeamReading::compass,   &TeamReading::support, &TeamReading::joints};
   const auto* found = std::find(std::begin(kReadings), std::end(kReadings), name);
   return found == std::end(kReadings) ? nullptr : kRows[found - kReadings];
 }
@@ -60,6 +66,29 @@ void CheckSpeeds(std::span<const double> values, const std::vector<std::string>&
   throw Error(3, why.str());
 }
 
+std::size_t WidthOf(const TeamCommand& command) {
+  std::size_t width = 0;
+  for (const std::vector<double>& row : command.rows) width = std::max(width, row.size());
+  return width;
+}
+
+/// Throws Error 3 or 4 unless it has a row for each robot, or one for all, without inf.
+void CheckRows(const TeamCommand& command, const TeamLink& team) {
+  const std::size_t n = team.names.size(), count = command.rows.size();
+  if (!team.gone.empty() && count != 1 && count != n) SayWhoIsGone(team, command.name.c_str());
+  if ((count != 1 && count != n) || WidthOf(command) == 0) {
+    throw Error(3, command.name + " has " + std::to_string(count) + " rows of up to " +
+                       std::to_string(WidthOf(command)) + ", the team has " + std::to_string(n) +
+                       " robots; write a row for each robot, or one for all");
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::none_of(command.rows[i].begin(), command.rows[i].end(), [](double v) { return std::isinf(v); }))
+      continue;
+    throw Error(4, "row " + std::to_string(i) + " of " + command.name +
+                       " must be finite, or nan: this one goes on as it does");
+  }
+}
+
 }  // namespace
 
 void Rows::NoSuchRow(std::size_t i) const {
@@ -92,7 +121,6 @@ TeamReading Team::step_wheels(std::span<const double> W, double timeout) {
 
 TeamReading Team::Step(std::span<const double> values, const char* what, const char* columns,
                        const char* text, double timeout) {
-  link_->Settle();
   std::vector<double> for_all;
   const auto rows = [&]() -> std::span<const double> {
     if (values.empty() && *text == '\0') return values;  // they keep their speeds
@@ -103,12 +131,43 @@ TeamReading Team::Step(std::span<const double> values, const char* what, const c
     for (std::size_t i = 0; i < for_all.size(); ++i) for_all[i] = values[i % 2];
     return for_all;
   };
+  return Step(rows, text, values.empty() && *text == '\0', timeout);
+}
+
+TeamReading Team::step(std::initializer_list<TeamCommand> commands, double timeout) {
+  std::string text;
+  for (const TeamCommand& command : commands) {
+    const std::string kind = command.name.substr(0, command.name.find('/'));
+    if (std::find(std::begin(kCommands), std::end(kCommands), kind) == std::end(kCommands))
+      throw Error(4, "there is no command '" + command.name + "'; there are: " + kCommandWords +
+                         "; of one group of joints: positions/arm");
+    text += (text.empty() ? "" : " ") + command.name;
+  }
+  std::vector<double> all;
+  const auto rows = [&]() -> std::span<const double> {
+    all.clear();
+    for (const TeamCommand& command : commands) CheckRows(command, *link_);
+    for (std::size_t i = 0; i < n(); ++i) {
+      for (const TeamCommand& command : commands) {
+        const std::vector<double>& row = command.rows[command.rows.size() == 1 ? 0 : i];
+        all.insert(all.end(), row.begin(), row.end());
+        all.insert(all.end(), WidthOf(command) - row.size(), std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+    return all;
+  };
+  return Step(rows, text, commands.size() == 0, timeout);
+}
+
+TeamReading Team::Step(const std::function<std::span<const double>()>& rows, const std::string& text,
+                       bool reads, double timeout) {
+  link_->Settle();
   if (!link_->playing.empty()) {
     rows();  // what is wrong with them is said first
     try {
       link_->Own();
     } catch (const Error& e) {
-      if (link_->playing.empty() || !values.empty() || *text != '\0') throw;
+      if (link_->playing.empty() || !reads) throw;
       session_->Step(1, timeout);  // the next moment that is shown
       return read();
     }

@@ -14,6 +14,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <span>
@@ -65,7 +67,18 @@ struct TeamReading {
   Rows wheels;       // angles [rad] left, right, speeds [rad/s] left, right
   Rows compass;      // heading [rad]; nan without one
   Rows support;      // x, y [m], angle [rad] of the load; nan without one
+  Rows joints;       // position, velocity, effort of each; nan: no more
   std::shared_ptr<const std::vector<double>> values;  // what the rows point into
+};
+
+/// One kind of command for the robots of a team. `name`: "velocities" (forward [m/s], turn [rad/s]), "wheels"
+/// (left, right [rad/s]); "positions", "positions_direct", "joint_velocities", "efforts" of all joints, or of
+/// one group ("positions/arm"), with one value for each joint [rad, rad/s, N m; m, m/s, N].
+struct TeamCommand {
+  std::string name;
+  /// A row for each robot, or one for all. Rows of robots with fewer joints may be shorter; nan: this joint
+  /// goes on as it does.
+  std::vector<std::vector<double>> rows;
 };
 
 /// While a recording is played a team reads, and what drives it throws Error 5.
@@ -81,13 +94,16 @@ class Team {
   /// after row, or two for all; empty: they keep their speeds. In lockstep the other robots of this sim step
   /// too, with what they were told. Error 11 after `timeout` seconds.
   TeamReading step(std::span<const double> V = {}, double timeout = kNoTimeout_s);
+  /// Likewise, with joints, or several kinds of commands:
+  ///   team.step({{"velocities", V}, {"positions/arm", {{0.5, 0.2, 0}}}});
+  TeamReading step(std::initializer_list<TeamCommand> commands, double timeout = kNoTimeout_s);
   /// The same with the speeds of the left and right wheel [rad/s].
   TeamReading step_wheels(std::span<const double> W, double timeout = kNoTimeout_s);
   /// The readings of the newest step, without a step.
   TeamReading read();
   /// Chooses what step() and read() return, among "pose", "distances", "targets", "neighbours" (the
-  /// nearest, as many as told), "wheels", "compass" and "support"; "pose" and "distances" to begin with.
-  /// What is not chosen costs nothing.
+  /// nearest, as many as told), "wheels", "compass", "support" and "joints"; "pose" and "distances" to begin
+  /// with. What is not chosen costs nothing.
   void select(const std::vector<std::string>& readings, int neighbours = 8);
   /// Stops all robots of the team.
   void stop();
@@ -100,6 +116,9 @@ class Team {
   friend class Simulation;
   Team(std::shared_ptr<Session> session, std::shared_ptr<TeamLink> link);
   TeamReading Step(std::span<const double> values, const char* what, const char* columns, const char* text,
+                   double timeout);
+  /// The step itself; `rows` makes its data, again if robots were taken away meanwhile.
+  TeamReading Step(const std::function<std::span<const double>()>& rows, const std::string& text, bool reads,
                    double timeout);
   TeamReading ToReading(Message reply, int tries_left = 3);
 

@@ -94,7 +94,8 @@ _GLANCE_S = 0.01  # for this long at most, so that it sees errors and closed con
 _GROUP = "joints/"  # before the name of a group of joints, among types of modules
 _LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
 _LISTED = 1000  # robots in one status
-_READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass", "support")  # of a team
+_READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass", "support", "joints")  # of a team
+_TEAM_WORDS = ("velocities", "wheels", "positions", "positions_direct", "joint_velocities", "efforts")
 _NEIGHBOURS = 8  # of each robot of a team, by default
 _MAX_MESSAGE = 8  # numbers in one message between robots
 
@@ -413,7 +414,8 @@ class TeamReading:
     """All readings of a team in one step, those chosen with `team.select`; a row for each robot in the order of
     `team.names`: `pose` (x, y [m], heading [rad]), `distances` [m], `targets` (distance [m], bearing [rad] of each),
     `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels), `compass` (heading [rad]; nan
-    without one), `support` (x, y [m], angle [rad] of the load; nan without one). `text` says if speeds were limited, and who was taken from the team."""
+    without one), `support` (x, y [m], angle [rad] of the load; nan without one), `joints` (position, velocity, effort of
+    each; nan: no more). `text` says if commands were limited, and who was taken from the team."""
 
     time: float
     step: int
@@ -425,6 +427,7 @@ class TeamReading:
     wheels: Rows
     compass: Rows
     support: Rows
+    joints: Rows
 
     def __init__(self, names: Sequence[str], columns: Sequence[int], reply: Message) -> None:
         data: "array.array[float]" = reply.data  # type: ignore[assignment]
@@ -1017,6 +1020,40 @@ def _speeds(values: Any, names: Sequence[str], what: str, columns: str) -> bytes
     if sys.byteorder == "big":
         flat.byteswap()
     return flat.tobytes()
+
+
+def _team_commands(commands: Dict[str, Any], names: Sequence[str]) -> Tuple[str, bytes]:
+    """The text and the data of step_all: of each word a row for each robot, short ones filled up with nan."""
+    if not commands:
+        raise Error(3, f"no command was given; there are: {_list_of(_TEAM_WORDS)}")
+    n = len(names)
+    rows: List[List[float]] = [[] for _ in range(n)]
+    for word, values in commands.items():
+        if not isinstance(word, str) or word.split("/")[0] not in _TEAM_WORDS:
+            raise Error(4, f"there is no command {word!r}; there are: {_list_of(_TEAM_WORDS)}; of one group of joints: positions/arm")
+        values = values.tolist() if hasattr(values, "tolist") else values
+        try:
+            given = list(values)
+            if not given or not hasattr(given[0], "__len__"):
+                given = [given]
+            given = [[float(value) for value in row] for row in given]
+        except (TypeError, ValueError):
+            raise Error(3, f"{word} is one row of numbers for each robot, or one for all") from None
+        width = max(map(len, given))
+        if len(given) not in (1, n) or width == 0:
+            raise Error(3, f"{word} has {len(given)} rows of up to {width}, the team has {n} robots; write a row for each "
+                           "robot, or one for all")
+        for k, row in enumerate(given):
+            if any(map(math.isinf, row)):
+                whose = f" ({names[k]})" if len(given) == n else ""
+                raise Error(4, f"row {k} of {word}{whose} must be finite, or nan: this one goes on as it does")
+        for k in range(n):
+            row = given[k % len(given)]
+            rows[k] += row + [math.nan] * (width - len(row))
+    flat = array.array("d", itertools.chain.from_iterable(rows))
+    if sys.byteorder == "big":
+        flat.byteswap()
+    return " ".join(commands), flat.tobytes()
 
 
 # --- readings out of messages -----------------------------------------------------------------------------------------
@@ -2911,12 +2948,21 @@ class Team:
         """The ids of the robots, in the same order, as `get_neighbours` tells them."""
         return list(self._link.ids)
 
-    @_usage("team.step([0.1, 0.5]) or team.step([[0.1, 0.5], [0.1, 0]], timeout=5)")
+    @_usage('team.step([0.1, 0.5]), team.step([[0.1, 0.5], [0.1, 0]], timeout=5) or team.step({"positions": Q})')
     def step(self, V: Any = None, timeout: Optional[float] = None) -> TeamReading:
         """One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the step
         has run, in every mode, and returns the readings after it. V has one row of two for each robot (or one for all): a
         list of pairs, an array("d"), numpy's arrays; without V they keep their speeds. In lockstep the other robots of
-        this sim step too, with what they were told. Error 11 after `timeout` seconds."""
+        this sim step too, with what they were told. Error 11 after `timeout` seconds.
+
+        Joints, and several kinds of commands in one step, by their names:
+
+            team.step({"velocities": V, "positions": Q})
+            team.step({"positions/legs": [0, 0.6, -1.2], "joint_velocities/head": [0.1]})    # one row for all
+
+        The names: `velocities` (forward, turn), `wheels` (left, right [rad/s]); `positions`, `positions_direct`,
+        `joint_velocities`, `efforts` of all joints, or after a / of one group, with one value for each joint [rad,
+        rad/s, N m; m, m/s, N]. Rows of robots with fewer joints may be shorter. nan: this joint goes on as it does."""
         return self._step(V, "V", "forward, turn", "", timeout)
 
     @_usage("team.step_wheels([3, 3])")
@@ -2931,8 +2977,8 @@ class Team:
     @_usage('team.select("pose", "neighbours", neighbours=4)')
     def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
         """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (the nearest, as many
-        as `neighbours` says), "wheels", "compass" and "support"; "pose" and "distances" to begin with. What is not chosen costs
-        nothing."""
+        as `neighbours` says), "wheels", "compass", "support" and "joints"; "pose" and "distances" to begin with. What is not
+        chosen costs nothing."""
         words: List[str] = []
         for given in readings:
             words += given.split() if isinstance(given, str) else given if isinstance(given, (list, tuple)) else [given]
@@ -2986,9 +3032,13 @@ class Team:
 
     def _frame(self, values: Any, what: str, columns: str, text: str) -> bytes:
         """The request to step."""
-        link, raw = self._link, text.encode()
+        link = self._link
         try:
-            data = _speeds(values, link.names, what, columns) if values is not None else b""
+            if isinstance(values, dict):
+                what = "each command"
+                text, data = _team_commands(values, link.names)
+            else:
+                data = _speeds(values, link.names, what, columns) if values is not None else b""
         except Error as e:
             if e.code != 3 or not link.gone:
                 raise
@@ -2996,6 +3046,7 @@ class Team:
             gone = _list_of(link.gone[:_NAMED_ROBOTS]) + (f" and {more} more" if more > 0 else "")
             raise Error(3, f"{link.label} has lost {gone}: {what} must have {len(link.names)} rows now, in "
                            "the order of team.names, or one row for all") from None
+        raw = text.encode()
         return _HEADER.pack(20 + len(raw) + len(data), 0, _STEP_ALL, len(raw), 0, len(data) // 8) + raw + data
 
     def _reading(self, reply: Message) -> TeamReading:

@@ -161,29 +161,20 @@ std::optional<Message> SwarmModule::Ready(Peer& peer, const Message& request) {
 }
 
 std::optional<Message> SwarmModule::StepAll(Peer& peer, const Message& request) {
-  const bool joints = JointModeOf(request.text).has_value();
-  if (!joints && request.text != "wheels" && request.text != "velocities" && !request.text.empty()) {
-    constexpr std::size_t kShown = 40;
-    const std::vector<std::string> words = {"velocities",       "wheels",           "positions",
-                                            "positions_direct", "joint_velocities", "efforts"};
-    const bool is_word = request.text.size() <= kShown;
-    return ErrorReply(request.command, Error::kWrongParams,
-                      "step_all takes " + JoinNames(words) + ", not " + request.text.substr(0, kShown) +
-                          DidYouMean(is_word ? request.text : "", words));
-  }
+  if (const auto refusal = commands_.Read(request.text))
+    return ErrorReply(request.command, refusal->error, refusal->text);
   if (std::optional<Message> refusal = FindRows(peer, request, peer.rows)) return refusal;
   peer.rows_scene = scene_;
-  std::size_t wanted = 0;
-  for (const int robot : peer.rows) wanted += DataOf(*scene_, robot, joints);
-  if (!request.data.empty() && request.data.size() != wanted) {
-    const std::string lost = LostText(peer.lost), each = joints ? "one for each joint" : "2 data for each";
-    return ErrorReply(
-        request.command, Error::kWrongData,
-        fmt::format("step_all takes {} of {} robots, {} in all, or none, not {}{}", each, peer.rows.size(),
-                    wanted, request.data.size(), lost.empty() ? lost : " (" + lost + ")"));
-  }
   if (std::optional<Message> refusal = RefuseSize(peer, request.command, *scene_, peer.rows)) return refusal;
-  const std::size_t limited = MakeSetpoints(peer, request);
+  setpoints_.clear();
+  std::size_t limited = 0;
+  if (!request.data.empty()) {
+    if (const auto refusal = commands_.Translate(*scene_, peer.rows, request.data, setpoints_, limited)) {
+      const std::string lost = LostText(peer.lost);
+      return ErrorReply(request.command, refusal->error,
+                        refusal->text + (lost.empty() ? lost : " (" + lost + ")"));
+    }
+  }
   std::vector<SlotId> others;
   if (!request.params.empty()) {
     for (const int robot : peer.team) {

@@ -14,6 +14,7 @@
 #include "protocol/command_table.h"
 #include "server/base/worker_pool.h"
 #include "server/control/global_module.h"
+#include "server/control/team_commands.h"
 #include "server/control/team_readings.h"
 #include "server/devices/peer_module.h"
 #include "server/devices/step_inbox.h"
@@ -87,12 +88,6 @@ class SwarmModule final : public PeerModule<TeamPeer> {
                                            std::span<const int> rows);
   /// Distance sensors of the robot with the most, but not less than `at_least`.
   static std::size_t MostSensors(const Scene& scene, std::span<const int> rows, std::size_t at_least);
-  /// Set-points of `rows` from the data of step_all; how many were beyond their limits.
-  std::size_t MakeSetpoints(const Peer& peer, const Message& request);
-  /// The mode of the word of step_all that sets joints; nothing if it is none.
-  static std::optional<ControlMode> JointModeOf(std::string_view word);
-  /// Data of a robot's row in step_all.
-  static std::size_t DataOf(const Scene& scene, int robot, bool joints);
   /// The slots of all actuators of these robots.
   std::vector<SlotId> SlotsOf(std::span<const int> robots) const;
   void AddSlots(int robot, std::vector<SlotId>& slots) const;
@@ -107,7 +102,8 @@ class SwarmModule final : public PeerModule<TeamPeer> {
   std::vector<int> robot_of_slot_;      // SlotId → index into scene_, −1: none
   std::vector<std::uint32_t> marks_;    // by robot of scene_: named by the request number mark_
   std::uint32_t mark_ = 0;
-  std::vector<Setpoint> setpoints_;  // of the present request, two a robot
+  TeamCommands commands_;            // of the present request
+  std::vector<Setpoint> setpoints_;  // likewise
   StepInbox inbox_;
 };
 

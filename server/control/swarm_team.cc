@@ -10,7 +10,6 @@
 
 #include "protocol/codec.h"
 #include "server/control/swarm_module.h"
-#include "server/model/drive.h"
 
 namespace coopdyn {
 
@@ -24,42 +23,6 @@ std::string ShortList(std::span<const std::string> names) {
   return names.size() > kShown ? fmt::format("{} and {} more", list, names.size() - kShown) : list;
 }
 
-/// Adds the set-points of all channels of a robot: of its wheels as `pair` says. True if they were limited.
-bool AddWheels(const RobotModel& model, bool wheels, const WheelSpeeds& pair, std::vector<Setpoint>& all) {
-  bool limited = false;
-  for (const ActuatorModel& actuator : model.actuators) {
-    const auto* drive = std::get_if<DriveModel>(&actuator.kind);
-    if (drive == nullptr) {
-      all.insert(all.end(), actuator.joints.size(), {0, ControlMode::kKeep});
-      continue;
-    }
-    double factor = 1;
-    const auto setpoints = SetpointsFor(wheels ? LimitWheels(*drive, pair, factor)
-                                               : WheelsFor(*drive, pair[0], pair[1], factor));
-    all.insert(all.end(), setpoints.begin(), setpoints.end());
-    limited |= factor != 1;
-  }
-  return limited;
-}
-
-/// Likewise of the joints of its control boards.
-bool AddJoints(const RobotModel& model, ControlMode mode, std::span<const double> references,
-               std::vector<Setpoint>& all) {
-  bool limited = false;
-  for (const ActuatorModel& actuator : model.actuators) {
-    for (const int joint : actuator.joints) {
-      if (!actuator.is_board()) {
-        all.push_back({0, ControlMode::kKeep});
-        continue;
-      }
-      all.push_back(Limit(model.joints[static_cast<std::size_t>(joint)], {references.front(), mode}));
-      limited |= all.back().reference != references.front();
-      references = references.subspan(1);
-    }
-  }
-  return limited;
-}
-
 Message NoTeam(command::Id command, const std::string& lost) {
   return ErrorReply(command, Error::kNotPossible,
                     "this connection owns no robots: claim some first, or name them by their ids" +
@@ -70,39 +33,6 @@ Message NoTeam(command::Id command, const std::string& lost) {
 
 std::string SwarmModule::LostText(std::span<const std::string> lost) {
   return lost.empty() ? "" : "no longer in the team: " + ShortList(lost);
-}
-
-std::optional<ControlMode> SwarmModule::JointModeOf(std::string_view word) {
-  constexpr std::pair<std::string_view, ControlMode> kModes[] = {{"positions", ControlMode::kPosition},
-                                                                 {"positions_direct", ControlMode::kDirect},
-                                                                 {"joint_velocities", ControlMode::kVelocity},
-                                                                 {"efforts", ControlMode::kEffort}};
-  const auto* const found = std::ranges::find(kModes, word, &std::pair<std::string_view, ControlMode>::first);
-  return found == std::end(kModes) ? std::nullopt : std::optional(found->second);
-}
-
-std::size_t SwarmModule::DataOf(const Scene& scene, int robot, bool joints) {
-  if (!joints) return 2;
-  return static_cast<std::size_t>(scene.robots[static_cast<std::size_t>(robot)].control_count);
-}
-
-std::size_t SwarmModule::MakeSetpoints(const Peer& peer, const Message& request) {
-  setpoints_.clear();
-  if (request.data.empty()) return 0;
-  setpoints_.reserve(2 * peer.rows.size());
-  std::size_t limited = 0;
-  const bool wheels = request.text == "wheels";
-  const std::optional<ControlMode> mode = JointModeOf(request.text);
-  std::span<const double> left = request.data;
-  for (const int row : peer.rows) {
-    const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(row)];
-    const RobotModel& model = *robot.entry.model;
-    const bool was_limited = mode ? AddJoints(model, *mode, left, setpoints_)
-                                  : AddWheels(model, wheels, {left[0], left[1]}, setpoints_);
-    if (was_limited) ++limited;
-    left = left.subspan(DataOf(*scene_, row, mode.has_value()));
-  }
-  return limited;
 }
 
 std::size_t SwarmModule::MostSensors(const Scene& scene, std::span<const int> rows, std::size_t at_least) {

@@ -14,7 +14,7 @@ classdef Team < handle
 %   with select, matrices with a row for each robot in the order of team.names: pose (x, y [m], heading [rad]), distances
 %   [m], targets (distance [m], bearing [rad] of each), neighbours (id, distance, bearing of each; 0, inf, nan: none),
 %   wheels (as get_wheels), compass (heading [rad]; nan without one), support (x, y [m], angle [rad] of the load; nan
-%   without one).
+%   without one), joints (position, velocity, effort of each; nan: no more).
   properties (Dependent)
     n      % how many robots
     names  % their names, in the order of the rows
@@ -47,10 +47,20 @@ classdef Team < handle
     %   run, in every mode, and returns the readings after it. V is n x 2, or 1 x 2 for all; without V they keep
     %   their speeds. In lockstep the other robots of this sim step too, with what they were told.
     %   team.step(V, 'timeout', 5), team.step('timeout', 5): error after 5 s.
+    %   Joints, and several kinds of commands in one step, by their names:
+    %     team.step('velocities', V, 'positions', Q)
+    %     team.step('positions/legs', [0 0.6 -1.2], 'joint_velocities/head', 0.1)   % one row for all
+    %   The names: velocities (forward, turn), wheels (left, right [rad/s]); positions, positions_direct,
+    %   joint_velocities, efforts of all joints, or after a / of one group, with one value for each joint [rad, rad/s,
+    %   N m; m, m/s, N]. nan: this joint goes on as it does, or the robot has fewer.
       if nargin < 2
         V = [];
-      elseif ischar(V)  % no speeds, options only
-        varargin = [{V} varargin];
+      elseif coopdyn.internal.is_text(V)  % names
+        [words, rows, varargin] = coopdyn.internal.team_commands([{V} varargin]);
+        if ~isempty(words)
+          s = t.go(rows, '', words, strjoin(words, ' '), varargin);
+          return
+        end
         V = [];
       elseif isempty(V)
         t.link.settle(t.session);
@@ -75,10 +85,10 @@ classdef Team < handle
 
     function select(t, varargin)
     %SELECT Chooses what step and read return, among 'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass',
-    %   'support';
+    %   'support', 'joints';
     %   pose and distances to begin with. What is not chosen costs nothing. team.select('pose', 'neighbours', 4): the 4 nearest
     %   (otherwise 8).
-      known = {'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass', 'support'};
+      known = {'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass', 'support', 'joints'};
       words = {};
       nearest = 8;
       for k = 1:numel(varargin)
@@ -161,12 +171,53 @@ classdef Team < handle
     % The request to step.
       raw = uint8(text);
       bytes = zeros(1, 0, 'uint8');
-      if ~isempty(V)
+      if iscell(V)  % of each word of `columns`
+        for k = 1:numel(V)
+          V{k} = t.rows(V{k}, columns{k});
+        end
+        bytes = typecast(reshape([V{:}].', 1, []), 'uint8');
+      elseif ~isempty(V)
         V = t.speeds(V, what, columns);
         bytes = typecast(reshape(V.', 1, []), 'uint8');  % row after row
       end
       head = typecast(int32([20 + numel(raw) + numel(bytes), 0, 110, numel(raw), 0, numel(bytes) / 8]), 'uint8');
       bytes = [head raw bytes];
+    end
+
+    function V = rows(t, V, what)
+    % n rows of doubles, finite or nan.
+      n = numel(t.link.names);
+      if ~isnumeric(V) || ~isreal(V) || ~ismatrix(V) || isempty(V)
+        coopdyn.internal.fail(3, [what ' is a matrix of numbers, a row for each robot, or one row for all']);
+      end
+      t.require_rows(V, what);
+      if ~any(size(V, 1) == [1 n])
+        coopdyn.internal.fail(3, sprintf(['%s is %d x %d, the team has %d robots; write a row for each robot, or one ' ...
+          'row for all'], what, size(V, 1), size(V, 2), n));
+      end
+      bad = find(any(isinf(V), 2), 1);
+      if ~isempty(bad)
+        coopdyn.internal.fail(4, sprintf('row %d of %s must be finite, or nan: this one goes on as it does', bad, what));
+      end
+      V = double(V);
+      if size(V, 1) < n
+        V = repmat(V, n, 1);
+      end
+    end
+
+    function require_rows(t, V, what)
+    % Says who has been taken away if the rows do not fit.
+      n = numel(t.link.names);
+      gone = t.link.gone;
+      if isempty(gone) || any(size(V, 1) == [1 n])
+        return
+      end
+      more = '';
+      if numel(gone) > 4
+        more = sprintf(' and %d more', numel(gone) - 4);
+      end
+      coopdyn.internal.fail(3, sprintf(['%s has lost %s%s: %s must have %d rows now, in the order of team.names, or ' ...
+        'one row for all'], t.link.label, strjoin(gone(1:min(end, 4)), ', '), more, what, n));
     end
 
     function V = speeds(t, V, what, columns)
@@ -176,15 +227,7 @@ classdef Team < handle
       if ~isnumeric(V) || ~isreal(V) || ~ismatrix(V)
         coopdyn.internal.fail(3, sprintf('%s is a matrix of numbers, %d x 2: a row [%s] for each robot', what, n, columns));
       end
-      gone = t.link.gone;
-      if ~isempty(gone) && ~any(size(V, 1) == [1 n])
-        more = '';
-        if numel(gone) > 4
-          more = sprintf(' and %d more', numel(gone) - 4);
-        end
-        coopdyn.internal.fail(3, sprintf(['%s has lost %s%s: %s must have %d rows now, in the order of team.names, or ' ...
-          'one row for all'], t.link.label, strjoin(gone(1:min(end, 4)), ', '), more, what, n));
-      end
+      t.require_rows(V, what);
       if size(V, 2) ~= 2 || ~any(size(V, 1) == [1 n])
         coopdyn.internal.fail(3, sprintf(['%s is %d x %d, the team has %d robots; write %d x 2, one row [%s] for each ' ...
           'robot, or one row for all'], what, size(V, 1), size(V, 2), n, n, columns));

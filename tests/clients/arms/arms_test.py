@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: MIT
+"""Python, Octave and C++ drive an arm by the same program. CLIENT_SQUARE and ARM_PROGRAM name the programs in C++."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "python"))
+import harness  # noqa: E402
+
+ARM = "[SIMULATION]\nmode {mode}\n[FLOOR]\nsize 6 6 0.1\n[ROBOT_1]\ntype lwa\nname arm1\nposition 0 0\n"
+CLIENTS = harness.ROOT / "clients"
+LIMIT_S = 170
+LOCKSTEP_MM = 1.0
+REAL_TIME_MM = 20.0  # a program that the machine keeps waiting cuts corners
+
+
+def octave(folder, code):
+    return ["octave", "--no-gui", "--norc", "--eval", f"addpath('{CLIENTS / 'matlab'}'); addpath('{folder}'); {code}"]
+
+
+def run(command, mode):
+    """What a program prints that drives an arm of its own daemon."""
+    with harness.Daemon(ARM.format(mode=mode), "--no-http", "--no-render") as daemon:
+        env = dict(os.environ, COOPDYN_SERVER=daemon.server, PYTHONPATH=str(CLIENTS / "python"))
+        env.pop("DISPLAY", None)
+        done = subprocess.run(list(map(str, command)), env=env, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              timeout=LIMIT_S)
+    if done.returncode != 0:
+        raise AssertionError(f"{command}: {done.stdout}{done.stderr}")
+    return done.stdout
+
+
+class Square:
+    def assert_square(self, mode, limit_mm):
+        out = run(self.command(), mode)
+        self.assertLess(float(re.search(r"at most ([\d.]+) mm off", out).group(1)), limit_mm, out)
+
+    def test_the_shipped_example_draws_its_square_within_a_millimetre_in_lockstep(self):
+        self.assert_square("lockstep", LOCKSTEP_MM)
+
+    def test_and_in_real_time(self):
+        self.assert_square("realtime", REAL_TIME_MM)
+
+
+class Python(Square, unittest.TestCase):
+    def command(self):
+        return [sys.executable, CLIENTS / "python" / "square.py", "arm1"]
+
+
+class Octave(Square, unittest.TestCase):
+    def command(self):
+        return octave(HERE, "square('arm1');")
+
+
+class Cpp(Square, unittest.TestCase):
+    def command(self):
+        return [os.environ["CLIENT_SQUARE"], "arm1"]
+
+
+class SameProgram(unittest.TestCase):
+    def test_every_kind_of_command_does_the_same_in_the_three_languages(self):
+        python = run([sys.executable, HERE / "arm_program.py"], "lockstep").splitlines()
+        self.assertRegex(python[-1], r"^hash [0-9a-f]{16} \d+$")
+        self.assertEqual(python, run([os.environ["ARM_PROGRAM"]], "lockstep").splitlines())
+        self.assertEqual(python, run(octave(HERE, "arm_program"), "lockstep").splitlines())
+
+    def test_and_in_real_time_it_ends_where_it_does_in_lockstep(self):
+        lockstep = self.readings(run([sys.executable, HERE / "arm_program.py"], "lockstep"))
+        for command in ([sys.executable, HERE / "arm_program.py"], [os.environ["ARM_PROGRAM"]], octave(HERE, "arm_program")):
+            now = self.readings(run(command, "realtime"))
+            self.assertEqual(now["modes"], lockstep["modes"])
+            self.assertEqual(now["compliance"], lockstep["compliance"])
+            for what in ("target", "direct", "tool"):
+                for here, there in zip(now[what], lockstep[what]):
+                    self.assertAlmostEqual(float(here), float(there), delta=0.02, msg=what)
+
+    @staticmethod
+    def readings(out):
+        return {line.split()[0]: line.split()[1:] for line in out.splitlines()}
+
+
+if __name__ == "__main__":
+    unittest.main()
