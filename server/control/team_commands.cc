@@ -107,10 +107,11 @@ std::optional<TeamCommands::Refusal> TeamCommands::Add(const Word& word, const S
                 "step_all: {} are a second command for the wheels of {}: tell them one, nan nan in the other",
                 word.name, robot.entry.name)};
       double factor = 1;
-      std::ranges::copy(SetpointsFor(word.wheels ? LimitWheels(*drive, {row[0], row[1]}, factor)
-                                                 : WheelsFor(*drive, row[0], row[1], factor)),
-                        own.begin());
-      limited |= factor != 1;
+      const WheelSpeeds pair = {row[0], row[1]};
+      const WheelSpeeds speeds =
+          word.wheels ? LimitWheels(*drive, pair, factor) : WheelsFor(*drive, row[0], row[1], factor);
+      std::ranges::copy(SetpointsFor(speeds), own.begin());
+      limited |= factor != 1 || (word.wheels ? speeds != pair : LimitTurn(*drive, row[0], row[1]) != row[1]);
       continue;
     }
     for (std::size_t i = 0; i < own.size(); ++i, row = row.subspan(1)) {

@@ -18,16 +18,19 @@ std::optional<Actuation> MotorsDevice::Actuate(const Message& request, const Fra
   switch (request.command) {
     case command::kSetWheelSpeeds:
       wheels_rad_s = LimitWheels(drive_, {request.data[0], request.data[1]}, factor);
-      if (factor != 1)
+      if (factor != 1 || (drive_.steering && wheels_rad_s != WheelSpeeds{request.data[0], request.data[1]})) {
         limited = fmt::format("limited to {:.6g} {:.6g} rad/s", wheels_rad_s[0], wheels_rad_s[1]);
-      break;
-    case command::kSetVelocity:
-      wheels_rad_s = WheelsFor(drive_, request.data[0], request.data[1], factor);
-      if (factor != 1) {
-        limited = fmt::format("limited to {:.6g} m/s {:.6g} rad/s", request.data[0] * factor,
-                              request.data[1] * factor);
       }
       break;
+    case command::kSetVelocity: {
+      const double turn_rad_s = LimitTurn(drive_, request.data[0], request.data[1]);
+      wheels_rad_s = WheelsFor(drive_, request.data[0], turn_rad_s, factor);
+      if (factor != 1 || turn_rad_s != request.data[1]) {
+        limited =
+            fmt::format("limited to {:.6g} m/s {:.6g} rad/s", request.data[0] * factor, turn_rad_s * factor);
+      }
+      break;
+    }
     case command::kStop:
       break;
     default:

@@ -24,8 +24,35 @@ inline std::array<Setpoint, 2> SetpointsFor(const WheelSpeeds& wheel_speed_rad_s
   return {Setpoint{wheel_speed_rad_s[0]}, Setpoint{wheel_speed_rad_s[1]}};
 }
 
-/// Scales both speeds by one factor into the limits, and `factor` with them. @pre finite
+/// What a drive with steered wheels can turn at most, at this speed; without them anything.
+inline double LimitTurn(const DriveModel& drive, double linear_m_s, double angular_rad_s) {
+  if (!drive.steering) return angular_rad_s;
+  const double most = drive.steering->max_curvature_1_m * std::abs(linear_m_s);
+  return std::clamp(angular_rad_s, -most, most);
+}
+
+/// How far the left and the right front wheel are to turn, rad, left positive.
+inline std::array<double, 2> SteeringAngles(const DriveModel& drive, const WheelSpeeds& wheel_speed_rad_s) {
+  const double middle = (wheel_speed_rad_s[0] + wheel_speed_rad_s[1]) / 2;
+  if (middle == 0) return {};
+  const double curvature = (wheel_speed_rad_s[1] - wheel_speed_rad_s[0]) / (drive.track_m * middle);
+  const auto& [joints, wheelbase_m, half_track_m, most] = *drive.steering;
+  const double kept = std::clamp(curvature, -most, most);
+  return {std::atan(wheelbase_m * kept / (1 - kept * half_track_m)),
+          std::atan(wheelbase_m * kept / (1 + kept * half_track_m))};
+}
+
+/// Scales both speeds by one factor into the limits, and `factor` with them; of a drive with steered wheels
+/// brings them together first until it can turn like this. @pre finite
 inline WheelSpeeds LimitWheels(const DriveModel& drive, WheelSpeeds wheel_speed_rad_s, double& factor) {
+  if (drive.steering) {
+    const double middle = wheel_speed_rad_s[0] / 2 + wheel_speed_rad_s[1] / 2;
+    const double most = drive.steering->max_curvature_1_m * drive.track_m / 2 * std::abs(middle);
+    const double half = wheel_speed_rad_s[1] / 2 - wheel_speed_rad_s[0] / 2;
+    if (std::abs(half) > most) {
+      wheel_speed_rad_s = {middle - std::copysign(most, half), middle + std::copysign(most, half)};
+    }
+  }
   const double fastest = std::max(std::abs(wheel_speed_rad_s[0]), std::abs(wheel_speed_rad_s[1]));
   if (fastest <= drive.max_wheel_speed_rad_s) return wheel_speed_rad_s;
   const double scale = drive.max_wheel_speed_rad_s / fastest;
@@ -38,7 +65,7 @@ inline WheelSpeeds LimitWheels(const DriveModel& drive, WheelSpeeds wheel_speed_
 }
 
 /// Wheel speeds for forward speed and turn rate, within the limits; `factor`: by how much they were scaled,
-/// untouched if not at all. @pre finite
+/// untouched if not at all. The turn rate is limited by LimitTurn() first. @pre finite
 inline WheelSpeeds WheelsFor(const DriveModel& drive, double linear_m_s, double angular_rad_s,
                              double& factor) {
   constexpr double kHuge = 1e100;  // beyond any limit, and still far from overflow when divided by a radius
@@ -48,6 +75,7 @@ inline WheelSpeeds WheelsFor(const DriveModel& drive, double linear_m_s, double 
     linear_m_s *= factor;
     angular_rad_s *= factor;
   }
+  angular_rad_s = LimitTurn(drive, linear_m_s, angular_rad_s);
   const double half_turn_m_s = angular_rad_s * drive.track_m / 2;
   return LimitWheels(drive,
                      {(linear_m_s - half_turn_m_s) / drive.wheel_radius_m,

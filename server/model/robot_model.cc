@@ -99,7 +99,10 @@ bool RobotModel::has_boards() const {
 
 bool RobotModel::IsDriven(int joint) const {
   return std::ranges::any_of(actuators, [joint](const ActuatorModel& actuator) {
-    return std::ranges::find(actuator.joints, joint) != actuator.joints.end();
+    const auto* drive = std::get_if<DriveModel>(&actuator.kind);
+    const bool steers = drive != nullptr && drive->steering &&
+                        std::ranges::find(drive->steering->joints, joint) != drive->steering->joints.end();
+    return steers || std::ranges::find(actuator.joints, joint) != actuator.joints.end();
   });
 }
 

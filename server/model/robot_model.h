@@ -4,6 +4,7 @@
 // floor.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -85,10 +86,20 @@ struct CouplingModel {
 
 /// Two motorised wheels on one axle, which crosses R's z axis. A positive speed of a wheel drives forward.
 struct DriveModel {
+  /// Front wheels that turn about the vertical so that all axles meet in one point (Ackermann): by the speeds
+  /// that the motorised wheels are to have.
+  struct Steering {
+    std::array<int, 2> joints{};   // left, right: index into RobotModel::joints; their axes point up
+    double wheelbase_m = 0;        // from the axle to their axes
+    double half_track_m = 0;       // between their axes
+    double max_curvature_1_m = 0;  // of the path of R's origin
+  };
+
   double wheel_radius_m = 0;
   double track_m = 0;  // between the wheels' contact points
   double max_wheel_speed_rad_s = 0;
   double max_torque_nm = 0;
+  std::optional<Steering> steering = std::nullopt;  // none: it turns by its wheels' speeds alone
 };
 
 /// A group of joints that clients control one by one: a control board. Each of its joints has a finite

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -226,8 +227,12 @@ class ExtensionReader {
     XmlAttributes attributes(element, file_, diagnostics_);
     const std::optional<int> left = FindJoint(attributes, "left_joint");
     const std::optional<int> right = FindJoint(attributes, "right_joint");
+    const bool steers =
+        element.Attribute("steer_left") != nullptr || element.Attribute("steer_right") != nullptr;
+    const std::optional<int> steer_left = steers ? FindJoint(attributes, "steer_left") : std::nullopt;
+    const std::optional<int> steer_right = steers ? FindJoint(attributes, "steer_right") : std::nullopt;
     attributes.Finish();
-    if (!left || !right) return;
+    if (!left || !right || (steers && (!steer_left || !steer_right))) return;
     if (*left == *right) {
       attributes.Error("left_joint and right_joint are the same");
       return;
@@ -255,12 +260,42 @@ class ExtensionReader {
                          "' needs <limit><velocity>: its top speed in rad/s, above 0");
       }
     }
-    const DriveModel drive{
-        .wheel_radius_m = *left_radius,
-        .track_m = contact_y_[0] - contact_y_[1],
-        .max_wheel_speed_rad_s = std::min(left_joint.max_velocity, right_joint.max_velocity),
-        .max_torque_nm = std::min(left_joint.max_effort, right_joint.max_effort)};
+    DriveModel drive{.wheel_radius_m = *left_radius,
+                     .track_m = contact_y_[0] - contact_y_[1],
+                     .max_wheel_speed_rad_s = std::min(left_joint.max_velocity, right_joint.max_velocity),
+                     .max_torque_nm = std::min(left_joint.max_effort, right_joint.max_effort)};
+    if (steers) drive.steering = ReadSteering(attributes, *steer_left, *steer_right);
     robot_.actuators.push_back({"", {*left, *right}, drive});
+  }
+
+  DriveModel::Steering ReadSteering(XmlAttributes& attributes, int left, int right) {
+    const JointModel* const joints[] = {&robot_.joints[static_cast<std::size_t>(left)],
+                                        &robot_.joints[static_cast<std::size_t>(right)]};
+    DriveModel::Steering steering;
+    steering.joints = {left, right};
+    steering.wheelbase_m = joints[0]->p_RJ.x();
+    steering.half_track_m = joints[0]->p_RJ.y();
+    double angle_rad = std::numbers::pi / 3;  // more would only drag the wheels along
+    for (const JointModel* joint : joints) {
+      const bool has_motor = joint->max_effort > 0 && std::isfinite(joint->max_effort) &&
+                             joint->max_velocity > 0 && std::isfinite(joint->max_velocity);
+      if (joint->kind != JointModel::Kind::kHinge || joint->axis_R.z() < 1 - 1e-9 || !has_motor) {
+        attributes.Error("the joint '" + joint->name +
+                         "' must turn about 0 0 1 of the model and needs <limit><effort> and <velocity>");
+      }
+      angle_rad = std::min({angle_rad, -joint->lower, joint->upper});
+    }
+    if (!(steering.wheelbase_m > kTiny) || !(steering.half_track_m > kTiny) ||
+        std::abs(joints[1]->p_RJ.x() - steering.wheelbase_m) > kTiny ||
+        std::abs(joints[1]->p_RJ.y() + steering.half_track_m) > kTiny) {
+      attributes.Error(
+          "the axes of steer_left and steer_right must stand before the axle (x > 0), at the "
+          "same distance left and right of the middle");
+    }
+    // The inner wheel turns most.
+    const double tangent = std::tan(angle_rad);
+    steering.max_curvature_1_m = tangent / (steering.wheelbase_m + steering.half_track_m * tangent);
+    return steering;
   }
 
   ActuatorModel* Drive() {

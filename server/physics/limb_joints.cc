@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/model/drive.h"
 #include "server/physics/limb_solver.h"
 
 namespace coopdyn {
@@ -115,7 +116,8 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
     } else if (joint.channel >= 0) {
       const Setpoint& wanted = member.channels[static_cast<std::size_t>(joint.channel)].setpoint;
       AddMotor(member, index, wanted.reference, 0, joint.max_effort * dt_s);
-    } else if (model.has_axis() && (model.is_resisted() || model.has_stop())) {
+    } else if (model.has_axis() && (model.is_resisted() || model.has_stop() || joint.steers >= 0)) {
+      if (joint.steers >= 0) Steer(member, index, dt_s);
       const double position = PositionOf(member, index);
       const double resistance = model.damping + dt_s * model.stiffness;
       if (resistance > 0) {
@@ -131,6 +133,19 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
         AddStop(member, index, 1, model.upper - position, dt_s);
     }
   }
+}
+
+// Turns a front wheel to where the wanted speeds of the driven wheels lead.
+void LimbSolver::Steer(const Member& member, int joint, double dt_s) {
+  const RobotModel& robot = *member.mechanism->model;
+  const Joint& of = member.mechanism->joints[static_cast<std::size_t>(joint)];
+  const ChannelState* const wheels = &member.channels[robot.FirstChannel(*robot.drive_actuator())];
+  const std::array<double, 2> wanted_rad =
+      SteeringAngles(*robot.drive(), {wheels[0].setpoint.reference, wheels[1].setpoint.reference});
+  const double way_rad = wanted_rad[static_cast<std::size_t>(of.steers)] - PositionOf(member, joint);
+  const double most_rad_s = of.model->max_velocity;
+  AddMotor(member, joint, std::clamp(way_rad / dt_s, -most_rad_s, most_rad_s), 0,
+           of.model->max_effort * dt_s);
 }
 
 void LimbSolver::CloseLoop(const Member& member, int joint, double dt_s) {

@@ -87,6 +87,7 @@ class LimbSolver {
   Hinge HingeOf(const Member& member, int joint) const;
   void DriveJoints(const Member& member, std::span<const JointRow> rows, double dt_s);
   void AddMotor(const Member& member, int joint, double target, double softness, double most);
+  void Steer(const Member& member, int joint, double dt_s);
   void AddStop(const Member& member, int joint, int side, double gap, double dt_s);
   void Push(const Member& member, int joint, double impulse);
   void CloseLoop(const Member& member, int joint, double dt_s);

@@ -75,6 +75,9 @@ void AddMotor(const RobotModel& model, std::size_t j, Joint& joint) {
   for (const ActuatorModel& actuator : model.actuators) {
     const auto* board = std::get_if<BoardModel>(&actuator.kind);
     const auto* drive = std::get_if<DriveModel>(&actuator.kind);
+    for (int side = 0; drive != nullptr && drive->steering && side < 2; ++side) {
+      if (drive->steering->joints[static_cast<std::size_t>(side)] == static_cast<int>(j)) joint.steers = side;
+    }
     for (const int driven : actuator.joints) {
       if (driven == static_cast<int>(j)) {
         joint.channel = channel;

@@ -28,6 +28,7 @@ struct Joint {
   const JointModel* model = nullptr;
   int channel = -1;                   // of the robot's channels, if a motor drives it
   double max_effort = 0;              // of its motor
+  int steers = -1;                    // 0, 1: it turns the left or right front wheel of the robot's drive
   int control = -1;                   // of the robot's controls, if it belongs to a control board,
   const BoardModel* board = nullptr;  // this one
   std::vector<int> beyond;            // if the board carries the weight: the bodies that the joint moves

@@ -143,6 +143,56 @@ class RobotsTest(unittest.TestCase):
             self.assertGreater(daemon.text("/r1/pose").must("get_pose").data[0], 0.15)
             self.assertAlmostEqual(arm.must("get_joints (1)").data[0], 0.5, delta=0.02)
 
+    def driven(self, motors, pose, command, steps=300):
+        """The car after `command` for some seconds: the reply, its speed and its turn rate in the last second."""
+        reply = motors.must(f"{command[0]} ({steps - 100}) {command[1]} {command[2]}")
+        x, y, heading = pose.must("get_pose").data[:3]
+        way = turned = 0
+        for _ in range(10):
+            motors.must(f"{command[0]} (10) {command[1]} {command[2]}")
+            at = pose.must("get_pose").data
+            way += math.dist((x, y), at[:2])
+            turned += math.remainder(at[2] - heading, 2 * math.pi)
+            x, y, heading = at[:3]
+        return reply, way, turned
+
+    def test_a_car_drives_circles_forward_and_backward(self):
+        with Daemon("[SIMULATION]\nmode lockstep\n" + robots(("car", ""))) as daemon:
+            motors, pose = daemon.text("/r1/motors"), daemon.text("/r1/pose")
+            for linear, angular in ((0.8, 0.5), (0.8, -0.5), (0.3, 0.4), (-0.5, 0.5)):
+                with self.subTest(linear=linear, angular=angular):
+                    reply, speed, rate = self.driven(motors, pose, ("set_velocity", linear, angular))
+                    self.assertEqual(reply.text, "")
+                    self.assertAlmostEqual(speed, abs(linear), delta=0.02 * abs(linear))
+                    self.assertAlmostEqual(rate, angular, delta=0.02 * abs(angular))
+                    wheels = motors.must("get_wheels").data
+                    self.assertAlmostEqual((wheels[3] - wheels[2]) * 0.0508 / 0.27, angular, delta=0.02 * abs(angular))
+
+    def test_a_car_turns_no_tighter_than_its_stops_allow_and_says_so(self):
+        inner_rad, wheelbase_m, half_track_m = 0.6, 0.3302, 0.135
+        tightest_m = wheelbase_m / math.tan(inner_rad) + half_track_m
+        with Daemon("[SIMULATION]\nmode lockstep\n" + robots(("car", ""))) as daemon:
+            motors, pose = daemon.text("/r1/motors"), daemon.text("/r1/pose")
+            for angular in (3, -3):
+                reply, speed, rate = self.driven(motors, pose, ("set_velocity", 0.4, angular))
+                self.assertEqual(reply.text, f"limited to 0.4 m/s {math.copysign(0.4 / tightest_m, angular):.6g} rad/s")
+                self.assertAlmostEqual(speed / abs(rate), tightest_m, delta=0.02 * tightest_m)
+            reply, speed, rate = self.driven(motors, pose, ("set_wheel_speeds", 0, 10))
+            self.assertIn("limited to", reply.text)
+            self.assertAlmostEqual(speed / rate, tightest_m, delta=0.02 * tightest_m)
+            reply, speed, rate = self.driven(motors, pose, ("set_velocity", 0, 1))
+            self.assertEqual(reply.text, "limited to 0 m/s 0 rad/s")
+            self.assertLess(max(speed, abs(rate)), 1e-3)
+
+    def test_a_car_stops(self):
+        with Daemon("[SIMULATION]\nmode lockstep\n" + robots(("car", ""))) as daemon:
+            motors, pose = daemon.text("/r1/motors"), daemon.text("/r1/pose")
+            motors.must("set_velocity (200) 1 0.8")
+            motors.must("stop (50)")
+            there = pose.must("get_pose").data
+            motors.must("stop (50)")
+            self.assertLess(math.dist(there[:3], pose.must("get_pose").data[:3]), 1e-4)
+
     def test_the_quadruped_trots(self):
         for step_s in (0.01, 0.005):
             with self.subTest(step=step_s):
