@@ -9,9 +9,8 @@
 namespace coopdyn {
 
 bool IsSubscribable(const CommandSpec& spec) {
-  const bool of_joints = spec.id >= command::kGetJoints && spec.id <= command::kGetReferences;  // none: all
-  return spec.name.starts_with("get_") && spec.id != command::kGetTime &&
-         (TakesNothing(spec) || spec.id == command::kGetStatus || of_joints);
+  return spec.name.starts_with("get_") && spec.id != command::kGetTime && spec.text == TextUse::kNone &&
+         CountFits(spec.params, 0) && spec.data.empty();
 }
 
 std::vector<std::pair<std::string, std::int32_t>> ModeWords() {

@@ -183,63 +183,28 @@ classdef Robot < handle
       else
         link.carried = [];
       end
-      data = reply.data;
-      params = reply.params;
-      step = data(end);
-      distances = zeros(1, 0);
-      seen = distances;
-      pose = [];
-      wheels = [];
-      compass = [];
-      support = [];
-      joints = struct();
-      at = 0;
-      for k = 1:numel(attached)
-        n = params(k + 1);
-        part = data(at + 1:at + n);
-        at = at + n;
-        switch attached{k}
-          case 'distance'
-            distances = part;
-          case 'pose'
-            pose = struct('x', part(1), 'y', part(2), 'heading', part(3), 'forward', part(4), 'turn', part(5));
-          case 'motors'
-            wheels = struct('left_angle', part(1), 'right_angle', part(2), 'left_speed', part(3), ...
-                            'right_speed', part(4));
-          case 'compass'
-            compass = part;
-          case 'support'
-            support = struct('x', part(1), 'y', part(2), 'angle', part(3));
-          case 'target'
-            seen = part;
-          otherwise  % joints/arm
-            joints.(attached{k}(8:end)) = coopdyn.internal.value(203, [], '', part);
-        end
-      end
+      s = coopdyn.internal.attached_readings(attached, reply);
+      seen = s.targets;
       % Ids and colours change with a reset, load or edit only: asked for again when the step did not go on, when their
       % number changed, or after half a second.
       labels = link.labels;
-      if ~isempty(seen) && (step <= labels.step || 2 * numel(labels.ids) ~= numel(seen) || toc(labels.when) > 0.5)
+      if ~isempty(seen) && (s.step <= labels.step || 2 * numel(labels.ids) ~= numel(seen) || toc(labels.when) > 0.5)
         t = r.get_targets();
         labels.ids = {t.id};
         labels.colours = {t.colour};
       end
-      labels.step = step;
+      labels.step = s.step;
       labels.when = tic;
       link.labels = labels;
       if isempty(seen)
-        targets = coopdyn.internal.sightings([], 'colour', {}, []);
+        s.targets = coopdyn.internal.sightings([], 'colour', {}, []);
       else
-        targets = struct('id', labels.ids, 'colour', labels.colours, 'distance', num2cell(seen(1:2:end)), ...
-                         'bearing', num2cell(seen(2:2:end)));
+        s.targets = struct('id', labels.ids, 'colour', labels.colours, 'distance', num2cell(seen(1:2:end)), ...
+                           'bearing', num2cell(seen(2:2:end)));
       end
-      target = [];
       if nargin > 1
-        target = coopdyn.internal.choose_target(targets, x);
+        s.target = coopdyn.internal.choose_target(s.targets, x);
       end
-      s = struct('time', data(end - 1), 'step', step, 'distances', distances, 'targets', [], 'target', target, ...
-                 'pose', pose, 'wheels', wheels, 'compass', compass, 'support', support, 'joints', joints);
-      s.targets = targets;
     end
 
     function j = joints(r, name)

@@ -4,6 +4,7 @@
 import {make, say, setText, showNumber} from './dom.js';
 
 const DRIVE = 'joints';  // the channel that commands go through
+const MODES = ['idle', 'position', 'direct', 'velocity', 'effort'];
 const FREE_RANGE = Math.PI;  // of a slider whose joint has no limit
 
 export class JointPanel {
@@ -14,6 +15,8 @@ export class JointPanel {
   #asked = false;
   #next = null;  // the command to send when the last has been answered
   #busy = false;
+  #buttons;
+  #off = '';  // why nothing can be moved
   element;
 
   constructor(connection, module) {
@@ -24,12 +27,20 @@ export class JointPanel {
       made.addEventListener('click', act);
       return made;
     };
-    this.element = make('div', {class: 'joints'},
-      make('strong', {}, module.slice(module.lastIndexOf('/') + 1)), ' ',
+    this.#buttons = [
       button('Hold', 'Holds all joints where they are', () => this.#send({command: 'hold'})),
       button('Idle', 'Switches the motors of all joints off', () => this.#send({command: 'set_modes', data: this.#rows.map(() => 0)})),
       button('Let go', 'This page does not drive the joints any more', () => this.stop()),
-      make('table', {}, this.#table));
+    ];
+    const group = module.slice(module.lastIndexOf('/') + 1);
+    this.element = make('div', {class: 'joints'}, make('strong', {}, group), ' ', ...this.#buttons, make('table', {}, this.#table));
+    this.element.dataset.group = group;
+  }
+
+  /** Nothing can be moved for this reason; empty: it can. */
+  setOff(reason) {
+    this.#off = reason;
+    for (const element of [...this.#buttons, ...this.#rows.map(({slider}) => slider)]) element.disabled = reason !== '';
   }
 
   /** Closes the connection that drives the joints, if any. */
@@ -42,11 +53,15 @@ export class JointPanel {
   async show(data) {
     if (!this.#asked) await this.#learn();
     if (this.#rows.length === 0) return;
-    const motion = await this.#connection.call({module: this.#module, channel: 'readings', command: 'get_motion'});
+    const ask = (command) => this.#connection.call({module: this.#module, channel: 'readings', command});
+    const [motion, modes] = this.#off ? [] : await Promise.all([ask('get_motion'), ask('get_modes')]);  // not recorded
     for (const [i, row] of this.#rows.entries()) {
-      const position = data[3 * i];
-      const target = motion.error === 0 ? motion.data[i] : undefined;
-      setText(row.value, `${showNumber(position, 3)} → ${showNumber(target, 3)}`);
+      const [position, velocity, effort] = data.slice(3 * i, 3 * i + 3);
+      const target = motion?.error === 0 ? ` → ${showNumber(motion.data[i], 3)}` : '';
+      setText(row.value, showNumber(position, 3) + target);
+      const title = `${modes?.error === 0 ? `${MODES[modes.params[i]]}, ` : ''}velocity ${showNumber(velocity, 3)}, ` +
+        `effort ${showNumber(effort, 2)}`;
+      if (row.value.title !== title) row.value.title = title;
       if (document.activeElement !== row.slider && typeof position === 'number') row.slider.value = position;
     }
   }
@@ -68,6 +83,7 @@ export class JointPanel {
       slider.addEventListener('change', () => slider.blur());
       return {name, slider, value: make('td', {class: 'number'})};
     });
+    this.setOff(this.#off);
     this.#table.replaceChildren(...this.#rows.map(({name, slider, value}) =>
       make('tr', {}, make('td', {}, name), make('td', {}, slider), value)));
   }

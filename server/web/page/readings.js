@@ -72,6 +72,11 @@ export class Readings {
     this.#poll();
   }
 
+  /** Why the robot cannot be driven; empty if it can. */
+  setOff(reason) {
+    for (const panel of this.#panels.values()) panel.setOff(reason);
+  }
+
   stop() {
     this.#stopped = true;
     clearTimeout(this.#timer);

@@ -21,6 +21,7 @@ class Card {
   #lines = '';  // what the body was last made of
   #type = '';
   #namePort = 0;
+  #off = '';  // why nobody can drive
   element;
 
   constructor(connection, name, onToggle) {
@@ -39,7 +40,9 @@ class Card {
 
   get isOpen() { return this.element.open; }
 
-  update(robot, namePort) {
+  /** `off`: why nobody can drive; empty if anybody can. */
+  update(robot, namePort, off) {
+    this.#off = off;
     const owner = robot.owner ?? '';
     const astray = !owner && robot.still_moving === true;
     const excuse = robot.participates === false ? ' (not waited for)' : '';
@@ -71,9 +74,11 @@ class Card {
   }
 
   #startReadings() {
-    if (this.#readings || this.#modules.length === 0) return;
+    if (this.#readings) return this.#readings.setOff(this.#off);
+    if (this.#modules.length === 0) return;
     this.#readings = new Readings(this.#connection, this.#name, this.#modules.map(({name, type}) => ({name: lastWord(name), type})));
     this.#body.querySelector('.readings-place')?.replaceChildren(this.#readings.element);
+    this.#readings.setOff(this.#off);
   }
 
   stopReadings() {
@@ -115,7 +120,7 @@ export class Robots {
     }
     for (const robot of robots) {
       if (!this.#cards.has(robot.name)) this.#add(robot.name);
-      this.#cards.get(robot.name).update(robot, this.#namePort);
+      this.#cards.get(robot.name).update(robot, this.#namePort, status.playback ? 'A recording is played: nothing drives it' : '');
     }
     const off = status.playback ? 'A recording has nobody to wait for' : '';
     setOff('only-connected', off, 'Only robots that somebody drives now take part');

@@ -1,0 +1,29 @@
+% SPDX-License-Identifier: MIT
+function s = attached_readings(attached, reply)
+%ATTACHED_READINGS The readings of the modules `attached` out of a reply that carries them; targets as distance, bearing, ….
+  data = reply.data;
+  s = struct('time', data(end - 1), 'step', data(end), 'distances', zeros(1, 0), 'targets', zeros(1, 0), 'target', [], ...
+             'pose', [], 'wheels', [], 'compass', [], 'support', [], 'joints', struct());
+  at = 0;
+  for k = 1:numel(attached)
+    n = reply.params(k + 1);
+    part = data(at + 1:at + n);
+    at = at + n;
+    switch attached{k}
+      case 'distance'
+        s.distances = part;
+      case 'pose'
+        s.pose = struct('x', part(1), 'y', part(2), 'heading', part(3), 'forward', part(4), 'turn', part(5));
+      case 'motors'
+        s.wheels = struct('left_angle', part(1), 'right_angle', part(2), 'left_speed', part(3), 'right_speed', part(4));
+      case 'compass'
+        s.compass = part;
+      case 'support'
+        s.support = struct('x', part(1), 'y', part(2), 'angle', part(3));
+      case 'target'
+        s.targets = part;
+      otherwise  % joints/arm
+        s.joints.(attached{k}(8:end)) = coopdyn.internal.value(203, [], '', part);
+    end
+  end
+end
