@@ -4,14 +4,31 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "server/geometry/image.h"
 #include "server/geometry/ray.h"
 #include "server/geometry/shape.h"
 
 namespace coopdyn {
+
+/// How a mesh looks, vertex by vertex.
+struct MeshSkin {
+  struct Material {
+    std::array<double, 3> color{0.5, 0.5, 0.5};  // of a texture its mean
+    std::array<double, 3> tint{1, 1, 1};         // by which a texture is multiplied
+    std::shared_ptr<const Image> texture;        // null: none
+  };
+  struct Corner {
+    std::array<float, 2> uv{};   // 0 0: the lower left of the texture
+    std::uint32_t material = 0;  // index into materials
+  };
+  std::vector<Material> materials;
+  std::vector<Corner> corners;  // of MeshData::vertices
+};
 
 struct MeshData {
   using Triangle = std::array<std::uint32_t, 3>;
@@ -24,6 +41,7 @@ struct MeshData {
   Vector3 inertia_m5 = Vector3::Zero();        // of the solid of density 1 about the axes, if it is closed
   std::uint64_t id = 0;                        // of its content
   std::optional<std::array<double, 3>> color;  // of the file it came from
+  std::shared_ptr<const MeshSkin> skin;        // null: `color` all over
 
   /// A tree of boxes about triangles[first …]: an inner node's children are the next one and `right`.
   struct Node {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/mesh_file.h"
 
-#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "server/base/printable.h"
+#include "server/model/mesh_skin.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -21,6 +21,7 @@ namespace coopdyn {
 namespace {
 
 constexpr double kMaxVertex_m = 1e4;
+constexpr std::uint32_t kSkinMark = 0x4e494b53;
 
 std::string TooMany(std::size_t triangles) {
   return "the mesh has " + std::to_string(triangles) + " triangles, at most " +
@@ -41,8 +42,8 @@ std::string CheckBytes(const std::string& bytes, const std::string& extension) {
 
 class Collector {
  public:
-  Collector(const aiScene& scene, const Vector3& scale, const std::string& submesh)
-      : scene_(scene), scale_(scale), submesh_(submesh) {}
+  Collector(const aiScene& scene, const Vector3& scale, const std::string& submesh, SkinBuilder& skin)
+      : scene_(scene), scale_(scale), submesh_(submesh), skin_(skin) {}
 
   void Visit(const aiNode& node, const aiMatrix4x4& above, bool wanted) {
     const aiMatrix4x4 here = above * node.mTransformation;
@@ -56,7 +57,6 @@ class Collector {
 
   std::vector<Vector3> vertices;
   std::vector<MeshData::Triangle> triangles;
-  std::optional<std::array<double, 3>> color;
   bool finite = true;
 
  private:
@@ -78,18 +78,13 @@ class Collector {
       if (mirrored) std::swap(triangle[1], triangle[2]);
       triangles.push_back(triangle);
     }
-    aiColor4D diffuse;
-    if (!color && mesh.mMaterialIndex < scene_.mNumMaterials &&
-        aiGetMaterialColor(scene_.mMaterials[mesh.mMaterialIndex], AI_MATKEY_COLOR_DIFFUSE, &diffuse) ==
-            AI_SUCCESS) {
-      const auto part = [](float x) { return std::isfinite(x) ? std::clamp<double>(x, 0, 1) : 0.5; };
-      color = {part(diffuse.r), part(diffuse.g), part(diffuse.b)};
-    }
+    skin_.Add(scene_, mesh);
   }
 
   const aiScene& scene_;
   const Vector3 scale_;
   const std::string& submesh_;
+  SkinBuilder& skin_;
 };
 
 constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -136,22 +131,24 @@ std::optional<std::string> FromBase64(std::string_view text) {
   return bytes;
 }
 
-/// Numbers that a float holds, so that a recording gives the same mesh.
-ModelMesh Make(std::vector<Vector3> vertices, std::vector<MeshData::Triangle> triangles,
-               const std::optional<std::array<double, 3>>& color) {
+}  // namespace
+
+ModelMesh MakeModelMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle> triangles,
+                        const std::optional<std::array<double, 3>>& color,
+                        std::shared_ptr<const MeshSkin> skin) {
+  // Numbers that a float holds, so that a recording gives the same mesh.
   for (Vector3& v : vertices) v = v.cast<float>().cast<double>();
   ModelMesh mesh;
   MeshData data = MakeMesh(std::move(vertices), std::move(triangles), mesh.middle);
   data.color = color;
+  SetSkin(std::move(skin), data);
   mesh.data = std::make_shared<const MeshData>(std::move(data));
   return mesh;
 }
 
-}  // namespace
-
 std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vector3& scale,
-                                  const std::string& submesh, const SourceLine& where,
-                                  Diagnostics& diagnostics) {
+                                  const std::string& submesh, const Resources& resources,
+                                  const SourceLine& where, Diagnostics& diagnostics) {
   const std::string name = file.filename().string();
   const auto fail = [&](const std::string& text) {
     diagnostics.Error(where, "mesh '" + name + "': " + text);
@@ -159,8 +156,10 @@ std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vecto
   };
   std::string extension = ToLower(file.extension().string());
   if (!extension.empty()) extension.erase(0, 1);
-  if (extension != "stl" && extension != "obj" && extension != "dae")
-    return fail("meshes are read from .stl, .obj and .dae: convert it, for example with Blender");
+  if (extension != "stl" && extension != "obj" && extension != "dae" && extension != "glb" &&
+      extension != "gltf")
+    return fail(
+        "meshes are read from .stl, .obj, .dae, .glb and .gltf: convert it, for example with Blender");
   std::error_code code;
   const auto size = std::filesystem::file_size(file, code);
   if (code) return fail("it cannot be read");
@@ -173,21 +172,23 @@ std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vecto
   std::string bytes(size, '\0');
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) return fail("it cannot be read");
   if (const std::string wrong = CheckBytes(bytes, extension); !wrong.empty()) return fail(wrong);
-  // From memory: so the library opens no other files.
   Assimp::Importer importer;
+  importer.SetIOHandler(MakeMeshFiles(file, bytes, resources).release());  // it owns them
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFileFromMemory(
-      bytes.data(), bytes.size(),
-      aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType, extension.c_str());
+  const aiScene* scene = importer.ReadFile(
+      file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);
   if (scene == nullptr || scene->mRootNode == nullptr)
     return fail("it cannot be read: " + Printable(std::string(importer.GetErrorString()).substr(0, 200)));
-  Collector all(*scene, scale, submesh);
+  SkinBuilder skin(file, resources);
+  Collector all(*scene, scale, submesh, skin);
   all.Visit(*scene->mRootNode, aiMatrix4x4(), false);
   if (all.triangles.size() > kMaxMeshTriangles) return fail(TooMany(all.triangles.size()));
   if (all.triangles.empty())
     return fail(submesh.empty() ? "it has no triangles" : "it has no part called '" + submesh + "'");
   if (!all.finite) return fail("it has vertices that are not finite or more than 10 km away");
-  return Make(std::move(all.vertices), std::move(all.triangles), all.color);
+  for (const std::string& missing : skin.missing())
+    diagnostics.Warning(where, "mesh '" + name + "': " + missing);
+  return MakeModelMesh(std::move(all.vertices), std::move(all.triangles), skin.color(), skin.Take());
 }
 
 std::string MeshToText(const ModelMesh& mesh) {
@@ -201,6 +202,13 @@ std::string MeshToText(const ModelMesh& mesh) {
     for (int i = 0; i < 3; ++i) PutBytes(bytes, static_cast<float>(v[i] + mesh.middle[i]));
   }
   for (const auto& triangle : data.triangles) PutBytes(bytes, triangle);
+  if (data.skin != nullptr) {
+    // The textures stay where they are: each is its mean colour.
+    PutBytes(bytes, kSkinMark);
+    PutBytes(bytes, static_cast<std::uint32_t>(data.skin->materials.size()));
+    for (const MeshSkin::Material& material : data.skin->materials) PutBytes(bytes, material.color);
+    for (const MeshSkin::Corner& corner : data.skin->corners) PutBytes(bytes, corner.material);
+  }
   return ToBase64(bytes);
 }
 
@@ -227,9 +235,23 @@ std::optional<ModelMesh> MeshFromText(std::string_view text) {
     for (const std::uint32_t v : triangle) good = good && v < vertex_count;
   }
   for (const double part : color) good = good && part >= 0 && part <= 1;
+  std::uint32_t mark = 0, material_count = 0;
+  std::shared_ptr<MeshSkin> skin;
+  if (good && TakeBytes(rest, mark) && mark == kSkinMark) {
+    skin = std::make_shared<MeshSkin>();
+    good = TakeBytes(rest, material_count) && material_count <= rest.size();
+    skin->materials.resize(good ? material_count : 0);
+    for (MeshSkin::Material& material : skin->materials) {
+      good = good && TakeBytes(rest, material.color);
+      for (const double part : material.color) good = good && part >= 0 && part <= 1;
+    }
+    skin->corners.resize(vertices.size());
+    for (MeshSkin::Corner& corner : skin->corners)
+      good = good && TakeBytes(rest, corner.material) && corner.material < material_count;
+  }
   if (!good) return std::nullopt;
-  return Make(std::move(vertices), std::move(triangles),
-              has_color != 0 ? std::optional(color) : std::nullopt);
+  return MakeModelMesh(std::move(vertices), std::move(triangles),
+                       has_color != 0 ? std::optional(color) : std::nullopt, std::move(skin));
 }
 
 }  // namespace coopdyn

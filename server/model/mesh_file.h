@@ -20,13 +20,22 @@ inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
 struct ModelMesh {
   std::shared_ptr<const MeshData> data;
   Vector3 middle = Vector3::Zero();  // of its box, in the frame of the file
+  bool is_heights = false;           // of a <heightmap>
 };
 
-/// The mesh of a .stl, .obj or .dae file, each vertex times `scale`; of its part called `submesh` alone if
-/// that is not empty. Nothing with an error at `where`.
+class Resources;
+
+/// The mesh of a .stl, .obj, .dae, .glb or .gltf file, each vertex times `scale`; of its part called
+/// `submesh` alone if that is not empty. What else the file names is looked up in `resources`. Nothing with
+/// an error at `where`.
 std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vector3& scale,
-                                  const std::string& submesh, const SourceLine& where,
-                                  Diagnostics& diagnostics);
+                                  const std::string& submesh, const Resources& resources,
+                                  const SourceLine& where, Diagnostics& diagnostics);
+
+/// A mesh of these triangles, `middle` included, in numbers that a recording keeps.
+ModelMesh MakeModelMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle> triangles,
+                        const std::optional<std::array<double, 3>>& color,
+                        std::shared_ptr<const MeshSkin> skin);
 
 /// A mesh as one word, and back; nothing for a bad word.
 std::string MeshToText(const ModelMesh& mesh);

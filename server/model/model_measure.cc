@@ -125,6 +125,16 @@ void MakeHulls(ModelReading& reading) {
     for (LinkShape& collision : robot.links[i].collisions) {
       const auto* mesh = std::get_if<Mesh>(&collision.shape);
       if (mesh == nullptr) continue;
+      const auto source = std::ranges::find(reading.source.meshes, mesh->data,
+                                            [](const auto& one) { return one.second.data.get(); });
+      if (source != reading.source.meshes.end() && source->second.is_heights) {
+        const auto frame = std::ranges::find(robot.frames, robot.links[i].name, &FrameModel::name);
+        reading.Error(reading.lines.links[static_cast<std::size_t>(frame - robot.frames.begin())],
+                      "link '" + robot.links[i].name +
+                          "' moves, and its <heightmap> cannot: fix the link to the world, or write "
+                          "<static>true</static>");
+        continue;
+      }
       Vector3 middle = Vector3::Zero();
       auto hull = ConvexHull(mesh->data->vertices, middle);
       if (!hull) {

@@ -124,108 +124,6 @@ class Includer {
   int count_ = 0;
 };
 
-/// Loads the meshes that `node` names, and calls them mesh:1, mesh:2, …
-class MeshLoader {
- public:
-  MeshLoader(const Resources* resources, MeshTable& table, Diagnostics& diagnostics)
-      : resources_(resources), table_(table), diagnostics_(diagnostics) {}
-
-  /// `shape`: the collision or visual around `node`. False if its mesh cannot be used.
-  bool Load(XmlNode& node, bool is_visual = false) {
-    if (node.name == "mesh" && node.Child("uri") != nullptr) return LoadOne(node, is_visual);
-    const bool visual = is_visual || node.name == "visual";
-    bool good = true;
-    for (auto it = node.children.begin(); it != node.children.end();) {
-      const bool fine = Load(*it, visual);
-      // A picture may go without a shape, the physics may not.
-      if (!fine && it->name == "visual") {
-        it = node.children.erase(it);
-        continue;
-      }
-      good = good && fine;
-      ++it;
-    }
-    return good;
-  }
-
- private:
-  bool LoadOne(XmlNode& mesh, bool is_visual) {
-    XmlNode& uri = *mesh.Child("uri");
-    if (table_.contains(uri.text)) return true;
-    Diagnostics found;
-    const std::string key = Key(mesh, uri, found);
-    for (const Diagnostic& one : found.all()) {
-      if (is_visual) {
-        diagnostics_.Warning(one.where, one.text + " (it is not drawn)");
-      } else {
-        diagnostics_.Error(one.where, one.text);
-      }
-    }
-    if (key.empty()) return false;
-    uri.text = key;
-    std::erase_if(mesh.children, [](const XmlNode& one) { return one.name != "uri"; });
-    return true;
-  }
-
-  std::string Key(const XmlNode& mesh, const XmlNode& uri, Diagnostics& found) {
-    Vector3 scale = Vector3::Ones();
-    const std::string scale_text = mesh.TextOf("scale");
-    if (!scale_text.empty()) {
-      const std::vector<std::string> words = SplitWords(scale_text);
-      for (std::size_t i = 0; i < 3; ++i) {
-        // URDF allows one number.
-        const auto value = words.size() == 3 || words.size() == 1
-                               ? ParsePlain(words[words.size() == 3 ? i : 0])
-                               : std::nullopt;
-        if (!value || *value == 0) {
-          found.Error(uri.where,
-                      "<scale> of a mesh is three finite numbers, none of them 0, not '" + scale_text + "'");
-          return {};
-        }
-        scale[static_cast<Eigen::Index>(i)] = *value;
-      }
-    }
-    const XmlNode* submesh = mesh.Child("submesh");
-    const std::string part = submesh == nullptr ? "" : submesh->TextOf("name");
-    const bool centred =
-        submesh != nullptr && (submesh->TextOf("center") == "true" || submesh->TextOf("center") == "1");
-    if (resources_ == nullptr) {
-      found.Error(uri.where,
-                  "the mesh '" + uri.text +
-                      "' is a file, and this model came without: use box, cylinder, sphere or capsule");
-      return {};
-    }
-    std::string why;
-    const auto file = resources_->Find(uri.text, uri.where.file, why);
-    if (!file) {
-      found.Error(uri.where, "mesh: " + why);
-      return {};
-    }
-    const std::string what = file->string() + "|" + FormatNumber(scale.x()) + " " + FormatNumber(scale.y()) +
-                             " " + FormatNumber(scale.z()) + "|" + part + (centred ? "|c" : "");
-    if (const auto known = keys_.find(what); known != keys_.end()) return known->second;
-    auto loaded = LoadMesh(*file, scale, part, uri.where, found);
-    if (!loaded) return {};
-    triangles_ += loaded->data->triangles.size();
-    if (triangles_ > kMaxModelTriangles) {
-      found.Error(uri.where, "the meshes of a model have at most " + std::to_string(kMaxModelTriangles) +
-                                 " triangles together: simplify them");
-      return {};
-    }
-    if (centred) loaded->middle.setZero();
-    std::string key = "mesh:" + std::to_string(table_.size() + 1);
-    table_.emplace(key, std::move(*loaded));
-    keys_.emplace(what, key);
-    return key;
-  }
-
-  const Resources* resources_;
-  MeshTable& table_;
-  Diagnostics& diagnostics_;
-  std::map<std::string, std::string> keys_;
-  std::size_t triangles_ = 0;
-};
-
 /// Cuts off the meshes behind a composed text.
 bool TakeMeshes(std::string& text, MeshTable& table) {
   const std::size_t start = text.find("\n" + std::string(kMeshMark));
@@ -311,8 +209,8 @@ std::optional<ModelSource> ComposeModel(const std::string& given, const std::str
   }
   source.foreign = root->Attribute("coopdyn:foreign") == "true" || !HasOwnElements(*root);
   const bool plain = !source.foreign && *minor >= 7 && *minor <= 9 && !HasAny(*root, "include") &&
-                     !HasAny(*root, "mesh") && !HasAny(*root, "mimic") &&
-                     !HasAny(*root, "screw_thread_pitch");
+                     !HasAny(*root, "mesh") && !HasAny(*root, "heightmap") && !HasAny(*root, "pbr") &&
+                     !HasAny(*root, "mimic") && !HasAny(*root, "screw_thread_pitch");
   if (plain && !root->Has("xmlns:coopdyn")) {
     diagnostics.Error(root->where,
                       "write xmlns:coopdyn=\"https://coopdyn.dev/sdf\" in <sdf>: a robot needs elements "
@@ -336,7 +234,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
     root.Set("coopdyn:foreign", "true");
     AdoptModel(*root.Child("model"), diagnostics);
   }
-  MeshLoader(resources, source.meshes, diagnostics).Load(root);
+  LoadMeshes(root, resources, source.meshes, diagnostics);
   source.text = PrintXml(root, source.lines);
 }
 

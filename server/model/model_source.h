@@ -35,6 +35,9 @@ std::optional<ModelSource> ComposeModel(const std::string& text, const std::stri
 /// The same of the SDF `root` that has one <model>; source.foreign is given.
 void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, Diagnostics& diagnostics);
 
+/// Loads the meshes, heightmaps and textures that `root` names; each is then a mesh called mesh:1, mesh:2, …
+void LoadMeshes(XmlNode& root, const Resources* resources, MeshTable& table, Diagnostics& diagnostics);
+
 /// The text that a recording keeps: read again without files, it gives the same model.
 std::string WithMeshes(const ModelSource& source);
 

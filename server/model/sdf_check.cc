@@ -30,7 +30,8 @@ constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"inertia", "ixx iyy izz ixy ixz iyz"},
     {"collision", "pose geometry surface"},
     {"visual", "pose geometry material"},
-    {"geometry", "box cylinder sphere capsule plane mesh"},
+    {"geometry", "box cylinder sphere capsule plane mesh heightmap"},
+    {"heightmap", "uri size pos sampling"},
     {"capsule", "radius length"},
     {"plane", "normal size"},
     {"mesh", "uri scale submesh"},
@@ -42,7 +43,10 @@ constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"bounce", "restitution_coefficient"},
     {"friction", "ode"},
     {"ode", "mu mu2"},
-    {"material", "diffuse ambient specular"},
+    {"material", "diffuse ambient specular pbr"},
+    {"pbr", "metal specular"},
+    {"metal", "albedo_map"},
+    {"specular", "albedo_map"},
     {"joint", "pose parent child axis axis2 gearbox_ratio gearbox_reference_body thread_pitch"},
     {"axis", "xyz limit dynamics"},
     {"axis2", "xyz limit dynamics"},
@@ -104,9 +108,9 @@ class Checker {
       // SDF describes a model inside a model by the outer one.
       Check(child, path == "model/model" ? description : description->GetElementDescription(name), depth + 1);
     } else if (std::string_view(parent.Name()) == "geometry") {
-      diagnostics_.Error(
-          where, "the shape <" + name +
-                     "> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, <plane> or <mesh>");
+      diagnostics_.Error(where, "the shape <" + name +
+                                    "> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, "
+                                    "<plane>, <mesh> or <heightmap>");
     } else if (path == "model/static" || path == "sdf/world") {
       diagnostics_.Error(where, "<" + name + "> does not belong into a robot: remove it");
     } else {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/geometry/mesh.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {
@@ -81,7 +82,10 @@ class Builder {
       }
       return;
     } else {
-      InstancesOf(std::get<Mesh>(shape).data).push_back(MakeInstance(X_WG, Vector3::Ones(), color));
+      const MeshData& data = *std::get<Mesh>(shape).data;
+      const bool in_skin =
+          data.skin != nullptr && data.color == std::array<double, 3>{color.r, color.g, color.b};
+      InstancesOf(data, in_skin).push_back(MakeInstance(X_WG, Vector3::Ones(), color));
       return;
     }
     list_.meshes[static_cast<std::size_t>(mesh)].push_back(MakeInstance(X_WG, scale, color));
@@ -94,11 +98,12 @@ class Builder {
             ToFloats<3>(&color.r)};
   }
 
-  std::vector<Instance>& InstancesOf(const MeshData* mesh) {
-    const auto found = std::ranges::find(list_.model_meshes, mesh, [](const auto& one) { return one.first; });
+  std::vector<Instance>& InstancesOf(const MeshData& mesh, bool in_skin) {
+    const auto found = std::ranges::find_if(
+        list_.model_meshes, [&](const MeshDraw& one) { return one.mesh == &mesh && one.in_skin == in_skin; });
     return found != list_.model_meshes.end()
-               ? found->second
-               : list_.model_meshes.emplace_back(mesh, std::vector<Instance>()).second;
+               ? found->instances
+               : list_.model_meshes.emplace_back(MeshDraw{&mesh, in_skin, {}}).instances;
   }
 
   void AddTarget(const Target& target) {

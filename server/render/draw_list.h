@@ -23,6 +23,13 @@ struct Instance {
   std::array<float, 3> color;
 };
 
+/// All that look like one mesh.
+struct MeshDraw {
+  const MeshData* mesh = nullptr;
+  bool in_skin = false;  // its materials and textures, not the instances' colour
+  std::vector<Instance> instances;
+};
+
 /// One corner of a flat mark, in clip coordinates. The layout is that of the vertex attributes.
 struct OverlayVertex {
   std::array<float, 4> clip;
@@ -40,7 +47,7 @@ struct Label {
 
 struct DrawList {
   std::array<std::vector<Instance>, kMeshCount> meshes;
-  std::vector<std::pair<const MeshData*, std::vector<Instance>>> model_meshes;  // those of robot models
+  std::vector<MeshDraw> model_meshes;      // those of robot models
   std::vector<OverlayVertex> floor_marks;  // drawn where the floor is seen
   std::vector<OverlayVertex> rays;
   std::vector<Label> labels;  // far ones first

@@ -82,6 +82,13 @@ struct GlApi {
   PFNGLDELETEPROGRAMPROC DeleteProgram = load("glDeleteProgram");
   PFNGLUSEPROGRAMPROC UseProgram = load("glUseProgram");
   PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation = load("glGetUniformLocation");
+  PFNGLGENTEXTURESPROC GenTextures = load("glGenTextures");
+  PFNGLDELETETEXTURESPROC DeleteTextures = load("glDeleteTextures");
+  PFNGLBINDTEXTUREPROC BindTexture = load("glBindTexture");
+  PFNGLTEXIMAGE2DPROC TexImage2D = load("glTexImage2D");
+  PFNGLTEXPARAMETERIPROC TexParameteri = load("glTexParameteri");
+  PFNGLGENERATEMIPMAPPROC GenerateMipmap = load("glGenerateMipmap");
+
   PFNGLUNIFORM3FPROC Uniform3f = load("glUniform3f");
   PFNGLUNIFORMMATRIX4FVPROC UniformMatrix4fv = load("glUniformMatrix4fv");
 

@@ -60,6 +60,20 @@ void GlVertices::Attribute(GLuint location, int count, std::size_t stride, std::
   gl_.VertexAttribDivisor(location, divisor);
 }
 
+GlTexture::GlTexture(const GlApi& gl, int width, int height, const unsigned char* rgb) : gl_(gl) {
+  gl_.GenTextures(1, &id_);
+  Bind();
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, width, height, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+  gl_.GenerateMipmap(GL_TEXTURE_2D);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
+GlTexture::~GlTexture() {
+  gl_.DeleteTextures(1, &id_);
+}
+
 GlTarget::GlTarget(const GlApi& gl, int width, int height) : gl_(gl), width_(width), height_(height) {
   GLint most = 0;
   gl_.GetIntegerv(GL_MAX_SAMPLES, &most);

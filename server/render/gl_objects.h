@@ -50,6 +50,22 @@ class GlVertices {
   GLuint buffer_ = 0;
 };
 
+/// A picture that covers shapes, repeated.
+class GlTexture {
+ public:
+  /// `rgb`: width × height × 3 bytes.
+  GlTexture(const GlApi& gl, int width, int height, const unsigned char* rgb);
+  ~GlTexture();
+  GlTexture(const GlTexture&) = delete;
+  GlTexture& operator=(const GlTexture&) = delete;
+
+  void Bind() const { gl_.BindTexture(GL_TEXTURE_2D, id_); }
+
+ private:
+  const GlApi& gl_;
+  GLuint id_ = 0;
+};
+
 /// A picture in memory that is drawn with several samples a pixel and read with one.
 class GlTarget {
  public:

@@ -19,10 +19,12 @@ namespace {
 
 // A rectangle of ±1, for the floor, and a triangle that covers the picture, for the sky.
 constexpr float kFloorCorners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
+constexpr unsigned char kWhite[] = {255, 255, 255};
 constexpr float kSkyCorners[] = {-1, -1, 0, 3, -1, 0, -1, 3, 0};
 
-std::string Source(const char* body, bool lit = false) {
-  return std::string(shaders::kHeader) + (lit ? shaders::kLight : "") + body;
+std::string Source(const char* body, bool lit = false, bool in_skin = false) {
+  return std::string(shaders::kHeader) + (in_skin ? "#define SKIN\n" : "") + (lit ? shaders::kLight : "") +
+         body;
 }
 
 // The slab under the floor, which shows its edge; its top lies a little below the floor that is drawn.
@@ -40,13 +42,28 @@ DrawList Slab(const Floor& floor) {
   return list;
 }
 
-// A mesh with flat faces, in the driver's memory.
+// A mesh with flat faces, in the driver's memory; what has one material lies together.
 struct GlMesh {
+  struct Range {
+    std::uint32_t material = 0;
+    std::size_t first = 0;
+    GLsizei count = 0;
+  };
+
   GlMesh(const GlApi& gl, const MeshData& mesh)
-      : vertices(gl), indices(gl), count(static_cast<GLsizei>(3 * mesh.triangles.size())) {
+      : vertices(gl), indices(gl), coordinates(gl), count(static_cast<GLsizei>(3 * mesh.triangles.size())) {
     std::vector<MeshVertex> corners;
     std::vector<std::uint32_t> order;
-    for (const auto& triangle : mesh.triangles) {
+    std::vector<std::array<float, 2>> uvs;
+    std::vector<MeshData::Triangle> triangles = mesh.triangles;
+    const auto material = [&mesh](const MeshData::Triangle& t) {
+      return mesh.skin == nullptr ? 0 : mesh.skin->corners[t[0]].material;
+    };
+    std::ranges::stable_sort(triangles, {}, material);
+    for (const auto& triangle : triangles) {
+      if (ranges.empty() || ranges.back().material != material(triangle))
+        ranges.push_back({material(triangle), order.size(), 0});
+      ranges.back().count += 3;
       const Vector3& a = mesh.vertices[triangle[0]];
       const Vector3 n = (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).normalized();
       for (const std::uint32_t v : triangle) {
@@ -57,18 +74,27 @@ struct GlMesh {
         }
         order.push_back(static_cast<std::uint32_t>(corners.size()));
         corners.push_back(corner);
+        if (mesh.skin != nullptr) uvs.push_back(mesh.skin->corners[v].uv);
       }
     }
     vertices.Bind();
     vertices.Upload(corners.data(), corners.size() * sizeof(MeshVertex), GL_STATIC_DRAW);
     vertices.Attribute(0, 3, sizeof(MeshVertex), offsetof(MeshVertex, position));
     vertices.Attribute(1, 3, sizeof(MeshVertex), offsetof(MeshVertex, normal));
+    if (!uvs.empty()) {
+      gl.BindBuffer(GL_ARRAY_BUFFER, coordinates.buffer());
+      gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(uvs.size() * sizeof(uvs[0])), uvs.data(),
+                    GL_STATIC_DRAW);
+      gl.EnableVertexAttribArray(8);
+      gl.VertexAttribPointer(8, 2, GL_FLOAT, GL_FALSE, sizeof(uvs[0]), nullptr);
+    }
     gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.buffer());
     gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(order.size() * sizeof(std::uint32_t)),
                   order.data(), GL_STATIC_DRAW);
   }
 
-  GlVertices vertices, indices;
+  GlVertices vertices, indices, coordinates;
+  std::vector<Range> ranges;
   const GLsizei count;
 };
 
@@ -78,6 +104,8 @@ struct SceneRenderer::Impl {
   Impl(const GlApi& gl_api, std::string& error)
       : gl(gl_api),
         mesh(gl, Source(shaders::kMeshVertex), Source(shaders::kMeshFragment, true), error),
+        skin(gl, Source(shaders::kMeshVertex, false, true), Source(shaders::kMeshFragment, true, true),
+             error),
         shadow(gl, Source(shaders::kMeshVertex), Source(shaders::kShadowFragment), error),
         floor(gl, Source(shaders::kFloorVertex), Source(shaders::kFloorFragment, true), error),
         sky(gl, Source(shaders::kSkyVertex), Source(shaders::kSkyFragment), error),
@@ -87,7 +115,8 @@ struct SceneRenderer::Impl {
         instances(gl),
         floor_vertices(gl),
         sky_vertices(gl),
-        overlay_vertices(gl) {
+        overlay_vertices(gl),
+        white(gl, 1, 1, kWhite) {
     const Meshes meshes = MakeMeshes();
     ranges = meshes.ranges;
     mesh_vertices.Bind();
@@ -135,19 +164,47 @@ struct SceneRenderer::Impl {
                                static_cast<GLsizei>(list.meshes[id].size()));
     }
   }
-  // Draws the meshes of models, each of which stays in the driver's memory once drawn.
-  void DrawModelMeshes(const DrawList& list) {
+  // Binds a mesh, which stays in the driver's memory once drawn, and its instances.
+  const GlMesh& BindMesh(const MeshDraw& draw) {
+    auto& made = model_meshes[draw.mesh->id];
+    if (made == nullptr) made = std::make_unique<GlMesh>(gl, *draw.mesh);
+    made->vertices.Bind();
+    instances.Upload(draw.instances.data(), draw.instances.size() * sizeof(Instance), GL_STREAM_DRAW);
+    for (GLuint i = 0; i < 6; ++i) instances.Attribute(2 + i, 3, sizeof(Instance), 3 * i * sizeof(float), 1);
+    return *made;
+  }
+  // Draws the meshes of models in the colours of their instances.
+  void DrawModelMeshes(const DrawList& list, bool also_skins) {
     gl.Disable(GL_CULL_FACE);  // files do not always say what is outside
-    for (const auto& [data, all] : list.model_meshes) {
-      auto& made = model_meshes[data->id];
-      if (made == nullptr) made = std::make_unique<GlMesh>(gl, *data);
-      made->vertices.Bind();
-      instances.Upload(all.data(), all.size() * sizeof(Instance), GL_STREAM_DRAW);
-      for (GLuint i = 0; i < 6; ++i)
-        instances.Attribute(2 + i, 3, sizeof(Instance), 3 * i * sizeof(float), 1);
-      gl.DrawElementsInstanced(GL_TRIANGLES, made->count, GL_UNSIGNED_INT, nullptr,
-                               static_cast<GLsizei>(all.size()));
+    for (const MeshDraw& draw : list.model_meshes) {
+      if (draw.in_skin && !also_skins) continue;
+      gl.DrawElementsInstanced(GL_TRIANGLES, BindMesh(draw).count, GL_UNSIGNED_INT, nullptr,
+                               static_cast<GLsizei>(draw.instances.size()));
     }
+  }
+  // Those that have materials of their own.
+  void DrawSkins(const DrawList& list) {
+    for (const MeshDraw& draw : list.model_meshes) {
+      if (!draw.in_skin) continue;
+      for (const GlMesh::Range& range : BindMesh(draw).ranges) {
+        const MeshSkin::Material& material = draw.mesh->skin->materials[range.material];
+        const auto& tint = material.texture != nullptr ? material.tint : material.color;
+        SetVector(skin, "tint", {tint[0], tint[1], tint[2]});
+        BindTexture(material.texture);
+        gl.DrawElementsInstanced(GL_TRIANGLES, range.count, GL_UNSIGNED_INT,
+                                 reinterpret_cast<const void*>(range.first * sizeof(std::uint32_t)),
+                                 static_cast<GLsizei>(draw.instances.size()));
+      }
+    }
+  }
+  void BindTexture(const std::shared_ptr<const Image>& image) {
+    if (image == nullptr) return white.Bind();
+    auto& [held, made] = textures[image.get()];
+    if (made == nullptr) {
+      held = image;
+      made = std::make_unique<GlTexture>(gl, image->width, image->height, image->rgb.data());
+    }
+    made->Bind();
   }
   void DrawOverlay(const std::vector<OverlayVertex>& vertices) const {
     if (vertices.empty()) return;
@@ -187,7 +244,11 @@ struct SceneRenderer::Impl {
     SetVector(mesh, "shadow_along", Vector3::Zero());
     DrawInstances(Slab(floor_model));
     DrawInstances(list);
-    DrawModelMeshes(list);
+    DrawModelMeshes(list, false);
+    Use(skin, clip_from_W);
+    SetVector(skin, "eye", camera.eye_W);
+    SetVector(skin, "shadow_along", Vector3::Zero());
+    DrawSkins(list);
     gl.Enable(GL_CULL_FACE);
 
     // Seen pixels of the floor get 1 in the stencil, those in shadow 2, so that shadows do not add up.
@@ -209,7 +270,7 @@ struct SceneRenderer::Impl {
     Use(shadow, clip_from_W);
     SetVector(shadow, "shadow_along", SunDirection());
     DrawInstances(list);
-    DrawModelMeshes(list);
+    DrawModelMeshes(list, true);
 
     gl.StencilFunc(GL_LEQUAL, 1, 0xff);
     gl.StencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
@@ -227,8 +288,11 @@ struct SceneRenderer::Impl {
   }
 
   const GlApi& gl;
-  GlProgram mesh, shadow, floor, sky, overlay;
+  GlProgram mesh, skin, shadow, floor, sky, overlay;
   GlVertices mesh_vertices, mesh_indices, instances, floor_vertices, sky_vertices, overlay_vertices;
+  GlTexture white;  // of materials without a texture
+  // A picture lives as long as its texture, so that no other takes its address.
+  std::map<const Image*, std::pair<std::shared_ptr<const Image>, std::unique_ptr<GlTexture>>> textures;
   std::array<MeshRange, kMeshCount> ranges{};
   std::map<std::uint64_t, std::unique_ptr<GlMesh>> model_meshes;  // by MeshData::id
   std::unique_ptr<GlTarget> target;                               // of the size drawn last

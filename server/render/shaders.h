@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // GLSL 3.30. Colours come in as they look on screen; they are squared before lighting and rooted after it,
-// which stands for the screen's curve.
+// which stands for the screen's curve. With SKIN a mesh has the colours of its material.
 #pragma once
 
 namespace coopdyn::shaders {
@@ -24,6 +24,11 @@ layout(location = 4) in vec3 axis_z;
 layout(location = 5) in vec3 scale;
 layout(location = 6) in vec3 place;
 layout(location = 7) in vec3 color;
+#ifdef SKIN
+layout(location = 8) in vec2 uv;
+uniform vec3 tint;
+out vec2 skin_uv;
+#endif
 uniform mat4 clip_from_world;
 uniform vec3 shadow_along;  // the sun's direction with z = 1; zero: no shadow
 out vec3 world;
@@ -33,7 +38,12 @@ void main() {
   mat3 axes = mat3(axis_x, axis_y, axis_z);
   world = axes * (position * scale) + place;
   world_normal = axes * (normal / scale);
+#ifdef SKIN
+  base = tint * tint;
+  skin_uv = vec2(uv.x, 1.0 - uv.y);
+#else
   base = color * color;
+#endif
   world -= shadow_along * max(world.z, 0.0);
   gl_Position = clip_from_world * vec4(world, 1.0);
 }
@@ -43,6 +53,10 @@ inline constexpr const char* kMeshFragment = R"(
 in vec3 world;
 in vec3 world_normal;
 in vec3 base;
+#ifdef SKIN
+in vec2 skin_uv;
+uniform sampler2D skin;
+#endif
 uniform vec3 eye;
 out vec4 result;
 void main() {
@@ -53,7 +67,12 @@ void main() {
   vec3 light = Ambient(n.z) * near_floor + kSunColor * lit;
   float shine = pow(max(dot(n, normalize(v + sun)), 0.0), 36.0) * lit * 0.22;
   float rim = 1.0 - max(dot(n, v), 0.0);
-  result = vec4(sqrt(base * light + shine + 0.05 * rim * rim * rim), 1.0);
+  vec3 own = base;
+#ifdef SKIN
+  vec3 texel = texture(skin, skin_uv).rgb;
+  own *= texel * texel;
+#endif
+  result = vec4(sqrt(own * light + shine + 0.05 * rim * rim * rim), 1.0);
 }
 )";
 

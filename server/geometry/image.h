@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+// A picture in memory. Constant once made; any thread.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace coopdyn {
+
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;  // row by row, the uppermost first
+};
+
+}  // namespace coopdyn

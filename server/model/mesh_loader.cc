@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+// The files that the shapes of a model name: meshes, heightmaps and textures.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "server/model/image_file.h"
+#include "server/model/mesh_skin.h"
+#include "server/model/model_source.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// Loads the meshes that `node` names, and calls them mesh:1, mesh:2, …
+class MeshLoader {
+ public:
+  MeshLoader(const Resources* resources, MeshTable& table, Diagnostics& diagnostics)
+      : resources_(resources), table_(table), diagnostics_(diagnostics) {}
+
+  /// `shape`: the collision or visual around `node`. False if its mesh cannot be used.
+  bool Load(XmlNode& node, bool is_visual = false) {
+    if (node.name == "mesh" && node.Child("uri") != nullptr) return LoadOne(node, is_visual);
+    if (node.name == "heightmap") return LoadOne(node, is_visual);
+    const bool visual = is_visual || node.name == "visual";
+    if (node.name == "visual") TakeTexture(node);
+    bool good = true;
+    for (auto it = node.children.begin(); it != node.children.end();) {
+      const bool fine = Load(*it, visual);
+      // A picture may go without a shape, the physics may not.
+      if (!fine && it->name == "visual") {
+        it = node.children.erase(it);
+        continue;
+      }
+      good = good && fine;
+      ++it;
+    }
+    return good;
+  }
+
+ private:
+  bool LoadOne(XmlNode& mesh, bool is_visual) {
+    if (mesh.Child("uri") == nullptr) mesh.Add("uri");
+    XmlNode& uri = *mesh.Child("uri");
+    if (table_.contains(uri.text)) return true;
+    Diagnostics found;
+    std::string key = mesh.name == "heightmap" ? HeightsKey(mesh, uri, found) : Key(mesh, uri, found);
+    if (is_visual && !key.empty() && texture_ != nullptr) key = Dressed(key);
+    for (const Diagnostic& one : found.all()) {
+      if (one.level == Diagnostic::Level::kWarning) {
+        diagnostics_.Warning(one.where, one.text);
+      } else if (is_visual) {
+        diagnostics_.Warning(one.where, one.text + " (it is not drawn)");
+      } else {
+        diagnostics_.Error(one.where, one.text);
+      }
+    }
+    if (key.empty()) return false;
+    uri.text = key;
+    mesh.name = "mesh";
+    std::erase_if(mesh.children, [](const XmlNode& one) { return one.name != "uri"; });
+    return true;
+  }
+
+  std::string Key(const XmlNode& mesh, const XmlNode& uri, Diagnostics& found) {
+    Vector3 scale = Vector3::Ones();
+    const std::string scale_text = mesh.TextOf("scale");
+    if (!scale_text.empty()) {
+      const std::vector<std::string> words = SplitWords(scale_text);
+      for (std::size_t i = 0; i < 3; ++i) {
+        // URDF allows one number.
+        const auto value = words.size() == 3 || words.size() == 1
+                               ? ParsePlain(words[words.size() == 3 ? i : 0])
+                               : std::nullopt;
+        if (!value || *value == 0) {
+          found.Error(uri.where,
+                      "<scale> of a mesh is three finite numbers, none of them 0, not '" + scale_text + "'");
+          return {};
+        }
+        scale[static_cast<Eigen::Index>(i)] = *value;
+      }
+    }
+    const XmlNode* submesh = mesh.Child("submesh");
+    const std::string part = submesh == nullptr ? "" : submesh->TextOf("name");
+    const bool centred =
+        submesh != nullptr && (submesh->TextOf("center") == "true" || submesh->TextOf("center") == "1");
+    if (resources_ == nullptr) {
+      found.Error(uri.where,
+                  "the mesh '" + uri.text +
+                      "' is a file, and this model came without: use box, cylinder, sphere or capsule");
+      return {};
+    }
+    std::string why;
+    const auto file = resources_->Find(uri.text, uri.where.file, why);
+    if (!file) {
+      found.Error(uri.where, "mesh: " + why);
+      return {};
+    }
+    const std::string what = file->string() + "|" + FormatNumber(scale.x()) + " " + FormatNumber(scale.y()) +
+                             " " + FormatNumber(scale.z()) + "|" + part + (centred ? "|c" : "");
+    if (const auto known = keys_.find(what); known != keys_.end()) return known->second;
+    auto loaded = LoadMesh(*file, scale, part, *resources_, uri.where, found);
+    if (!loaded) return {};
+    if (centred) loaded->middle.setZero();
+    return Keep(what, std::move(*loaded), uri, found);
+  }
+
+  std::string Keep(const std::string& what, ModelMesh mesh, const XmlNode& at, Diagnostics& found) {
+    triangles_ += mesh.data->triangles.size();
+    if (triangles_ > kMaxModelTriangles) {
+      found.Error(at.where, "the meshes of a model have at most " + std::to_string(kMaxModelTriangles) +
+                                " triangles together: simplify them");
+      return {};
+    }
+    std::string key = "mesh:" + std::to_string(table_.size() + 1);
+    table_.emplace(key, std::move(mesh));
+    keys_.emplace(what, key);
+    return key;
+  }
+
+  /// Three numbers of a child of `node`; `otherwise` if it has none.
+  static std::optional<Vector3> VectorOf(const XmlNode& node, const char* child, const Vector3& otherwise) {
+    const std::string text = node.TextOf(child);
+    if (text.empty()) return otherwise;
+    const std::vector<std::string> words = SplitWords(text);
+    Vector3 out;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto value = words.size() == 3 ? ParsePlain(words[i]) : std::nullopt;
+      if (!value || std::abs(*value) > 1e4) return std::nullopt;
+      out[static_cast<Eigen::Index>(i)] = *value;
+    }
+    return out;
+  }
+
+  std::string HeightsKey(const XmlNode& node, const XmlNode& uri, Diagnostics& found) {
+    const auto fail = [&](const std::string& text) {
+      found.Error(uri.where, "heightmap: " + text);
+      return std::string();
+    };
+    const auto size = VectorOf(node, "size", Vector3::Ones()), pos = VectorOf(node, "pos", Vector3::Zero());
+    const auto sampling = node.TextOf("sampling").empty() ? 1 : ParsePlain(node.TextOf("sampling"));
+    if (!size || !pos || size->x() <= 0 || size->y() <= 0)
+      return fail("<size> and <pos> are three numbers of m, <size> above 0: length, width and height");
+    if (!sampling || *sampling < 1 || *sampling > 16) return fail("<sampling> is a number from 1 to 16");
+    if (resources_ == nullptr)
+      return fail("the picture '" + uri.text + "' is a file, and this model came without");
+    std::string why;
+    const auto file = resources_->Find(uri.text, uri.where.file, why);
+    if (!file) return fail(why);
+    const auto text = [](const Vector3& v) {
+      return FormatNumber(v.x()) + " " + FormatNumber(v.y()) + " " + FormatNumber(v.z()) + "|";
+    };
+    const std::string what = file->string() + "|" + text(*size) + text(*pos) + FormatNumber(*sampling);
+    if (const auto known = keys_.find(what); known != keys_.end()) return known->second;
+    const auto bytes = ReadImageFile(*file, why);
+    const auto heights = bytes ? DecodeHeights(*bytes, why) : std::nullopt;
+    if (!heights) return fail("'" + uri.text + "': " + why);
+    const int wanted[] = {static_cast<int>((heights->width - 1) * *sampling) + 1,
+                          static_cast<int>((heights->height - 1) * *sampling) + 1};
+    const int columns = std::clamp(wanted[0], 2, kMaxHeightSide),
+              rows = std::clamp(wanted[1], 2, kMaxHeightSide);
+    if (columns < wanted[0] || rows < wanted[1]) {
+      found.Warning(uri.where, "the heightmap has " + std::to_string(wanted[0]) + " x " +
+                                   std::to_string(wanted[1]) + " points, and " + std::to_string(columns) +
+                                   " x " + std::to_string(rows) + " of them are taken: at most " +
+                                   std::to_string(kMaxHeightSide) + " a side");
+    }
+    return Keep(what, MakeHeights(*heights, columns, rows, *size, *pos), uri, found);
+  }
+
+  /// Black lies at 0, the brightest point at the size's height; the upper edge of the picture is +y.
+  static ModelMesh MakeHeights(const Heights& heights, int columns, int rows, const Vector3& size,
+                               const Vector3& pos) {
+    const double most = *std::ranges::max_element(heights.values);
+    const double per_value = most > 0 ? size.z() / most : 0;
+    std::vector<Vector3> vertices;
+    std::vector<MeshData::Triangle> triangles;
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        const double x = static_cast<double>(column) / (columns - 1),
+                     y = static_cast<double>(row) / (rows - 1);
+        vertices.push_back(pos +
+                           Vector3((x - 0.5) * size.x(), (0.5 - y) * size.y(), heights.At(x, y) * per_value));
+        if (row == 0 || column == 0) continue;
+        const auto here = static_cast<std::uint32_t>(vertices.size() - 1);
+        const auto above = here - static_cast<std::uint32_t>(columns);
+        triangles.push_back({above - 1, here - 1, here});
+        triangles.push_back({above - 1, here, above});
+      }
+    }
+    ModelMesh mesh = MakeModelMesh(std::move(vertices), std::move(triangles), std::nullopt, nullptr);
+    mesh.is_heights = true;
+    return mesh;
+  }
+
+  /// The texture of a visual's <material>; a box or a plane becomes a mesh that has one.
+  void TakeTexture(XmlNode& visual) {
+    texture_ = nullptr;
+    XmlNode* material = visual.Child("material");
+    XmlNode* pbr = material == nullptr ? nullptr : material->Child("pbr");
+    if (pbr == nullptr) return;
+    const XmlNode* flow = pbr->Child("metal") != nullptr ? pbr->Child("metal") : pbr->Child("specular");
+    const XmlNode* map = flow == nullptr ? nullptr : flow->Child("albedo_map");
+    if (map != nullptr && !map->text.empty()) texture_ = TextureOf(*map);
+    tint_ = {1, 1, 1};
+    const std::vector<std::string> diffuse = SplitWords(material->TextOf("diffuse"));
+    for (std::size_t c = 0; c < 3 && diffuse.size() >= 3; ++c)
+      tint_[c] = std::clamp(ParsePlain(diffuse[c]).value_or(1), 0.0, 1.0);
+    std::erase_if(material->children, [&](const XmlNode& one) {
+      return one.name == "pbr" || (texture_ != nullptr && one.name == "diffuse");
+    });
+    XmlNode* geometry = visual.Child("geometry");
+    if (texture_ == nullptr || geometry == nullptr || geometry->children.empty()) return;
+    XmlNode& shape = geometry->children.front();
+    if (shape.name == "mesh" || shape.name == "heightmap") return;
+    if (shape.name != "box") {
+      diagnostics_.Warning(map->where,
+                           "textures are drawn on meshes and boxes, and not on <" + shape.name + ">");
+      XmlNode& plain = material->Add("diffuse");
+      const auto color = TexturedMaterial(texture_, tint_).color;
+      plain.text =
+          FormatNumber(color[0]) + " " + FormatNumber(color[1]) + " " + FormatNumber(color[2]) + " 1";
+      return;
+    }
+    const auto size = VectorOf(shape, "size", Vector3::Ones());
+    if (!size || !(size->minCoeff() > 0)) return;  // said when the box is read
+    const std::string key = Keep("", MakeBox(*size), shape, diagnostics_);
+    if (key.empty()) return;
+    shape.name = "mesh";
+    shape.children.clear();
+    shape.Add("uri", Dressed(key));
+  }
+
+  std::shared_ptr<const Image> TextureOf(const XmlNode& map) {
+    std::string why = "this model came without its files";
+    const auto file = resources_ == nullptr ? std::nullopt : resources_->Find(map.text, map.where.file, why);
+    if (file) {
+      if (const auto known = textures_.find(*file); known != textures_.end()) return known->second;
+    }
+    const auto bytes = file ? ReadImageFile(*file, why) : std::nullopt;
+    auto texture = bytes ? DecodeTexture(*bytes, why) : nullptr;
+    if (texture == nullptr)
+      diagnostics_.Warning(map.where, "the texture '" + map.text + "' is not drawn: " + why);
+    if (file) textures_[*file] = texture;
+    return texture;
+  }
+
+  static ModelMesh MakeBox(const Vector3& size) {
+    std::vector<Vector3> vertices;
+    std::vector<MeshData::Triangle> triangles;
+    auto skin = std::make_shared<MeshSkin>();
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double side : {-1.0, 1.0}) {
+        const auto base = static_cast<std::uint32_t>(vertices.size());
+        for (const auto& [u, v] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}}) {
+          // On the sides the picture stands upright, as seen from outside.
+          const double across = (u - 0.5) * side;
+          const Vector3 p = axis == 0   ? Vector3(side / 2, across, v - 0.5)
+                            : axis == 1 ? Vector3(-across, side / 2, v - 0.5)
+                                        : Vector3(across, v - 0.5, side / 2);
+          vertices.push_back(p.cwiseProduct(size));
+          skin->corners.push_back({{static_cast<float>(u), static_cast<float>(v)}, 0});
+        }
+        triangles.push_back({base, base + 1, base + 2});
+        triangles.push_back({base, base + 2, base + 3});
+      }
+    }
+    skin->materials.resize(1);
+    return MakeModelMesh(std::move(vertices), std::move(triangles), std::nullopt, std::move(skin));
+  }
+
+  /// The mesh `key` in the texture at hand.
+  std::string Dressed(const std::string& key) {
+    const ModelMesh& bare = table_.at(key);
+    MeshData data = *bare.data;
+    auto skin = std::make_shared<MeshSkin>();
+    skin->materials.push_back(TexturedMaterial(texture_, tint_));
+    skin->corners.resize(data.vertices.size());
+    for (std::size_t i = 0; i < skin->corners.size(); ++i) {
+      if (data.skin != nullptr) {
+        skin->corners[i].uv = data.skin->corners[i].uv;
+      } else {
+        // Without coordinates of its own it gets the picture from above.
+        const Vector3& v = data.vertices[i];
+        for (Eigen::Index c = 0; c < 2; ++c)
+          skin->corners[i].uv[static_cast<std::size_t>(c)] =
+              static_cast<float>(0.5 + v[c] / (2 * std::max(data.half_m[c], 1e-9)));
+      }
+    }
+    data.color = skin->materials.front().color;
+    SetSkin(std::move(skin), data);
+    ModelMesh made = bare;
+    made.data = std::make_shared<const MeshData>(std::move(data));
+    std::string dressed = "mesh:" + std::to_string(table_.size() + 1);
+    table_.emplace(dressed, std::move(made));
+    return dressed;
+  }
+
+  static constexpr int kMaxHeightSide = 257;
+
+  const Resources* resources_;
+  MeshTable& table_;
+  Diagnostics& diagnostics_;
+  std::map<std::string, std::string> keys_;
+  std::size_t triangles_ = 0;
+  std::map<std::filesystem::path, std::shared_ptr<const Image>> textures_;
+  std::shared_ptr<const Image> texture_;  // of the visual at hand
+  std::array<double, 3> tint_{1, 1, 1};
+};
+
+}  // namespace
+
+void LoadMeshes(XmlNode& root, const Resources* resources, MeshTable& table, Diagnostics& diagnostics) {
+  MeshLoader(resources, table, diagnostics).Load(root);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+// Files that models name: heightmaps, textures, materials; and malformed ones: each is refused with file,
+// line and what to do.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/geometry/mesh.h"
+#include "tests/server/model/read_text.h"
+
+namespace coopdyn {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct FilesAnswer {
+  std::shared_ptr<const RobotModel> robot;
+  std::string messages;
+};
+
+FilesAnswer ReadIn(const TempFolder& folder, const std::string& name) {
+  Diagnostics diagnostics;
+  FilesAnswer answer;
+  answer.robot = ReadRobotModel(folder.path() / name, {}, diagnostics);
+  answer.messages = diagnostics.ToString();
+  return answer;
+}
+
+/// A PNG of `pixels`, one or three bytes each.
+std::string PngOf(unsigned width, unsigned height, const std::vector<unsigned char>& pixels) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = width;
+  image.height = height;
+  image.format = pixels.size() == width * height ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
+  png_alloc_size_t size = 0;
+  png_image_write_to_memory(&image, nullptr, &size, 0, pixels.data(), 0, nullptr);
+  std::string bytes(size, '\0');
+  png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr);
+  bytes.resize(size);
+  return bytes;
+}
+
+std::string FixedModel(const std::string& shapes, const std::string& fixed = "<static>true</static>") {
+  return "<sdf version=\"1.9\"><model name=\"rig\">" + fixed + "\n<link name=\"ground\">\n" + shapes +
+         "</link></model></sdf>";
+}
+std::string HeightmapOf(const std::string& inside) {
+  return "<collision name=\"c\"><geometry>\n<heightmap>" + inside + "</heightmap></geometry></collision>\n";
+}
+
+TEST(HeightmapTest, ItsPointsStandAsHighAsThePictureIsBright) {
+  const TempFolder folder;
+  // The brightest point lies on the right of the upper row.
+  folder.Write("h.png", PngOf(3, 2, {0, 100, 200, 0, 0, 0}));
+  folder.Write("model.sdf", FixedModel(HeightmapOf("<uri>h.png</uri><size>4 2 3</size><pos>1 0 0.5</pos>")));
+  const auto [robot, messages] = ReadIn(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links[0].collisions.size(), 1u);
+  const LinkShape& shape = robot->links[0].collisions[0];
+  const MeshData& mesh = *std::get<Mesh>(shape.shape).data;
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  double highest = -1;
+  Vector3 top = Vector3::Zero();
+  for (const Vector3& v : mesh.vertices) {
+    const Vector3 p = shape.X_LG * v;
+    if (p.z() > highest) {
+      highest = p.z();
+      top = p;
+    }
+  }
+  EXPECT_NEAR((top - Vector3(3, 1, 3.5)).norm(), 0, 1e-6);
+  // From above every triangle is seen from outside.
+  for (const auto& t : mesh.triangles) {
+    const Vector3& a = mesh.vertices[t[0]];
+    EXPECT_GT((mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).z(), 0);
+  }
+}
+
+TEST(HeightmapTest, OneThatIsTooFineIsTakenAtFewerPointsAndSaid) {
+  const TempFolder folder;
+  folder.Write("h.png", PngOf(400, 400, std::vector<unsigned char>(400 * 400, 9)));
+  folder.Write("model.sdf", FixedModel(HeightmapOf("<uri>h.png</uri><size>4 4 1</size>")));
+  const auto [robot, messages] = ReadIn(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("model.sdf:4: warning: the heightmap has 400 x 400 points, and 257 x 257"));
+}
+
+TEST(HeightmapTest, MistakesSayLineAndWhatToDo) {
+  const TempFolder folder;
+  folder.Write("h.png", PngOf(2, 2, {0, 1, 2, 3}));
+  folder.Write("bad.png", "no picture");
+  const auto said = [&](const std::string& model) {
+    folder.Write("model.sdf", model);
+    return ReadIn(folder, "model.sdf").messages;
+  };
+  EXPECT_THAT(said(FixedModel(HeightmapOf("<uri>none.png</uri>"))),
+              HasSubstr("model.sdf:4: error: heightmap: there is no 'none.png'"));
+  EXPECT_THAT(said(FixedModel(HeightmapOf("<uri>bad.png</uri>"))),
+              HasSubstr("model.sdf:4: error: heightmap: 'bad.png': pictures are read from .png and .jpg"));
+  EXPECT_THAT(said(FixedModel(HeightmapOf("<uri>h.png</uri><size>0 1 1</size>"))),
+              HasSubstr("model.sdf:4: error: heightmap: <size> and <pos> are three numbers"));
+  EXPECT_THAT(said(FixedModel(HeightmapOf("<uri>../h.png</uri>"))),
+              HasSubstr("model.sdf:4: error: heightmap:"));
+  EXPECT_THAT(said(FixedModel(HeightmapOf("<uri>h.png</uri>") +
+                                  "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz>"
+                                  "</inertia></inertial>",
+                              "")),
+              HasSubstr("model.sdf:2: error: link 'ground' moves, and its <heightmap> cannot: fix the link"));
+}
+
+TEST(TextureTest, APictureTooLargeIsRefusedBeforeItIsUnpacked) {
+  const TempFolder folder;
+  std::string bomb = PngOf(1, 1, {0});
+  // Width and height in the header, and its checksum.
+  bomb.replace(16, 8, std::string("\x00\x01\x86\xa0\x00\x01\x86\xa0", 8));
+  std::uint32_t crc = 0xffffffff;
+  for (std::size_t i = 12; i < 29; ++i) {
+    crc ^= static_cast<unsigned char>(bomb[i]);
+    for (int k = 0; k < 8; ++k) crc = crc >> 1 ^ ((crc & 1) != 0 ? 0xedb88320 : 0);
+  }
+  crc = ~crc;
+  for (std::size_t i = 0; i < 4; ++i) bomb[29 + i] = static_cast<char>(crc >> (24 - 8 * i));
+  folder.Write("h.png", bomb);
+  folder.Write("model.sdf", FixedModel(HeightmapOf("<uri>h.png</uri>")));
+  EXPECT_THAT(
+      ReadIn(folder, "model.sdf").messages,
+      HasSubstr("model.sdf:4: error: heightmap: 'h.png': the picture has 100000 x 100000 points, at most"));
+}
+
+std::string VisualOf(const std::string& geometry, const std::string& map) {
+  return "<visual name=\"v\"><geometry>" + geometry + "</geometry><material>\n<pbr><metal><albedo_map>" +
+         map + "</albedo_map></metal></pbr></material></visual>\n";
+}
+
+TEST(TextureTest, ABoxHasTheAlbedoMapOfItsMaterial) {
+  const TempFolder folder;
+  folder.Write("red.png", PngOf(1, 2, {255, 0, 0, 0, 0, 255}));
+  folder.Write("model.sdf", FixedModel(VisualOf("<box><size>1 2 3</size></box>", "red.png")));
+  const auto [robot, messages] = ReadIn(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  const LinkShape& visual = robot->links[0].visuals.at(0);
+  const MeshData& mesh = *std::get<Mesh>(visual.shape).data;
+  ASSERT_NE(mesh.skin, nullptr);
+  ASSERT_NE(mesh.skin->materials.at(0).texture, nullptr);
+  EXPECT_EQ(mesh.skin->materials[0].texture->height, 2);
+  EXPECT_EQ(mesh.half_m, Vector3(0.5, 1, 1.5));
+  EXPECT_DOUBLE_EQ(visual.color.r, 0.5);  // the mean
+  EXPECT_DOUBLE_EQ(visual.color.b, 0.5);
+}
+
+TEST(TextureTest, AnObjHasTheMaterialsOfItsMtl) {
+  const TempFolder folder;
+  folder.Write("red.png", PngOf(1, 1, {255, 0, 0}));
+  folder.Write("two.mtl", "newmtl a\nKd 0 1 0\nnewmtl b\nmap_Kd red.png\n");
+  folder.Write(
+      "two.obj",
+      "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 "
+      "3/3\nusemtl b\nf 1/1 2/2 4/3\n");
+  folder.Write("model.sdf",
+               FixedModel("<visual name=\"v\"><geometry><mesh><uri>two.obj</uri></mesh></geometry>"
+                          "</visual>\n"));
+  const auto [robot, messages] = ReadIn(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  const MeshData& mesh = *std::get<Mesh>(robot->links[0].visuals.at(0).shape).data;
+  ASSERT_NE(mesh.skin, nullptr);
+  ASSERT_EQ(mesh.skin->materials.size(), 2u);
+  EXPECT_EQ(mesh.skin->materials[0].color, (std::array<double, 3>{0, 1, 0}));
+  EXPECT_NE(mesh.skin->materials[1].texture, nullptr);
+  EXPECT_EQ(mesh.skin->corners.size(), mesh.vertices.size());
+  // A recording keeps the colours.
+  Diagnostics diagnostics;
+  const auto again = ReadRobotModelText(robot->text, "model.sdf", "rig", diagnostics);
+  ASSERT_NE(again, nullptr) << diagnostics.ToString();
+  const MeshData& kept = *std::get<Mesh>(again->links[0].visuals.at(0).shape).data;
+  ASSERT_NE(kept.skin, nullptr);
+  EXPECT_EQ(kept.skin->materials[1].color, (std::array<double, 3>{1, 0, 0}));
+}
+
+TEST(TextureTest, OneThatIsMissingOrOutsideIsAWarning) {
+  const TempFolder folder;
+  const auto said = [&](const std::string& map) {
+    folder.Write("model.sdf", FixedModel(VisualOf("<box><size>1 2 3</size></box>", map)));
+    const FilesAnswer answer = ReadIn(folder, "model.sdf");
+    EXPECT_NE(answer.robot, nullptr);
+    return answer.messages;
+  };
+  EXPECT_THAT(said("none.png"),
+              HasSubstr("model.sdf:4: warning: the texture 'none.png' is not drawn: there is no"));
+  EXPECT_THAT(said("/etc/hostname"), HasSubstr("4: warning: the texture '/etc/hostname' is not drawn"));
+}
+
+TEST(MalformedModelTest, InertiasAndNumbersThatCannotBeAreErrorsWithTheirLine) {
+  const auto said = [](const std::string& mass, const std::string& moment) {
+    const TempFolder folder;
+    folder.Write("model.sdf",
+                 "<sdf version=\"1.9\"><model name=\"rig\">\n<link name=\"base\">\n<inertial><mass>" + mass +
+                     "</mass><inertia><ixx>" + moment + "</ixx><iyy>1</iyy><izz>1</izz>" +
+                     "</inertia></inertial></link></model></sdf>");
+    return ReadIn(folder, "model.sdf").messages;
+  };
+  EXPECT_THAT(said("-1", "1"),
+              HasSubstr("model.sdf:3: error: the mass of link 'base' must be a positive number"));
+  EXPECT_THAT(said("1", "-1"),
+              HasSubstr("model.sdf:3: error: the inertia of link 'base' is not that of a body"));
+  EXPECT_THAT(said("0", "1"), HasSubstr("model.sdf:3: warning: link 'base' has no mass: it gets 10 g"));
+  EXPECT_THAT(said("1", "0"), HasSubstr("that of its first collision is taken"));
+  EXPECT_THAT(said("nan", "1"), HasSubstr("model.sdf:3: error: <mass> needs finite numbers, not 'nan'"));
+  EXPECT_THAT(said("1", "inf"), HasSubstr("model.sdf:3: error: <ixx> needs finite numbers, not 'inf'"));
+}
+
+TEST(MalformedModelTest, EntitiesThatGrowAreNotExpanded) {
+  const TempFolder folder;
+  folder.Write("model.sdf",
+               "<?xml version=\"1.0\"?><!DOCTYPE b [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]>\n"
+               "<sdf version=\"1.9\"><model name=\"rig\"><link name=\"&b;\"/></model></sdf>");
+  const FilesAnswer answer = ReadIn(folder, "model.sdf");
+  EXPECT_EQ(answer.messages.find("aaaaaaaaaaaa"), std::string::npos) << answer.messages;
+}
+
+TEST(MalformedModelTest, AMeshOfTenMillionTrianglesIsRefusedByItsHeader) {
+  const TempFolder folder;
+  std::string stl(84, '\0');
+  const std::uint32_t count = 10'000'000;
+  std::memcpy(stl.data() + 80, &count, sizeof(count));
+  folder.Write("big.stl", stl);
+  folder.Write("model.sdf", FixedModel("<collision name=\"c\"><geometry>\n<mesh><uri>big.stl</uri></mesh>"
+                                       "</geometry></collision>\n"));
+  EXPECT_THAT(
+      ReadIn(folder, "model.sdf").messages,
+      HasSubstr("model.sdf:4: error: mesh 'big.stl': the mesh has 10000000 triangles, at most 200000 are "
+                "taken: simplify it"));
+}
+
+TEST(MalformedModelTest, AMeshThatIsNotThereIsAnErrorThatSaysWhereToPutIt) {
+  const TempFolder folder;
+  folder.Write("model.sdf", FixedModel("<collision name=\"c\"><geometry>\n<mesh><uri>none.stl</uri></mesh>"
+                                       "</geometry></collision>\n"));
+  EXPECT_THAT(
+      ReadIn(folder, "model.sdf").messages,
+      HasSubstr("model.sdf:4: error: mesh: there is no 'none.stl' in the model's folder or on the search "
+                "path: add it"));
+}
+
+TEST(MalformedModelTest, ALoopOfFixedJointsIsAnErrorWithItsLine) {
+  const TempFolder folder;
+  folder.Write("model.sdf",
+               "<sdf version=\"1.9\"><model name=\"rig\">\n<link name=\"a\"/>\n<link name=\"b\"/>\n"
+               "<joint name=\"j\" type=\"fixed\"><parent>a</parent><child>b</child></joint>\n"
+               "<joint name=\"k\" type=\"fixed\"><parent>b</parent><child>a</child></joint>\n</model></sdf>");
+  EXPECT_THAT(ReadIn(folder, "model.sdf").messages,
+              HasSubstr("model.sdf:2: error: link 'a' hangs in a loop of fixed joints: remove one of them"));
+}
+
+}  // namespace
+}  // namespace coopdyn
