@@ -244,16 +244,25 @@ class RobotsTest(unittest.TestCase):
             '<joint name="pivot" type="revolute"><pose relative_to="__model__">0 0 1.5 0 0 0</pose><parent>post</parent><child>ball</child>'
             '<axis><xyz expressed_in="__model__">0 1 0</xyz></axis></joint><coopdyn:module type="pose"/></model></sdf>')
 
-    def test_the_humanoid_stands_when_it_is_pushed(self):
-        self.pendulum(1.0)  # 3.8 m/s: 3.8 N s if it stops, against the chest
-        for lines in ("", "controller squat depth=0"):
+    def pushed(self, mass_kg, lines):
+        """The humanoid for 5 s; the ball meets its chest with 3.8 m/s after half a second."""
+        self.pendulum(mass_kg)
+        run = self.run_to_the_end(robots(("humanoid", "position 0.12 0\n" + lines), ("pendulum", "position 0 0")), 5)
+        return run.pose_3d("r1")
+
+    def test_the_humanoid_stands_a_push(self):
+        poses = self.pushed(1.5, "")  # up to 5.7 N s
+        self.assertGreater(max(map(lean, poses)), math.radians(0.5), "it was pushed")
+        self.assertLess(lean(poses[-1]), math.radians(0.5))
+        self.assertAlmostEqual(poses[-1][2], poses[0][2], delta=0.01)
+
+    def test_the_humanoid_recovers_from_a_push_that_tilts_it(self):
+        for lines, height_m in (("controller squat depth=0", 0), ("controller walk length=0", -0.035)):
             with self.subTest(controller=lines):
-                run = self.run_to_the_end(robots(("humanoid", "position 0.12 0\n" + lines), ("pendulum", "position 0 0")), 5)
-                poses = run.pose_3d("r1")
-                tilts = list(map(lean, poses))
-                self.assertGreater(max(tilts), math.radians(0.2), "it was pushed")
-                self.assertLess(tilts[-1], math.radians(2))
-                self.assertAlmostEqual(poses[-1][2], poses[0][2], delta=0.01)
+                poses = self.pushed(2.75, lines)  # up to 10.4 N s; without a controller it falls
+                self.assertGreater(max(map(lean, poses)), math.radians(3))
+                self.assertLess(lean(poses[-1]), math.radians(0.5))
+                self.assertAlmostEqual(poses[-1][2], height_m, delta=0.005)
 
     def test_any_number_of_threads_gives_the_same_bits(self):
         text = robots(*[(kind, f"controller {controller}") for kind, controller in
