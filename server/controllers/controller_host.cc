@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "server/base/bytes.h"
-#include "server/controllers/runner.h"
+#include "server/controllers/faults.h"
 #include "server/model/drive.h"
 
 namespace coopdyn {

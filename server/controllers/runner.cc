@@ -2,24 +2,21 @@
 #include "server/controllers/runner.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cfenv>
-#include <cmath>
 #include <cstring>
 #include <exception>
 #include <new>
 #include <span>
-#include <system_error>
 #if defined(__x86_64__)
 #include <xmmintrin.h>
 #endif
 
 #include "server/controllers/child_process.h"
+#include "server/controllers/faults.h"
+#include "server/controllers/guarded_buffer.h"
 
 namespace coopdyn {
 
@@ -74,78 +71,7 @@ std::string Guarded(const char* const& called, Function function) {
   }
 }
 
-/// What is wrong with a command that is not fine.
-std::string Fault(const coopdyn_command& command) {
-  const auto not_finite = [](const char* what, double value) {
-    return fmt::format("returned {} = {}: it must be a finite number", what, value);
-  };
-  if (!std::isfinite(command.forward_m_s)) return not_finite("forward_m_s", command.forward_m_s);
-  if (!std::isfinite(command.turn_rad_s)) return not_finite("turn_rad_s", command.turn_rad_s);
-  if (command.message_count > COOPDYN_MAX_MESSAGE) {
-    return fmt::format("returned message_count = {}: at most {}", command.message_count, COOPDYN_MAX_MESSAGE);
-  }
-  for (std::uint32_t i = 0; i < command.message_count; ++i) {
-    if (!std::isfinite(command.message[i])) return not_finite("a number in message", command.message[i]);
-  }
-  return {};
-}
-
-const char* ModeName(std::size_t mode) {
-  constexpr std::array kNames = {"off", "position", "direct", "velocity", "effort"};
-  return kNames[mode];
-}
-
-/// What is wrong with a set-point that is not fine.
-std::string Fault(const coopdyn_setpoint& setpoint, const coopdyn_joint& joint) {
-  const std::string channel = fmt::format("{}/{}", joint.module, joint.name);
-  if (setpoint.mode > COOPDYN_EFFORT) {
-    return fmt::format("returned mode {} for {}: there is no such mode, use enum coopdyn_mode", setpoint.mode,
-                       channel);
-  }
-  if ((joint.modes >> setpoint.mode & 1) == 0) {
-    std::string modes;
-    for (std::size_t mode = 0; mode <= COOPDYN_EFFORT; ++mode) {
-      if ((joint.modes >> mode & 1) != 0) modes += (modes.empty() ? "" : ", ") + std::string(ModeName(mode));
-    }
-    return fmt::format("returned mode {} for {}, which takes: {}", ModeName(setpoint.mode), channel, modes);
-  }
-  return fmt::format("returned reference = {} for {}: it must be a finite number", setpoint.reference,
-                     channel);
-}
-
 }  // namespace
-
-/// Memory that ends where no byte may be touched: what writes past its end crashes at once.
-class GuardedBuffer {
- public:
-  /// Room for `bytes`. Throws std::system_error.
-  explicit GuardedBuffer(std::size_t bytes) {
-    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    const std::size_t room = (bytes + page - 1) / page * page;
-    void* start = mmap(nullptr, room + page, PROT_READ | PROT_WRITE,
-                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (start == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "mmap");
-    start_ = {static_cast<std::byte*>(start), Unmap{room + page}};
-    guard_ = start_.get() + room;
-    if (mprotect(guard_, page, PROT_NONE) != 0) {
-      throw std::system_error(errno, std::generic_category(), "mprotect");
-    }
-  }
-
-  /// The last `bytes` of it, aligned to `align` (a power of 2): at most `align` - 1 bytes follow before the
-  /// guard.
-  void* Last(std::size_t bytes, std::size_t align) const {
-    return guard_ - (bytes + align - 1) / align * align;
-  }
-
- private:
-  struct Unmap {
-    std::size_t bytes;
-    void operator()(std::byte* start) const { munmap(start, bytes); }
-  };
-  std::unique_ptr<std::byte, Unmap> start_;
-  std::byte* guard_ = nullptr;
-};
 
 /// A robot's controller, and the facts that it may point to as long as it lives.
 struct Runner::Instance {

@@ -4,9 +4,7 @@
 // same results. One thread calls Run(); steps are shared out to a pool.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -20,20 +18,6 @@
 #include "server/controllers/shared_area.h"
 
 namespace coopdyn {
-
-/// Whether a command can be carried out. Asked twice for each step of each robot, so without a text.
-inline bool IsFine(const coopdyn_command& command) {
-  if (!std::isfinite(command.forward_m_s) || !std::isfinite(command.turn_rad_s)) return false;
-  if (command.message_count > COOPDYN_MAX_MESSAGE) return false;
-  return std::all_of(command.message, command.message + command.message_count,
-                     [](double value) { return std::isfinite(value); });
-}
-
-/// Whether a channel that takes `modes` can carry it out.
-inline bool IsFine(const coopdyn_setpoint& setpoint, std::uint32_t modes) {
-  return setpoint.mode <= COOPDYN_EFFORT && (modes >> setpoint.mode & 1) != 0 &&
-         std::isfinite(setpoint.reference);
-}
 
 class Runner {
  public:

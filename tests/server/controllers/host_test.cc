@@ -194,7 +194,7 @@ TEST(ControllerReadingsTest, WhatTheChannelsAre) {
 }
 
 TEST(ControllerReadingsTest, TheSameInProcess) {
-  for (int what = 0; what <= 9; ++what) EXPECT_EQ(Shown(what), Shown(what, true)) << what;
+  for (int what = 0; what <= 10; ++what) EXPECT_EQ(Shown(what), Shown(what, true)) << what;
 }
 
 Record RunOf(const Swarm& swarm, bool in_process = true, int steps = 20) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Broadcasts what it feels, so that a test can see it. Option `what`: 0 pose, 1 distances, 2 targets, 3
-// neighbours, 4 messages, 5 the robot, 6 time and seed, 7 compass, 8 channels, 9 what these are.
+// neighbours, 4 messages, 5 the robot, 6 time and seed, 7 compass, 8 channels, 9 what these are,
+// 10 motion.
 #include <cmath>
 #include <cstring>
 #include <string_view>
@@ -17,11 +18,11 @@ class Mirror {
   State state{};
 
   static const coopdyn_description* Describe() {
-    static const coopdyn_option options[] = {{"what", "to show", 0, 0, 9}};
+    static const coopdyn_option options[] = {{"what", "to show", 0, 0, 10}};
     static const coopdyn_description description = {"shows what it feels",
                                                     COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_CHANNELS |
                                                         COOPDYN_TARGETS | COOPDYN_NEIGHBOURS |
-                                                        COOPDYN_MESSAGES | COOPDYN_COMPASS,
+                                                        COOPDYN_MESSAGES | COOPDYN_COMPASS | COOPDYN_MOTION,
                                                     sizeof(State), 1, options};
     return &description;
   }
@@ -92,6 +93,13 @@ class Mirror {
           show(robot_.channels[i].max_velocity);
         }
         show(robot_.channels[0].modes);
+        break;
+      case 10:
+        for (const double value :
+             {r.height_m, r.roll_rad, r.pitch_rad, r.velocity_m_s[0], r.velocity_m_s[1], r.velocity_m_s[2],
+              r.angular_velocity_rad_s[0], r.angular_velocity_rad_s[1]}) {
+          show(value);
+        }
         break;
       default:
         for (const double value :
