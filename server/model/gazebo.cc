@@ -48,6 +48,7 @@ class Adopter {
     if (fixed == "1" || fixed == "true") MakeStatic();
     std::erase_if(model_.children, [](const XmlNode& one) { return one.name == "static"; });
     RemoveInitialPose();
+    TakeScripts(model_);
     Prune(model_);
     for (const auto& [what, left_out] : left_out_) {
       diagnostics_.Warning(left_out.first,
@@ -105,6 +106,18 @@ class Adopter {
       std::erase_if(child.children, [](const XmlNode& one) { return one.name == "joint"; });
       CollectLinks(child, prefix + child.Attribute("name") + "::", links);
     }
+  }
+
+  /// Materials of Gazebo's own scripts that are one colour.
+  static void TakeScripts(XmlNode& node) {
+    for (XmlNode& child : node.children) TakeScripts(child);
+    const XmlNode* script = node.name == "material" ? node.Child("script") : nullptr;
+    if (script == nullptr) return;
+    const std::string name = script->TextOf("name").empty() ? script->text : script->TextOf("name");
+    const auto color = GazeboColor(name);
+    if (!color) return;
+    if (node.Child("diffuse") == nullptr) node.Add("diffuse", *color);
+    std::erase_if(node.children, [](const XmlNode& one) { return one.name == "script"; });
   }
 
   /// Where it stands is for the scenario to say.
@@ -186,6 +199,19 @@ class Adopter {
 };
 
 }  // namespace
+
+std::optional<std::string> GazeboColor(const std::string& material) {
+  constexpr std::string_view kOwner = "Gazebo/";
+  if (!material.starts_with(kOwner)) return std::nullopt;
+  std::string word = material.substr(kOwner.size());
+  if (word.starts_with("Flat")) word.erase(0, 4);
+  for (const std::string_view end : {"Transparent", "Bright", "Glow", "TransparentOverlay"}) {
+    if (word.ends_with(end)) word.resize(word.size() - end.size());
+  }
+  const auto color = word == "Turquoise" || word == "SkyBlue" ? Color{0.25, 0.75, 0.8} : NamedColor(word);
+  if (!color) return std::nullopt;
+  return FormatNumber(color->r) + " " + FormatNumber(color->g) + " " + FormatNumber(color->b) + " 1";
+}
 
 void AdoptModel(XmlNode& model, Diagnostics& diagnostics) {
   Adopter(model, diagnostics).Adopt();

@@ -62,6 +62,9 @@ XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);
 /// is not used is left out, each said once.
 void AdoptModel(XmlNode& model, Diagnostics& diagnostics);
 
+/// The "r g b a" of a material of Gazebo's that is one colour, as Gazebo/Red; nothing for any other.
+std::optional<std::string> GazeboColor(const std::string& material);
+
 /// Moves what was found at lines of a composed text to where they were written.
 void AppendMapped(const Diagnostics& found, const std::string& file, const ModelSource& source,
                   Diagnostics& diagnostics);

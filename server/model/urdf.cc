@@ -35,6 +35,10 @@ class UrdfConverter {
       while (links_.contains(id) || id == "world") id += "_";
       ids_[&child] = id;
     }
+    for (const XmlNode& child : robot_.children) {
+      if (child.name == "joint") joints_.insert(child.Attribute("name"));
+    }
+    ReportExtras();
     // Many models call the world so, to fix their base in it.
     links_.erase("world");
     for (const XmlNode& child : robot_.children) {
@@ -103,14 +107,14 @@ class UrdfConverter {
                       std::to_string(++shapes));
         shape.Add("pose", PoseOf(child));
         if (const XmlNode* geometry = child.Child("geometry")) shape.children.push_back(Geometry(*geometry));
-        if (child.name == "visual") AddMaterial(child, shape);
+        if (child.name == "visual") AddMaterial(child, name, shape);
         if (child.name == "collision") AddFriction(name, shape);
         out.children.push_back(std::move(shape));
       } else {
         Warn(child, "<" + child.name + "> in <link> is not used by coopdyn");
       }
     }
-    for (const XmlNode* extra : extras_[name]) {
+    for (const XmlNode* extra : ExtrasOf(name)) {
       for (const XmlNode& inner : extra->children) {
         if (inner.name == "sensor") out.children.push_back(inner);
       }
@@ -145,7 +149,57 @@ class UrdfConverter {
     return out;
   }
 
-  void AddMaterial(const XmlNode& visual, XmlNode& out) {
+  std::vector<const XmlNode*> ExtrasOf(const std::string& reference) const {
+    const auto found = extras_.find(reference);
+    return found == extras_.end() ? std::vector<const XmlNode*>() : found->second;
+  }
+
+  /// What is used of a <gazebo reference="link">.
+  static bool IsUsedExtra(const XmlNode& inner) {
+    if (inner.name == "material") return GazeboColor(inner.text).has_value();
+    if (inner.name == "visual") return DiffuseOf(inner) != nullptr;
+    return inner.name == "sensor" || inner.name == "mu" || inner.name == "mu1" || inner.name == "mu2";
+  }
+  static const XmlNode* DiffuseOf(const XmlNode& visual) {
+    const XmlNode* material = visual.Child("material");
+    return material == nullptr ? nullptr : material->Child("diffuse");
+  }
+
+  /// Says what is not used of the <gazebo> elements, each kind once.
+  void ReportExtras() {
+    std::map<std::string, std::pair<const XmlNode*, int>> left_out;
+    for (const auto& [reference, extras] : extras_) {
+      if (reference.empty()) continue;  // they are the model's
+      for (const XmlNode* extra : extras) {
+        if (!links_.contains(reference) && !joints_.contains(reference)) {
+          Warn(*extra, "<gazebo reference=\"" + reference + "\"> names no link or joint of this robot");
+          continue;
+        }
+        for (const XmlNode& inner : extra->children) {
+          if (links_.contains(reference) && IsUsedExtra(inner)) continue;
+          auto& [first, count] = left_out[inner.name];
+          if (count++ == 0) first = &inner;
+        }
+      }
+    }
+    for (const auto& [name, entry] : left_out) {
+      const auto& [first, count] = entry;
+      Warn(*first, "<" + name + "> in <gazebo reference> is not used by coopdyn" +
+                       (count > 1 ? " (also " + std::to_string(count - 1) + " times more)" : ""));
+    }
+  }
+
+  /// The colour that a <gazebo reference> gives counts before the material's, as in Gazebo.
+  void AddMaterial(const XmlNode& visual, const std::string& link, XmlNode& out) {
+    for (const XmlNode* extra : ExtrasOf(link)) {
+      for (const XmlNode& inner : extra->children) {
+        const auto color = inner.name == "material" ? GazeboColor(inner.text) : std::nullopt;
+        const XmlNode* diffuse = inner.name == "visual" ? DiffuseOf(inner) : nullptr;
+        if (!color && diffuse == nullptr) continue;
+        out.children.emplace_back(At("material", inner)).Add("diffuse", color ? *color : diffuse->text);
+        return;
+      }
+    }
     const XmlNode* material = visual.Child("material");
     if (material == nullptr) return;
     if (material->Child("color") == nullptr) {
@@ -162,10 +216,12 @@ class UrdfConverter {
 
   /// <gazebo reference="link"><mu1>…
   void AddFriction(const std::string& link, XmlNode& collision) {
-    for (const XmlNode* extra : extras_[link]) {
+    for (const XmlNode* extra : ExtrasOf(link)) {
       const std::string mu = extra->TextOf("mu1").empty() ? extra->TextOf("mu") : extra->TextOf("mu1");
       if (mu.empty()) continue;
-      collision.Add("surface").Add("friction").Add("ode").Add("mu", mu);
+      XmlNode& ode = collision.Add("surface").Add("friction").Add("ode");
+      ode.Add("mu", mu);
+      if (!extra->TextOf("mu2").empty()) ode.Add("mu2", extra->TextOf("mu2"));
       return;
     }
   }
@@ -245,7 +301,7 @@ class UrdfConverter {
   std::map<std::string, const XmlNode*> parents_;  // joints by their child
   std::map<const XmlNode*, std::string> ids_;      // of joints
   std::map<std::string, std::vector<const XmlNode*>> extras_;
-  std::set<std::string> links_;
+  std::set<std::string> links_, joints_;
 };
 
 }  // namespace

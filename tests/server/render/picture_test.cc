@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "server/geometry/mesh.h"
 #include "server/render/picture_maker.h"
 #include "tests/server/render/decode.h"
 #include "tests/server/sensing/sample_frame.h"
@@ -77,6 +78,39 @@ TEST(PictureTest, TheHeadingMarkIsAhead) {
   const Shot shot(*frame, request);
   EXPECT_GT(shot.At(Vector3(0, 0.07, kSampleHeight_m)).brightness(),
             shot.At(Vector3(0, -0.07, kSampleHeight_m)).brightness() + 150);
+}
+
+/// A robot that is a level square of 1 m, with the texture `image`.
+std::shared_ptr<const RobotModel> Carpet(std::shared_ptr<const Image> image) {
+  Vector3 middle = Vector3::Zero();
+  auto data = std::make_shared<MeshData>(
+      MakeMesh({{-0.5, -0.5, 0.1}, {0.5, -0.5, 0.1}, {0.5, 0.5, 0.1}, {-0.5, 0.5, 0.1}},
+               {{0, 1, 2}, {0, 2, 3}}, middle));
+  auto skin = std::make_shared<MeshSkin>();
+  skin->corners = {{{0, 0}, 0}, {{1, 0}, 0}, {{1, 1}, 0}, {{0, 1}, 0}};
+  skin->materials.push_back({{0.5, 0.5, 0.5}, {1, 1, 1}, std::move(image)});
+  data->skin = std::move(skin);
+  data->color = {0.5, 0.5, 0.5};
+  auto model = std::make_shared<RobotModel>(*SampleRobot());
+  LinkShape visual{Mesh{data.get()}, {{0, 0, 0.1}, Quaternion::Identity()}, {0.5, 0.5, 0.5}};
+  model->links[0].visuals = {visual};
+  model->meshes.push_back(std::move(data));
+  return model;
+}
+
+TEST(PictureTest, ATextureLiesOnItsMeshTheRightWayUp) {
+  auto image = std::make_shared<Image>();
+  image->width = image->height = 2;
+  image->rgb = {200, 0, 0, 0, 200, 0, 0, 0, 200, 200, 200, 200};  // red, green; below them blue, grey
+  const auto frame = SampleWorld().Robot(At(0, 0), Carpet(std::move(image))).MakeFrame();
+  ImageRequest request = kFromAbove;
+  request.show_names = false;
+  const Shot shot(*frame, request);
+  const Pixel red = shot.At(Vector3(-0.4, 0.4, 0.1)), green = shot.At(Vector3(0.4, 0.4, 0.1)),
+              blue = shot.At(Vector3(-0.4, -0.4, 0.1));
+  EXPECT_GT(red.r, red.g + 80);
+  EXPECT_GT(green.g, green.r + 80);
+  EXPECT_GT(blue.b, blue.r + 80);
 }
 
 TEST(PictureTest, ATargetIsMarkedOnTheFloorInItsColour) {
