@@ -29,8 +29,6 @@ std::vector<JointControl> StartControls(const Scene& scene) {
     JointControl& control = controls[static_cast<std::size_t>(channel.control)];
     control.speed = fastest / 2;
     control.acceleration = 2 * fastest;  // there within a quarter of a second
-    const double start = model.joints[static_cast<std::size_t>(channel.joint)].start;
-    control.start = control.target = control.reference = start;
   }
   return controls;
 }
