@@ -202,8 +202,9 @@ TEST(RobotModelTest, InertiaMustBeThatOfABody) {
 TEST(RobotModelTest, OtherShapesAreErrors) {
   EXPECT_THAT(
       ReadChanged("<sphere><radius>0.025</radius></sphere>", "<ellipsoid><radii>1 1 1</radii></ellipsoid>"),
-      HasSubstr("the shape <ellipsoid> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, <plane>, "
-                "<mesh> or <heightmap>"));
+      HasSubstr(
+          "the shape <ellipsoid> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, <plane>, "
+          "<mesh> or <heightmap>"));
 }
 
 TEST(RobotModelTest, WhatIsNotUsedDrawsAWarning) {
