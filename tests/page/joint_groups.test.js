@@ -70,7 +70,7 @@ test('in a recording that is played joints show where they were, and cannot be m
   await withPage(player, async (page) => {
     const {begin_s: begin, end_s: end} = (await player.status()).playback;
     assert.ok(end > begin);
-    const shown = () => page.evaluate((where) => document.querySelectorAll(`${where} .number`)[1].textContent, group('arm'));
+    const shown = () => page.evaluate((where) => document.querySelectorAll(`${where} .number`)[1]?.textContent, group('arm'));
     const seek = async (time) => assert.equal((await call(player.url, {module: '/playback', command: 'seek', data: [time]})).error, 0);
     await page.waitForSelector(`${group('arm')} tr`);
     await seek(begin);
@@ -79,6 +79,6 @@ test('in a recording that is played joints show where they were, and cannot be m
     await eventually(async () => await shown() === '0.500');
     assert.ok(await page.locator(`${group('arm')} input, ${group('arm')} button`).evaluateAll((all) => all.every(({disabled}) => disabled)));
     assert.equal((await call(player.url, {module: '/playback', command: 'branch'})).error, 0);
-    await page.waitForFunction((where) => !document.querySelector(`${where} input`).disabled, group('arm'));
+    await page.waitForFunction((where) => document.querySelector(`${where} input`)?.disabled === false, group('arm'));
   });
 });

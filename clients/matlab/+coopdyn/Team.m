@@ -62,7 +62,7 @@ classdef Team < handle
           return
         end
         V = [];
-      elseif isempty(V)
+      elseif isempty(V) || ~isnumeric(V)
         t.link.settle(t.session);
         t.speeds(V, 'V', 'forward turn');
       end

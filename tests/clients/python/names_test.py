@@ -22,7 +22,7 @@ JOINTS = set("""name names set_positions set_positions_direct set_velocities set
     inverse""".split())
 TEAM = set("n names ids step step_wheels read select stop release close".split())
 RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events".split())
-READINGS = set("pose distances targets neighbours wheels compass support".split())
+READINGS = set("pose distances targets neighbours wheels compass support joints".split())
 FUNCTIONS = {"connect", "doctor", "read_run"}
 
 
