@@ -263,7 +263,7 @@ describe('the page', () => {
   test('each robot has its connection lines with the address that the browser used', async () => {
     const card = page.locator('.card[data-robot="robot1"]');
     if (!(await card.evaluate((element) => element.open))) await card.locator('summary').click();
-    await card.locator('.lines code').first().waitFor();
+    await card.locator('.lines code').nth(1).waitFor();
     const lines = await card.locator('.lines code').allTextContents();
     const port = daemon.names.split(':').at(-1);
     assert.ok(lines.includes(`sim = coopdyn.connect("127.0.0.1:${port}");\nr = sim.robot("robot1");`), lines.join('\n'));
