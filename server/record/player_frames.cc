@@ -150,6 +150,9 @@ std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
       channel.velocity = now->channels[i].velocity;
     }
     if (i < driven.size()) channel.setpoint = driven[i].setpoint;
+    if (scene->channels[i].control >= 0) {
+      ShowAim(channel, frame->controls[static_cast<std::size_t>(scene->channels[i].control)]);
+    }
   }
   for (std::size_t i = 0; i < scene->actuators.size(); ++i) {
     const auto first = static_cast<std::size_t>(scene->actuators[i].first_channel);
@@ -162,6 +165,15 @@ std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
   if (!AddVelocities(*now, *frame)) return nullptr;
   newest_ = std::move(now);
   return frame;
+}
+
+void PlayFrames::ShowAim(const ChannelState& channel, JointControl& control) {
+  const Setpoint& setpoint = channel.setpoint;
+  constexpr double kArrived = 1e-3;  // rad or m
+  const bool on_way = setpoint.mode == ControlMode::kPosition &&
+                      !(std::abs(channel.position - setpoint.reference) < kArrived);
+  control.target = setpoint.reference;
+  control.reference = on_way ? std::numeric_limits<double>::quiet_NaN() : setpoint.reference;
 }
 
 bool PlayFrames::AddVelocities(const RecordedStep& now, Frame& frame) {

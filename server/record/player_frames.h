@@ -73,6 +73,8 @@ class PlayFrames {
 
  private:
   std::optional<RecordedStep> Read(std::uint64_t step);
+  /// What the joint of a control board is told; its way there was not recorded.
+  static void ShowAim(const ChannelState& channel, JointControl& control);
   /// Fills in the velocities of the bodies of `frame`; false if the file is damaged.
   bool AddVelocities(const RecordedStep& now, Frame& frame);
 

@@ -1,10 +1,11 @@
 """What `coopdyn export` and `info` tell of the joints in a run: of arms, and of robots with wheels and several groups."""
 import csv
+import math
 import subprocess
 import unittest
 
 from harness import LIMIT_S, Daemon
-from recording import RecordingTestCase, tool
+from recording import Play, RecordingTestCase, tool
 
 WORLD = """[SIMULATION]
 mode lockstep
@@ -64,6 +65,16 @@ class ExportJointsTest(RecordingTestCase):
         self.assertEqual((table[40]["arm1.joint_2_setpoint"], table[40]["arm1.joint_2_mode"]), ("0.5", "1"))
         self.assertEqual(table[40]["both1.joint_1_mode"], "2")
         self.assertEqual(len([name for name in table[0] if name.startswith("both1.") and name.endswith("_mode")]), 8)
+
+    def test_a_playback_tells_modes_targets_and_arrival(self):
+        with Play(str(self.folder / "run.run"), "--paused") as daemon:
+            arm, playback = daemon.text("/arm1/arm"), daemon.text("/playback")
+            playback.must("seek 0.4")
+            self.assertEqual(arm.must("get_modes (1 2)").params, [3, 1])
+            motion = arm.must("get_motion (2)")
+            self.assertEqual((motion.params, motion.data[0]), ([0], 0.5))
+            self.assertTrue(math.isnan(arm.must("get_references (2)").data[0]))
+            self.assertEqual(arm.must("get_references (1)").data[0], 0.25)
 
     def test_octave_reads_the_joints(self):
         code, said = tool("export", "run.run", "--to", "mat", cwd=self.folder)

@@ -54,7 +54,7 @@ export class JointPanel {
     if (!this.#asked) await this.#learn();
     if (this.#rows.length === 0) return;
     const ask = (command) => this.#connection.call({module: this.#module, channel: 'readings', command});
-    const [motion, modes] = this.#off ? [] : await Promise.all([ask('get_motion'), ask('get_modes')]);  // not recorded
+    const [motion, modes] = await Promise.all([ask('get_motion'), ask('get_modes')]);
     for (const [i, row] of this.#rows.entries()) {
       const [position, velocity, effort] = data.slice(3 * i, 3 * i + 3);
       const target = motion?.error === 0 ? ` → ${showNumber(motion.data[i], 3)}` : '';
