@@ -170,9 +170,9 @@ MeshSkin::Material TexturedMaterial(std::shared_ptr<const Image> texture, const 
   MeshSkin::Material made;
   std::array<double, 3> sum{};
   for (std::size_t i = 0; i < texture->rgb.size(); ++i) sum[i % 3] += texture->rgb[i];
+  const std::size_t pixels = texture->rgb.size() / 3;
   for (std::size_t c = 0; c < 3; ++c)
-    made.color[c] =
-        std::clamp(sum[c] / (255.0 * static_cast<double>(texture->rgb.size() / 3)), 0.0, 1.0) * tint[c];
+    made.color[c] = std::clamp(sum[c] / (255.0 * static_cast<double>(pixels)), 0.0, 1.0) * tint[c];
   made.tint = tint;
   made.texture = std::move(texture);
   return made;
