@@ -174,7 +174,7 @@ class NamedReader {
       return RefuseWord(*value, token, Error::kWrongParams);
     } else if (std::string why = ReadParam(token, number); !why.empty()) {
       const std::string example = ExampleLine(spec_);
-      const bool helps = !bracketed_ && example.find(' ') != std::string::npos;
+      const bool helps = example.find(bracketed_ ? '(' : ' ') != std::string::npos;
       return Fail(why + (helps ? ", as in " + example : ""));
     }
     request_.params.push_back(number);

@@ -2,8 +2,8 @@
 // Teams of two carry their bars to the targets, past obstacles: client_transport [team1 team2 ...]
 //
 // The first team goes to the scenario's first target, the second to the second. Leader and helper are
-// attractor dynamics (Bicho, Louro, Erlhagen); docs/teams.md has the equations, transport_dynamics.h the
-// algorithm and its numbers, which are the same in all languages.
+// attractor dynamics (Bicho, Louro, Soares, Erlhagen); docs/teams.md has the equations, transport_dynamics.h
+// the algorithm and its numbers, which are the same in all languages.
 #include <algorithm>
 #include <cstdio>
 #include <optional>

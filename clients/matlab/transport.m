@@ -1,10 +1,10 @@
 % SPDX-License-Identifier: MIT
 function ok = transport(varargin)
 %TRANSPORT Teams of two carry their bars to the targets, past obstacles: transport, or transport('team1', 'team2', ...).
-%   The first team goes to the scenario's first target, the second to the second. Leader and helper are attractor dynamics
-%   (Bicho, Louro, Erlhagen): the leader turns to the target and away from obstacles, as fast as its load follows; the
-%   helper knows no target: its heading turns along the bar, its speed brings the load back to the middle of its support.
-%   docs/teams.md has the equations. The same algorithm and numbers in all languages.
+%   The first team goes to the scenario's first target, the second to the second. Leader and helper are attractor
+%   dynamics (Bicho, Louro, Soares, Erlhagen): the leader turns to the target and away from obstacles, as fast as its
+%   load follows; the helper knows no target: its heading turns along the bar, its speed brings the load back to the
+%   middle of its support. docs/teams.md has the equations. The same algorithm and numbers in all languages.
   names = cellfun(@char, varargin, 'UniformOutput', false);
   p = parameters();
   sim = coopdyn.connect();

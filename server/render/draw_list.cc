@@ -32,11 +32,12 @@ std::array<float, N> ToFloats(const double* values) {
   return floats;
 }
 
-// A model whose chassis looks the same ahead and behind needs a mark that shows its heading.
-bool HasHeadingMark(const RobotModel& model) {
+// A mobile robot whose chassis looks the same ahead and behind needs a mark that shows its heading.
+bool NeedsHeadingMark(const RobotModel& model) {
+  if (model.has_limbs()) return false;
   double sum_x_m = 0;
   for (const LinkShape& visual : model.links.front().visuals) sum_x_m += visual.X_LG.p.x();
-  return std::abs(sum_x_m) > 1e-3;
+  return std::abs(sum_x_m) <= 1e-3;
 }
 
 class Builder {
@@ -132,7 +133,7 @@ class Builder {
       AddShape(hull, X_WR * Pose{{0, 0, model.height_m / 2}, Quaternion::Identity()}, robot.entry.color);
     } else {
       AddVisuals(index, robot);
-      if (!HasHeadingMark(model)) {
+      if (NeedsHeadingMark(model)) {
         const double length_m = 0.6 * model.footprint_radius_m;
         AddShape(Box{{length_m, length_m / 4, 0.01}},
                  X_WTop * Pose{{length_m / 2, 0, 0.004}, Quaternion::Identity()}, {0.95, 0.95, 0.95});

@@ -112,15 +112,17 @@ std::string DriveTable::NamesOfRobots() const {
 }
 
 std::string DriveTable::CureForNoClient() const {
-  const bool several = std::ranges::count_if(drives_, [](const Drive& drive) {
-                         return drive.is_awaited() && drive.owner == 0;
-                       }) > 1;
+  const auto lacks_client = [](const Drive& drive) { return drive.is_awaited() && drive.owner == 0; };
+  const bool several = std::ranges::count_if(drives_, lacks_client) > 1;
   constexpr std::size_t kNamed = 4;
   std::string names;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < drives_.size() && count <= kNamed; ++i) {
-    if (drives_[i].owner == 0) continue;
-    if (++count <= kNamed) names += " " + slots_[i].robot;
+  for (std::size_t robot = 0; robot < robot_count() && count <= kNamed; ++robot) {
+    const std::span<const Drive> own(drives_.begin() + static_cast<std::ptrdiff_t>(first_slots_[robot]),
+                                     drives_.begin() + static_cast<std::ptrdiff_t>(first_slots_[robot + 1]));
+    const bool has_client = std::ranges::any_of(own, [](const Drive& drive) { return drive.owner != 0; });
+    if (!has_client || std::ranges::any_of(own, lacks_client)) continue;
+    if (++count <= kNamed) names += " " + slots_[first_slots_[robot]].robot;
   }
   const std::string start = several ? "start their programs" : "start its program";
   if (count == 0) return start + ", or set_mode realtime";

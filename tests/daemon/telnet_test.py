@@ -104,7 +104,7 @@ class ArmTest(unittest.TestCase):
                                   ("set_positions 0.3", 3, "7"),
                                   ("set_positions (8) 0.3", 2, "joints 1 to 7"),
                                   ("set_positions (1 1) 0.3 0.2", 2, "twice"),
-                                  ("set_positions (joint_1) 0.3", 7, "is not a number"),
+                                  ("set_positions (joint_1) 0.3", 7, "as in set_positions (1 3) 0.5 0.2"),
                                   ("set_positions (1) nan", 4, "finite"),
                                   ("set_positions (1) 0,3", 7, "write 0.3"),
                                   ("set_modes (1) fast", 3, "idle"),

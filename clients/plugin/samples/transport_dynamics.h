@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How a leader and its helper carry a bar together, by attractor dynamics (Bicho, Louro, Erlhagen):
+// How a leader and its helper carry a bar together, by attractor dynamics (Bicho, Louro, Soares, Erlhagen):
 // docs/teams.md has the equations. The same algorithm and numbers in clients/python/transport.py and
 // clients/matlab/transport.m. Pure; SI units; angles in the robot's frame, left positive.
 #pragma once

@@ -70,6 +70,14 @@ TEST_F(SlotsTest, TheWorldWaitsForEachModuleAndSaysWhich) {
   EXPECT_TRUE(board_.AllReady());
 }
 
+TEST_F(SlotsTest, WhatToDoNamesARobotOnceAndOnlyWhenAllItsModulesHaveClients) {
+  board_.Claim(arm(), ana_);
+  EXPECT_EQ(board_.Awaiting(now_, 9, nullptr).at(1).cure, "start their programs, or set_mode realtime");
+  board_.Claim(motors(), bob_);
+  const std::string cure = board_.Awaiting(now_, 9, nullptr).at(2).cure;
+  EXPECT_NE(cure.find("set_participants robot1, or"), std::string::npos) << cure;
+}
+
 TEST_F(SlotsTest, WaitsForLeavesTheOthersOut) {
   Use({"motors"});
   MakeRobot2Ready();
