@@ -89,25 +89,35 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
       (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
       " kg, footprint radius " + number(model.footprint_radius_m) + " m, height " + number(model.height_m) +
       " m"};
-  for (const JointModel& joint : model.joints) {
-    std::string text = "  joint " + joint.name + ": ";
-    text += WordOf(joint.kind);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const JointModel& joint = model.joints[j];
+    const bool slides = joint.kind == JointModel::Kind::kSlider;
+    std::string text = "  joint " + joint.name + ": " + WordOf(joint.kind);
     if (joint.kind == JointModel::Kind::kScrew) text += " of " + FormatNumber(joint.pitch_m_rad) + " m/rad";
-    if (joint.has_stop()) text += ", from " + number(joint.lower) + " to " + number(joint.upper);
-    if (joint.max_effort > 0 && std::isfinite(joint.max_effort))
-      text += ", effort " + number(joint.max_effort);
+    if (joint.has_stop()) {
+      text += ", from " + number(joint.lower) + " to " + number(joint.upper) + (slides ? " m" : " rad");
+    }
+    if (const CouplingModel* coupling = model.FindCoupling(static_cast<int>(j))) {
+      text += ", follows: " + number(coupling->multiplier) + " * " +
+              model.joints[static_cast<std::size_t>(coupling->leader)].name;
+      if (coupling->offset != 0)
+        text += (coupling->offset < 0 ? " - " : " + ") + number(std::abs(coupling->offset));
+    } else if (joint.max_effort > 0 && std::isfinite(joint.max_effort)) {
+      text += ", effort " + number(joint.max_effort) + (slides ? " N" : " N m");
+      if (std::isfinite(joint.max_velocity))
+        text += ", speed " + number(joint.max_velocity) + (slides ? " m/s" : " rad/s");
+    }
     lines.push_back(std::move(text));
   }
-  for (const CouplingModel& coupling : model.couplings) {
-    const auto joint = [&](int index) { return model.joints[static_cast<std::size_t>(index)].name; };
-    lines.push_back("  coupling: " + joint(coupling.follower) + " = " + number(coupling.multiplier) + " * " +
-                    joint(coupling.leader) +
-                    (coupling.offset == 0
-                         ? ""
-                         : (coupling.offset < 0 ? " - " : " + ") + number(std::abs(coupling.offset))));
+  for (const ModuleModel& module : model.modules()) {
+    std::string text = "  module " + module.name + " (" + module.type + ")";
+    for (const ActuatorModel& actuator : model.actuators) {
+      if (!actuator.is_board() || actuator.module != module.name) continue;
+      for (std::size_t i = 0; i < actuator.joints.size(); ++i)
+        text += (i == 0 ? ": " : ", ") + model.joints[static_cast<std::size_t>(actuator.joints[i])].name;
+    }
+    lines.push_back(std::move(text));
   }
-  for (const ModuleModel& module : model.modules())
-    lines.push_back("  module " + module.name + " (" + module.type + ")");
   return lines;
 }
 

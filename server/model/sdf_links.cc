@@ -203,9 +203,10 @@ class LinkReader {
     out.mass_kg = mass_kg;
     out.X_LI = {};
     Shape shape = Sphere{0.05};
-    if (!out.collisions.empty()) {
-      shape = out.collisions.front().shape;
-      out.X_LI = out.collisions.front().X_LG;
+    const std::vector<LinkShape>& shapes = out.collisions.empty() ? out.visuals : out.collisions;
+    if (!shapes.empty()) {
+      shape = shapes.front().shape;
+      out.X_LI = shapes.front().X_LG;
     }
     out.inertia_kg_m2 = SolidInertia(shape, mass_kg).cwiseMax(1e-7 * mass_kg);
   }
@@ -239,6 +240,16 @@ class LinkReader {
                      "the mass of " + what + " must be a positive number of kg, at most 1e6");
       return;
     }
+    Pose X_LI = reading_.CheckedPose(inertial.Pose(), link.Element(), "the inertia of " + what);
+    const auto take_solid = [&](const std::string& wrong) {
+      if (!welded && !still_.contains(out.name))
+        reading_.Complain(inertial_line, wrong, "that of its first shape is taken, as a solid of this mass");
+      GiveMass(out.mass_kg, out);
+      out.X_LI = X_LI;
+    };
+    // SDF's default is 1 kg m^2, whatever the mass.
+    if (!link.Element()->GetElement("inertial")->HasElement("inertia"))
+      return take_solid(what + " needs <inertia>");
     const Vector3 principal = ToVector(matrix.PrincipalMoments());
     const double largest = principal.maxCoeff();
     if (!principal.allFinite() || !(principal.minCoeff() > (foreign ? 0 : 1e-12)) || largest > 1e9 ||
@@ -247,19 +258,10 @@ class LinkReader {
           "the inertia of " + what +
           " is not that of a body: moments must be positive, and no one above the sum of the others";
       const bool negative = !principal.allFinite() || principal.minCoeff() < -1e-9 || largest > 1e9;
-      if (!foreign || negative) {
-        reading_.Error(foreign ? inertial_line : line, wrong);
-        return;
-      }
-      if (!welded && !still_.contains(out.name))
-        reading_.Warn(inertial_line,
-                      wrong + ": that of its first collision is taken, as a solid of this mass");
-      const Pose X_LI = reading_.CheckedPose(inertial.Pose(), link.Element(), "the inertia of " + what);
-      GiveMass(out.mass_kg, out);
-      out.X_LI = X_LI;
+      if (foreign && !negative) return take_solid(wrong);
+      reading_.Error(foreign ? inertial_line : line, wrong);
       return;
     }
-    Pose X_LI = reading_.CheckedPose(inertial.Pose(), link.Element(), "the inertia of " + what);
     const auto axes = matrix.PrincipalAxesOffset();
     X_LI.q = (X_LI.q * Quaternion(axes.W(), axes.X(), axes.Y(), axes.Z())).normalized();
     out.X_LI = X_LI;

@@ -155,66 +155,6 @@ class MistakeTest(unittest.TestCase):
             self.assertIn(f"Example: coopdyn {command}", done.stdout.decode())
 
 
-class CheckTest(unittest.TestCase):
-    def test_every_shipped_scenario_is_right_and_summed_up_in_a_line(self):
-        folder = Path(__file__).parents[2] / "scenarios"
-        names = sorted(str(path) for path in folder.glob("*.scenario"))
-        self.assertGreaterEqual(len(names), 8)
-        done = run("check", *names)
-        self.assertEqual((done.returncode, done.stderr), (0, b""))
-        self.assertEqual(len(done.stdout.decode().splitlines()), len(names))
-
-    def test_a_picture_of_a_scenario_is_a_png(self):
-        with tempfile.TemporaryDirectory() as folder:
-            picture = Path(folder) / "p.png"
-            done = run("check", "classroom", "--picture", str(picture))
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
-
-    def test_ten_mistakes_print_ten_diagnostics(self):
-        wrong = """[FLOOR]
-size 10 10
-[SIMULATION]
-mode quick
-step 0.2
-[TARGET]
-red 1 two 0
-[BOX_1]
-type bx
-size 1 1 1
-position 3 3
-[CRATE_1]
-type box
-size 1 -1 1
-position 0 4
-[ROBOT_1]
-type cooopbot
-name robot1
-position 0 0
-[ROBOT_2]
-type coopbot
-name ro bot
-position 0,5 2
-[ROBOT_3]
-type coopbot
-name robot3
-position 2 2
-speeed 3
-[CRATE_1]
-type sphere
-size 1
-position 4 4
-"""
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "ten.scenario"
-            path.write_text(wrong)
-            done = run("check", str(path))
-            lines = done.stderr.decode().strip().splitlines()
-            self.assertEqual(done.returncode, 1)
-            self.assertEqual(len(lines), 10, "\n".join(lines))
-            self.assertTrue(all(re.match(r".*ten\.scenario:\d+: error: ", line) for line in lines), lines)
-
-
 class RemoteTest(unittest.TestCase):
     def setUp(self):
         self.daemon = Daemon(scenario(1))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Loads every model of a folder, runs 1,000 steps of 10 ms, and prints a table for docs/models.md.
+"""Loads every model of a folder, runs 1,000 steps of 10 ms, and prints the tables of docs/models.md.
 
 Usage: collection.py COOPDYN FOLDER [FOLDER of the search path ...]
 """
@@ -12,6 +12,7 @@ import sys
 import tempfile
 
 STEPS_S = 10
+RUNS = "loads and runs"
 
 
 def files(folder):
@@ -24,9 +25,14 @@ def files(folder):
             yield os.path.join(root, name)
 
 
+def said(text, folder):
+    """What the program said of a model, without the path of the one who asked and what is no word of it."""
+    text = text.replace(folder.rstrip("/") + "/", "")
+    return re.sub(r"^.*?: error: ", "", text).replace("|", "\\|")
+
+
 def shorten(text):
     """A message without what differs from model to model."""
-    text = re.sub(r"^.*?:\d+: (error|warning): ", "", text)
     return re.sub(r"'[^']*'", "'…'", re.sub(r"-?\d+(\.\d+)?(e-?\d+)?", "N", text))
 
 
@@ -56,19 +62,21 @@ def main():
         if code < 0:
             result = f"CRASH by signal {-code}"
         elif code != 0 or errors:
-            result = shorten(errors[0]) if errors else shorten((text.strip().splitlines() or ["?"])[-1])
+            result = said(errors[0] if errors else (text.strip().splitlines() or ["?"])[-1], folder)
         elif code == 4 or "nothing frozen" not in text:
             result = "loads, but a body is frozen in motion"
         else:
-            result = "loads and moves"
-        groups[result] += 1
+            result = RUNS
+        groups[shorten(result)] += 1
         rows.append((name, result))
     print(f"| what | models |\n|---|---|")
     for result, count in groups.most_common():
         print(f"| {result} | {count} |")
-    print("\n| model | result |\n|---|---|")
+    print("\nLoad and run: " + ", ".join(f"`{name}`" for name, result in rows if result == RUNS))
+    print("\n| model | what coopdyn says |\n|---|---|")
     for name, result in rows:
-        print(f"| {name} | {result} |")
+        if result != RUNS:
+            print(f"| `{name}` | {result} |")
 
 
 if __name__ == "__main__":

@@ -209,9 +209,23 @@ TEST(MalformedModelTest, InertiasAndNumbersThatCannotBeAreErrorsWithTheirLine) {
   EXPECT_THAT(said("1", "-1"),
               HasSubstr("model.sdf:3: error: the inertia of link 'base' is not that of a body"));
   EXPECT_THAT(said("0", "1"), HasSubstr("model.sdf:3: warning: link 'base' has no mass: it gets 10 g"));
-  EXPECT_THAT(said("1", "0"), HasSubstr("that of its first collision is taken"));
+  EXPECT_THAT(said("1", "0"), HasSubstr("that of its first shape is taken"));
   EXPECT_THAT(said("nan", "1"), HasSubstr("model.sdf:3: error: <mass> needs finite numbers, not 'nan'"));
   EXPECT_THAT(said("1", "inf"), HasSubstr("model.sdf:3: error: <ixx> needs finite numbers, not 'inf'"));
+}
+
+TEST(MassTest, ALinkWithoutInertiaIsASolidOfItsShape) {
+  const TempFolder folder;
+  folder.Write(
+      "model.sdf",
+      "<sdf version=\"1.9\"><model name=\"rig\"><link name=\"base\">\n<inertial><mass>6</mass></inertial>"
+      "<visual name=\"v\"><geometry><box><size>1 2 3</size></box></geometry></visual>"
+      "</link></model></sdf>");
+  const FilesAnswer answer = ReadIn(folder, "model.sdf");
+  EXPECT_THAT(answer.messages, HasSubstr("model.sdf:2: warning: link 'base' needs <inertia>: that of its "
+                                         "first shape is taken, as a solid of this mass"));
+  ASSERT_NE(answer.robot, nullptr);
+  EXPECT_TRUE(answer.robot->links[0].inertia_kg_m2.isApprox(Vector3(6.5, 5, 2.5), 1e-9));
 }
 
 TEST(MalformedModelTest, EntitiesThatGrowAreNotExpanded) {

@@ -234,7 +234,8 @@ TEST(RobotModelTest, NothingReachesBelowTheFloor) {
 TEST(RobotModelTest, LinksHangOnTheChassis) {
   EXPECT_THAT(ReadChanged("<parent>chassis</parent>", "<parent>right_wheel</parent>"), ::testing::Eq(""));
   EXPECT_THAT(
-      ReadChanged("</model>", "<link name=\"loose\"><inertial><mass>1</mass></inertial></link></model>"),
+      ReadChanged("</model>",
+                  "<link name=\"loose\"><inertial><mass>1</mass><inertia/></inertial></link></model>"),
       HasSubstr("link 'loose' hangs on no joint"));
 }
 

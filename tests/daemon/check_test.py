@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""What `coopdyn check` says of scenarios and models."""
+import re
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from harness import BINARY
+
+
+def run(*arguments, **more):
+    return subprocess.run([BINARY, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120, **more)
+
+
+class ScenarioTest(unittest.TestCase):
+    def test_every_shipped_scenario_is_right_and_summed_up_in_a_line(self):
+        folder = Path(__file__).parents[2] / "scenarios"
+        names = sorted(str(path) for path in folder.glob("*.scenario"))
+        self.assertGreaterEqual(len(names), 8)
+        done = run("check", *names)
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+        self.assertEqual(len(done.stdout.decode().splitlines()), len(names))
+
+    def test_a_picture_of_a_scenario_is_a_png(self):
+        with tempfile.TemporaryDirectory() as folder:
+            picture = Path(folder) / "p.png"
+            done = run("check", "classroom", "--picture", str(picture))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+
+    def test_ten_mistakes_print_ten_diagnostics(self):
+        wrong = """[FLOOR]
+size 10 10
+[SIMULATION]
+mode quick
+step 0.2
+[TARGET]
+red 1 two 0
+[BOX_1]
+type bx
+size 1 1 1
+position 3 3
+[CRATE_1]
+type box
+size 1 -1 1
+position 0 4
+[ROBOT_1]
+type cooopbot
+name robot1
+position 0 0
+[ROBOT_2]
+type coopbot
+name ro bot
+position 0,5 2
+[ROBOT_3]
+type coopbot
+name robot3
+position 2 2
+speeed 3
+[CRATE_1]
+type sphere
+size 1
+position 4 4
+"""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "ten.scenario"
+            path.write_text(wrong)
+            done = run("check", str(path))
+            lines = done.stderr.decode().strip().splitlines()
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(len(lines), 10, "\n".join(lines))
+            self.assertTrue(all(re.match(r".*ten\.scenario:\d+: error: ", line) for line in lines), lines)
+
+
+class ModelTest(unittest.TestCase):
+    MODEL = """<robot name="gripper">
+  <link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+    <collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+  <link name="left"><inertial><mass value="0.25"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+  <link name="right"><inertial><mass value="0.25"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+  <link name="lid"><inertial><mass value="0.5"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+  <joint name="l" type="prismatic"><parent link="base"/><child link="left"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="0.04" effort="20" velocity="0.2"/></joint>
+  <joint name="r" type="prismatic"><parent link="base"/><child link="right"/><axis xyz="0 -1 0"/>
+    <limit lower="0" upper="0.04" effort="20" velocity="0.2"/><mimic joint="l" multiplier="2" offset="0.01"/></joint>
+  <joint name="hinge" type="continuous"><parent link="base"/><child link="lid"/><axis xyz="0 0 1"/>
+    <limit effort="3" velocity="1.5"/></joint>
+</robot>
+"""
+
+    def test_the_listing_of_a_model_names_joints_with_units_couplings_and_what_modules_have(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "gripper.urdf"
+            path.write_text(self.MODEL)
+            done = run("check", str(path))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            lines = done.stdout.decode().splitlines()
+            self.assertIn("robot gripper, 4 links, 3 joints, 0 distance sensors, 2 modules; mass 2 kg, ", lines[0])
+            self.assertEqual(lines[1:], [
+                "  joint l: slider, from 0 to 0.04 m, effort 20 N, speed 0.2 m/s",
+                "  joint r: slider, from 0 to 0.04 m, follows: 2 * l + 0.01",
+                "  joint hinge: hinge, effort 3 N m, speed 1.5 rad/s",
+                "  module joints (joints): l, hinge",
+                "  module pose (pose)"])
+
+
+if __name__ == "__main__":
+    unittest.main()
