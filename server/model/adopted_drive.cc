@@ -119,9 +119,9 @@ class DriveAdopter {
     robot_.p_MR += p;
     if (p.norm() > kSame_m) {
       diagnostics_.Warning(where_, "the robot's origin is on the floor under the middle of the axle, at " +
-                                       FormatNumber(std::round(p.x() * 1e4) / 1e4) + " " +
-                                       FormatNumber(std::round(p.y() * 1e4) / 1e4) + " " +
-                                       FormatNumber(std::round(p.z() * 1e4) / 1e4) + " of the model's");
+                                       FormatNumber(std::round(p.x() * 1e4) / 1e4 + 0.0) + " " +
+                                       FormatNumber(std::round(p.y() * 1e4) / 1e4 + 0.0) + " " +
+                                       FormatNumber(std::round(p.z() * 1e4) / 1e4 + 0.0) + " of the model's");
     }
   }
 

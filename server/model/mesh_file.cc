@@ -175,6 +175,8 @@ std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vecto
   if (const std::string wrong = CheckBytes(bytes, extension); !wrong.empty()) return fail(wrong);
   Assimp::Importer importer;
   importer.SetIOHandler(MakeMeshFiles(file, bytes, resources).release());  // it owns them
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES,
+                           true);  // a part goes by its name, not its id
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(
       file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);

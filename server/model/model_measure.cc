@@ -77,7 +77,7 @@ void Lift(ModelReading& reading, double low_m) {
   for (JointModel& joint : robot.joints) joint.p_RJ.z() -= low_m;
   for (FrameModel& frame : robot.frames) frame.X_RF.p.z() -= low_m;
   robot.p_MR.z() += low_m;
-  if (low_m < -1e-3) {
+  if (low_m < -1e-3 && !reading.source.in_world) {
     reading.Warn(1, "the model reaches " + FormatNumber(std::round(-low_m * 1e4) / 1e4) +
                         " m below its origin: it stands that much higher, on the floor");
   }
@@ -94,8 +94,9 @@ void MeasureModel(ModelReading& reading) {
     reading.Warn(1, "no shape of the robot collides with anything: write a <collision>" +
                         std::string(robot.fixed_base ? "" : ", or it falls through the floor"));
   }
-  double low_m = JointModel::kInfinity;
+  double low_m = JointModel::kInfinity;  // of what moves
   for (const LinkModel& link : robot.links) {
+    if (robot.fixed_base && &link == robot.links.data()) continue;
     for (const LinkShape& shape : Body(link, collides)) {
       const double low = HeightsOf(shape.shape, link.X_RL * shape.X_LG).first;
       if (low < low_m) low_m = low;
@@ -104,7 +105,7 @@ void MeasureModel(ModelReading& reading) {
                            FormatNumber(std::round(-low * 1e6) * 1e-3) + " mm below the floor z = 0");
     }
   }
-  if (reading.source.foreign && !robot.fixed_base && low_m < 0) Lift(reading, low_m);
+  if (reading.source.foreign && low_m < 0) Lift(reading, low_m);
   for (const LinkModel& link : robot.links) {
     for (const LinkShape& shape : Body(link, collides)) {
       const Pose X_RG = link.X_RL * shape.X_LG;

@@ -61,6 +61,12 @@ class Includer {
  private:
   void Error(const XmlNode& at, std::string text) { diagnostics_.Error(at.where, std::move(text)); }
 
+  /// Gazebo's worlds name these two, which it fetches: nobody needs their files here.
+  static bool IsLightOrFloor(const std::string& uri) {
+    const std::string name = ToLower(uri.substr(uri.find_last_of('/') + 1));
+    return name == "sun" || name == "ground_plane" || name == "ground plane";
+  }
+
   std::optional<XmlNode> Load(const XmlNode& include, int depth) {
     const std::string uri = include.TextOf("uri");
     if (resources_ == nullptr) {
@@ -81,7 +87,7 @@ class Includer {
       if (!path) why = "the folder of '" + uri + "' has no model.sdf, model.urdf or model.config";
     }
     if (!path) {
-      Error(include, "<include>: " + why);
+      if (!IsLightOrFloor(uri)) Error(include, "<include>: " + why);
       return std::nullopt;
     }
     const std::string file = path->string();
@@ -91,6 +97,11 @@ class Includer {
     if (!root) return std::nullopt;
     if (root->name == "robot") root = SdfOfUrdf(*root, diagnostics_);
     XmlNode* model = root->Child("model");
+    if (root->name == "sdf" && model == nullptr && root->Child("light") != nullptr) {
+      diagnostics_.Warning(include.where,
+                           "<include>: '" + uri + "' is a light, which is not used by coopdyn");
+      return std::nullopt;
+    }
     if (root->name != "sdf" || model == nullptr) {
       Error(include, "<include>: '" + uri + "' holds no <model>");
       return std::nullopt;

@@ -26,6 +26,7 @@ struct ModelSource {
   MeshTable meshes;
   /// Made for other programs: what cannot be used is left out with a warning, and defaults fill the gaps.
   bool foreign = false;
+  bool in_world = false;  // a world says where it stands
 };
 
 /// `resources`: null for a text that came without files. Nothing if the text is hopeless (then reported).

@@ -64,11 +64,14 @@ std::optional<fs::path> Resources::Find(const std::string& uri, const fs::path& 
   const std::string scheme = colon == std::string::npos ? "" : ToLower(uri.substr(0, colon));
   std::string rest = colon == std::string::npos ? uri : uri.substr(colon + 3);
   std::replace(rest.begin(), rest.end(), '\\', '/');
+  if (scheme == "model" || scheme == "package") rest.erase(0, rest.find_first_not_of('/'));
   if (rest.empty()) {
     why = "an empty URI: write model://NAME/FILE, package://NAME/FILE or a path in the model's folder";
     return std::nullopt;
   }
-  const fs::path folder = from.parent_path();
+  std::error_code code;
+  fs::path folder = fs::absolute(from, code).parent_path();
+  if (code) folder = from.parent_path();
   if (scheme == "model" || scheme == "package") {
     const fs::path path(rest);
     const fs::path name = *path.begin();
@@ -77,13 +80,15 @@ std::optional<fs::path> Resources::Find(const std::string& uri, const fs::path& 
       for (const char* sub : kModelFolders) tried.push_back(one / sub / path);
       if (one.filename() == name) tried.push_back(one / inner);
     }
-    for (fs::path up = fs::absolute(folder); up.has_filename(); up = up.parent_path()) {
+    for (fs::path up = folder; up.has_filename(); up = up.parent_path()) {
       if (up.filename() == name) tried.push_back(up / inner);
     }
     if (package_) tried.push_back(*package_ / inner);
+    tried.push_back(folder / path);  // as PyBullet has it
   } else if (scheme.empty() || scheme == "file") {
     if (fs::path(rest).is_absolute()) {
       tried.emplace_back(rest);
+      tried.push_back(folder / fs::path(rest).relative_path());
     } else {
       tried.push_back(folder / rest);
       for (const fs::path& one : folders_) tried.push_back(one / rest);

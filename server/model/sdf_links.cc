@@ -98,7 +98,7 @@ class LinkReader {
     for (std::size_t v = 0; v < link.VisualCount(); ++v) {
       const sdf::Visual& visual = *link.VisualByIndex(v);
       const std::string what = "visual '" + visual.Name() + "'";
-      const auto placed = ToShape(*visual.Geom(), LineOf(visual.Element()), what);
+      const auto placed = ToShape(*visual.Geom(), LineOf(visual.Element()), what, true);
       const Pose X_LG = reading_.Resolve(visual.SemanticPose(), link.Name(), visual.Element(), what);
       Color color = placed && placed->color ? *placed->color : Color();
       const bool said = visual.Material() != nullptr &&
@@ -115,7 +115,8 @@ class LinkReader {
     }
   }
 
-  std::optional<PlacedShape> ToShape(const sdf::Geometry& geometry, int line, const std::string& what) {
+  std::optional<PlacedShape> ToShape(const sdf::Geometry& geometry, int line, const std::string& what,
+                                     bool is_visual = false) {
     const auto good = [](double size) {
       return std::isfinite(size) && size >= kMinLength_m && size <= kMaxSize_m;
     };
@@ -159,7 +160,12 @@ class LinkReader {
       return std::nullopt;
     }
     if (!fine) {
-      reading_.Error(line, "the sizes of " + what + " must lie between 0.1 mm and 1 km");
+      const std::string wrong = "the sizes of " + what + " must lie between 0.1 mm and 1 km";
+      if (is_visual) {
+        reading_.Complain(line, wrong, "it is not drawn");
+      } else {
+        reading_.Error(line, wrong);
+      }
       return std::nullopt;
     }
     return placed;

@@ -151,6 +151,7 @@ std::shared_ptr<const RobotModel> ReadRobotModelTree(XmlNode root, const std::st
   Diagnostics found, read;
   ModelSource source;
   source.foreign = true;
+  source.in_world = true;
   ComposeTree(std::move(root), resources, source, found);
   diagnostics.Append(found);
   if (found.has_errors()) return nullptr;

@@ -137,8 +137,15 @@ class WorldConverter {
     const std::string type = file_.stem().string() + "." + name;
     const auto read = ReadRobotModelTree(std::move(root), file_.string(), type, &resources_, diagnostics_);
     if (read == nullptr) return;
-    const Pose X_WR = X_WM * Pose{read->p_MR, Quaternion::Identity()};
+    Pose X_WR = X_WM * Pose{read->p_MR, Quaternion::Identity()};
     if (AddThings(*read, name, X_WR)) return;
+    if (X_WR.p.z() < 0) {
+      if (X_WR.p.z() < -1e-3)
+        diagnostics_.Warning(given.where, "model '" + name + "' stands " +
+                                              FormatNumber(std::round(-X_WR.p.z() * 1e4) / 1e4) +
+                                              " m below the floor: it is put on the floor");
+      X_WR.p.z() = 0;
+    }
     library_.Add(type, read);
     robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +
                "\nposition " + Exact(X_WR.p) + "\norientation " + Angles(X_WR.q) + "\n";

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// SDF worlds as scenarios: what becomes of their models, includes, floor and physics.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "tests/server/model/read_text.h"
+
+namespace coopdyn {
+namespace {
+namespace sdf_world {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class SdfWorldTest : public ::testing::Test {
+ protected:
+  /// The scenario of a world that holds `inside`; messages() has what was said.
+  std::shared_ptr<const Scenario> Load(const std::string& inside) {
+    folder_.Write("lab.sdf", "<sdf version=\"1.9\"><world name=\"lab\">\n" + inside + "</world></sdf>");
+    RobotLibrary library(SearchPath{{folder_.path().string()}});
+    Diagnostics diagnostics;
+    auto scenario = LoadScenario((folder_.path() / "lab.sdf").string(), library, diagnostics);
+    messages_ = diagnostics.ToString();
+    return scenario;
+  }
+  const TempFolder& folder() const { return folder_; }
+  const std::string& messages() const { return messages_; }
+
+ private:
+  TempFolder folder_;
+  std::string messages_;
+};
+
+std::string Link(const std::string& name, const std::string& pose, const std::string& size = "0.2 0.2 0.2") {
+  const std::string box = "<geometry><box><size>" + size + "</size></box></geometry>";
+  return "<link name=\"" + name + "\"><pose>" + pose +
+         "</pose><inertial><mass>2</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>"
+         "</inertial><collision name=\"c\">" +
+         box + "</collision><visual name=\"v\">" + box + "</visual></link>\n";
+}
+std::string Model(const std::string& name, const std::string& inside,
+                  const std::string& pose = "0 0 0 0 0 0") {
+  return "<model name=\"" + name + "\"><pose>" + pose + "</pose>" + inside + "</model>\n";
+}
+const std::string kArm =
+    Link("base", "0 0 0.1 0 0 0") + Link("arm", "0 0 0.4 0 0 0") +
+    "<joint name=\"turn\" type=\"revolute\"><parent>base</parent><child>arm</child><axis><xyz>0 0 1</xyz>"
+    "<limit><effort>1</effort><velocity>1</velocity></limit></axis></joint>\n";
+
+TEST_F(SdfWorldTest, WhatHasJointsIsARobotAndWhatIsSimpleAThing) {
+  const auto scenario =
+      Load(Model("left arm", kArm, "1 2 0 0 0 1.5") + Model("right", kArm, "3 0 0 0 0 0") +
+           Model("wall", "<static>true</static>" + Link("l", "0 0 0.5 0 0 0"), "0 4 0 0 0 0") +
+           Model("crate", Link("l", "0 0 0.1 0 0 0"), "0 -2 0 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(messages(), "");
+  ASSERT_EQ(scenario->robots.size(), 2u);
+  EXPECT_EQ(scenario->robots[0].name, "left_arm");
+  EXPECT_NEAR((scenario->robots[0].X_WR.p - Vector3(1, 2, 0)).norm(), 0, 1e-9);
+  EXPECT_NEAR(scenario->robots[0].X_WR.q.angularDistance(FromRollPitchYaw(0, 0, 1.5)), 0, 1e-9);
+  EXPECT_EQ(scenario->robots[1].name, "right");
+  ASSERT_EQ(scenario->objects.size(), 2u);
+  EXPECT_EQ(scenario->objects[0].mass_kg, 0);
+  EXPECT_NEAR(scenario->objects[0].X_WO.p.z(), 0.5, 1e-9);
+  EXPECT_EQ(scenario->objects[1].mass_kg, 2);
+}
+
+TEST_F(SdfWorldTest, AModelInTheAirStaysThere) {
+  const auto scenario = Load(Model("kite",
+                                   Link("a", "0 0 0 0 0 0") + Link("b", "0 0 0.4 0 0 0") +
+                                       "<joint name=\"j\" type=\"ball\"><parent>a</parent>"
+                                       "<child>b</child></joint>",
+                                   "0 0 3 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_THAT(messages(), Not(HasSubstr("on the floor")));
+  const RobotEntry& robot = scenario->robots.at(0);
+  EXPECT_NEAR((robot.X_WR * robot.model->links[0].X_RL).p.z(), 3, 1e-9);
+}
+
+TEST_F(SdfWorldTest, AModelBelowTheFloorIsPutOnIt) {
+  const auto scenario = Load(Model("sunk", kArm, "0 0 -0.25 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_THAT(
+      messages(),
+      HasSubstr("lab.sdf:2: warning: model 'sunk' stands 0.25 m below the floor: it is put on the floor"));
+  EXPECT_EQ(scenario->robots.at(0).X_WR.p.z(), 0);
+}
+
+TEST_F(SdfWorldTest, TheGroundPlaneIsTheFloorAndPhysicsHasItsStepAndGravity) {
+  const auto scenario = Load(
+      "<gravity>0 0 -3.7</gravity><physics type=\"ode\"><max_step_size>0.002</max_step_size></physics>\n" +
+      Model("ground",
+            "<static>true</static><link name=\"l\"><collision name=\"c\"><geometry><plane>"
+            "<normal>0 0 1</normal><size>40 20</size></plane></geometry></collision></link>") +
+      Model("arm", kArm));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(scenario->floor.length_m, 40);
+  EXPECT_EQ(scenario->floor.width_m, 20);
+  EXPECT_TRUE(scenario->objects.empty());
+  EXPECT_EQ(scenario->simulation.gravity_m_s2, 3.7);
+  EXPECT_EQ(scenario->simulation.step, Nanoseconds{2'000'000});
+}
+
+TEST_F(SdfWorldTest, GazebosSunAndGroundPlaneNeedNoFiles) {
+  const auto scenario =
+      Load("<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include>\n" +
+           Model("arm", kArm));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(messages(), "");
+}
+
+TEST_F(SdfWorldTest, AnIncludedLightIsAWarning) {
+  folder().Write(
+      "lamp/model.sdf",
+      "<sdf version=\"1.9\"><light type=\"point\" name=\"lamp\"><pose>0 0 3 0 0 0</pose></light></sdf>");
+  const auto scenario = Load("<include><uri>model://lamp</uri></include>\n" + Model("arm", kArm));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_THAT(messages(), HasSubstr("lab.sdf:2: warning: <include>: 'model://lamp' is a light"));
+}
+
+TEST_F(SdfWorldTest, IncludesHaveTheirOwnNamesAndPoses) {
+  folder().Write("arm/model.sdf", "<sdf version=\"1.9\">" + Model("arm", kArm) + "</sdf>");
+  const auto scenario = Load(
+      "<include><uri>model://arm</uri></include><include><uri>model://arm</uri><name>second</name>"
+      "<pose>0 5 0 0 0 0</pose></include>\n");
+  ASSERT_NE(scenario, nullptr) << messages();
+  ASSERT_EQ(scenario->robots.size(), 2u);
+  EXPECT_EQ(scenario->robots[0].name, "arm");
+  EXPECT_EQ(scenario->robots[1].name, "second");
+  EXPECT_EQ(scenario->robots[1].X_WR.p.y(), 5);
+}
+
+TEST_F(SdfWorldTest, AMissingIncludeIsAnErrorWithItsLine) {
+  EXPECT_EQ(Load(Model("arm", kArm) + "<include><uri>model://nowhere</uri></include>\n"), nullptr);
+  EXPECT_THAT(messages(), HasSubstr("error: <include>: there is no 'model://nowhere'"));
+}
+
+}  // namespace sdf_world
+}  // namespace
+}  // namespace coopdyn
