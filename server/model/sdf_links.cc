@@ -101,9 +101,8 @@ class LinkReader {
       const auto placed = ToShape(*visual.Geom(), LineOf(visual.Element()), what, true);
       const Pose X_LG = reading_.Resolve(visual.SemanticPose(), link.Name(), visual.Element(), what);
       Color color = placed && placed->color ? *placed->color : Color();
-      const bool said = visual.Material() != nullptr &&
-                        (!placed || !placed->color || visual.Material()->Element()->HasElement("diffuse"));
-      if (said) {
+      // SDF's default is black, also of a material that is no colour, such as a script of Gazebo.
+      if (visual.Material() != nullptr && visual.Material()->Element()->HasElement("diffuse")) {
         const auto& diffuse = visual.Material()->Diffuse();
         const auto clamp = [](double x) { return std::isfinite(x) ? std::clamp(x, 0.0, 1.0) : 0.0; };
         color = {clamp(diffuse.R()), clamp(diffuse.G()), clamp(diffuse.B())};

@@ -154,6 +154,16 @@ TEST(TextureTest, ABoxHasTheAlbedoMapOfItsMaterial) {
   EXPECT_DOUBLE_EQ(visual.color.b, 0.5);
 }
 
+TEST(TextureTest, AMaterialThatNamesNoColorLeavesTheShapeGrey) {
+  const TempFolder folder;
+  folder.Write("model.sdf",
+               FixedModel("<visual name=\"v\"><geometry><box><size>1 2 3</size></box></geometry><material>"
+                          "<script><name>Mine/Wood</name></script></material></visual>\n"));
+  const auto [robot, messages] = ReadIn(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->links[0].visuals.at(0).color, Color());
+}
+
 TEST(TextureTest, AnObjHasTheMaterialsOfItsMtl) {
   const TempFolder folder;
   folder.Write("red.png", PngOf(1, 1, {255, 0, 0}));
