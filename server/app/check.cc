@@ -60,22 +60,6 @@ std::string CountOf(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-const char* WordOf(JointModel::Kind kind) {
-  switch (kind) {
-    case JointModel::Kind::kHinge:
-      return "hinge";
-    case JointModel::Kind::kSlider:
-      return "slider";
-    case JointModel::Kind::kBall:
-      return "ball";
-    case JointModel::Kind::kUniversal:
-      return "universal";
-    case JointModel::Kind::kScrew:
-      return "screw";
-  }
-  return "";
-}
-
 /// What is in a model, in lines: counts, mass, size, then joints and modules by name.
 std::vector<std::string> DescribeModel(const RobotModel& model) {
   double mass_kg = 0;
@@ -91,11 +75,11 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
       " m"};
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const JointModel& joint = model.joints[j];
-    const bool slides = joint.kind == JointModel::Kind::kSlider;
-    std::string text = "  joint " + joint.name + ": " + WordOf(joint.kind);
+    std::string text = "  joint " + joint.name + ": " + ToString(joint.kind);
     if (joint.kind == JointModel::Kind::kScrew) text += " of " + FormatNumber(joint.pitch_m_rad) + " m/rad";
     if (joint.has_stop()) {
-      text += ", from " + number(joint.lower) + " to " + number(joint.upper) + (slides ? " m" : " rad");
+      text +=
+          ", from " + number(joint.lower) + " to " + number(joint.upper) + (joint.slides() ? " m" : " rad");
     }
     if (const CouplingModel* coupling = model.FindCoupling(static_cast<int>(j))) {
       text += ", follows: " + number(coupling->multiplier) + " * " +
@@ -103,9 +87,9 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
       if (coupling->offset != 0)
         text += (coupling->offset < 0 ? " - " : " + ") + number(std::abs(coupling->offset));
     } else if (joint.max_effort > 0 && std::isfinite(joint.max_effort)) {
-      text += ", effort " + number(joint.max_effort) + (slides ? " N" : " N m");
+      text += ", effort " + number(joint.max_effort) + (joint.slides() ? " N" : " N m");
       if (std::isfinite(joint.max_velocity))
-        text += ", speed " + number(joint.max_velocity) + (slides ? " m/s" : " rad/s");
+        text += ", speed " + number(joint.max_velocity) + (joint.slides() ? " m/s" : " rad/s");
     }
     lines.push_back(std::move(text));
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <tinyxml2.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -129,34 +130,36 @@ std::string Attributes(const XMLElement& element) {
   return text.empty() ? "–" : text;
 }
 
-/// The texts of the elements `path` below `element`; – where there is none.
-std::string TextAt(const XMLElement* element, std::initializer_list<const char*> path) {
-  for (const char* name : path) {
-    if (element != nullptr) element = element->FirstChildElement(name);
-  }
-  return element == nullptr || element->GetText() == nullptr ? "–" : element->GetText();
-}
-
-std::string JointRows(const XMLElement& model) {
+std::string JointRows(const RobotModel& robot) {
+  const auto value = [](double number, const char* unit) {
+    return std::isfinite(number) && number != 0 ? ShortNumber(number) + " " + unit : std::string("–");
+  };
+  const auto link = [&robot](int index) { return robot.links[static_cast<std::size_t>(index)].name; };
   std::string rows;
-  for (const auto* joint = model.FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
-    rows +=
-        TableRow({joint->Attribute("name"), TextAt(joint, {"parent"}), TextAt(joint, {"child"}),
-                  TextAt(joint, {"axis", "limit", "effort"}), TextAt(joint, {"axis", "limit", "velocity"})});
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const JointModel& joint = robot.joints[j];
+    const auto stop = [&joint](double number) {
+      if (!std::isfinite(number)) return std::string("–");
+      return joint.slides() ? ShortNumber(number) + " m" : Degrees(number) + "°";
+    };
+    const CouplingModel* coupling = robot.FindCoupling(static_cast<int>(j));
+    rows += TableRow({joint.name, ToString(joint.kind), link(joint.parent), link(joint.child),
+                      stop(joint.lower), stop(joint.upper),
+                      coupling == nullptr
+                          ? value(joint.max_effort, joint.slides() ? "N" : "N m")
+                          : "follows " + robot.joints[static_cast<std::size_t>(coupling->leader)].name,
+                      value(joint.max_velocity, joint.slides() ? "m/s" : "rad/s")});
   }
   return rows;
 }
 
-std::string ModuleRow(const XMLElement& module) {
-  const std::string type = module.Attribute("type");
-  const char* name = module.Attribute("name");
-  const CommandTable* table = FindModuleTable(type);
+std::string ModuleRow(const ModuleModel& module) {
+  const CommandTable* table = FindModuleTable(module.type);
   if (table == nullptr) return {};
   std::string commands;
   for (const CommandSpec& spec : OwnCommands(*table)) commands += CodeSpan(spec.name) + " ";
-  return TableRow({CodeSpan("/ROBOT/" + (name == nullptr ? type : name)),
-                   "[" + type + "](../modules/" + type + ".md)", std::string(Trim(commands))});
+  return TableRow({CodeSpan("/ROBOT/" + module.name),
+                   "[" + module.type + "](../modules/" + module.type + ".md)", std::string(Trim(commands))});
 }
 
 /// Our own elements of the model: what they say is what a robot has, so new kinds need nothing here.
@@ -177,7 +180,8 @@ std::string DeviceRows(const XMLElement& model) {
   return rows;
 }
 
-std::string RobotPage(const RobotModel& robot) {
+/// `type`: what a scenario calls it.
+std::string RobotPage(const RobotModel& robot, const std::string& type) {
   const double mass_kg =
       std::accumulate(robot.links.begin(), robot.links.end(), 0.0,
                       [](double sum, const LinkModel& link) { return sum + link.mass_kg; });
@@ -185,8 +189,8 @@ std::string RobotPage(const RobotModel& robot) {
   document.Parse(robot.text.data(), robot.text.size());
   const XMLElement& model = *document.RootElement()->FirstChildElement("model");
 
-  std::string page = "# Robot " + robot.type + "\n\nIn a scenario:\n\n    [ROBOT_1]\n    type      " +
-                     robot.type + "\n    name      robot1\n    position  0 0\n";
+  std::string page = "# Robot " + robot.type + "\n\nIn a scenario:\n\n    [ROBOT_1]\n    type      " + type +
+                     "\n    name      robot1\n    position  0 0\n";
   page += TableHead({"body", ""});
   page += TableRow({"mass", ShortNumber(mass_kg) + " kg"});
   page += TableRow({"radius of its footprint", ShortNumber(robot.footprint_radius_m) + " m"});
@@ -194,18 +198,20 @@ std::string RobotPage(const RobotModel& robot) {
   for (const LinkModel& link : robot.links) {
     page += TableRow({"link " + CodeSpan(link.name), ShortNumber(link.mass_kg) + " kg"});
   }
-  page += "\n## Joints\n" + TableHead({"joint", "parent", "child", "torque N m", "top speed rad/s"}) +
-          JointRows(model);
-  page += "\n## Modules\n" + TableHead({"socket", "type", "commands"});
-  for (const auto* module = model.FirstChildElement("coopdyn:module"); module != nullptr;
-       module = module->NextSiblingElement("coopdyn:module")) {
-    page += ModuleRow(*module);
+  if (!robot.joints.empty()) {
+    page += "\n## Joints\n" +
+            TableHead({"joint", "kind", "parent", "child", "from", "to", "effort", "top speed"}) +
+            JointRows(robot);
   }
+  page += "\n## Modules\n" + TableHead({"socket", "type", "commands"});
+  for (const ModuleModel& module : robot.modules()) page += ModuleRow(module);
+  const std::string devices = DeviceRows(model);
+  if (devices.empty()) return page;
   page +=
       "\n## Drive and sensors\n\nAs the model says it: lengths in m, angles in degrees where the name says "
       "so. "
       "[formats.md](../../formats.md#robots) explains each word.\n";
-  return page + TableHead({"element", "attributes"}) + DeviceRows(model);
+  return page + TableHead({"element", "attributes"}) + devices;
 }
 
 // Scenarios.
@@ -316,8 +322,11 @@ std::string Index(const SearchPath& path) {
 std::string Page(const Wanted& wanted, const SearchPath& path, Diagnostics& diagnostics) {
   RobotLibrary robots(path);
   if (wanted.kind == "robot") {
-    const auto robot = robots.Get(wanted.name, {"coopdyn describe", 0}, diagnostics);
-    return robot == nullptr ? "" : RobotPage(*robot);
+    std::error_code error;
+    const auto robot = fs::is_regular_file(wanted.name, error)
+                           ? ReadRobotModel(wanted.name, path, diagnostics)
+                           : robots.Get(wanted.name, {"coopdyn describe", 0}, diagnostics);
+    return robot == nullptr ? "" : RobotPage(*robot, wanted.name);
   }
   if (wanted.kind == "scenario") {
     const auto scenario = LoadScenario(wanted.name, robots, diagnostics);

@@ -25,6 +25,22 @@ Setpoint Limit(const JointModel& joint, Setpoint setpoint) {
   return setpoint;
 }
 
+const char* ToString(JointModel::Kind kind) {
+  switch (kind) {
+    case JointModel::Kind::kHinge:
+      return "hinge";
+    case JointModel::Kind::kSlider:
+      return "slider";
+    case JointModel::Kind::kBall:
+      return "ball";
+    case JointModel::Kind::kUniversal:
+      return "universal";
+    case JointModel::Kind::kScrew:
+      return "screw";
+  }
+  return "";
+}
+
 std::vector<std::string> RobotModel::actuator_modules() const {
   std::vector<std::string> names;
   for (const ActuatorModel& actuator : actuators) {

@@ -69,11 +69,15 @@ struct JointModel {
   double rest = 0;
   double pitch_m_rad = 0;  // of a screw: way along the axis per radian
 
+  bool slides() const { return kind == Kind::kSlider; }
   bool has_axis() const { return kind != Kind::kBall && kind != Kind::kUniversal; }
   /// A spring, a damper or friction works on it.
   bool is_resisted() const { return damping > 0 || friction > 0 || stiffness > 0; }
   bool has_stop() const { return lower > -kInfinity || upper < kInfinity; }
 };
+
+/// hinge, slider, ball, universal or screw.
+const char* ToString(JointModel::Kind kind);
 
 /// Gears, belts and URDF's <mimic>: the position of joints[follower] is multiplier · that of joints[leader] +
 /// offset. No leader is a follower.

@@ -76,7 +76,7 @@ def main():
     print("\n| model | what coopdyn says |\n|---|---|")
     for name, result in rows:
         if result != RUNS:
-            print(f"| `{name}` | {result} |")
+            print(f"| `{name}` | `{result}` |")
 
 
 if __name__ == "__main__":
