@@ -38,8 +38,10 @@ void Draw(const std::string& name) {
   client::Simulation sim = client::connect();
   client::Robot robot = sim.robot(name);
   client::Joints arm = robot.joints();
-  std::vector<double> q(arm.names().size());
-  for (std::size_t k = 1; k < q.size(); k += 2) q[k] = 0.8;  // bent, so that the tool can move every way
+  // Bent forward, so that the tool can move every way: 0.8 rad about each axis that points to the left.
+  std::vector<double> q;
+  for (const client::ChainJoint& joint : arm.get_chain().joints())
+    q.push_back(0.8 * std::round(joint.axis.y()));
   Move(sim, arm, q);
   Eigen::Isometry3d pose = arm.forward();
   const Eigen::Vector3d middle = pose.translation();

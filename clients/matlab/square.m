@@ -10,7 +10,9 @@ function off = square(name)
   sim = coopdyn.connect();
   robot = sim.robot(name);
   arm = robot.joints();
-  move(sim, arm, 0.8 * mod(0:numel(arm.names) - 1, 2));  % bent, so that the tool can move every way
+  % Bent forward, so that the tool can move every way: 0.8 rad about each axis that points to the left.
+  chain = arm.get_chain();
+  move(sim, arm, 0.8 * round(chain.axes(2, :)));
   pose = arm.forward();
   middle = pose(1:3, 4);
 

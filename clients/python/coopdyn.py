@@ -1176,7 +1176,7 @@ def _solved(A: List[List[float]], b: List[float]) -> List[float]:
 @_usages("chain")
 class Chain:
     """A serial chain of joints from a base to a tool, as product of exponentials: X(q) = exp([S1] q1) ... exp([Sn] qn) X(0)
-    (Lynch and Park, Modern Robotics, 4.1). `r.joints("arm").chain` is that of a robot's arm.
+    (Lynch and Park, Modern Robotics, 4.1). `r.joints("arm").get_chain()` is that of a robot's arm.
 
     `kinds`: 0 hinge or 1 slider, per joint; `points`: x, y, z [m] of a point of each axis and `axes` its direction, in the
     frame of the base with all joints at 0; `tool`: the tool's pose there, a 4 x 4 matrix; `lower` and `upper`: limits [rad, m].
@@ -1192,17 +1192,17 @@ class Chain:
         if not n == len(points) == len(axes) == len(self.lower) == len(self.upper):
             raise Error(3, f"a chain of {n} joints has {n} points, {n} axes and {n} limits")
         self._sliders = [int(kind) == 1 for kind in kinds]
-        self._points = [(float(p[0]), float(p[1]), float(p[2])) for p in points]
-        self._axes: List[_Vector] = []
+        self.points = [(float(p[0]), float(p[1]), float(p[2])) for p in points]
+        self.axes: List[_Vector] = []
         for x, y, z in axes:
             length = math.sqrt(x * x + y * y + z * z)
             if not 0 < length < math.inf:
                 raise Error(4, "an axis is a direction: its length is not 0")
-            self._axes.append((x / length, y / length, z / length))
+            self.axes.append((x / length, y / length, z / length))
         self._tool = _pose_parts(tool)
 
     def __len__(self) -> int:
-        return len(self._axes)
+        return len(self.axes)
 
     @_usage("chain.forward([0.1, 0.2])")
     def forward(self, q: Sequence[float]) -> List[List[float]]:
@@ -1250,8 +1250,8 @@ class Chain:
             numbers = [_number(value, f"a value of {what}") for value in q]
         except TypeError:
             numbers = [_number(q, what)]
-        if len(numbers) != len(self._axes):
-            raise Error(3, f"{what} has {len(numbers)} values, the chain {len(self._axes)} joints")
+        if len(numbers) != len(self.axes):
+            raise Error(3, f"{what} has {len(numbers)} values, the chain {len(self.axes)} joints")
         return numbers
 
     def _forward(self, q: Sequence[float]) -> Tuple[_Rotation, _Vector, List[Tuple[_Vector, _Vector]]]:
@@ -1259,7 +1259,7 @@ class Chain:
         R: _Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         t: _Vector = (0.0, 0.0, 0.0)
         moved = []
-        for slider, point, axis, angle in zip(self._sliders, self._points, self._axes, q):
+        for slider, point, axis, angle in zip(self._sliders, self.points, self.axes, q):
             p, a = _turned(R, point), _turned(R, axis)
             p = p[0] + t[0], p[1] + t[1], p[2] + t[2]
             moved.append((p, a))

@@ -33,7 +33,8 @@ def main(name="robot1"):
     with coopdyn.connect() as sim:
         robot = sim.robot(name)
         arm = robot.joints()
-        move(sim, arm, [0.8 * (k % 2) for k in range(len(arm))])  # bent, so that the tool can move every way
+        # Bent forward, so that the tool can move every way: 0.8 rad about each axis that points to the left.
+        move(sim, arm, [0.8 * round(y) for _, y, _ in arm.get_chain().axes])
         pose = arm.forward()
         x, y, z = (row[3] for row in pose[:3])  # the middle of the square
 

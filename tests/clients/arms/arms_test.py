@@ -11,7 +11,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "python"))
 import harness  # noqa: E402
 
-ARM = "[SIMULATION]\nmode {mode}\n[FLOOR]\nsize 6 6 0.1\n[ROBOT_1]\ntype lwa\nname arm1\nposition 0 0\n"
+ARM = "[SIMULATION]\nmode {mode}\n[FLOOR]\nsize 6 6 0.1\n[ROBOT_1]\ntype {arm}\nname arm1\nposition 0 0\n"
 CLIENTS = harness.ROOT / "clients"
 LIMIT_S = 170
 LOCKSTEP_MM = 1.0
@@ -22,9 +22,9 @@ def octave(folder, code):
     return ["octave", "--no-gui", "--norc", "--eval", f"addpath('{CLIENTS / 'matlab'}'); addpath('{folder}'); {code}"]
 
 
-def run(command, mode):
+def run(command, mode, arm="lwa"):
     """What a program prints that drives an arm of its own daemon."""
-    with harness.Daemon(ARM.format(mode=mode), "--no-http", "--no-render") as daemon:
+    with harness.Daemon(ARM.format(mode=mode, arm=arm), "--no-http", "--no-render") as daemon:
         env = dict(os.environ, COOPDYN_SERVER=daemon.server, PYTHONPATH=str(CLIENTS / "python"))
         env.pop("DISPLAY", None)
         done = subprocess.run(list(map(str, command)), env=env, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -35,8 +35,8 @@ def run(command, mode):
 
 
 class Square:
-    def assert_square(self, mode, limit_mm):
-        out = run(self.command(), mode)
+    def assert_square(self, mode, limit_mm, arm="lwa"):
+        out = run(self.command(), mode, arm)
         self.assertLess(float(re.search(r"at most ([\d.]+) mm off", out).group(1)), limit_mm, out)
 
     def test_the_shipped_example_draws_its_square_within_a_millimetre_in_lockstep(self):
@@ -49,6 +49,12 @@ class Square:
 class Python(Square, unittest.TestCase):
     def command(self):
         return [sys.executable, CLIENTS / "python" / "square.py", "arm1"]
+
+
+    def test_every_arm_that_comes_with_the_program_draws_it(self):
+        for arm in ("irb120", "mh5", "mobile_arm"):
+            with self.subTest(arm):
+                self.assert_square("lockstep", LOCKSTEP_MM, arm)
 
 
 class Octave(Square, unittest.TestCase):
