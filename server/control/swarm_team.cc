@@ -104,7 +104,12 @@ std::optional<Message> SwarmModule::FindRows(const Peer& peer, const Message& re
 std::vector<SlotId> SwarmModule::SlotsOf(std::span<const int> robots) const {
   std::vector<SlotId> slots;
   slots.reserve(robots.size());
-  for (const int robot : robots) AddSlots(robot, slots);
+  for (const int robot : robots) {
+    const SceneRobot& of = scene_->robots[static_cast<std::size_t>(robot)];
+    const SlotId* const own = &slots_[static_cast<std::size_t>(of.first_actuator)];
+    slots.push_back(own[0]);
+    for (int i = 1; i < of.actuator_count; ++i) slots.push_back(own[i]);
+  }
   return slots;
 }
 

@@ -48,6 +48,25 @@ std::string GroupsOf(const Scene& scene, std::span<const int> robots) {
   return groups.empty() ? "they have none" : "there are " + JoinNames(groups);
 }
 
+TeamCommands::Refusal NotFinite(const std::string& word, const std::string& robot,
+                                std::span<const double> row) {
+  return {Error::kOutOfRange,
+          fmt::format("step_all takes finite numbers, {} of {} are {} {}", word, robot, row[0], row[1])};
+}
+
+/// Forward and turn, or the speeds of the wheels, as set-points; whether they were beyond the limits.
+/// @pre finite
+[[gnu::always_inline]] inline bool SetWheels(const DriveModel& drive, bool wheels, const WheelSpeeds& pair,
+                                             Setpoint* own) {
+  double factor = 1;
+  const WheelSpeeds speeds =
+      wheels ? LimitWheels(drive, pair, factor) : WheelsFor(drive, pair[0], pair[1], factor);
+  own[0] = Setpoint{speeds[0]};
+  own[1] = Setpoint{speeds[1]};
+  if (factor != 1) return true;
+  return drive.steering && (wheels ? speeds != pair : LimitTurn(drive, pair[0], pair[1]) != pair[1]);
+}
+
 }  // namespace
 
 bool TeamCommands::Word::sets(const ActuatorModel& actuator) const {
@@ -98,20 +117,14 @@ std::optional<TeamCommands::Refusal> TeamCommands::Add(const Word& word, const S
     if (const auto* drive = std::get_if<DriveModel>(&actuator.kind)) {
       if (std::isnan(row[0]) && std::isnan(row[1])) continue;
       if (!std::isfinite(row[0]) || !std::isfinite(row[1]))
-        return Refusal{Error::kOutOfRange, fmt::format("step_all takes finite numbers, {} of {} are {} {}",
-                                                       word.name, robot.entry.name, row[0], row[1])};
+        return NotFinite(word.name, robot.entry.name, row);
       if (own.front().mode != ControlMode::kKeep)
         return Refusal{
             Error::kWrongParams,
             fmt::format(
                 "step_all: {} are a second command for the wheels of {}: tell them one, nan nan in the other",
                 word.name, robot.entry.name)};
-      double factor = 1;
-      const WheelSpeeds pair = {row[0], row[1]};
-      const WheelSpeeds speeds =
-          word.wheels ? LimitWheels(*drive, pair, factor) : WheelsFor(*drive, row[0], row[1], factor);
-      std::ranges::copy(SetpointsFor(speeds), own.begin());
-      limited |= factor != 1 || (word.wheels ? speeds != pair : LimitTurn(*drive, row[0], row[1]) != row[1]);
+      limited |= SetWheels(*drive, word.wheels, {row[0], row[1]}, own.data());
       continue;
     }
     for (std::size_t i = 0; i < own.size(); ++i, row = row.subspan(1)) {
@@ -155,12 +168,7 @@ std::optional<TeamCommands::Refusal> TeamCommands::Translate(const Scene& scene,
         fmt::format("step_all takes {} data for each of {} robots ({}), {} in all, or none, not {}", width,
                     robots.size(), widths, width * robots.size(), data.size())};
   }
-  if (is_only_wheels()) {
-    const auto bad = std::ranges::find_if(data, [](double value) { return std::isnan(value); });
-    if (bad != data.end())
-      return Refusal{Error::kOutOfRange,
-                     "step_all takes finite numbers, value is nan: step_all (1 2) 0.2 0.5 0.1 0"};
-  }
+  if (is_only_wheels()) return TranslateWheels(scene, robots, data, setpoints, limited);
   for (const int index : robots) {
     const SceneRobot& robot = scene.robots[static_cast<std::size_t>(index)];
     const std::size_t first = setpoints.size();
@@ -174,6 +182,42 @@ std::optional<TeamCommands::Refusal> TeamCommands::Translate(const Scene& scene,
       data = data.subspan(columns[i]);
     }
     if (was_limited) ++limited;
+  }
+  return std::nullopt;
+}
+
+std::optional<TeamCommands::Refusal> TeamCommands::TranslateWheels(const Scene& scene,
+                                                                   std::span<const int> robots,
+                                                                   std::span<const double> data,
+                                                                   std::vector<Setpoint>& setpoints,
+                                                                   std::size_t& limited) const {
+  const Word& word = words_.front();
+  std::size_t channels = 0;
+  for (const int index : robots)
+    channels += static_cast<std::size_t>(scene.robots[static_cast<std::size_t>(index)].channel_count);
+  setpoints.assign(channels, {0, ControlMode::kKeep});
+  Setpoint* own = setpoints.data();
+  const RobotModel* last = nullptr;  // most robots of a team are of one type
+  const DriveModel* drive = nullptr;
+  std::size_t before = 0;  // channels of the robot before those of its drive
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const SceneRobot& robot = scene.robots[static_cast<std::size_t>(robots[i])];
+    const RobotModel* const model = robot.entry.model.get();
+    if (std::exchange(last, model) != model) {
+      drive = model->drive();
+      before = 0;
+      for (const ActuatorModel& actuator : model->actuators) {
+        if (!actuator.is_board()) break;
+        before += actuator.joints.size();
+      }
+    }
+    if (drive != nullptr) {
+      const WheelSpeeds row = {data[2 * i], data[2 * i + 1]};
+      if (!std::isfinite(row[0]) || !std::isfinite(row[1]))
+        return NotFinite(word.name, robot.entry.name, row);
+      if (SetWheels(*drive, word.wheels, row, own + before)) ++limited;
+    }
+    own += robot.channel_count;
   }
   return std::nullopt;
 }

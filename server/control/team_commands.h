@@ -50,6 +50,10 @@ class TeamCommands {
   /// `row`: the word's columns. Adds to `setpoints`, which begin with the robot's first channel.
   std::optional<Refusal> Add(const Word& word, const SceneRobot& robot, std::span<const double> row,
                              std::span<Setpoint> setpoints, bool& limited) const;
+  /// The same if all that is said is one word for wheels: swarms step so.
+  std::optional<Refusal> TranslateWheels(const Scene& scene, std::span<const int> robots,
+                                         std::span<const double> data, std::vector<Setpoint>& setpoints,
+                                         std::size_t& limited) const;
   bool is_only_wheels() const { return words_.size() == 1 && !words_.front().sets_joints(); }
 
   std::vector<Word> words_;

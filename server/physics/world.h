@@ -118,7 +118,11 @@ class PhysicsWorld {
   /// What the motors of the control boards do in this substep, of which `left` are to come.
   void AdvanceBoards(double dt_s, int left);
   /// A motor is to move the thing.
-  bool IsDriven(const Thing& thing) const;
+  bool IsDriven(const Thing& thing) const {
+    return coopdyn::IsDriven(ChannelsOf(thing)) || (thing.control_count > 0 && IsUnderWay(thing));
+  }
+  /// One of its joints is on its way to a position.
+  bool IsUnderWay(const Thing& thing) const;
   /// A channel has turned at this rate in a substep.
   void Turn(ChannelState& channel, double rate, double dt_s) const {
     channel.position += rate * dt_s;

@@ -78,10 +78,9 @@ void PhysicsWorld::AdvanceBoards(double dt_s, int left) {
   }
 }
 
-bool PhysicsWorld::IsDriven(const Thing& thing) const {
-  if (coopdyn::IsDriven(ChannelsOf(thing))) return true;
+bool PhysicsWorld::IsUnderWay(const Thing& thing) const {
   for (std::size_t i = thing.first_control; i < thing.first_control + thing.control_count; ++i) {
-    if (IsUnderWay(channels_[board_joints_[i].channel].setpoint, controls_[i])) return true;
+    if (coopdyn::IsUnderWay(channels_[board_joints_[i].channel].setpoint, controls_[i])) return true;
   }
   return false;
 }

@@ -150,8 +150,11 @@ void DriveTable::SetPending(std::size_t index, ClientId client, std::span<const 
   drive.excused = drive.dropped = drive.abandoned = false;
   if (!setpoints.empty()) {
     const bool adds = drive.pending && drive.has_setpoint && !drive.latched;
-    if (!adds) std::ranges::fill(Of(index, commanded_), Setpoint{0, ControlMode::kKeep});
-    Merge(setpoints, Of(index, commanded_));
+    if (adds) {
+      Merge(setpoints, Of(index, commanded_));
+    } else {
+      std::ranges::copy(setpoints, Of(index, commanded_).begin());
+    }
     drive.has_setpoint = true;
   } else if (!drive.pending) {
     drive.has_setpoint = false;
