@@ -106,7 +106,7 @@ CommandTable JointsTable() {
                        {Repeated("lower", "rad"), Repeated("upper", "rad"), Repeated("velocity", "rad/s"),
                         Repeated("effort", "N m")})),
       OfJoints(Reading(command::kGetMotion, "get_motion",
-                       "Returns which joints have arrived (1) and where each one goes.",
+                       "Returns which joints have ended their motion (1) and where each one goes.",
                        {Repeated("target", "rad")})),
       OfJoints(
           Reading(command::kGetReferences, "get_references",

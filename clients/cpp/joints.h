@@ -44,7 +44,7 @@ struct Profile {
 struct Gains {
   std::vector<double> p, i, d;
 };
-/// Whether each joint has arrived, and where it goes [rad, m].
+/// Whether each joint has ended its motion, and where it goes [rad, m].
 struct Motion {
   std::vector<bool> arrived;
   std::vector<double> target;

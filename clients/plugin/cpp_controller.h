@@ -4,7 +4,8 @@
 //   struct State { ... };                       plain values: all that Step() changes
 //   State state;
 //   static const coopdyn_description* Describe();   its state_size is sizeof(State)
-//   MyClass(const coopdyn_robot& robot, const double* options);   may throw: the robot then stands
+//   MyClass(const coopdyn_robot& robot, const double* options);   may throw: the robot then stands, and
+//                                                                   the exception's text says why
 //   void Reset(std::uint64_t seed);
 //   void Step(const coopdyn_readings& readings, coopdyn_command& command);
 //
@@ -14,7 +15,9 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
+#include <exception>
 #include <initializer_list>
 #include <type_traits>
 
@@ -28,8 +31,13 @@ const coopdyn_controller* Entry() {
   static const coopdyn_controller functions = {
       COOPDYN_CONTROLLER_VERSION,
       [] { return Controller::Describe(); },
-      [](const coopdyn_robot* robot, const double* options, char*, std::size_t) -> void* {
-        return new Controller(*robot, options);
+      [](const coopdyn_robot* robot, const double* options, char* why, std::size_t size) -> void* {
+        try {
+          return new Controller(*robot, options);
+        } catch (const std::exception& error) {
+          std::snprintf(why, size, "%s", error.what());
+          return nullptr;
+        }
       },
       [](void* instance, std::uint64_t seed) { static_cast<Controller*>(instance)->Reset(seed); },
       [](void* instance, const coopdyn_readings* readings, coopdyn_command* command) {

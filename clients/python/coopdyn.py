@@ -340,7 +340,7 @@ class Gains(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Whether each joint has arrived, and where it goes [rad or m]."""
+    """Whether each joint has ended its motion, and where it goes [rad or m]."""
 
     arrived: List[bool]
     target: List[float]
@@ -1191,6 +1191,10 @@ class Chain:
         self.upper = [math.inf] * n if upper is None else [float(x) for x in upper]
         if not n == len(points) == len(axes) == len(self.lower) == len(self.upper):
             raise Error(3, f"a chain of {n} joints has {n} points, {n} axes and {n} limits")
+        if any(kind not in (0, 1) for kind in kinds):
+            raise Error(4, f"the kinds of a chain's joints are 0 (hinge) or 1 (slider), not {list(kinds)}")
+        if any(len(vector) != 3 for vector in (*points, *axes)):
+            raise Error(3, "points and axes of a chain are x, y, z each")
         self._sliders = [int(kind) == 1 for kind in kinds]
         self.points = [(float(p[0]), float(p[1]), float(p[2])) for p in points]
         self.axes: List[_Vector] = []
@@ -2798,7 +2802,7 @@ class Joints:
 
     @_usage('arm.get_motion() or arm.get_motion("elbow")')
     def get_motion(self, joints: Names = None) -> Motion:
-        """Which joints have arrived where set_positions sent them, and where they go."""
+        """Which joints have ended the motion of set_positions, and where they go."""
         return self._get(_GET_MOTION, joints)
 
     @_usage('arm.arrived() or arm.arrived("elbow")')

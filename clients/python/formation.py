@@ -142,4 +142,7 @@ def main(names):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except coopdyn.Error as error:
+        sys.exit(str(error))

@@ -64,4 +64,7 @@ def main(name="robot1"):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    try:
+        main(*sys.argv[1:])
+    except coopdyn.Error as error:
+        sys.exit(str(error))

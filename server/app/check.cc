@@ -2,6 +2,8 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "server/app/commands.h"
@@ -26,10 +28,21 @@ struct CheckOptions {
 };
 
 /// Says what the controllers that `scenario` names do not take.
-void CheckControllers(const Scenario& scenario, Diagnostics& diagnostics) {
+/// What controllers say of the robots that they are to drive from `frame` on, if it is there.
+void CheckControllers(const Scenario& scenario, const FramePtr& frame, Diagnostics& diagnostics) {
   const SteadyClock clock;
   WorkerPool pool(1);
-  ControllerHost(ControllerOptions{}, clock, NullLogger(), pool).Check(scenario, diagnostics);
+  ControllerHost host(ControllerOptions{}, clock, NullLogger(), pool);
+  host.Check(scenario, diagnostics);
+  if (frame == nullptr || diagnostics.has_errors()) return;
+  host.Configure(frame);
+  std::set<std::string> said;
+  for (const StoppedController& stopped : host.TakeStopped()) {
+    const auto robot = std::ranges::find(scenario.robots, stopped.robot, &RobotEntry::name);
+    const bool known = diagnostics.ToString().find(stopped.why) != std::string::npos;
+    if (robot == scenario.robots.end() || known || !said.insert(stopped.why).second) continue;
+    diagnostics.Warning(robot->controller.where, stopped.why + "; " + stopped.robot + " will stand");
+  }
 }
 
 /// The first frame of `scenario`; null with diagnostics if its physics cannot be built.
@@ -38,10 +51,9 @@ FramePtr FirstFrame(const std::shared_ptr<const Scenario>& scenario, Diagnostics
   frame->scene = MakeScene(scenario);
   frame->seed = scenario->simulation.seed;
   const auto world = PhysicsWorld::Build(frame->scene, frame->seed, diagnostics);
-  CheckControllers(*scenario, diagnostics);
-  if (world == nullptr) return nullptr;
-  world->Fill(*frame);
-  return frame;
+  if (world != nullptr) world->Fill(*frame);
+  CheckControllers(*scenario, world == nullptr ? nullptr : frame, diagnostics);
+  return world == nullptr ? nullptr : frame;
 }
 
 /// A model, not a world.

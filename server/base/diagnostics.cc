@@ -10,17 +10,17 @@ namespace coopdyn {
 
 namespace {
 
-std::string PlaceText(const SourceLine& where) {
-  std::string out = Printable(where.file);
-  if (where.line > 0) out += ':' + std::to_string(where.line);
-  return out;
-}
-
 std::string Counted(std::size_t count, const char* what) {
   return std::to_string(count) + " more " + what + (count == 1 ? "" : "s");
 }
 
 }  // namespace
+
+std::string ToString(const SourceLine& where) {
+  std::string out = Printable(where.file);
+  if (where.line > 0) out += ':' + std::to_string(where.line);
+  return out;
+}
 
 void Diagnostics::Error(SourceLine where, std::string text) {
   ++errors_;
@@ -80,12 +80,12 @@ std::string Diagnostics::ToString() const {
     if (more_warnings > 0) out += (more_errors > 0 ? ", " : "") + Counted(more_warnings, "warning");
     out += '\n';
   }
-  if (stopped_) out += PlaceText(*stopped_) + ": the rest was not read\n";
+  if (stopped_) out += coopdyn::ToString(*stopped_) + ": the rest was not read\n";
   return out;
 }
 
 std::string ToString(const Diagnostic& diagnostic) {
-  return PlaceText(diagnostic.where) +
+  return ToString(diagnostic.where) +
          (diagnostic.level == Diagnostic::Level::kError ? ": error: " : ": warning: ") + diagnostic.text;
 }
 

@@ -60,6 +60,8 @@ class Diagnostics {
   std::optional<SourceLine> stopped_;  // where a reader stopped
 };
 
+/// `file:line`
+std::string ToString(const SourceLine& where);
 /// `file:line: error: text` without '\n'.
 std::string ToString(const Diagnostic& diagnostic);
 

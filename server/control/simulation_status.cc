@@ -36,6 +36,7 @@ json::object RobotJson(const SceneRobot& robot, const Owner* owner, const NameTa
           {"type", robot.entry.model->type},
           {"modules", std::move(modules)},
           {"owner", owned ? Text(owner->name) : nullptr},
+          {"controller", owner != nullptr && owner->driven ? Text(robot.entry.controller.name) : nullptr},
           {"participates", owner != nullptr && owner->participates},
           {"dropped", owner != nullptr && owner->dropped},
           {"still_moving", owner != nullptr && owner->still_moving}};

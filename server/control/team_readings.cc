@@ -70,7 +70,7 @@ void FillNeighbours(const Frame& frame, int robot, std::span<double> columns) {
 void FillWheels(const Frame& frame, int robot, std::span<double> columns) {
   const int first = frame.scene->FindDrive(robot);
   if (first < 0) {
-    std::ranges::fill(columns, 0);
+    std::ranges::fill(columns, std::numeric_limits<double>::quiet_NaN());
     return;
   }
   for (std::size_t side = 0; side < 2; ++side) {

@@ -104,7 +104,10 @@ class MeshLoader {
     if (const auto known = keys_.find(what); known != keys_.end()) return known->second;
     auto loaded = LoadMesh(*file, scale, part, *resources_, uri.where, found);
     if (!loaded) return {};
-    if (centred) loaded->middle.setZero();
+    if (centred) {
+      const MeshData& data = *loaded->data;  // around its middle
+      loaded = MakeModelMesh(data.vertices, data.triangles, data.color, data.skin);
+    }
     return Keep(what, std::move(*loaded), uri, found);
   }
 

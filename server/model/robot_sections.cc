@@ -204,7 +204,8 @@ std::optional<WorldObject> RobotSections::ReadBar(SectionReader& reader, const R
                                        kMinFileSize_m, kMaxFileLength_m)) {
     size_m = Vector3((*size)[0], (*size)[1], (*size)[2]);
     const auto check = [&](double value, double min, double max, const std::string& what) {
-      if (value >= min && value <= max) return;
+      constexpr double kTiny_m = 1e-9;  // 52mm is a little more than 0.052
+      if (value >= min - kTiny_m && value <= max + kTiny_m) return;
       reader.ErrorAt("bar", "the " + what + " of the bar must lie between " + FormatNumber(min) + " and " +
                                 FormatNumber(max) + " m, so that it lies on both supports; not " +
                                 FormatNumber(value) + " m; for example: bar 1.5 0.05 0.05");

@@ -11,31 +11,31 @@ namespace {
 using Profile = BoardModel::Profile;
 
 struct Way {
-  double position = 0, velocity = 0;
+  double position = 0, velocity = 0, acceleration = 0;
 };
 
-/// The quintic from (start, start_velocity) to rest at the target, at the share `s` of its duration.
+/// The quintic from the start (position, velocity, acceleration) to rest at the target, at the share `s` of
+/// its duration.
 Way MinimumJerk(const JointControl& control, double s) {
-  const double D = control.target - control.start, w = control.start_velocity * control.duration_s;
-  const double a3 = 10 * D - 6 * w, a4 = -15 * D + 8 * w, a5 = 6 * D - 3 * w;
-  const double position = control.start + s * (w + s * s * (a3 + s * (a4 + s * a5)));
-  const double slope = w + s * s * (3 * a3 + s * (4 * a4 + s * 5 * a5));
-  return {position, control.duration_s > 0 ? slope / control.duration_s : 0};
+  const double T = control.duration_s;
+  if (T <= 0) return {control.target};
+  const double D = control.target - control.start, w = control.start_velocity * T;
+  const double c = control.start_acceleration * T * T / 2;
+  const double a3 = 10 * D - 6 * w - 3 * c, a4 = -15 * D + 8 * w + 3 * c, a5 = 6 * D - 3 * w - c;
+  const double position = control.start + s * (w + s * (c + s * (a3 + s * (a4 + s * a5))));
+  const double slope = w + s * (2 * c + s * (3 * a3 + s * (4 * a4 + s * 5 * a5)));
+  const double curve = 2 * c + s * (6 * a3 + s * (12 * a4 + s * 20 * a5));
+  return {position, slope / T, curve / (T * T)};
 }
 
-/// Whether the quintic keeps to the profile; a joint that is faster at its start may slow down.
+/// Whether the quintic keeps to the profile; what is beyond it at its start may come back.
 bool KeepsTo(const JointControl& control) {
   constexpr int kSamples = 32;
-  const double T = control.duration_s;
-  const double D = control.target - control.start, w = control.start_velocity * T;
-  const double a3 = 10 * D - 6 * w, a4 = -15 * D + 8 * w, a5 = 6 * D - 3 * w;
   const double fastest = std::max(control.speed, std::abs(control.start_velocity)) * (1 + 1e-9);
+  const double most = std::max(control.acceleration, std::abs(control.start_acceleration)) * (1 + 1e-3);
   for (int k = 0; k <= kSamples; ++k) {
-    const double s = static_cast<double>(k) / kSamples;
-    const double velocity = MinimumJerk(control, s).velocity;
-    const double acceleration = s * (6 * a3 + s * (12 * a4 + s * 20 * a5)) / (T * T);
-    if (std::abs(velocity) > fastest || std::abs(acceleration) > control.acceleration * (1 + 1e-3))
-      return false;
+    const Way way = MinimumJerk(control, static_cast<double>(k) / kSamples);
+    if (std::abs(way.velocity) > fastest || std::abs(way.acceleration) > most) return false;
   }
   return true;
 }
@@ -43,12 +43,13 @@ bool KeepsTo(const JointControl& control) {
 /// The shortest time in which the quintic keeps to the profile; from rest in closed form.
 double DurationOf(JointControl control) {
   constexpr double kPeakSpeed = 1.875, kPeakAcceleration = 5.773502691896258;  // 15/8, 10/√3
-  constexpr double kGrowth = 1.05;
+  constexpr double kGrowth = 1.05, kBriefest_s = 1e-2;
   const double way = std::abs(control.target - control.start);
   control.duration_s =
       std::max({kPeakSpeed * way / control.speed, std::sqrt(kPeakAcceleration * way / control.acceleration),
-                std::abs(control.start_velocity) / control.acceleration});
-  if (control.start_velocity == 0) return control.duration_s;
+                std::abs(control.start_velocity) / control.acceleration,
+                control.start_acceleration == 0 ? 0 : kBriefest_s});
+  if (control.start_velocity == 0 && control.start_acceleration == 0) return control.duration_s;
   for (int i = 0; i < 200 && !KeepsTo(control); ++i) control.duration_s *= kGrowth;
   return control.duration_s;
 }
@@ -67,10 +68,11 @@ Way Trapezoidal(const JointControl& control, double dt_s) {
   return arrives ? Way{control.target, 0} : Way{position, velocity};
 }
 
-double WayVelocity(Profile profile, const JointControl& control) {
-  if (profile == Profile::kTrapezoidal) return control.start_velocity;
-  if (control.elapsed_s >= control.duration_s) return 0;
-  return MinimumJerk(control, control.elapsed_s / control.duration_s).velocity;
+/// Velocity and acceleration of the reference now.
+Way OnWay(Profile profile, const JointControl& control) {
+  if (profile == Profile::kTrapezoidal) return {control.reference, control.start_velocity};
+  if (control.elapsed_s >= control.duration_s) return {control.reference};
+  return MinimumJerk(control, control.elapsed_s / control.duration_s);
 }
 
 /// Moves the reference by a substep; returns its velocity.
@@ -149,17 +151,18 @@ void Plan(const JointModel& joint, Profile profile, const JointPlace& place, con
   }
   const bool on_way = last.mode == ControlMode::kPosition && next.mode == ControlMode::kPosition;
   if (on_way && reference == control.target) return;
-  const double velocity = on_way ? WayVelocity(profile, control) : place.velocity;
+  const bool goes = next.mode == ControlMode::kPosition;
+  const Way now = on_way ? OnWay(profile, control) : Way{0, place.velocity};
   if (!is_place(last)) {
     control.reference = place.position;
     control.integral = 0;
   }
   control.start = control.reference;
   control.target = reference;
-  control.start_velocity = next.mode == ControlMode::kPosition ? velocity : 0;
+  control.start_velocity = goes ? now.velocity : 0;
+  control.start_acceleration = goes ? now.acceleration : 0;
   control.elapsed_s = 0;
-  control.duration_s =
-      next.mode == ControlMode::kPosition && profile == Profile::kMinimumJerk ? DurationOf(control) : 0;
+  control.duration_s = goes && profile == Profile::kMinimumJerk ? DurationOf(control) : 0;
 }
 
 JointRow Advance(const JointModel& joint, Profile profile, const JointPlace& place, const Setpoint& setpoint,

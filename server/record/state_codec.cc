@@ -9,7 +9,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kStateVersion = 3, kWithoutControls = 2;
+constexpr std::uint8_t kStateVersion = 4, kWithoutAcceleration = 3, kWithoutControls = 2;
 constexpr std::size_t kBodyBytes = (3 + 4 + 9 + 3 + 3) * 8 + 8;
 constexpr std::size_t kSetpointBytes = 1 + 8, kChannelStateBytes = 2 * 8 + kSetpointBytes;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
@@ -29,7 +29,7 @@ void CodeChannel(auto& codec, auto& channel) {
   CodeSetpoint(codec, channel.setpoint);
 }
 
-void CodeControl(auto& codec, auto& control) {
+void CodeControl(auto& codec, auto& control, std::uint64_t version) {
   codec.Number(control.stiffness);  // may be infinite
   codec.Finite(control.damping);
   codec.Finite(control.offset);
@@ -40,6 +40,7 @@ void CodeControl(auto& codec, auto& control) {
   codec.Finite(control.d);
   codec.Finite(control.start);
   codec.Finite(control.start_velocity);
+  if (version != kWithoutAcceleration) codec.Finite(control.start_acceleration);
   codec.Finite(control.target);
   codec.Finite(control.duration_s);
   codec.Finite(control.elapsed_s);
@@ -73,7 +74,9 @@ void CodeState(Codec& codec, auto& state, auto& frame, std::uint64_t version) {
   codec.List(frame.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
   codec.List(frame.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
   if (version != kWithoutControls) {
-    codec.List(frame.controls, 8 * JointControl::kDoubles, [&codec](auto& one) { CodeControl(codec, one); });
+    const std::size_t doubles = JointControl::kDoubles - (version == kWithoutAcceleration ? 1 : 0);
+    codec.List(frame.controls, 8 * doubles,
+               [&codec, version](auto& one) { CodeControl(codec, one, version); });
   }
   codec.List(frame.commanded, 1, [&codec](auto& commanded) { codec.Number(commanded); });
   codec.List(frame.messages, kMessageBytes, [&codec](auto& sent) { CodeSent(codec, sent); });
@@ -123,7 +126,7 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
   auto frame = std::make_shared<Frame>();
   ByteReader reader(bytes);
   const std::uint64_t version = reader.Low(1);
-  if (version != kStateVersion && version != kWithoutControls) return nullptr;
+  if (version > kStateVersion || version < kWithoutControls) return nullptr;
   CodeState(reader, *state, *frame, version);
   if (!reader.finished() || !Fits(*state, *frame, *scene)) return nullptr;
   frame->scene = std::move(scene);

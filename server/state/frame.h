@@ -58,12 +58,13 @@ struct JointControl {
   double p = 100, i = 0, d = 0;                                // of the servo: 1/s, 1/s², -
   // The way to a position.
   double start = 0, start_velocity = 0;  // trapezoidal: the velocity is that of the reference now
+  double start_acceleration = 0;
   double target = 0;
   double duration_s = 0, elapsed_s = 0;
   double integral = 0;   // of the position error
   double reference = 0;  // in force: where the joint should be; of velocity and effort these
 
-  static constexpr std::size_t kDoubles = 15;
+  static constexpr std::size_t kDoubles = 16;
   bool operator==(const JointControl&) const = default;
 };
 static_assert(sizeof(JointControl) == JointControl::kDoubles * sizeof(double));

@@ -141,7 +141,7 @@ classdef Joints < handle
     end
 
     function v = get_motion(j, varargin)
-    %GET_MOTION arrived: which joints are where set_positions sent them; target: where they go.
+    %GET_MOTION arrived: which joints have ended the motion of set_positions; target: where they go.
       v = j.reading(217, varargin{:});
     end
 

@@ -5,7 +5,7 @@ import {make, say, setText, showNumber} from './dom.js';
 
 const DRIVE = 'joints';  // the channel that commands go through
 const MODES = ['idle', 'position', 'direct', 'velocity', 'effort'];
-const FREE_RANGE = Math.PI;  // of a slider whose joint has no limit
+const FREE_RANGE = Math.PI;  // to both sides of where a joint without limits is
 
 export class JointPanel {
   #connection;
@@ -62,7 +62,9 @@ export class JointPanel {
       const title = `${modes?.error === 0 ? `${MODES[modes.params[i]]}, ` : ''}velocity ${showNumber(velocity, 3)}, ` +
         `effort ${showNumber(effort, 2)}`;
       if (row.value.title !== title) row.value.title = title;
-      if (document.activeElement !== row.slider && typeof position === 'number') row.slider.value = position;
+      if (document.activeElement === row.slider || typeof position !== 'number') continue;
+      if (row.free) Object.assign(row.slider, {min: position - FREE_RANGE, max: position + FREE_RANGE});
+      row.slider.value = position;
     }
   }
 
@@ -81,11 +83,12 @@ export class JointPanel {
         'aria-label': name, title: `${name}: ${showNumber(lower, 2)} to ${showNumber(upper, 2)}`});
       slider.addEventListener('input', () => this.#send({command: 'set_positions', params: [i + 1], data: [Number(slider.value)]}));
       slider.addEventListener('change', () => slider.blur());
-      return {name, slider, value: make('td', {class: 'number'})};
+      return {name, slider, free: typeof lower !== 'number' && typeof upper !== 'number', value: make('td', {class: 'number'}), lower: showNumber(lower, 2), upper: showNumber(upper, 2)};
     });
     this.setOff(this.#off);
-    this.#table.replaceChildren(...this.#rows.map(({name, slider, value}) =>
-      make('tr', {}, make('td', {}, name), make('td', {}, slider), value)));
+    this.#table.replaceChildren(...this.#rows.map(({name, slider, value, lower, upper}) =>
+      make('tr', {}, make('td', {}, name), make('td', {class: 'limit'}, lower), make('td', {}, slider),
+        make('td', {class: 'limit'}, upper), value)));
   }
 
   /** The newest command is sent when the one before has been answered. */

@@ -46,6 +46,7 @@ class Card {
     const owner = robot.owner ?? '';
     const astray = !owner && robot.still_moving === true;
     const excuse = robot.participates === false ? ' (not waited for)' : '';
+    this.#owner.title = owner;
     setText(this.#owner, (owner || (astray ? 'nobody drives it, still moving' : 'nobody drives it')) + excuse);
     this.#owner.classList.toggle('quiet', !owner && !astray);
     this.#owner.classList.toggle('warning', astray);
@@ -155,7 +156,7 @@ export class Robots {
     this.#setParticipants(connected.join(' '));
   }
 
-  /** The names of all robots that somebody drives; a status tells 256 robots at a time. Null after an error. */
+  /** The names of all robots that clients drive; a status tells 256 robots at a time. Null after an error. */
   async #connectedRobots() {
     const connected = [];
     for (let first = 1, count = 1; first <= count; first += ROBOTS_AT_ONCE) {
@@ -166,7 +167,7 @@ export class Robots {
       }
       const status = JSON.parse(reply.text);
       count = status.robot_count;
-      connected.push(...status.robots.filter((robot) => robot.owner).map((robot) => robot.name));
+      connected.push(...status.robots.filter((robot) => robot.owner && !robot.controller).map((robot) => robot.name));
     }
     return connected;
   }

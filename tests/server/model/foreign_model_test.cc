@@ -292,6 +292,32 @@ TEST(MeshTest, ARecordedTextGivesTheSameModelWithoutFiles) {
   EXPECT_EQ(again->text, robot->text);
 }
 
+TEST(MeshTest, ACentredPartIsTheSameInARecordedText) {
+  const TempFolder folder;
+  std::string cube = kCube;
+  for (std::size_t at = 0; (at = cube.find("v 0", at)) != std::string::npos; ++at)
+    cube.replace(at, 3, at == 0 ? "v 1e-13" : "v 0.1234567");
+  folder.Write("cube.obj", "g part\n" + cube);
+  folder.Write(
+      "model.sdf",
+      "<sdf version=\"1.9\"><model name=\"rig\">" +
+          SdfLink("l", "0 0 1 0 0 0",
+                  "<mesh><uri>cube.obj</uri><submesh><name>part</name><center>true</center></submesh>"
+                  "</mesh>") +
+          "</model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  Diagnostics diagnostics;
+  const auto again = ReadRobotModelText(robot->text, "model.sdf", "rig", diagnostics);
+  ASSERT_NE(again, nullptr) << diagnostics.ToString();
+  const LinkShape &before = robot->links[0].collisions.at(0), &after = again->links[0].collisions.at(0);
+  EXPECT_EQ(before.X_LG.p, after.X_LG.p);
+  EXPECT_NEAR(before.X_LG.p.norm(), 0, 1e-6);
+  EXPECT_EQ(std::get<Mesh>(before.shape).data->vertices, std::get<Mesh>(after.shape).data->vertices);
+  EXPECT_EQ(robot->meshes.at(0)->triangles, again->meshes.at(0)->triangles);
+  EXPECT_EQ(robot->meshes.at(0)->inertia_m5, again->meshes.at(0)->inertia_m5);
+}
+
 TEST(MeshTest, AMissingMeshIsAnErrorWithItsLine) {
   const auto [robot, messages] =
       ReadSdf(SdfLink("l", "0 0 0 0 0 0", "\n<mesh><uri>model://rig/none.stl</uri></mesh>"));

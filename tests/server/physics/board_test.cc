@@ -109,6 +109,22 @@ TEST_P(BoardTest, AMinimumJerkMoveFollowsTheFormulaAndArrivesOnTime) {
   EXPECT_NEAR(position(), way, 0.05 * kDegree);
 }
 
+TEST_P(BoardTest, ATargetThatMovesInEachStepIsFollowed) {
+  Add(Rig());
+  Tune(2, 8);
+  double furthest_off = 0, last = 0;
+  for (int i = 1; i <= StepsIn(10); ++i) {
+    const double target = 0.5 * std::sin(i * step_s());
+    Command(ControlMode::kPosition, target);
+    scene_.Run(1);
+    if (i > StepsIn(3)) furthest_off = std::max(furthest_off, std::abs(position() - target));
+    ASSERT_LE(std::abs(position()), 0.52);
+    ASSERT_LE(std::abs(velocity() - last), 8 * step_s() * 1.05 + 2e-3) << i;
+    last = velocity();
+  }
+  EXPECT_LT(furthest_off, 0.1);
+}
+
 TEST_P(BoardTest, ATrapezoidalMoveKeepsToItsSpeedAndAcceleration) {
   RobotModel model = Rig();
   BoardOf(model).profile = BoardModel::Profile::kTrapezoidal;
