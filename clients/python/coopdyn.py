@@ -2737,7 +2737,7 @@ class Joints:
         """How joints are driven: "idle", "position", "direct", "velocity" or "effort". Each keeps still where it is (idle
         and effort: without effort) until its next command."""
         ids = self._ids(joints)
-        given = [modes] if isinstance(modes, (str, int)) else list(modes)
+        given = [modes] if isinstance(modes, (str, int, float)) else list(modes)
         numbers = []
         for mode in given:
             if mode in JOINT_MODES:

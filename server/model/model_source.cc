@@ -29,8 +29,7 @@ std::optional<int> MinorOf(const std::string& version) {
 }
 
 bool HasOwnElements(const XmlNode& node) {
-  if (node.name.starts_with("coopdyn:") || node.Has("coopdyn:color") || node.Has("xmlns:coopdyn"))
-    return true;
+  if (node.name.starts_with("coopdyn:") || node.Has("coopdyn:color")) return true;
   return std::ranges::any_of(node.children, HasOwnElements);
 }
 

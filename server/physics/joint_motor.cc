@@ -149,11 +149,16 @@ void Plan(const JointModel& joint, Profile profile, const JointPlace& place, con
     control.integral = 0;
     return;
   }
-  const bool on_way = last.mode == ControlMode::kPosition && next.mode == ControlMode::kPosition;
-  if (on_way && reference == control.target) return;
   const bool goes = next.mode == ControlMode::kPosition;
+  bool on_way = last.mode == ControlMode::kPosition && goes;
+  if (on_way && reference == control.target) return;
+  // Something keeps the joint from its reference: a new way begins where it is.
+  constexpr double kFar = 0.05;  // rad or m
+  const bool kept =
+      goes && !std::isfinite(control.stiffness) && std::abs(control.reference - place.position) > kFar;
+  on_way = on_way && !kept;
   const Way now = on_way ? OnWay(profile, control) : Way{0, place.velocity};
-  if (!is_place(last)) {
+  if (!is_place(last) || kept) {
     control.reference = place.position;
     control.integral = 0;
   }

@@ -83,7 +83,6 @@ void LimbSolver::AddStop(const Member& member, int joint, int side, double gap, 
   row.target = -side * back;
   row.softness = kRigid;
   (side < 0 ? row.lower : row.upper) = 0;
-  row.effort = static_cast<int>(member.first_effort) + joint;
   AddRate(member, joint, 1, row);
 }
 
@@ -112,7 +111,10 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
       } else if (row.max_effort > 0) {
         AddMotor(member, index, row.velocity, row.softness / dt_s, row.max_effort * dt_s);
       }
-      if (row.effort != 0) Push(member, index, row.effort * dt_s);
+      if (row.effort != 0) {
+        Push(member, index, row.effort * dt_s);
+        efforts_[member.first_effort + i] += row.effort;
+      }
     } else if (joint.channel >= 0) {
       const Setpoint& wanted = member.channels[static_cast<std::size_t>(joint.channel)].setpoint;
       AddMotor(member, index, wanted.reference, 0, joint.max_effort * dt_s);

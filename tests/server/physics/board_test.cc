@@ -258,6 +258,33 @@ TEST_P(BoardTest, ANewTargetOnTheWayChangesTheSpeedSmoothly) {
   EXPECT_NEAR(position(), -1, 0.01 * kDegree);
 }
 
+TEST_P(BoardTest, TheEffortAtAStopIsTheMotors) {
+  RobotModel model = Rig();
+  model.joints[0].upper = 0.3;
+  Add(model);
+  Command(ControlMode::kEffort, 5);
+  scene_.Run(StepsIn(2));
+  EXPECT_NEAR(position(), 0.3, 0.2 * kDegree);
+  EXPECT_NEAR(channel().effort, 5, 1e-9);
+  Command(ControlMode::kEffort, -3);
+  scene_.Run(1);
+  EXPECT_NEAR(channel().effort, -3, 1e-9);
+}
+
+TEST_P(BoardTest, AJointThatWasKeptFromItsTargetBeginsTheNextWayWhereItIs) {
+  RobotModel model = Rig();
+  Add(model);
+  Tune(1, 4);
+  Command(ControlMode::kPosition, 1);
+  scene_.Run(1);
+  JointControl control = scene_.world().controls()[0];
+  control.reference = control.start = 1.5;  // as if something had stood in its way
+  scene_.world().Tune(0, control);
+  Command(ControlMode::kPosition, -0.5);
+  scene_.Run(StepsIn(0.3));
+  EXPECT_LT(velocity(), -0.05);
+}
+
 TEST_P(BoardTest, LimitsHoldAgainstFullEffort) {
   for (const ControlMode mode : {ControlMode::kVelocity, ControlMode::kEffort, ControlMode::kPosition}) {
     scene_ = PhysicsScene();
