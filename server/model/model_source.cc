@@ -240,6 +240,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   ExpandIncludes(root, resources, diagnostics);
   GatherMimics(*root.Child("model"));
   FreeNames(*root.Child("model"), diagnostics);
+  CheckNames(*root.Child("model"), diagnostics);
   if (source.foreign) {
     root.Set("coopdyn:foreign", "true");
     AdoptModel(*root.Child("model"), diagnostics);

@@ -55,6 +55,8 @@ void GatherMimics(XmlNode& model);
 /// Gives what libsdformat refuses other names: joints that are called like a link or `world` (`coopdyn:name`
 /// has what they are called), and shapes of one name in a link. A link `world` is the world itself.
 void FreeNames(XmlNode& model, Diagnostics& diagnostics);
+/// Reports joints that join no links, and names that two have: libsdformat's words have no lines.
+void CheckNames(const XmlNode& model, Diagnostics& diagnostics);
 
 /// The SDF of a URDF `robot` (`<robot>`). Reports what it cannot use.
 XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Names that older SDF and other programs allow and libsdformat does not.
 #include <algorithm>
+#include <iterator>
 #include <set>
+#include <vector>
 
 #include "server/model/model_source.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -51,7 +54,56 @@ void NumberShapes(XmlNode& link) {
   }
 }
 
+void CheckJoint(const XmlNode& joint, const std::set<std::string>& names, Diagnostics& diagnostics) {
+  static constexpr const char* kTypes[] = {"ball",     "continuous", "fixed", "gearbox",  "prismatic",
+                                           "revolute", "revolute2",  "screw", "universal"};
+  const std::string what =
+      "joint '" + (joint.Has("coopdyn:name") ? joint.Attribute("coopdyn:name") : joint.Attribute("name")) +
+      "'";
+  const std::string type = joint.Attribute("type");
+  if (std::ranges::find(kTypes, type) == std::end(kTypes)) {
+    const std::vector<std::string> types(std::begin(kTypes), std::end(kTypes));
+    diagnostics.Error(joint.where,
+                      what + " cannot be of type '" + type + "': write one of " + JoinNames(types));
+  }
+  for (const char* end : {"parent", "child"}) {
+    const XmlNode* node = joint.Child(end);
+    const std::string name = node == nullptr ? "" : node->text;
+    // Parts of nested models and what SDF itself names are for libsdformat to judge.
+    if (name.find("::") != std::string::npos || name.starts_with("__") || names.contains(name)) continue;
+    if (name == "world" && node->name == "parent") continue;
+    diagnostics.Error(
+        node == nullptr ? joint.where : node->where,
+        name.empty() ? what + " needs <" + end + "> with the name of a link"
+                     : "<" + std::string(end) + "> of " + what + " names no link of this model: '" + name +
+                           "'" + DidYouMean(name, std::vector<std::string>(names.begin(), names.end())));
+  }
+  if (const std::string child = joint.TextOf("child"); !child.empty() && child == joint.TextOf("parent"))
+    diagnostics.Error(joint.where, what + " joins link '" + child + "' to itself: name two links");
+  const XmlNode* axis = joint.Child("axis");
+  const std::vector<std::string> xyz = SplitWords(axis == nullptr ? "" : axis->TextOf("xyz"));
+  if (xyz.size() == 3 && std::ranges::all_of(xyz, [](const auto& x) { return ParsePlain(x) == 0; }))
+    diagnostics.Error(axis->where,
+                      "the <xyz> of " + what + " is the direction of its axis: it cannot be 0 0 0");
+}
+
 }  // namespace
+
+void CheckNames(const XmlNode& model, Diagnostics& diagnostics) {
+  std::set<std::string> names, joints;
+  for (const XmlNode& child : model.children) {
+    const bool is_joint = child.name == "joint";
+    if (!is_joint && !IsPart(child)) continue;
+    const std::string name = child.Attribute("name");
+    if (!name.empty() && !(is_joint ? joints : names).insert(name).second)
+      diagnostics.Error(child.where,
+                        "there are two called '" + name + "': give this <" + child.name + "> another name");
+  }
+  for (const XmlNode& child : model.children) {
+    if (child.name == "joint") CheckJoint(child, names, diagnostics);
+    if (child.name == "model") CheckNames(child, diagnostics);
+  }
+}
 
 void FreeNames(XmlNode& model, Diagnostics& diagnostics) {
   DropWorld(model, diagnostics);

@@ -28,6 +28,7 @@ class UrdfConverter {
       if (child.name == "joint") parents_[TextOfEnd(child, "child")] = &child;
       if (child.name == "gazebo") extras_[child.Attribute("reference")].push_back(&child);
     }
+    RefuseLoops();
     // A frame of SDF is called by one name; the joint keeps its own beside it.
     for (const XmlNode& child : robot_.children) {
       if (child.name != "joint") continue;
@@ -70,6 +71,23 @@ class UrdfConverter {
   }
   void Warn(const XmlNode& at, std::string text) { diagnostics_.Warning(at.where, std::move(text)); }
   void Error(const XmlNode& at, std::string text) { diagnostics_.Error(at.where, std::move(text)); }
+
+  /// A link stands where the joint above it puts it, so no link may hang on itself.
+  void RefuseLoops() {
+    for (const auto& [link, joint] : parents_) {
+      std::string above = TextOfEnd(*joint, "parent");
+      for (std::size_t i = 0; i < parents_.size() && above != link; ++i) {
+        const auto next = parents_.find(above);
+        if (next == parents_.end()) break;
+        above = TextOfEnd(*next->second, "parent");
+      }
+      if (above != link) continue;
+      return Error(*joint,
+                   "joint '" + joint->Attribute("name") + "': link '" + link +
+                       "' hangs on itself by a loop of joints: remove one of them, or write the robot in "
+                       "SDF, which has loops");
+    }
+  }
 
   static std::string TextOfEnd(const XmlNode& joint, const char* end) {
     const XmlNode* found = joint.Child(end);

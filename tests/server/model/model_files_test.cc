@@ -238,6 +238,48 @@ TEST(MassTest, ALinkWithoutInertiaIsASolidOfItsShape) {
   EXPECT_TRUE(answer.robot->links[0].inertia_kg_m2.isApprox(Vector3(6.5, 5, 2.5), 1e-9));
 }
 
+TEST(MalformedModelTest, JointsThatJoinNothingAreErrorsWithTheirLine) {
+  const auto said = [](const std::string& joint) {
+    const TempFolder folder;
+    std::string links;
+    for (const char* name : {"base", "arm"})
+      links += "<link name=\"" + std::string(name) +
+               "\"><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>"
+               "</link>";
+    folder.Write("model.sdf",
+                 "<sdf version=\"1.9\"><model name=\"rig\">" + links + "\n" + joint + "</model></sdf>");
+    return ReadIn(folder, "model.sdf").messages;
+  };
+  const auto joint = [](const std::string& type, const std::string& parent, const std::string& child,
+                        const std::string& axis = "0 0 1") {
+    return "<joint name=\"j\" type=\"" + type + "\"><parent>" + parent + "</parent>\n<child>" + child +
+           "</child>\n<axis><xyz>" + axis + "</xyz></axis></joint>";
+  };
+  EXPECT_THAT(
+      said(joint("revolute", "base", "arn")),
+      HasSubstr("model.sdf:3: error: <child> of joint 'j' names no link of this model: 'arn'; did you "
+                "mean 'arm'?"));
+  EXPECT_THAT(said(joint("revolute", "arm", "arm")),
+              HasSubstr("model.sdf:2: error: joint 'j' joins link 'arm' to itself"));
+  EXPECT_THAT(said(joint("hinge", "base", "arm")),
+              HasSubstr("model.sdf:2: error: joint 'j' cannot be of type 'hinge': write one of"));
+  EXPECT_THAT(said(joint("revolute", "base", "arm", "0 0 0")),
+              HasSubstr("model.sdf:4: error: the <xyz> of joint 'j' is the direction of its axis"));
+  EXPECT_THAT(said(joint("revolute", "base", "arm") + joint("fixed", "base", "arm")),
+              HasSubstr("model.sdf:4: error: there are two called 'j': give this <joint> another name"));
+}
+
+TEST(MalformedModelTest, ALoopOfJointsInUrdfIsAnErrorWithItsLine) {
+  const TempFolder folder;
+  folder.Write("rig.urdf",
+               "<robot name=\"rig\"><link name=\"a\"/><link name=\"b\"/>\n"
+               "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\n"
+               "<joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>");
+  const std::string messages = ReadIn(folder, "rig.urdf").messages;
+  EXPECT_THAT(messages,
+              HasSubstr("rig.urdf:3: error: joint 'k': link 'a' hangs on itself by a loop of joints"));
+}
+
 TEST(MalformedModelTest, EntitiesThatGrowAreNotExpanded) {
   const TempFolder folder;
   folder.Write("model.sdf",
