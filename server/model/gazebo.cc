@@ -181,15 +181,18 @@ class Adopter {
       }
       return;
     }
-    const std::string joint = FirstOf(plugin, {"joint_name", "jointName", "joint"});
-    if (HasWord(what, kJointWords) && !joint.empty()) {
+    bool moves = false;
+    for (const XmlNode& named : plugin.children) {
+      const bool names = named.name == "joint_name" || named.name == "jointName" || named.name == "joint";
+      if (!HasWord(what, kJointWords) || !names || named.text.empty()) continue;
+      moves = true;
       XmlNode& moved = model_.Add("coopdyn:gazebo_joint");
       moved.where = plugin.where;
-      moved.Set("joint", joint);
+      moved.Set("joint", named.text);
       const std::string effort = FirstOf(plugin, {"cmd_max"});
       if (!effort.empty()) moved.Set("effort", effort);
-      return;
     }
+    if (moves) return;
     diagnostics_.Warning(plugin.where, shown + " is not used by coopdyn");
   }
 

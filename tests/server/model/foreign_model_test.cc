@@ -207,6 +207,22 @@ TEST(ForeignModelTest, ADriveOfGazeboHasAModuleAndItsOriginUnderTheAxle) {
   EXPECT_EQ(robot->modules()[0].type, "motors");
 }
 
+TEST(ForeignModelTest, AControllerPlugInGivesAllItsJointsMotors) {
+  const auto joint = [](const std::string& name, const std::string& child) {
+    return "<joint name=\"" + name + "\" type=\"revolute\"><parent>base</parent><child>" + child +
+           "</child><axis><xyz>0 0 1</xyz></axis></joint>\n";
+  };
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("a", "0 0 0.5 0 0 0", kSdfBox) +
+              SdfLink("b", "0 0 0.9 0 0 0", kSdfBox) + joint("j", "a") + joint("k", "b") +
+              "<plugin filename=\"gz-sim-joint-trajectory-controller-system\" "
+              "name=\"gz::sim::systems::JointTrajectoryController\"><joint_name>j</joint_name>"
+              "<joint_name>k</joint_name></plugin>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->actuators.size(), 1u);
+  EXPECT_EQ(robot->actuators[0].joints.size(), 2u);
+}
+
 TEST(ForeignModelTest, AStaticModelStandsFixed) {
   const auto [robot, messages] = ReadSdf("<static>1</static>" + SdfLink("base", "0 0 1 0 0 0", kSdfBox));
   ASSERT_NE(robot, nullptr) << messages;
