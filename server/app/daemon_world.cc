@@ -48,7 +48,8 @@ std::string Daemon::StartScenario() {
                             : LoadScenario(options_.scenario, models_, diagnostics, false, seed);
   const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
   if (!built) return diagnostics.ToString();
-  for (const Diagnostic& warning : diagnostics.all()) logger_->warn("{}: {}", ToString(warning.where), warning.text);
+  for (const Diagnostic& warning : diagnostics.all())
+    logger_->warn("{}: {}", ToString(warning.where), warning.text);
   return {};
 }
 
