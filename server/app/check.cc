@@ -27,8 +27,8 @@ struct CheckOptions {
   std::vector<std::string> scenario_folders;
 };
 
-/// Says what the controllers that `scenario` names do not take.
-/// What controllers say of the robots that they are to drive from `frame` on, if it is there.
+/// Says what the controllers that `scenario` names do not take, and which robots of `frame` (null: there is
+/// none) they cannot drive.
 void CheckControllers(const Scenario& scenario, const FramePtr& frame, Diagnostics& diagnostics) {
   const SteadyClock clock;
   WorkerPool pool(1);

@@ -73,6 +73,16 @@ position 4 4
             self.assertTrue(all(re.match(r".*ten\.scenario:\d+: error: ", line) for line in lines), lines)
 
 
+    def test_a_controller_that_cannot_drive_its_robot_says_why_at_its_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "wrong.scenario"
+            path.write_text("[ROBOT_1]\ntype lwa\nposition 0 0\ncontroller trot\n")
+            done = run("check", str(path))
+            said = done.stderr.decode()
+            self.assertRegex(said, r"wrong\.scenario:4: warning: controller trot cannot drive it: .*; robot1 will stand")
+            self.assertNotIn("exception", said)
+
+
 class ModelTest(unittest.TestCase):
     MODEL = """<robot name="gripper">
   <link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
@@ -88,6 +98,27 @@ class ModelTest(unittest.TestCase):
     <limit effort="3" velocity="1.5"/></joint>
 </robot>
 """
+
+    def test_a_world_of_the_current_folder_is_checked_by_its_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "arm.urdf").write_text(self.MODEL)
+            (Path(folder) / "lab.sdf").write_text('<sdf version="1.9"><world name="lab"><include><uri>model://sun</uri></include>'
+                                                  "<include><uri>arm.urdf</uri></include></world></sdf>")
+            done = run("check", "lab.sdf", cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("lab.sdf: 1 robot", done.stdout.decode())
+
+    def test_meshes_of_a_package_or_from_the_root_are_found_in_the_models_folder(self):
+        cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+        for uri in ("package://meshes/cube.obj", "model:///meshes/cube.obj", "/meshes/cube.obj"):
+            with self.subTest(uri), tempfile.TemporaryDirectory() as folder:
+                (Path(folder) / "meshes").mkdir()
+                (Path(folder) / "meshes" / "cube.obj").write_text(cube)
+                (Path(folder) / "a.urdf").write_text(
+                    '<robot name="a"><link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+                    f'<collision><geometry><mesh filename="{uri}"/></geometry></collision></link></robot>')
+                done = run("check", "a.urdf", cwd=folder)
+                self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_the_listing_of_a_model_names_joints_with_units_couplings_and_what_modules_have(self):
         with tempfile.TemporaryDirectory() as folder:
