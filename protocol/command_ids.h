@@ -25,10 +25,22 @@ inline constexpr Id kGetTargets = 30, kGetTarget = 31, kGetRobots = 32;
 inline constexpr Id kGetPose = 40, kGetPose3d = 41;
 // /R/neighbours
 inline constexpr Id kGetNeighbours = 200, kSendMessage = 201, kGetMessages = 202, kGetLink = 199;
+// /R/imu, /R/wrench
+inline constexpr Id kGetImu = 230, kGetWrench = 240;
+// /R/lidar
+inline constexpr Id kGetScan = 250, kGetScanGeometry = 251;
+// /R/contact
+inline constexpr Id kGetContacts = 260, kGetBumper = 261;
+// /R/camera
+inline constexpr Id kGetImage = 270, kGetCamera = 271;
 // /R/support
 inline constexpr Id kGetSupport = 280;
+// /R/battery
+inline constexpr Id kGetBattery = 290;
 // /R/compass
 inline constexpr Id kGetCompass = 300;
+// /R/light, /R/sonar, /R/infrared, /R/odometry
+inline constexpr Id kGetLight = 310, kGetSonar = 320, kGetInfrared = 330, kGetOdometry = 340;
 // Control boards: /R/joints
 inline constexpr Id kGetJoints = 203, kSetPositions = 204, kSetPositionsDirect = 205, kSetVelocities = 206,
                     kSetEfforts = 207, kSetModes = 208, kGetModes = 209, kSetCompliance = 210,

@@ -19,6 +19,16 @@ CommandTable PoseTable();        // /R/pose
 CommandTable NeighboursTable();  // /R/neighbours
 CommandTable CompassTable();     // /R/compass
 CommandTable SupportTable();     // /R/support
+CommandTable ImuTable();         // /R/imu
+CommandTable WrenchTable();      // /R/wrench
+CommandTable LidarTable();       // /R/lidar
+CommandTable ContactTable();     // /R/contact
+CommandTable SonarTable();       // /R/sonar
+CommandTable InfraredTable();    // /R/infrared
+CommandTable LightTable();       // /R/light
+CommandTable CameraTable();      // /R/camera
+CommandTable BatteryTable();     // /R/battery
+CommandTable OdometryTable();    // /R/odometry
 CommandTable SimulationTable();  // /simulation
 CommandTable SwarmTable();       // /swarm
 CommandTable RecorderTable();    // /recorder

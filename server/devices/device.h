@@ -44,6 +44,8 @@ class Device {
   /// and step.
   /// @pre CheckRequest() has accepted the request.
   virtual Message Read(const Message& request, const Frame& frame, int robot) const = 0;
+  /// The moment that the readings of robot `robot` show: `frame`, or a sample before.
+  virtual const Frame& Shown(const Frame& frame, int /*robot*/) const { return frame; }
   /// Appends the data of the first reading.
   virtual void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const = 0;
   /// The meaning of an actuator command for robot `robot`, which is as in `frame`; nothing if `request` is

@@ -32,6 +32,25 @@ template <>
 struct DeviceOf<NeighboursModel> {
   using Type = NeighboursDevice;
 };
+template <>
+struct DeviceOf<LidarModel> {
+  using Type = LidarDevice;
+};
+template <>
+struct DeviceOf<ContactModel> {
+  using Type = ContactDevice;
+};
+
+/// 0 and floor, or the id and the name of an object or a robot.
+std::pair<std::uint32_t, std::string> NameOf(const ContactEnd& end, const Scene& scene) {
+  if (end.robot >= 0) {
+    const SceneRobot& robot = scene.robots[static_cast<std::size_t>(end.robot)];
+    return {robot.id.value, robot.entry.name};
+  }
+  if (end.object < 0) return {0, "floor"};
+  const SceneObject& object = scene.objects[static_cast<std::size_t>(end.object)];
+  return {object.id.value, object.object.name};
+}
 
 }  // namespace
 
@@ -76,6 +95,41 @@ Message PoseDevice::Read(const Message& request, const Frame& frame, int robot) 
   reply.data.reserve(15);
   reply.data = {X_WR.p.x(), X_WR.p.y(), X_WR.p.z(), X_WR.q.w(), X_WR.q.x(), X_WR.q.y(), X_WR.q.z(),
                 v_W.x(),    v_W.y(),    v_W.z(),    w_W.x(),    w_W.y(),    w_W.z()};
+  return reply;
+}
+
+Message LidarDevice::Read(const Message& request, const Frame& frame, int robot) const {
+  if (request.command != command::kGetScanGeometry) return SensorDevice::Read(request, frame, robot);
+  Message reply = ReplyTo(request.command);
+  const auto* model = ModelOf(frame, robot).Find<LidarModel>(number());
+  if (model == nullptr) return reply;
+  const auto increment = [](double first, double last, int count) {
+    return count > 1 ? (last - first) / (count - 1) : 0;
+  };
+  reply.data.reserve(10);
+  reply.data = {model->first_azimuth_rad,
+                increment(model->first_azimuth_rad, model->last_azimuth_rad, model->columns),
+                model->min_range_m,
+                model->max_range_m,
+                static_cast<double>(model->rows),
+                static_cast<double>(model->columns),
+                model->first_elevation_rad,
+                increment(model->first_elevation_rad, model->last_elevation_rad, model->rows)};
+  return reply;
+}
+
+Message ContactDevice::Read(const Message& request, const Frame& frame, int robot) const {
+  Message reply = ReplyTo(request.command);
+  if (request.command == command::kGetBumper) {
+    reply.data = PressedZones(frame, robot, number());
+    return reply;
+  }
+  reply = SensorDevice::Read(request, frame, robot);
+  for (const Touch& touch : Touches(frame, robot, number())) {
+    const auto& [id, name] = NameOf(touch.other, *frame.scene);
+    reply.params.push_back(static_cast<std::int32_t>(id));
+    reply.text += (reply.text.empty() ? "" : " ") + name;
+  }
   return reply;
 }
 

@@ -29,6 +29,7 @@ class SensorDevice : public Device {
 
   Message Read(const Message& request, const Frame& frame, int robot) const override;
   void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const final;
+  const Frame& Shown(const Frame& frame, int robot) const final { return SampleOf(frame, robot, sensor_); }
 
  protected:
   /// Which of its kind the sensor is.
@@ -73,6 +74,20 @@ class NeighboursDevice final : public SensorDevice {
   using SensorDevice::SensorDevice;
   Message Read(const Message& request, const Frame& frame, int robot) const override;
   std::optional<RobotMessage> Broadcast(const Message& request) const override;
+};
+
+/// /R/lidar: ranges along rays.
+class LidarDevice final : public SensorDevice {
+ public:
+  using SensorDevice::SensorDevice;
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+};
+
+/// /R/contact: what touches some shapes of the robot.
+class ContactDevice final : public SensorDevice {
+ public:
+  using SensorDevice::SensorDevice;
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
 };
 
 /// /R/joints: a control board, a group of joints that are driven one by one.

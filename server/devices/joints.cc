@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "server/devices/devices.h"
-#include "server/sensing/noise.h"
 #include "server/state/joint_tuning.h"
+#include "server/state/noise.h"
 
 namespace coopdyn {
 

@@ -212,7 +212,7 @@ const UnaskedPtr& ModuleCore::ReadingOf(command::Id reading, const FramePtr& fra
     Message pushed = source_.Read(request, *frame);
     if (pushed.error != 0) return std::nullopt;  // the robot is not in this frame
     pushed.command = -reading;
-    Stamp(pushed, *frame);
+    Stamp(pushed, source_.Shown(*frame));
     return pushed;
   });
   if (!MayKeep(*frame) || !source_.reads_alike()) message->message();

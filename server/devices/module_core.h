@@ -29,6 +29,8 @@ class ReadingSource {
   virtual ~ReadingSource() = default;
   /// Answers a get-command that has been checked, without time_s and step.
   virtual Message Read(const Message& request, const Frame& frame) = 0;
+  /// The moment that Read() shows: `frame`, or a sample before.
+  virtual const Frame& Shown(const Frame& frame) { return frame; }
   /// The reading that `subscribe` takes if none is named.
   virtual command::Id first_reading() const = 0;
   /// Names that `attach` takes, e.g. motors, distance; and the first reading of one of them. Nothing is

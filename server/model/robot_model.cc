@@ -58,11 +58,11 @@ std::vector<ModuleModel> RobotModel::modules() const {
   return modules;
 }
 
-void RobotModel::AddSensor(std::string name, SensorKind kind) {
+void RobotModel::AddSensor(std::string name, SensorKind kind, const SensorTiming& timing) {
   const auto place = std::find_if(sensors.begin(), sensors.end(), [&kind](const SensorModel& other) {
     return other.kind.index() > kind.index();
   });
-  sensors.insert(place, {std::move(name), std::move(kind)});
+  sensors.insert(place, {std::move(name), std::move(kind), timing});
 }
 
 std::size_t RobotModel::NumberOf(std::size_t sensor) const {
@@ -71,6 +71,12 @@ std::size_t RobotModel::NumberOf(std::size_t sensor) const {
     ++number;
   }
   return number;
+}
+
+std::size_t RobotModel::FirstMeasured(std::size_t sensor) const {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < sensor && i < sensors.size(); ++i) first += MeasuredCount(sensors[i].kind);
+  return first;
 }
 
 std::vector<SectorModel> RobotModel::sectors() const {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "server/geometry/shape.h"
+#include "server/model/sensor_models.h"
 #include "server/model/world_model.h"
 
 namespace coopdyn {
@@ -161,78 +162,6 @@ struct ActuatorModel {
   const char* type() const { return is_board() ? "joints" : "motors"; }
 };
 
-// The kinds of sensors. kType is the word for such a module in a robot's SDF.
-
-/// One range of a `distance` module: a sector sampled by several rays in the horizontal plane of its mount;
-/// the smallest counts.
-struct SectorModel {
-  Pose X_RS;               // x along the sector's middle; its origin lies on the chassis surface
-  double bearing_rad = 0;  // of the middle in R; 0 ahead, left positive
-  double opening_rad = 0;  // full angle of the sector
-  int rays = 1;            // spread evenly from edge to edge; one: the middle
-  double max_range_m = 0;  // from the chassis surface
-  double noise_stddev_m = 0;
-};
-struct DistanceModel {
-  static constexpr const char* kType = "distance";
-  std::vector<SectorModel> sectors;  // by increasing bearing (right to left)
-};
-
-/// Vision: targets and other robots by distance and bearing.
-struct TargetModel {
-  static constexpr const char* kType = "target";
-  double max_range_m = std::numeric_limits<double>::infinity();
-  bool see_through = true;  // targets are seen through obstacles
-  double distance_noise_stddev_m = 0;
-  double bearing_noise_stddev_rad = 0;
-};
-
-/// Ground truth.
-struct PoseModel {
-  static constexpr const char* kType = "pose";
-};
-
-/// Range and bearing to robots nearby, and short broadcasts to them.
-struct NeighboursModel {
-  static constexpr const char* kType = "neighbours";
-  double range_m = 0;          // of sight, between the robots' centres, in the plane
-  double message_range_m = 0;  // of broadcasts; 0: it hears none
-  double loss = 0;             // probability that one receiver misses a message, 0…1
-  int delay_steps = 0;         // from sending to hearing, beyond the one step that every message takes
-  static constexpr int kMaxDelaySteps = 99;  // frames keep the broadcasts of 100 steps
-  double distance_noise_stddev_m = 0;
-  double bearing_noise_stddev_rad = 0;
-};
-
-/// The heading of R in the world.
-struct CompassModel {
-  static constexpr const char* kType = "compass";
-  double noise_stddev_rad = 0;
-};
-
-/// How far a load has moved the support that carries it: a link on passive joints.
-struct SupportModel {
-  static constexpr const char* kType = "support";
-  std::string link;
-  double height_m = 0;  // in R: where a load rests on it
-  double noise_stddev_m = 0;
-  double angle_noise_stddev_rad = 0;
-};
-
-/// In the order of their ports.
-using SensorKind =
-    std::variant<DistanceModel, TargetModel, PoseModel, NeighboursModel, CompassModel, SupportModel>;
-
-/// A sensor, and its module.
-struct SensorModel {
-  std::string name;
-  SensorKind kind;
-
-  const char* type() const {
-    return std::visit([](const auto& one) { return one.kType; }, kind);
-  }
-};
-
 /// A hardware module: its socket is /ROBOT/name.
 struct ModuleModel {
   std::string type;  // motors, distance, …
@@ -277,7 +206,7 @@ struct RobotModel {
   std::vector<ModuleModel> modules() const;
 
   /// Adds a sensor after the others of its kind.
-  void AddSensor(std::string name, SensorKind kind);
+  void AddSensor(std::string name, SensorKind kind, const SensorTiming& timing = {});
   /// Sensor `number` of a kind, counted from 0; null if there are fewer.
   template <typename Kind>
   const Kind* Find(std::size_t number = 0) const {
@@ -289,6 +218,17 @@ struct RobotModel {
   }
   /// Which of its kind sensors[sensor] is, counted from 0.
   std::size_t NumberOf(std::size_t sensor) const;
+  /// The index into `sensors` of sensor `number` of a kind; sensors.size() if there are fewer.
+  template <typename Kind>
+  std::size_t IndexOf(std::size_t number = 0) const {
+    for (std::size_t i = 0; i < sensors.size(); ++i) {
+      if (std::holds_alternative<Kind>(sensors[i].kind) && number-- == 0) return i;
+    }
+    return sensors.size();
+  }
+  /// Where the measured values of sensors[sensor] begin among those of the robot (Frame::measured); of
+  /// sensors.size(): how many these are.
+  std::size_t FirstMeasured(std::size_t sensor) const;
   /// The sectors of all distance sensors, in their order; and how many these are.
   std::vector<SectorModel> sectors() const;
   std::size_t sector_count() const;

@@ -111,6 +111,8 @@ struct Scenario {
   Floor floor;                       // in force
   std::vector<WorldObject> objects;  // the world's, then the scenario's own; ids are index + 1
   std::vector<Target> targets;
+  std::vector<PointLight> lights;  // the world's, then the scenario's own
+  double ambient_light = 0;        // what a light sensor reads without lamps
   std::vector<RobotEntry> robots;
   std::vector<SwarmEntry> swarms;  // in file order
   SimulationOptions simulation;

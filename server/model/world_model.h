@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/base/diagnostics.h"
 #include "server/base/ids.h"
+#include "server/geometry/image.h"
 #include "server/geometry/shape.h"
 
 namespace coopdyn {
@@ -27,11 +29,18 @@ const std::vector<std::string>& ColorNames();
 /// The word for `color_n` of a [TARGET], n ≥ 1: red, green, blue, …, then again from the start.
 const std::string& PaletteName(int n);
 
+/// A picture on a thing, repeated; its colour without it.
+struct Texture {
+  std::shared_ptr<const Image> image;  // null: none
+  double width_m = 1, height_m = 1;    // of one picture
+};
+
 struct Floor {
   double length_m = 20, width_m = 20, height_m = 0.1;  // along x, y, z; the top is at z = 0, centred
   Color color{0.85, 0.85, 0.85};
   double friction = 1;
-  SourceLine where;
+  Texture texture = {};
+  SourceLine where = {};
 
   bool IsUnder(double x_m, double y_m) const {
     return std::abs(x_m) <= length_m / 2 && std::abs(y_m) <= width_m / 2;
@@ -46,9 +55,20 @@ struct WorldObject {
   double mass_kg = 0;
   Color color;
   double friction = 1;
-  SourceLine where;
+  Texture texture = {};  // of a box: on each of its sides
+  SourceLine where = {};
 
   bool is_static() const { return mass_kg <= 0; }
+};
+
+/// A lamp that light sensors and cameras see. Its light falls off by the square of the distance.
+struct PointLight {
+  std::string name;  // the section's, e.g. LIGHT_1
+  Vector3 p_WP = Vector3(0, 0, 2);
+  Color color{1, 1, 1};
+  double power = 1;           // what a sensor reads 1 m away
+  bool casts_shadows = true;  // things hide it from light sensors
+  SourceLine where;
 };
 
 /// A rectangle on the floor.
@@ -73,6 +93,8 @@ struct WorldModel {
   std::optional<Floor> floor;
   std::vector<WorldObject> objects;         // in file order
   std::vector<ScatteredObjects> scattered;  // in file order
+  std::vector<PointLight> lights;           // in file order
+  std::optional<double> ambient_light;      // what a light sensor reads without lamps
 };
 
 /// A coloured landmark without collision.

@@ -52,6 +52,7 @@ std::shared_ptr<Frame> Simulation::MakeFrame() {
   frame->scene = scene_;
   world_->Fill(*frame);
   frame->messages = messages_;
+  samples_.AddTo(*frame);
   return frame;
 }
 
@@ -106,6 +107,7 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
   step_length_ = from.step_length;
   messages_ = from.messages;
   Take(from);
+  samples_.Continue(from, epoch);
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->channels = from.channels;
   frame->commanded = from.commanded;

@@ -19,6 +19,7 @@
 #include "server/state/frame.h"
 #include "server/state/frame_pool.h"
 #include "server/state/run_control.h"
+#include "server/state/sample_keeper.h"
 
 namespace coopdyn {
 
@@ -100,6 +101,7 @@ class Simulation {
   bool has_controllers_ = false;
   std::vector<SentMessage> messages_;  // that may still be heard
   std::uint64_t message_steps_ = 0;    // for so long
+  SampleKeeper samples_;
   FramePool frames_;
   PhaseTimes times_;
 };

@@ -49,7 +49,7 @@ std::optional<Message> RobotModule::Answer(Peer& peer, const Message& request) {
   FramePtr frame;
   if (std::optional<Message> common = AnswerCommon(peer, request, frame)) return common;
   Message reply = Read(request, *frame);
-  if (reply.error == 0) ModuleCore::Stamp(reply, *frame);
+  if (reply.error == 0) ModuleCore::Stamp(reply, Shown(*frame));
   return reply;
 }
 
@@ -150,7 +150,12 @@ Message RobotModule::Read(const Message& request, const Frame& frame) {
     return ErrorReply(request.command, Error::kNotPossible,
                       robot_.name() + " is no longer part of the scenario");
   }
-  return device_.Read(request, frame, index);
+  return device_.Read(request, device_.Shown(frame, index), index);
+}
+
+const Frame& RobotModule::Shown(const Frame& frame) {
+  const int index = robot_.IndexIn(frame);
+  return index < 0 ? frame : device_.Shown(frame, index);
 }
 
 void RobotModule::AppendReading(std::size_t attachable, const Frame& frame, std::vector<double>& data) {

@@ -25,6 +25,7 @@ class RobotModule final : public PeerModule<ModulePeer> {
 
   // ReadingSource
   Message Read(const Message& request, const Frame& frame) override;
+  const Frame& Shown(const Frame& frame) override;
   command::Id first_reading() const override { return device_.first_reading(); }
   std::span<const std::string> attachable() const override { return robot_.module_names(); }
   void AppendReading(std::size_t attachable, const Frame& frame, std::vector<double>& data) override;

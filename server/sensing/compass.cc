@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The compass: where the robot's x axis points in the world.
-#include "server/sensing/noise.h"
 #include "server/sensing/readings.h"
+#include "server/state/noise.h"
 
 namespace coopdyn {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "server/sensing/fan_cast.h"
-#include "server/sensing/noise.h"
 #include "server/sensing/readings.h"
 #include "server/sensing/sensing_cache.h"
+#include "server/state/noise.h"
 
 namespace coopdyn {
 

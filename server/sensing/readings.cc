@@ -43,12 +43,53 @@ void Append(const SupportModel& /*model*/, const Place& at, std::vector<double>&
   data.insert(data.end(), {reading.x_m, reading.y_m, reading.angle_rad});
 }
 
+void Append(const Vector3& v, std::vector<double>& data) {
+  data.insert(data.end(), {v.x(), v.y(), v.z()});
+}
+void Append(const ImuModel& /*model*/, const Place& at, std::vector<double>& data) {
+  const ImuReading reading = Imu(at.frame, at.robot, at.number).value_or(ImuReading());
+  const Quaternion& q = reading.q_WS;
+  data.insert(data.end(), {q.w(), q.x(), q.y(), q.z()});
+  Append(reading.turn_S, data);
+  Append(reading.acceleration_S, data);
+}
+void Append(const WrenchModel& /*model*/, const Place& at, std::vector<double>& data) {
+  const WrenchReading reading = Wrench(at.frame, at.robot, at.number).value_or(WrenchReading());
+  Append(reading.force_S, data);
+  Append(reading.torque_S, data);
+}
+void Append(const ContactModel& /*model*/, const Place& at, std::vector<double>& data) {
+  for (const Touch& touch : Touches(at.frame, at.robot, at.number)) {
+    data.push_back(touch.force_n);
+    Append(touch.p_R, data);
+    Append(touch.normal_R, data);
+  }
+}
+void Append(const BatteryModel& /*model*/, const Place& at, std::vector<double>& data) {
+  const BatteryReading reading = Battery(at.frame, at.robot, at.number);
+  data.insert(data.end(), {reading.energy_j, reading.fraction, reading.power_w});
+}
+void Append(const OdometryModel& /*model*/, const Place& at, std::vector<double>& data) {
+  const OdometryReading reading = Odometry(at.frame, at.robot, at.number);
+  data.insert(data.end(),
+              {reading.x_m, reading.y_m, reading.heading_rad, reading.forward_m_s, reading.turn_rad_s});
+}
+void Append(const CameraModel& model, const Place& at, std::vector<double>& data) {
+  const RobotModel& robot = ModelOf(at.frame, at.robot);
+  const double f = model.focal_px(),
+               rate_hz = robot.sensors[robot.IndexOf<CameraModel>(at.number)].timing.rate_hz;
+  data.insert(data.end(), {static_cast<double>(model.width), static_cast<double>(model.height), f, f,
+                           model.width / 2.0, model.height / 2.0, model.near_m, model.far_m, rate_hz});
+}
+template <typename Kind>
+void Append(const Kind& /*model*/, const Place& /*at*/, std::vector<double>& /*data*/) {}
+
 }  // namespace
 
 void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vector<double>& data) {
   const RobotModel& model = ModelOf(frame, robot);
   if (sensor >= model.sensors.size()) return;
-  const Place at{frame, robot, model.NumberOf(sensor)};
+  const Place at{SampleOf(frame, robot, sensor), robot, model.NumberOf(sensor)};
   std::visit([&](const auto& kind) { Append(kind, at, data); }, model.sensors[sensor].kind);
 }
 

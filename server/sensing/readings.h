@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -67,6 +68,52 @@ struct SupportReading {
   double angle_rad = x_m;  // left positive
 };
 SupportReading Support(const Frame& frame, int robot, std::size_t number = 0);
+
+/// What an inertial measurement unit reads, in its own frame.
+struct ImuReading {
+  Quaternion q_WS = Quaternion::Identity();
+  Vector3 turn_S = Vector3::Zero();          // rad/s
+  Vector3 acceleration_S = Vector3::Zero();  // m/s², with gravity: +g upwards at rest
+};
+/// Nothing if the robot has no such sensor; likewise below.
+std::optional<ImuReading> Imu(const Frame& frame, int robot, std::size_t number = 0);
+
+/// Force and torque through a joint, in the sensor's frame.
+struct WrenchReading {
+  Vector3 force_S = Vector3::Zero();   // N
+  Vector3 torque_S = Vector3::Zero();  // N m, about the sensor's origin
+};
+std::optional<WrenchReading> Wrench(const Frame& frame, int robot, std::size_t number = 0);
+
+/// Something that touches the robot.
+struct Touch {
+  ContactEnd other;
+  double force_n = 0;
+  Vector3 p_R = Vector3::Zero();
+  Vector3 normal_R = Vector3::Zero();  // towards the robot
+};
+/// What touches the shapes of a contact sensor, in the order of the frame's contacts.
+std::vector<Touch> Touches(const Frame& frame, int robot, std::size_t number = 0);
+/// Of each zone of a bumper whether it is pressed: 1 or 0.
+std::vector<double> PressedZones(const Frame& frame, int robot, std::size_t number = 0);
+
+struct BatteryReading {
+  double energy_j = std::numeric_limits<double>::quiet_NaN();
+  double fraction = energy_j, power_w = energy_j;
+};
+BatteryReading Battery(const Frame& frame, int robot, std::size_t number = 0);
+
+/// Where the wheels' encoders say that the robot is: in R as it started.
+struct OdometryReading {
+  double x_m = std::numeric_limits<double>::quiet_NaN(), y_m = x_m, heading_rad = x_m;
+  double forward_m_s = x_m, turn_rad_s = x_m;
+};
+OdometryReading Odometry(const Frame& frame, int robot, std::size_t number = 0);
+
+/// The pose of a sensor in the world.
+Pose MountPose(const Frame& frame, int robot, const Mount& mount);
+/// The angular velocity of a link in the world, rad/s.
+Vector3 LinkTurn(const Frame& frame, int robot, int link);
 
 /// Others within the range of a neighbours module, by increasing id. Seen through obstacles.
 std::vector<Sighting> Neighbours(const Frame& frame, int robot, std::size_t number = 0);

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/sensing/noise.h"
 #include "server/sensing/readings.h"
 #include "server/sensing/sensing_cache.h"
+#include "server/state/noise.h"
 
 namespace coopdyn {
 

@@ -2,8 +2,8 @@
 // The support: how far its load has moved it from its place on the robot.
 #include <algorithm>
 
-#include "server/sensing/noise.h"
 #include "server/sensing/readings.h"
+#include "server/state/noise.h"
 
 namespace coopdyn {
 

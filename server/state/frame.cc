@@ -58,6 +58,21 @@ std::span<const ChannelState> ChannelsOf(const Frame& frame, int index) {
       .subspan(static_cast<std::size_t>(robot.first_channel), static_cast<std::size_t>(robot.channel_count));
 }
 
+std::span<const double> MeasuredOf(const Frame& frame, int index, std::size_t sensor) {
+  if (frame.measured.empty()) return {};
+  const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(index)];
+  const RobotModel& model = *robot.entry.model;
+  return std::span(frame.measured)
+      .subspan(static_cast<std::size_t>(robot.first_measured) + model.FirstMeasured(sensor),
+               MeasuredCount(model.sensors[sensor].kind));
+}
+
+const Frame& SampleOf(const Frame& frame, int index, std::size_t sensor) {
+  const std::vector<int>& clocks = frame.scene->robots[static_cast<std::size_t>(index)].clocks;
+  if (clocks.empty() || clocks[sensor] < 0 || frame.samples.empty()) return frame;
+  return *frame.samples[static_cast<std::size_t>(clocks[sensor])].front();
+}
+
 bool IsFrozen(const Frame& frame, int index) {
   const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(index)];
   return frame.bodies[static_cast<std::size_t>(robot.first_body)].frozen();

@@ -83,10 +83,35 @@ struct SentMessage {
   RobotMessage message;
 };
 
+/// One end of a contact: the floor, an object or a part of a robot.
+struct ContactEnd {
+  std::int32_t object = -1;    // index into scene->objects
+  std::int32_t robot = -1;     // index into scene->robots; both -1: the floor
+  std::int32_t link = 0;       // of the robot
+  std::int32_t collision = 0;  // of the link
+
+  bool operator==(const ContactEnd&) const = default;
+};
+
+/// A point where two things touch. The mean over the step that made the frame.
+struct Contact {
+  ContactEnd a, b;
+  Vector3 p_W = Vector3::Zero();
+  Vector3 normal_W = Vector3::UnitZ();  // out of b, towards a
+  Vector3 force_W = Vector3::Zero();    // of b on a, N
+};
+
 /// Values derived from a frame at first use, e.g. by sensing. Freed with the frame.
 struct FrameCache {
   virtual ~FrameCache() = default;
 };
+
+struct Frame;
+using FramePtr = std::shared_ptr<const Frame>;
+
+/// The samples of sensors with one rate and delay, oldest first: what they show, then what they will show
+/// when it is old enough. These frames have no samples of their own.
+using FrameSamples = std::vector<FramePtr>;
 
 struct Frame {
   /// Grows with each load, reset and restore, and whenever playback jumps: steps grow within one.
@@ -101,6 +126,9 @@ struct Frame {
   std::vector<BodyState> bodies;       // by increasing body id; scene->body_ids
   std::vector<ChannelState> channels;  // as scene->channels
   std::vector<JointControl> controls;  // of the joints of control boards: Channel::control
+  std::vector<double> measured;        // for sensors, robot by robot: SceneRobot::first_measured
+  std::vector<Contact> contacts;       // if scene->measures_contacts: those that a sensor may need
+  std::vector<FrameSamples> samples;   // as scene->clocks; a sample's own: empty
   std::vector<std::uint8_t>
       commanded;  // as scene->actuators: 1 if a client's command came in force with this step
   /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
@@ -117,8 +145,6 @@ struct Frame {
   mutable std::once_flag cache_once;
   mutable std::unique_ptr<FrameCache> cache;
 };
-
-using FramePtr = std::shared_ptr<const Frame>;
 
 /// All that decides how a run goes on: what `save` keeps, a keyframe of a recording holds, and a restore
 /// takes. Immutable once published; any thread.
@@ -143,6 +169,10 @@ std::string HashText(std::uint64_t hash);
 std::vector<JointControl> StartControls(const Scene& scene);
 /// The channels of robot `index`.
 std::span<const ChannelState> ChannelsOf(const Frame& frame, int index);
+/// The measured values of a sensor of robot `index`; empty in a playback of what was recorded without them.
+std::span<const double> MeasuredOf(const Frame& frame, int index, std::size_t sensor);
+/// The moment that a sensor of robot `index` shows: `frame` itself, or a sample that it has taken before.
+const Frame& SampleOf(const Frame& frame, int index, std::size_t sensor);
 /// Whether robot `index` exploded and is held where it was last sane.
 bool IsFrozen(const Frame& frame, int index);
 /// The things and robots for which that is so.

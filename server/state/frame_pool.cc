@@ -16,6 +16,8 @@ class FramePool::Store {
     std::vector<ChannelState> channels;
     std::vector<std::uint8_t> commanded;
     std::vector<SentMessage> messages;
+    std::vector<double> measured;
+    std::vector<Contact> contacts;
   };
 
   Buffers Take() EXCLUDES(mutex_) {
@@ -31,6 +33,8 @@ class FramePool::Store {
     buffers.channels.clear();
     buffers.commanded.clear();
     buffers.messages.clear();
+    buffers.measured.clear();
+    buffers.contacts.clear();
     const MutexLock lock(mutex_);
     if (free_.size() < kMost) free_.push_back(std::move(buffers));
   }
@@ -50,13 +54,15 @@ std::shared_ptr<Frame> FramePool::Take() {
     const std::unique_ptr<Frame> owned(old);
     owned->cache.reset();  // it may refer to what goes back
     store->Give({std::move(owned->bodies), std::move(owned->channels), std::move(owned->commanded),
-                 std::move(owned->messages)});
+                 std::move(owned->messages), std::move(owned->measured), std::move(owned->contacts)});
   });
   Store::Buffers buffers = store_->Take();
   frame->bodies = std::move(buffers.bodies);
   frame->channels = std::move(buffers.channels);
   frame->commanded = std::move(buffers.commanded);
   frame->messages = std::move(buffers.messages);
+  frame->measured = std::move(buffers.measured);
+  frame->contacts = std::move(buffers.contacts);
   return frame;
 }
 

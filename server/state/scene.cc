@@ -50,6 +50,28 @@ int Scene::FindDrive(int robot) const {
   return drive == nullptr ? -1 : of.first_channel + static_cast<int>(model.FirstChannel(*drive));
 }
 
+namespace {
+
+/// What the sensors of `robot` need of the scene.
+void AddSensors(Scene& scene, SceneRobot& robot) {
+  const RobotModel& model = *robot.entry.model;
+  robot.first_measured = scene.measured_count;
+  scene.measured_count += static_cast<int>(model.FirstMeasured(model.sensors.size()));
+  robot.clocks.clear();
+  for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+    const SensorModel& sensor = model.sensors[i];
+    scene.measures_contacts |=
+        std::holds_alternative<ContactModel>(sensor.kind) || std::holds_alternative<WrenchModel>(sensor.kind);
+    if (sensor.timing.each_step()) continue;
+    const auto found = std::ranges::find(scene.clocks, sensor.timing);
+    robot.clocks.resize(model.sensors.size(), -1);
+    robot.clocks[i] = static_cast<int>(found - scene.clocks.begin());
+    if (found == scene.clocks.end()) scene.clocks.push_back(sensor.timing);
+  }
+}
+
+}  // namespace
+
 void AddRobot(Scene& scene, SceneRobot robot) {
   const int index = static_cast<int>(scene.robots.size());
   robot.first_channel = static_cast<int>(scene.channels.size());
@@ -66,6 +88,7 @@ void AddRobot(Scene& scene, SceneRobot robot) {
   robot.channel_count = static_cast<int>(scene.channels.size()) - robot.first_channel;
   robot.control_count = scene.control_count - robot.first_control;
   robot.actuator_count = static_cast<int>(scene.actuators.size()) - robot.first_actuator;
+  AddSensors(scene, robot);
   scene.robots.push_back(std::move(robot));
 }
 

@@ -33,8 +33,10 @@ struct SceneRobot {
   int actuator_count = 0;  // at least 1
   int first_control = 0;   // of Frame::controls
   int control_count = 0;
-  Pose X_BR;              // R in its first body
-  bool axes_of_R = true;  // X_BR does not turn
+  int first_measured = 0;   // of Frame::measured
+  std::vector<int> clocks;  // by sensor: index into Scene::clocks, -1: each step; empty: all each step
+  Pose X_BR;                // R in its first body
+  bool axes_of_R = true;    // X_BR does not turn
 
   bool one_body() const { return entry.fidelity != Fidelity::kFull; }
 };
@@ -92,6 +94,9 @@ struct Scene {
   std::vector<Channel> channels;         // of Frame::channels: robot by robot, actuator by actuator
   std::vector<SceneActuator> actuators;  // robot by robot
   int control_count = 0;                 // joints of control boards: Frame::controls
+  int measured_count = 0;                // values that physics measures for sensors: Frame::measured
+  bool measures_contacts = false;        // a robot has a sensor that needs them: Frame::contacts
+  std::vector<SensorTiming> clocks;      // of sensors that do not show each step: Frame::samples
   SceneCacheSlot cache;                  // of sensing
 
   /// Index of the robot called `name`; -1 if there is none.

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "server/model/sensor_models.h"
+
 namespace coopdyn {
 
 enum class NoiseKind : std::uint32_t {
@@ -18,7 +20,18 @@ enum class NoiseKind : std::uint32_t {
   kMessageLoss,
   kCompass,
   kSupport,
-  kEncoder
+  kEncoder,
+  kImuTurn,
+  kImuAcceleration,
+  kImuOrientation,
+  kWrench,
+  kLidar,
+  kSonar,
+  kInfrared,
+  kLight,
+  kCameraColor,
+  kCameraDepth,
+  kSlip
 };
 
 /// Names one reading. Two readings that differ in any field have independent noise.
@@ -37,5 +50,9 @@ std::uint64_t NoiseBits(const NoiseKey& key);
 double UniformNoise(const NoiseKey& key);
 /// A sample of the normal distribution with mean 0 and standard deviation 1; |value| < 9.
 double GaussianNoise(const NoiseKey& key);
+
+/// `value` as a sensor with this noise reads it. The bias is that of the key with step kBiasStep.
+double Noisy(double value, const ValueNoise& noise, const NoiseKey& key);
+inline constexpr std::uint64_t kBiasStep = ~std::uint64_t{0};
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/sensing/noise.h"
+#include "server/state/noise.h"
 
 #include <cmath>
 #include <numbers>
@@ -42,6 +42,18 @@ double GaussianNoise(const NoiseKey& key) {
   const double u = ToUnit(bits);
   const double v = ToUnit(Mix(bits + 0x9e3779b97f4a7c15));
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);  // Box–Muller
+}
+
+double Noisy(double value, const ValueNoise& noise, const NoiseKey& key) {
+  value += noise.bias_mean;
+  if (noise.bias_stddev > 0) {
+    NoiseKey bias = key;
+    bias.step = kBiasStep;
+    value += noise.bias_stddev * GaussianNoise(bias);
+  }
+  if (noise.stddev > 0) value += noise.stddev * GaussianNoise(key);
+  if (noise.resolution > 0) value = std::round(value / noise.resolution) * noise.resolution;
+  return value;
 }
 
 }  // namespace coopdyn

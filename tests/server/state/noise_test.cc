@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/sensing/noise.h"
+#include "server/state/noise.h"
 
 #include <gtest/gtest.h>
 
