@@ -27,6 +27,7 @@
 #include "clients/cpp/error.h"
 #include "clients/cpp/joints.h"
 #include "clients/cpp/json.h"
+#include "clients/cpp/sensors.h"
 #include "clients/cpp/team.h"
 
 namespace coopdyn::client {
@@ -93,6 +94,13 @@ struct Reading {
   std::optional<double> compass;  // heading [rad]
   std::optional<Support> support;
   std::map<std::string, JointReading> joints;  // by the name of their group
+  std::optional<Imu> imu;                      // this and the next: of the first sensor of the kind
+  std::optional<Wrench> wrench;
+  std::optional<Scan> scan;
+  std::vector<Contact> contacts;
+  std::vector<double> sonar, infrared, light;
+  std::optional<Battery> battery;
+  std::optional<Odometry> odometry;
 };
 /// A raw reply: data without the final two, time [s] and step.
 struct Reply {
@@ -176,6 +184,30 @@ class Robot {
   double get_compass(const std::string& module = "compass");
   /// By how much the load has moved the support that carries it. For robots with a module `support`.
   Support get_support(const std::string& module = "support");
+
+  // For robots with a module of this type; another of the same type is read by its module's name.
+  Imu get_imu(const std::string& module = "imu");
+  Wrench get_wrench(const std::string& module = "wrench");
+  Scan get_scan(const std::string& module = "lidar");
+  std::vector<Contact> get_contacts(const std::string& module = "contact");
+  /// Whether each zone of the bumper is pressed, right to left.
+  std::vector<bool> get_bumper(const std::string& module = "contact");
+  /// What a camera sees, in colour. With a rate it is the camera's last picture, as its `step` says.
+  Image get_image(const std::string& module = "camera");
+  /// The same as the bytes of a JPEG file.
+  std::vector<std::uint8_t> get_jpeg(const std::string& module = "camera");
+  Depth get_depth(const std::string& module = "camera");
+  Segmentation get_segmentation(const std::string& module = "camera");
+  Camera get_camera(const std::string& module = "camera");
+  Battery get_battery(const std::string& module = "battery");
+  /// How much light each sensor sees.
+  std::vector<double> get_light(const std::string& module = "light");
+  /// One range per sonar [m]; inf = nothing in range, 0 = nearer than the minimum.
+  std::vector<double> get_sonar(const std::string& module = "sonar");
+  /// What each infrared sensor puts out, by its curve.
+  std::vector<double> get_infrared(const std::string& module = "infrared");
+  Odometry get_odometry(const std::string& module = "odometry");
+
   /// One range per sensor [m], right to left, from the surface of the robot; inf = nothing there.
   std::vector<double> get_distances();
   Geometry get_geometry();

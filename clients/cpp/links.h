@@ -35,6 +35,13 @@ inline constexpr const char* kMotors = "motors";  // a type of module
 /// Before the name of a group of joints, among types of modules.
 inline constexpr std::string_view kGroup = "joints/";
 
+/// What get_scan_geometry tells of a lidar [rad, m].
+struct ScanGeometry {
+  double first = 0, increment = 0, min_range = 0, max_range = 0;
+  std::size_t rows = 0, columns = 0;
+  double low = 0, step = 0;
+};
+
 /// The connections to an actuator module of a robot, and the command kept for the next step. The first of a
 /// robot, its motors if it has any, has the robot's other connections, too.
 struct RobotLink {
@@ -97,6 +104,7 @@ struct RobotLink {
   Deadline labels_until{};
   std::vector<std::int32_t> ids;
   std::vector<std::string> colours;
+  std::map<std::string, ScanGeometry> scans;  // by module, once they were needed
 
  private:
   void Claim();

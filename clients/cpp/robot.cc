@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "clients/cpp/coopdyn_client.h"
+#include "clients/cpp/sensor_values.h"
 #include "clients/cpp/session.h"
 #include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
@@ -198,6 +199,24 @@ Reading Robot::sense(const std::string& x) {
       reading.compass = part[0];
     } else if (module == "support" && part.size() >= 3) {
       reading.support = Support{part[0], part[1], part[2]};
+    } else if (module == "lidar" && !part.empty()) {
+      reading.scan = ToScan(*link_, module, part);
+    } else if (module == "imu" && part.size() >= 10) {
+      reading.imu = ToImu(part);
+    } else if (module == "wrench" && part.size() >= 6) {
+      reading.wrench = ToWrench(part);
+    } else if (module == "contact") {
+      reading.contacts = ToContacts(part);
+    } else if (module == "sonar") {
+      reading.sonar.assign(part.begin(), part.end());
+    } else if (module == "infrared") {
+      reading.infrared.assign(part.begin(), part.end());
+    } else if (module == "light") {
+      reading.light.assign(part.begin(), part.end());
+    } else if (module == "battery" && part.size() >= 3) {
+      reading.battery = ToBattery(part);
+    } else if (module == "odometry" && part.size() >= 5) {
+      reading.odometry = ToOdometry(part);
     } else if (module.starts_with(kGroup)) {
       JointReading& joints = reading.joints[module.substr(kGroup.size())];
       for (std::size_t k = 0; k + 2 < part.size(); k += 3) {

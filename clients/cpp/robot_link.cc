@@ -13,6 +13,24 @@ namespace {
 
 constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
 
+/// Types of robots that have a module of this kind; "": none that comes with the daemon.
+const std::map<std::string, std::string>& WhoHas() {
+  static const std::map<std::string, std::string> types = {{"neighbours", "minibot"},
+                                                           {"compass", "minibot"},
+                                                           {"support", "transporter"},
+                                                           {"imu", "balancer"},
+                                                           {"wrench", "humanoid"},
+                                                           {"lidar", "turtle"},
+                                                           {"contact", "turtle"},
+                                                           {"battery", "turtle"},
+                                                           {"odometry", "turtle"},
+                                                           {"sonar", ""},
+                                                           {"camera", "coopbot_camera"},
+                                                           {"infrared", ""},
+                                                           {"light", ""}};
+  return types;
+}
+
 }  // namespace
 
 Command Command::After(const std::optional<Command>& kept, const std::string& whose) const {
@@ -70,6 +88,7 @@ void RobotLink::ForgetCommands() {
   kept.reset();
   sent.reset();
   carried.reset();
+  scans.clear();
 }
 
 void RobotLink::Close() {
@@ -241,16 +260,23 @@ Message RobotLink::Read(const std::string& module, Request request) {
   const bool sends = module == "neighbours" && !session.watches();
   if (!reader) reader = std::make_unique<Connection>(session.address(), Path(module), sends);
   try {
-    return session.Fresh(session.Ask(*reader, request), session.reached());
+    Message reply = session.Ask(*reader, request);
+    Require(reply, 0, 0);
+    if (StepOf(reply) >= session.reached()) return session.Fresh(std::move(reply), session.reached());
+    // Sensors with a rate or a delay show an earlier moment: what is it now?
+    session.Fresh(session.Ask(*reader, {command::kGetTime}), session.reached());
+    return reply;
   } catch (const Error& e) {
     if (e.code() != kNoSuchName || reader->is_open()) throw;
     const std::vector<std::string> names = session.RobotNames();
     if (std::find(names.begin(), names.end(), robot) == names.end()) throw session.NewWorld(kLoad);
     if (FindAgain(module, *reader)) return Read(module, std::move(request));
-    if (module != "neighbours" && module != "compass" && module != "support") throw;
-    throw Error(kNotPossible, robot + " has no module " + module + ", its type has none: a robot of type " +
-                                  (module == "support" ? "transporter" : "minibot") +
-                                  " has one, or add it to the robot's model.sdf (docs/formats.md)");
+    const auto who = WhoHas().find(module);
+    if (who == WhoHas().end()) throw;
+    const std::string& type = who->second;
+    throw Error(kNotPossible, robot + " has no module " + module + ", its type has none: " +
+                                  (type.empty() ? "" : "a robot of type " + type + " has one, or ") +
+                                  "add it to the robot's model.sdf (docs/formats.md)");
   }
 }
 
@@ -263,7 +289,8 @@ void RobotLink::AttachTo(Connection& connection, const std::vector<std::string>&
 void RobotLink::Attach() {
   modules = session.ModulesOf(robot);
   std::vector<std::string> readable;
-  for (const char* module : {"motors", "distance", "target", "pose", "compass", "support"}) {
+  for (const char* module : {"motors", "distance", "target", "pose", "compass", "support", "imu", "wrench",
+                             "lidar", "contact", "sonar", "infrared", "light", "battery", "odometry"}) {
     if (modules.contains(module)) readable.emplace_back(module);
   }
   for (const std::string& group : session.GroupsOf(robot)) readable.push_back(std::string(kGroup) + group);

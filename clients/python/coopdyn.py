@@ -40,6 +40,7 @@ import struct
 import sys
 import time as _clock
 import urllib.parse
+import zlib
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
 
 __version__ = "0.1.0"
@@ -57,6 +58,9 @@ _GET_DISTANCES, _GET_GEOMETRY = 20, 21
 _GET_TARGETS, _GET_TARGET, _GET_ROBOTS = 30, 31, 32
 _GET_POSE, _GET_POSE_3D = 40, 41
 _GET_COMPASS, _GET_SUPPORT = 300, 280
+_GET_IMU, _GET_WRENCH, _GET_SCAN, _GET_SCAN_GEOMETRY, _GET_CONTACTS, _GET_BUMPER = 230, 240, 250, 251, 260, 261
+_GET_IMAGE, _GET_CAMERA, _GET_BATTERY, _GET_LIGHT, _GET_SONAR, _GET_INFRARED, _GET_ODOMETRY = 270, 271, 290, 310, 320, 330, 340
+_RGB, _JPEG, _DEPTH, _SEGMENTATION = 0, 1, 2, 3
 _GET_JOINTS, _SET_POSITIONS, _SET_POSITIONS_DIRECT, _SET_VELOCITIES, _SET_EFFORTS, _SET_MODES = 203, 204, 205, 206, 207, 208
 _GET_MODES, _SET_COMPLIANCE, _GET_COMPLIANCE, _SET_PROFILE, _GET_PROFILE, _SET_GAINS, _GET_GAINS = 209, 210, 211, 212, 213, 214, 215
 _GET_JOINT_LIMITS, _GET_MOTION, _GET_REFERENCES, _HOLD, _GET_CHAIN = 216, 217, 218, 219, 220
@@ -98,6 +102,14 @@ _READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass", 
 _TEAM_WORDS = ("velocities", "wheels", "positions", "positions_direct", "joint_velocities", "efforts")
 _NEIGHBOURS = 8  # of each robot of a team, by default
 _MAX_MESSAGE = 8  # numbers in one message between robots
+_MANY_PARAMS = 1024  # more are kept as an array: bytes of a picture
+# Modules that `sense` reads, beside groups of joints: the first of each type.
+_SENSED = ("motors", "distance", "target", "pose", "compass", "support", "imu", "wrench", "lidar", "contact", "sonar", "infrared",
+           "light", "battery", "odometry")
+# Types of robots that have a module of this kind; "": none that comes with the daemon.
+_HAVE = {"neighbours": "minibot", "compass": "minibot", "support": "transporter", "imu": "balancer", "wrench": "humanoid",
+         "lidar": "turtle", "contact": "turtle", "camera": "coopbot_camera", "sonar": "", "infrared": "", "light": "",
+         "battery": "turtle", "odometry": "turtle"}
 
 _ERROR_NAMES = {
     -1: "connection",
@@ -298,6 +310,92 @@ class Support(NamedTuple):
     angle: float  # [rad]
 
 
+class Imu(NamedTuple):
+    """How the sensor is turned in the world, a quaternion; angular velocity [rad/s] and acceleration [m/s2] in its own frame: at
+    rest and level az = 9.81."""
+
+    qw: float
+    qx: float
+    qy: float
+    qz: float
+    wx: float
+    wy: float
+    wz: float
+    ax: float
+    ay: float
+    az: float
+
+
+class Wrench(NamedTuple):
+    """Force [N] and torque [N m] through a joint, in the sensor's frame."""
+
+    fx: float
+    fy: float
+    fz: float
+    tx: float
+    ty: float
+    tz: float
+
+
+class Scan(NamedTuple):
+    """Ranges [m] of a lidar: `ranges[row]` is a row, the lowest first, from right to left; inf = nothing in range, 0 = nearer than
+    min_range. `azimuth` [rad] of each column, left positive, and `elevation` [rad] of each row, up positive."""
+
+    ranges: "Rows"
+    azimuth: List[float]
+    elevation: List[float]
+    min_range: float
+    max_range: float
+
+
+class Contact(NamedTuple):
+    """What touches the robot: id and name of the other thing (0 floor; in `sense` -1 and ""), force [N], point [m] and the
+    direction in which it pushes, in the robot's frame."""
+
+    id: int
+    name: str
+    force: float
+    x: float
+    y: float
+    z: float
+    nx: float
+    ny: float
+    nz: float
+
+
+class Camera(NamedTuple):
+    """Size, focal lengths and middle of a camera's picture [pixels], the nearest and furthest that it sees [m], and its rate
+    [Hz; 0 = each step]."""
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    near: float
+    far: float
+    rate: float
+
+
+class Battery(NamedTuple):
+    """What is left of the battery [J, 0 to 1], and what is drawn from it [W]."""
+
+    energy: float
+    fraction: float
+    power: float
+
+
+class Odometry(NamedTuple):
+    """Where the wheels' encoders say that the robot is, and how it moves: 0, 0, 0 at the start, x ahead [m, rad, m/s, rad/s]."""
+
+    x: float
+    y: float
+    heading: float
+    forward: float
+    turn: float
+
+
 class JointReading(NamedTuple):
     """Where each joint of a group is [rad or m], how fast [rad/s, m/s], and the effort of its motor [N m, N; nan before the
     first step]."""
@@ -359,6 +457,15 @@ class Reading(NamedTuple):
     compass: Optional[float]
     support: Optional[Support]
     joints: Dict[str, JointReading]  # by the name of their group
+    imu: Optional[Imu]  # this and the next: of the first sensor of the kind
+    wrench: Optional[Wrench]
+    scan: Optional[Scan]
+    contacts: List[Contact]
+    sonar: List[float]
+    infrared: List[float]
+    light: List[float]
+    battery: Optional[Battery]
+    odometry: Optional[Odometry]
 
 
 class Rows:
@@ -408,6 +515,86 @@ class Rows:
     def __array_interface__(self) -> Dict[str, Any]:
         return {"version": 3, "typestr": "<f8" if sys.byteorder == "little" else ">f8", "shape": self.shape,
                 "data": self._data, "offset": 8 * self._first, "strides": (8 * self._stride, 8)}
+
+
+class _Raster:
+    """A value for each pixel, row after row from the upper left corner, of the moment `time` [s], `step`."""
+
+    __slots__ = ("width", "height", "data", "time", "step")
+    _code = ""  # of the values, as module array has it
+    _channels = 1  # values of a pixel
+
+    def __init__(self, width: int, height: int, data: Any, time: float = math.nan, step: int = -1) -> None:
+        self.width, self.height, self.data, self.time, self.step = width, height, data, time, step
+        if len(data) != width * height * self._channels:
+            raise Error(7, f"a picture of {width} x {height} has {len(data)} values, not {width * height * self._channels}")
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__.lower()} of {self.width} x {self.height} pixels, step {self.step}>"
+
+    def at(self, x: int, y: int) -> Any:
+        """The value of the pixel in column x and row y, from 0; (0, 0) is the upper left one."""
+        return self.data[self._index(x, y)]
+
+    def numpy(self) -> Any:
+        """A numpy array that shares the memory: height x width, of a colour picture height x width x 3."""
+        import numpy
+
+        shape = (self.height, self.width) + ((self._channels,) if self._channels > 1 else ())
+        return numpy.frombuffer(self.data, dtype=self._code).reshape(shape)
+
+    def _index(self, x: int, y: int) -> int:
+        if not (0 <= x < self.width and 0 <= y < self.height):
+            raise IndexError(f"there is no pixel {x}, {y} in {self.width} x {self.height}")
+        return (y * self.width + x) * self._channels
+
+
+class Image(_Raster):
+    """A colour picture: `data` are its bytes, red, green, blue of each pixel, row after row from the upper left corner.
+    `image.rgb(x, y)`, `image.numpy()` (height x width x 3), `image.save("x.png")`; `time` [s] and `step` say when."""
+
+    __slots__ = ()
+    _code = "B"
+    _channels = 3
+
+    def rgb(self, x: int, y: int) -> Tuple[int, int, int]:
+        """Red, green and blue of a pixel, 0 to 255."""
+        k = self._index(x, y)
+        return self.data[k], self.data[k + 1], self.data[k + 2]
+
+    at = rgb
+
+    def save(self, file: Union[str, "os.PathLike[str]"]) -> str:
+        """Writes the picture as a PNG file; returns its name."""
+        path = _path(file, "the name of a picture")
+        if not str(path).lower().endswith(".png"):
+            raise Error(4, f"pictures are saved as PNG: write e.g. {os.path.splitext(str(path))[0]}.png; get_jpeg() returns a JPEG")
+        row = 3 * self.width
+        raw = b"".join(b"\0" + self.data[k : k + row] for k in range(0, len(self.data), row))
+
+        def chunk(kind: bytes, content: bytes) -> bytes:
+            return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+        with open(path, "wb") as out:
+            out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", self.width, self.height, 8, 2, 0, 0, 0))
+                      + chunk(b"IDAT", zlib.compress(raw, 1)) + chunk(b"IEND", b""))
+        return str(path)
+
+
+class Depth(_Raster):
+    """How far away each pixel is along the camera's axis [m]: `depth.at(x, y)`, `depth.numpy()`, or `data`, an array of floats;
+    inf = nothing there, 0 = nearer than the camera sees."""
+
+    __slots__ = ()
+    _code = "f"
+
+
+class Segmentation(_Raster):
+    """What each pixel shows: a number, `segmentation.at(x, y)`, whose name is `names[number]`; 0 = nothing."""
+
+    __slots__ = ("names",)
+    _code = "H"
+    names: Dict[int, str]
 
 
 class TeamReading:
@@ -551,7 +738,15 @@ def decode(buffer: Union[bytes, bytearray], bulk: bool = False) -> Tuple[Optiona
     if len(buffer) < end:
         return None, 0
     text = bytes(buffer[24 : 24 + t]).decode("utf-8", "replace") if t else ""
-    params = list(struct.unpack_from(f"<{m}i", buffer, 24 + t))
+    params: Any
+    if m <= _MANY_PARAMS:
+        params = list(struct.unpack_from(f"<{m}i", buffer, 24 + t))
+    else:
+        params = array.array("i")
+        with memoryview(buffer) as whole, whole[24 + t : 24 + t + 4 * m] as part:
+            params.frombytes(part)
+        if sys.byteorder == "big":
+            params.byteswap()
     if not bulk:
         return Message(error, text, command, params, list(struct.unpack_from(f"<{n}d", buffer, end - 8 * n))), end
     data = array.array("d")
@@ -1082,6 +1277,72 @@ def _choose(targets: Sequence[Target], x: Union[str, int]) -> Target:
     return min(fits, key=lambda t: t.distance)
 
 
+def _contacts(params: Sequence[int], text: str, data: Sequence[float]) -> List[Contact]:
+    names = text.split()
+    named = len(params) == len(names) == len(data) // 7
+    return [Contact(*((params[k], names[k]) if named else (-1, "")), *data[7 * k : 7 * k + 7]) for k in range(len(data) // 7)]
+
+
+class _ScanGeometry(NamedTuple):
+    """What get_scan_geometry tells."""
+
+    first: float
+    increment: float
+    min_range: float
+    max_range: float
+    rows: int
+    columns: int
+    low: float
+    step: float
+
+    def scan(self, ranges: Sequence[float]) -> Scan:
+        rows, columns = int(self.rows), int(self.columns)
+        if len(ranges) != rows * columns:
+            raise Error(7, f"a scan of {rows} x {columns} has {len(ranges)} ranges")
+        return Scan(Rows(array.array("d", ranges), columns, 0, (rows, columns)),
+                    [self.first + k * self.increment for k in range(columns)],
+                    [self.low + k * self.step for k in range(rows)], self.min_range, self.max_range)
+
+
+def _image_bytes(reply: Message) -> Tuple[int, int, bytes]:
+    """Width, height and the bytes of a picture, four in each number after the first three."""
+    if len(reply.params) < 3:
+        raise Error(7, "a reply of the daemon has too few values")
+    width, height, count = reply.params[0:3]
+    words = array.array("i", reply.params[3:])
+    if sys.byteorder == "big":
+        words.byteswap()
+    with memoryview(words) as whole, whole.cast("B") as part:
+        if not 0 <= count <= len(part):
+            raise Error(7, "a reply of the daemon has too few values")
+        return width, height, part[:count].tobytes()
+
+
+def _pixels(code: str, raw: bytes) -> "array.array[Any]":
+    """The values of this type, little-endian on the wire."""
+    values = array.array(code)
+    values.frombytes(raw)
+    if sys.byteorder == "big":
+        values.byteswap()
+    return values
+
+
+def _image_value(reply: Message, kind: int) -> Any:
+    """A picture out of the reply to get_image of a kind: Image, bytes of a JPEG, Depth or Segmentation."""
+    width, height, raw = _image_bytes(reply)
+    when = reply.data[-2], int(reply.data[-1])
+    if kind == _RGB:
+        return Image(width, height, raw, *when)
+    if kind == _JPEG:
+        return raw
+    if kind == _DEPTH:
+        return Depth(width, height, _pixels("f", raw), *when)
+    labels = Segmentation(width, height, _pixels("H", raw), *when)
+    pairs = (word.partition("=") for word in reply.text.split())
+    labels.names = {int(number): name for number, _, name in pairs if number.isdigit()}
+    return labels
+
+
 def _reading_value(command: int, message: Message) -> Any:
     """What the get-command number `command` returns, out of its message."""
     data = message.data[:-2]
@@ -1095,6 +1356,12 @@ def _reading_value(command: int, message: Message) -> Any:
         return Geometry(data[0::3], data[1::3], data[2::3])
     if command == _GET_COMPASS:
         return data[0]
+    if command == _GET_CONTACTS:
+        return _contacts(message.params, message.text, data)
+    if command == _GET_BUMPER:
+        return [pressed != 0 for pressed in data]
+    if command == _GET_CAMERA:
+        return Camera(int(data[0]), int(data[1]), *data[2:9])
     if command in (_GET_JOINTS, _GET_COMPLIANCE, _GET_PROFILE, _GET_GAINS, _GET_JOINT_LIMITS):
         columns = {_GET_JOINTS: JointReading, _GET_COMPLIANCE: Compliance, _GET_PROFILE: Profile, _GET_GAINS: Gains,
                    _GET_JOINT_LIMITS: JointLimits}[command]
@@ -1105,7 +1372,8 @@ def _reading_value(command: int, message: Message) -> Any:
     if command == _GET_MODES:
         return [JOINT_MODES[mode] if 0 <= mode < len(JOINT_MODES) else str(mode) for mode in message.params]
     kinds = {_GET_WHEELS: Wheels, _GET_LIMITS: Limits, _GET_TARGET: Bearing, _GET_POSE: Pose, _GET_POSE_3D: Pose3d,
-             _GET_SUPPORT: Support}
+             _GET_SUPPORT: Support, _GET_IMU: Imu, _GET_WRENCH: Wrench, _GET_SCAN_GEOMETRY: _ScanGeometry, _GET_BATTERY: Battery,
+             _GET_ODOMETRY: Odometry}
     return kinds[command](*data) if command in kinds else data
 
 
@@ -1387,6 +1655,7 @@ class _Link:
         self.attached: Dict[str, str] = {}  # modules by type, or those of joints by name, in the order of their readings
         self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
         self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
+        self.scans: Dict[str, _ScanGeometry] = {}  # of lidars, by module, once they were needed
 
     @property
     def has_joints(self) -> bool:
@@ -1399,6 +1668,7 @@ class _Link:
     def forget_commands(self) -> None:
         self.kept = self.sent = self.carried = None
         self.told_at = -1
+        self.scans.clear()
 
     def path(self, module: str) -> str:
         """Of the module of this type or name."""
@@ -1705,7 +1975,12 @@ class _Session:
         sends = module == "neighbours" and not self.watch  # what a robot sends is its driver's to say
         connection = link.readers.setdefault(module, _Connection(self.address, link.path(module), drives=sends))
         try:
-            return self.fresh(self.ask(connection, command, params, data, text), self.reached)
+            reply = self.ask(connection, command, params, data, text)
+            if int(reply.data[-1]) >= self.reached:
+                return self.fresh(reply, self.reached)
+            # Sensors with a rate or a delay show an earlier moment: what is it now?
+            self.fresh(self.ask(connection, _GET_TIME, (), (), ""), self.reached)
+            return reply
         except Error as e:
             if e.code != 10 or connection.sock is not None:
                 raise
@@ -1713,10 +1988,11 @@ class _Session:
                 raise self.world_reset("load") from None
             if self.find_again(link, module, connection):
                 return self.read(link, module, command, params, text, data)
-            if module not in ("neighbours", "compass", "support"):
+            if module not in _HAVE:
                 raise
-            raise Error(5, f"{link.robot} has no module {module}, its type has none: a robot of type "
-                           f"{'transporter' if module == 'support' else 'minibot'} has one, or add it to the robot's model.sdf (docs/formats.md)") from None
+            there = f"a robot of type {_HAVE[module]} has one, or " if _HAVE[module] else ""
+            raise Error(5, f"{link.robot} has no module {module}, its type has none: {there}add it to the robot's model.sdf "
+                           "(docs/formats.md)") from None
 
     def ask(
         self, connection: _Connection, command: int, params: Sequence[int], data: Sequence[float], text: str
@@ -2477,6 +2753,72 @@ class Robot:
         with a module `support`."""
         return self._get(module, _GET_SUPPORT)
 
+    def get_imu(self, module: str = "imu") -> Imu:
+        """Quaternion, angular velocity [rad/s] and acceleration [m/s2] of an inertial sensor: at rest and level 9.81 along z.
+        Here and below: for robots with a module of this type; another of the same type is read by its module's name."""
+        return self._get(module, _GET_IMU)
+
+    def get_wrench(self, module: str = "wrench") -> Wrench:
+        """Force [N] and torque [N m] through a joint, in the sensor's frame."""
+        return self._get(module, _GET_WRENCH)
+
+    def get_scan(self, module: str = "lidar") -> Scan:
+        """Ranges [m] of a lidar in rows, right to left, with their angles: `scan.ranges[0]`, `scan.azimuth`."""
+        link, ranges = self._link, self._get(module, _GET_SCAN)
+        geometry = link.scans.get(module)
+        if geometry is None or len(ranges) != geometry.rows * geometry.columns:
+            geometry = link.scans[module] = self._get(module, _GET_SCAN_GEOMETRY)
+        return geometry.scan(ranges)
+
+    def get_contacts(self, module: str = "contact") -> List[Contact]:
+        """What touches the sensor: id, name, force [N], point [m] and direction, in the robot's frame."""
+        return self._get(module, _GET_CONTACTS)
+
+    def get_bumper(self, module: str = "contact") -> List[bool]:
+        """Whether each zone of the bumper is pressed, right to left."""
+        return self._get(module, _GET_BUMPER)
+
+    def get_image(self, module: str = "camera") -> Image:
+        """What a camera sees, in colour: `image.width`, `image.height`, `image.rgb(x, y)`, `image.data`, `image.numpy()`,
+        `image.save("x.png")`. With a rate it is the picture of `image.step`."""
+        return _image_value(self._session.read(self._link, module, _GET_IMAGE, (_RGB,)), _RGB)
+
+    def get_jpeg(self, module: str = "camera") -> bytes:
+        """The same as the bytes of a JPEG file."""
+        return _image_value(self._session.read(self._link, module, _GET_IMAGE, (_JPEG,)), _JPEG)
+
+    def get_depth(self, module: str = "camera") -> Depth:
+        """How far away each pixel is along the camera's axis [m]: `depth.at(x, y)`; inf = nothing there."""
+        return _image_value(self._session.read(self._link, module, _GET_IMAGE, (_DEPTH,)), _DEPTH)
+
+    def get_segmentation(self, module: str = "camera") -> Segmentation:
+        """What each pixel shows: `names[at(x, y)]`; 0 = nothing."""
+        return _image_value(self._session.read(self._link, module, _GET_IMAGE, (_SEGMENTATION,)), _SEGMENTATION)
+
+    def get_camera(self, module: str = "camera") -> Camera:
+        """Size of the picture, focal lengths and middle [pixels], nearest and furthest [m] and rate [Hz] of a camera."""
+        return self._get(module, _GET_CAMERA)
+
+    def get_battery(self, module: str = "battery") -> Battery:
+        """What is left of the battery [J, 0 to 1], and what is drawn from it [W]."""
+        return self._get(module, _GET_BATTERY)
+
+    def get_light(self, module: str = "light") -> List[float]:
+        """How much light each sensor sees."""
+        return self._get(module, _GET_LIGHT)
+
+    def get_sonar(self, module: str = "sonar") -> List[float]:
+        """One range per sonar [m]; inf = nothing in range, 0 = nearer than the minimum."""
+        return self._get(module, _GET_SONAR)
+
+    def get_infrared(self, module: str = "infrared") -> List[float]:
+        """What each infrared sensor puts out, by its curve."""
+        return self._get(module, _GET_INFRARED)
+
+    def get_odometry(self, module: str = "odometry") -> Odometry:
+        """x, y [m], heading [rad] since the start and speeds [m/s, rad/s], as the wheels' encoders tell them."""
+        return self._get(module, _GET_ODOMETRY)
+
     def get_distances(self) -> List[float]:
         """One range per sensor [m], right to left, from the surface of the robot; inf = nothing there."""
         return self._get("distance", _GET_DISTANCES)
@@ -2539,8 +2881,20 @@ class Robot:
         support = Support(*parts["support"]) if parts.get("support") else None
         joints = {name[len(_GROUP):]: JointReading(values[0::3], values[1::3], values[2::3])
                   for name, values in parts.items() if name.startswith(_GROUP)}
+        scan = None
+        if parts.get("lidar"):
+            geometry = link.scans.get("lidar")
+            if geometry is None or len(parts["lidar"]) != geometry.rows * geometry.columns:
+                geometry = link.scans["lidar"] = self._get("lidar", _GET_SCAN_GEOMETRY)
+            scan = geometry.scan(parts["lidar"])
+
+        def one(kind: Any, module: str) -> Any:
+            return kind(*parts[module]) if parts.get(module) else None
+
         return Reading(reply.data[-2], step, parts.get("distance", []), targets, target, pose, wheels, compass, support,
-                       joints)
+                       joints, one(Imu, "imu"), one(Wrench, "wrench"), scan, _contacts((), "", parts.get("contact", [])),
+                       parts.get("sonar", []), parts.get("infrared", []), parts.get("light", []), one(Battery, "battery"),
+                       one(Odometry, "odometry"))
 
     @_usage('r.joints() or r.joints("arm")')
     def joints(self, name: Optional[str] = None) -> "Joints":
@@ -2628,7 +2982,7 @@ class Robot:
 
     def _attach(self, link: _Link) -> None:
         names = link.modules = self._session.modules_of(link.robot)
-        readable = {m: names[m] for m in ("motors", "distance", "target", "pose", "compass", "support") if m in names}
+        readable = {m: names[m] for m in _SENSED if m in names}
         readable.update((_GROUP + group, group) for group in self._session.groups_of(link.robot))
         if not readable:
             raise Error(10, f"{link.robot} has no readings")

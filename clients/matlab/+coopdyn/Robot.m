@@ -1,16 +1,14 @@
 % SPDX-License-Identifier: MIT
-classdef Robot < handle
+classdef Robot < coopdyn.internal.SensorCalls
 %ROBOT One robot of a simulation. Readings are always those of the newest step.
 %   Commands: set_velocity, set_wheel_speeds, stop, send_message; joints: its arm and what else has motors. Readings:
 %   get_pose, get_pose_3d, get_distances, get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages,
-%   get_compass, get_support, get_wheels, get_limits; sense: all of one step at once.
+%   get_compass, get_support, get_wheels, get_limits; sense: all of one step at once. Of robots with such sensors: get_imu,
+%   get_wrench, get_scan, get_contacts, get_bumper, get_sonar, get_infrared, get_light, get_battery, get_odometry; of their
+%   cameras: get_image, get_jpeg, get_depth, get_segmentation, get_camera.
 %   Units: m, rad, m/s, rad/s; bearings 0 ahead, left positive. Rows are 1 x n.
   properties (SetAccess = private)
     name
-  end
-  properties (Access = private)
-    session
-    link
   end
   methods
     function r = Robot(session, link)
@@ -167,7 +165,8 @@ classdef Robot < handle
 
     function s = sense(r, x)
     %SENSE All readings of one step in one round trip: time, step, distances, targets, target, pose, wheels, compass,
-    %   support.
+    %   support, joints; imu, wrench, scan, contacts (id -1, no name), sonar, infrared, light, battery, odometry, each of the
+    %   first sensor of its kind.
     %   s = r.sense('red'): s.target is the nearest target of that colour (or with that id); error if there is none.
     %   In lockstep, right after sim.step(), the readings that came with its reply, without any round trip.
       link = r.link;
@@ -184,6 +183,9 @@ classdef Robot < handle
         link.carried = [];
       end
       s = coopdyn.internal.attached_readings(attached, reply);
+      if ~isempty(s.scan)
+        s.scan = r.scan('lidar', s.scan);
+      end
       seen = s.targets;
       % Ids and colours change with a reset, load or edit only: asked for again when the step did not go on, when their
       % number changed, or after half a second.
@@ -307,15 +309,11 @@ classdef Robot < handle
     end
   end
   methods (Access = private)
-    function v = get(r, module, command, params, text)
-      reply = r.session.read(r.link, module, command, params, text);
-      v = coopdyn.internal.value(command, reply.params, reply.text, reply.data(1:end - 2));
-    end
-
     function attach(r)
       link = r.link;
       link.modules = coopdyn.internal.modules_of(r.session, r.name);
-      readable = {'motors', 'distance', 'target', 'pose', 'compass', 'support'};
+      readable = {'motors', 'distance', 'target', 'pose', 'compass', 'support', 'imu', 'wrench', 'lidar', 'contact', ...
+                  'sonar', 'infrared', 'light', 'battery', 'odometry'};
       readable = readable(isfield(link.modules, readable));
       readable = [readable strcat('joints/', coopdyn.internal.groups_of(r.session, r.name))];
       if isempty(readable)

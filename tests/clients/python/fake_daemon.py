@@ -17,6 +17,7 @@ import struct
 import sys
 import threading
 
+import fake_sensors
 from fake_runs import NAMES as RUNS, Runs
 from fake_swarm import NAMES as SWARM, Robot, Swarm, encode
 
@@ -67,10 +68,12 @@ class FakeDaemon:
     """`refuse`: the robot whose commands get error 4 while it is set. `silent`: accepts and says nothing.
     `says`: answers every line with this. `break_replies`: how many times a reply ends in its middle, and the
     connection with it. `delay_s`: how late replies to actuator commands come in real time. `hold`: requests for a pose get no reply
-    until it is false. `page`: there is one. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
+    until it is false. `page`: there is one. `sensors`: robots have those of fake_sensors, too. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
 
-    def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0, targets=TARGETS):
+    def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0, targets=TARGETS,
+                 sensors=False):
         self.targets = targets
+        self.kinds = {**{m: m for m in FIRST}, **(fake_sensors.MODULES if sensors else {})}  # types of modules, by name
         self.robots = [Robot(i + 1) for i in range(robots)]
         self.mode, self.protocol, self.silent, self.says = mode, protocol, silent, says
         self.dribble, self.refuse, self.delay_s, self.break_replies, self.hold = dribble, refuse, delay_s, 0, False
@@ -230,7 +233,7 @@ class FakeDaemon:
                 c.write(reply)
 
     def modules(self):
-        return [f"/{r.name}/{m}" for r in self.robots for m in FIRST] + ["/simulation", "/swarm", "/recorder"]
+        return [f"/{r.name}/{m}" for r in self.robots for m in self.kinds] + ["/simulation", "/swarm", "/recorder"]
 
     # --- commands ---
     def _answer(self, c, name, command, text, params, data):
@@ -238,10 +241,11 @@ class FakeDaemon:
             self.lock.wait_for(lambda: self.stopping or not self.hold)
         robot = next((r for r in self.robots if name.startswith(f"/{r.name}/")), None)
         kind = name.rsplit("/", 1)[1]
+        kind = self.kinds.get(kind, kind)
         if command == 0:
             return encode(0, "", 0, params, (*data, *self.clock()))
         if command == 1:
-            commands = [{"name": k, "id": v} for k, v in {**NAMES["common"], **NAMES[kind]}.items()]
+            commands = [{"name": k, "id": v} for k, v in {**NAMES["common"], **{**NAMES, **fake_sensors.NAMES}[kind]}.items()]
             return encode(0, json.dumps({"protocol": 1, "module": kind, "commands": commands}), 1, (), self.clock())
         if command == 6:
             c.client = text.split()[0]
@@ -257,7 +261,7 @@ class FakeDaemon:
         if command == 3:
             return self._step_reply(c, robot, 3)
         if command == 4:
-            c.every[FIRST[kind]] = params[0] if params else 1
+            c.every[self._first(kind)] = params[0] if params else 1
             return encode(0, "", 4, (), self.clock())
         if kind == "motors" and command in (2, 7, 10, 11, 14):
             return self._drive(c, robot, command, params, data)
@@ -301,7 +305,7 @@ class FakeDaemon:
                       "state": "waiting" if awaiting and self.state == "running" else self.state, "step": self.step,
                       "time_s": self.step * self.dt, "step_s": self.dt, "hash": f"{self.step:016x}", "http": self.runs.url,
                       "robots": [{"name": r.name, "type": "fake", "owner": r.owner.client if r.owner else None,
-                                  "modules": [{"name": f"/{r.name}/{m}", "type": m, "port": 0} for m in FIRST]}
+                                  "modules": [{"name": f"/{r.name}/{m}", "type": kind, "port": 0} for m, kind in self.kinds.items()]}
                                  for r in self.robots], "awaiting": awaiting}
             return encode(0, json.dumps(status), 100, (), self.clock())
         if command == 101:
@@ -327,7 +331,11 @@ class FakeDaemon:
         self.lock.notify_all()
         return encode(0, "", command, (), self.clock())
 
-    def _values(self, robot, reading, text="", params=()):
+    @staticmethod
+    def _first(kind):
+        return {**FIRST, **fake_sensors.FIRST}[kind]
+
+    def _values(self, robot, reading, text="", params=(), module=""):
         def seen(x, y):
             dx, dy = x - robot.x, y - robot.y
             return [math.hypot(dx, dy), math.remainder(math.atan2(dy, dx) - robot.heading, 2 * math.pi)]
@@ -353,19 +361,20 @@ class FakeDaemon:
         if reading == 41:
             h = robot.heading / 2
             return "", (), [robot.x, robot.y, 0.0, math.cos(h), 0.0, 0.0, math.sin(h), robot.v, 0.0, 0.0, 0.0, 0.0, robot.w]
-        return "", (), None
+        return fake_sensors.values(module, reading, params) or ("", (), None)
 
     def _reading(self, c, reading, error, command, text="", params=()):
         robot = next(r for r in self.robots if c.module.startswith(f"/{r.name}/"))
-        words, ids, values = self._values(robot, reading, text, params)
+        words, ids, values = self._values(robot, reading, text, params, c.module)
         if values is None:
             return encode(10, f"there is no target {text or params}", command)
-        return encode(error, words, command, ids, (*values, *self.clock()))
+        step = fake_sensors.shown(reading, self.step)
+        return encode(error, words, command, ids, (*values, step * self.dt, float(step)))
 
     def _step_reply(self, c, robot, command):
         params, data = [self.mode], []
         for module in c.attached:
-            values = self._values(robot, FIRST[module])[2]
+            values = self._values(robot, self._first(self.kinds[module]))[2]
             params.append(len(values))
             data += values
         return encode(0, "", command, params, (*data, *self.clock()))
@@ -382,9 +391,11 @@ def main():
     parser.add_argument("--refuse", default="")
     parser.add_argument("--delay", type=float, default=0.0)
     parser.add_argument("--no-targets", action="store_true")
+    parser.add_argument("--sensors", action="store_true")
     a = parser.parse_args()
     targets = () if a.no_targets else TARGETS
-    daemon = FakeDaemon(a.robots, MODES.index(a.mode), a.protocol, a.silent, a.says, a.dribble, a.refuse, a.delay, targets)
+    daemon = FakeDaemon(a.robots, MODES.index(a.mode), a.protocol, a.silent, a.says, a.dribble, a.refuse, a.delay, targets,
+                         a.sensors)
     print(f"ready names={daemon.server} http=off robots={a.robots}", flush=True)
     sys.stdin.read()  # until whoever started it goes away
     daemon.stop()

@@ -9,14 +9,16 @@ import coopdyn
 
 MATLAB = harness.ROOT / "clients" / "matlab" / "+coopdyn"
 CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
-CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h", "joints.h", "chain.h")]
+CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h", "joints.h", "chain.h", "sensors.h")]
 
 SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
     set_speed set_participants release_robot status hash waiting snapshot describe modules call close
     save_state restore_state saved_states record stop_recording note recording recordings fetch_run
     playback seek play set_play_speed skip set_loop branch""".split())
 ROBOT = set("""name set_velocity set_wheel_speeds stop get_pose get_pose_3d get_distances get_geometry get_targets
-    get_target get_robots get_neighbours get_messages send_message get_compass get_support get_wheels get_limits sense joints subscribe next call""".split())
+    get_target get_robots get_neighbours get_messages send_message get_compass get_support get_wheels get_limits sense joints subscribe next call
+    get_imu get_wrench get_scan get_contacts get_bumper get_image get_jpeg get_depth get_segmentation get_camera get_battery get_light
+    get_sonar get_infrared get_odometry""".split())
 JOINTS = set("""name names set_positions set_positions_direct set_velocities set_efforts set_modes hold set_compliance set_profile
     set_gains get get_modes get_compliance get_profile get_gains get_limits get_motion arrived get_references get_chain forward
     inverse""".split())
@@ -63,7 +65,8 @@ def cpp_names(name):
 
 def cpp_fields(name):
     fields = set()
-    for line in re.sub(r"//[^\n]*", "", cpp_class(name)).split(";"):
+    members = re.sub(r"^  \w[^;\n=]*\([^\n]*{[^\n]*}$", "", re.sub(r"//[^\n]*", "", cpp_class(name)), flags=re.M)
+    for line in members.split(";"):
         line = re.sub(r"^\s*[\w:]+(<.*>)?\s", "", line.strip())
         fields |= {part.split("=")[0].strip() for part in line.split(",") if part.strip()}
     return fields
@@ -139,12 +142,13 @@ class NamesTest(unittest.TestCase):
 
     def test_readings_have_the_same_fields(self):
         for command, name in ((12, "Wheels"), (13, "Limits"), (21, "Geometry"), (31, "Bearing"), (40, "Pose"), (41, "Pose3d"),
-                              (203, "JointReading"), (211, "Compliance"), (213, "Profile"), (215, "Gains"), (216, "JointLimits")):
+                              (203, "JointReading"), (211, "Compliance"), (213, "Profile"), (215, "Gains"), (216, "JointLimits"),
+                              (230, "Imu"), (240, "Wrench"), (271, "Camera"), (280, "Support"), (290, "Battery"), (340, "Odometry")):
             with self.subTest(name):
                 fields = set(getattr(coopdyn, name)._fields)
                 self.assertEqual(cpp_fields(name), fields)
                 self.assertEqual(matlab_struct(command), fields)
-        for name in ("Target", "OtherRobot", "Heard", "Reading", "Awaited", "Module"):
+        for name in ("Target", "OtherRobot", "Heard", "Reading", "Awaited", "Module", "Scan", "Contact"):
             if name != "Module":
                 with self.subTest(name):
                     self.assertEqual(cpp_fields(name), set(getattr(coopdyn, name)._fields))

@@ -106,8 +106,11 @@ classdef Connection < handle
         at = 24 + 4 * h(5);
         if h(1) == n - 4 && h(2) == 0 && h(3) == command && h(4) == 0 && n == at + 8 * h(6)
           c.busy = false;
-          message = struct('error', 0, 'text', '', 'command', command, ...
-                           'params', double(typecast(bytes(25:at), 'int32')), ...
+          params = typecast(bytes(25:at), 'int32');
+          if h(5) <= 1024  % more are the bytes of a picture
+            params = double(params);
+          end
+          message = struct('error', 0, 'text', '', 'command', command, 'params', params, ...
                            'data', typecast(bytes(at + 1:n), 'double'));
           return
         end

@@ -29,6 +29,7 @@ classdef Link < handle
     attached = {}      % types of modules, in the order of their readings
     carried = []       % the readings that came with the reply to the last step
     labels = struct('step', -1, 'when', uint64(0), 'ids', {{}}, 'colours', {{}})  % ids and colours of the targets
+    scans = struct()   % what get_scan_geometry told, by module
   end
   methods
     function link = Link(address, robot, drives)
@@ -327,6 +328,7 @@ classdef Link < handle
       link.sent = [];
       link.carried = [];
       link.told_at = -1;
+      link.scans = struct();
     end
 
     function close(link)

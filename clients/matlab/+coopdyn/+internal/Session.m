@@ -166,14 +166,21 @@ classdef Session < handle
           reply = s.read(link, module, command, params, text, data);
           return
         end
-        if isempty(c.socket) && any(strcmp(module, {'neighbours', 'compass', 'support'})) ...
-            && strcmp(cause.identifier, 'coopdyn:no_such_name')
-          coopdyn.internal.fail(5, [link.robot ' has no module ' module ', its type has none: a robot of type ' ...
-            coopdyn.internal.type_with(module) ' has one, or add it to the robot''s model.sdf (docs/formats.md)']);
+        [type, known] = coopdyn.internal.type_with(module);
+        if isempty(c.socket) && known && strcmp(cause.identifier, 'coopdyn:no_such_name')
+          if ~isempty(type)
+            type = ['a robot of type ' type ' has one, or '];
+          end
+          coopdyn.internal.fail(5, [link.robot ' has no module ' module ', its type has none: ' type 'add it to the ' ...
+            'robot''s model.sdf (docs/formats.md)']);
         end
         rethrow(cause);
       end
       step = reply.data(end);
+      if step < since  % sensors with a rate or a delay show an earlier moment: what is it now?
+        now = s.ask(c, 3, [], '');
+        step = now.data(end);
+      end
       if step < since
         s.go_on(step, since);
       else

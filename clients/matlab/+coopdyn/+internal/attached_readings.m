@@ -3,7 +3,9 @@ function s = attached_readings(attached, reply)
 %ATTACHED_READINGS The readings of the modules `attached` out of a reply that carries them; targets as distance, bearing, ….
   data = reply.data;
   s = struct('time', data(end - 1), 'step', data(end), 'distances', zeros(1, 0), 'targets', zeros(1, 0), 'target', [], ...
-             'pose', [], 'wheels', [], 'compass', [], 'support', [], 'joints', struct());
+             'pose', [], 'wheels', [], 'compass', [], 'support', [], 'joints', struct(), 'imu', [], ...
+             'wrench', [], 'scan', [], 'contacts', coopdyn.internal.value(260, [], '', []), 'sonar', zeros(1, 0), ...
+             'infrared', zeros(1, 0), 'light', zeros(1, 0), 'battery', [], 'odometry', []);
   at = 0;
   for k = 1:numel(attached)
     n = reply.params(k + 1);
@@ -22,6 +24,20 @@ function s = attached_readings(attached, reply)
         s.support = struct('x', part(1), 'y', part(2), 'angle', part(3));
       case 'target'
         s.targets = part;
+      case 'imu'
+        s.imu = coopdyn.internal.value(230, [], '', part);
+      case 'wrench'
+        s.wrench = coopdyn.internal.value(240, [], '', part);
+      case 'lidar'
+        s.scan = part;  % ranges only
+      case 'contact'
+        s.contacts = coopdyn.internal.value(260, [], '', part);
+      case {'sonar', 'infrared', 'light'}
+        s.(attached{k}) = part;
+      case 'battery'
+        s.battery = coopdyn.internal.value(290, [], '', part);
+      case 'odometry'
+        s.odometry = coopdyn.internal.value(340, [], '', part);
       otherwise  % joints/arm
         s.joints.(attached{k}(8:end)) = coopdyn.internal.value(203, [], '', part);
     end

@@ -26,7 +26,10 @@ function [message, used] = decode(bytes)
   end
   params = zeros(1, 0);
   if m > 0
-    params = double(typecast(bytes(at + 1:at + 4 * m), 'int32'));
+    params = typecast(bytes(at + 1:at + 4 * m), 'int32');
+    if m <= 1024  % more are the bytes of a picture
+      params = double(params);
+    end
   end
   data = zeros(1, 0);
   if n > 0

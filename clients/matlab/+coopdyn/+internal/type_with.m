@@ -1,9 +1,24 @@
 % SPDX-License-Identifier: MIT
-function type = type_with(module)
-%TYPE_WITH A robot's type that has a module of this kind, for messages.
-  if strcmp(module, 'support')
-    type = 'transporter';
-  else
-    type = 'minibot';
+function [type, known] = type_with(module)
+%TYPE_WITH A robot's type that has a module of this kind, for messages; '' if none comes with the daemon. known: it is a kind.
+  type = '';
+  known = true;
+  switch module
+    case {'neighbours', 'compass'}
+      type = 'minibot';
+    case 'support'
+      type = 'transporter';
+    case 'imu'
+      type = 'balancer';
+    case 'wrench'
+      type = 'humanoid';
+    case {'lidar', 'contact', 'battery', 'odometry'}
+      type = 'turtle';
+    case 'camera'
+      type = 'coopbot_camera';
+    case {'sonar', 'infrared', 'light'}
+      % none
+    otherwise
+      known = false;
   end
 end

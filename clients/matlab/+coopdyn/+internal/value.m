@@ -39,6 +39,37 @@ function v = value(command, params, text, data)
       v = struct('lower', data(1:4:end), 'upper', data(2:4:end), 'velocity', data(3:4:end), 'effort', data(4:4:end));
     case 217
       v = struct('arrived', params ~= 0, 'target', data);
+    case 230
+      v = struct('qw', data(1), 'qx', data(2), 'qy', data(3), 'qz', data(4), 'wx', data(5), 'wy', data(6), 'wz', data(7), ...
+                 'ax', data(8), 'ay', data(9), 'az', data(10));
+    case 240
+      v = struct('fx', data(1), 'fy', data(2), 'fz', data(3), 'tx', data(4), 'ty', data(5), 'tz', data(6));
+    case 251
+      v = struct('first', data(1), 'increment', data(2), 'min_range', data(3), 'max_range', data(4), 'rows', data(5), ...
+                 'columns', data(6), 'low', data(7), 'step', data(8));
+    case 260
+      names = strsplit(strtrim(text), ' ');
+      v = struct('id', {}, 'name', {}, 'force', {}, 'x', {}, 'y', {}, 'z', {}, 'nx', {}, 'ny', {}, 'nz', {});
+      for k = 1:numel(data) / 7
+        d = data(7 * k - 6:7 * k);
+        v(1, k) = struct('id', -1, 'name', '', 'force', d(1), 'x', d(2), 'y', d(3), 'z', d(4), 'nx', d(5), 'ny', d(6), ...
+                         'nz', d(7));
+        if numel(params) >= k && numel(names) >= k
+          v(k).id = params(k);
+          v(k).name = names{k};
+        end
+      end
+    case 261
+      v = data ~= 0;
+    case 271
+      v = struct('width', data(1), 'height', data(2), 'fx', data(3), 'fy', data(4), 'cx', data(5), 'cy', data(6), ...
+                 'near', data(7), 'far', data(8), 'rate', data(9));
+    case 290
+      v = struct('energy', data(1), 'fraction', data(2), 'power', data(3));
+    case 340
+      v = struct('x', data(1), 'y', data(2), 'heading', data(3), 'forward', data(4), 'turn', data(5));
+    case 280
+      v = struct('x', data(1), 'y', data(2), 'angle', data(3));
     case 31
       v = struct('distance', data(1), 'bearing', data(2));
     case 40

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: MIT
+"""Python, Octave and C++ read every sensor by the same program. SENSOR_PROGRAM names the one in C++."""
+import os
+import pathlib
+import subprocess
+import sys
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "python"))
+import fake_sensors  # noqa: E402
+import harness  # noqa: E402
+import coopdyn  # noqa: E402
+from fake_daemon import FakeDaemon  # noqa: E402
+
+CLIENTS = harness.ROOT / "clients"
+LIMIT_S = 170
+
+
+def octave(code):
+    return ["octave", "--no-gui", "--norc", "--eval", f"addpath('{CLIENTS / 'matlab'}'); addpath('{HERE}'); {code}"]
+
+
+def run(command, server):
+    env = dict(os.environ, COOPDYN_SERVER=server, PYTHONPATH=str(CLIENTS / "python"))
+    env.pop("DISPLAY", None)
+    done = subprocess.run(list(map(str, command)), env=env, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT_S)
+    if done.returncode != 0:
+        raise AssertionError(f"{command}: {done.stdout}{done.stderr}")
+    return done.stdout.splitlines()
+
+
+def numbers(word, values):
+    return " ".join([word, *("%.17g" % value for value in values)])
+
+
+class SameReadings(unittest.TestCase):
+    def read(self, command):
+        with FakeDaemon(mode=1, sensors=True) as daemon:
+            return run(command, daemon.server)
+
+    @classmethod
+    def expected(cls):
+        data = {reading: data for reading, (_, _, data) in fake_sensors.READINGS.items()}
+        ranges = [numbers("ranges", data[250][k : k + fake_sensors.COLUMNS]) for k in (0, fake_sensors.COLUMNS)]
+        scan = [*ranges, numbers("azimuth", [-1, -0.5, 0, 0.5, 1]), numbers("elevation", [-0.25, 0.25]), "limits 0.125 10"]
+        rows = {"imu": 230, "wrench": 240, "sonar": 320, "infrared": 330, "light": 310, "battery": 290, "odometry": 340}
+        simple = {word: numbers(word, data[reading]) for word, reading in rows.items()}
+        touches = [data[260][:7], data[260][7:]]
+        named = [numbers("contact floor", [0, *touches[0]]), numbers("contact box_2", [7, *touches[1]])]
+        nameless = [numbers("contact ", [-1, *touch]) for touch in touches]
+
+        def image(right):
+            raw, k = fake_sensors.pixels(0, right), 3 * (fake_sensors.WIDTH + 2)
+            last = 3 * (fake_sensors.WIDTH - 1)
+            return numbers("image", [fake_sensors.WIDTH, fake_sensors.HEIGHT, sum(raw), *raw[k : k + 3], *raw[last : last + 3]])
+
+        count = fake_sensors.WIDTH * fake_sensors.HEIGHT
+        jpeg = fake_sensors.pixels(1, False)
+        lines = [simple["imu"], simple["wrench"], *scan, *named, "bumper 1 0 1"]
+        lines += [simple[word] for word in ("sonar", "infrared", "light", "battery", "odometry")]
+        lines += [numbers("camera", data[271]), image(False), numbers("when", [6 * 0.01, 6, 7]), image(True)]
+        lines += [numbers("jpeg", [len(jpeg), 0xFF, 0xD8, sum(jpeg)])]
+        lines += [numbers("depth", [33, 3, 35 / 8, 66 / 8, 0, (count - 1) / 8, 1])]
+        lines += [numbers("segmentation", [33, 3, 700, 701 * count // 3]), "name 1 floor", "name 700 ball_1"]
+        for step in (8, 9, 10):
+            lines += [numbers("sense", [step * 0.01, step, step]), simple["imu"], simple["wrench"], *scan, *nameless]
+            lines += [simple[word] for word in ("sonar", "infrared", "light", "battery", "odometry")]
+            lines += [numbers("when", [step // 3 * 3, step])]
+        return [*lines, simple["light"].replace("light", "pushed")]
+
+    def test_python_reads_every_sensor_and_a_camera_s_last_picture_is_no_reset(self):
+        self.assertEqual(self.read([sys.executable, HERE / "sensor_program.py"]), self.expected())
+
+    def test_octave_reads_the_same(self):
+        self.assertEqual(self.read(octave("sensor_program")), self.expected())
+
+    def test_cpp_reads_the_same(self):
+        self.assertEqual(self.read([os.environ["SENSOR_PROGRAM"]]), self.expected())
+
+
+class Resets(unittest.TestCase):
+    def test_a_picture_after_the_reset_of_another_client_says_so(self):
+        with FakeDaemon(mode=1, sensors=True) as daemon, coopdyn.connect(daemon.server) as sim:
+            robot = sim.robot("robot1")
+            sim.step(7)
+            self.assertEqual((robot.get_image().step, sim.steps), (6, 7))
+            with coopdyn.connect(daemon.server, watch=True, name="other") as other:
+                other.reset()
+            self.assertRaises(coopdyn.WorldReset, robot.get_image)
+            self.assertEqual(robot.get_image().step, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
