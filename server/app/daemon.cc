@@ -168,8 +168,8 @@ std::string Daemon::OpenRobots() {
   if (host.sockets) host.addresses = Addresses(options_.hosts);
   host.threads = options_.robot_threads.value_or(0);
   host.spin = Spin();
-  const RobotServices robot_services{board_,  frames_,      edits_, names_,  net_,
-                                     roster_, robot_guard_, clock_, kVersion};
+  const RobotServices robot_services{board_, frames_, edits_,       images_, names_,
+                                     net_,   roster_, robot_guard_, clock_,  kVersion};
   robots_ = std::make_unique<RobotHost>(robot_services, host, ports_);
   if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
     return WithAdvice(error, "--port");

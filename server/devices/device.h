@@ -16,6 +16,7 @@
 #include "server/state/command_board.h"
 #include "server/state/edits.h"
 #include "server/state/frame.h"
+#include "server/state/image_board.h"
 
 namespace coopdyn {
 
@@ -56,6 +57,11 @@ class Device {
   }
   /// How a request tunes the module, its robot's name left open; nothing if it does not. @pre as for Read().
   virtual std::optional<edit::TuneJoints> Tune(const Message& /*request*/) const { return std::nullopt; }
+  /// The picture that a request asks of a camera; nothing if it is another request. @pre as for Read().
+  virtual std::optional<ImageRequest> Picture(const Message& /*request*/, const FramePtr& /*frame*/,
+                                              int /*robot*/) const {
+    return std::nullopt;
+  }
   /// The error reply to a request that its spec allows and the device does not; nothing if it is fine.
   virtual std::optional<Message> Refuse(const Message& /*request*/) const { return std::nullopt; }
   /// What the robot is to broadcast; nothing if `request` is no order to. @pre as for Read().
@@ -64,6 +70,9 @@ class Device {
  private:
   const CommandTable& table_;
 };
+
+/// The reply to a request for a picture.
+Message ImageReply(command::Id command, const ImageResult& result);
 
 /// The device of the module `name` of robots of `model`; null if they have none.
 std::unique_ptr<Device> MakeDevice(const RobotModel& model, std::string_view name);

@@ -37,6 +37,10 @@ struct DeviceOf<LidarModel> {
   using Type = LidarDevice;
 };
 template <>
+struct DeviceOf<CameraModel> {
+  using Type = CameraDevice;
+};
+template <>
 struct DeviceOf<ContactModel> {
   using Type = ContactDevice;
 };

@@ -32,6 +32,8 @@ class SensorDevice : public Device {
   const Frame& Shown(const Frame& frame, int robot) const final { return SampleOf(frame, robot, sensor_); }
 
  protected:
+  /// Index into the model's sensors.
+  std::size_t sensor() const { return sensor_; }
   /// Which of its kind the sensor is.
   std::size_t number() const { return number_; }
 
@@ -88,6 +90,14 @@ class ContactDevice final : public SensorDevice {
  public:
   using SensorDevice::SensorDevice;
   Message Read(const Message& request, const Frame& frame, int robot) const override;
+};
+
+/// /R/camera: its pictures are drawn when they are asked for.
+class CameraDevice final : public SensorDevice {
+ public:
+  using SensorDevice::SensorDevice;
+  std::optional<ImageRequest> Picture(const Message& request, const FramePtr& frame,
+                                      int robot) const override;
 };
 
 /// /R/joints: a control board, a group of joints that are driven one by one.

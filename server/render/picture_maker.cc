@@ -29,6 +29,8 @@ std::optional<std::vector<std::uint8_t>> Encode(Picture picture, ImageFormat for
     case ImageFormat::kJpeg:
       return EncodeJpeg(picture, jpeg_quality);
     case ImageFormat::kRgb:
+    case ImageFormat::kDepth:
+    case ImageFormat::kSegmentation:
       break;
   }
   return std::move(picture.rgb);
@@ -67,6 +69,7 @@ ImageResult PictureMaker::Make(const Frame& frame, const ImageRequest& request) 
   result.time = frame.time;
   result.error = CheckImageRequest(request);
   if (result.error.empty() && !Start()) result.error = start_error_;
+  if (result.error.empty() && request.shot) result.error = "the pictures of cameras are not drawn yet";
   if (result.error.empty()) Draw(frame, request, result);
   if (!result.error.empty()) return result;
   if (kept_.size() >= kMaxKept) kept_.erase(kept_.begin());
@@ -79,6 +82,8 @@ void PictureMaker::Draw(const Frame& frame, const ImageRequest& request, ImageRe
   result.camera = {camera.eye_W, camera.look_W};
   Picture picture = scene_renderer_->Draw(frame, request, camera);
   ++drawn_;
+  result.width = request.width;
+  result.height = request.height;
   std::optional<std::vector<std::uint8_t>> bytes;
   if (!picture.rgb.empty()) bytes = Encode(std::move(picture), request.format, kJpegQuality);
   if (!bytes) {

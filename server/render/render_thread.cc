@@ -42,7 +42,8 @@ void RenderThread::Run(std::stop_token stop) {
     if (has_stream) paced_from = std::max(paced_from + period, clock_.Now());
     for (const ImageBoard::Pending& pending : taken) {
       ImageResult result;
-      const FramePtr frame = frames_.Latest();
+      const std::optional<CameraShot>& shot = pending.request.shot;
+      const FramePtr frame = shot && shot->frame ? shot->frame : frames_.Latest();
       if (stop.stop_requested()) {
         result.error = "the simulator is stopping";
       } else if (!frame) {

@@ -17,6 +17,7 @@
 #include "server/state/command_board.h"
 #include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
+#include "server/state/image_board.h"
 
 namespace coopdyn {
 
@@ -25,6 +26,7 @@ struct RobotServices {
   CommandBoard& board;
   const FrameBoard& frames;
   EditQueue& edits;
+  ImageBoard& images;
   NameTable& names;
   NetServices& net;
   ConnectionRoster& roster;

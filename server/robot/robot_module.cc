@@ -48,6 +48,12 @@ std::optional<Message> RobotModule::Answer(Peer& peer, const Message& request) {
   }
   FramePtr frame;
   if (std::optional<Message> common = AnswerCommon(peer, request, frame)) return common;
+  const int index = robot_.IndexIn(*frame);
+  if (std::optional<ImageRequest> picture =
+          index < 0 ? std::nullopt : device_.Picture(request, frame, index)) {
+    Draw(peer, *std::move(picture));
+    return std::nullopt;
+  }
   Message reply = Read(request, *frame);
   if (reply.error == 0) ModuleCore::Stamp(reply, Shown(*frame));
   return reply;
@@ -79,6 +85,17 @@ std::optional<Message> RobotModule::Tune(Peer& peer, const Message& request, edi
   };
   robot_.services().edits.Push({RunEdit(std::move(tuning)), done});
   return std::nullopt;
+}
+
+void RobotModule::Draw(Peer& peer, ImageRequest picture) {
+  // As in Tune().
+  const auto done = [this, poster = inbox().MakePoster(), id = peer.id()](const ImageResult& result) {
+    poster([this, id, result] {
+      Peer* const waiting = FindWaiting(id);
+      if (waiting != nullptr) Finish(*waiting, ImageReply(waiting->command, result));
+    });
+  };
+  robot_.services().images.Request(std::move(picture), done);
 }
 
 Message RobotModule::Send(Peer& peer, const Message& request, const RobotMessage& message) {

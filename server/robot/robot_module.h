@@ -39,6 +39,8 @@ class RobotModule final : public PeerModule<ModulePeer> {
   std::optional<Message> Drive(Peer& peer, const Message& request, Actuation actuation);
   /// Changes how the joints are driven, between two steps.
   std::optional<Message> Tune(Peer& peer, const Message& request, edit::TuneJoints tuning);
+  /// Has a picture drawn.
+  void Draw(Peer& peer, ImageRequest picture);
   Message Send(Peer& peer, const Message& request, const RobotMessage& message);
   std::optional<Message> Ready(Peer& peer, const Message& request);
   Message Hello(Peer& peer, const Message& request);

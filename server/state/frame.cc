@@ -67,10 +67,25 @@ std::span<const double> MeasuredOf(const Frame& frame, int index, std::size_t se
                MeasuredCount(model.sensors[sensor].kind));
 }
 
-const Frame& SampleOf(const Frame& frame, int index, std::size_t sensor) {
+namespace {
+
+/// What such a sensor shows; null: the frame itself.
+const FramePtr* FindSample(const Frame& frame, int index, std::size_t sensor) {
   const std::vector<int>& clocks = frame.scene->robots[static_cast<std::size_t>(index)].clocks;
-  if (clocks.empty() || clocks[sensor] < 0 || frame.samples.empty()) return frame;
-  return *frame.samples[static_cast<std::size_t>(clocks[sensor])].front();
+  if (clocks.empty() || clocks[sensor] < 0 || frame.samples.empty()) return nullptr;
+  return &frame.samples[static_cast<std::size_t>(clocks[sensor])].front();
+}
+
+}  // namespace
+
+const Frame& SampleOf(const Frame& frame, int index, std::size_t sensor) {
+  const FramePtr* const sample = FindSample(frame, index, sensor);
+  return sample == nullptr ? frame : **sample;
+}
+
+FramePtr SampleOf(const FramePtr& frame, int index, std::size_t sensor) {
+  const FramePtr* const sample = FindSample(*frame, index, sensor);
+  return sample == nullptr ? frame : *sample;
 }
 
 bool IsFrozen(const Frame& frame, int index) {

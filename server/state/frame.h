@@ -173,6 +173,7 @@ std::span<const ChannelState> ChannelsOf(const Frame& frame, int index);
 std::span<const double> MeasuredOf(const Frame& frame, int index, std::size_t sensor);
 /// The moment that a sensor of robot `index` shows: `frame` itself, or a sample that it has taken before.
 const Frame& SampleOf(const Frame& frame, int index, std::size_t sensor);
+FramePtr SampleOf(const FramePtr& frame, int index, std::size_t sensor);
 /// Whether robot `index` exploded and is held where it was last sane.
 bool IsFrozen(const Frame& frame, int index);
 /// The things and robots for which that is so.

@@ -26,11 +26,15 @@ void Refuse(const ImageDone& done, const std::string& reason) {
 }  // namespace
 
 const char* MediaType(ImageFormat format) {
-  constexpr std::array kTypes{"image/png", "image/jpeg", "application/octet-stream"};
+  constexpr std::array kTypes{"image/png", "image/jpeg", "application/octet-stream",
+                              "application/octet-stream", "application/octet-stream"};
   return kTypes[static_cast<std::size_t>(format)];
 }
 
 std::string CheckImageRequest(const ImageRequest& request) {
+  if (request.shot) return {};
+  if (request.format == ImageFormat::kDepth || request.format == ImageFormat::kSegmentation)
+    return "only cameras of robots see depth and segmentation: name a camera";
   const auto text = [](int pixels) { return std::to_string(pixels); };
   if (request.width < kMinImagePixels || request.width > kMaxImageWidth) {
     return "the width " + text(request.width) + " is not possible: write " + text(kMinImagePixels) + " to " +

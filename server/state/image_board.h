@@ -14,6 +14,7 @@
 #include "server/base/clock.h"
 #include "server/base/mutex.h"
 #include "server/geometry/shape.h"
+#include "server/state/frame.h"
 
 namespace coopdyn {
 
@@ -21,12 +22,25 @@ inline constexpr int kMinImagePixels = 16;  // both ways
 inline constexpr int kMaxImageWidth = 1920;
 inline constexpr int kMaxImageHeight = 1080;
 
-enum class ImageFormat { kPng, kJpeg, kRgb };  // kRgb: three bytes a pixel, row by row from the top
+/// kRgb: three bytes a pixel, row by row from the top. Of robots' cameras only: kDepth, float32 in m along
+/// the view, 0: too near, inf: nothing; kSegmentation, uint16: 0 nothing, 1 the floor, then objects, robots
+/// and targets, each as in the scene. Both little-endian.
+enum class ImageFormat { kPng, kJpeg, kRgb, kDepth, kSegmentation };
 /// "image/png", "image/jpeg", "application/octet-stream"
 const char* MediaType(ImageFormat format);
 
+/// A picture of a robot's camera.
+struct CameraShot {
+  FramePtr frame;          // that is drawn; null: the newest
+  int robot = -1;          // index into the scene
+  std::size_t sensor = 0;  // of its model: a camera
+
+  bool operator==(const CameraShot&) const = default;
+};
+
 /// What somebody wants to see.
 struct ImageRequest {
+  std::optional<CameraShot> shot;  // of a robot's camera: size, place and field of view are its own
   int width = 640;
   int height = 480;
   std::optional<Vector3> eye_m;   // in the world; neither eye nor look: the camera that frames the scene
@@ -52,6 +66,8 @@ struct ImageCamera {
 struct ImageResult {
   std::string error;                                       // empty: there is a picture
   std::shared_ptr<const std::vector<std::uint8_t>> bytes;  // encoded; null with an error
+  int width = 0, height = 0;
+  std::string legend = {};  // of a segmentation: what is seen, `1=floor 3=BOX_1`
   ImageCamera camera;
   std::uint64_t step = 0;  // of the frame shown
   std::uint64_t revision = 0;

@@ -35,14 +35,15 @@ class RobotModuleTest : public testing::Test {
   void SetMode(Mode mode) { world_.board.SetMode(mode, 0); }
 
   ManualClock clock_;
+  ImageBoard images_;
   NameTable names_;
   NetServices net_{NullLogger(), clock_};
   ConnectionRoster roster_;
   TokenGuard guard_{"secret", false};
   SmallWorld world_;
   FakeThread thread_;
-  RobotServices services_{world_.board, world_.frames, world_.edits, names_, net_,
-                          roster_,      guard_,        clock_,       "1.2.3"};
+  RobotServices services_{world_.board, world_.frames, world_.edits, images_, names_,
+                          net_,         roster_,       guard_,       clock_,  "1.2.3"};
   std::vector<std::unique_ptr<RobotCore>> robots_;
   std::vector<std::unique_ptr<RobotModule>> modules_;
   ClientId last_client_ = 0;

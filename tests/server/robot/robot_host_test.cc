@@ -82,7 +82,8 @@ class Stepping {
 class RobotHostTest : public testing::Test {
  protected:
   RobotServices Services() {
-    return {world_.board, world_.frames, world_.edits, names_, net_, roster_, guard_, clock_, "1.2.3"};
+    return {world_.board, world_.frames, world_.edits, images_, names_,
+            net_,         roster_,       guard_,       clock_,  "1.2.3"};
   }
   RobotHostOptions Options() const { return {true, ListenAddresses("127.0.0.1"), 0, {}, 8}; }
   void Load(std::shared_ptr<const Scenario> scenario) { world_.Load(std::move(scenario), Mode::kLockstep); }
@@ -107,6 +108,7 @@ class RobotHostTest : public testing::Test {
   TestClient Connect(const std::string& module) { return TestClient::Connect(names_.Find(module)->port); }
 
   SteadyClock clock_;
+  ImageBoard images_;
   NameTable names_;
   NetServices net_{NullLogger(), clock_};
   ConnectionRoster roster_;
