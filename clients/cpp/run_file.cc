@@ -76,7 +76,7 @@ struct Run::Impl {
           const std::int64_t bytes = 1 + static_cast<std::int64_t>(kPoseBytes) * row.count(3);
           const std::int64_t channel_bytes = static_cast<std::int64_t>(kChannelBytes) * row.count(5);
           if (row.count(1) > row.count(2) || (!row.is_null(4) && row.integer(4) != bytes) ||
-              (!row.is_null(6) && row.integer(6) != channel_bytes))
+              (!row.is_null(6) && row.integer(6) < channel_bytes))
             database.Damaged("robots, bodies or channels of scene " + row.text(0) + " are missing");
         });
   }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "server/state/sample_keeper.h"
+
 namespace coopdyn {
 
 namespace {
@@ -121,6 +123,47 @@ std::optional<RecordedStep> PlayFrames::Read(std::uint64_t step) {
 }
 
 std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
+  std::shared_ptr<Frame> frame = MakeMoment(step);
+  if (frame == nullptr || frame->scene->clocks.empty()) return frame;
+  AddSamples(*frame);
+  if (!inputs_.GoTo(step)) return nullptr;
+  return frame;
+}
+
+void PlayFrames::AddSamples(Frame& frame) {
+  const std::vector<SensorTiming>& clocks = frame.scene->clocks;
+  std::size_t in_use = 0;
+  for (const SensorTiming& clock : clocks) {
+    const std::uint64_t back = SampleKeeper::StepsBack(clock, frame.time, frame.step_length);
+    FramePtr moment = back == 0 ? nullptr : MomentAt(frame.step - std::min(frame.step, back));
+    if (moment == nullptr || moment->scene != frame.scene) {
+      moment = SampleKeeper::Copy(frame);
+      moments_.push_back(moment);
+    }
+    frame.samples.push_back({std::move(moment)});
+    ++in_use;
+  }
+  // A moment is shown for many steps, then it is not needed any more.
+  const std::size_t most = 2 * in_use + 8;
+  if (moments_.size() > most)
+    moments_.erase(moments_.begin(), moments_.end() - static_cast<std::ptrdiff_t>(most));
+}
+
+FramePtr PlayFrames::MomentAt(std::uint64_t step) {
+  const std::optional<std::uint64_t> shown = reader_.NextShown(step + 1, true);
+  if (!shown) return nullptr;
+  const auto found = std::ranges::find(moments_, *shown, [](const FramePtr& one) { return one->step; });
+  if (found != moments_.end()) {
+    std::rotate(found, found + 1, moments_.end());
+    return moments_.back();
+  }
+  const std::shared_ptr<Frame> made = MakeMoment(*shown);
+  if (made == nullptr) return nullptr;
+  moments_.push_back(SampleKeeper::Copy(*made));
+  return moments_.back();
+}
+
+std::shared_ptr<Frame> PlayFrames::MakeMoment(std::uint64_t step) {
   std::optional<RecordedStep> now = reader_.Read(step);
   if (!now || !inputs_.GoTo(step)) return nullptr;
   const std::shared_ptr<const Scene> scene = reader_.SceneOf(now->scene);
@@ -137,6 +180,8 @@ std::shared_ptr<Frame> PlayFrames::Make(std::uint64_t step) {
   frame->bodies.assign(now->bodies.begin(), now->bodies.end());
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // what was not recorded is no number
   frame->channels.assign(scene->channels.size(), {kUnknown, kUnknown, kUnknown, {}});
+  frame->measured = now->sensed.measured;
+  frame->contacts = now->sensed.contacts;
   frame->controls = keyframe.controls;
   if (frame->controls.size() != static_cast<std::size_t>(scene->control_count)) {
     frame->controls = StartControls(*scene);

@@ -72,6 +72,12 @@ class PlayFrames {
   std::shared_ptr<Frame> Make(std::uint64_t step);
 
  private:
+  /// The same without samples.
+  std::shared_ptr<Frame> MakeMoment(std::uint64_t step);
+  /// The newest shown moment at or before `step`, for sensors; null: there is none.
+  FramePtr MomentAt(std::uint64_t step);
+  /// Fills in what sensors with a rate or a delay show.
+  void AddSamples(Frame& frame);
   std::optional<RecordedStep> Read(std::uint64_t step);
   /// What the joint of a control board is told; its way there was not recorded.
   static void ShowAim(const ChannelState& channel, JointControl& control);
@@ -81,6 +87,7 @@ class PlayFrames {
   RunReader& reader_;
   PlayInputs inputs_;
   FramePool pool_;
+  std::vector<FramePtr> moments_;       // for samples; the newest used last
   std::optional<RecordedStep> newest_;  // made last: mostly the one before
 };
 

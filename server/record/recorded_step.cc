@@ -135,7 +135,47 @@ void EncodeChannels(std::span<const ChannelState> channels, std::vector<std::byt
   }
 }
 
-bool DecodeChannels(std::span<const std::byte> blob, std::span<ChannelMotion> channels) {
+namespace {
+
+void CodeEnd(auto& codec, auto& end) {
+  codec.Number(end.object);
+  codec.Number(end.robot);
+  codec.Number(end.link);
+  codec.Number(end.collision);
+}
+
+bool Fits(const ContactEnd& end, const Scene& scene) {
+  if (end.robot < 0) return end.object < static_cast<std::int32_t>(scene.objects.size());
+  if (end.robot >= static_cast<std::int32_t>(scene.robots.size())) return false;
+  const RobotModel& model = *scene.robots[static_cast<std::size_t>(end.robot)].entry.model;
+  if (end.link < 0 || end.link >= static_cast<std::int32_t>(model.links.size())) return false;
+  const auto shapes = model.links[static_cast<std::size_t>(end.link)].collisions.size();
+  return end.collision >= 0 && end.collision < static_cast<std::int32_t>(shapes);
+}
+
+constexpr std::size_t kContactBytes = 2 * 4 * 4 + 9 * 4;
+
+}  // namespace
+
+bool Fits(const Contact& contact, const Scene& scene) {
+  return Fits(contact.a, scene) && Fits(contact.b, scene);
+}
+
+void EncodeSensed(const Frame& frame, std::vector<std::byte>& blob) {
+  ByteWriter writer(blob);
+  for (const double value : frame.measured) writer.Number(static_cast<float>(value));
+  if (!frame.scene->measures_contacts) return;
+  writer.List(frame.contacts, kContactBytes, [&writer](const Contact& contact) {
+    CodeEnd(writer, contact.a);
+    CodeEnd(writer, contact.b);
+    for (const Vector3& v : {contact.p_W, contact.normal_W, contact.force_W}) {
+      for (const double x : v) writer.Number(static_cast<float>(x));
+    }
+  });
+}
+
+bool DecodeChannels(std::span<const std::byte> blob, const Scene& scene, std::span<ChannelMotion> channels,
+                    SensedStep& sensed) {
   ByteReader reader(blob);
   for (ChannelMotion& channel : channels) {
     channel.position = DecodePosition(reader.Low(5));
@@ -143,7 +183,27 @@ bool DecodeChannels(std::span<const std::byte> blob, std::span<ChannelMotion> ch
     reader.Finite(velocity);
     channel.velocity = velocity;
   }
-  return reader.finished();
+  sensed = {};
+  if (reader.finished()) return true;
+  float value = 0;
+  for (int i = 0; i < scene.measured_count; ++i) {
+    reader.Finite(value);
+    sensed.measured.push_back(value);
+  }
+  if (!scene.measures_contacts) return reader.finished();
+  reader.List(sensed.contacts, kContactBytes, [&](Contact& contact) {
+    CodeEnd(reader, contact.a);
+    CodeEnd(reader, contact.b);
+    for (Vector3* v : {&contact.p_W, &contact.normal_W, &contact.force_W}) {
+      for (double& x : *v) {
+        reader.Finite(value);
+        x = value;
+      }
+    }
+  });
+  return reader.finished() && std::ranges::all_of(sensed.contacts, [&scene](const Contact& contact) {
+           return coopdyn::Fits(contact, scene);
+         });
 }
 
 std::size_t ActuatorOf(const Scene& scene, std::size_t channel) {

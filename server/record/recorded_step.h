@@ -56,7 +56,20 @@ struct ChannelMotion {
 };
 /// Of each channel: position as 40-bit two's complement in units of 1e-5, velocity as f32.
 void EncodeChannels(std::span<const ChannelState> channels, std::vector<std::byte>& blob);
-bool DecodeChannels(std::span<const std::byte> blob, std::span<ChannelMotion> channels);
+
+/// What physics measured for sensors.
+struct SensedStep {
+  std::vector<double> measured;  // as Frame::measured; empty: not recorded
+  std::vector<Contact> contacts;
+};
+/// Behind the channels: each measured value as f32; then, if the scene measures contacts, a u32 count and of
+/// each contact its ends (i32 object, robot, link, collision) and point, normal and force as f32.
+void EncodeSensed(const Frame& frame, std::vector<std::byte>& blob);
+/// What both have written; without the second part if it ends there.
+bool DecodeChannels(std::span<const std::byte> blob, const Scene& scene, std::span<ChannelMotion> channels,
+                    SensedStep& sensed);
+/// It names what is in `scene`.
+bool Fits(const Contact& contact, const Scene& scene);
 
 /// Of each robot in order, its readings as f32: ranges in m, right to left, inf = nothing in range.
 void EncodeDistances(const Frame& frame, std::vector<std::byte>& blob);
@@ -70,12 +83,13 @@ std::size_t ActuatorOf(const Scene& scene, std::size_t channel);
 struct RecordedStep {
   std::uint64_t step = 0;
   Nanoseconds time = 0;
-  std::uint64_t hash = 0;                 // of the exact state
-  std::uint64_t scene = 0;                // its number in the file
-  std::vector<CommandRecord> commands;    // that came in force with this step
-  std::vector<SentMessage> messages;      // sent with this step
-  std::vector<BodyState> bodies;          // as recorded poses; empty: not recorded (--record-every)
-  std::vector<ChannelMotion> channels;    // empty: not recorded
+  std::uint64_t hash = 0;               // of the exact state
+  std::uint64_t scene = 0;              // its number in the file
+  std::vector<CommandRecord> commands;  // that came in force with this step
+  std::vector<SentMessage> messages;    // sent with this step
+  std::vector<BodyState> bodies;        // as recorded poses; empty: not recorded (--record-every)
+  std::vector<ChannelMotion> channels;  // empty: not recorded
+  SensedStep sensed;
   std::vector<float> distances, targets;  // as encoded; empty: not recorded
 };
 

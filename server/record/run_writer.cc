@@ -237,7 +237,10 @@ bool RunWriter::IsShown(Nanoseconds time) const {
 void RunWriter::EncodeShown(const Frame& frame) {
   const RecordWhat& what = options_.header.what;
   EncodePoses(frame.bodies, poses_);
-  if (what.channels) EncodeChannels(frame.channels, channels_);
+  if (what.channels) {
+    EncodeChannels(frame.channels, channels_);
+    EncodeSensed(frame, channels_);
+  }
   if (what.distances) EncodeDistances(frame, distances_);
   if (what.targets) EncodeTargets(frame, targets_);
 }

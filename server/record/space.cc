@@ -40,7 +40,7 @@ std::size_t StepRowBytes(const Frame& frame, const RecordWhat& what, bool shown)
   std::size_t bytes = kFixedBytes;
   if (!shown) return bytes;
   bytes += 1 + frame.bodies.size() * kPoseBytes;
-  if (what.channels) bytes += frame.channels.size() * kChannelBytes;
+  if (what.channels) bytes += frame.channels.size() * kChannelBytes + frame.measured.size() * sizeof(float);
   if (what.targets) bytes += frame.scene->robots.size() * frame.scene->targets.size() * 2 * sizeof(float);
   if (what.distances) {
     for (const SceneRobot& robot : frame.scene->robots) {

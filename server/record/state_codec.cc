@@ -5,13 +5,16 @@
 #include <cstdint>
 #include <utility>
 
+#include "server/record/recorded_step.h"
+
 namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kStateVersion = 4, kWithoutAcceleration = 3, kWithoutControls = 2;
+constexpr std::uint8_t kStateVersion = 5, kWithoutSensed = 4, kWithoutAcceleration = 3, kWithoutControls = 2;
 constexpr std::size_t kBodyBytes = (3 + 4 + 9 + 3 + 3) * 8 + 8;
 constexpr std::size_t kSetpointBytes = 1 + 8, kChannelStateBytes = 2 * 8 + kSetpointBytes;
+constexpr std::size_t kContactBytes = 2 * 4 * 4 + 9 * 8;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
 
 void CodeBody(auto& codec, auto& body) {
@@ -40,12 +43,75 @@ void CodeControl(auto& codec, auto& control, std::uint64_t version) {
   codec.Finite(control.d);
   codec.Finite(control.start);
   codec.Finite(control.start_velocity);
-  if (version != kWithoutAcceleration) codec.Finite(control.start_acceleration);
+  if (version > kWithoutAcceleration) codec.Finite(control.start_acceleration);
   codec.Finite(control.target);
   codec.Finite(control.duration_s);
   codec.Finite(control.elapsed_s);
   codec.Finite(control.integral);
   codec.Finite(control.reference);
+}
+
+void CodeContact(auto& codec, auto& contact) {
+  for (auto* end : {&contact.a, &contact.b}) {
+    codec.Number(end->object);
+    codec.Number(end->robot);
+    codec.Number(end->link);
+    codec.Number(end->collision);
+  }
+  codec.Finite(contact.p_W);
+  codec.Finite(contact.normal_W);
+  codec.Finite(contact.force_W);
+}
+
+/// What of a frame sensors see, besides bodies and channels.
+void CodeSensed(auto& codec, auto& frame) {
+  codec.List(frame.measured, 8, [&codec](auto& value) { codec.Finite(value); });
+  codec.List(frame.contacts, kContactBytes, [&codec](auto& contact) { CodeContact(codec, contact); });
+}
+
+/// A moment that a sensor shows.
+void CodeSample(auto& codec, auto& frame) {
+  codec.Number(frame.step);
+  codec.Number(frame.revision);
+  codec.Number(frame.time);
+  codec.Number(frame.step_length);
+  codec.List(frame.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
+  codec.List(frame.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
+  CodeSensed(codec, frame);
+}
+
+void WriteSamples(ByteWriter& writer, const Frame& frame) {
+  std::vector<FramePtr> samples;  // each once
+  for (const FrameSamples& clock : frame.samples) {
+    for (const FramePtr& sample : clock) {
+      if (std::ranges::find(samples, sample) == samples.end()) samples.push_back(sample);
+    }
+  }
+  writer.List(samples, 1, [&writer](const FramePtr& sample) { CodeSample(writer, *sample); });
+  writer.List(frame.samples, 4, [&](const FrameSamples& clock) {
+    writer.List(clock, 4, [&](const FramePtr& sample) {
+      writer.Number(static_cast<std::uint32_t>(std::ranges::find(samples, sample) - samples.begin()));
+    });
+  });
+}
+
+void ReadSamples(ByteReader& reader, const std::shared_ptr<const Scene>& scene, Frame& frame) {
+  std::vector<std::shared_ptr<Frame>> samples;
+  reader.List(samples, 32, [&](std::shared_ptr<Frame>& sample) {
+    sample = std::make_shared<Frame>();
+    sample->epoch = frame.epoch;
+    sample->seed = frame.seed;
+    sample->scene = scene;
+    CodeSample(reader, *sample);
+  });
+  reader.List(frame.samples, 4, [&](FrameSamples& clock) {
+    reader.List(clock, 4, [&](FramePtr& sample) {
+      const std::uint64_t index = reader.Low(4);
+      reader.Require(index < samples.size());
+      if (reader.ok()) sample = samples[index];
+    });
+    reader.Require(!clock.empty());
+  });
 }
 
 void CodeSent(auto& codec, auto& sent) {
@@ -58,10 +124,10 @@ bool IsStepLength(Nanoseconds length) {
   return length >= kMinStep && length <= kMaxStep;
 }
 
-/// All of `state` and its frame, as `version` has them; when it is read, without what the scene must say of
-/// it.
+/// All of `state` and its frame, which is of `scene`, as `version` has them.
 template <typename Codec>
-void CodeState(Codec& codec, auto& state, auto& frame, std::uint64_t version) {
+void CodeState(Codec& codec, const std::shared_ptr<const Scene>& scene, auto& state, auto& frame,
+               std::uint64_t version) {
   codec.Word(state.mode, Mode::kFree);
   codec.Bool(state.paused);
   codec.Number(frame.epoch);
@@ -74,9 +140,17 @@ void CodeState(Codec& codec, auto& state, auto& frame, std::uint64_t version) {
   codec.List(frame.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
   codec.List(frame.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
   if (version != kWithoutControls) {
-    const std::size_t doubles = JointControl::kDoubles - (version == kWithoutAcceleration ? 1 : 0);
+    const std::size_t doubles = JointControl::kDoubles - (version > kWithoutAcceleration ? 0 : 1);
     codec.List(frame.controls, 8 * doubles,
                [&codec, version](auto& one) { CodeControl(codec, one, version); });
+  }
+  if (version > kWithoutSensed) {
+    CodeSensed(codec, frame);
+    if constexpr (Codec::kReads) {
+      ReadSamples(codec, scene, frame);
+    } else {
+      WriteSamples(codec, frame);
+    }
   }
   codec.List(frame.commanded, 1, [&codec](auto& commanded) { codec.Number(commanded); });
   codec.List(frame.messages, kMessageBytes, [&codec](auto& sent) { CodeSent(codec, sent); });
@@ -89,6 +163,24 @@ void CodeState(Codec& codec, auto& state, auto& frame, std::uint64_t version) {
   }
 }
 
+/// What was read of a moment is of `scene`. What has no measured values was recorded without them.
+bool FitsScene(const Frame& frame, const Scene& scene) {
+  return frame.time >= 0 && IsStepLength(frame.step_length) && frame.bodies.size() == scene.body_ids.size() &&
+         frame.channels.size() == scene.channels.size() &&
+         (frame.measured.empty() ||
+          frame.measured.size() == static_cast<std::size_t>(scene.measured_count)) &&
+         std::ranges::all_of(frame.contacts, [&scene](const Contact& one) { return Fits(one, scene); });
+}
+
+bool SamplesFit(const Frame& frame, const Scene& scene) {
+  if (!frame.samples.empty() && frame.samples.size() != scene.clocks.size()) return false;
+  return std::ranges::all_of(frame.samples, [&](const FrameSamples& clock) {
+    return std::ranges::all_of(clock, [&](const FramePtr& sample) {
+      return sample->time <= frame.time && FitsScene(*sample, scene);
+    });
+  });
+}
+
 /// What was read is a state of `scene`.
 bool Fits(const SavedState& state, const Frame& frame, const Scene& scene) {
   const auto is_of_frame = [&](const SentMessage& sent) {
@@ -98,9 +190,8 @@ bool Fits(const SavedState& state, const Frame& frame, const Scene& scene) {
     return control.stiffness >= 0 && control.damping >= 0 && control.speed > 0 && control.acceleration > 0 &&
            control.p >= 0 && control.i >= 0 && control.d >= 0 && control.duration_s >= 0;
   };
-  return frame.time >= 0 && IsStepLength(frame.step_length) &&
+  return FitsScene(frame, scene) && SamplesFit(frame, scene) &&
          IsStepLength(state.step_length.value_or(kDefaultStep)) &&
-         frame.bodies.size() == scene.body_ids.size() && frame.channels.size() == scene.channels.size() &&
          frame.controls.size() == static_cast<std::size_t>(scene.control_count) &&
          frame.commanded.size() == scene.actuators.size() &&
          (state.setpoints.empty() || state.setpoints.size() == scene.channels.size()) &&
@@ -117,7 +208,7 @@ std::vector<std::byte> EncodeState(const SavedState& state) {
                 frame.messages.size() * sizeof(SentMessage) + state.controllers.size());
   ByteWriter writer(bytes);
   writer.Number(kStateVersion);
-  CodeState(writer, state, frame, kStateVersion);
+  CodeState(writer, frame.scene, state, frame, kStateVersion);
   return bytes;
 }
 
@@ -127,7 +218,7 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
   ByteReader reader(bytes);
   const std::uint64_t version = reader.Low(1);
   if (version > kStateVersion || version < kWithoutControls) return nullptr;
-  CodeState(reader, *state, *frame, version);
+  CodeState(reader, scene, *state, *frame, version);
   if (!reader.finished() || !Fits(*state, *frame, *scene)) return nullptr;
   frame->scene = std::move(scene);
   state->frame = std::move(frame);

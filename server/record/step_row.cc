@@ -46,7 +46,8 @@ std::string DecodeReadings(const Statement& row, const Scene& scene, RecordedSte
   const std::size_t sightings = 2 * scene.robots.size() * scene.targets.size();
   if (!row.is_null(StepColumns::kChannels)) {
     step.channels.resize(scene.channels.size());
-    if (!DecodeChannels(row.blob(StepColumns::kChannels), step.channels)) return "the channels";
+    if (!DecodeChannels(row.blob(StepColumns::kChannels), scene, step.channels, step.sensed))
+      return "the channels";
   }
   if (!DecodeFloats(row.blob(StepColumns::kDistances), step.distances) ||
       (!step.distances.empty() && step.distances.size() != ranges)) {

@@ -193,7 +193,8 @@ std::optional<Difference> FindRecordedMotion(const RecordedStep& step, const Fra
   std::vector<std::byte> blob;
   EncodeChannels(frame.channels, blob);
   std::vector<ChannelMotion> repeated(step.channels.size());
-  DecodeChannels(blob, repeated);
+  SensedStep none;
+  DecodeChannels(blob, *frame.scene, repeated, none);
   const auto [ours, theirs] = std::mismatch(repeated.begin(), repeated.end(), step.channels.begin());
   if (ours == repeated.end()) return std::nullopt;
   const auto channel = static_cast<std::size_t>(ours - repeated.begin());
@@ -202,6 +203,27 @@ std::optional<Difference> FindRecordedMotion(const RecordedStep& step, const Fra
   };
   return DifferenceAt(frame, RobotOf(*frame.scene, channel), ChannelName(*frame.scene, channel),
                       worded(*theirs), worded(*ours), false);
+}
+
+/// What is recorded of what physics measured for sensors.
+std::optional<Difference> FindMeasured(const RecordedStep& step, const Frame& frame) {
+  const std::vector<double>& recorded = step.sensed.measured;
+  if (recorded.size() != frame.measured.size()) return std::nullopt;
+  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) {
+    const SceneRobot& robot = frame.scene->robots[i];
+    const RobotModel& model = *robot.entry.model;
+    for (std::size_t sensor = 0; sensor < model.sensors.size(); ++sensor) {
+      const std::size_t first = static_cast<std::size_t>(robot.first_measured) + model.FirstMeasured(sensor);
+      for (std::size_t k = 0; k < MeasuredCount(model.sensors[sensor].kind); ++k) {
+        const double ours = static_cast<float>(frame.measured[first + k]), theirs = recorded[first + k];
+        if (ours == theirs) continue;
+        return DifferenceAt(frame, robot.entry.name,
+                            fmt::format("{} value {}", model.sensors[sensor].name, k + 1),
+                            fmt::format("{}", theirs), fmt::format("{}", ours), false);
+      }
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<Difference> FindRecordedPose(const RecordedStep& step, const Frame& frame) {
@@ -283,6 +305,7 @@ std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Fr
 std::optional<Difference> FindInRow(const RecordedStep& step, const Frame& repeated) {
   if (auto found = FindRecordedPose(step, repeated)) return found;
   if (auto found = FindRecordedMotion(step, repeated)) return found;
+  if (auto found = FindMeasured(step, repeated)) return found;
   if (auto found = FindDistance(step.distances, repeated)) return found;
   return FindTarget(step.targets, repeated);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/state/sample_keeper.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -11,8 +12,13 @@ namespace {
 // Steps are whole microseconds, rates are not: a sample is due a little before its time.
 constexpr double kRounding = 1e-6;  // of a period
 
-/// What sensing needs of `frame`, without samples.
-FramePtr Copy(const Frame& frame) {
+Nanoseconds DelayOf(const SensorTiming& timing) {
+  return static_cast<Nanoseconds>(std::llround(timing.delay_s * 1e9));
+}
+
+}  // namespace
+
+FramePtr SampleKeeper::Copy(const Frame& frame) {
   auto copy = std::make_shared<Frame>();
   copy->epoch = frame.epoch;
   copy->step = frame.step;
@@ -28,11 +34,23 @@ FramePtr Copy(const Frame& frame) {
   return copy;
 }
 
-}  // namespace
-
 std::int64_t SampleKeeper::SampleAt(const SensorTiming& timing, Nanoseconds time) {
   if (timing.rate_hz <= 0) return time;
   return static_cast<std::int64_t>(std::floor(ToSeconds(time) * timing.rate_hz + kRounding));
+}
+
+std::uint64_t SampleKeeper::StepsBack(const SensorTiming& timing, Nanoseconds time, Nanoseconds length) {
+  const Nanoseconds delay = std::min(DelayOf(timing), time);
+  const Nanoseconds steps = (delay + length - 1) / length;
+  const Nanoseconds shown = std::max<Nanoseconds>(time - steps * length, 0);
+  Nanoseconds back = 0;
+  if (timing.rate_hz > 0) {
+    const std::int64_t sample = SampleAt(timing, shown);
+    const double since_s = ToSeconds(shown) - static_cast<double>(sample) / timing.rate_hz;
+    back = std::max<Nanoseconds>(static_cast<Nanoseconds>(since_s * 1e9) / length - 1, 0);
+    while (shown >= (back + 1) * length && SampleAt(timing, shown - (back + 1) * length) == sample) ++back;
+  }
+  return static_cast<std::uint64_t>(steps + back);
 }
 
 void SampleKeeper::AddTo(Frame& frame) {
@@ -51,7 +69,7 @@ void SampleKeeper::AddTo(Frame& frame) {
       if (copy == nullptr) copy = Copy(frame);
       held.push_back(copy);
     }
-    const Nanoseconds newest = frame.time - static_cast<Nanoseconds>(std::llround(clocks[i].delay_s * 1e9));
+    const Nanoseconds newest = frame.time - DelayOf(clocks[i]);
     std::size_t old = 0;
     while (old + 1 < held.size() && held[old + 1]->time <= newest) ++old;
     held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(old));

@@ -21,6 +21,10 @@ class SampleKeeper {
 
   /// Which sample was taken last at `time`, counted from 0.
   static std::int64_t SampleAt(const SensorTiming& timing, Nanoseconds time);
+  /// How many steps before `time` the sample was taken that is shown then, if all steps last `length`.
+  static std::uint64_t StepsBack(const SensorTiming& timing, Nanoseconds time, Nanoseconds length);
+  /// What sensing needs of `frame`, without samples.
+  static FramePtr Copy(const Frame& frame);
 
  private:
   std::uint64_t epoch_ = 0;

@@ -78,6 +78,16 @@ inline std::shared_ptr<const Scene> RecordScene(const std::string& text = kRecor
   return MakeScene(ReadRecordScenario(text));
 }
 
+/// The same with a first robot that has sensors: what an IMU measures, contacts, samples at 30 Hz.
+inline std::shared_ptr<const Scene> SensingScene() {
+  auto scenario = std::make_shared<Scenario>(*ReadRecordScenario());
+  auto model = std::make_shared<RobotModel>(*scenario->robots[0].model);
+  model->AddSensor("imu", ImuModel(), {30, 0.05});
+  model->AddSensor("bumper", ContactModel());
+  scenario->robots[0].model = model;
+  return MakeScene(scenario);
+}
+
 /// Random frames of a scene; each call differs, each program run is the same.
 class FrameMaker {
  public:

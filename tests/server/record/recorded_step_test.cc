@@ -126,13 +126,14 @@ TEST(RecordedStepTest, PositionsAreWithinTheirUnits) {
   std::vector<std::byte> blob;
   EncodeChannels(frame->channels, blob);
   std::vector<ChannelMotion> read(frame->channels.size());
+  SensedStep none;
   EXPECT_EQ(blob.size(), 9 * read.size());
-  ASSERT_TRUE(DecodeChannels(blob, read));
+  ASSERT_TRUE(DecodeChannels(blob, *frame->scene, read, none));
   for (std::size_t i = 0; i < read.size(); ++i) {
     EXPECT_NEAR(read[i].position, frame->channels[i].position, 0.5e-5 + 1e-9);
     EXPECT_EQ(read[i].velocity, static_cast<float>(frame->channels[i].velocity));
   }
-  EXPECT_FALSE(DecodeChannels(std::span(blob).first(blob.size() - 1), read));
+  EXPECT_FALSE(DecodeChannels(std::span(blob).first(blob.size() - 1), *frame->scene, read, none));
 }
 
 TEST(RecordedStepTest, PositionsBeyondTheUnitsAreHeld) {
@@ -142,9 +143,70 @@ TEST(RecordedStepTest, PositionsBeyondTheUnitsAreHeld) {
   std::vector<std::byte> blob;
   EncodeChannels(frame->channels, blob);
   std::vector<ChannelMotion> read(frame->channels.size());
-  ASSERT_TRUE(DecodeChannels(blob, read));
+  SensedStep none;
+  ASSERT_TRUE(DecodeChannels(blob, *frame->scene, read, none));
   EXPECT_NEAR(read[0].position, 5497558.13887, 1e-6);
   EXPECT_NEAR(read[1].position, -5497558.13887, 1e-6);
+}
+
+class SensedStepTest : public testing::Test {
+ protected:
+  SensedStepTest() {
+    frame_->measured = {1.5, -2, 1e-3};
+    Contact contact;
+    contact.a = {-1, 0, 0, 0};
+    contact.b = {1, -1, 0, 0};
+    contact.p_W = {1, 2, 3};
+    contact.force_W = {0, 0, 4.5};
+    frame_->contacts = {contact, contact};
+    frame_->contacts[1].b = {};  // the floor
+    EncodeChannels(frame_->channels, blob_);
+    EncodeSensed(*frame_, blob_);
+  }
+  bool Decode() { return DecodeChannels(blob_, *frame_->scene, channels_, read_); }
+
+  FrameMaker maker_{SensingScene()};
+  std::shared_ptr<Frame> frame_ = maker_.Make(1);
+  std::vector<std::byte> blob_;
+  std::vector<ChannelMotion> channels_ = std::vector<ChannelMotion>(frame_->channels.size());
+  SensedStep read_;
+};
+
+TEST_F(SensedStepTest, MeasuredValuesAndContactsAreReadAgain) {
+  ASSERT_TRUE(Decode());
+  ASSERT_EQ(read_.measured.size(), 3);
+  EXPECT_EQ(read_.measured[0], 1.5);
+  EXPECT_EQ(read_.measured[2], static_cast<double>(1e-3F));
+  ASSERT_EQ(read_.contacts.size(), 2);
+  EXPECT_EQ(read_.contacts[0].a, frame_->contacts[0].a);
+  EXPECT_EQ(read_.contacts[0].b, frame_->contacts[0].b);
+  EXPECT_EQ(read_.contacts[0].p_W, Vector3(1, 2, 3));
+  EXPECT_EQ(read_.contacts[1].force_W, Vector3(0, 0, 4.5));
+}
+
+TEST_F(SensedStepTest, WhatWasRecordedWithoutThemIsReadWithoutThem) {
+  blob_.resize(kChannelBytes * channels_.size());
+  ASSERT_TRUE(Decode());
+  EXPECT_TRUE(read_.measured.empty());
+}
+
+TEST_F(SensedStepTest, AnyOtherLengthIsRefused) {
+  const std::size_t channels = kChannelBytes * channels_.size(), whole = blob_.size();
+  const std::vector<std::byte> all = blob_;
+  for (std::size_t size = 0; size < whole; ++size) {
+    blob_.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_EQ(Decode(), size == channels) << size;
+  }
+  blob_ = all;
+  blob_.push_back(std::byte{0});
+  EXPECT_FALSE(Decode());
+}
+
+TEST_F(SensedStepTest, AContactOfWhatIsNotThereIsRefused) {
+  blob_.resize(kChannelBytes * channels_.size());
+  frame_->contacts[0].a.robot = 17;
+  EncodeSensed(*frame_, blob_);
+  EXPECT_FALSE(Decode());
 }
 
 /// What `encode` writes of a frame, read again.

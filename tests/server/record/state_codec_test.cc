@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "record_fixture.h"
+#include "server/state/sample_keeper.h"
 
 namespace coopdyn {
 namespace {
@@ -93,13 +94,74 @@ TEST(StateCodecTest, AStateOfVersion2HasNoControlBoards) {
   const SavedState state = FullState(maker);
   std::vector<std::byte> bytes = EncodeState(state);
   bytes[0] = std::byte{2};
-  // The list of controls, here an empty one, stands behind head, bodies and channels.
+  // The lists of controls, measured values, contacts, samples and clocks, all empty here, stand behind head,
+  // bodies and channels.
   const std::size_t at = 59 + 4 + 184 * state.frame->bodies.size() + 4 + 25 * state.frame->channels.size();
   bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(at),
-              bytes.begin() + static_cast<std::ptrdiff_t>(at + 4));
+              bytes.begin() + static_cast<std::ptrdiff_t>(at + 20));
   const SavedStatePtr read = DecodeState(bytes, maker.scene());
   ASSERT_NE(read, nullptr);
   EXPECT_EQ(EncodeState(*read), EncodeState(state));
+}
+
+class SensedStateTest : public testing::Test {
+ protected:
+  SensedStateTest() {
+    SampleKeeper keeper;
+    for (std::uint64_t step = 0; step <= 9; ++step) {
+      frame_ = maker_.Make(step);
+      frame_->measured = {1.0 / 3, -0.0, static_cast<double>(step)};
+      frame_->contacts.resize(1);
+      frame_->contacts[0].a.robot = 0;
+      frame_->contacts[0].force_W = {1.0 / 3, 0, static_cast<double>(step)};
+      keeper.AddTo(*frame_);
+    }
+    state_.frame = frame_;
+  }
+
+  FrameMaker maker_{SensingScene()};
+  std::shared_ptr<Frame> frame_;
+  SavedState state_;
+};
+
+TEST_F(SensedStateTest, WhatSensorsShowIsKept) {
+  const SavedStatePtr read = DecodeState(EncodeState(state_), maker_.scene());
+  ASSERT_NE(read, nullptr);
+  const Frame& frame = *read->frame;
+  EXPECT_EQ(frame.measured, frame_->measured);
+  EXPECT_EQ(frame.contacts.front().force_W, frame_->contacts.front().force_W);
+  ASSERT_EQ(frame.samples.size(), 1);
+  ASSERT_EQ(frame.samples[0].size(), frame_->samples[0].size());
+  for (std::size_t i = 0; i < frame.samples[0].size(); ++i) {
+    const Frame &a = *frame_->samples[0][i], &b = *frame.samples[0][i];
+    EXPECT_EQ(b.step, a.step);
+    EXPECT_EQ(b.time, a.time);
+    EXPECT_EQ(b.measured, a.measured);
+    EXPECT_EQ(b.scene, maker_.scene());
+    EXPECT_TRUE(SameBody(a.bodies[0], b.bodies[0]));
+  }
+  EXPECT_EQ(EncodeState(*read), EncodeState(state_));
+}
+
+TEST_F(SensedStateTest, ASampleOfTheFutureIsRefused) {
+  const auto future = std::make_shared<Frame>();
+  *future->bodies.insert(future->bodies.end(), frame_->bodies.begin(), frame_->bodies.end());
+  future->channels = frame_->channels;
+  future->time = frame_->time + 1;
+  frame_->samples[0].push_back(future);
+  EXPECT_EQ(DecodeState(EncodeState(state_), maker_.scene()), nullptr);
+}
+
+TEST_F(SensedStateTest, AContactOfAnotherSceneIsRefused) {
+  frame_->contacts[0].b.object = 12;
+  EXPECT_EQ(DecodeState(EncodeState(state_), maker_.scene()), nullptr);
+}
+
+TEST_F(SensedStateTest, NoCutMakesAState) {
+  const std::vector<std::byte> bytes = EncodeState(state_);
+  for (std::size_t size = 0; size < bytes.size(); size += 7) {
+    EXPECT_EQ(DecodeState(std::span(bytes).first(size), maker_.scene()), nullptr) << size;
+  }
 }
 
 TEST(StateCodecTest, AStateOfAnotherSceneIsRefused) {
