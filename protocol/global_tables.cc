@@ -140,9 +140,10 @@ CommandTable SwarmTable() {
            .example = "step_all (1 2) 0.2 0.5 0.1 0"},
           {.id = command::kSelectReadings,
            .name = "select_readings",
-           .help = "Chooses the columns of step_all and read_all: pose, distances, targets, neighbours (of "
-                   "the nearest, 8 by default), wheels, compass, support, joints. Without words: pose "
-                   "distances.",
+           .help =
+               "Chooses the columns of step_all and read_all: pose, distances, targets, neighbours (of "
+               "the nearest, 8 by default), wheels, compass, support, joints, or a sensor's module by its "
+               "name, e.g. lidar. Without words: pose distances.",
            .text = TextUse::kRest,
            .text_name = "READING…",
            .params = {{.name = "nearest", .unit = "", .optional = true, .min = 1}},

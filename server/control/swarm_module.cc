@@ -201,7 +201,7 @@ Message SwarmModule::Select(Peer& peer, const Message& request, const Frame& fra
                                   "pose neighbours",
                                   TeamReadings::kMaxNearest, nearest));
   }
-  const std::string error = peer.readings.Select(request.text, nearest);
+  const std::string error = peer.readings.Select(request.text, nearest, *frame.scene);
   if (!error.empty()) return ErrorReply(request.command, Error::kWrongParams, error);
   Message reply = ReplyTo(request.command);
   reply.text = peer.readings.Names();

@@ -128,24 +128,66 @@ constexpr std::array<Reading, 8> kReadings{
      {"joints", JointColumns, FillJoints}}};
 constexpr std::size_t kDistances = 1;
 
+/// The sensor of `model` whose module is `name`; sensors.size() if it has none.
+std::size_t FindSensor(const RobotModel& model, const std::string& name) {
+  const auto found = std::ranges::find(model.sensors, name, &SensorModel::name);
+  return static_cast<std::size_t>(found - model.sensors.begin());
+}
+
+/// Of the robot in `scene` whose module `name` has the longest reading; 0: there is none of a fixed length.
+std::size_t ModuleColumns(const Scene& scene, const std::string& name) {
+  std::size_t most = 0;
+  const RobotModel* before = nullptr;
+  for (const SceneRobot& robot : scene.robots) {
+    const RobotModel& model = *robot.entry.model;
+    const std::size_t sensor = &model == before ? model.sensors.size() : FindSensor(model, name);
+    before = &model;
+    if (sensor < model.sensors.size()) most = std::max(most, FixedCount(model.sensors[sensor].kind));
+  }
+  return most;
+}
+
+/// All that ModuleColumns() finds.
+std::vector<std::string> ModuleNames(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const SceneRobot& robot : scene.robots) {
+    for (const SensorModel& sensor : robot.entry.model->sensors) {
+      if (FixedCount(sensor.kind) > 0 && std::ranges::find(names, sensor.name) == names.end())
+        names.push_back(sensor.name);
+    }
+  }
+  return names;
+}
+
+void FillModule(const Frame& frame, int robot, const std::string& name, std::span<double> columns) {
+  std::ranges::fill(columns, kNan);
+  const RobotModel& model = ModelOf(frame, robot);
+  const std::size_t sensor = FindSensor(model, name);
+  if (sensor >= model.sensors.size()) return;
+  FillFixed(frame, robot, sensor,
+            columns.first(std::min(columns.size(), FixedCount(model.sensors[sensor].kind))));
+}
+
 }  // namespace
 
-std::string TeamReadings::Select(std::string_view text, int nearest) {
-  std::vector<std::size_t> kinds;
+std::string TeamReadings::Select(std::string_view text, int nearest, const Scene& scene) {
+  std::vector<Kind> kinds;
   for (const std::string& word : Words(text)) {
     const auto* const found = std::ranges::find(kReadings, word, &Reading::name);
-    if (found == kReadings.end()) {
+    Kind kind = word;
+    if (found != kReadings.end()) {
+      kind = static_cast<std::size_t>(found - kReadings.begin());
+    } else if (ModuleColumns(scene, word) == 0) {
       constexpr std::size_t kShown = 40;
-      std::vector<std::string> names;
+      std::vector<std::string> names = ModuleNames(scene);
       for (const Reading& reading : kReadings) names.emplace_back(reading.name);
       return "there is no reading " + word.substr(0, kShown) +
              DidYouMean(word.size() > kShown ? "" : word, names);
     }
-    const auto kind = static_cast<std::size_t>(found - kReadings.begin());
     if (std::ranges::find(kinds, kind) != kinds.end()) {
       return word + " is named twice: select_readings pose distances";
     }
-    kinds.push_back(kind);
+    kinds.push_back(std::move(kind));
   }
   if (kinds.empty()) kinds = TeamReadings().kinds_;
   kinds_ = std::move(kinds);
@@ -153,17 +195,24 @@ std::string TeamReadings::Select(std::string_view text, int nearest) {
   return {};
 }
 
+std::string TeamReadings::NameOf(const Kind& kind) {
+  const auto* const place = std::get_if<std::size_t>(&kind);
+  return place != nullptr ? kReadings[*place].name : std::get<std::string>(kind);
+}
+
 std::string TeamReadings::Names() const {
   std::string names;
-  for (const std::size_t kind : kinds_)
-    names += (names.empty() ? "" : " ") + std::string(kReadings[kind].name);
+  for (const Kind& kind : kinds_) names += (names.empty() ? "" : " ") + NameOf(kind);
   return names;
 }
 
 std::vector<std::int32_t> TeamReadings::Columns(const Scene& scene, std::size_t sensors) const {
   std::vector<std::int32_t> columns;
-  for (const std::size_t kind : kinds_) {
-    const std::size_t count = kReadings[kind].columns(scene, sensors, static_cast<std::size_t>(nearest_));
+  for (const Kind& kind : kinds_) {
+    const auto* const place = std::get_if<std::size_t>(&kind);
+    const std::size_t count =
+        place != nullptr ? kReadings[*place].columns(scene, sensors, static_cast<std::size_t>(nearest_))
+                         : ModuleColumns(scene, std::get<std::string>(kind));
     columns.push_back(static_cast<std::int32_t>(count));
   }
   return columns;
@@ -173,7 +222,7 @@ void TeamReadings::Fill(const Frame& frame, std::span<const int> robots, std::si
                         WorkerPool& pool, std::span<double> data) const {
   const std::vector<std::int32_t> widths = Columns(*frame.scene, sensors);
   const auto width = static_cast<std::size_t>(std::accumulate(widths.begin(), widths.end(), 0));
-  if (std::ranges::find(kinds_, kDistances) != kinds_.end() && sensors > 0) {
+  if (std::ranges::find(kinds_, Kind(kDistances)) != kinds_.end() && sensors > 0) {
     std::vector<int> present;
     const bool some_gone = std::find(robots.begin(), robots.end(), -1) != robots.end();
     if (some_gone) {
@@ -191,7 +240,11 @@ void TeamReadings::Fill(const Frame& frame, std::span<const int> robots, std::si
       }
       for (std::size_t i = 0; i < kinds_.size(); ++i) {
         const auto columns = static_cast<std::size_t>(widths[i]);
-        kReadings[kinds_[i]].fill(frame, robots[row], left.first(columns));
+        if (const auto* const place = std::get_if<std::size_t>(&kinds_[i])) {
+          kReadings[*place].fill(frame, robots[row], left.first(columns));
+        } else {
+          FillModule(frame, robots[row], std::get<std::string>(kinds_[i]), left.first(columns));
+        }
         left = left.subspan(columns);
       }
     }

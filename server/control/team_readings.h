@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "server/base/worker_pool.h"
@@ -24,8 +25,9 @@ class TeamReadings {
   /// pose distances
   TeamReadings() = default;
 
-  /// Chooses by words in any order; without words pose distances. What is wrong with them, or empty.
-  std::string Select(std::string_view text, int nearest);
+  /// Chooses by words in any order; without words pose distances. What is wrong with them, or empty. Besides
+  /// those below the sensors' modules of the robots in `scene` may be named.
+  std::string Select(std::string_view text, int nearest, const Scene& scene);
   /// `pose distances`
   std::string Names() const;
   /// Columns of each reading in order. `sensors`: of the robot with the most distance sensors.
@@ -40,11 +42,17 @@ class TeamReadings {
   ///   compass     heading rad; nan: the robot has none
   ///   support     x m, y m, angle rad; nan: the robot has none
   ///   joints      position, velocity, effort per joint of its control boards; nan beyond the robot's own
+  ///   a module    of that name, e.g. lidar: its first reading (contact: get_bumper); nan beyond the robot's
+  ///   own
   void Fill(const Frame& frame, std::span<const int> robots, std::size_t sensors, WorkerPool& pool,
             std::span<double> data) const;
 
  private:
-  std::vector<std::size_t> kinds_{0, 1};  // places in the list above
+  /// A place in the list above, or a module's name.
+  using Kind = std::variant<std::size_t, std::string>;
+  static std::string NameOf(const Kind& kind);
+
+  std::vector<Kind> kinds_{std::size_t{0}, std::size_t{1}};
   int nearest_ = kDefaultNearest;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/sensing/readings.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace coopdyn {
@@ -84,7 +85,70 @@ void Append(const CameraModel& model, const Place& at, std::vector<double>& data
 template <typename Kind>
 void Append(const Kind& /*model*/, const Place& /*at*/, std::vector<double>& /*data*/) {}
 
+// How long they are if that is the same each time, 0 if not.
+
+std::size_t Count(const DistanceModel& model) {
+  return model.sectors.size();
+}
+std::size_t Count(const PoseModel& /*model*/) {
+  return 5;
+}
+std::size_t Count(const CompassModel& /*model*/) {
+  return 1;
+}
+std::size_t Count(const SupportModel& /*model*/) {
+  return 3;
+}
+std::size_t Count(const ImuModel& /*model*/) {
+  return 10;
+}
+std::size_t Count(const WrenchModel& /*model*/) {
+  return 6;
+}
+std::size_t Count(const LidarModel& model) {
+  return model.rays();
+}
+std::size_t Count(const ContactModel& model) {
+  return std::max<std::size_t>(model.zones.size(), 1);
+}
+std::size_t Count(const SonarModel& model) {
+  return model.beams.size();
+}
+std::size_t Count(const InfraredModel& model) {
+  return model.eyes.size();
+}
+std::size_t Count(const LightModel& model) {
+  return model.eyes.size();
+}
+std::size_t Count(const BatteryModel& /*model*/) {
+  return 3;
+}
+std::size_t Count(const OdometryModel& /*model*/) {
+  return 5;
+}
+template <typename Kind>
+std::size_t Count(const Kind& /*model*/) {
+  return 0;
+}
+
 }  // namespace
+
+std::size_t FixedCount(const SensorKind& kind) {
+  return std::visit([](const auto& one) { return Count(one); }, kind);
+}
+
+void FillFixed(const Frame& frame, int robot, std::size_t sensor, std::span<double> values) {
+  const RobotModel& model = ModelOf(frame, robot);
+  std::vector<double> reading;
+  if (std::holds_alternative<ContactModel>(model.sensors[sensor].kind)) {
+    reading = PressedZones(SampleOf(frame, robot, sensor), robot, model.NumberOf(sensor));
+  } else {
+    AppendReading(frame, robot, sensor, reading);
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = i < reading.size() ? reading[i] : std::numeric_limits<double>::quiet_NaN();
+  }
+}
 
 void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vector<double>& data) {
   const RobotModel& model = ModelOf(frame, robot);

@@ -23,6 +23,11 @@ inline const RobotModel& ModelOf(const Frame& frame, int robot) {
 /// its module answers. Nothing if there is no such sensor.
 void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vector<double>& data);
 
+/// How many values the reading of a sensor has if that does not vary; of a contact sensor its zones.
+std::size_t FixedCount(const SensorKind& kind);
+/// Writes as many values: the reading; of a contact sensor which zones are pressed; nan if that is unknown.
+void FillFixed(const Frame& frame, int robot, std::size_t sensor, std::span<double> values);
+
 // The kinds of sensors. `number`: which one of its kind, counted from 0; if the robot's model has fewer the
 // reading is empty.
 

@@ -62,6 +62,34 @@ TEST_F(SwarmModuleTest, TargetsThatAreNotSeenAreInfNan) {
   EXPECT_TRUE(std::isnan(reply.data[3]));
 }
 
+TEST_F(SwarmModuleTest, ASensorsModuleIsNamedByItsName) {
+  auto scenario = std::make_shared<Scenario>(*AntScenario(2));
+  auto model = std::make_shared<RobotModel>(*scenario->robots[1].model);
+  model->AddSensor("left_imu", ImuModel());
+  model->AddSensor("bumper", ContactModel());
+  scenario->robots[1].model = model;
+  Load(scenario);
+  const Message chosen = Ask("select_readings bumper left_imu compass");
+  EXPECT_EQ(chosen.text, "bumper left_imu compass");
+  EXPECT_THAT(chosen.params, ElementsAre(1, 10, 1));
+  const Message reply = Ask("read_all 1 2");
+  EXPECT_TRUE(std::isnan(reply.data[0]));  // ant_1 has none
+  EXPECT_TRUE(std::isnan(reply.data[10]));
+  EXPECT_EQ(reply.data[12], 0);
+  EXPECT_NEAR(reply.data[12 + 10], 9.81, 1e-9);
+}
+
+TEST_F(SwarmModuleTest, AModuleThatNoRobotHasIsToldWithTheNearest) {
+  auto scenario = std::make_shared<Scenario>(*AntScenario(1));
+  auto model = std::make_shared<RobotModel>(*scenario->robots[0].model);
+  model->AddSensor("left_imu", ImuModel());
+  scenario->robots[0].model = model;
+  Load(scenario);
+  const Message refused = Ask("select_readings left_inu");
+  EXPECT_NE(refused.error, 0);
+  EXPECT_THAT(refused.text, HasSubstr("did you mean 'left_imu'"));
+}
+
 TEST_F(SwarmModuleTest, NeighboursComeNearestFirstTiesByIdAndArePadded) {
   EXPECT_THAT(Ask("select_readings (3) neighbours").params, ElementsAre(9));
   const Message reply = Ask("read_all 2");
@@ -86,7 +114,7 @@ TEST_F(SwarmModuleTest, CompassIsNanForARobotWithoutOne) {
 }
 
 TEST_F(SwarmModuleTest, SelectReadingsRefusesUnknownWordsAndTooManyNeighbours) {
-  const Message refusal = Ask("select_readings pose distance");
+  const Message refusal = Ask("select_readings pose distancess");
   EXPECT_EQ(refusal.error, 2);
   EXPECT_THAT(refusal.text, HasSubstr("did you mean 'distances'?"));
   EXPECT_EQ(Ask("select_readings pose pose").error, 2);
