@@ -15,10 +15,11 @@
 namespace coopdyn::client {
 namespace {
 
+constexpr int kWrongParams = 2;
 constexpr const char* kReadings[] = {"pose",   "distances", "targets", "neighbours",
                                      "wheels", "compass",   "support", "joints"};
 constexpr const char* kReadingWords =
-    "pose, distances, targets, neighbours, wheels, compass, support, joints";
+    "pose, distances, targets, neighbours, wheels, compass, support, joints, and sensors' modules by name";
 constexpr const char* kCommands[] = {"velocities",       "wheels",           "positions",
                                      "positions_direct", "joint_velocities", "efforts"};
 constexpr const char* kCommandWords =
@@ -215,8 +216,9 @@ TeamReading Team::ToReading(Message reply, int tries_left) {
   const double* first = values->data();
   for (std::size_t i = 0; i < link.readings.size(); ++i) {
     const std::size_t count = link.columns[i];
-    if (Rows TeamReading::*const member = RowsOf(link.readings[i]))
-      reading.*member = Rows(first, rows, count, stride);
+    Rows TeamReading::*const member = RowsOf(link.readings[i]);
+    (member != nullptr ? reading.*member : reading.modules[link.readings[i]]) =
+        Rows(first, rows, count, stride);
     first += count;
   }
   reading.values = std::move(values);
@@ -224,16 +226,16 @@ TeamReading Team::ToReading(Message reply, int tries_left) {
 }
 
 void Team::select(const std::vector<std::string>& readings, int neighbours) {
-  std::string words;
-  for (const std::string& name : readings) {
-    if (RowsOf(name) == nullptr)
-      throw Error(4, "there is no reading '" + name + "'; there are: " + kReadingWords);
-    words += (words.empty() ? "" : " ") + name;
-  }
+  const std::string words = Join(readings, " ");
   if (words.empty()) throw Error(3, std::string("nothing was chosen; there are: ") + kReadingWords);
   if (neighbours < 1) throw Error(4, "neighbours must be at least 1");
   link_->Settle();
-  link_->Select(words, neighbours);
+  try {
+    link_->Select(words, neighbours);
+  } catch (const Error& e) {
+    if (e.code() != kWrongParams) throw;
+    throw Error(4, e.text() + "; there are: " + kReadingWords);
+  }
 }
 
 void Team::stop() {

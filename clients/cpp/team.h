@@ -17,6 +17,7 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -59,15 +60,16 @@ class Rows {
 struct TeamReading {
   double time = 0;
   std::int64_t step = 0;
-  std::string text;  // says if speeds were limited, and who was taken from the team
-  Rows pose;         // x, y [m], heading [rad]
-  Rows distances;    // [m], right to left
-  Rows targets;      // distance [m], bearing [rad] of each target
-  Rows neighbours;   // id, distance [m], bearing [rad] of each; 0, inf, nan: none
-  Rows wheels;       // angles [rad] left, right, speeds [rad/s] left, right
-  Rows compass;      // heading [rad]; nan without one
-  Rows support;      // x, y [m], angle [rad] of the load; nan without one
-  Rows joints;       // position, velocity, effort of each; nan: no more
+  std::string text;                     // says if speeds were limited, and who was taken from the team
+  Rows pose;                            // x, y [m], heading [rad]
+  Rows distances;                       // [m], right to left
+  Rows targets;                         // distance [m], bearing [rad] of each target
+  Rows neighbours;                      // id, distance [m], bearing [rad] of each; 0, inf, nan: none
+  Rows wheels;                          // angles [rad] left, right, speeds [rad/s] left, right
+  Rows compass;                         // heading [rad]; nan without one
+  Rows support;                         // x, y [m], angle [rad] of the load; nan without one
+  Rows joints;                          // position, velocity, effort of each; nan: no more
+  std::map<std::string, Rows> modules;  // what sensors' modules read, by name; nan where a robot has less
   std::shared_ptr<const std::vector<double>> values;  // what the rows point into
 };
 
@@ -102,8 +104,8 @@ class Team {
   /// The readings of the newest step, without a step.
   TeamReading read();
   /// Chooses what step() and read() return, among "pose", "distances", "targets", "neighbours" (the
-  /// nearest, as many as told), "wheels", "compass", "support" and "joints"; "pose" and "distances" to begin
-  /// with. What is not chosen costs nothing.
+  /// nearest, as many as told), "wheels", "compass", "support" and "joints", and the names of sensors'
+  /// modules, as "lidar"; "pose" and "distances" to begin with. What is not chosen costs nothing.
   void select(const std::vector<std::string>& readings, int neighbours = 8);
   /// Stops all robots of the team.
   void stop();

@@ -602,7 +602,8 @@ class TeamReading:
     `team.names`: `pose` (x, y [m], heading [rad]), `distances` [m], `targets` (distance [m], bearing [rad] of each),
     `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels), `compass` (heading [rad]; nan
     without one), `support` (x, y [m], angle [rad] of the load; nan without one), `joints` (position, velocity, effort of
-    each; nan: no more). `text` says if commands were limited, and who was taken from the team."""
+    each; nan: no more); of a sensor's module by its name, as `s.lidar`. `text` says if commands were limited, and who was taken
+    from the team."""
 
     time: float
     step: int
@@ -3335,18 +3336,24 @@ class Team:
     @_usage('team.select("pose", "neighbours", neighbours=4)')
     def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
         """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (the nearest, as many
-        as `neighbours` says), "wheels", "compass", "support" and "joints"; "pose" and "distances" to begin with. What is not
-        chosen costs nothing."""
+        as `neighbours` says), "wheels", "compass", "support" and "joints", and the names of sensors' modules, as "lidar": what
+        the module's first get-command answers, in `s.lidar`; nan where a robot has less. "pose" and "distances" to begin with.
+        What is not chosen costs nothing."""
         words: List[str] = []
         for given in readings:
             words += given.split() if isinstance(given, str) else given if isinstance(given, (list, tuple)) else [given]
         for word in words:
-            if word not in _READINGS:
-                raise Error(4, f"there is no reading {word!r}; there are: {_list_of(_READINGS)}")
+            if not isinstance(word, str):
+                raise Error(4, f"there is no reading {word!r}; there are: {_list_of(_READINGS)}, and sensors' modules by name")
         if not words:
-            raise Error(3, f"nothing was chosen; there are: {_list_of(_READINGS)}")
+            raise Error(3, f"nothing was chosen; there are: {_list_of(_READINGS)}, and sensors' modules by name")
         self._session.settle_team(self._link)
-        self._link.ask_for(" ".join(words), _count(neighbours, "neighbours"))
+        try:
+            self._link.ask_for(" ".join(words), _count(neighbours, "neighbours"))
+        except Error as e:
+            if e.code != 2:
+                raise
+            raise Error(4, f"{e.text}; there are: {_list_of(_READINGS)}, and sensors' modules by name") from None
 
     def stop(self) -> None:
         """Stops all robots of the team."""

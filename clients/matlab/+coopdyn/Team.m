@@ -85,27 +85,36 @@ classdef Team < handle
 
     function select(t, varargin)
     %SELECT Chooses what step and read return, among 'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass',
-    %   'support', 'joints';
+    %   'support', 'joints', and the names of sensors' modules, as 'lidar': s.lidar is what its first get-command answers;
+    %   NaN where a robot has less;
     %   pose and distances to begin with. What is not chosen costs nothing. team.select('pose', 'neighbours', 4): the 4 nearest
     %   (otherwise 8).
       known = {'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass', 'support', 'joints'};
+      modules = ', and sensors'' modules by name';
       words = {};
       nearest = 8;
       for k = 1:numel(varargin)
         word = varargin{k};
         if isnumeric(word) && k > 1 && strcmp(words{end}, 'neighbours')
           nearest = coopdyn.internal.count(word, 'neighbours');
-        elseif isnumeric(word) || ~any(strcmp(known, char(word)))
-          coopdyn.internal.fail(4, ['there is no reading ''' num2str(word) '''; there are: ' strjoin(known, ', ')]);
+        elseif isnumeric(word)
+          coopdyn.internal.fail(4, ['there is no reading ''' num2str(word) '''; there are: ' strjoin(known, ', ') modules]);
         elseif ~any(strcmp(words, char(word)))
           words{end + 1} = char(word); %#ok<AGROW>
         end
       end
       if isempty(words)
-        coopdyn.internal.fail(3, ['nothing was chosen; there are: ' strjoin(known, ', ')]);
+        coopdyn.internal.fail(3, ['nothing was chosen; there are: ' strjoin(known, ', ') modules]);
       end
       t.link.settle(t.session);
-      t.link.choose(strjoin(words, ' '), nearest);
+      try
+        t.link.choose(strjoin(words, ' '), nearest);
+      catch cause
+        if strcmp(cause.identifier, 'coopdyn:wrong_params')
+          coopdyn.internal.fail(4, [cause.message '; there are: ' strjoin(known, ', ') modules]);
+        end
+        rethrow(cause);
+      end
     end
 
     function stop(t)

@@ -69,7 +69,8 @@ TEST(TeamSpeeds, AreCheckedBeforeAnythingIsWritten) {
   std::vector<double> bad = {1, 2, 3, NAN, 5, 6};
   EXPECT_TRUE(Says(ErrorOf([&] { team.step(bad); }), "4 row 1 of V (robot2) must be finite, not 3, nan"));
   EXPECT_TRUE(Says(ErrorOf([&] { team.step_wheels({}); }), "3 W has 0 numbers"));
-  EXPECT_TRUE(Says(ErrorOf([&] { team.select({"poses"}); }), "4 there is no reading 'poses'"));
+  EXPECT_TRUE(
+      Says(ErrorOf([&] { team.select({"poses"}); }), "4 there is no reading poses; there are: pose, "));
   EXPECT_TRUE(Says(ErrorOf([&] { sim.team(std::vector<std::string>{}); }), "sim.team()"));
   EXPECT_EQ(team.step(std::array{1.0, 0.0}, 30).step, 1);
 }

@@ -60,6 +60,9 @@ class Swarm:
                 r.owner = None
             return self._team(c, 8)
         if command == 111:
+            for word in text.split():
+                if word not in COLUMNS:
+                    return encode(2, f"there is no reading {word}", 111)
             self.selected[c] = text.split() or ["pose", "distances"]
             return encode(0, " ".join(self.selected[c]), 111, [COLUMNS[w] for w in self.selected[c]], self.daemon.clock())
         if command == 113:

@@ -128,7 +128,7 @@ class NamesTest(unittest.TestCase):
     def test_teams_have_the_same_readings(self):
         self.assertEqual(set(coopdyn._READINGS), READINGS)
         self.assertEqual(set(coopdyn.TeamReading.__annotations__), READINGS | {"time", "step", "text"})
-        self.assertEqual(cpp_fields("TeamReading"), READINGS | {"time", "step", "text", "values"})
+        self.assertEqual(cpp_fields("TeamReading"), READINGS | {"time", "step", "text", "modules", "values"})
         known = re.search(r"known = {(.*?)}", (MATLAB / "Team.m").read_text(encoding="utf-8")).group(1)
         self.assertEqual(set(re.findall(r"'(\w+)'", known)), READINGS)
 

@@ -54,9 +54,9 @@ class Speeds(FakeTestCase):
             with self.subTest(says):
                 self.assert_error(code, lambda: self.team.step(V), says)
         self.assert_error(4, lambda: self.team.step_wheels([(1, 2), (3, 4), (5, -math.inf)]), "row 2 of W (robot3)")
-        self.assert_error(4, lambda: self.team.select("poses"), "there are: pose, distances")
         self.assert_error(3, lambda: self.team.select(), "nothing was chosen")
         self.assertEqual(len(self.daemon.received), before)
+        self.assert_error(4, lambda: self.team.select("poses"), "there is no reading poses", "there are: pose, distances")
 
 
 class Readings(FakeTestCase):
