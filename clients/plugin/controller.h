@@ -36,7 +36,8 @@ enum coopdyn_reading {
   COOPDYN_COMPASS = 64,
   COOPDYN_SETPOINTS = 128,
   COOPDYN_SUPPORT = 256, /* of the load that the robot carries */
-  COOPDYN_MOTION = 512   /* ground truth: how the body lies and moves */
+  COOPDYN_MOTION = 512,  /* ground truth: how the body lies and moves */
+  COOPDYN_SENSORS = 1024 /* the modules that coopdyn_description.sensors names: lidar, imu, camera, ... */
 };
 
 /* An option of a scenario's controller line. */
@@ -53,6 +54,13 @@ typedef struct coopdyn_description {
   uint32_t state_size;   /* bytes that save() writes: all that step() changes; at most COOPDYN_MAX_STATE */
   uint32_t option_count; /* at most COOPDYN_MAX_OPTIONS */
   const coopdyn_option* options;
+  /* Only with COOPDYN_SENSORS: names or types of sensor modules, separated by blanks, e.g. "lidar imu". NULL:
+   * all but cameras, whose pictures are drawn only for controllers that name them. */
+#ifdef __cplusplus
+  const char* sensors = nullptr; /* so that an initialiser may leave it out */
+#else
+  const char* sensors;
+#endif
 } coopdyn_description;
 
 /* What a channel does. A wheel takes off and velocity; a joint of a control board takes all. */
@@ -77,6 +85,15 @@ typedef struct coopdyn_joint {
   double axis[3];      /* its direction, of length 1, likewise */
 } coopdyn_joint;
 
+/* A sensor's module whose readings the controller wants. */
+typedef struct coopdyn_sensor {
+  const char* module;     /* its name, e.g. front_lidar */
+  const char* type;       /* e.g. lidar */
+  size_t value_count;     /* of its reading, in the order and units of its first get-command; of a contact
+                             sensor the zones of get_bumper; 0: a camera */
+  uint32_t width, height; /* of a camera's picture */
+} coopdyn_sensor;
+
 /* The robot that a controller drives. Valid until destroy(). */
 typedef struct coopdyn_robot {
   uint32_t id;
@@ -89,6 +106,8 @@ typedef struct coopdyn_robot {
   const double* distance_bearing_rad; /* of the sector's middle */
   const double* distance_opening_rad; /* of the whole sector */
   const double* distance_max_m;
+  size_t sensor_count; /* COOPDYN_SENSORS: those that were asked for and that it has */
+  const coopdyn_sensor* sensors;
 } coopdyn_robot;
 
 /* Another robot, as seen from this one's origin. */
@@ -118,6 +137,13 @@ typedef struct coopdyn_channel {
   double effort;   /* of its motor; nan: not measured */
 } coopdyn_channel;
 
+/* What a sensor shows. */
+typedef struct coopdyn_sensor_reading {
+  uint64_t step;        /* in which the sample was taken */
+  const double* values; /* value_count of them */
+  const uint8_t* image; /* of a camera: width x height x 3 bytes red green blue, row by row from the top */
+} coopdyn_sensor_reading;
+
 /* What the robot feels before a step. Valid during step() only. */
 typedef struct coopdyn_readings {
   uint64_t seed; /* of the run */
@@ -142,6 +168,7 @@ typedef struct coopdyn_readings {
   double roll_rad, pitch_rad; /* about its x, then y axis; pitch is positive if the front is down */
   double velocity_m_s[3];     /* of its origin, along its axes: forward, left, up */
   double angular_velocity_rad_s[3];
+  const coopdyn_sensor_reading* sensors; /* COOPDYN_SENSORS: one for each of the robot's sensors */
 } coopdyn_readings;
 
 /* What one channel is to do. A two-wheel drive whose wheels would be too fast scales both alike. */

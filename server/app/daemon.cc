@@ -105,7 +105,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       ports_(options.port == 0 ? 0 : options.port + 2,
              [this](int port) { return names_.IsExternalPort(port); }),
       pool_(ThreadsOf(options)),
-      controllers_(ControllersOf(options), clock_, logger_, pool_),
+      controllers_(ControllersOf(options), clock_, logger_, pool_, DrawOn(images_)),
       stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run, {&pool_, &controllers_}),
       recordings_(recording_options(), edits_, run_, frames_, clock_, logger_),
       runs_(

@@ -54,12 +54,13 @@ constexpr std::uint32_t kStateVersion = 1;
 
 }  // namespace
 
-ControllerHost::ControllerHost(ControllerOptions options, const Clock& clock, Logger logger, WorkerPool& pool)
+ControllerHost::ControllerHost(ControllerOptions options, const Clock& clock, Logger logger, WorkerPool& pool,
+                               DrawPictures draw)
     : options_(WithFlag(std::move(options), interrupted_)),
       clock_(clock),
       logger_(std::move(logger)),
       pool_(pool),
-      readings_(pool) {}
+      readings_(pool, std::move(draw)) {}
 
 ControllerHost::~ControllerHost() = default;
 
@@ -167,6 +168,7 @@ void ControllerHost::Create(const FramePtr& frame) {
       }
       driven.slot = static_cast<std::uint32_t>(robots.size());
       driven.readings = loaded.description->readings;
+      driven.sensors = loaded.description->SensorsOf(*robot.entry.model);
       driven_of_slot_.push_back(i);
       std::span<const std::byte> state;
       if (driven.restored) state = *driven.restored;
@@ -201,7 +203,7 @@ void ControllerHost::ListItems() {
     const Driven& driven = driven_[index];
     if (driven.status != Status::kDrives || driven.robot < 0) continue;
     items_.push_back(driven.slot);
-    wanted_.push_back({driven.slot, driven.robot, driven.readings});
+    wanted_.push_back({driven.slot, driven.robot, driven.readings, driven.sensors});
   }
 }
 
@@ -211,7 +213,11 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
   if (frame->scene != scene_) Rebind(frame->scene);
   if (!items_.empty()) {
     const Nanoseconds begun = clock_.Now();
-    readings_.Write(*frame, wanted_, *set_);
+    const std::string missing = readings_.Write(frame, wanted_, *set_);
+    if (!missing.empty() && missing != missing_pictures_) {
+      logger_->warn("the pictures of controllers are black: {}", missing);
+      missing_pictures_ = missing;
+    }
     const Nanoseconds sensed = clock_.Now();
     StopCasualties(set_->Step(*frame, items_));
     times_.sense += sensed - begun;

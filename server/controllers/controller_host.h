@@ -24,8 +24,10 @@ namespace coopdyn {
 
 class ControllerHost final : public ControllerDriver {
  public:
-  /// Clock and pool outlive it. No process is started before there is a controller to run.
-  ControllerHost(ControllerOptions options, const Clock& clock, Logger logger, WorkerPool& pool);
+  /// Clock and pool outlive it. No process is started before there is a controller to run. `draw`: for those
+  /// that want pictures.
+  ControllerHost(ControllerOptions options, const Clock& clock, Logger logger, WorkerPool& pool,
+                 DrawPictures draw = nullptr);
   ~ControllerHost() override;
 
   void Check(const Scenario& scenario, Diagnostics& diagnostics) override;
@@ -66,6 +68,7 @@ class ControllerHost final : public ControllerDriver {
     std::string why;                                 // it is stopped
     std::uint32_t slot = 0;                          // its number in the set
     std::uint32_t readings = 0;                      // of enum coopdyn_reading
+    std::vector<std::size_t> sensors;                // COOPDYN_SENSORS: index into the model's
     std::optional<std::vector<std::byte>> restored;  // state to begin with, until it is created
   };
 
@@ -101,6 +104,7 @@ class ControllerHost final : public ControllerDriver {
   std::vector<ReadingsWanted> wanted_;  // as items_
   std::shared_ptr<const Scene> scene_;  // that driven_ is bound to
   ReadingsWriter readings_;
+  std::string missing_pictures_;            // why, as it was logged
   std::vector<StoppedController> stopped_;  // not taken yet
   PhaseTimes times_;
   double ended_cpu_s_ = 0;  // of sets that are gone

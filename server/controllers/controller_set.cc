@@ -14,8 +14,10 @@
 
 #include "server/base/printable.h"
 #include "server/controllers/child_backend.h"
+#include "server/controllers/robot_facts.h"
 #include "server/controllers/runner.h"
 #include "server/model/values.h"
+#include "server/sensing/readings.h"
 
 namespace coopdyn {
 
@@ -76,6 +78,8 @@ void Describe(const FileResult& result, LoadedController& loaded) {
   ControllerDescription& description = loaded.description.emplace();
   description.help = TextAt(result.help, sizeof(result.help));
   description.readings = Once(result.readings);
+  if ((description.readings & COOPDYN_SENSORS) != 0)
+    description.sensors = TextAt(result.sensors, sizeof(result.sensors));
   description.state_size = std::min<std::uint32_t>(Once(result.state_size), COOPDYN_MAX_STATE);
   const std::size_t options = std::min<std::size_t>(Once(result.option_count), COOPDYN_MAX_OPTIONS);
   for (std::size_t i = 0; i < options; ++i) {
@@ -83,47 +87,6 @@ void Describe(const FileResult& result, LoadedController& loaded) {
     description.options.push_back({TextAt(option.name, kNameSize), TextAt(option.help, kTextSize),
                                    Once(option.value), Once(option.min), Once(option.max)});
   }
-}
-
-/// Module and name of each joint that is driven, each ends with 0.
-std::string JointTexts(const RobotModel& model) {
-  std::string texts;
-  for (const ActuatorModel& actuator : model.actuators) {
-    for (const int joint : actuator.joints) {
-      for (const std::string& text : {actuator.module, model.joints[static_cast<std::size_t>(joint)].name}) {
-        texts.append(text.c_str(), text.size() + 1);
-      }
-    }
-  }
-  return texts;
-}
-
-/// The robot's channels, without their texts.
-std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
-  std::vector<coopdyn_joint> joints;
-  for (const ActuatorModel& actuator : model.actuators) {
-    // What the physics carries out; a joint without a module has no commands.
-    std::uint32_t modes = 1u << COOPDYN_OFF;
-    if (actuator.is_board()) {
-      modes |= 1u << COOPDYN_POSITION | 1u << COOPDYN_DIRECT | 1u << COOPDYN_EFFORT;
-    }
-    if (!actuator.module.empty()) modes |= 1u << COOPDYN_VELOCITY;
-    const auto* drive = std::get_if<DriveModel>(&actuator.kind);
-    for (const int index : actuator.joints) {
-      const JointModel& of = model.joints[static_cast<std::size_t>(index)];
-      joints.push_back({.module = nullptr,
-                        .name = nullptr,
-                        .modes = modes,
-                        .max_velocity = drive != nullptr ? drive->max_wheel_speed_rad_s : of.max_velocity,
-                        .slides = of.kind == JointModel::Kind::kSlider ? 1u : 0u,
-                        .lower = of.lower,
-                        .upper = of.upper,
-                        .max_effort = of.max_effort,
-                        .point_m = {of.p_RJ.x(), of.p_RJ.y(), of.p_RJ.z()},
-                        .axis = {of.axis_R.x(), of.axis_R.y(), of.axis_R.z()}});
-    }
-  }
-  return joints;
 }
 
 }  // namespace
@@ -166,6 +129,21 @@ std::vector<std::string> ControllerDescription::Faults(const RobotEntry& robot) 
                     option.help.empty() ? "" : " (" + option.help + ")"));
   }
   return faults;
+}
+
+std::vector<std::size_t> ControllerDescription::SensorsOf(const RobotModel& model) const {
+  std::vector<std::size_t> wanted;
+  if ((readings & COOPDYN_SENSORS) == 0) return wanted;
+  const std::vector<std::string> words = SplitWords(sensors);
+  for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+    const SensorModel& sensor = model.sensors[i];
+    const bool is_camera = std::holds_alternative<CameraModel>(sensor.kind);
+    const bool is_named = std::ranges::any_of(
+        words, [&sensor](const std::string& word) { return word == sensor.name || word == sensor.type(); });
+    const bool has_values = is_camera || FixedCount(sensor.kind) > 0;
+    if (has_values && (words.empty() ? !is_camera : is_named)) wanted.push_back(i);
+  }
+  return wanted;
 }
 
 std::vector<double> ControllerDescription::Values(const ControllerChoice& choice) const {
@@ -247,6 +225,7 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
   const Place results = out.AddBytes(count * sizeof(RobotResult), 64);
   const Place texts = out.Add<char>(count * kTextSize);
   std::vector<RobotSetup> setup(count);
+  std::vector<std::vector<std::size_t>> wanted;  // sensors of each robot
   for (std::size_t i = 0; i < count; ++i) {
     const RobotModel& model = *robots[i].robot->entry.model;
     const std::size_t sensors = model.sector_count();
@@ -263,7 +242,9 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
                       .distance_count = sensors,
                       .distance_bearing_rad = nullptr,
                       .distance_opening_rad = nullptr,
-                      .distance_max_m = nullptr};
+                      .distance_max_m = nullptr,
+                      .sensor_count = 0,
+                      .sensors = nullptr};
     setup[i].file = robots[i].file;
     setup[i].restore = kNoState;
     setup[i].name = in.Add<char>(robots[i].robot->entry.name.size() + 1);
@@ -277,6 +258,8 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     setup[i].channels = in.Add<coopdyn_channel>(channels);
     setup[i].options = in.Add<double>(robots[i].options.size());
     const ControllerDescription& description = *loaded_[robots[i].file].description;
+    wanted.push_back(description.SensorsOf(model));
+    PlaceSensors(model, wanted.back(), in, setup[i]);
     setup[i].setpoints = out.Add<coopdyn_setpoint>(description.gives_setpoints() ? channels : 0);
     const std::size_t size = description.state_size;
     for (Place& place : setup[i].states) place = out.AddBytes(size, alignof(std::max_align_t));
@@ -303,6 +286,7 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     }
     std::ranges::copy(JointTexts(*entry.model), areas_.in.At<char>(setup[i].joint_texts));
     std::ranges::copy(JointsOf(*entry.model), areas_.in.At<coopdyn_joint>(setup[i].joints));
+    WriteSensors(*entry.model, wanted[i], areas_, setup[i]);
     std::copy(robots[i].options.begin(), robots[i].options.end(), areas_.in.At<double>(setup[i].options));
     if (!robots[i].state.empty()) {
       setup[i].restore = static_cast<std::int32_t>((header.serial + 1) & 1);

@@ -48,8 +48,11 @@ struct ControllerDescription {
   std::string help;
   std::uint32_t readings = 0;  // of enum coopdyn_reading
   std::uint32_t state_size = 0;
+  std::string sensors;  // COOPDYN_SENSORS: names or types of modules; empty: all but cameras
   std::vector<ControllerOption> options;
 
+  /// The sensors of `model` that it wants by COOPDYN_SENSORS: index into its sensors.
+  std::vector<std::size_t> SensorsOf(const RobotModel& model) const;
   /// It commands channels by set-points, not a two-wheel drive by forward and turn.
   bool gives_setpoints() const { return (readings & COOPDYN_SETPOINTS) != 0; }
   /// Why it cannot drive this robot with the options that its scenario gives, with what to do instead; one

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint32_t kAllReadings = COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_CHANNELS | COOPDYN_TARGETS |
                                        COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_COMPASS |
-                                       COOPDYN_SETPOINTS | COOPDYN_SUPPORT | COOPDYN_MOTION;
+                                       COOPDYN_SETPOINTS | COOPDYN_SUPPORT | COOPDYN_MOTION | COOPDYN_SENSORS;
 
 bool IsOptionName(std::string_view name) {
   return !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&
@@ -74,6 +74,10 @@ void TakeDescription(const coopdyn_description* raw, FileResult& result) {
       if (std::strcmp(result.options[k].name, result.options[i].name) != 0) continue;
       throw PluginError(fmt::format("option {} is described twice", result.options[i].name));
     }
+  }
+  // A controller of before has no such field.
+  if ((raw->readings & COOPDYN_SENSORS) != 0) {
+    TakeText(result.sensors, raw->sensors, "sensors in describe()");
   }
   result.readings = raw->readings;
   result.state_size = raw->state_size;

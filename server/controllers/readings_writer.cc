@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <latch>
 
 #include "server/sensing/readings.h"
 
@@ -12,7 +13,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kListedGrain = 256;  // robots that a thread takes at a time
+constexpr std::size_t kPicturesAtOnce = ImageBoard::kMaxWaiting / 2;  // the others' requests have room, too
+constexpr std::size_t kListedGrain = 256;                             // robots that a thread takes at a time
 constexpr std::size_t kFixedGrain = 4096;  // if there are no lists: hardly any work
 constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
 
@@ -37,7 +39,9 @@ void WriteMotion(const Frame& frame, int robot, RobotReadings& readings) {
 
 }  // namespace
 
-void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> wanted, ControllerSet& set) {
+std::string ReadingsWriter::Write(const FramePtr& now, std::span<const ReadingsWanted> wanted,
+                                  ControllerSet& set) {
+  const Frame& frame = *now;
   robots_.clear();
   bool listed = false;
   for (const ReadingsWanted& one : wanted) {
@@ -56,6 +60,69 @@ void ReadingsWriter::Write(const Frame& frame, std::span<const ReadingsWanted> w
   // By reference: a std::function of what it captures would allocate.
   pool_.For(wanted.size(), listed ? kListedGrain : kFixedGrain, std::cref(work));
   if (listed) PlaceLists(wanted, set);
+  const bool sensing = std::ranges::any_of(wanted, [](const auto& one) { return !one.sensors.empty(); });
+  return sensing ? WritePictures(now, wanted, set.areas()) : std::string();
+}
+
+void ReadingsWriter::WriteSensors(const Frame& frame, const ReadingsWanted& wanted, const Areas& areas) {
+  const RobotSetup& setup = areas.setup(wanted.slot);
+  const RobotModel& model = ModelOf(frame, wanted.robot);
+  for (std::size_t i = 0; i < wanted.sensors.size(); ++i) {
+    const std::size_t sensor = wanted.sensors[i];
+    SensorPlace& place = areas.in.At<SensorPlace>(setup.sensed)[i];
+    place.step = SampleOf(frame, wanted.robot, sensor).step;
+    const std::size_t count = FixedCount(model.sensors[sensor].kind);
+    FillFixed(frame, wanted.robot, sensor, {areas.in.At<double>(place.values), count});
+  }
+}
+
+std::string ReadingsWriter::WritePictures(const FramePtr& frame, std::span<const ReadingsWanted> wanted,
+                                          const Areas& areas) {
+  pictures_.clear();
+  for (const ReadingsWanted& one : wanted) {
+    const RobotSetup& setup = areas.setup(one.slot);
+    for (std::size_t i = 0; i < one.sensors.size(); ++i) {
+      const coopdyn_sensor& facts = areas.in.At<coopdyn_sensor>(setup.sensors)[i];
+      if (facts.width == 0) continue;
+      const SensorPlace& place = areas.in.At<SensorPlace>(setup.sensed)[i];
+      pictures_.push_back(
+          {{SampleOf(frame, one.robot, one.sensors[i]), one.robot, one.sensors[i]},
+           {areas.in.At<std::uint8_t>(place.image), std::size_t{3} * facts.width * facts.height}});
+    }
+  }
+  std::string missing;
+  if (draw_ && !pictures_.empty()) missing = draw_(pictures_);
+  pictures_.clear();  // frees the frames
+  return missing;
+}
+
+DrawPictures DrawOn(ImageBoard& images) {
+  return [&images](std::span<const PictureWanted> wanted) {
+    std::vector<std::string> errors(std::min(wanted.size(), kPicturesAtOnce));
+    while (!wanted.empty()) {
+      const std::span<const PictureWanted> some = wanted.first(std::min(wanted.size(), kPicturesAtOnce));
+      std::latch left(static_cast<std::ptrdiff_t>(some.size()));
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        ImageRequest request;
+        request.shot = some[i].shot;
+        request.format = ImageFormat::kRgb;
+        images.Request(std::move(request), [&, i](const ImageResult& result) {
+          const std::span<std::uint8_t> rgb = some[i].rgb;
+          if (result.error.empty() && result.bytes->size() == rgb.size()) {
+            std::ranges::copy(*result.bytes, rgb.begin());
+          } else {
+            std::ranges::fill(rgb, std::uint8_t{0});
+            errors[i] = result.error;
+          }
+          left.count_down();
+        });
+      }
+      left.wait();
+      wanted = wanted.subspan(some.size());
+    }
+    const auto first = std::ranges::find_if(errors, [](const auto& error) { return !error.empty(); });
+    return first == errors.end() ? std::string() : *first;
+  };
 }
 
 void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted, const Areas& areas) const {
@@ -82,6 +149,7 @@ void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted
     readings.support_y_m = support.y_m;
     readings.support_rad = support.angle_rad;
   }
+  if (!wanted.sensors.empty()) WriteSensors(frame, wanted, areas);
   if ((wanted.readings & COOPDYN_CHANNELS) != 0) {
     const std::span<const ChannelState> channels = ChannelsOf(frame, wanted.robot);
     readings.channel_count = channels.size();

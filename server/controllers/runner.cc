@@ -81,6 +81,9 @@ struct Runner::Instance {
   std::vector<double> bearing_rad, opening_rad, max_m;
   std::string joint_texts;
   std::vector<coopdyn_joint> joints;
+  std::string sensor_texts;
+  std::vector<coopdyn_sensor> sensors;
+  std::vector<coopdyn_sensor_reading> sensed;  // as sensors; of the present step
   coopdyn_robot robot{};
 };
 
@@ -174,7 +177,18 @@ void Runner::Create(std::uint32_t robot, Worker& worker) {
     joint.name = joint.module + std::strlen(joint.module) + 1;
     text = joint.name + std::strlen(joint.name) + 1;
   }
+  instance->sensor_texts.assign(In<char>(setup.sensor_texts), setup.sensor_text_bytes);
+  const coopdyn_sensor* sensors = In<coopdyn_sensor>(setup.sensors);
+  instance->sensors.assign(sensors, sensors + setup.robot.sensor_count);
+  instance->sensed.resize(setup.robot.sensor_count);
+  text = instance->sensor_texts.c_str();
+  for (coopdyn_sensor& sensor : instance->sensors) {
+    sensor.module = text;
+    sensor.type = sensor.module + std::strlen(sensor.module) + 1;
+    text = sensor.type + std::strlen(sensor.type) + 1;
+  }
   instance->robot = setup.robot;
+  instance->robot.sensors = instance->sensors.data();
   instance->robot.channels = instance->joints.data();
   instance->robot.name = instance->name.c_str();
   instance->robot.distance_bearing_rad = instance->bearing_rad.data();
@@ -254,8 +268,12 @@ void Runner::TimedStep(std::uint32_t robot, Worker& worker) {
 }
 
 void Runner::Step(std::uint32_t robot, Worker& worker) {
-  const Instance& instance = *instances_[robot];
+  Instance& instance = *instances_[robot];
   const RobotSetup& setup = areas_->setup(robot);
+  for (std::size_t i = 0; i < instance.sensed.size(); ++i) {
+    const SensorPlace& place = In<SensorPlace>(setup.sensed)[i];
+    instance.sensed[i] = {place.step, In<double>(place.values), In<std::uint8_t>(place.image)};
+  }
   const RobotReadings& sent = areas_->readings(robot);
   coopdyn_readings readings = {
       .seed = header().seed,
@@ -286,6 +304,7 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
       .pitch_rad = sent.pitch_rad,
       .velocity_m_s = {},
       .angular_velocity_rad_s = {},
+      .sensors = instance.sensed.data(),
   };
   std::ranges::copy(sent.velocity_m_s, readings.velocity_m_s);
   std::ranges::copy(sent.angular_velocity_rad_s, readings.angular_velocity_rad_s);

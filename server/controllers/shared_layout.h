@@ -68,8 +68,19 @@ struct RobotSetup {
   Place options;                          // doubles
   Place distances;                        // doubles, written before each step
   Place channels;                         // coopdyn_channel, likewise
+  Place sensors;                          // sensor_count coopdyn_sensor; pointers are null
+  Place sensor_texts, sensor_text_bytes;  // module and type of each of these, each ends with 0
+  Place sensed;                           // SensorPlace of each
+  Place readings_begin;                   // of these
   Place setpoints;                        // in `out`: coopdyn_setpoint, if the controller gives them
   Place states[2];                        // in `out`: written in turn, by the serial's parity
+};
+
+/// Where a sensor's reading is written before each step.
+struct SensorPlace {
+  Place values;        // doubles
+  Place image;         // bytes of a picture
+  std::uint64_t step;  // of its sample
 };
 
 /// What a robot feels, as far as its controller asks for it; the rest is 0. As in coopdyn_readings.
@@ -107,6 +118,7 @@ struct FileResult {
   std::uint32_t readings, state_size, option_count;
   char why[2 * kTextSize];
   char help[kTextSize];
+  char sensors[kTextSize];
   OptionRecord options[COOPDYN_MAX_OPTIONS];
 };
 

@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "server/render/picture_maker.h"
+
 namespace coopdyn {
 
 namespace {
@@ -76,6 +78,27 @@ void Resimulator::Warn(const std::string& line) {
   warning_ += (warning_.empty() ? "" : "\n") + line;
 }
 
+DrawPictures Resimulator::DrawHere() {
+  std::string error;  // the program has refused a wrong word at its start
+  const auto maker = std::make_shared<PictureMaker>(RendererFromEnvironment(RendererKind::kAuto, error));
+  return [maker](std::span<const PictureWanted> wanted) {
+    std::string missing;
+    for (const PictureWanted& one : wanted) {
+      ImageRequest request;
+      request.shot = one.shot;
+      request.format = ImageFormat::kRgb;
+      const ImageResult drawn = maker->Make(*one.shot.frame, request);
+      if (drawn.error.empty() && drawn.bytes->size() == one.rgb.size()) {
+        std::ranges::copy(*drawn.bytes, one.rgb.begin());
+      } else {
+        std::ranges::fill(one.rgb, std::uint8_t{0});
+        missing = drawn.error;
+      }
+    }
+    return missing;
+  };
+}
+
 bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
                                 std::string& why) {
   if (const std::string name = MissingController(*scene); !name.empty()) {
@@ -84,7 +107,7 @@ bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::
   }
   if (host_ == nullptr) {
     host_ = std::make_unique<ControllerHost>(services_.controllers, services_.clock, services_.logger,
-                                             services_.pool);
+                                             services_.pool, DrawHere());
   }
   for (const std::string& line : OtherPlugins(header_, *scene)) Warn(line);
   Diagnostics diagnostics;

@@ -63,6 +63,8 @@ class Resimulator {
   const std::string& warning() const { return warning_; }
 
  private:
+  /// Draws what controllers see on this thread.
+  static DrawPictures DrawHere();
   bool Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed);
   /// The controllers of the run; false with `why` if they cannot be used.
   bool BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed, std::string& why);

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "server/controllers/robot_facts.h"
+
+#include <algorithm>
+
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// Module and type of some sensors, each ends with 0.
+std::string SensorTexts(const RobotModel& model, std::span<const std::size_t> sensors) {
+  std::string texts;
+  for (const std::size_t sensor : sensors) {
+    for (const std::string& text : {model.sensors[sensor].name, std::string(model.sensors[sensor].type())}) {
+      texts.append(text.c_str(), text.size() + 1);
+    }
+  }
+  return texts;
+}
+
+/// A sensor without its texts.
+coopdyn_sensor FactsOf(const SensorModel& sensor) {
+  coopdyn_sensor of{};
+  of.value_count = FixedCount(sensor.kind);
+  if (const auto* camera = std::get_if<CameraModel>(&sensor.kind)) {
+    of.width = static_cast<std::uint32_t>(camera->width);
+    of.height = static_cast<std::uint32_t>(camera->height);
+  }
+  return of;
+}
+
+std::size_t ImageBytes(const coopdyn_sensor& sensor) {
+  return std::size_t{3} * sensor.width * sensor.height;
+}
+
+}  // namespace
+
+std::string JointTexts(const RobotModel& model) {
+  std::string texts;
+  for (const ActuatorModel& actuator : model.actuators) {
+    for (const int joint : actuator.joints) {
+      for (const std::string& text : {actuator.module, model.joints[static_cast<std::size_t>(joint)].name}) {
+        texts.append(text.c_str(), text.size() + 1);
+      }
+    }
+  }
+  return texts;
+}
+
+std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
+  std::vector<coopdyn_joint> joints;
+  for (const ActuatorModel& actuator : model.actuators) {
+    // What the physics carries out; a joint without a module has no commands.
+    std::uint32_t modes = 1u << COOPDYN_OFF;
+    if (actuator.is_board()) {
+      modes |= 1u << COOPDYN_POSITION | 1u << COOPDYN_DIRECT | 1u << COOPDYN_EFFORT;
+    }
+    if (!actuator.module.empty()) modes |= 1u << COOPDYN_VELOCITY;
+    const auto* drive = std::get_if<DriveModel>(&actuator.kind);
+    for (const int index : actuator.joints) {
+      const JointModel& of = model.joints[static_cast<std::size_t>(index)];
+      joints.push_back({.module = nullptr,
+                        .name = nullptr,
+                        .modes = modes,
+                        .max_velocity = drive != nullptr ? drive->max_wheel_speed_rad_s : of.max_velocity,
+                        .slides = of.kind == JointModel::Kind::kSlider ? 1u : 0u,
+                        .lower = of.lower,
+                        .upper = of.upper,
+                        .max_effort = of.max_effort,
+                        .point_m = {of.p_RJ.x(), of.p_RJ.y(), of.p_RJ.z()},
+                        .axis = {of.axis_R.x(), of.axis_R.y(), of.axis_R.z()}});
+    }
+  }
+  return joints;
+}
+
+void PlaceSensors(const RobotModel& model, std::span<const std::size_t> wanted, Layout& in,
+                  RobotSetup& setup) {
+  setup.robot.sensor_count = wanted.size();
+  setup.sensors = in.Add<coopdyn_sensor>(wanted.size());
+  setup.sensor_text_bytes = SensorTexts(model, wanted).size();
+  setup.sensor_texts = in.Add<char>(setup.sensor_text_bytes);
+  setup.sensed = in.Add<SensorPlace>(wanted.size());
+  // The readings themselves: WriteSensors() goes the same way.
+  setup.readings_begin = in.end();
+  for (const std::size_t sensor : wanted) {
+    const coopdyn_sensor facts = FactsOf(model.sensors[sensor]);
+    in.Add<double>(facts.value_count);
+    in.Add<std::uint8_t>(ImageBytes(facts));
+  }
+}
+
+void WriteSensors(const RobotModel& model, std::span<const std::size_t> wanted, const Areas& areas,
+                  const RobotSetup& setup) {
+  Layout layout(setup.readings_begin);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const coopdyn_sensor facts = FactsOf(model.sensors[wanted[i]]);
+    areas.in.At<coopdyn_sensor>(setup.sensors)[i] = facts;
+    SensorPlace& place = areas.in.At<SensorPlace>(setup.sensed)[i];
+    place.values = layout.Add<double>(facts.value_count);
+    place.image = layout.Add<std::uint8_t>(ImageBytes(facts));
+    place.step = 0;
+  }
+  std::ranges::copy(SensorTexts(model, wanted), areas.in.At<char>(setup.sensor_texts));
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// What a controller is told of its robot once, as it lies in the shared area: channels and sensors. The
+// stepping thread.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "clients/plugin/controller.h"
+#include "server/controllers/shared_area.h"
+#include "server/model/robot_model.h"
+
+namespace coopdyn {
+
+/// Module and name of each joint that is driven, each ends with 0.
+std::string JointTexts(const RobotModel& model);
+/// The robot's channels, without their texts.
+std::vector<coopdyn_joint> JointsOf(const RobotModel& model);
+
+/// Gives the sensors `wanted` (index into the model's) their places.
+void PlaceSensors(const RobotModel& model, std::span<const std::size_t> wanted, Layout& in,
+                  RobotSetup& setup);
+/// Writes what they are to these places.
+void WriteSensors(const RobotModel& model, std::span<const std::size_t> wanted, const Areas& areas,
+                  const RobotSetup& setup);
+
+}  // namespace coopdyn
