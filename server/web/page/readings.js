@@ -3,13 +3,19 @@
 // own, five times a second while they are shown.
 import {make, setText, showNumber} from './dom.js';
 import {JointPanel} from './joints.js';
+import {CameraTile, ScanPlot} from './sensors.js';
 
 const PERIOD_MS = 200;
-const order = ['pose', 'motors', 'distance', 'target', 'compass', 'support'];
+const MOST_VALUES = 4096;  // of one module
+const order = ['pose', 'motors', 'odometry', 'distance', 'target', 'compass', 'support', 'imu', 'wrench', 'contact'];
 const degrees = (rad) => (typeof rad === 'number' ? (rad * 180) / Math.PI : rad);
 
 /** As wide as "9.99", so that the next ones do not move: figure spaces are as wide as digits. */
 const inColumn = (text) => text.padStart(4, '\u2007');
+
+/** Three numbers of `data` from `first` on. */
+const triple = (data, first, digits) =>
+  data.slice(first, first + 3).map((value) => showNumber(value, digits).padStart(digits + 3, '\u2007')).join('  ');
 
 /** Rows of [name, text] for the first reading of a module. */
 function describeReading({name, type}, data, colours) {
@@ -39,7 +45,31 @@ function describeReading({name, type}, data, colours) {
       return [['targets', targets.length > 0 ? targets.join('; ') : 'none']];
     }
     case 'joints':
-      return [];  // their panel shows them
+    case 'camera':
+    case 'lidar':
+      return [];  // they have a panel
+    case 'odometry':
+      return [[name, `${showNumber(data[0], 2)}, ${showNumber(data[1], 2)} m, ${showNumber(degrees(data[2]), 0)}°`]];
+    case 'imu':
+      return [
+        [name, `${triple(data, 7, 2)} m/s²`],
+        [`${name} turning`, `${triple(data, 4, 2)} rad/s`],
+      ];
+    case 'wrench':
+      return [
+        [name, `${triple(data, 0, 1)} N`],
+        [`${name} torque`, `${triple(data, 3, 2)} N m`],
+      ];
+    case 'contact': {
+      const contacts = Math.floor(data.length / 7);
+      let force = 0;
+      for (let i = 0; i < contacts; ++i) force += typeof data[7 * i] === 'number' ? data[7 * i] : 0;
+      return [[name, contacts === 0 ? 'nothing touches it' : `${showNumber(force, 1)} N at ${contacts} point${contacts > 1 ? 's' : ''}`]];
+    }
+    case 'battery':
+      return [[name, `${showNumber(100 * data[1], 1)} %, ${showNumber(data[2], 1)} W`]];
+    case 'sonar':
+      return [[name, data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
     default:
       return [[name, data.map((value) => showNumber(value, 3)).join('  ')]];
   }
@@ -56,6 +86,9 @@ export class Readings {
   #stopped = false;
   #list = make('dl', {class: 'readings'});
   #panels = new Map();  // of groups of joints, by module
+  #scans = new Map();   // of lidars, likewise
+  #cameras = [];
+  #large = new Set();   // modules with too many values to be read all the time
   element = make('div', {}, this.#list);
 
   /** `modules`: name and type of each. */
@@ -69,6 +102,17 @@ export class Readings {
       this.#panels.set(name, panel);
       this.element.append(panel.element);
     }
+    for (const {name, type} of this.#modules) {
+      if (type === 'lidar') {
+        const scan = new ScanPlot(connection, `/${robot}/${name}`);
+        this.#scans.set(name, scan);
+        this.element.append(scan.element);
+      } else if (type === 'camera') {
+        const tile = new CameraTile(robot, name);
+        this.#cameras.push(tile);
+        this.element.append(tile.element);
+      }
+    }
     this.#poll();
   }
 
@@ -80,12 +124,15 @@ export class Readings {
   stop() {
     this.#stopped = true;
     clearTimeout(this.#timer);
+    for (const tile of [...this.#cameras, ...this.#scans.values()]) tile.stop();
     this.#connection.send({type: 'close', module: this.#home, channel: 'readings'});
     for (const [name, panel] of this.#panels) {
       panel.stop();
       this.#connection.send({type: 'close', module: `/${this.#robot}/${name}`, channel: 'readings'});
     }
   }
+
+  get #attachable() { return this.#modules.filter(({name}) => !this.#large.has(name)); }
 
   get #home() { return `/${this.#robot}/${this.#modules[0].name}`; }
 
@@ -98,7 +145,7 @@ export class Readings {
     const call = (request) =>
       this.#connection.call({module: this.#home, channel: 'readings', ...request});
     if (!this.#attached) {
-      const reply = await call({command: 'attach', text: this.#modules.map(({name}) => name).join(' ')});
+      const reply = await call({command: 'attach', text: this.#attachable.map(({name}) => name).join(' ')});
       if (this.#stopped) return;  // another call would open the connection again
       if (reply.error !== 0) return this.#show([['', reply.text]]);
       this.#attached = true;
@@ -117,17 +164,25 @@ export class Readings {
       this.#attached = false;  // the connection may have been closed, e.g. by a load
       return;
     }
-    const lengths = reply.params.slice(-this.#modules.length);
+    const modules = this.#attachable;
+    const lengths = reply.params.slice(-modules.length);
     let start = 0;
-    const joints = [];
-    this.#show(this.#modules.flatMap((module, i) => {
+    const shown = [];
+    const rows = modules.flatMap((module, i) => {
       const data = reply.data.slice(start, start + lengths[i]);
       start += lengths[i];
-      if (this.#panels.has(module.name)) joints.push([module.name, data]);
+      const panel = this.#panels.get(module.name) ?? this.#scans.get(module.name);
+      if (lengths[i] > MOST_VALUES) {
+        this.#large.add(module.name);
+        this.#attached = false;  // again without it
+        return [[module.name, `${lengths[i]} values: too many to show here`]];
+      }
+      if (panel) shown.push([panel, data]);
       return describeReading(module, data, this.#colours);
-    }));
-    for (const [name, data] of joints) {
-      if (!this.#stopped) await this.#panels.get(name).show(data);
+    });
+    this.#show(rows);
+    for (const [panel, data] of shown) {
+      if (!this.#stopped) await panel.show(data);
     }
   }
 
