@@ -23,7 +23,7 @@ namespace {
 constexpr std::array kFormats{"csv", "mat", "png", "mp4"};
 
 struct Given {
-  std::string run, to, out, robots, objects, size = "640x480";
+  std::string run, to, out, robots, objects, readings, size = "640x480";
   std::vector<double> eye_m, look_m;
   std::vector<std::string> scenario_folders;
   std::optional<double> time_s;
@@ -70,7 +70,7 @@ void Complete(const CLI::App& sub, Given& given) {
   const bool table = given.to == "csv" || given.to == "mat";
   const std::vector<const char*> not_mine =
       table ? std::vector<const char*>{"--size", "--fps", "--speed", "--eye", "--look", "--rays", "--time"}
-            : std::vector<const char*>{"--robots", "--objects", "--every"};
+            : std::vector<const char*>{"--robots", "--objects", "--readings", "--every"};
   for (const char* option : not_mine) {
     if (sub.count(option) > 0)
       throw CLI::ValidationError(std::string(option) + " is for --to " +
@@ -85,6 +85,7 @@ void Complete(const CLI::App& sub, Given& given) {
   }
   if (sub.count("--robots") > 0) given.options.robots = ReadNames("--robots", given.robots);
   if (sub.count("--objects") > 0) given.options.objects = ReadNames("--objects", given.objects);
+  if (sub.count("--readings") > 0) given.options.readings = ReadNames("--readings", given.readings);
   ImageRequest& image = given.pictures.image;
   ReadSize(given.size, image);
   if (!given.eye_m.empty()) image.eye_m = Vector3(given.eye_m[0], given.eye_m[1], given.eye_m[2]);
@@ -162,6 +163,8 @@ void AddExport(CLI::App& app, Chosen& chosen) {
   sub->add_option("--until", given->options.until_s, "Last simulated time, s");
   sub->add_option("--robots", given->robots, "Names, also of swarms: a,b,c; none (default: all)");
   sub->add_option("--objects", given->objects, "Names of things that move: a,b,c; none (default: all)");
+  sub->add_option("--readings", given->readings,
+                  "Also what these sensors showed, by name or type: imu,lidar (default: none)");
   sub->add_option("--every", given->options.every_s, "Simulated seconds between rows (default: every step)");
   sub->add_option("--size", given->size, "Of the pictures, pixels")->capture_default_str();
   sub->add_option("--fps", given->pictures.fps, "Pictures per second of the film")->capture_default_str();

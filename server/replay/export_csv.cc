@@ -56,6 +56,9 @@ std::string Header(const RunTable& table) {
     for (const ChannelColumn& channel : robot.channels) {
       if (ShowsModes(robot)) add(channel.joint + "_mode");
     }
+    for (const ReadingColumn& reading : robot.readings) {
+      for (const std::string& value : reading.values) add(reading.module + "_" + value);
+    }
   }
   for (const std::string& object : columns.objects) {
     for (const char* field : kPoseNames) line += "," + object + "." + field;
@@ -84,6 +87,7 @@ void AppendRow(const RunRow& row, const RunTable& table, std::string& line) {
     if (what.targets) add_all(robot.targets);
     add_all(robot.setpoints.references);
     if (ShowsModes(table.columns().robots[i])) add_all(robot.setpoints.modes);
+    add_all(robot.readings);
   }
   for (const PoseValues& object : row.objects) add_all(object);
   line += ',';

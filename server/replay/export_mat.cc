@@ -30,14 +30,15 @@ constexpr double kShareOfReading = 0.25;
 
 constexpr std::array kRunFields{"file",  "scenario", "seed",   "version", "time",    "step",
                                 "names", "hash",     "robots", "objects", "targets", "events"};
-constexpr std::array kRobotFields{"name",      "type",  "pose",      "pose_3d", "joints",  "channels",
-                                  "setpoints", "modes", "distances", "targets", "commands"};
+constexpr std::array kRobotFields{"name",     "type",      "pose",         "pose_3d",   "joints",
+                                  "channels", "setpoints", "modes",        "distances", "targets",
+                                  "commands", "readings",  "reading_names"};
 constexpr std::array kObjectFields{"name", "pose_3d"};
 constexpr std::array kTargetFields{"color", "x", "y", "z"};
 constexpr std::array kEventFields{"step", "time_s", "level", "text"};
 
 struct RobotMatrices {
-  MatMatrix pose, pose_3d, channels, setpoints, modes, distances, targets, commands;
+  MatMatrix pose, pose_3d, channels, setpoints, modes, distances, targets, commands, readings;
 };
 
 /// The numbers of a run; they outlive the values made of them.
@@ -48,10 +49,19 @@ struct RunMatrices {
   std::vector<MatMatrix> objects;
 };
 
+/// The values of the chosen sensors: imu_ax_m_s2, …
+std::vector<std::string> NamesOf(const RobotColumn& robot) {
+  std::vector<std::string> names;
+  for (const ReadingColumn& reading : robot.readings) {
+    for (const std::string& value : reading.values) names.push_back(reading.module + "_" + value);
+  }
+  return names;
+}
+
 /// Columns of a robot's matrices that have a row per step.
 std::uint64_t ColumnsOf(const RobotColumn& robot, const RunColumns& columns, const RecordWhat& what) {
   return 3 + 7 + (what.channels ? 4 : 2) * robot.channels.size() + (what.distances ? robot.sensors : 0) +
-         (what.targets ? 2 * columns.targets.size() : 0);
+         (what.targets ? 2 * columns.targets.size() : 0) + NamesOf(robot).size();
 }
 
 /// No more bytes than this are in the file, commands and texts not counted.
@@ -113,7 +123,8 @@ RunMatrices MakeMatrices(const RunTable& table) {
                           MatMatrix(robot.channels.size(), rows), MatMatrix(robot.channels.size(), rows),
                           what.distances ? MatMatrix(robot.sensors, rows) : MatMatrix(),
                           what.targets ? MatMatrix(2 * columns.targets.size(), rows) : MatMatrix(),
-                          MatMatrix(2 + 2 * robot.channels.size(), 0)});
+                          MatMatrix(2 + 2 * robot.channels.size(), 0),
+                          robot.readings.empty() ? MatMatrix() : MatMatrix(NamesOf(robot).size(), rows)});
   }
   for (std::size_t i = 0; i < columns.objects.size(); ++i) run.objects.emplace_back(7, rows);
   return run;
@@ -134,6 +145,7 @@ void AppendRow(const RunRow& row, const RecordWhat& what, RunMatrices& run) {
     robot.modes.Append(values.setpoints.modes);
     if (what.distances) robot.distances.Append(values.distances_m);
     if (what.targets) robot.targets.Append(values.targets);
+    if (!values.readings.empty()) robot.readings.Append(values.readings);
   }
   for (std::size_t i = 0; i < row.objects.size(); ++i) run.objects[i].Append(row.objects[i]);
 }
@@ -155,6 +167,8 @@ MatValue RobotsValue(const RunColumns& columns, RunMatrices& run) {
     robots.Set("distances", robot.distances.View(), i);
     robots.Set("targets", robot.targets.View(), i);
     robots.Set("commands", robot.commands.View(), i);
+    robots.Set("readings", robot.readings.View(), i);
+    robots.Set("reading_names", MatCell(NamesOf(columns.robots[i])), i);
   }
   return robots.Take();
 }

@@ -7,6 +7,7 @@
 
 #include "server/model/values.h"
 #include "server/record/run_tables.h"
+#include "server/sensing/readings.h"
 
 namespace coopdyn {
 
@@ -81,6 +82,22 @@ void ChooseObjects(const Names& words, const std::unordered_set<std::string>& fi
   });
 }
 
+/// Sensors of `model` that `words` name, and what could have been named.
+std::vector<ReadingColumn> ReadingsOf(const RobotModel& model, const Names& words, Names& known) {
+  std::vector<ReadingColumn> readings;
+  for (const SensorModel& sensor : model.sensors) {
+    if (FixedCount(sensor.kind) == 0) continue;
+    const auto names = [&sensor](const std::string& word) {
+      return word == sensor.name || word == sensor.type();
+    };
+    if (std::ranges::any_of(words, names)) readings.push_back({sensor.name, FixedNames(sensor.kind)});
+    for (const std::string& name : {sensor.name, std::string(sensor.type())}) {
+      if (std::ranges::find(known, name) == known.end()) known.push_back(name);
+    }
+  }
+  return readings;
+}
+
 /// red1, red2, blue1 …
 void LabelTargets(std::vector<TargetColumn>& targets) {
   std::sort(targets.begin(), targets.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
@@ -95,11 +112,16 @@ RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, c
   RunColumns columns;
   std::unordered_set<std::string> robots, objects, fixed;
   std::unordered_set<std::uint32_t> targets;
+  Names modules;  // whose readings can be chosen
   for (const auto& scene : scenes) {
     for (const SceneRobot& robot : scene->robots) {
       if (!robots.insert(robot.entry.name).second) continue;
       const RobotModel& model = *robot.entry.model;
-      columns.robots.push_back({robot.entry.name, model.type, model.sector_count(), {}});
+      columns.robots.push_back({robot.entry.name,
+                                model.type,
+                                model.sector_count(),
+                                {},
+                                ReadingsOf(model, options.readings, modules)});
       for (int i = robot.first_channel; i < robot.first_channel + robot.channel_count; ++i) {
         const auto channel = static_cast<std::size_t>(i);
         columns.robots.back().channels.push_back(
@@ -120,7 +142,12 @@ RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, c
   }
   LabelTargets(columns.targets);
   const Scenario* scenario = scenes.empty() ? nullptr : scenes.front()->scenario.get();
-  if (options.robots) ChooseRobots(*options.robots, scenario, columns.robots, error);
+  for (const std::string& word : options.readings) {
+    if (!error.empty() || std::ranges::find(modules, word) != modules.end()) continue;
+    error =
+        "no robot in this part of the run has a sensor '" + word + "'" + Instead(word, modules, "sensors");
+  }
+  if (options.robots && error.empty()) ChooseRobots(*options.robots, scenario, columns.robots, error);
   if (options.objects && error.empty()) ChooseObjects(*options.objects, fixed, columns.objects, error);
   return columns;
 }

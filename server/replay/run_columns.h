@@ -20,10 +20,17 @@ struct ChannelColumn {
   std::set<ControlMode> modes;  // of the set-points that were read so far
 };
 
+/// A sensor whose readings are wanted: computed from what was recorded, with the noise of then.
+struct ReadingColumn {
+  std::string module;
+  std::vector<std::string> values;  // their names, FixedNames()
+};
+
 struct RobotColumn {
   std::string name, type;
   std::size_t sensors = 0;  // distance sensors
   std::vector<ChannelColumn> channels;
+  std::vector<ReadingColumn> readings;
 };
 
 struct TargetColumn {

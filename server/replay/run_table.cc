@@ -158,6 +158,7 @@ std::string RunTable::Choose(const ExportOptions& options) {
   }
   std::string error;
   columns_ = ChooseColumns(scenes, options, error);
+  if (!options.readings.empty()) moments_ = std::make_unique<PlayFrames>(reader_);
   const Nanoseconds spacing = std::max(every_, reader_.header().pose_every);
   max_rows_ = steps_;
   if (spacing > 0) max_rows_ = std::min(max_rows_, static_cast<std::uint64_t>((end_ - begin_) / spacing) + 2);
@@ -247,6 +248,26 @@ void RunTable::MakeRobot(const RecordedStep& recorded, const Places& places, std
   }
 }
 
+bool RunTable::MakeReadings(const Places& places) {
+  const FramePtr moment = moments_->Make(row_.step);
+  if (moment == nullptr) return false;
+  for (std::size_t i = 0; i < columns_.robots.size(); ++i) {
+    std::vector<double>& values = row_.robots[i].readings;
+    values.clear();
+    for (const ReadingColumn& column : columns_.robots[i].readings) {
+      const std::size_t first = values.size();
+      values.resize(first + column.values.size(), kNan);
+      if (places.robots[i] < 0) continue;
+      const RobotModel& model = ModelOf(*moment, places.robots[i]);
+      const auto sensor = std::ranges::find(model.sensors, column.module, &SensorModel::name);
+      if (sensor == model.sensors.end()) continue;
+      FillFixed(*moment, places.robots[i], static_cast<std::size_t>(sensor - model.sensors.begin()),
+                std::span(values).subspan(first));
+    }
+  }
+  return true;
+}
+
 bool RunTable::MakeRow(const RecordedStep& recorded, const Places& places) {
   if (!FillFrame(recorded, places.scene, reader_.header(), frame_)) return false;
   row_.step = recorded.step;
@@ -259,7 +280,7 @@ bool RunTable::MakeRow(const RecordedStep& recorded, const Places& places) {
         place < 0 ? kNowhere
                   : ToValues(ObjectPose(frame_, places.scene->objects[static_cast<std::size_t>(place)]));
   }
-  return true;
+  return moments_ == nullptr || MakeReadings(places);
 }
 
 std::unique_ptr<RunTable> RunTable::Make(RunReader& reader, const ExportOptions& options,

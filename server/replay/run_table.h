@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "server/record/player_frames.h"
 #include "server/record/run_reader.h"
 #include "server/replay/run_columns.h"
 
@@ -34,6 +35,7 @@ struct RobotValues {
   Setpoints setpoints;              // in force; nan: not recorded
   std::vector<double> distances_m;  // right to left; nan: not recorded
   std::vector<double> targets;      // distance m, bearing rad of each; nan: not seen
+  std::vector<double> readings;     // of the chosen sensors, one after the other
 };
 
 /// One recorded step that has poses.
@@ -105,6 +107,8 @@ class RunTable {
   void TakeCommands(const RecordedStep& recorded, const Places& places,
                     const std::function<void(const CommandRow&)>& use);
   bool MakeRow(const RecordedStep& recorded, const Places& places);
+  /// The chosen sensors of all robots. False if the file is damaged.
+  bool MakeReadings(const Places& places);
   void MakeRobot(const RecordedStep& recorded, const Places& places, std::size_t column);
   bool InRange(Nanoseconds time) const { return time >= begin_ && time <= end_; }
 
@@ -121,6 +125,7 @@ class RunTable {
   // While rows are read:
   std::vector<Setpoints> in_force_;  // of each robot, by column
   Frame frame_;
+  std::unique_ptr<PlayFrames> moments_;  // null: no readings are wanted
   RunRow row_;
 };
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "server/base/worker_pool.h"
@@ -25,6 +26,8 @@ void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vecto
 
 /// How many values the reading of a sensor has if that does not vary; of a contact sensor its zones.
 std::size_t FixedCount(const SensorKind& kind);
+/// Their names with units, e.g. ax_m_s2; counted from 1 where a sensor has many alike: range1_m.
+std::vector<std::string> FixedNames(const SensorKind& kind);
 /// Writes as many values: the reading; of a contact sensor which zones are pressed; nan if that is unknown.
 void FillFixed(const Frame& frame, int robot, std::size_t sensor, std::span<double> values);
 

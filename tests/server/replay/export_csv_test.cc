@@ -80,6 +80,26 @@ TEST_F(ExportCsvTest, RowsAreTheFramesAsFarAsTheyAreRecorded) {
   EXPECT_GT(std::abs(table.Number(frames.size() - 1, "robot1.x_m")), 0.02) << "the robot drove";
 }
 
+TEST_F(ExportCsvTest, ChosenSensorsShowWhatTheyShowedThen) {
+  const std::vector<FramePtr> frames = Record();
+  const Table table =
+      Exported({.robots = std::vector<std::string>{"robot2"}, .readings = {"pose", "distance"}});
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const PlaneMotion motion = MotionOf(*frames[i], 1);
+    EXPECT_NEAR(table.Number(i, "robot2.pose_y_m"), motion.y_m, 2e-6);
+    // A difference of two recorded places.
+    EXPECT_NEAR(table.Number(i, "robot2.pose_forward_m_s"), motion.forward_m_s, 2e-3) << i;
+    const double range_m = Distances(*frames[i], 1)[2];
+    const double shown_m = table.Number(i, "robot2.distance_range3_m");
+    EXPECT_TRUE(shown_m == range_m || std::abs(shown_m - range_m) < 1e-4) << shown_m << " " << range_m;
+  }
+}
+
+TEST_F(ExportCsvTest, ASensorThatNoRobotHasIsToldWithTheNearest) {
+  Record();
+  EXPECT_THAT(Export({.readings = {"distence"}}), HasSubstr("did you mean 'distance'?"));
+}
+
 TEST_F(ExportCsvTest, SetPointsAreThoseInForceAlsoWhenTheRangeBeginsBetweenKeyframes) {
   Record();
   for (const double from_s : {0.0, 0.155, 0.24}) {
