@@ -172,6 +172,14 @@ class NamesTest(unittest.TestCase):
         self.assertEqual(self.numbers("cpp/attractor.cc", r"^constexpr double (k\w+) = ([^;]+);"), python)
         self.assertEqual(self.numbers("matlab/attractor.m", r"^  p\.(\w+) = ([^;]+);"), python)
 
+    def test_programs_that_use_sensors_have_the_same_numbers(self):
+        for name, least in (("ball", 11), ("wall", 12), ("pendulum", 10)):
+            with self.subTest(name):
+                python = self.numbers(f"python/{name}.py", r"^([A-Z_]{3,}) = ([^#\n]+)")
+                self.assertGreaterEqual(len(python), least)
+                self.assertEqual(self.numbers(f"cpp/{name}.cc", r"^constexpr double (k\w+) = ([^;]+);"), python)
+                self.assertEqual(self.numbers(f"matlab/{name}.m", r"^  p\.(\w+) = ([^;]+);"), python)
+
     def test_teams_have_the_same_numbers(self):
         for name, least in (("transport", 27), ("formation", 18)):
             with self.subTest(name):

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+// Follows a red ball by a camera: client_ball [robot1 [SECONDS]]
+//
+// Scenario `ball`. Of the picture's pixels those are the ball's that are much more red than green and blue.
+// Their middle gives the bearing, their number n the distance: a ball of radius R at distance d covers
+// pi (f R / d)^2 pixels, so d = f R sqrt(pi / n). The robot turns towards the ball and keeps its distance;
+// when it sees none it turns where it saw it last. The same algorithm and numbers in all three languages.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "clients/cpp/coopdyn_client.h"
+
+namespace {
+
+namespace client = coopdyn::client;
+
+constexpr double kBallRadius_m = 0.1;  // R
+constexpr double kKeep_m = 0.8;        // from the camera to the ball
+constexpr double kApproach = 1.0;      // 1/s, speed for each metre too far
+constexpr double kMaxSpeed = 0.4;      // m/s
+constexpr double kSteer = 2.0;         // 1/s, turn rate for each radian off
+constexpr double kMaxTurn = 1.5;       // rad/s
+constexpr double kSearch = 0.8;        // rad/s, when it sees no ball
+constexpr double kRed = 60;            // what red has at least
+constexpr double kMore = 2;            // and how many times green and blue
+constexpr double kColumns = 80;        // of the picture so many are looked at, and as many rows
+constexpr double kFew = 6;             // less pixels are no ball
+
+struct Ball {
+  double distance, bearing;
+};
+
+/// Where the ball is; nothing if there is none.
+std::optional<Ball> Look(const client::Image& image, const client::Camera& camera) {
+  const int every = std::max(1, image.width / static_cast<int>(kColumns));
+  double count = 0, columns = 0;
+  for (int y = 0; y < image.height; y += every) {
+    for (int x = 0; x < image.width; x += every) {
+      const client::Rgb c = image.rgb(x, y);
+      if (c.r < kRed || c.r < kMore * c.g || c.r < kMore * c.b) continue;
+      ++count;
+      columns += x / every;
+    }
+  }
+  if (count < kFew) return std::nullopt;
+  const double middle = every * columns / count + 0.5;
+  return Ball{camera.fx * kBallRadius_m * std::sqrt(std::numbers::pi / count) / every,
+              std::atan2(camera.cx - middle, camera.fx)};
+}
+
+int Run(const std::string& name, double duration) {
+  client::Simulation sim = client::connect();
+  client::Robot r = sim.robot(name);
+  const client::Camera camera = r.get_camera();
+  const double start = sim.time();
+  double side = 1;
+  int seen = 0, pictures = 0;
+  Ball last{HUGE_VAL, 0};
+  while (sim.time() - start < duration) {
+    const std::optional<Ball> ball = Look(r.get_image(), camera);
+    ++pictures;
+    if (!ball) {
+      r.set_velocity(0, kSearch * side);
+    } else {
+      ++seen;
+      last = *ball;
+      side = ball->bearing < 0 ? -1 : 1;
+      r.set_velocity(std::clamp(kApproach * (ball->distance - kKeep_m), -kMaxSpeed, kMaxSpeed),
+                     std::clamp(kSteer * ball->bearing, -kMaxTurn, kMaxTurn));
+    }
+    sim.step();
+  }
+  std::printf("%s saw the ball in %.0f %% of %d pictures, at last %.3f m away and %.2f degrees to the left\n",
+              name.c_str(), 100.0 * seen / pictures, pictures, last.distance,
+              last.bearing * 180 / std::numbers::pi);
+  sim.close();
+  return seen > 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  return Run(argc > 1 ? argv[1] : "robot1", argc > 2 ? std::stod(argv[2]) : 30);
+} catch (const client::Error& e) {
+  std::fprintf(stderr, "%s\n", e.what());
+  return 1;
+}

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Follows the wall on the right by a lidar: python3 wall.py [robot1 [SECONDS]]
+
+Scenario `wall`. Two rays see the wall: b to the right, and a, further ahead by the angle theta. They tell how the robot's heading is
+turned away from the wall, its distance (or that of the nearest thing on the right), and what that will be l further on,
+
+    alpha = atan2(a cos(theta) - b, a sin(theta)),   d = b cos(alpha),   d_ahead = d + l sin(alpha).
+
+The turn rate brings d_ahead to the distance wished for; what is near ahead makes the robot slow down and turn left. The same
+algorithm and numbers in all three languages.
+"""
+import math
+import sys
+
+import coopdyn
+
+WALL_DISTANCE = 0.5  # [m] from the lidar
+SIDE = 1.5707963  # [rad] where b looks, to the right
+AHEAD_BY = 0.7  # theta [rad]
+LOOK_AHEAD = 0.5  # l [m]
+GAIN = 4.0  # [rad/s/m]
+SPEED = 0.2  # [m/s]
+MAX_TURN = 1.0  # [rad/s]
+MAX_SINE = 0.25  # of alpha
+RIGHT = 1.05  # [rad] to either side of b: where the wall is looked for
+FREE = 0.7  # [m] what is nearer ahead makes it turn
+CONE = 0.35  # [rad] to either side of ahead
+SEEN = 2.0  # [m] what is further counts as this far
+
+
+def ray(scan, bearing):
+    """The range [m] of the ray nearest to a bearing [rad], in the middle row."""
+    off = [abs(math.remainder(azimuth - bearing, 2 * math.pi)) for azimuth in scan.azimuth]
+    return min(SEEN, scan.ranges[len(scan.elevation) // 2][off.index(min(off))])
+
+
+def nearest(scan, bearing, cone):
+    """The least range [m] of the rays within `cone` of a bearing [rad], in the middle row."""
+    row = scan.ranges[len(scan.elevation) // 2]
+    return min([SEEN] + [r for azimuth, r in zip(scan.azimuth, row) if abs(math.remainder(azimuth - bearing, 2 * math.pi)) <= cone])
+
+
+def command(scan):
+    """Speed [m/s], turn rate [rad/s], and how far the wall is now [m]."""
+    a, b = ray(scan, AHEAD_BY - SIDE), ray(scan, -SIDE)
+    alpha = math.atan2(a * math.cos(AHEAD_BY) - b, a * math.sin(AHEAD_BY))
+    distance, free = min(b * math.cos(alpha), nearest(scan, -SIDE, RIGHT)), nearest(scan, 0, CONE)
+    turn = GAIN * (WALL_DISTANCE - (distance + LOOK_AHEAD * max(-MAX_SINE, min(MAX_SINE, math.sin(alpha)))))
+    if free < FREE:
+        return SPEED * max(0.0, free / FREE - 0.4), MAX_TURN, distance
+    return SPEED, max(-MAX_TURN, min(MAX_TURN, turn)), distance
+
+
+def main(name="robot1", duration="60"):
+    with coopdyn.connect() as sim:
+        r = sim.robot(name)
+        start = sim.time
+        s = r.sense()
+        near, steps, least = 0, 0, math.inf
+        while s.time - start < float(duration):
+            speed, turn, distance = command(s.scan)
+            r.set_velocity(speed, turn)
+            steps += 1
+            near += abs(distance - WALL_DISTANCE) < 0.1
+            least = min(least, min(r for row in s.scan.ranges for r in row))
+            sim.step()
+            s = r.sense()
+        print(f"{name} kept the wall within 0.1 m of {WALL_DISTANCE:g} m for {100 * near / steps:.0f} % of the time, and {least:.3f} m from "
+              "everything")
+        return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
