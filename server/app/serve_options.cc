@@ -96,7 +96,7 @@ RecordWhat ReadRecordWhat(const std::string& given) {
   std::string unknown;
   if (const auto what = ParseRecordWhat(given, unknown)) return *what;
   throw CLI::ValidationError("--record-what knows no '" + unknown +
-                             "': write some of poses,channels,distances,targets,controllers, or all");
+                             "': write some of poses,channels,distances,targets,controllers,images, or all");
 }
 
 /// Each option but those in `only_flags` may also be given by a variable: --robot-threads by
@@ -158,7 +158,8 @@ void AddRecording(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--record", serve.record.file, "Record the run in this file, e.g. lesson1.run");
   sub->add_option_function<std::string>(
       "--record-what", [&serve](const std::string& given) { serve.record.what = ReadRecordWhat(given); },
-      "Besides poses and commands: channels, distances, targets, controllers (with commas), all, or "
+      "Besides poses and commands: channels, distances, targets, controllers, images (with commas), all (but "
+      "images), or "
       "poses (default: all up to 50 robots, beyond that poses,controllers)");
   sub->add_option_function<double>(
          "--record-every", [&serve](double given_s) { serve.record.every = std::llround(given_s * 1e9); },

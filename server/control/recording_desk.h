@@ -20,6 +20,7 @@
 #include "server/record/recorder.h"
 #include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
+#include "server/state/image_board.h"
 #include "server/state/run_control.h"
 
 namespace coopdyn {
@@ -28,6 +29,7 @@ struct RecordingOptions {
   std::filesystem::path folder = ".";  // of recordings that have a bare name
   std::optional<RecordWhat> what;      // empty: DefaultRecordWhat()
   Nanoseconds pose_every = 0;          // poses and readings only so often; 0: each step
+  DrawImage draw;                      // of cameras, if `what` has images
   double duration_s = 0;               // simulated time at which the run ends; 0: as the scenario says
   std::string version, command;        // for the file: of the program, its command line
   /// Seconds since 1970, for default names and for what the file says of its start.

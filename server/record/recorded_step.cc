@@ -17,10 +17,11 @@ struct Word {
   const char* text;
   bool RecordWhat::*chosen;
 };
-constexpr std::array<Word, 4> kWords{{{"channels", &RecordWhat::channels},
+constexpr std::array<Word, 5> kWords{{{"channels", &RecordWhat::channels},
                                       {"distances", &RecordWhat::distances},
                                       {"targets", &RecordWhat::targets},
-                                      {"controllers", &RecordWhat::controllers}}};
+                                      {"controllers", &RecordWhat::controllers},
+                                      {"images", &RecordWhat::images}}};
 
 constexpr std::uint32_t kByClient = std::uint32_t{1} << 31;
 constexpr std::size_t kCommandBytes = 4 + 1 + 8;
@@ -58,7 +59,7 @@ std::optional<RecordWhat> ParseRecordWhat(const std::string& words, std::string&
     start = end + 1;
     if (word == "poses") continue;
     if (word == "all") {
-      what = {true, true, true, true};
+      what = {true, true, true, true, what.images};
       continue;
     }
     const auto* found =
@@ -74,7 +75,7 @@ std::optional<RecordWhat> ParseRecordWhat(const std::string& words, std::string&
 
 RecordWhat DefaultRecordWhat(std::size_t robots) {
   const bool few = robots <= kManyRobots;
-  return {few, few, few, true};
+  return {few, few, few, true, false};
 }
 
 bool SameBits(const Setpoint& a, const Setpoint& b) {

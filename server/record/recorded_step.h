@@ -25,11 +25,13 @@ struct RecordWhat {
   bool distances = false;    // readings
   bool targets = false;      // readings
   bool controllers = false;  // set-points of loaded controllers
+  bool images = false;       // of cameras, as JPEG
   bool operator==(const RecordWhat&) const = default;
 };
-/// "poses,channels,distances,targets,controllers", as far as they are chosen.
+/// "poses,channels,distances,targets,controllers,images", as far as they are chosen.
 std::string ToString(const RecordWhat& what);
-/// Reads the same, in any order; also `all`. Nothing if a word is unknown (which goes to `unknown`).
+/// Reads the same, in any order; also `all`, which is all but images. Nothing if a word is unknown (which
+/// goes to `unknown`).
 std::optional<RecordWhat> ParseRecordWhat(const std::string& words, std::string& unknown);
 /// Everything up to 50 robots, beyond that poses and controllers.
 RecordWhat DefaultRecordWhat(std::size_t robots);

@@ -141,7 +141,7 @@ class Recorder::Impl {
     last_ = {frame.step, frame.time_s()};
     ++taken_;
     NoteLost(lost_before);
-    if (!writes() || !Check(writer_->AddStep(frame))) return;
+    if (!writes() || !Check(writer_->AddStep(frame)) || !Check(writer_->AddImages(step.frame))) return;
     if (step.keyframe) {
       SavedState state;
       state.frame = step.frame;

@@ -16,6 +16,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/record/run_header.h"
+#include "server/state/image_board.h"
 #include "server/state/run_journal.h"
 
 namespace coopdyn {
@@ -24,6 +25,7 @@ struct RecorderOptions {
   std::string file;                // "lesson1.run"; after a reset or load it goes on in lesson1-2.run
   std::optional<RecordWhat> what;  // empty: DefaultRecordWhat()
   Nanoseconds pose_every = 0;      // interval of poses and readings; 0: each step
+  DrawImage draw;                  // of cameras, if `what` has images
   bool overwrite = false;          // `file` itself, if it is a recording
   std::string version, command, started;
   std::size_t max_queue_bytes = std::size_t{64} << 20;

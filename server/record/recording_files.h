@@ -57,6 +57,7 @@ class RecordingFiles {
     options.overwrite = options_.overwrite && !has_made_;
     const RecordWhat what = options_.what.value_or(DefaultRecordWhat(state.frame->scene->robots.size()));
     options.header = HeaderOf(*state.frame, state.mode, what, options_.pose_every);
+    options.draw = options_.draw;
     options.header.version = options_.version;
     options.header.command = options_.command;
     options.header.started = options_.started;

@@ -31,6 +31,8 @@ CREATE TABLE target(scene INTEGER, place INTEGER, id INTEGER, color TEXT, x REAL
                     PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE step(step INTEGER PRIMARY KEY, time_ns INTEGER, hash INTEGER, scene INTEGER, commands BLOB,
                   messages BLOB, channels BLOB, distances BLOB, targets BLOB, poses BLOB, chain INTEGER);
+CREATE TABLE image(step INTEGER, robot TEXT, module TEXT, width INTEGER, height INTEGER, jpeg BLOB,
+                   PRIMARY KEY(step, robot, module));
 CREATE TABLE keyframe(step INTEGER PRIMARY KEY, state BLOB, chain INTEGER);
 CREATE TABLE input(id INTEGER PRIMARY KEY, step INTEGER, action TEXT, detail TEXT, chain INTEGER);
 CREATE TABLE event(id INTEGER PRIMARY KEY, step INTEGER, time_ns INTEGER, level TEXT, text TEXT, chain INTEGER);

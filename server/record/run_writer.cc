@@ -143,12 +143,14 @@ bool RunWriter::Open(const SavedState& first) {
     WriteHeader(*database_, options_.header);
     SetMeta(*database_, "texts", TextsChain(*database_));
     insert_.step = database_->Prepare("INSERT INTO step VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    insert_.image = database_->Prepare("INSERT INTO image VALUES(?, ?, ?, ?, ?, ?)");
     insert_.keyframe = database_->Prepare("INSERT INTO keyframe VALUES(?, ?, ?)");
     insert_.input = database_->Prepare("INSERT INTO input VALUES(?, ?, ?, ?, ?)");
     insert_.event = database_->Prepare("INSERT INTO event VALUES(?, ?, ?, ?, ?, ?)");
   });
   begin_ = first.frame->time;
-  if (!made || !AddStep(*first.frame) || !AddKeyframe(first) || !Commit()) return false;
+  if (!made || !AddStep(*first.frame) || !AddImages(first.frame) || !AddKeyframe(first) || !Commit())
+    return false;
   now_.steps = committed_.steps = 0;
   return true;
 }
@@ -191,6 +193,44 @@ bool RunWriter::AddStep(const Frame& frame) {
     now_.end = frame.time;
     now_.last_step = frame.step;
   });
+}
+
+bool RunWriter::AddImages(const FramePtr& frame) {
+  if (!options_.header.what.images || !options_.draw) return true;
+  return Try([&] {
+    for (std::size_t i = 0; i < frame->scene->robots.size(); ++i) {
+      const RobotModel& model = *frame->scene->robots[i].entry.model;
+      for (std::size_t sensor = 0; sensor < model.sensors.size(); ++sensor) {
+        if (!std::holds_alternative<CameraModel>(model.sensors[sensor].kind)) continue;
+        const auto robot = static_cast<int>(i);
+        const FramePtr sample = SampleOf(frame, robot, sensor);
+        const auto [last, is_first] = now_.images.try_emplace({robot, sensor}, -1);
+        if (last->second >= sample->time) continue;
+        last->second = sample->time;
+        WriteImage({sample, robot, sensor});
+      }
+    }
+  });
+}
+
+void RunWriter::WriteImage(CameraShot shot) {
+  const SceneRobot& robot = shot.frame->scene->robots[static_cast<std::size_t>(shot.robot)];
+  const std::string& module = robot.entry.model->sensors[shot.sensor].name;
+  const auto step = static_cast<std::int64_t>(shot.frame->step);
+  const Nanoseconds time = shot.frame->time;
+  ImageRequest request;
+  request.format = ImageFormat::kJpeg;
+  request.shot = std::move(shot);
+  const ImageResult drawn = options_.draw(std::move(request));
+  if (!drawn.error.empty()) {
+    if (std::exchange(drew_none_, true)) return;
+    const Event event{static_cast<std::uint64_t>(step), ToSeconds(time), "warning",
+                      "pictures are missing from the recording: " + drawn.error};
+    WriteEvent(event);
+    return;
+  }
+  insert_.image.Run(step, robot.entry.name, module, static_cast<std::int64_t>(drawn.width),
+                    static_cast<std::int64_t>(drawn.height), std::as_bytes(std::span(*drawn.bytes)));
 }
 
 void RunWriter::BeginScene(const Frame& frame) {
@@ -281,11 +321,13 @@ bool RunWriter::AddInput(const RunInput& input) {
 }
 
 bool RunWriter::AddEvent(const Event& event) {
-  return Try([&] {
-    TableEnd& end = now_.ends[kEventTable];
-    InsertChained(insert_.event, end, end.id + 1, static_cast<std::int64_t>(event.step),
-                  static_cast<std::int64_t>(std::llround(event.time_s * 1e9)), event.level, event.text);
-  });
+  return Try([&] { WriteEvent(event); });
+}
+
+void RunWriter::WriteEvent(const Event& event) {
+  TableEnd& end = now_.ends[kEventTable];
+  InsertChained(insert_.event, end, end.id + 1, static_cast<std::int64_t>(event.step),
+                static_cast<std::int64_t>(std::llround(event.time_s * 1e9)), event.level, event.text);
 }
 
 bool RunWriter::AddLost(std::uint64_t steps) {

@@ -5,13 +5,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/record/row_chain.h"
 #include "server/record/run_header.h"
 #include "server/record/sqlite_db.h"
+#include "server/state/image_board.h"
 #include "server/state/run_journal.h"
 
 namespace coopdyn {
@@ -21,6 +24,7 @@ struct RunWriterOptions {
   bool overwrite = false;      // a recording, or an empty file
   std::size_t page_size = 0;   // of SQLite; 0: what suits the rows
   std::int64_t max_pages = 0;  // beyond that the disk counts as full; 0: no such limit. For tests
+  DrawImage draw;              // of cameras, if RecordWhat::images is on; null: there are none
 };
 
 class RunWriter {
@@ -39,6 +43,8 @@ class RunWriter {
   // no more until GoOn().
   /// A step of the run; steps grow. A scene other than the last frame's is written too.
   bool AddStep(const Frame& frame);
+  /// The pictures that cameras have taken in a step that was added; nothing unless RecordWhat::images is on.
+  bool AddImages(const FramePtr& frame);
   /// The exact state of a step that was added.
   bool AddKeyframe(const SavedState& state);
   bool AddInput(const RunInput& input);
@@ -80,6 +86,8 @@ class RunWriter {
   bool Try(Write write);
   void BeginScene(const Frame& frame);
   void WriteRow(const Frame& frame);
+  void WriteImage(CameraShot shot);
+  void WriteEvent(const Event& event);
   void EncodeShown(const Frame& frame);
   /// Set-points that differ from those in force so far, or all of a new scene; into commands_.
   void FindCommands(const Frame& frame, bool new_scene);
@@ -89,11 +97,12 @@ class RunWriter {
   const RunWriterOptions options_;
   std::unique_ptr<Database> database_;
   struct Statements {
-    Statement step, keyframe, input, event;
+    Statement step, image, keyframe, input, event;
   };
   Statements insert_;  // they go before the database
   std::string error_;
   bool dirty_ = false, full_ = false;
+  bool drew_none_ = false;  // that was said
   Nanoseconds begin_ = 0;
 
   /// What the rows so far mean for those to come.
@@ -105,7 +114,8 @@ class RunWriter {
     std::vector<bool> is_recomputed;  // of scene->robots: its controller's set-points are left out
     std::uint64_t steps = 0, lost = 0, lost_after = 0, last_step = 0;
     Nanoseconds end = 0;
-    Nanoseconds shown = -1;  // time of the last step with poses
+    Nanoseconds shown = -1;                                     // time of the last step with poses
+    std::map<std::pair<int, std::size_t>, Nanoseconds> images;  // by robot and sensor: time of the last one
   };
   Progress now_, committed_;
 

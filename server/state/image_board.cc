@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <utility>
 
 namespace coopdyn {
@@ -83,6 +84,12 @@ void ImageBoard::Request(ImageRequest request, ImageDone done) {
     arrived_.NotifyAll();
   }
   if (refused.done) Refuse(refused.done, reason);
+}
+
+ImageResult ImageBoard::Draw(ImageRequest request) {
+  std::promise<ImageResult> drawn;
+  Request(std::move(request), [&drawn](const ImageResult& result) { drawn.set_value(result); });
+  return drawn.get_future().get();
 }
 
 std::vector<ImageBoard::Pending> ImageBoard::WaitAndTake(std::stop_token stop, const Clock& clock,

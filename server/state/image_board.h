@@ -78,6 +78,9 @@ struct ImageResult {
 /// the thread that refused it. Posts to its own thread and returns.
 using ImageDone = std::function<void(const ImageResult&)>;
 
+/// Draws a picture and waits for it.
+using DrawImage = std::function<ImageResult(ImageRequest request)>;
+
 class ImageBoard {
  public:
   static constexpr std::size_t kMaxWaiting = 64;
@@ -95,6 +98,9 @@ class ImageBoard {
   /// on, all of them together. Empty if `stop` came or the board was closed. Render thread only.
   std::vector<Pending> WaitAndTake(std::stop_token stop, const Clock& clock, Nanoseconds paced_from)
       EXCLUDES(mutex_);
+
+  /// Request(), and waits until it is done. Any thread but the render thread.
+  ImageResult Draw(ImageRequest request) EXCLUDES(mutex_);
 
   /// Refuses all that wait and all that come from now on, with `reason`. Any thread.
   void Close(const std::string& reason) EXCLUDES(mutex_);
