@@ -138,7 +138,8 @@ class Adopter {
     std::erase_if(node.children, [&](const XmlNode& child) {
       if (child.name.starts_with("coopdyn:")) return false;
       const bool nested_model = node.name == "model" && child.name == "pose";
-      if (nested_model || IsUsedElement(node.name, child.name)) return false;
+      const bool unused_sensor = child.name == "sensor" && !IsUsedSensor(child.Attribute("type"));
+      if (nested_model || (IsUsedElement(node.name, child.name) && !unused_sensor)) return false;
       std::string what = "<" + child.name;
       if (child.Has("type")) what += " type=\"" + child.Attribute("type") + "\"";
       LeaveOut(child, what + "> in <" + node.name + ">");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -48,7 +49,13 @@ class Includer {
     std::vector<XmlNode> all;
     for (XmlNode& child : parent.children) {
       if (child.name == "include") {
-        if (auto model = Load(child, depth)) all.push_back(std::move(*model));
+        auto model = Load(child, depth);
+        if (!model) continue;
+        if (parent.name == "model" && IsMerged(child, *model)) {
+          std::ranges::move(model->children, std::back_inserter(all));
+        } else {
+          all.push_back(std::move(*model));
+        }
         continue;
       }
       if (child.name == "model" || child.name == "world") Expand(child, depth);
@@ -64,6 +71,16 @@ class Includer {
   static bool IsLightOrFloor(const std::string& uri) {
     const std::string name = ToLower(uri.substr(uri.find_last_of('/') + 1));
     return name == "sun" || name == "ground_plane" || name == "ground plane";
+  }
+
+  /// Whether the parts of `model` become parts of the model that includes it.
+  bool IsMerged(const XmlNode& include, const XmlNode& model) {
+    if (include.Attribute("merge") != "true" && include.Attribute("merge") != "1") return false;
+    if (model.Child("pose") == nullptr && model.Child("static") == nullptr) return true;
+    diagnostics_.Warning(include.where,
+                         "merge of an <include> with <pose> or <static> is not used: its parts are called " +
+                             model.Attribute("name") + "::PART");
+    return false;
   }
 
   std::optional<XmlNode> Load(const XmlNode& include, int depth) {
@@ -120,9 +137,6 @@ class Includer {
     }
     if (include.Has("placement_frame") || include.Child("placement_frame") != nullptr)
       made.Set("placement_frame", include.TextOf("placement_frame"));
-    if (include.Has("merge"))
-      diagnostics_.Warning(include.where, "merge of <include> is not used: its parts are called " +
-                                              made.Attribute("name") + "::PART");
     for (const XmlNode& child : include.children) {
       if (child.name == "plugin") made.children.push_back(child);
     }
@@ -158,7 +172,30 @@ bool TakeMeshes(std::string& text, MeshTable& table) {
 
 }  // namespace
 
+namespace {
+
+/// The noise of an <imu> as SDF 1.5 has it: one for the turn rates, one for the accelerations.
+void UpgradeImu(XmlNode& imu) {
+  const XmlNode* noise = imu.Child("noise");
+  if (noise == nullptr) return;
+  const XmlNode old = *noise;
+  std::erase_if(imu.children, [](const XmlNode& one) { return one.name == "noise" || one.name == "topic"; });
+  for (const auto& [from, to] : {std::pair("rate", "angular_velocity"), {"accel", "linear_acceleration"}}) {
+    const XmlNode* values = old.Child(from);
+    if (values == nullptr) continue;
+    XmlNode& made = imu.Add(to);
+    for (const char* axis : {"x", "y", "z"}) {
+      XmlNode& one = made.Add(axis).Add("noise");
+      one.Set("type", old.TextOf("type").empty() ? "gaussian" : old.TextOf("type"));
+      one.children = values->children;
+    }
+  }
+}
+
+}  // namespace
+
 void Upgrade(XmlNode& node, const std::string& version) {
+  if (node.name == "imu") UpgradeImu(node);
   const int minor = MinorOf(version).value_or(9);
   if (node.name == "sdf") node.Set("version", "1.9");
   if (minor < 7) {

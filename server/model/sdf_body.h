@@ -24,6 +24,7 @@ struct ModelReading {
   ModelLines lines{};
   std::vector<FixedJoint> fixed{};
   std::vector<Gearbox> gearboxes{};
+  Assembly assembly{};
 
   void Error(int line, std::string text) { diagnostics.Error({file, line}, std::move(text)); }
   void Warn(int line, std::string text) { diagnostics.Warning({file, line}, std::move(text)); }
@@ -55,6 +56,9 @@ std::vector<ModelScope> ScopesOf(const sdf::Model& model, const tinyxml2::XMLEle
 
 void ReadLinks(const std::vector<ModelScope>& scopes, ModelReading& reading);
 void ReadJoints(const std::vector<ModelScope>& scopes, ModelReading& reading);
+
+/// Fills reading.assembly, before links are welded; and finds the places of its sensors.
+void ReadAssembly(const std::vector<ModelScope>& scopes, ModelReading& reading);
 
 /// Footprint and height of the collisions. A robot of our own may not reach below the floor; one made for
 /// other programs is lifted.

@@ -25,7 +25,7 @@ constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"sdf", "model"},
     {"model", "link joint frame model"},
     {"frame", "pose"},
-    {"link", "pose inertial collision visual"},
+    {"link", "pose inertial collision visual sensor"},
     {"inertial", "pose mass inertia"},
     {"inertia", "ixx iyy izz ixy ixz iyz"},
     {"collision", "pose geometry surface"},
@@ -47,11 +47,37 @@ constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"pbr", "metal specular"},
     {"metal", "albedo_map"},
     {"specular", "albedo_map"},
-    {"joint", "pose parent child axis axis2 gearbox_ratio gearbox_reference_body thread_pitch"},
+    {"joint", "pose parent child axis axis2 gearbox_ratio gearbox_reference_body thread_pitch sensor"},
     {"axis", "xyz limit dynamics"},
     {"axis2", "xyz limit dynamics"},
     {"dynamics", "damping friction spring_reference spring_stiffness"},
     {"limit", "lower upper effort velocity"},
+    // Of sensors also what says nothing to a simulator without topics.
+    {"sensor",
+     "pose update_rate always_on visualize topic enable_metrics imu ray lidar force_torque contact sonar "
+     "camera"},
+    {"imu", "angular_velocity linear_acceleration"},
+    {"angular_velocity", "x y z"},
+    {"linear_acceleration", "x y z"},
+    {"force", "x y z"},
+    {"torque", "x y z"},
+    {"x", "noise"},
+    {"y", "noise"},
+    {"z", "noise"},
+    {"noise", "type mean stddev bias_mean bias_stddev precision"},
+    {"ray", "scan range noise"},
+    {"lidar", "scan range noise"},
+    {"scan", "horizontal vertical"},
+    {"horizontal", "samples resolution min_angle max_angle"},
+    {"vertical", "samples resolution min_angle max_angle"},
+    {"range", "min max resolution"},
+    {"force_torque", "frame measure_direction force torque"},
+    {"contact", "collision topic"},
+    {"sonar", "min max radius geometry"},
+    {"camera", "pose horizontal_fov image clip depth_camera noise"},
+    {"image", "width height format"},
+    {"clip", "near far"},
+    {"depth_camera", "clip output"},
 };
 
 bool IsForeign(std::string_view name) {
@@ -104,6 +130,7 @@ class Checker {
     }
     const std::string path = std::string(parent.Name()) + "/" + name;
     const bool nested_pose = path == "model/pose" && depth > 1;
+    if (name == "sensor" && !IsKnownType(child)) return;
     if (nested_pose || IsUsedElement(parent.Name(), name)) {
       // SDF describes a model inside a model by the outer one.
       Check(child, path == "model/model" ? description : description->GetElementDescription(name), depth + 1);
@@ -116,6 +143,28 @@ class Checker {
     } else {
       diagnostics_.Warning(where, "<" + name + "> in <" + parent.Name() + "> is not used by coopdyn");
     }
+  }
+
+  /// Whether it is a sensor that coopdyn has; says so if not.
+  bool IsKnownType(const XMLElement& sensor) {
+    const char* text = sensor.Attribute("type");
+    const std::string type = text == nullptr ? "" : text;
+    if (IsUsedSensor(type)) return true;
+    const SourceLine where{file_, sensor.GetLineNum()};
+    static const std::vector<std::string> kOthers = {
+        "air_pressure", "altimeter",          "boundingbox_camera", "boundingbox",      "custom",
+        "gps",          "logical_camera",     "magnetometer",       "navsat",           "rfid",
+        "rfidtag",      "thermal_camera",     "thermal",            "wideanglecamera",  "wide_angle_camera",
+        "air_speed",    "wireless_receiver",  "wireless_transmitter"};
+    if (std::ranges::find(kOthers, type) != kOthers.end()) {
+      diagnostics_.Warning(where, "<sensor type=\"" + type + "\"> in <" + sensor.Parent()->ToElement()->Name() +
+                                      "> is not used by coopdyn");
+    } else {
+      static const std::vector<std::string> kOwn = {"imu",   "force_torque", "lidar",       "contact",
+                                                    "sonar", "camera",       "depth_camera"};
+      diagnostics_.Error(where, "unknown type '" + type + "' of <sensor>" + DidYouMean(type, kOwn));
+    }
+    return false;
   }
 
   void CheckAttributes(const XMLElement& element, const sdf::ElementPtr& description) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/model/sdf_parts.h"
+#include "server/model/sdf_sensors.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -103,14 +104,15 @@ constexpr std::size_t kMaxModules = 100;
 
 class ExtensionReader {
  public:
-  ExtensionReader(const std::string& file, RobotModel& robot, Diagnostics& diagnostics)
-      : file_(file), robot_(robot), diagnostics_(diagnostics) {}
+  ExtensionReader(const std::string& file, const Assembly& assembly, RobotModel& robot,
+                  Diagnostics& diagnostics)
+      : file_(file), assembly_(assembly), robot_(robot), diagnostics_(diagnostics) {}
 
   void Read(const XMLElement& model) {
     std::vector<std::string> known = {"coopdyn:drive", "coopdyn:group", "coopdyn:module"};
     for (const std::string& element : SensorReader::Elements()) known.push_back(element);
     const XMLElement* drive = nullptr;
-    std::vector<const XMLElement*> modules, groups;
+    std::vector<const XMLElement*> modules, groups, sensors;
     for (const XMLElement* child = model.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       const std::string name = child->Name();
@@ -123,11 +125,15 @@ class ExtensionReader {
         drive = child;
       } else if (name == "coopdyn:group") {
         groups.push_back(child);
-      } else if (!sensors_.Read(*child)) {
-        Error(*child, "unknown element <" + name + ">" + DidYouMean(name, known));
+      } else {
+        sensors.push_back(child);
       }
     }
     if (drive != nullptr) ReadDrive(*drive);
+    for (const XMLElement* sensor : sensors) {
+      const std::string name = sensor->Name();
+      if (!sensors_.Read(*sensor)) Error(*sensor, "unknown element <" + name + ">" + DidYouMean(name, known));
+    }
     Adopt(model);
     for (const XMLElement* group : groups) {
       XmlAttributes attributes(*group, file_, diagnostics_);
@@ -138,6 +144,7 @@ class ExtensionReader {
     const XMLElement* root = model.Parent() == nullptr ? nullptr : model.Parent()->ToElement();
     const bool foreign = root != nullptr && root->Attribute("coopdyn:foreign") != nullptr;
     if (modules.empty() && (foreign || !robot_.has_boards())) AddDefaultModules();
+    sensors_.AddElements(foreign);
     sensors_.Finish();
   }
 
@@ -341,9 +348,10 @@ class ExtensionReader {
   }
 
   const std::string& file_;
+  const Assembly& assembly_;
   RobotModel& robot_;
   Diagnostics& diagnostics_;
-  SensorReader sensors_{file_, robot_, diagnostics_};
+  SensorReader sensors_{file_, robot_, assembly_, diagnostics_};
   double contact_y_[2] = {0, 0};  // of the left and the right wheel
 };
 
@@ -358,9 +366,9 @@ bool TakesRobotColor(const XMLElement& visual, const std::string& file, Diagnost
   return false;
 }
 
-void ReadExtension(const XMLElement& model, const std::string& file, RobotModel& robot,
-                   Diagnostics& diagnostics) {
-  ExtensionReader(file, robot, diagnostics).Read(model);
+void ReadExtension(const XMLElement& model, const std::string& file, const Assembly& assembly,
+                   RobotModel& robot, Diagnostics& diagnostics) {
+  ExtensionReader(file, assembly, robot, diagnostics).Read(model);
 }
 
 }  // namespace coopdyn

@@ -70,6 +70,7 @@ class JointReader {
     link.name = "world";
     link.mass_kg = 1;
     link.inertia_kg_m2 = Vector3::Ones();
+    reading_.assembly.links.push_back({link.name});
     reading_.robot.links.push_back(std::move(link));
     reading_.lines.links.push_back(line);
     reading_.fixed.push_back({FixedJoint::kWorld, *world_, line});
@@ -109,8 +110,11 @@ class JointReader {
           line, what + " needs <parent> and <child> that are two links of this model; <parent> may be world");
       return;
     }
+    const Pose X_RJ =
+        scope.X_RM * reading_.Resolve(joint.SemanticPose(), "__model__", joint.Element(), what);
     if (fixed || !kind) {
       reading_.fixed.push_back({*from, *to, line, name});
+      AddToAssembly(name, *to, X_RJ);
       return;
     }
     if (*from == FixedJoint::kWorld) from = WorldLink(line);
@@ -119,7 +123,7 @@ class JointReader {
     out.kind = *kind;
     out.parent = *from;
     out.child = *to;
-    out.p_RJ = (scope.X_RM * reading_.Resolve(joint.SemanticPose(), "__model__", joint.Element(), what)).p;
+    out.p_RJ = X_RJ.p;
     if (*kind == Kind::kBall || *kind == Kind::kUniversal) out.max_effort = 0;  // no motor
     if (*kind != Kind::kBall) {
       const auto axis = AxisOf(scope, joint, 0, line, what);
@@ -143,6 +147,13 @@ class JointReader {
     }
     reading_.robot.joints.push_back(std::move(out));
     reading_.lines.joints.push_back(line);
+    AddToAssembly(name, *to, X_RJ);
+  }
+
+  /// Its parent follows in ReadAssembly().
+  void AddToAssembly(const std::string& name, int child, const Pose& X_RJ) {
+    const Pose& X_RF = reading_.robot.links[static_cast<std::size_t>(child)].X_RL;
+    reading_.assembly.joints.push_back({name, 0, child, X_RF.Inverse() * X_RJ});
   }
 
   /// The older <thread_pitch>: rad/m, positive for a left-handed thread.

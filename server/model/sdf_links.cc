@@ -69,15 +69,18 @@ class LinkReader {
                                                "link '" + out.name + "'");
       if (std::ranges::count(reading_.robot.links, out.name, &LinkModel::name) > 0)
         reading_.Error(line, "there are two links '" + out.name + "': give one another name");
-      ReadCollisions(link, out);
+      const std::vector<std::string> names = ReadCollisions(link, out);
       ReadVisuals(link, xml_link, out);
       ReadInertial(link, out);
       reading_.robot.links.push_back(std::move(out));
+      reading_.assembly.links.push_back({reading_.robot.links.back().name, names});
       if (xml_link != nullptr) xml_link = xml_link->NextSiblingElement("link");
     }
   }
 
-  void ReadCollisions(const sdf::Link& link, LinkModel& out) {
+  /// Their names.
+  std::vector<std::string> ReadCollisions(const sdf::Link& link, LinkModel& out) {
+    std::vector<std::string> names;
     for (std::size_t c = 0; c < link.CollisionCount(); ++c) {
       const sdf::Collision& collision = *link.CollisionByIndex(c);
       const std::string what = "collision '" + collision.Name() + "'";
@@ -88,8 +91,10 @@ class LinkReader {
       if (placed) {
         out.collisions.push_back({placed->shape, X_LG * placed->X_PG, Color(), friction, false});
         out.collisions.back().restitution = restitution;
+        names.push_back(collision.Name());
       }
     }
+    return names;
   }
 
   void ReadVisuals(const sdf::Link& link, const tinyxml2::XMLElement* xml_link, LinkModel& out) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The parts of reading a robot's SDF: what libsdformat lets pass (sdf_check.cc), and our own elements in the
 // namespace `coopdyn:` (docs/formats.md): the drive, modules, which visuals take the robot's colour
-// (sdf_extension.cc) and sensors (sdf_sensors.cc), and the fixed joints of SDF (sdf_weld.cc). All with lines,
+// (sdf_extension.cc) and sensors (sdf_sensors.h), and the fixed joints of SDF (sdf_weld.cc). All with lines,
 // from the raw XML.
 #pragma once
 
@@ -51,6 +51,29 @@ void AdoptDrive(const tinyxml2::XMLElement& element, const std::string& file, Ro
 void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
                 Diagnostics& diagnostics);
 
+/// A `<sensor>` of SDF.
+struct SdfSensor {
+  std::string name;      // as in the file
+  std::string scope;     // prefix of the names of its model
+  std::string host;      // the link or joint in which it stands, without the prefix, as libsdformat knows it
+  std::string joint;     // as everybody else knows it
+  bool on_joint = false;
+  std::string module;    // what its module is to be called
+  SensorKind kind;
+  SensorTiming timing;
+  std::vector<std::string> collisions;  // of a contact sensor
+  std::string wrench_frame;             // child, parent or sensor
+  Pose X_SC;                            // of a camera in it
+  SourceLine where;
+  std::size_t link = 0;  // of the file
+  Pose X_FS;             // in that link; in its joint
+};
+/// The `<sensor>`s in `model` (`<model>`) and those inside it; what is wrong with them is reported. Their places are not known yet.
+std::vector<SdfSensor> ReadSensorElements(const tinyxml2::XMLElement& model, const std::string& file,
+                                          Diagnostics& diagnostics);
+/// Whether coopdyn has such a `type` of `<sensor>`.
+bool IsUsedSensor(std::string_view type);
+
 /// A fixed joint between two links, or of the world and a link.
 struct FixedJoint {
   static constexpr int kWorld = -1;
@@ -82,12 +105,36 @@ struct ModelLines {
 void WeldLinks(std::span<const FixedJoint> fixed, const ModelLines& lines, const std::string& file,
                RobotModel& robot, Diagnostics& diagnostics);
 
+/// A link of the model's file, before fixed joints made it a part of another.
+struct FileLink {
+  std::string name;
+  std::vector<std::string> collisions{};  // their names
+  double mass_kg = 0;
+  Pose X_FI{};
+  Vector3 inertia_kg_m2 = Vector3::Zero();
+  std::size_t first_collision = 0;      // among LinkModel::collisions of its link
+};
+/// A joint of the model's file, the fixed ones too.
+struct FileJoint {
+  std::string name;
+  int parent = 0, child = 0;  // index into Assembly::links; parent may be FixedJoint::kWorld
+  Pose X_FJ;                  // in the child
+};
+/// Of what a robot was put together. robot.frames[i] says where links[i] has gone.
+struct Assembly {
+  std::vector<FileLink> links;
+  std::vector<FileJoint> joints;
+  std::vector<SdfSensor> sensors{};  // SDF's own
+};
+/// Says where the collisions of the file's links are in the links of `robot`.
+void FindCollisions(const RobotModel& robot, Assembly& assembly);
+
 /// Whether `visual` (`<visual>`) says coopdyn:color="robot". Another value is an error.
 bool TakesRobotColor(const tinyxml2::XMLElement& visual, const std::string& file, Diagnostics& diagnostics);
 
-/// Reads our elements in `model` (`<model>`) into `robot`, whose links and joints are complete.
-void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file, RobotModel& robot,
-                   Diagnostics& diagnostics);
+/// Reads our elements in `model` (`<model>`), and the sensors of `assembly`, into `robot`, whose links and joints are complete.
+void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file, const Assembly& assembly,
+                   RobotModel& robot, Diagnostics& diagnostics);
 
 /// The attributes of one XML element, each asked for by name; what nobody asked for is reported. `element`
 /// and `diagnostics` outlive it. One thread.
@@ -126,37 +173,5 @@ void ReadGroup(XmlAttributes& attributes, RobotModel& robot, Diagnostics& diagno
 /// Gives a robot without groups the group `joints` of all joints with an effort and a velocity that no drive
 /// has, if there are any.
 void AddDefaultGroup(RobotModel& robot);
-
-/// Reads the sensors of one robot: elements such as `<coopdyn:compass>` say what they are like, and a
-/// `<coopdyn:module>` gives each its socket. The arguments outlive it. One thread.
-class SensorReader {
- public:
-  SensorReader(const std::string& file, RobotModel& robot, Diagnostics& diagnostics)
-      : file_(file), robot_(robot), diagnostics_(diagnostics) {}
-
-  /// The names of all elements that describe a sensor.
-  static std::vector<std::string> Elements();
-
-  /// Reads such an element; false if `element` is none. All come before the first module.
-  bool Read(const tinyxml2::XMLElement& element);
-  /// Gives the robot the sensor of a module, as the element with the module's name says, else the one
-  /// without a name.
-  void AddModule(XmlAttributes& attributes, const std::string& type, const std::string& name);
-  /// Reports the elements that no module has used.
-  void Finish();
-
- private:
-  struct Described {
-    std::string name;  // of the module; empty: any that has none of its own
-    SensorKind kind;
-    SourceLine where;
-    bool used = false;
-  };
-
-  const std::string& file_;
-  RobotModel& robot_;
-  Diagnostics& diagnostics_;
-  std::vector<Described> described_;
-};
 
 }  // namespace coopdyn

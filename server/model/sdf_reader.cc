@@ -37,15 +37,18 @@ class RobotReader {
     if (model == nullptr) return nullptr;
     const tinyxml2::XMLElement& xml_model = *root->FirstChildElement("model");
     ModelReading reading{file_, source_, *robot_, diagnostics_};
+    reading.assembly.sensors = std::move(sensors_);
     const std::vector<ModelScope> scopes = ScopesOf(*model, xml_model, reading);
     ReadLinks(scopes, reading);
     ReadJoints(scopes, reading);
+    ReadAssembly(scopes, reading);
     if (!diagnostics_.has_errors()) WeldLinks(reading.fixed, reading.lines, file_, *robot_, diagnostics_);
+    if (!diagnostics_.has_errors()) FindCollisions(*robot_, reading.assembly);
     if (!diagnostics_.has_errors()) MakeHulls(reading);
     if (!diagnostics_.has_errors())
       ReadCouplings(xml_model, reading.gearboxes, reading.fixed, file_, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) MoveToStart(reading);
-    if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, *robot_, diagnostics_);
+    if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, reading.assembly, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) CheckStops(reading);
     if (diagnostics_.has_errors()) return nullptr;
     MeasureModel(reading);
@@ -89,6 +92,8 @@ class RobotReader {
     const sdf::SDFPtr description(new sdf::SDF());
     sdf::init(description);
     CheckSdf(root, description->Root(), file_, diagnostics_);
+    if (const auto* model = root.FirstChildElement("model"))
+      sensors_ = ReadSensorElements(*model, file_, diagnostics_);
     // A text with mistakes would be taken for URDF next, whose parser prints to the console.
     if (diagnostics_.has_errors()) return nullptr;
     sdf::Errors errors;
@@ -115,6 +120,7 @@ class RobotReader {
   Diagnostics& diagnostics_;
   std::shared_ptr<RobotModel> robot_ = std::make_shared<RobotModel>();
   tinyxml2::XMLDocument document_;
+  std::vector<SdfSensor> sensors_;
 };
 
 }  // namespace

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT
-// The sensors in a robot's SDF.
+// The table of the sensors, and what all of them have in common.
+#include "server/model/sdf_sensors.h"
+
 #include <tinyxml2.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
-#include <optional>
 #include <span>
-#include <string_view>
 #include <utility>
 
-#include "server/model/sdf_parts.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -20,140 +18,8 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kMaxLength_m = 1e5;
-
-/// What `<coopdyn:distance_sensors>` says for all its sectors, or one sector for itself.
-struct SectorDefaults {
-  std::optional<double> radius_m, height_m;
-  double opening_rad = 0;
-  int rays = 1;
-  double max_range_m = 0;
-  double noise_stddev_m = 0;
-};
-
-SectorDefaults ReadSectorAttributes(XmlAttributes& attributes, SectorDefaults values) {
-  if (auto v = attributes.Number("radius", 0, kMaxLength_m)) values.radius_m = v;
-  if (auto v = attributes.Number("height", 0, kMaxLength_m)) values.height_m = v;
-  if (auto v = attributes.Number("opening_deg", 0, 360)) values.opening_rad = *v * kDegree;
-  if (auto v = attributes.Integer("rays", 1, 1000)) values.rays = *v;
-  if (auto v = attributes.Number("max_range", 1e-3, kMaxLength_m)) values.max_range_m = *v;
-  if (auto v = attributes.Number("noise_stddev", 0, kMaxLength_m)) values.noise_stddev_m = *v;
-  return values;
-}
-
-SectorModel ReadSector(XmlAttributes& attributes, const SectorDefaults& common) {
-  const SectorDefaults values = ReadSectorAttributes(attributes, common);
-  const std::optional<double> bearing_deg = attributes.Number("bearing_deg", -180, 180);
-  const auto pose = attributes.Numbers("pose", 6);
-  attributes.Finish();
-  SectorModel sector;
-  if (pose) {
-    const std::vector<double>& v = *pose;
-    for (const double x : v) {
-      if (std::abs(x) > kMaxLength_m) attributes.Error("the pose is too far away");
-    }
-    sector.X_RS = {Vector3(v[0], v[1], v[2]), FromRollPitchYaw(v[3], v[4], v[5])};
-    sector.bearing_rad = Heading(sector.X_RS.q);
-    if (bearing_deg) attributes.Error("give either 'pose' or 'bearing_deg', not both");
-  } else if (bearing_deg && values.radius_m && values.height_m) {
-    sector.bearing_rad = WrapAngle(*bearing_deg * kDegree);
-    const double b = sector.bearing_rad;
-    sector.X_RS = {Vector3(*values.radius_m * std::cos(b), *values.radius_m * std::sin(b), *values.height_m),
-                   FromRollPitchYaw(0, 0, b)};
-  } else {
-    attributes.Error(
-        "needs 'bearing_deg' with 'radius' and 'height' (here or in <coopdyn:distance_sensors>), or 'pose'");
-  }
-  if (values.max_range_m <= 0)
-    attributes.Error("needs 'max_range' in m, here or in <coopdyn:distance_sensors>");
-  if (values.rays == 1 && values.opening_rad > 0) {
-    attributes.Error("one ray cannot sample an opening: write rays=\"5\" or opening_deg=\"0\"");
-  }
-  sector.opening_rad = values.opening_rad;
-  sector.rays = values.rays;
-  sector.max_range_m = values.max_range_m;
-  sector.noise_stddev_m = values.noise_stddev_m;
-  return sector;
-}
-
-/// One element, and whom to tell what is wrong with it.
-struct Source {
-  const XMLElement& element;
-  XmlAttributes& attributes;
-  const std::string& file;
-  const std::vector<LinkModel>& links;  // of the robot
-  Diagnostics& diagnostics;
-};
-
-void ReadInto(DistanceModel& sensor, const Source& source) {
-  const SectorDefaults common = ReadSectorAttributes(source.attributes, {});
-  for (const XMLElement* child = source.element.FirstChildElement(); child != nullptr;
-       child = child->NextSiblingElement()) {
-    XmlAttributes attributes(*child, source.file, source.diagnostics);
-    if (std::string_view(child->Name()) == "coopdyn:sector") {
-      sensor.sectors.push_back(ReadSector(attributes, common));
-    } else {
-      source.diagnostics.Error(attributes.where(), std::string("unknown element <") + child->Name() +
-                                                       ">; did you mean 'coopdyn:sector'?");
-    }
-  }
-  if (sensor.sectors.empty())
-    source.attributes.Error("write at least one <coopdyn:sector bearing_deg=\"…\"/>");
-  std::stable_sort(sensor.sectors.begin(), sensor.sectors.end(),
-                   [](const auto& a, const auto& b) { return a.bearing_rad < b.bearing_rad; });
-}
-
-/// Noise of distance and bearing, which two kinds have.
 template <typename Kind>
-void ReadSightNoise(Kind& sensor, XmlAttributes& attributes) {
-  if (auto v = attributes.Number("distance_noise_stddev", 0, kMaxLength_m))
-    sensor.distance_noise_stddev_m = *v;
-  if (auto v = attributes.Number("bearing_noise_stddev_deg", 0, 180))
-    sensor.bearing_noise_stddev_rad = *v * kDegree;
-}
-
-void ReadInto(TargetModel& sensor, const Source& source) {
-  if (auto v = source.attributes.Number("max_range", 1e-3, kMaxLength_m)) sensor.max_range_m = *v;
-  if (auto v = source.attributes.Flag("see_through")) sensor.see_through = *v;
-  ReadSightNoise(sensor, source.attributes);
-}
-
-void ReadInto(PoseModel& /*sensor*/, const Source& /*source*/) {}
-
-void ReadInto(NeighboursModel& sensor, const Source& source) {
-  XmlAttributes& attributes = source.attributes;
-  attributes.Require("range");
-  if (auto v = attributes.Number("range", 1e-3, kMaxLength_m)) sensor.range_m = *v;
-  sensor.message_range_m = attributes.Number("message_range", 0, kMaxLength_m).value_or(sensor.range_m);
-  if (auto v = attributes.Number("loss", 0, 1)) sensor.loss = *v;
-  if (auto v = attributes.Integer("delay_steps", 0, NeighboursModel::kMaxDelaySteps)) sensor.delay_steps = *v;
-  ReadSightNoise(sensor, attributes);
-}
-
-void ReadInto(CompassModel& sensor, const Source& source) {
-  if (auto v = source.attributes.Number("noise_stddev_deg", 0, 180)) sensor.noise_stddev_rad = *v * kDegree;
-}
-
-void ReadInto(SupportModel& sensor, const Source& source) {
-  XmlAttributes& attributes = source.attributes;
-  attributes.Require("link");
-  attributes.Require("height");
-  if (auto v = attributes.Text("link")) sensor.link = *v;
-  if (auto v = attributes.Number("height", 0, kMaxLength_m)) sensor.height_m = *v;
-  if (auto v = attributes.Number("noise_stddev", 0, kMaxLength_m)) sensor.noise_stddev_m = *v;
-  if (auto v = attributes.Number("angle_noise_stddev_deg", 0, 180))
-    sensor.angle_noise_stddev_rad = *v * kDegree;
-  const auto is_it = [&sensor](const LinkModel& link) { return link.name == sensor.link; };
-  if (!sensor.link.empty() && std::ranges::none_of(source.links, is_it)) {
-    std::vector<std::string> names;
-    for (const LinkModel& link : source.links) names.push_back(link.name);
-    attributes.Error("there is no link '" + sensor.link + "'" + DidYouMean(sensor.link, names));
-  }
-}
-
-template <typename Kind>
-SensorKind ReadKind(const Source& source) {
+SensorKind ReadKind(const SensorSource& source) {
   Kind sensor;
   ReadInto(sensor, source);
   return sensor;
@@ -164,27 +30,101 @@ struct Words {
   std::string_view type;     // of its module
   std::string_view element;  // that describes it; empty: there is nothing to say
   std::string_view needed;   // an element to write, if it is needed
-  SensorKind (*read)(const Source& source);
+  SensorKind (*read)(const SensorSource& source);
   SensorKind usual;  // without an element
+  bool has_timing = true;
 };
 
-/// The table of the sensors: a new kind is one line here.
+/// The table of the sensors: a new kind is one line here, at its place in SensorKind.
 std::span<const Words> Table() {
   static const std::array kTable = {
       Words{DistanceModel::kType, "coopdyn:distance_sensors", "<coopdyn:distance_sensors>",
-            ReadKind<DistanceModel>, DistanceModel()},
-      Words{TargetModel::kType, "coopdyn:target_sensor", "", ReadKind<TargetModel>, TargetModel()},
-      Words{PoseModel::kType, "", "", ReadKind<PoseModel>, PoseModel()},
+            ReadKind<DistanceModel>, DistanceModel(), false},
+      Words{TargetModel::kType, "coopdyn:target_sensor", "", ReadKind<TargetModel>, TargetModel(), false},
+      Words{PoseModel::kType, "", "", ReadKind<PoseModel>, PoseModel(), false},
       Words{NeighboursModel::kType, "coopdyn:neighbours", "<coopdyn:neighbours range=\"1\"/>",
-            ReadKind<NeighboursModel>, NeighboursModel()},
-      Words{CompassModel::kType, "coopdyn:compass", "", ReadKind<CompassModel>, CompassModel()},
+            ReadKind<NeighboursModel>, NeighboursModel(), false},
+      Words{CompassModel::kType, "coopdyn:compass", "", ReadKind<CompassModel>, CompassModel(), false},
       Words{SupportModel::kType, "coopdyn:support", "<coopdyn:support link=\"cradle\" height=\"0.3\"/>",
-            ReadKind<SupportModel>, SupportModel()},
+            ReadKind<SupportModel>, SupportModel(), false},
+      Words{ImuModel::kType, "coopdyn:imu", "", ReadKind<ImuModel>, ImuModel()},
+      Words{WrenchModel::kType, "coopdyn:wrench", "<coopdyn:wrench joint=\"wrist\"/>", ReadKind<WrenchModel>,
+            WrenchModel()},
+      Words{LidarModel::kType, "coopdyn:lidar", "<coopdyn:lidar max_range=\"4\"/>", ReadKind<LidarModel>,
+            LidarModel()},
+      Words{ContactModel::kType, "coopdyn:contact", "<coopdyn:contact/>", ReadKind<ContactModel>,
+            ContactModel()},
+      Words{SonarModel::kType, "coopdyn:sonar", "<coopdyn:sonar>", ReadKind<SonarModel>, SonarModel()},
+      Words{InfraredModel::kType, "coopdyn:infrared", "<coopdyn:infrared preset=\"gp2d12\">",
+            ReadKind<InfraredModel>, InfraredModel()},
+      Words{LightModel::kType, "coopdyn:light", "<coopdyn:light>", ReadKind<LightModel>, LightModel()},
+      Words{CameraModel::kType, "coopdyn:camera", "", ReadKind<CameraModel>, CameraModel()},
+      Words{BatteryModel::kType, "coopdyn:battery", "<coopdyn:battery capacity=\"1e5\"/>",
+            ReadKind<BatteryModel>, BatteryModel()},
+      Words{OdometryModel::kType, "coopdyn:odometry", "", ReadKind<OdometryModel>, OdometryModel()},
   };
   return kTable;
 }
 
+void ReadTiming(XmlAttributes& attributes, SensorTiming& timing) {
+  if (auto v = attributes.Number("rate", 0, kMaxSensorRate_hz)) timing.rate_hz = *v;
+  if (auto v = attributes.Number("delay", 0, kMaxSensorDelay_s)) timing.delay_s = *v;
+}
+
 }  // namespace
+
+std::optional<std::size_t> SensorSource::FindLink(XmlAttributes& from, const std::string& name) const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < robot.frames.size(); ++i) {
+    if (robot.frames[i].name == name) return i;
+    names.push_back(robot.frames[i].name);
+  }
+  from.Error("there is no link '" + name + "'" + DidYouMean(name, names));
+  return std::nullopt;
+}
+
+Mount SensorSource::ReadMount(XmlAttributes& from) const {
+  Pose X_FS;
+  if (const auto pose = from.Numbers("pose", 6)) {
+    const std::vector<double>& v = *pose;
+    if (std::ranges::any_of(v, [](double x) { return std::abs(x) > kMaxSensorLength_m; }))
+      from.Error("the pose is too far away");
+    X_FS = {Vector3(v[0], v[1], v[2]), FromRollPitchYaw(v[3], v[4], v[5])};
+  }
+  const std::string name = from.Text("link").value_or(robot.links.empty() ? "" : robot.links.front().name);
+  const std::optional<std::size_t> link = FindLink(from, name);
+  return link ? MountOn(robot, *link, X_FS) : Mount{};
+}
+
+void SensorSource::ForEachChild(
+    std::initializer_list<std::string_view> names,
+    const std::function<void(XmlAttributes& child, std::string_view name)>& read) const {
+  const std::vector<std::string> known(names.begin(), names.end());
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    XmlAttributes own(*child, file, diagnostics);
+    if (std::ranges::find(known, child->Name()) == known.end()) {
+      diagnostics.Error(own.where(),
+                        std::string("unknown element <") + child->Name() + ">" + DidYouMean(child->Name(), known));
+      continue;
+    }
+    read(own, child->Name());
+    own.Finish();
+  }
+}
+
+void ReadNoise(XmlAttributes& attributes, const std::string& prefix, ValueNoise& noise) {
+  constexpr double kMost = 1e9;
+  if (auto v = attributes.Number(prefix + "noise_stddev", 0, kMost)) noise.stddev = *v;
+  if (auto v = attributes.Number(prefix + "bias_mean", -kMost, kMost)) noise.bias_mean = *v;
+  if (auto v = attributes.Number(prefix + "bias_stddev", 0, kMost)) noise.bias_stddev = *v;
+  if (auto v = attributes.Number(prefix + "resolution", 0, kMost)) noise.resolution = *v;
+}
+
+Mount MountOn(const RobotModel& robot, std::size_t frame, const Pose& X_FS) {
+  const FrameModel& on = robot.frames[frame];
+  return {on.link, robot.links[static_cast<std::size_t>(on.link)].X_RL.Inverse() * on.X_RF * X_FS};
+}
 
 std::vector<std::string> SensorReader::Elements() {
   std::vector<std::string> names;
@@ -200,14 +140,16 @@ bool SensorReader::Read(const XMLElement& element) {
   if (words == Table().end()) return false;
   XmlAttributes attributes(element, file_, diagnostics_);
   const std::string name = attributes.Text("name").value_or("");
-  SensorKind kind = words->read({element, attributes, file_, robot_.links, diagnostics_});
+  SensorTiming timing;
+  SensorKind kind = words->read({element, attributes, file_, robot_, assembly_, diagnostics_, timing});
+  if (words->has_timing) ReadTiming(attributes, timing);
   attributes.Finish();
   for (const Described& other : described_) {
     if (other.kind.index() == kind.index() && other.name == name) {
       attributes.Error("stands here twice: keep one, or give each the name=\"…\" of its module");
     }
   }
-  described_.push_back({name, std::move(kind), attributes.where()});
+  described_.push_back({name, std::move(kind), timing, attributes.where()});
   return true;
 }
 
@@ -229,7 +171,8 @@ void SensorReader::AddModule(XmlAttributes& attributes, const std::string& type,
     attributes.Error("a module '" + type + "' needs " + std::string(words->needed) + ": write it above");
   }
   if (found != nullptr) found->used = true;
-  robot_.AddSensor(name, found != nullptr ? found->kind : words->usual);
+  robot_.AddSensor(name, found != nullptr ? found->kind : words->usual,
+                   found != nullptr ? found->timing : SensorTiming());
 }
 
 void SensorReader::Finish() {

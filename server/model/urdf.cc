@@ -194,7 +194,7 @@ class UrdfConverter {
           continue;
         }
         for (const XmlNode& inner : extra->children) {
-          if (links_.contains(reference) && IsUsedExtra(inner)) continue;
+          if (inner.name == "sensor" || (links_.contains(reference) && IsUsedExtra(inner))) continue;
           auto& [first, count] = left_out[inner.name];
           if (count++ == 0) first = &inner;
         }
@@ -276,6 +276,12 @@ class UrdfConverter {
     out.Add("child", child);
     if (type != "fixed" && type != "ball") out.children.push_back(Axis(joint));
     if (const XmlNode* mimic = joint.Child("mimic")) out.children.push_back(Mimic(*mimic));
+    for (const XmlNode* extra : ExtrasOf(name)) {
+      if (links_.contains(name)) break;  // they are the link's
+      for (const XmlNode& inner : extra->children) {
+        if (inner.name == "sensor") out.children.push_back(inner);
+      }
+    }
     return out;
   }
 

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// Where SDF's <sensor>s are, and their modules.
+#include <algorithm>
+#include <sdf/sdf.hh>
+#include <utility>
+
+#include "server/model/sdf_body.h"
+#include "server/model/sdf_sensors.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// Where libsdformat says that `sensor` is, in its link or joint.
+Pose PlaceOf(const SdfSensor& sensor, const std::vector<ModelScope>& scopes, ModelReading& reading) {
+  const auto scope = std::ranges::find(scopes, sensor.scope, &ModelScope::prefix);
+  if (scope == scopes.end()) return {};
+  const std::string what = "sensor '" + sensor.name + "'";
+  const sdf::Sensor* found = nullptr;
+  if (sensor.on_joint) {
+    const sdf::Joint* joint = scope->model.JointByName(sensor.host);
+    if (joint != nullptr) found = joint->SensorByName(sensor.name);
+  } else {
+    const sdf::Link* link = scope->model.LinkByName(sensor.host);
+    if (link != nullptr) found = link->SensorByName(sensor.name);
+  }
+  if (found == nullptr) return {};
+  return reading.Resolve(found->SemanticPose(), sensor.host, found->Element(), what);
+}
+
+}  // namespace
+
+void ReadAssembly(const std::vector<ModelScope>& scopes, ModelReading& reading) {
+  Assembly& assembly = reading.assembly;
+  const RobotModel& robot = reading.robot;
+  for (std::size_t i = 0; i < assembly.links.size(); ++i) {
+    FileLink& link = assembly.links[i];
+    link.mass_kg = robot.links[i].mass_kg;
+    link.X_FI = robot.links[i].X_LI;
+    link.inertia_kg_m2 = robot.links[i].inertia_kg_m2;
+  }
+  for (FileJoint& joint : assembly.joints) {
+    const auto moving = std::ranges::find(robot.joints, joint.name, &JointModel::name);
+    const auto fixed = std::ranges::find(reading.fixed, joint.name, &FixedJoint::name);
+    if (moving != robot.joints.end()) {
+      joint.parent = moving->parent;
+    } else if (fixed != reading.fixed.end()) {
+      joint.parent = fixed->parent;
+    }
+  }
+  for (SdfSensor& sensor : assembly.sensors) {
+    sensor.X_FS = PlaceOf(sensor, scopes, reading);
+    const auto link = std::ranges::find(assembly.links, sensor.scope + sensor.host, &FileLink::name);
+    if (link != assembly.links.end()) sensor.link = static_cast<std::size_t>(link - assembly.links.begin());
+  }
+}
+
+void SensorReader::AddElements(bool foreign) {
+  constexpr std::size_t kMaxModules = 100;
+  std::size_t left_out = 0;
+  for (const SdfSensor& sensor : assembly_.sensors) {
+    const auto complain = [&](const std::string& text, const std::string& otherwise) {
+      const std::string what = "sensor '" + sensor.name + "': " + text;
+      foreign ? diagnostics_.Warning(sensor.where, what + ": " + otherwise) : diagnostics_.Error(sensor.where, what);
+    };
+    SensorKind kind = sensor.kind;
+    const Mount mount = MountOn(robot_, sensor.link, sensor.X_FS * sensor.X_SC);
+    if (auto* imu = std::get_if<ImuModel>(&kind)) imu->mount = mount;
+    if (auto* lidar = std::get_if<LidarModel>(&kind)) lidar->mount = mount;
+    if (auto* camera = std::get_if<CameraModel>(&kind)) camera->mount = mount;
+    if (auto* sonar = std::get_if<SonarModel>(&kind)) sonar->beams.front().mount = mount;
+    if (auto* wrench = std::get_if<WrenchModel>(&kind)) {
+      wrench->joint = sensor.joint;
+      const auto frame = ParseWrenchFrame(sensor.wrench_frame).value_or(WrenchFrame::kChild);
+      const std::string wrong = AttachWrench(robot_, assembly_, frame, sensor.X_FS, *wrench);
+      if (!wrong.empty()) {
+        complain(wrong, "it is left out");
+        continue;
+      }
+    }
+    if (auto* contact = std::get_if<ContactModel>(&kind)) {
+      for (const std::string& name : sensor.collisions) {
+        const std::string own = name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1);
+        const auto parts = CollisionsOf(robot_, assembly_, sensor.link, own);
+        contact->parts.insert(contact->parts.end(), parts.begin(), parts.end());
+        if (!parts.empty() || own.empty()) continue;
+        complain("link '" + sensor.host + "' has no collision '" + own + "'" +
+                     DidYouMean(own, assembly_.links[sensor.link].collisions),
+                 "all of the link are taken");
+      }
+      if (contact->parts.empty()) contact->parts = CollisionsOf(robot_, assembly_, sensor.link);
+    }
+    const std::vector<ModuleModel> modules = robot_.modules();
+    if (modules.size() >= kMaxModules) {
+      if (left_out++ == 0)
+        complain("a robot has at most " + std::to_string(kMaxModules) + " modules", "this one and those that follow are left out");
+      continue;
+    }
+    std::string module = sensor.module;
+    for (int i = 2; std::ranges::find(modules, module, &ModuleModel::name) != modules.end(); ++i) {
+      constexpr std::size_t kRoom = 28;
+      module = sensor.module.substr(0, kRoom) + "_" + std::to_string(i);
+    }
+    robot_.AddSensor(module, std::move(kind), sensor.timing);
+  }
+}
+
+}  // namespace coopdyn
