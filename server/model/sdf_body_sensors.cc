@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Our elements for what a robot feels of itself: compass, support, IMU, wrench, contact, battery and odometry.
+// Our elements for what a robot feels of itself: compass, support, IMU, wrench, contact, battery and
+// odometry.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -64,8 +65,9 @@ void ReadInto(WrenchModel& sensor, const SensorSource& source) {
   const auto frame = ParseWrenchFrame(frame_word);
   if (!frame) attributes.Error("frame is child, parent or sensor, not '" + frame_word + "'");
   if (direction != "child_to_parent" && direction != "parent_to_child") {
-    attributes.Error("direction is child_to_parent (what the child does to the parent) or parent_to_child, not '" +
-                     direction + "'");
+    attributes.Error(
+        "direction is child_to_parent (what the child does to the parent) or parent_to_child, not '" +
+        direction + "'");
   }
   sensor.on_parent = direction != "parent_to_child";
   if (sensor.joint.empty() || !frame) return;

@@ -151,14 +151,27 @@ class Checker {
     const std::string type = text == nullptr ? "" : text;
     if (IsUsedSensor(type)) return true;
     const SourceLine where{file_, sensor.GetLineNum()};
-    static const std::vector<std::string> kOthers = {
-        "air_pressure", "altimeter",          "boundingbox_camera", "boundingbox",      "custom",
-        "gps",          "logical_camera",     "magnetometer",       "navsat",           "rfid",
-        "rfidtag",      "thermal_camera",     "thermal",            "wideanglecamera",  "wide_angle_camera",
-        "air_speed",    "wireless_receiver",  "wireless_transmitter"};
+    static const std::vector<std::string> kOthers = {"air_pressure",
+                                                     "altimeter",
+                                                     "boundingbox_camera",
+                                                     "boundingbox",
+                                                     "custom",
+                                                     "gps",
+                                                     "logical_camera",
+                                                     "magnetometer",
+                                                     "navsat",
+                                                     "rfid",
+                                                     "rfidtag",
+                                                     "thermal_camera",
+                                                     "thermal",
+                                                     "wideanglecamera",
+                                                     "wide_angle_camera",
+                                                     "air_speed",
+                                                     "wireless_receiver",
+                                                     "wireless_transmitter"};
     if (std::ranges::find(kOthers, type) != kOthers.end()) {
-      diagnostics_.Warning(where, "<sensor type=\"" + type + "\"> in <" + sensor.Parent()->ToElement()->Name() +
-                                      "> is not used by coopdyn");
+      diagnostics_.Warning(where, "<sensor type=\"" + type + "\"> in <" +
+                                      sensor.Parent()->ToElement()->Name() + "> is not used by coopdyn");
     } else {
       static const std::vector<std::string> kOwn = {"imu",   "force_torque", "lidar",       "contact",
                                                     "sonar", "camera",       "depth_camera"};

@@ -110,8 +110,7 @@ class JointReader {
           line, what + " needs <parent> and <child> that are two links of this model; <parent> may be world");
       return;
     }
-    const Pose X_RJ =
-        scope.X_RM * reading_.Resolve(joint.SemanticPose(), "__model__", joint.Element(), what);
+    const Pose X_RJ = scope.X_RM * reading_.Resolve(joint.SemanticPose(), "__model__", joint.Element(), what);
     if (fixed || !kind) {
       reading_.fixed.push_back({*from, *to, line, name});
       AddToAssembly(name, *to, X_RJ);

@@ -53,12 +53,12 @@ void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, Ro
 
 /// A `<sensor>` of SDF.
 struct SdfSensor {
-  std::string name;      // as in the file
-  std::string scope;     // prefix of the names of its model
-  std::string host;      // the link or joint in which it stands, without the prefix, as libsdformat knows it
-  std::string joint;     // as everybody else knows it
+  std::string name;   // as in the file
+  std::string scope;  // prefix of the names of its model
+  std::string host;   // the link or joint in which it stands, without the prefix, as libsdformat knows it
+  std::string joint;  // as everybody else knows it
   bool on_joint = false;
-  std::string module;    // what its module is to be called
+  std::string module;  // what its module is to be called
   SensorKind kind;
   SensorTiming timing;
   std::vector<std::string> collisions;  // of a contact sensor
@@ -68,7 +68,8 @@ struct SdfSensor {
   std::size_t link = 0;  // of the file
   Pose X_FS;             // in that link; in its joint
 };
-/// The `<sensor>`s in `model` (`<model>`) and those inside it; what is wrong with them is reported. Their places are not known yet.
+/// The `<sensor>`s in `model` (`<model>`) and those inside it; what is wrong with them is reported. Their
+/// places are not known yet.
 std::vector<SdfSensor> ReadSensorElements(const tinyxml2::XMLElement& model, const std::string& file,
                                           Diagnostics& diagnostics);
 /// Whether coopdyn has such a `type` of `<sensor>`.
@@ -112,7 +113,7 @@ struct FileLink {
   double mass_kg = 0;
   Pose X_FI{};
   Vector3 inertia_kg_m2 = Vector3::Zero();
-  std::size_t first_collision = 0;      // among LinkModel::collisions of its link
+  std::size_t first_collision = 0;  // among LinkModel::collisions of its link
 };
 /// A joint of the model's file, the fixed ones too.
 struct FileJoint {
@@ -132,7 +133,8 @@ void FindCollisions(const RobotModel& robot, Assembly& assembly);
 /// Whether `visual` (`<visual>`) says coopdyn:color="robot". Another value is an error.
 bool TakesRobotColor(const tinyxml2::XMLElement& visual, const std::string& file, Diagnostics& diagnostics);
 
-/// Reads our elements in `model` (`<model>`), and the sensors of `assembly`, into `robot`, whose links and joints are complete.
+/// Reads our elements in `model` (`<model>`), and the sensors of `assembly`, into `robot`, whose links and
+/// joints are complete.
 void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file, const Assembly& assembly,
                    RobotModel& robot, Diagnostics& diagnostics);
 

@@ -105,8 +105,7 @@ void ReadInto(NeighboursModel& sensor, const SensorSource& source) {
   XmlAttributes& attributes = source.attributes;
   attributes.Require("range");
   if (auto v = attributes.Number("range", 1e-3, kMaxSensorLength_m)) sensor.range_m = *v;
-  sensor.message_range_m =
-      attributes.Number("message_range", 0, kMaxSensorLength_m).value_or(sensor.range_m);
+  sensor.message_range_m = attributes.Number("message_range", 0, kMaxSensorLength_m).value_or(sensor.range_m);
   if (auto v = attributes.Number("loss", 0, 1)) sensor.loss = *v;
   if (auto v = attributes.Integer("delay_steps", 0, NeighboursModel::kMaxDelaySteps)) sensor.delay_steps = *v;
   ReadSightNoise(sensor, attributes);
@@ -119,7 +118,8 @@ void ReadInto(LidarModel& sensor, const SensorSource& source) {
   constexpr int kUsualColumns = 360;
   sensor.columns = attributes.Integer("columns", 1, kMaxLidarRays).value_or(kUsualColumns);
   sensor.rows = attributes.Integer("rows", 1, kMaxLidarRays).value_or(1);
-  const auto first = attributes.Number("first_deg", -360, 360), last = attributes.Number("last_deg", -360, 360);
+  const auto first = attributes.Number("first_deg", -360, 360),
+             last = attributes.Number("last_deg", -360, 360);
   if (first.has_value() != last.has_value())
     attributes.Error("needs both 'first_deg' and 'last_deg', or neither: then it looks all round");
   // All round: the last column is one before the first.

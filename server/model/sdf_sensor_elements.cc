@@ -85,8 +85,10 @@ class ElementValues {
     const XMLElement* element = Find(parent, "pose");
     if (element == nullptr) return Pose{};
     std::vector<double> v;
-    for (const std::string& word : SplitWords(TextOf(parent, "pose"))) v.push_back(ParsePlain(word).value_or(NAN));
-    if (v.size() != 6 || std::ranges::any_of(v, [](double x) { return !(std::abs(x) <= kMaxSensorLength_m); })) {
+    for (const std::string& word : SplitWords(TextOf(parent, "pose")))
+      v.push_back(ParsePlain(word).value_or(NAN));
+    if (v.size() != 6 ||
+        std::ranges::any_of(v, [](double x) { return !(std::abs(x) <= kMaxSensorLength_m); })) {
       Error(*element, "<pose> of a camera is x y z roll pitch yaw in its sensor");
       return std::nullopt;
     }
@@ -121,7 +123,8 @@ WrenchModel ToWrench(ElementValues& values, std::string& frame) {
   frame = ElementValues::TextOf(element, "frame", "child");
   const std::string direction = ElementValues::TextOf(element, "measure_direction", "child_to_parent");
   if (!ParseWrenchFrame(frame))
-    values.Error(*ElementValues::Find(element, "frame"), "<frame> is child, parent or sensor, not '" + frame + "'");
+    values.Error(*ElementValues::Find(element, "frame"),
+                 "<frame> is child, parent or sensor, not '" + frame + "'");
   if (direction != "child_to_parent" && direction != "parent_to_child") {
     values.Error(*ElementValues::Find(element, "measure_direction"),
                  "<measure_direction> is child_to_parent or parent_to_child, not '" + direction + "'");
@@ -145,7 +148,9 @@ LidarModel ToLidar(ElementValues& values) {
   constexpr int kUsualColumns = 640;  // SDF's
   lidar.columns = count("scan/horizontal", kUsualColumns);
   lidar.rows = count("scan/vertical", 1);
-  const auto angle = [&](const char* path) { return values.Number(element, path, 0, -kMostAngle, kMostAngle); };
+  const auto angle = [&](const char* path) {
+    return values.Number(element, path, 0, -kMostAngle, kMostAngle);
+  };
   lidar.first_azimuth_rad = angle("scan/horizontal/min_angle");
   lidar.last_azimuth_rad = angle("scan/horizontal/max_angle");
   lidar.first_elevation_rad = angle("scan/vertical/min_angle");
@@ -180,7 +185,8 @@ SonarModel ToSonar(ElementValues& values) {
   if (beam.min_range_m >= beam.max_range_m)
     values.Error(values.sensor(), "<min> of <sonar> must lie below <max>");
   if (const std::string shape = ElementValues::TextOf(element, "geometry", "cone"); shape != "cone")
-    values.Error(*ElementValues::Find(element, "geometry"), "<geometry> of <sonar> is cone, not '" + shape + "'");
+    values.Error(*ElementValues::Find(element, "geometry"),
+                 "<geometry> of <sonar> is cone, not '" + shape + "'");
   sonar.beams.push_back(beam);
   return sonar;
 }
@@ -203,8 +209,8 @@ CameraModel ToCamera(ElementValues& values, const XMLElement* element, bool is_d
   return camera;
 }
 
-constexpr std::string_view kCameras[] = {"camera",       "depth_camera", "depth",       "rgbd_camera",
-                                         "rgbd",         "multicamera",  "segmentation", "segmentation_camera"};
+constexpr std::string_view kCameras[] = {"camera", "depth_camera", "depth",        "rgbd_camera",
+                                         "rgbd",   "multicamera",  "segmentation", "segmentation_camera"};
 constexpr std::string_view kLidars[] = {"ray", "gpu_ray", "lidar", "gpu_lidar"};
 
 bool IsOneOf(std::string_view word, const auto& words) {
@@ -264,8 +270,9 @@ class ElementReader {
     out.where = {file_, element.GetLineNum()};
     out.timing.rate_hz = values.Number(&element, "update_rate", 0, 0, kMaxSensorRate_hz);
     if (on_joint != (type == "force_torque")) {
-      values.Error(element, on_joint ? "a sensor of type " + type + " belongs into a <link>, not into a <joint>"
-                                     : "a force_torque sensor belongs into a <joint>, not into a <link>");
+      values.Error(element, on_joint
+                                ? "a sensor of type " + type + " belongs into a <link>, not into a <joint>"
+                                : "a force_torque sensor belongs into a <joint>, not into a <link>");
       return;
     }
     if (type == "imu") {
@@ -289,7 +296,8 @@ class ElementReader {
     sensors_.push_back(std::move(out));
   }
 
-  void ReadCameras(const XMLElement& element, const std::string& type, ElementValues& values, const SdfSensor& of) {
+  void ReadCameras(const XMLElement& element, const std::string& type, ElementValues& values,
+                   const SdfSensor& of) {
     const bool is_depth = type.starts_with("depth");
     const XMLElement* camera = element.FirstChildElement("camera");
     const bool many = camera != nullptr && camera->NextSiblingElement("camera") != nullptr;

@@ -62,7 +62,8 @@ void SensorReader::AddElements(bool foreign) {
   for (const SdfSensor& sensor : assembly_.sensors) {
     const auto complain = [&](const std::string& text, const std::string& otherwise) {
       const std::string what = "sensor '" + sensor.name + "': " + text;
-      foreign ? diagnostics_.Warning(sensor.where, what + ": " + otherwise) : diagnostics_.Error(sensor.where, what);
+      foreign ? diagnostics_.Warning(sensor.where, what + ": " + otherwise)
+              : diagnostics_.Error(sensor.where, what);
     };
     SensorKind kind = sensor.kind;
     const Mount mount = MountOn(robot_, sensor.link, sensor.X_FS * sensor.X_SC);
@@ -94,7 +95,8 @@ void SensorReader::AddElements(bool foreign) {
     const std::vector<ModuleModel> modules = robot_.modules();
     if (modules.size() >= kMaxModules) {
       if (left_out++ == 0)
-        complain("a robot has at most " + std::to_string(kMaxModules) + " modules", "this one and those that follow are left out");
+        complain("a robot has at most " + std::to_string(kMaxModules) + " modules",
+                 "this one and those that follow are left out");
       continue;
     }
     std::string module = sensor.module;

@@ -104,8 +104,8 @@ void SensorSource::ForEachChild(
        child = child->NextSiblingElement()) {
     XmlAttributes own(*child, file, diagnostics);
     if (std::ranges::find(known, child->Name()) == known.end()) {
-      diagnostics.Error(own.where(),
-                        std::string("unknown element <") + child->Name() + ">" + DidYouMean(child->Name(), known));
+      diagnostics.Error(own.where(), std::string("unknown element <") + child->Name() + ">" +
+                                         DidYouMean(child->Name(), known));
       continue;
     }
     read(own, child->Name());

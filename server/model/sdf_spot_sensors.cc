@@ -13,8 +13,8 @@ namespace coopdyn {
 
 namespace {
 
-/// Sharp GP2D12: volts. From 10 cm on 33.6 / (cm + 4), which meets both typical values of its data sheet, 0.4 V
-/// at 80 cm and 2.0 V more at 10 cm; nearer it falls again, here by estimated values. A new one comes each
+/// Sharp GP2D12: volts. From 10 cm on 33.6 / (cm + 4), which meets both typical values of its data sheet, 0.4
+/// V at 80 cm and 2.0 V more at 10 cm; nearer it falls again, here by estimated values. A new one comes each
 /// 38.3 ms.
 void ReadPreset(InfraredModel& sensor, SensorTiming& timing) {
   for (const auto& [distance_m, value_v] :

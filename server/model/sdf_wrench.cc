@@ -18,7 +18,8 @@ std::vector<bool> SideOf(const Assembly& assembly, int from, std::size_t cut) {
     for (std::size_t i = 0; i < assembly.joints.size(); ++i) {
       const FileJoint& joint = assembly.joints[i];
       if (i == cut || joint.parent == FixedJoint::kWorld) continue;
-      const auto parent = static_cast<std::size_t>(joint.parent), child = static_cast<std::size_t>(joint.child);
+      const auto parent = static_cast<std::size_t>(joint.parent),
+                 child = static_cast<std::size_t>(joint.child);
       if (side[parent] == side[child]) continue;
       side[parent] = side[child] = true;
       changed = true;
@@ -28,7 +29,8 @@ std::vector<bool> SideOf(const Assembly& assembly, int from, std::size_t cut) {
 }
 
 /// Mass, its centre and its moments of the file's links `in` that are parts of link `of`.
-WrenchModel::Part PartOf(const RobotModel& robot, const Assembly& assembly, const std::vector<bool>& in, int of) {
+WrenchModel::Part PartOf(const RobotModel& robot, const Assembly& assembly, const std::vector<bool>& in,
+                         int of) {
   const LinkModel& link = robot.links[static_cast<std::size_t>(of)];
   const Pose X_LR = link.X_RL.Inverse();
   WrenchModel::Part part;
@@ -43,7 +45,8 @@ WrenchModel::Part PartOf(const RobotModel& robot, const Assembly& assembly, cons
       continue;
     }
     const FileLink& one = assembly.links[i];
-    for (std::size_t c = 0; c < one.collisions.size(); ++c) part.collisions.push_back(one.first_collision + c);
+    for (std::size_t c = 0; c < one.collisions.size(); ++c)
+      part.collisions.push_back(one.first_collision + c);
     if (one.mass_kg <= 0) continue;
     bodies.emplace_back(&one, X_LR * robot.frames[i].X_RF * one.X_FI);
     part.mass_kg += one.mass_kg;
@@ -119,7 +122,8 @@ std::string AttachWrench(const RobotModel& robot, const Assembly& assembly, Wren
   const bool on_world = found->parent == FixedJoint::kWorld;
   if (!on_world && side[static_cast<std::size_t>(found->parent)]) {
     return "joint '" + wrench.joint +
-           "' is in a closed loop, where its force is not that of what hangs on it: put the sensor on a joint "
+           "' is in a closed loop, where its force is not that of what hangs on it: put the sensor on a "
+           "joint "
            "outside the loop";
   }
   for (std::size_t i = 0; i < assembly.joints.size(); ++i) {
@@ -127,7 +131,8 @@ std::string AttachWrench(const RobotModel& robot, const Assembly& assembly, Wren
     if (i == index || joint.parent != FixedJoint::kWorld || !side[static_cast<std::size_t>(joint.child)])
       continue;
     return "the child of joint '" + wrench.joint +
-           "' is fixed to the world, so nothing hangs on the joint: turn the joint round, or put the sensor on "
+           "' is fixed to the world, so nothing hangs on the joint: turn the joint round, or put the sensor "
+           "on "
            "another";
   }
   const auto child = static_cast<std::size_t>(found->child);
