@@ -39,8 +39,8 @@ struct Floor {
   double length_m = 20, width_m = 20, height_m = 0.1;  // along x, y, z; the top is at z = 0, centred
   Color color{0.85, 0.85, 0.85};
   double friction = 1;
-  Texture texture = {};
   SourceLine where = {};
+  Texture texture = {};
 
   bool IsUnder(double x_m, double y_m) const {
     return std::abs(x_m) <= length_m / 2 && std::abs(y_m) <= width_m / 2;
@@ -55,8 +55,8 @@ struct WorldObject {
   double mass_kg = 0;
   Color color;
   double friction = 1;
-  Texture texture = {};  // of a box: on each of its sides
   SourceLine where = {};
+  Texture texture = {};  // of a box: on each of its sides
 
   bool is_static() const { return mass_kg <= 0; }
 };

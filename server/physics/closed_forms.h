@@ -46,6 +46,7 @@ struct Part {
   double friction = 1;  // Coulomb
   double restitution = 0;
   int wheel = -1;  // of the drive: a cylinder about a driven axle rolls on one contact at its tread
+  int link = 0, collision = 0;     // of a robot's model: index into links, and into the link's collisions
   Vector3 p_BG = Vector3::Zero();  // in its body
   Matrix3 R_BG = Matrix3::Identity();
 };

@@ -97,6 +97,8 @@ void Lane::Build() {
   dWorldSetQuickStepNumIterations(world, kQuickIterations);
   dWorldSetQuickStepW(world, 1.0);
   loaded_.clear();
+  measured_.clear();
+  feedback_.clear();
   std::fill(loan_of_.begin(), loan_of_.end(), nullptr);
   // Always pool by pool, so that the order of bodies in ODE does not depend on how a lane has grown.
   pools_.clear();
@@ -185,6 +187,9 @@ void Lane::Step(Solver solver, double dt_s) {
     dWorldQuickStep(world_.get(), dt_s);
   }
   broken_ = false;
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    measured_[i].force_W = feedback_[i].sign * Vector3(feedback_[i].forces->f1);
+  }
   dJointGroupEmpty(contacts_.get());
 }
 
@@ -220,6 +225,8 @@ void Lane::Unload() {
     loan_of_[thing] = nullptr;
   }
   loaded_.clear();
+  measured_.clear();
+  feedback_.clear();
   for (Pool& pool : pools_) pool.used = 0;
 }
 
@@ -231,7 +238,7 @@ dBodyID Lane::BodyOf(std::uint32_t thing, const Part& part) const {
 }
 
 void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
-                std::uint32_t index_b, double dt_s) {
+                std::uint32_t index_b, double dt_s, bool measured) {
   const auto channels = [this](std::uint32_t thing) {
     const Loan* loan = thing < loan_of_.size() ? loan_of_[thing] : nullptr;
     return loan == nullptr ? std::span<const ChannelState>() : loan->channels;
@@ -244,7 +251,15 @@ void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32
     auto surface = SurfaceOf(contact, {&a, body_a != nullptr, channels(index_a)}, of_b, settings_, dt_s);
     if (!surface) continue;
     if (surface->swapped) std::swap(body_a, body_b);
-    dJointAttach(dJointCreateContact(world_.get(), contacts_.get(), &surface->contact), body_a, body_b);
+    const dJointID joint = dJointCreateContact(world_.get(), contacts_.get(), &surface->contact);
+    dJointAttach(joint, body_a, body_b);
+    if (!measured) continue;
+    measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,
+                         contact.point.p_W, contact.point.n_W});
+    // ODE tells the force on its first body, which is never static.
+    const bool first_is_a = (body_a != nullptr) != surface->swapped;
+    feedback_.push_back({std::make_unique<dJointFeedback>(), first_is_a ? 1.0 : -1.0});
+    dJointSetFeedback(joint, feedback_.back().forces.get());
   }
 }
 

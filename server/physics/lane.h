@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/physics/contacts.h"
+#include "server/physics/measures.h"
 #include "server/physics/ode.h"
 #include "server/physics/surface.h"
 #include "server/physics/things.h"
@@ -37,8 +38,11 @@ class Lane {
   /// outlive the loan. @pre it has no limbs
   void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels);
   /// Makes contact joints between A and B (null: the floor). A thing that is not loaded counts as static.
+  /// `measured`: their forces are wanted.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
-            std::uint32_t index_b, double dt_s);
+            std::uint32_t index_b, double dt_s, bool measured);
+  /// The contacts that were to be measured, after Step().
+  std::span<const MeasuredContact> measured() const { return measured_; }
   /// Advances what is loaded. Throws OdeError; then the lane must be Reset().
   void Step(Solver solver, double dt_s);
   /// The exact state of body `body` of a loaded thing; its sleep counter is 0.
@@ -83,6 +87,13 @@ class Lane {
   std::vector<std::size_t> sizes_;  // of pools, to be built; as many as Things::pools
   std::vector<Loan*> loan_of_;      // by dynamic thing; null: not loaded
   std::vector<std::uint32_t> loaded_;
+  std::vector<MeasuredContact> measured_;
+  /// Of measured_: what ODE says, and the sign with which it acts on A.
+  struct Feedback {
+    std::unique_ptr<dJointFeedback> forces;
+    double sign = 1;
+  };
+  std::vector<Feedback> feedback_;
   /// Set when ODE threw in the middle of a step: then its threading object may not be freed (it asserts that
   /// its jobs are done) and is kept until the process ends.
   bool broken_ = false;

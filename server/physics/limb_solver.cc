@@ -45,6 +45,8 @@ void LimbSolver::Unload() {
   forest_.Clear();
   motors_.clear();
   rows_.clear();
+  measured_.clear();
+  rubbing_.clear();
   jacobian_.clear();
   pushes_.clear();
   efforts_.clear();
@@ -58,7 +60,7 @@ int LimbSolver::NodeOf(std::uint32_t thing, const Part& part) const {
 }
 
 void LimbSolver::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a,
-                      const Actor* b, std::uint32_t index_b, double dt_s) {
+                      const Actor* b, std::uint32_t index_b, double dt_s, bool measured) {
   const auto channels = [this](std::uint32_t thing) {
     const int member = thing < member_of_.size() ? member_of_[thing] : kNone;
     return member == kNone ? std::span<const ChannelState>()
@@ -72,7 +74,16 @@ void LimbSolver::Join(std::span<const FoundContact> found, const Actor& a, std::
     const auto surface = SurfaceOf(contact, {&a, node_a != kNone, channels(index_a)}, of_b, settings_, dt_s);
     if (!surface) continue;
     if (surface->swapped) std::swap(node_a, node_b);
-    AddContact(surface->contact, node_a, node_b, dt_s);
+    const std::size_t first_row = rows_.size();
+    const std::span<const Vector3> directions = AddContact(surface->contact, node_a, node_b, dt_s);
+    if (!measured) continue;
+    measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,
+                         contact.point.p_W, contact.point.n_W});
+    Rubbing& rubbing = rubbing_.emplace_back();
+    rubbing.first_row = first_row;
+    rubbing.count = directions.size();
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      rubbing.directions[i] = surface->swapped ? -directions[i] : directions[i];
   }
 }
 
@@ -97,10 +108,13 @@ double LimbSolver::RateOf(const Row& row, std::span<const double> rates) const {
 }
 
 // As ODE's contact joint does it.
-void LimbSolver::AddContact(const dContact& contact, int node_a, int node_b, double dt_s) {
+std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int node_a, int node_b,
+                                                double dt_s) {
   const Vector3 p(contact.geom.pos), n(contact.geom.normal), none = Vector3::Zero();
   const dSurfaceParameters& surface = contact.surface;
+  std::size_t count = 0;
   const auto add = [&](const Vector3& direction) -> Row& {
+    directions_[count++] = direction;
     Row& row = rows_.emplace_back();
     row.softness = kCfm / dt_s;
     AddWrench(node_a, p, none, direction, row);
@@ -141,6 +155,7 @@ void LimbSolver::AddContact(const dContact& contact, int node_a, int node_b, dou
   rub(along, surface.mu, (surface.mode & dContactApprox1_1) != 0,
       (surface.mode & dContactMotion1) != 0 ? surface.motion1 : 0);
   rub(n.cross(along), two ? surface.mu2 : surface.mu, (surface.mode & dContactApprox1_2) != 0, 0);
+  return std::span(directions_).first(count);
 }
 
 bool LimbSolver::Step(double dt_s) {
@@ -165,6 +180,12 @@ bool LimbSolver::Step(double dt_s) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     if (rows_[i].effort == kNone) continue;
     efforts_[static_cast<std::size_t>(rows_[i].effort)] += impulses_[static_cast<Eigen::Index>(i)] / dt_s;
+  }
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    for (std::size_t k = 0; k < rubbing_[i].count; ++k) {
+      const double impulse = impulses_[static_cast<Eigen::Index>(rubbing_[i].first_row + k)];
+      measured_[i].force_W += impulse / dt_s * rubbing_[i].directions[k];
+    }
   }
   forest_.Move(rates_, dt_s);
   return true;

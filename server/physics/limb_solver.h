@@ -14,6 +14,7 @@
 #include "server/physics/box_lcp.h"
 #include "server/physics/forest.h"
 #include "server/physics/joint_motor.h"
+#include "server/physics/measures.h"
 #include "server/physics/surface.h"
 
 namespace coopdyn {
@@ -29,8 +30,11 @@ class LimbSolver {
             std::span<const JointRow> rows, double dt_s);
   /// Adds contacts between A and B (null: the floor), after all are loaded. A thing that is not loaded counts
   /// as static.
+  /// `measured`: their forces are wanted.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
-            std::uint32_t index_b, double dt_s);
+            std::uint32_t index_b, double dt_s, bool measured);
+  /// The contacts that were to be measured, after Step().
+  std::span<const MeasuredContact> measured() const { return measured_; }
   /// Advances what is loaded. False: there is no sane solution.
   bool Step(double dt_s);
   /// The state of body `body` of a loaded thing; its sleep counter is 0.
@@ -99,7 +103,8 @@ class LimbSolver {
   int NodeOf(std::uint32_t thing, const Part& part) const;
   /// Adds the velocity that `torque` and `force` at p_W, on the node's body, work against.
   void AddWrench(int node, const Vector3& p_W, const Vector3& torque, const Vector3& force, Row& row);
-  void AddContact(const dContact& contact, int node_a, int node_b, double dt_s);
+  /// The directions of its rows, the last ones of rows_: where the first is pushed.
+  std::span<const Vector3> AddContact(const dContact& contact, int node_a, int node_b, double dt_s);
   double RateOf(const Row& row, std::span<const double> rates) const;
   /// Impulses of all rows, with the motors as they are; `state_` becomes the transformed rates. `is_again`:
   /// begins with the impulses of before.
@@ -121,6 +126,14 @@ class LimbSolver {
   std::vector<std::uint32_t> loaded_;
   std::vector<Motor> motors_;
   std::vector<Row> rows_;
+  std::vector<MeasuredContact> measured_;
+  /// Of measured_: its rows, and where these push A.
+  struct Rubbing {
+    std::size_t first_row = 0, count = 0;
+    std::array<Vector3, 3> directions;
+  };
+  std::vector<Rubbing> rubbing_;
+  std::array<Vector3, 3> directions_;                     // of the contact added last
   std::vector<double> jacobian_, transformed_, divided_;  // of the rows' parts; the last: by the pivots
   std::vector<double> pushes_;                            // impulses by degree of freedom
   std::vector<double> added_, state_, rates_, efforts_;

@@ -21,6 +21,8 @@ Matrix3 Turned(const Vector3& moments, const Matrix3& R) {
 
 Part MakePart(const RobotModel& model, std::size_t link, const LinkShape& collision) {
   Part part{collision.shape};
+  part.link = static_cast<int>(link);
+  part.collision = static_cast<int>(&collision - model.links[link].collisions.data());
   part.friction = collision.friction;
   part.restitution = collision.restitution;
   part.wheel = WheelOf(model, static_cast<int>(link), collision);

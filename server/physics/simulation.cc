@@ -172,7 +172,7 @@ const FramePtr& Simulation::Step(Nanoseconds length, const StepInputs& inputs) {
   }
   const int substeps = std::max(DefaultSubsteps(length), scene_->scenario->simulation.substeps.value_or(1));
   const Nanoseconds began = clock_.Now();
-  world_->Step(length, substeps, inputs.setpoints);
+  world_->Step(length, substeps, inputs.setpoints, {seed_, step_ + 1});
   const Nanoseconds stepped = clock_.Now();
   ++step_;
   time_ += length;

@@ -77,6 +77,7 @@ void PhysicsWorld::Fill(Frame& frame) const {
   frame.controls = controls_;
   frame.commanded.assign(scene_->actuators.size(), 0);
   frame.solver_seed = solver_seed_;
+  measures_.Fill(frame);
 }
 
 void PhysicsWorld::Fit() {
@@ -91,13 +92,17 @@ void PhysicsWorld::Fit() {
   batch_of_.resize(dynamic_count());
   islands_.Resize(dynamic_count());
   FitBoards();
+  measures_.Fit(*scene_, things_);
 }
 
-void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
+void PhysicsWorld::Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints,
+                        const NoiseOf& noise) {
   EnsureOde();
+  if (!measures_.empty()) measures_.Begin(bodies_);
   TakeSetpoints(setpoints);
   share_ = 1.0 / substeps;
   for (int i = 0; i < substeps; ++i) Substep(step / substeps, substeps - i);
+  if (!measures_.empty()) measures_.End({ToSeconds(step), noise.seed, noise.step}, bodies_, channels_);
 }
 
 void PhysicsWorld::Substep(Nanoseconds dt, int left) {
@@ -242,6 +247,7 @@ void PhysicsWorld::Restore(const Frame& frame) {
   channels_ = frame.channels;
   controls_ = frame.controls;
   solver_seed_ = frame.solver_seed;
+  measures_.Restore(frame);
   for (std::size_t i = 0; i < dynamic_count(); ++i) {
     Thing& thing = things_.all[i];
     thing.frozen = FirstBody(i).frozen();

@@ -17,6 +17,7 @@
 #include "server/physics/islands.h"
 #include "server/physics/lane.h"
 #include "server/physics/limb_solver.h"
+#include "server/physics/measures.h"
 #include "server/physics/rest.h"
 #include "server/physics/wheel_drive.h"
 #include "server/state/frame.h"
@@ -31,8 +32,15 @@ class PhysicsWorld {
                                              Diagnostics& diagnostics, WorkerPool* pool = nullptr);
 
   /// Advances by `step` in `substeps` equal parts. `setpoints`: of the scene's channels. Frozen bodies are
-  /// held. Deterministic: depends on the state and the arguments alone.
-  void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints);
+  /// held. Deterministic: depends on the state and the arguments alone. `noise`: seed of the run, and number
+  /// of the step.
+  struct NoiseOf {
+    std::uint64_t seed = 0, step = 0;
+  };
+  void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints, const NoiseOf& noise);
+  void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
+    Step(step, substeps, setpoints, NoiseOf());
+  }
 
   /// Writes bodies, channels (set-points before the first step: zeros) and solver_seed into `frame`; no
   /// actuator is commanded.
@@ -72,6 +80,7 @@ class PhysicsWorld {
     std::vector<std::uint32_t> members;                         // things, island by island
     std::vector<std::uint32_t> pairs;                           // index into pairs_, in order
     std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: thing and why
+    std::vector<MeasuredContact> measured;
   };
 
   /// Makes what depends on the number of things. @pre things_
@@ -169,6 +178,7 @@ class PhysicsWorld {
   std::vector<JointControl> controls_;  // as Frame::controls
   std::uint64_t solver_seed_ = 0;
   std::vector<FrozenBody> frozen_;
+  Measures measures_;
 
   /// A joint of a control board.
   struct BoardJoint {

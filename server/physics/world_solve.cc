@@ -117,6 +117,7 @@ PhysicsWorld::Batch& PhysicsWorld::NextBatch(Method method) {
   batch.members.clear();
   batch.pairs.clear();
   batch.frozen.clear();
+  batch.measured.clear();
   return batch;
 }
 
@@ -184,6 +185,7 @@ void PhysicsWorld::SolveAll(double dt_s) {
     });
   }
   for (std::size_t k = 0; k < batch_count_; ++k) {
+    if (!batches_[k].measured.empty()) measures_.Add(batches_[k].measured, share_);
     for (auto& [thing, why] : batches_[k].frozen) {
       frozen_.push_back({NameOf(*scene_, things_.all[thing]), std::move(why)});
     }
@@ -261,17 +263,18 @@ void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, Solver& solver, dou
     const Actor actor = ActorOf(thing);
     floor.clear();
     FindFloorContacts(lane.collider(), actor, FloorGap(actor.thing, actor.bodies[0], dt_s), floor);
-    solver.Join(floor, actor, thing, nullptr, 0, dt_s);
+    solver.Join(floor, actor, thing, nullptr, 0, dt_s, measures_.Wants(thing));
   }
   for (const std::uint32_t pair : batch.pairs) {
     const auto [a, b] = pairs_[pair];
     const Actor actor_a = ActorOf(a), actor_b = ActorOf(b);
-    solver.Join(ContactsOf(pair), actor_a, a, &actor_b, b, dt_s);
+    solver.Join(ContactsOf(pair), actor_a, a, &actor_b, b, dt_s, measures_.Wants(a) || measures_.Wants(b));
   }
 }
 
 template <typename Solver>
 void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
+  batch.measured.assign(solver.measured().begin(), solver.measured().end());
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
     const Thing& info = things_.all[thing];

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/measures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <type_traits>
+#include <variant>
+
+#include "server/physics/rest.h"
+#include "server/state/noise.h"
+
+namespace coopdyn {
+
+namespace {
+
+Quaternion TurnBack(const BodyState& body, double dt_s) {
+  const Vector3 turn = -body.w_WB * dt_s;
+  const double angle_rad = turn.norm();
+  if (!(angle_rad > 0)) return Quaternion::Identity();
+  return Quaternion(Eigen::AngleAxisd(angle_rad, turn / angle_rad));
+}
+
+void Write(const Vector3& v, std::span<double> values) {
+  std::copy_n(v.data(), 3, values.begin());
+}
+
+}  // namespace
+
+void Measures::Fit(const Scene& scene, const Things& things) {
+  scene_ = &scene;
+  things_ = &things;
+  robots_.clear();
+  wants_.clear();
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const SceneRobot& robot = scene.robots[i];
+    const RobotModel& model = *robot.entry.model;
+    Measured of;
+    of.robot = static_cast<int>(i);
+    of.thing = static_cast<std::uint32_t>(things.first_robot + i);
+    bool wants_contacts = false;
+    for (std::size_t sensor = 0; sensor < model.sensors.size(); ++sensor) {
+      const SensorKind& kind = model.sensors[sensor].kind;
+      const bool is_contact = std::holds_alternative<ContactModel>(kind);
+      wants_contacts |= is_contact || std::holds_alternative<WrenchModel>(kind);
+      if (MeasuredCount(kind) == 0 && !is_contact) continue;
+      of.sensors.push_back({&kind,
+                            static_cast<std::size_t>(robot.first_measured) + model.FirstMeasured(sensor),
+                            static_cast<std::uint32_t>(model.NumberOf(sensor) + 1)});
+    }
+    if (of.sensors.empty()) continue;
+    robots_.push_back(std::move(of));
+    if (!wants_contacts) continue;
+    wants_.resize(things.first_static);
+    wants_[robots_.back().thing] = 1;
+  }
+  thing_of_object_.assign(scene.objects.size(), MeasuredContact::kFloor);
+  for (std::size_t i = 0; i < things.all.size(); ++i) {
+    if (things.all[i].object >= 0)
+      thing_of_object_[static_cast<std::size_t>(things.all[i].object)] = static_cast<std::uint32_t>(i);
+  }
+  values_ = StartValues();
+  contacts_.clear();
+  gathered_.clear();
+}
+
+std::vector<double> Measures::StartValues() const {
+  std::vector<double> values(static_cast<std::size_t>(scene_->measured_count));
+  for (const Measured& of : robots_) {
+    for (const Sensor& sensor : of.sensors) {
+      if (const auto* battery = std::get_if<BatteryModel>(sensor.kind)) {
+        values[sensor.first] = battery->start * battery->capacity_j;
+        values[sensor.first + 1] = battery->idle_w;
+      }
+    }
+  }
+  return values;
+}
+
+void Measures::Restore(const Frame& frame) {
+  const bool has_values = frame.measured.size() == static_cast<std::size_t>(scene_->measured_count);
+  values_ = has_values ? frame.measured : StartValues();
+  contacts_ = frame.contacts;
+  gathered_.clear();
+}
+
+void Measures::Begin(std::span<const BodyState> bodies) {
+  for (Measured& of : robots_) {
+    const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
+    const auto own = bodies.subspan(static_cast<std::size_t>(robot.first_body),
+                                    static_cast<std::size_t>(robot.body_count));
+    of.before.assign(own.begin(), own.end());
+  }
+  gathered_.clear();
+}
+
+void Measures::Add(std::span<const MeasuredContact> contacts, double share) {
+  const std::size_t old = gathered_.size();
+  std::uint32_t index = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const MeasuredContact& one = contacts[i];
+    const auto same = [&one](const MeasuredContact& other) {
+      return other.a == one.a && other.b == one.b && other.part_a == one.part_a && other.part_b == one.part_b;
+    };
+    index = i > 0 && same(contacts[i - 1]) ? index + 1 : 0;
+    const auto found =
+        std::find_if(gathered_.begin(), gathered_.begin() + static_cast<std::ptrdiff_t>(old),
+                     [&](const Gathered& other) { return other.index == index && same(other.contact); });
+    if (found == gathered_.begin() + static_cast<std::ptrdiff_t>(old)) {
+      gathered_.push_back({one, index, share});
+      gathered_.back().contact.force_W *= share;
+      continue;
+    }
+    found->contact.force_W += share * one.force_W;
+    found->contact.p_W = one.p_W;
+    found->contact.normal_W = one.normal_W;
+    found->share += share;
+  }
+}
+
+ContactEnd Measures::EndOf(std::uint32_t thing, const Part* part) const {
+  if (thing == MeasuredContact::kFloor) return {};
+  const Thing& of = things_->all[thing];
+  if (of.robot < 0) return {.object = of.object};
+  return {-1, of.robot, part->link, part->collision};
+}
+
+bool Measures::Sleeps(const ContactEnd& end, std::span<const BodyState> bodies) const {
+  if (end.robot < 0 && end.object < 0) return true;
+  const std::uint32_t thing = end.robot >= 0 ? static_cast<std::uint32_t>(things_->first_robot) +
+                                                   static_cast<std::uint32_t>(end.robot)
+                                             : thing_of_object_[static_cast<std::size_t>(end.object)];
+  if (thing >= things_->first_static) return true;
+  return bodies[static_cast<std::size_t>(things_->all[thing].first_body)].sleep_counter >= kAsleep;
+}
+
+void Measures::EndContacts(std::span<const BodyState> bodies) {
+  // Who sleeps weighs as much as before, on what sleeps, too.
+  const auto is_over = [&](const Contact& contact) {
+    const bool anew = std::ranges::any_of(gathered_, [&](const Gathered& other) {
+      return EndOf(other.contact.a, other.contact.part_a) == contact.a &&
+             EndOf(other.contact.b, other.contact.part_b) == contact.b;
+    });
+    return anew || !Sleeps(contact.a, bodies) || !Sleeps(contact.b, bodies);
+  };
+  std::erase_if(contacts_, is_over);
+  for (const Gathered& gathered : gathered_) {
+    const MeasuredContact& from = gathered.contact;
+    Contact contact{EndOf(from.a, from.part_a), EndOf(from.b, from.part_b), from.p_W, from.normal_W,
+                    from.force_W};
+    // It fell asleep in the middle of the step.
+    if (Sleeps(contact.a, bodies) && Sleeps(contact.b, bodies)) contact.force_W /= gathered.share;
+    contacts_.push_back(contact);
+  }
+  const auto key = [](const Contact& contact) {
+    const ContactEnd &a = contact.a, &b = contact.b;
+    return std::tuple(a.robot, a.object, a.link, a.collision, b.robot, b.object, b.link, b.collision);
+  };
+  std::ranges::stable_sort(contacts_, {}, key);
+}
+
+void Measures::End(const Moment& moment, std::span<const BodyState> bodies,
+                   std::span<const ChannelState> channels) {
+  EndContacts(bodies);
+  for (const Measured& of : robots_) {
+    const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
+    const auto now = bodies.subspan(static_cast<std::size_t>(robot.first_body),
+                                    static_cast<std::size_t>(robot.body_count));
+    const auto own = channels.subspan(static_cast<std::size_t>(robot.first_channel),
+                                      static_cast<std::size_t>(robot.channel_count));
+    for (const Sensor& sensor : of.sensors) {
+      const std::span values = std::span(values_).subspan(sensor.first, MeasuredCount(*sensor.kind));
+      const auto measure = [&]<typename Kind>(const Kind& kind) {
+        if constexpr (std::is_same_v<Kind, ImuModel> || std::is_same_v<Kind, WrenchModel>) {
+          if (now.front().frozen()) {
+            std::ranges::fill(values, 0.0);
+          } else {
+            Measure(kind, of, now, moment, values);
+          }
+        } else if constexpr (std::is_same_v<Kind, BatteryModel>) {
+          Measure(kind, of, now, own, moment, values);
+        } else if constexpr (std::is_same_v<Kind, OdometryModel>) {
+          Measure(kind, of, sensor.number, own, moment, values);
+        }
+      };
+      std::visit(measure, *sensor.kind);
+    }
+  }
+}
+
+Pose Measures::PlaceInBody(const Measured& of, int link) const {
+  const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
+  const LinkModel& model = robot.entry.model->links[static_cast<std::size_t>(link)];
+  return robot.one_body() ? robot.X_BR * model.X_RL : model.X_LI.Inverse();
+}
+
+std::size_t Measures::BodyOf(const Measured& /*of*/, const SceneRobot& robot, int link) {
+  return robot.one_body() ? 0 : static_cast<std::size_t>(link);
+}
+
+// The mean of the step, along the axes of the middle of it: a sensor on a turntable then reads ω²r along its
+// radius.
+void Measures::Measure(const ImuModel& model, const Measured& of, std::span<const BodyState> now,
+                       const Moment& moment, std::span<double> values) const {
+  const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
+  const std::size_t index = BodyOf(of, robot, model.mount.link);
+  const BodyState &was = of.before[index], &is = now[index];
+  const Pose X_BS = PlaceInBody(of, model.mount.link) * model.mount.X_LS;
+  const auto velocity = [&X_BS](const BodyState& body) -> Vector3 {
+    return body.v_WB + body.w_WB.cross(body.orientation() * X_BS.p);
+  };
+  const Vector3 a_W = (velocity(is) - velocity(was)) / moment.dt_s;
+  const Quaternion q_WS = TurnBack(is, moment.dt_s / 2) * is.orientation() * X_BS.q;
+  Write(q_WS.conjugate() * a_W, values);
+}
+
+Measures::Motion Measures::MotionOf(const Measured& of, std::span<const BodyState> now, int link,
+                                    double mass_kg, const Pose& X_LI, const Vector3& inertia_kg_m2) const {
+  const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
+  const std::size_t index = BodyOf(of, robot, link);
+  const BodyState &was = of.before[index], &is = now[index];
+  const Pose X_BI = PlaceInBody(of, link) * X_LI;
+  const auto velocity = [&](const BodyState& body) -> Vector3 {
+    return body.v_WB + body.w_WB.cross(body.orientation() * X_BI.p);
+  };
+  const auto momentum = [&](const BodyState& body) -> Vector3 {
+    const Quaternion q_WI = body.orientation() * X_BI.q;
+    return q_WI * Vector3(inertia_kg_m2.cwiseProduct(q_WI.conjugate() * body.w_WB));
+  };
+  return {was.p_WB + was.orientation() * X_BI.p, mass_kg * velocity(was), mass_kg * velocity(is),
+          momentum(was), momentum(is)};
+}
+
+// Newton's and Euler's laws for all that is beyond the joint: what passes through it is what its momentum has
+// gained, less what weight and contacts have given.
+void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<const BodyState> now,
+                       const Moment& moment, std::span<double> values) const {
+  const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
+  const RobotModel& of_robot = *robot.entry.model;
+  const std::size_t index = BodyOf(of, robot, model.mount.link);
+  const BodyState &was = of.before[index], &is = now[index];
+  const Pose X_BS = PlaceInBody(of, model.mount.link) * model.mount.X_LS;
+  const Vector3 o_W = was.p_WB + was.orientation() * X_BS.p;
+  const double g = scene_->scenario->simulation.gravity_m_s2;
+  Vector3 force = Vector3::Zero(), torque = Vector3::Zero();
+  const auto add = [&](const Motion& motion, double mass_kg) {
+    const Vector3 needed = (motion.P_next_W - motion.P_W) / moment.dt_s + Vector3(0, 0, mass_kg * g);
+    force += needed;
+    torque += (motion.p_W - o_W).cross(needed) + (motion.L_next_W - motion.L_W) / moment.dt_s;
+  };
+  const WrenchModel::Part& part = model.part;
+  add(MotionOf(of, now, part.link, part.mass_kg, part.X_LI, part.inertia_kg_m2), part.mass_kg);
+  for (const int link : model.beyond) {
+    const LinkModel& beyond = of_robot.links[static_cast<std::size_t>(link)];
+    add(MotionOf(of, now, link, beyond.mass_kg, beyond.X_LI, beyond.inertia_kg_m2), beyond.mass_kg);
+  }
+  const auto is_beyond = [&](const ContactEnd& end) {
+    if (end.robot != of.robot) return false;
+    if (std::ranges::find(model.beyond, end.link) != model.beyond.end()) return true;
+    return end.link == part.link &&
+           std::ranges::find(part.collisions, static_cast<std::size_t>(end.collision)) !=
+               part.collisions.end();
+  };
+  for (const Contact& contact : contacts_) {
+    for (const auto& [end, sign] : {std::pair(contact.a, 1.0), std::pair(contact.b, -1.0)}) {
+      if (!is_beyond(end)) continue;
+      force -= sign * contact.force_W;
+      torque -= (contact.p_W - o_W).cross(sign * contact.force_W);
+    }
+  }
+  const Quaternion q_WS = TurnBack(is, moment.dt_s / 2) * is.orientation() * X_BS.q;
+  const double sign = model.on_parent ? -1 : 1;
+  Write(sign * (q_WS.conjugate() * force), values.first(3));
+  Write(sign * (q_WS.conjugate() * torque), values.subspan(3));
+}
+
+// Wheels of fidelity rolling and planar have no measured effort: what moves their robot counts instead.
+void Measures::Measure(const BatteryModel& model, const Measured& of, std::span<const BodyState> now,
+                       std::span<const ChannelState> channels, const Moment& moment,
+                       std::span<double> values) const {
+  const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
+  double motors_w = 0;
+  bool unmeasured = false;
+  for (const ChannelState& channel : channels) {
+    if (std::isnan(channel.effort)) {
+      unmeasured = true;
+    } else {
+      motors_w += std::abs(channel.effort * channel.velocity);
+    }
+  }
+  if (unmeasured && robot.one_body()) {
+    const RigidBody& body = things_->all[of.thing].mechanism->bodies.front();
+    const auto energy_j = [&body](const BodyState& state) {
+      const Vector3 w_B = state.orientation().conjugate() * state.w_WB;
+      return (body.mass_kg * state.v_WB.squaredNorm() + w_B.dot(body.inertia_kg_m2 * w_B)) / 2;
+    };
+    motors_w += std::abs(energy_j(now.front()) - energy_j(of.before.front())) / moment.dt_s;
+  }
+  const double power_w = model.idle_w + motors_w / model.efficiency;
+  values[0] = std::max(0.0, values[0] - power_w * moment.dt_s);
+  values[1] = power_w;
+}
+
+// Along the exact arc of both wheels' ways.
+void Measures::Measure(const OdometryModel& model, const Measured& of, std::uint32_t number,
+                       std::span<const ChannelState> channels, const Moment& moment,
+                       std::span<double> values) const {
+  const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
+  const ActuatorModel* actuator = robot.entry.model->drive_actuator();
+  if (actuator == nullptr) return;
+  const auto& drive = std::get<DriveModel>(actuator->kind);
+  const std::size_t first = robot.entry.model->FirstChannel(*actuator);
+  double way_m[2];
+  for (std::size_t side = 0; side < 2; ++side) {
+    double counted_rad = channels[first + side].position;
+    if (model.resolution_rad > 0)
+      counted_rad = std::floor(counted_rad / model.resolution_rad) * model.resolution_rad;
+    way_m[side] = drive.wheel_radius_m * (counted_rad - values[5 + side]);
+    values[5 + side] = counted_rad;
+    if (model.slip_stddev <= 0) continue;
+    way_m[side] *=
+        1 + model.slip_stddev * GaussianNoise({moment.seed, NoiseKind::kSlip, robot.id.value, number,
+                                               moment.step, static_cast<std::uint32_t>(side)});
+  }
+  const double forward_m = (way_m[0] + way_m[1]) / 2, turn_rad = (way_m[1] - way_m[0]) / drive.track_m;
+  const double half_rad = turn_rad / 2;
+  const double chord_m = std::abs(half_rad) > 1e-9 ? forward_m * std::sin(half_rad) / half_rad : forward_m;
+  values[0] += chord_m * std::cos(values[2] + half_rad);
+  values[1] += chord_m * std::sin(values[2] + half_rad);
+  values[2] += turn_rad;
+  values[3] = forward_m / moment.dt_s;
+  values[4] = turn_rad / moment.dt_s;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// What physics measures for sensors in each step: accelerations, wrenches, batteries, odometry, contact
+// forces (docs/physics.md has the formulas). A scene without such sensors costs nothing. Part of the world's
+// state: the holder of the step baton. Only server/physics includes this file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/physics/things.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// A contact in a substep, and the mean force in it.
+struct MeasuredContact {
+  static constexpr std::uint32_t kFloor = ~std::uint32_t{0};
+
+  std::uint32_t a = 0, b = kFloor;  // things
+  const Part* part_a = nullptr;
+  const Part* part_b = nullptr;
+  Vector3 p_W = Vector3::Zero();
+  Vector3 normal_W = Vector3::Zero();  // from B to A
+  Vector3 force_W = Vector3::Zero();   // of B on A, N
+};
+
+class Measures {
+ public:
+  /// The sensors of `scene`, whose things are `things`; both outlive their use. Values are as at the start.
+  void Fit(const Scene& scene, const Things& things);
+  /// There is nothing to measure.
+  bool empty() const { return robots_.empty(); }
+  /// The forces on this thing are wanted.
+  bool Wants(std::uint32_t thing) const { return thing < wants_.size() && wants_[thing] != 0; }
+
+  /// A step begins; `bodies`: as Frame::bodies.
+  void Begin(std::span<const BodyState> bodies);
+  /// The contacts of some islands in a substep, which is `share` of the step.
+  void Add(std::span<const MeasuredContact> contacts, double share);
+  /// What a step that has run is told apart by.
+  struct Moment {
+    double dt_s = 0;
+    std::uint64_t seed = 0, step = 0;  // of the frame that it makes
+  };
+  void End(const Moment& moment, std::span<const BodyState> bodies, std::span<const ChannelState> channels);
+
+  void Fill(Frame& frame) const {
+    frame.measured = values_;
+    frame.contacts = contacts_;
+  }
+  /// Goes on from `frame`; if that has no values, from the start.
+  void Restore(const Frame& frame);
+
+ private:
+  struct Sensor {
+    const SensorKind* kind = nullptr;
+    std::size_t first = 0;     // of values_
+    std::uint32_t number = 0;  // of its kind, from 1
+  };
+  /// A robot that has such sensors.
+  struct Measured {
+    int robot = 0;
+    std::uint32_t thing = 0;
+    std::vector<Sensor> sensors;
+    std::vector<BodyState> before;  // its bodies when the step began
+  };
+  /// A contact that was added, by the things and their parts.
+  struct Gathered {
+    MeasuredContact contact;  // force: times the shares
+    std::uint32_t index = 0;  // which of these two parts
+    double share = 0;
+  };
+  /// A rigid piece of a robot before and after the step.
+  struct Motion {
+    Vector3 p_W;            // its centre of mass
+    Vector3 P_W, P_next_W;  // momentum
+    Vector3 L_W, L_next_W;  // angular momentum about the centre of mass
+  };
+
+  std::vector<double> StartValues() const;
+  ContactEnd EndOf(std::uint32_t thing, const Part* part) const;
+  bool Sleeps(const ContactEnd& end, std::span<const BodyState> bodies) const;
+  void EndContacts(std::span<const BodyState> bodies);
+  /// A link's frame in its body; and which body that is.
+  Pose PlaceInBody(const Measured& of, int link) const;
+  static std::size_t BodyOf(const Measured& of, const SceneRobot& robot, int link);
+  Motion MotionOf(const Measured& of, std::span<const BodyState> now, int link, double mass_kg,
+                  const Pose& X_LI, const Vector3& inertia_kg_m2) const;
+
+  // Each writes its sensor's values.
+  void Measure(const ImuModel& model, const Measured& of, std::span<const BodyState> now,
+               const Moment& moment, std::span<double> values) const;
+  void Measure(const WrenchModel& model, const Measured& of, std::span<const BodyState> now,
+               const Moment& moment, std::span<double> values) const;
+  void Measure(const BatteryModel& model, const Measured& of, std::span<const BodyState> now,
+               std::span<const ChannelState> channels, const Moment& moment, std::span<double> values) const;
+  void Measure(const OdometryModel& model, const Measured& of, std::uint32_t number,
+               std::span<const ChannelState> channels, const Moment& moment, std::span<double> values) const;
+
+  const Scene* scene_ = nullptr;
+  const Things* things_ = nullptr;
+  std::vector<Measured> robots_;
+  std::vector<std::uint8_t> wants_;             // by dynamic thing
+  std::vector<std::uint32_t> thing_of_object_;  // by object of the scene
+  std::vector<double> values_;                  // as Frame::measured
+  std::vector<Contact> contacts_;               // as Frame::contacts
+  std::vector<Gathered> gathered_;              // of the present step
+};
+
+}  // namespace coopdyn

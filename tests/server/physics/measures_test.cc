@@ -1,0 +1,445 @@
+// SPDX-License-Identifier: MIT
+// What physics measures for sensors, against closed forms.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/server/physics/physics_scene.h"
+
+namespace coopdyn::measures {
+namespace {
+
+using testing::SizeIs;
+
+constexpr double kG = 9.81;
+
+LinkModel Block(const char* name, const Vector3& p_RL, const Vector3& size_m, double mass_kg) {
+  LinkModel link;
+  link.name = name;
+  link.X_RL.p = p_RL;
+  link.mass_kg = mass_kg;
+  link.inertia_kg_m2 = SolidInertia(Box{size_m}, mass_kg);
+  link.collisions = {{Box{size_m}, {}, {}, 1, false}};
+  return link;
+}
+
+/// A free box of 0.2 m, 3 kg, that feels all its sides.
+std::shared_ptr<RobotModel> Crate() {
+  auto model = std::make_shared<RobotModel>();
+  model->type = "crate";
+  model->links = {Block("crate", {0, 0, 0.1}, {0.2, 0.2, 0.2}, 3)};
+  model->footprint_radius_m = 0.2;
+  model->height_m = 0.2;
+  ContactModel contact;
+  contact.parts = {{0, 0}};
+  model->AddSensor("contact", contact);
+  return model;
+}
+
+/// A base that is fixed to the world and a beam of `length_m` and 2 kg on a hinge about y, 1 m up.
+std::shared_ptr<RobotModel> Arm(double length_m) {
+  auto model = std::make_shared<RobotModel>();
+  model->type = "arm";
+  model->fixed_base = true;
+  model->links = {Block("base", {0, 0, 0.05}, {0.1, 0.1, 0.1}, 5),
+                  Block("beam", {length_m / 2, 0, 1}, {length_m, 0.02, 0.02}, 2)};
+  JointModel joint;
+  joint.name = "shoulder";
+  joint.child = 1;
+  joint.p_RJ = {0, 0, 1};
+  model->joints = {joint};
+  model->footprint_radius_m = length_m;
+  model->height_m = 1;
+  WrenchModel wrench;
+  wrench.joint = "shoulder";
+  wrench.mount = {1, {{-length_m / 2, 0, 0}, Quaternion::Identity()}};
+  const LinkModel& beam = model->links[1];
+  wrench.part = {1, beam.mass_kg, beam.X_LI, beam.inertia_kg_m2, {0}};
+  model->AddSensor("wrench", wrench);
+  return model;
+}
+
+std::vector<double> MeasuredBy(PhysicsScene& scene, int robot = 0, std::size_t sensor = 0) {
+  const std::span<const double> values = MeasuredOf(*scene.Capture(), robot, sensor);
+  return {values.begin(), values.end()};
+}
+
+Vector3 First(const std::vector<double>& values) {
+  return {values[0], values[1], values[2]};
+}
+
+Vector3 ForceOn(PhysicsScene& scene, int robot) {
+  Vector3 force = Vector3::Zero();
+  for (const Contact& contact : scene.Capture()->contacts) {
+    if (contact.a.robot == robot) force += contact.force_W;
+    if (contact.b.robot == robot) force -= contact.force_W;
+  }
+  return force;
+}
+
+// --- contacts
+
+/// Step lengths that scenarios use.
+class MeasuresAtSteps : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Milliseconds, MeasuresAtSteps, testing::Values(1, 5, 10, 40));
+
+TEST_P(MeasuresAtSteps, ContactForcesAddUpToTheWeight) {
+  PhysicsScene scene;
+  scene.step_length = GetParam() * 1'000'000;
+  scene.robot_model = Crate();
+  scene.AddRobot(0, 0);
+  scene.RunFor(0.4);  // it does not sleep yet
+  const Vector3 force = ForceOn(scene, 0);
+  EXPECT_NEAR(force.z(), 3 * kG, 0.01 * 3 * kG);
+  EXPECT_NEAR(force.x(), 0, 0.1);
+  for (const Contact& contact : scene.Capture()->contacts) {
+    EXPECT_NEAR(contact.p_W.z(), 0, 1e-3);
+    EXPECT_GT(contact.normal_W.z(), 0.99);
+    EXPECT_EQ(contact.b, ContactEnd());  // the floor
+  }
+}
+
+TEST_P(MeasuresAtSteps, WhatSleepsWeighsAsMuch) {
+  PhysicsScene scene;
+  scene.step_length = GetParam() * 1'000'000;
+  scene.robot_model = Crate();
+  scene.AddRobot(0, 0);
+  scene.Add(Box{{0.1, 0.1, 0.1}}, At(0, 0, 0.25), 1.5);
+  scene.RunFor(3);
+  Vector3 on_top = Vector3::Zero();
+  for (const Contact& contact : scene.Capture()->contacts) {
+    if (contact.b.object == 0) on_top += contact.force_W;
+    if (contact.a.object == 0) on_top -= contact.force_W;
+  }
+  EXPECT_NEAR(on_top.z(), -1.5 * kG, 0.01 * 1.5 * kG);
+  EXPECT_NEAR(ForceOn(scene, 0).z(), 3 * kG, 0.01 * 3 * kG);
+}
+
+TEST(MeasuresTest, AContactIsGoneWhenTheThingHasLeft) {
+  PhysicsScene scene;
+  scene.robot_model = Crate();
+  scene.AddRobot(0, 0);
+  scene.RunFor(2);
+  auto frame = scene.Capture();
+  ASSERT_FALSE(frame->contacts.empty());
+  frame->bodies[0].p_WB.z() += 1;
+  frame->bodies[0].sleep_counter = 0;
+  scene.Restore(*frame);
+  scene.Run(2);
+  EXPECT_THAT(scene.Capture()->contacts, SizeIs(0));
+}
+
+TEST(MeasuresTest, RobotsWithoutSuchSensorsHaveNoContacts) {
+  PhysicsScene scene;
+  scene.AddRobot(0, 0);
+  scene.Add(Box{{0.1, 0.1, 0.1}}, At(0.23, 0, 0.05), 1);
+  scene.Run(20);
+  EXPECT_TRUE(scene.Capture()->contacts.empty());
+  EXPECT_TRUE(scene.Capture()->measured.empty());
+}
+
+TEST(MeasuresTest, TwoRobotsPushEachOtherAlike) {
+  PhysicsScene scene;
+  scene.robot_model = Crate();
+  scene.AddRobot(0, 0);
+  scene.AddRobot(At(0, 0, 0.2));  // on top
+  scene.RunFor(0.4);
+  EXPECT_NEAR(ForceOn(scene, 0).z(), 3 * kG, 0.3);
+  EXPECT_NEAR(ForceOn(scene, 1).z(), 3 * kG, 0.3);
+}
+
+// --- acceleration
+
+ImuModel ImuAt(int link, const Vector3& p_LS) {
+  ImuModel imu;
+  imu.mount = {link, {p_LS, Quaternion::Identity()}};
+  return imu;
+}
+
+TEST(MeasuresTest, AtRestNothingIsAccelerated) {
+  PhysicsScene scene;
+  auto model = Crate();
+  model->sensors.clear();
+  model->AddSensor("imu", ImuAt(0, {0.05, 0, 0}));
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.RunFor(0.4);
+  EXPECT_LT(First(MeasuredBy(scene)).norm(), 0.01 * kG);
+}
+
+TEST_P(MeasuresAtSteps, WhatFallsIsAcceleratedByGravity) {
+  PhysicsScene scene;
+  scene.step_length = GetParam() * 1'000'000;
+  auto model = Crate();
+  model->sensors.clear();
+  model->AddSensor("imu", ImuAt(0, {0.05, 0, 0}));
+  scene.robot_model = model;
+  scene.AddRobot(At(0, 0, 3));
+  scene.Run(5);
+  EXPECT_NEAR((First(MeasuredBy(scene)) - Vector3(0, 0, -kG)).norm(), 0, 1e-6);
+}
+
+/// A plate on a vertical axis, which a motor turns.
+std::shared_ptr<RobotModel> Turntable() {
+  auto model = std::make_shared<RobotModel>();
+  model->type = "turntable";
+  model->fixed_base = true;
+  model->links = {Block("base", {0, 0, 0.05}, {0.1, 0.1, 0.1}, 5),
+                  Block("plate", {0, 0, 0.2}, {0.5, 0.5, 0.02}, 2)};
+  JointModel joint;
+  joint.name = "axis";
+  joint.child = 1;
+  joint.axis_R = Vector3::UnitZ();
+  joint.max_velocity = 10;
+  joint.max_effort = 100;
+  model->joints = {joint};
+  model->actuators = {{"table", {0}, BoardModel{}}};
+  model->footprint_radius_m = 0.4;
+  model->height_m = 0.3;
+  return model;
+}
+
+TEST_P(MeasuresAtSteps, OnATurntableTheAccelerationPointsInwards) {
+  constexpr double kTurn_rad_s = 5, kRadius_m = 0.2;
+  PhysicsScene scene;
+  scene.step_length = GetParam() * 1'000'000;
+  auto model = Turntable();
+  model->AddSensor("imu", ImuAt(1, {kRadius_m, 0, 0}));
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.setpoints = {{kTurn_rad_s, ControlMode::kVelocity}};
+  scene.RunFor(1);
+  const double expected = kTurn_rad_s * kTurn_rad_s * kRadius_m;
+  const Vector3 a_S = First(MeasuredBy(scene));
+  EXPECT_NEAR(a_S.x(), -expected, 0.01 * expected);
+  EXPECT_NEAR(a_S.y(), 0, 0.01 * expected);
+  EXPECT_NEAR(a_S.z(), 0, 0.01);
+}
+
+// --- wrenches
+
+TEST_P(MeasuresAtSteps, AHangingBeamsWrenchIsItsWeight) {
+  PhysicsScene scene;
+  scene.step_length = GetParam() * 1'000'000;
+  auto model = Arm(0.6);
+  // It hangs: its far end is below.
+  model->links[1].X_RL = {{0, 0, 0.7}, FromRollPitchYaw(0, std::numbers::pi / 2, 0)};
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.RunFor(0.2);
+  const std::vector<double> wrench = MeasuredBy(scene);
+  EXPECT_NEAR(First(wrench).x(), -2 * kG, 0.01 * 2 * kG);  // the sensor's x points down
+  EXPECT_NEAR(wrench[1], 0, 0.05);
+  EXPECT_NEAR(wrench[2], 0, 0.05);
+}
+
+TEST(MeasuresTest, AHeldBeamsTorqueIsItsWeightTimesItsArm) {
+  constexpr double kLength_m = 0.6;
+  PhysicsScene scene;
+  auto model = Arm(kLength_m);
+  model->joints[0].max_velocity = 1;
+  model->joints[0].max_effort = 100;
+  model->actuators = {{"arm", {0}, BoardModel{}}};
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.setpoints = {{0, ControlMode::kVelocity}};
+  scene.RunFor(1);
+  const std::vector<double> wrench = MeasuredBy(scene);
+  EXPECT_NEAR(wrench[2], 2 * kG, 0.01 * 2 * kG);
+  EXPECT_NEAR(wrench[4], -2 * kG * kLength_m / 2, 0.01 * kG * kLength_m);
+}
+
+TEST(MeasuresTest, TheOtherDirectionHasTheOtherSign) {
+  PhysicsScene scene;
+  auto model = Arm(0.6);
+  WrenchModel other = *model->Find<WrenchModel>();
+  other.on_parent = true;
+  model->AddSensor("other", other);
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.Run(7);
+  const std::vector<double> wrench = MeasuredBy(scene, 0, 0), opposite = MeasuredBy(scene, 0, 1);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_DOUBLE_EQ(opposite[i], -wrench[i]);
+}
+
+TEST(MeasuresTest, ASwingingBeamPullsMoreThanItsWeight) {
+  // Let go level. At the bottom a rod has ω² = 3 g / l, and pulls with m g + m ω² l / 2 = 5/2 m g.
+  constexpr double kLength_m = 0.6;
+  PhysicsScene scene;
+  scene.step_length = 1'000'000;
+  scene.robot_model = Arm(kLength_m);
+  scene.AddRobot(0, 0);
+  double most_n = 0;
+  for (int i = 0; i < 700; ++i) {
+    scene.Run(1);
+    most_n = std::max(most_n, First(MeasuredBy(scene)).norm());
+  }
+  EXPECT_NEAR(most_n, 2.5 * 2 * kG, 0.01 * 2.5 * 2 * kG);
+}
+
+TEST(MeasuresTest, AWeldedPartWeighsByItself) {
+  PhysicsScene scene;
+  auto model = Crate();
+  model->sensors.clear();
+  WrenchModel wrench;  // half of the crate, 1 kg, hangs on a fixed joint at its side
+  wrench.mount = {0, {{0.05, 0, 0}, Quaternion::Identity()}};
+  wrench.part = {0, 1, {{0.1, 0, 0}, Quaternion::Identity()}, Vector3::Constant(1e-3), {}};
+  model->AddSensor("wrench", wrench);
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.RunFor(0.4);
+  const std::vector<double> values = MeasuredBy(scene);
+  EXPECT_NEAR(values[2], kG, 0.01 * kG);
+  EXPECT_NEAR(values[4], -0.05 * kG, 0.01 * kG);
+}
+
+TEST(MeasuresTest, ALoadThatIsPutOnIsWeighed) {
+  // A scale: a plate of 2 kg, a load of 3 kg.
+  PhysicsScene scene;
+  auto model = Turntable();
+  WrenchModel wrench;
+  wrench.mount = {1, {}};
+  const LinkModel& plate = model->links[1];
+  wrench.part = {1, plate.mass_kg, plate.X_LI, plate.inertia_kg_m2, {0}};
+  model->AddSensor("wrench", wrench);
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.Add(Box{{0.1, 0.1, 0.1}}, At(0.1, 0, 0.265), 3);
+  scene.setpoints = {{0, ControlMode::kVelocity}};
+  scene.RunFor(0.4);
+  const std::vector<double> values = MeasuredBy(scene);
+  EXPECT_NEAR(values[2], 5 * kG, 0.01 * 5 * kG);
+  EXPECT_NEAR(values[4], -3 * kG * 0.1, 0.01 * 3 * kG);
+}
+
+// --- battery
+
+TEST(MeasuresTest, ABatteryFallsByWhatIsDrawn) {
+  PhysicsScene scene;
+  auto model = Turntable();
+  model->AddSensor("battery", BatteryModel{.capacity_j = 100, .start = 0.5, .idle_w = 2, .efficiency = 0.5});
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.setpoints = {{4, ControlMode::kVelocity}};
+  double drawn_j = 0;
+  for (int i = 0; i < 100; ++i) {
+    scene.Run(1);
+    const ChannelState& motor = scene.Capture()->channels[0];
+    drawn_j += 0.01 * (2 + std::abs(motor.effort * motor.velocity) / 0.5);
+    ASSERT_NEAR(MeasuredBy(scene)[0], 50 - drawn_j, 1e-9);
+  }
+  EXPECT_GT(drawn_j, 2);
+}
+
+TEST(MeasuresTest, AnEmptyBatteryStaysEmpty) {
+  PhysicsScene scene;
+  auto model = Turntable();
+  model->AddSensor("battery", BatteryModel{.capacity_j = 1, .start = 1, .idle_w = 20, .efficiency = 1});
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.RunFor(0.2);
+  EXPECT_EQ(MeasuredBy(scene)[0], 0);
+  EXPECT_EQ(MeasuredBy(scene)[1], 20);
+}
+
+// --- odometry
+
+class OdometryOf : public testing::TestWithParam<Fidelity> {
+ protected:
+  void Start(const OdometryModel& odometry = {}) {
+    auto model = std::make_shared<RobotModel>(*TestRobot());
+    model->AddSensor("odometry", odometry);
+    scene_.robot_model = model;
+    scene_.fidelity = GetParam();
+    scene_.AddRobot(1, 2, 0.5);
+  }
+  /// Where the robot is in R as it started.
+  Pose Moved() {
+    const Pose X_WR0{{1, 2, 0}, FromRollPitchYaw(0, 0, 0.5)};
+    return X_WR0.Inverse() * scene_.robot(0);
+  }
+
+  PhysicsScene scene_;
+};
+INSTANTIATE_TEST_SUITE_P(Fidelities, OdometryOf,
+                         testing::Values(Fidelity::kFull, Fidelity::kRolling, Fidelity::kPlanar));
+
+TEST_P(OdometryOf, ItFollowsTheRobotOnACircle) {
+  Start();
+  scene_.SetVelocity(0, 0.4, 0.4);
+  scene_.RunFor(5);
+  const std::vector<double> values = MeasuredBy(scene_);
+  EXPECT_NEAR(values[0], Moved().p.x(), 0.02);
+  EXPECT_NEAR(values[1], Moved().p.y(), 0.02);
+  EXPECT_NEAR(values[2], Heading(Moved().q), 0.02);
+  EXPECT_NEAR(values[3], 0.4, 1e-3);
+  EXPECT_NEAR(values[4], 0.4, 1e-3);
+}
+
+TEST_P(OdometryOf, EncodersCountWholeSteps) {
+  constexpr double kResolution_rad = 0.1;
+  Start({.resolution_rad = kResolution_rad});
+  scene_.SetVelocity(0, 0.3, 0);
+  scene_.RunFor(1);
+  const std::vector<double> values = MeasuredBy(scene_);
+  const double counts = values[5] / kResolution_rad;
+  EXPECT_NEAR(counts, std::round(counts), 1e-9);
+  EXPECT_NEAR(values[0], Moved().p.x(), 0.075 * kResolution_rad + 0.01);
+}
+
+TEST_P(OdometryOf, SlipMakesItDrift) {
+  Start({.slip_stddev = 0.03});
+  scene_.SetVelocity(0, 0.4, 0);
+  scene_.RunFor(10);
+  const std::vector<double> values = MeasuredBy(scene_);
+  EXPECT_GT(std::abs(values[1] - Moved().p.y()), 1e-3);
+  EXPECT_NEAR(values[0], Moved().p.x(), 0.2);
+}
+
+TEST_P(OdometryOf, ItGoesOnFromARestoredFrame) {
+  Start({.resolution_rad = 0.01});
+  scene_.SetVelocity(0, 0.4, 0.3);
+  scene_.RunFor(0.5);
+  const auto saved = std::make_shared<Frame>();
+  saved->scene = scene_.Capture()->scene;
+  scene_.world().Fill(*saved);
+  scene_.RunFor(0.5);
+  const std::vector<double> expected = MeasuredBy(scene_);
+  scene_.Restore(*saved);
+  scene_.RunFor(0.5);
+  EXPECT_EQ(MeasuredBy(scene_), expected);
+}
+
+TEST(MeasuresTest, ThreadsDoNotChangeABit) {
+  std::vector<double> values;
+  std::vector<Vector3> forces;
+  for (const int threads : {0, 1, 2, 4}) {
+    std::unique_ptr<WorkerPool> pool;
+    if (threads > 0) pool = std::make_unique<WorkerPool>(threads);
+    PhysicsScene scene;
+    scene.pool = pool.get();
+    for (int i = 0; i < 12; ++i) {
+      auto model = Crate();
+      model->AddSensor("imu", ImuAt(0, {0.05, 0, 0}));
+      scene.robot_model = model;
+      scene.AddRobot(At(i % 4, i / 4, 0.3));
+      scene.AddRobot(At(i % 4 + 0.1, i / 4, 0.6));
+    }
+    scene.RunFor(0.6);
+    const auto frame = scene.Capture();
+    std::vector<Vector3> these;
+    for (const Contact& contact : frame->contacts) these.push_back(contact.force_W);
+    EXPECT_FALSE(these.empty());
+    if (threads == 0) {
+      values = frame->measured;
+      forces = these;
+    }
+    EXPECT_EQ(frame->measured, values) << threads;
+    EXPECT_EQ(these, forces) << threads;
+  }
+}
+
+}  // namespace
+}  // namespace coopdyn::measures
