@@ -68,7 +68,7 @@ double Double(Bytes bytes);
 
 using Pose7 = std::array<double, 7>;  // x y z [m], quaternion w x y z
 
-/// The pose of a body out of its 18 bytes (server/record/pose_codec.h), positions in units of 2^exponent µm.
+/// The pose of a body out of its 18 bytes (server/state/pose_codec.h), positions in units of 2^exponent µm.
 Pose7 BodyPose(Bytes raw, int exponent);
 /// The pose of a robot's frame R, from that of its body B, X_WB, and of R in B.
 Pose7 RobotPose(const Pose7& X_WB, const Pose7& X_BR);

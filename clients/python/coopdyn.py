@@ -4322,7 +4322,7 @@ def _pose_from(
     raw: bytes, unit: float, p_BR: Tuple[float, float, float], q_BR: Tuple[float, float, float, float]
 ) -> Tuple[float, ...]:
     """The pose of R, x y z [m], quaternion w x y z, out of the 18 bytes of its body's in units of `unit` µm
-    (server/record/pose_codec.h)."""
+    (server/state/pose_codec.h)."""
     n = int.from_bytes(raw, "little")
     px = ((n & 0x7FFFFFF ^ 0x4000000) - 0x4000000) * unit / 1e6
     py = ((n >> 27 & 0x7FFFFFF ^ 0x4000000) - 0x4000000) * unit / 1e6

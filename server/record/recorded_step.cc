@@ -8,6 +8,7 @@
 
 #include "server/record/state_codec.h"
 #include "server/sensing/readings.h"
+#include "server/state/pose_codec.h"
 
 namespace coopdyn {
 
@@ -25,19 +26,7 @@ constexpr std::array<Word, 5> kWords{{{"channels", &RecordWhat::channels},
 
 constexpr std::uint32_t kByClient = std::uint32_t{1} << 31;
 constexpr std::size_t kCommandBytes = 4 + 1 + 8;
-constexpr double kPositionUnit = 1e-5;              // rad or m
-constexpr double kMostAngleUnits = 549755813887.0;  // 2^39 − 1
 constexpr std::size_t kManyRobots = 50;
-
-std::uint64_t EncodePosition(double position) {
-  const double units = std::isnan(position) ? 0 : position / kPositionUnit;
-  return static_cast<std::uint64_t>(std::llrint(std::clamp(units, -kMostAngleUnits, kMostAngleUnits)));
-}
-
-double DecodePosition(std::uint64_t bits) {
-  constexpr std::uint64_t kSign = std::uint64_t{1} << 39;
-  return static_cast<double>(static_cast<std::int64_t>((bits ^ kSign) - kSign)) * kPositionUnit;
-}
 
 }  // namespace
 

@@ -16,11 +16,11 @@
 #include <system_error>
 #include <utility>
 
-#include "server/record/pose_codec.h"
 #include "server/record/run_open.h"
 #include "server/record/run_tables.h"
 #include "server/record/space.h"
 #include "server/record/state_codec.h"
+#include "server/state/pose_codec.h"
 
 namespace coopdyn {
 

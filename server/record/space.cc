@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "server/record/pose_codec.h"
+#include "server/state/pose_codec.h"
 
 namespace coopdyn {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "server/record/pose_codec.h"
+#include "server/state/pose_codec.h"
 
 namespace coopdyn {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "server/sensing/readings.h"
+
 namespace coopdyn {
 
 namespace {
@@ -87,7 +89,7 @@ Vector3 FitEye(const Points& points, const Matrix3& axes, double tan_x, double t
 }  // namespace
 
 Matrix4 ViewMatrix(const Camera& camera) {
-  const Matrix3 axes = CameraAxes(camera.eye_W - camera.look_W);
+  const Matrix3 axes = camera.axes ? *camera.axes : CameraAxes(camera.eye_W - camera.look_W);
   Matrix4 view = Matrix4::Identity();
   view.topLeftCorner<3, 3>() = axes;
   view.topRightCorner<3, 1>() = -axes * camera.eye_W;
@@ -159,6 +161,23 @@ Camera DefaultCamera(const Scene& scene, double fov_rad, int width, int height) 
   }
   const double distance_m = std::max((nearest_m + farthest_m) / 2, 0.5);
   camera.look_W = camera.eye_W - distance_m * backward;
+  return camera;
+}
+
+Camera CameraOf(const Frame& frame, int robot, std::size_t sensor) {
+  const RobotModel& of = ModelOf(frame, robot);
+  const auto& model = std::get<CameraModel>(of.sensors[sensor].kind);
+  const Pose X_WS = MountPose(frame, robot, model.mount);
+  const Matrix3 R_WS = X_WS.q.normalized().toRotationMatrix();
+  Camera camera;
+  camera.eye_W = X_WS.p;
+  camera.look_W = X_WS.p + R_WS.col(0);
+  Matrix3 axes;
+  axes << -R_WS.col(1).transpose(), R_WS.col(2).transpose(), -R_WS.col(0).transpose();
+  camera.axes = axes;
+  camera.fov_rad = 2 * std::atan(model.height / (2 * model.focal_px()));
+  camera.near_m = model.near_m;
+  camera.far_m = model.far_m;
   return camera;
 }
 

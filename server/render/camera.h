@@ -8,6 +8,7 @@
 #include <array>
 #include <optional>
 
+#include "server/state/frame.h"
 #include "server/state/image_board.h"
 #include "server/state/scene.h"
 
@@ -22,6 +23,7 @@ struct Camera {
   double fov_rad = 0.8;  // full vertical angle
   double near_m = 0.05;
   double far_m = 100;
+  std::optional<Matrix3> axes = std::nullopt;  // rows: right, up, backward in the world; instead of look_W
 };
 
 /// A pixel and the distance along the view direction; (0, 0) is the upper left corner of the picture.
@@ -62,6 +64,8 @@ class Frustum {
 /// The camera that shows all that stands in `scene` at its start (the floor, if that is nothing), from the
 /// front at a slant. It does not move with the robots.
 Camera DefaultCamera(const Scene& scene, double fov_rad, int width, int height);
+/// Camera `sensor` (index into the model's sensors) of a robot.
+Camera CameraOf(const Frame& frame, int robot, std::size_t sensor);
 /// The camera of `request`: what it does not say is filled in from the default.
 Camera CameraFor(const ImageRequest& request, const Scene& scene);
 

@@ -42,15 +42,28 @@ bool NeedsHeadingMark(const RobotModel& model) {
 
 class Builder {
  public:
-  Builder(const Frame& frame, const ImageRequest& request, const Camera& camera)
-      : frame_(frame), request_(request), frustum_(camera, request.width, request.height) {}
+  Builder(const Frame& frame, const ImageRequest& request, const Camera& camera, Paint paint)
+      : frame_(frame),
+        request_(request),
+        frustum_(camera, request.width, request.height),
+        of_robot_(request.shot.has_value()),
+        numbers_(paint == Paint::kNumbers) {}
 
   DrawList Build() {
     for (const SceneObject& object : frame_.scene->objects) {
+      ++number_;
       AddShape(object.object.shape, ObjectPose(frame_, object), object.object.color);
     }
-    for (const Target& target : frame_.scene->targets) AddTarget(target);
-    for (int i = 0; i < static_cast<int>(frame_.scene->robots.size()); ++i) AddRobot(i);
+    const int robots = static_cast<int>(frame_.scene->robots.size()), first = number_;
+    number_ += robots;
+    for (const Target& target : frame_.scene->targets) {
+      ++number_;
+      AddTarget(target);
+    }
+    for (int i = 0; i < robots; ++i) {
+      number_ = first + i + 1;
+      AddRobot(i);
+    }
     std::stable_sort(labels_.begin(), labels_.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     for (auto& [depth_m, label] : labels_) list_.labels.push_back(std::move(label));
@@ -64,7 +77,7 @@ class Builder {
     const double shadow_m = std::max(X_WG.p.z() + radius_m, 0.0) * SunDirection().head<2>().norm();
     if (!frustum_.Sees(X_WG.p, radius_m + shadow_m)) return;
     const double size_px = radius_m * frustum_.PixelsPerMetre(X_WG.p);
-    const int level = size_px < kSmall_px ? 0 : size_px < kLarge_px ? 1 : 2;
+    const int level = numbers_ || size_px >= kLarge_px ? 2 : size_px < kSmall_px ? 0 : 1;
     MeshId mesh = MeshId::kBox;
     Vector3 scale;
     if (const auto* box = std::get_if<Box>(&shape)) {
@@ -86,10 +99,14 @@ class Builder {
       const MeshData& data = *std::get<Mesh>(shape).data;
       const bool in_skin =
           data.skin != nullptr && data.color == std::array<double, 3>{color.r, color.g, color.b};
-      InstancesOf(data, in_skin).push_back(MakeInstance(X_WG, Vector3::Ones(), color));
+      InstancesOf(data, in_skin && !numbers_).push_back(MakeInstance(X_WG, Vector3::Ones(), Painted(color)));
       return;
     }
-    list_.meshes[static_cast<std::size_t>(mesh)].push_back(MakeInstance(X_WG, scale, color));
+    list_.meshes[static_cast<std::size_t>(mesh)].push_back(MakeInstance(X_WG, scale, Painted(color)));
+  }
+
+  Color Painted(const Color& color) const {
+    return numbers_ ? Color{static_cast<double>(number_), 0, 0} : color;
   }
 
   static Instance MakeInstance(const Pose& X_WG, const Vector3& scale, const Color& color) {
@@ -115,19 +132,20 @@ class Builder {
     AddShape(Cylinder{kPost_m, ball_W.z()},
              {{ball_W.x(), ball_W.y(), ball_W.z() / 2}, Quaternion::Identity()}, post);
     AddShape(Sphere{kBall_m}, {ball_W, Quaternion::Identity()}, target.color);
-    AddFloorMark(ball_W, kDisc_m, WithAlpha(target.color, 1), 2);
+    if (!of_robot_) AddFloorMark(ball_W, kDisc_m, WithAlpha(target.color, 1), 2);
   }
 
   void AddRobot(int index) {
     const SceneRobot& robot = frame_.scene->robots[static_cast<std::size_t>(index)];
     const RobotModel& model = *robot.entry.model;
     const Pose X_WR = RobotPose(frame_, index);
-    if (request_.show_rays) AddRays(index);
+    if (request_.show_rays && !of_robot_) AddRays(index);
     const double reach_m = std::hypot(model.footprint_radius_m, model.height_m);
     if (!frustum_.Sees(X_WR.p, 2 * reach_m)) return;
-    AddFloorMark(X_WR.p, 1.45 * model.footprint_radius_m, {0, 0, 0, 0.5}, 1);
+    if (!of_robot_) AddFloorMark(X_WR.p, 1.45 * model.footprint_radius_m, {0, 0, 0, 0.5}, 1);
     const double size_px = reach_m * frustum_.PixelsPerMetre(X_WR.p);
     const Pose X_WTop = X_WR * Pose{{0, 0, model.height_m}, Quaternion::Identity()};
+    if (of_robot_) return AddVisuals(index, robot);
     if (size_px < kTiny_px) {
       const Cylinder hull{0.8 * model.footprint_radius_m, model.height_m};
       AddShape(hull, X_WR * Pose{{0, 0, model.height_m / 2}, Quaternion::Identity()}, robot.entry.color);
@@ -223,14 +241,17 @@ class Builder {
   const Frame& frame_;
   const ImageRequest& request_;
   const Frustum frustum_;
+  const bool of_robot_;  // drawn is what a robot's camera sees
+  const bool numbers_;
+  int number_ = kFirstNumber - 1;  // in a segmentation, of what is added
   DrawList list_;
   std::vector<std::pair<double, Label>> labels_;  // with their depth
 };
 
 }  // namespace
 
-DrawList MakeDrawList(const Frame& frame, const ImageRequest& request, const Camera& camera) {
-  return Builder(frame, request, camera).Build();
+DrawList MakeDrawList(const Frame& frame, const ImageRequest& request, const Camera& camera, Paint paint) {
+  return Builder(frame, request, camera, paint).Build();
 }
 
 }  // namespace coopdyn

@@ -59,6 +59,15 @@ inline const Vector3& SunDirection() {
   return direction;
 }
 
-DrawList MakeDrawList(const Frame& frame, const ImageRequest& request, const Camera& camera);
+/// What the instances' colours are: how things look, or in red their numbers in a segmentation, of the finest
+/// detail.
+enum class Paint { kColors, kNumbers };
+
+/// The numbers of a segmentation; 0 is nothing.
+inline constexpr int kFloorNumber = 1, kFirstNumber = 2;
+
+/// Of a robot's camera (`request` has its size) without marks and names.
+DrawList MakeDrawList(const Frame& frame, const ImageRequest& request, const Camera& camera,
+                      Paint paint = Paint::kColors);
 
 }  // namespace coopdyn

@@ -74,10 +74,11 @@ GlTexture::~GlTexture() {
   gl_.DeleteTextures(1, &id_);
 }
 
-GlTarget::GlTarget(const GlApi& gl, int width, int height) : gl_(gl), width_(width), height_(height) {
+GlTarget::GlTarget(const GlApi& gl, int width, int height, int samples)
+    : gl_(gl), width_(width), height_(height), samples_(samples) {
   GLint most = 0;
   gl_.GetIntegerv(GL_MAX_SAMPLES, &most);
-  const int samples = std::min<int>(most, 4);
+  samples = std::min<int>(most, samples);
   gl_.GenFramebuffers(1, &drawn_);
   gl_.GenFramebuffers(1, &resolved_);
   gl_.GenRenderbuffers(1, &color_);
@@ -106,11 +107,41 @@ bool GlTarget::Attach(GLuint framebuffer, GLuint renderbuffer, GLenum attachment
   return gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
+GlNumbers::GlNumbers(const GlApi& gl, int width, int height) : gl_(gl), width_(width), height_(height) {
+  gl_.GenFramebuffers(1, &framebuffer_);
+  gl_.GenRenderbuffers(1, &numbers_);
+  gl_.GenRenderbuffers(1, &depth_);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  const auto attach = [&](GLuint renderbuffer, GLenum attachment, GLenum format) {
+    gl_.BindRenderbuffer(GL_RENDERBUFFER, renderbuffer);
+    gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, 0, format, width_, height_);
+    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, renderbuffer);
+  };
+  attach(numbers_, GL_COLOR_ATTACHMENT0, GL_RG32F);
+  attach(depth_, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F);
+  complete_ = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+}
+
+GlNumbers::~GlNumbers() {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl_.DeleteFramebuffers(1, &framebuffer_);
+  gl_.DeleteRenderbuffers(1, &numbers_);
+  gl_.DeleteRenderbuffers(1, &depth_);
+}
+
+void GlNumbers::Read(float* numbers) const {
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl_.ReadPixels(0, 0, width_, height_, GL_RG, GL_FLOAT, numbers);
+}
+
 void GlTarget::Read(unsigned char* rgb) const {
   gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, drawn_);
-  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_);
-  gl_.BlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
+  if (samples_ > 0) {
+    gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_);
+    gl_.BlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
+  }
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl_.ReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, rgb);
 }

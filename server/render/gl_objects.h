@@ -69,7 +69,8 @@ class GlTexture {
 /// A picture in memory that is drawn with several samples a pixel and read with one.
 class GlTarget {
  public:
-  GlTarget(const GlApi& gl, int width, int height);
+  /// `samples` 0: one, which is read as it is drawn.
+  GlTarget(const GlApi& gl, int width, int height, int samples);
   ~GlTarget();
   GlTarget(const GlTarget&) = delete;
   GlTarget& operator=(const GlTarget&) = delete;
@@ -77,6 +78,7 @@ class GlTarget {
   bool complete() const { return complete_; }
   int width() const { return width_; }
   int height() const { return height_; }
+  int samples() const { return samples_; }
   void Bind() const { gl_.BindFramebuffer(GL_FRAMEBUFFER, drawn_); }
   /// Writes width × height × 3 bytes, the lowest row first.
   void Read(unsigned char* rgb) const;
@@ -85,9 +87,31 @@ class GlTarget {
   bool Attach(GLuint framebuffer, GLuint renderbuffer, GLenum attachment, GLenum format, int samples) const;
 
   const GlApi& gl_;
-  const int width_, height_;
+  const int width_, height_, samples_;
   GLuint drawn_ = 0, resolved_ = 0;
   GLuint color_ = 0, depth_ = 0, resolved_color_ = 0;
+  bool complete_ = false;
+};
+
+/// Two numbers of 32 bits a pixel.
+class GlNumbers {
+ public:
+  GlNumbers(const GlApi& gl, int width, int height);
+  ~GlNumbers();
+  GlNumbers(const GlNumbers&) = delete;
+  GlNumbers& operator=(const GlNumbers&) = delete;
+
+  bool complete() const { return complete_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  void Bind() const { gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_); }
+  /// Writes width × height × 2 floats, the lowest row first.
+  void Read(float* numbers) const;
+
+ private:
+  const GlApi& gl_;
+  const int width_, height_;
+  GLuint framebuffer_ = 0, numbers_ = 0, depth_ = 0;
   bool complete_ = false;
 };
 

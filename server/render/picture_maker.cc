@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "server/render/picture_maker.h"
 
+#include <algorithm>
+#include <bit>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
+#include <span>
 #include <utility>
 
 #include "server/render/camera.h"
+#include "server/render/lens.h"
 #include "server/render/picture.h"
+#include "server/state/pose_codec.h"
 
 namespace coopdyn {
 
@@ -36,7 +43,123 @@ std::optional<std::vector<std::uint8_t>> Encode(Picture picture, ImageFormat for
   return std::move(picture.rgb);
 }
 
+/// Why there is no such camera in `frame`; empty if there is.
+std::string WhyNoCamera(const Frame& frame, const CameraShot& shot) {
+  const std::vector<SceneRobot>& robots = frame.scene->robots;
+  if (shot.robot < 0 || static_cast<std::size_t>(shot.robot) >= robots.size())
+    return "the robot is no longer part of the scenario";
+  const RobotModel& model = *robots[static_cast<std::size_t>(shot.robot)].entry.model;
+  if (shot.sensor < model.sensors.size() &&
+      std::holds_alternative<CameraModel>(model.sensors[shot.sensor].kind))
+    return {};
+  return "the robot has no such camera";
+}
+
+template <typename Value>
+std::vector<std::uint8_t> BytesOf(const std::vector<Value>& values) {
+  static_assert(std::endian::native == std::endian::little);
+  const auto bytes = std::as_bytes(std::span(values));
+  std::vector<std::uint8_t> copy(bytes.size());
+  std::memcpy(copy.data(), bytes.data(), bytes.size());
+  return copy;
+}
+
+/// `1=floor 3=BOX_1` of the numbers that are there.
+std::string LegendOf(const std::vector<std::uint16_t>& numbers, const Scene& scene) {
+  std::vector<std::uint16_t> there = numbers;
+  std::ranges::sort(there);
+  there.erase(std::unique(there.begin(), there.end()), there.end());
+  std::string legend;
+  for (const std::uint16_t number : there) {
+    if (number == 0) continue;
+    std::size_t place = static_cast<std::size_t>(number) - kFirstNumber;
+    std::string name = "floor";
+    if (number != kFloorNumber) {
+      if (place < scene.objects.size()) {
+        name = scene.objects[place].object.name;
+      } else if ((place -= scene.objects.size()) < scene.robots.size()) {
+        name = scene.robots[place].entry.name;
+      } else {
+        const Target& target = scene.targets[place - scene.robots.size()];
+        name = target.color_name + "_target_" + std::to_string(target.id.value);
+      }
+    }
+    legend += (legend.empty() ? "" : " ") + std::to_string(number) + "=" + name;
+  }
+  return legend;
+}
+
+/// Depths for people: the nearest of them white, nothing black.
+Picture GreysOf(const std::vector<float>& depth_m, int width, int height) {
+  Picture picture{width, height, std::vector<std::uint8_t>(3 * depth_m.size())};
+  float nearest_m = std::numeric_limits<float>::infinity();
+  for (const float depth : depth_m) nearest_m = depth > 0 ? std::min(nearest_m, depth) : nearest_m;
+  for (std::size_t i = 0; i < depth_m.size(); ++i) {
+    const bool is_there = depth_m[i] > 0 && std::isfinite(depth_m[i]);
+    const auto grey = static_cast<std::uint8_t>(is_there ? 255 * std::sqrt(nearest_m / depth_m[i]) : 0);
+    std::fill_n(picture.rgb.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, grey);
+  }
+  return picture;
+}
+
+/// A colour per number.
+Picture ColorsOf(const std::vector<std::uint16_t>& numbers, int width, int height) {
+  Picture picture{width, height, std::vector<std::uint8_t>(3 * numbers.size())};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::uint32_t mixed = numbers[i] * 2654435761u;  // of Knuth: neighbours lie far apart
+    for (std::size_t k = 0; k < 3 && numbers[i] > 0; ++k)
+      picture.rgb[3 * i + k] = static_cast<std::uint8_t>(64 + ((mixed >> (8 * k + 8)) & 0xff) * 3 / 4);
+  }
+  return picture;
+}
+
 }  // namespace
+
+void PictureMaker::DrawShot(const Frame& frame, const ImageRequest& request, ImageResult& result) {
+  const CameraShot& shot = *request.shot;
+  const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(shot.robot)];
+  const auto& model = std::get<CameraModel>(robot.entry.model->sensors[shot.sensor].kind);
+  const bool is_kept = recorded_ != nullptr && recorded_->epoch == frame.epoch &&
+                       recorded_->step == frame.step && recorded_->revision == frame.revision &&
+                       recorded_->scene == frame.scene;
+  if (!is_kept) recorded_ = AsRecorded(frame);
+  ImageRequest sized = request;
+  sized.width = result.width = model.width;
+  sized.height = result.height = model.height;
+  const Camera camera = CameraOf(*recorded_, shot.robot, shot.sensor);
+  NoiseKey key{frame.seed,     NoiseKind::kCameraColor,
+               robot.id.value, static_cast<std::uint32_t>(robot.entry.model->NumberOf(shot.sensor) + 1),
+               frame.step,     0};
+  ++drawn_;
+  Picture picture;
+  std::optional<std::vector<std::uint8_t>> bytes;
+  const bool is_segmentation =
+      request.format == ImageFormat::kSegmentation || shot.view == ShotView::kSegmentation;
+  if (request.format == ImageFormat::kDepth || is_segmentation || shot.view == ShotView::kDepth) {
+    SceneRenderer::Numbers numbers = scene_renderer_->DrawNumbers(*recorded_, sized, camera);
+    key.kind = NoiseKind::kCameraDepth;
+    AddNoise(model.depth_noise, key, numbers.depth_m);
+    if (request.format == ImageFormat::kDepth) {
+      bytes = BytesOf(numbers.depth_m);
+    } else if (request.format == ImageFormat::kSegmentation) {
+      bytes = BytesOf(numbers.numbers);
+      result.legend = LegendOf(numbers.numbers, *frame.scene);
+    } else {
+      picture = is_segmentation ? ColorsOf(numbers.numbers, model.width, model.height)
+                                : GreysOf(numbers.depth_m, model.width, model.height);
+    }
+    if (numbers.depth_m.empty()) bytes.reset();
+  } else {
+    picture = scene_renderer_->Draw(*recorded_, sized, camera);
+    AddNoise(model.noise, key, picture);
+  }
+  if (!picture.rgb.empty()) bytes = Encode(std::move(picture), request.format, kJpegQuality);
+  if (!bytes) {
+    result.error = "no memory for a picture of this size: give the camera fewer pixels";
+    return;
+  }
+  result.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(*bytes));
+}
 
 bool PictureMaker::Start() {
   if (started_) return scene_renderer_ != nullptr;
@@ -55,6 +178,13 @@ bool PictureMaker::Start() {
 }
 
 ImageResult PictureMaker::Make(const Frame& frame, const ImageRequest& request) {
+  if (request.shot) {
+    if (std::string missing = WhyNoCamera(frame, *request.shot); !missing.empty()) {
+      ImageResult result;
+      result.error = std::move(missing);
+      return result;
+    }
+  }
   ImageRequest key = request;
   key.paced = false;
   const FrameName name{frame.epoch, frame.step, frame.revision};
@@ -69,8 +199,7 @@ ImageResult PictureMaker::Make(const Frame& frame, const ImageRequest& request) 
   result.time = frame.time;
   result.error = CheckImageRequest(request);
   if (result.error.empty() && !Start()) result.error = start_error_;
-  if (result.error.empty() && request.shot) result.error = "the pictures of cameras are not drawn yet";
-  if (result.error.empty()) Draw(frame, request, result);
+  if (result.error.empty()) request.shot ? DrawShot(frame, request, result) : Draw(frame, request, result);
   if (!result.error.empty()) return result;
   if (kept_.size() >= kMaxKept) kept_.erase(kept_.begin());
   kept_.push_back({key, result});

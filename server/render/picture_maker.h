@@ -42,6 +42,8 @@ class PictureMaker {
   };
 
   bool Start();
+  /// What a robot's camera sees.
+  void DrawShot(const Frame& frame, const ImageRequest& request, ImageResult& result);
   void Draw(const Frame& frame, const ImageRequest& request, ImageResult& result);
 
   const RendererKind renderer_;
@@ -50,6 +52,7 @@ class PictureMaker {
   std::string description_;
   std::unique_ptr<GlContext> context_;
   std::unique_ptr<SceneRenderer> scene_renderer_;  // after context_: destroyed before it
+  FramePtr recorded_;                              // of the frame that a camera has seen last
   FrameName kept_frame_;
   std::vector<Kept> kept_;  // all of kept_frame_
   std::int64_t drawn_ = 0;

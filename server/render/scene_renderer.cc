@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -110,6 +111,8 @@ struct SceneRenderer::Impl {
         floor(gl, Source(shaders::kFloorVertex), Source(shaders::kFloorFragment, true), error),
         sky(gl, Source(shaders::kSkyVertex), Source(shaders::kSkyFragment), error),
         overlay(gl, Source(shaders::kOverlayVertex), Source(shaders::kOverlayFragment), error),
+        number(gl, Source(shaders::kMeshVertex), Source(shaders::kNumberFragment), error),
+        floor_number(gl, Source(shaders::kFloorVertex), Source(shaders::kFloorNumberFragment), error),
         mesh_vertices(gl),
         mesh_indices(gl),
         instances(gl),
@@ -287,15 +290,51 @@ struct SceneRenderer::Impl {
     gl.DepthMask(GL_TRUE);
   }
 
+  // Depths and numbers; `list` has numbers as colours.
+  void DrawNumbers(const DrawList& list, const Floor& floor_model, const Camera& camera, int width,
+                   int height) {
+    const Eigen::Matrix4f clip_from_W =
+        (ProjectionMatrix(camera, width, height) * ViewMatrix(camera)).cast<float>();
+    const Vector3 forward = -ViewMatrix(camera).block<1, 3>(2, 0).transpose();
+    gl.Viewport(0, 0, width, height);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.Enable(GL_CULL_FACE);
+    gl.DepthMask(GL_TRUE);
+    gl.DepthFunc(GL_LEQUAL);
+    gl.Disable(GL_BLEND);
+    gl.Disable(GL_STENCIL_TEST);
+    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    Use(number, clip_from_W);
+    SetVector(number, "eye", camera.eye_W);
+    SetVector(number, "forward", forward);
+    SetVector(number, "shadow_along", Vector3::Zero());
+    DrawList slab = Slab(floor_model);
+    for (auto& instances_of : slab.meshes) {
+      for (Instance& instance : instances_of) instance.color = {kFloorNumber, 0, 0};
+    }
+    DrawInstances(slab);
+    DrawInstances(list);
+    DrawModelMeshes(list, true);
+    gl.Enable(GL_CULL_FACE);
+    Use(floor_number, clip_from_W);
+    SetVector(floor_number, "eye", camera.eye_W);
+    SetVector(floor_number, "forward", forward);
+    SetVector(floor_number, "half_size", {floor_model.length_m / 2, floor_model.width_m / 2, 1});
+    floor_vertices.Bind();
+    gl.DrawArrays(GL_TRIANGLES, 0, 6);
+  }
+
   const GlApi& gl;
-  GlProgram mesh, skin, shadow, floor, sky, overlay;
+  GlProgram mesh, skin, shadow, floor, sky, overlay, number, floor_number;
   GlVertices mesh_vertices, mesh_indices, instances, floor_vertices, sky_vertices, overlay_vertices;
   GlTexture white;  // of materials without a texture
   // A picture lives as long as its texture, so that no other takes its address.
   std::map<const Image*, std::pair<std::shared_ptr<const Image>, std::unique_ptr<GlTexture>>> textures;
   std::array<MeshRange, kMeshCount> ranges{};
   std::map<std::uint64_t, std::unique_ptr<GlMesh>> model_meshes;  // by MeshData::id
-  std::unique_ptr<GlTarget> target;                               // of the size drawn last
+  // Of the sizes drawn last; the newest last.
+  std::vector<std::unique_ptr<GlTarget>> targets;
+  std::vector<std::unique_ptr<GlNumbers>> number_targets;
   LabelPainter labels;
 };
 
@@ -308,13 +347,61 @@ std::unique_ptr<SceneRenderer> SceneRenderer::Create(const GlContext& context, s
   return std::unique_ptr<SceneRenderer>(new SceneRenderer(std::move(impl)));
 }
 
+namespace {
+
+/// The target that `fits`, which becomes the newest; else what `make()` gives.
+template <typename Target, typename Fits, typename Make>
+const Target& TargetOf(std::vector<std::unique_ptr<Target>>& targets, Fits fits, Make make) {
+  constexpr std::size_t kMost = 6;  // cameras of several sizes, and the view
+  const auto found = std::ranges::find_if(targets, [&](const auto& target) { return fits(*target); });
+  if (found != targets.end()) {
+    std::rotate(found, found + 1, targets.end());
+  } else {
+    if (targets.size() >= kMost) targets.erase(targets.begin());
+    targets.push_back(make());
+  }
+  return *targets.back();
+}
+
+}  // namespace
+
+SceneRenderer::Numbers SceneRenderer::DrawNumbers(const Frame& frame, const ImageRequest& request,
+                                                  const Camera& camera) {
+  const int width = request.width, height = request.height;
+  const GlNumbers& target = TargetOf(
+      impl_->number_targets,
+      [&](const GlNumbers& one) { return one.width() == width && one.height() == height; },
+      [&] { return std::make_unique<GlNumbers>(impl_->gl, width, height); });
+  if (!target.complete()) return {};
+  target.Bind();
+  impl_->DrawNumbers(MakeDrawList(frame, request, camera, Paint::kNumbers), frame.scene->floor, camera, width,
+                     height);
+  const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+  std::vector<float> upside_down(2 * columns * rows);
+  target.Read(upside_down.data());
+  Numbers numbers;
+  numbers.depth_m.resize(columns * rows);
+  numbers.numbers.resize(columns * rows);
+  for (std::size_t y = 0; y < rows; ++y) {
+    const float* from = upside_down.data() + 2 * (rows - 1 - y) * columns;
+    for (std::size_t x = 0; x < columns; ++x) {
+      const auto number = static_cast<std::uint16_t>(from[2 * x + 1]);
+      numbers.numbers[y * columns + x] = number;
+      numbers.depth_m[y * columns + x] = number == 0 ? std::numeric_limits<float>::infinity() : from[2 * x];
+    }
+  }
+  return numbers;
+}
+
 Picture SceneRenderer::Draw(const Frame& frame, const ImageRequest& request, const Camera& camera) {
   const int width = request.width, height = request.height;
-  std::unique_ptr<GlTarget>& target = impl_->target;
-  if (!target || target->width() != width || target->height() != height) {
-    target.reset();
-    target = std::make_unique<GlTarget>(impl_->gl, width, height);
-  }
+  const int samples = request.shot ? 0 : 4;  // robots' cameras are to be fast
+  const GlTarget* const target = &TargetOf(
+      impl_->targets,
+      [&](const GlTarget& one) {
+        return one.width() == width && one.height() == height && one.samples() == samples;
+      },
+      [&] { return std::make_unique<GlTarget>(impl_->gl, width, height, samples); });
   Picture picture{width, height, {}};
   if (!target->complete()) return {};
   target->Bind();

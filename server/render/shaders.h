@@ -81,6 +81,24 @@ out vec4 result;
 void main() { result = vec4(0.05, 0.06, 0.10, 0.30); }
 )";
 
+// The depth along the view, and the number that the instance has in its red.
+inline constexpr const char* kNumberFragment = R"(
+in vec3 world;
+in vec3 base;
+uniform vec3 eye;
+uniform vec3 forward;
+out vec2 result;
+void main() { result = vec2(dot(world - eye, forward), round(sqrt(base.r))); }
+)";
+
+inline constexpr const char* kFloorNumberFragment = R"(
+in vec2 world;
+uniform vec3 eye;
+uniform vec3 forward;
+out vec2 result;
+void main() { result = vec2(dot(vec3(world, 0.0) - eye, forward), 1.0); }
+)";
+
 inline constexpr const char* kFloorVertex = R"(
 layout(location = 0) in vec3 position;
 uniform mat4 clip_from_world;

@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/record/pose_codec.h"
 #include "server/record/run_tables.h"
 #include "server/replay/run_columns.h"
+#include "server/state/pose_codec.h"
 
 namespace coopdyn {
 

@@ -29,11 +29,16 @@ enum class ImageFormat { kPng, kJpeg, kRgb, kDepth, kSegmentation };
 /// "image/png", "image/jpeg", "application/octet-stream"
 const char* MediaType(ImageFormat format);
 
+/// What of a robot's camera a picture for people (kPng, kJpeg, kRgb) shows: depths as greys, the nearest the
+/// brightest, or a colour per number of the segmentation.
+enum class ShotView { kColor, kDepth, kSegmentation };
+
 /// A picture of a robot's camera.
 struct CameraShot {
   FramePtr frame;          // that is drawn; null: the newest
   int robot = -1;          // index into the scene
   std::size_t sensor = 0;  // of its model: a camera
+  ShotView view = ShotView::kColor;
 
   bool operator==(const CameraShot&) const = default;
 };

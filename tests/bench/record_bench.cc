@@ -12,8 +12,8 @@
 
 #include "bench_scene.h"
 #include "server/physics/world.h"
-#include "server/record/pose_codec.h"
 #include "server/record/run_writer.h"
+#include "server/state/pose_codec.h"
 
 namespace coopdyn {
 namespace {

@@ -11,9 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "server/record/pose_codec.h"
 #include "server/record/recorded_step.h"
 #include "server/record/state_codec.h"
+#include "server/state/pose_codec.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/record/pose_codec.h"
+#include "server/state/pose_codec.h"
 
 #include <gtest/gtest.h>
 

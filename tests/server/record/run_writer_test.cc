@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "run_writer_fixture.h"
-#include "server/record/pose_codec.h"
 #include "server/record/run_tables.h"
 #include "server/record/state_codec.h"
+#include "server/state/pose_codec.h"
 
 namespace coopdyn {
 namespace {

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,5 +29,13 @@ void EncodePoses(std::span<const BodyState> bodies, std::vector<std::byte>& blob
 /// p, q (normalised), R and, for a frozen body, the sleep counter; velocities are zero. False if `blob` is
 /// not `bodies.size()` poses.
 bool DecodePoses(std::span<const std::byte> blob, std::span<BodyState> bodies);
+
+/// The position of a channel in 40 bits, two's complement in units of 1e-5 rad or m; beyond that the nearest.
+std::uint64_t EncodePosition(double position);
+double DecodePosition(std::uint64_t bits);
+
+/// `frame` with its bodies where a recording says that they are, and its channels: what is drawn of it looks
+/// the same in playback. Velocities are zero; it has no samples.
+FramePtr AsRecorded(const Frame& frame);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/record/pose_codec.h"
+#include "server/state/pose_codec.h"
 
 #include <algorithm>
 #include <array>
@@ -16,6 +16,8 @@ constexpr std::int64_t kMostUnits = (std::int64_t{1} << 26) - 1;
 constexpr int kMaxExponent = 31;
 constexpr std::int64_t kMostTurn = (std::int64_t{1} << 19) - 1;
 constexpr double kTurnScale = std::numbers::sqrt2 * static_cast<double>(kMostTurn);
+constexpr double kPositionUnit = 1e-5;              // rad or m
+constexpr double kMostAngleUnits = 549755813887.0;  // 2^39 − 1
 constexpr std::uint64_t kMask27 = (std::uint64_t{1} << 27) - 1;
 constexpr std::uint64_t kMask20 = (std::uint64_t{1} << 20) - 1;
 
@@ -143,6 +145,35 @@ bool DecodePoses(std::span<const std::byte> blob, std::span<BodyState> bodies) {
     if ((high >> 15 & 1) != 0) body.sleep_counter = BodyState::kFrozen;
   }
   return true;
+}
+
+std::uint64_t EncodePosition(double position) {
+  const double units = std::isnan(position) ? 0 : position / kPositionUnit;
+  return static_cast<std::uint64_t>(std::llrint(std::clamp(units, -kMostAngleUnits, kMostAngleUnits)));
+}
+
+double DecodePosition(std::uint64_t bits) {
+  constexpr std::uint64_t kSign = std::uint64_t{1} << 39;
+  return static_cast<double>(static_cast<std::int64_t>((bits ^ kSign) - kSign)) * kPositionUnit;
+}
+
+FramePtr AsRecorded(const Frame& frame) {
+  auto recorded = std::make_shared<Frame>();
+  recorded->epoch = frame.epoch;
+  recorded->step = frame.step;
+  recorded->revision = frame.revision;
+  recorded->time = frame.time;
+  recorded->step_length = frame.step_length;
+  recorded->seed = frame.seed;
+  recorded->scene = frame.scene;
+  std::vector<std::byte> blob;
+  EncodePoses(frame.bodies, blob);
+  recorded->bodies.resize(frame.bodies.size());
+  DecodePoses(blob, recorded->bodies);
+  recorded->channels = frame.channels;
+  for (ChannelState& channel : recorded->channels)
+    channel.position = DecodePosition(EncodePosition(channel.position));
+  return recorded;
 }
 
 }  // namespace coopdyn
