@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "server/controllers/controller_host.h"
 #include "server/model/readers.h"
 #include "server/model/scenario.h"
+#include "server/model/sensor_text.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
 #include "server/physics/world.h"
@@ -112,6 +114,9 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
       for (std::size_t i = 0; i < actuator.joints.size(); ++i)
         text += (i == 0 ? ": " : ", ") + model.joints[static_cast<std::size_t>(actuator.joints[i])].name;
     }
+    const auto sensor = std::ranges::find(model.sensors, module.name, &SensorModel::name);
+    const std::string words = sensor == model.sensors.end() ? "" : Describe(*sensor, model);
+    if (!words.empty()) text += ": " + words;
     lines.push_back(std::move(text));
   }
   return lines;

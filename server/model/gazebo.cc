@@ -151,6 +151,7 @@ class Adopter {
       return;
     }
     for (XmlNode& child : node.children) Prune(child);
+    if (node.name != "link") return;
     std::erase_if(node.children, [&](const XmlNode& child) {
       if (child.name != "collision" && child.name != "visual") return false;
       const XmlNode* geometry = child.Child("geometry");

@@ -102,6 +102,8 @@ bool TakeBytes(std::string_view& bytes, T& value) {
   return true;
 }
 
+}  // namespace
+
 std::string ToBase64(const std::string& bytes) {
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
@@ -131,6 +133,8 @@ std::optional<std::string> FromBase64(std::string_view text) {
   }
   return bytes;
 }
+
+namespace {
 
 /// To a nanometre, and to a float: such numbers less the middle of some, and plus it again, are what they
 /// were. Not inline: g++ 12 at -O2 leaves out casts to float and back where it can do two at once.

@@ -37,6 +37,10 @@ ModelMesh MakeModelMesh(std::vector<Vector3> vertices, std::vector<MeshData::Tri
                         const std::optional<std::array<double, 3>>& color,
                         std::shared_ptr<const MeshSkin> skin);
 
+/// Bytes as one word, and back; nothing for a bad word.
+std::string ToBase64(const std::string& bytes);
+std::optional<std::string> FromBase64(std::string_view text);
+
 /// A mesh as one word, and back; nothing for a bad word.
 std::string MeshToText(const ModelMesh& mesh);
 std::optional<ModelMesh> MeshFromText(std::string_view text);

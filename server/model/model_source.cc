@@ -196,6 +196,10 @@ void UpgradeImu(XmlNode& imu) {
 
 void Upgrade(XmlNode& node, const std::string& version) {
   if (node.name == "imu") UpgradeImu(node);
+  // Without end: further than any sensor sees.
+  if (XmlNode* max = node.name == "range" ? node.Child("max") : nullptr; max != nullptr) {
+    if (ToLower(max->text) == "inf" || ToLower(max->text) == "+inf") max->text = "100000";
+  }
   const int minor = MinorOf(version).value_or(9);
   if (node.name == "sdf") node.Set("version", "1.9");
   if (minor < 7) {

@@ -20,6 +20,7 @@
 namespace coopdyn {
 
 class Resources;
+class Textures;
 
 /// Where files are looked for: beside the naming file, then these folders in order (`--scenarios DIR`,
 /// COOPDYN_PATH, the program's folder, the installed data). In each, also in its subfolders `scenarios/`,
@@ -52,9 +53,9 @@ bool IsBareName(const std::string& name);
 /// Parses each robot model once per process. Any thread.
 class RobotLibrary {
  public:
-  /// `embedded`: the worlds and robot models that a recording carries (Scenario::sources). Readers take these
-  /// before they look on `path`, and call them in messages by the file that they came from. Controllers that
-  /// are not there any more are then warnings.
+  /// `embedded`: the worlds, textures and robot models that a recording carries (Scenario::sources). Readers
+  /// take these before they look on `path`, and call them in messages by the file that they came from.
+  /// Controllers that are not there any more are then warnings.
   explicit RobotLibrary(SearchPath path, std::vector<SourceText> embedded = {})
       : path_(std::move(path)), embedded_(std::move(embedded)) {}
   /// The model of `type`; null with diagnostics (at `where`, or in the model's file) if there is none. A
@@ -66,7 +67,7 @@ class RobotLibrary {
   bool Has(const std::string& type, const std::optional<std::filesystem::path>& beside = std::nullopt) const;
   /// Keeps a model that has no file of its own.
   void Add(const std::string& type, std::shared_ptr<const RobotModel> model);
-  /// The embedded text `name` of a `kind` (world, robot); null if there is none.
+  /// The embedded text `name` of a `kind` (world, robot, texture); null if there is none.
   const SourceText* Embedded(std::string_view kind, std::string_view name) const;
   bool is_of_recording() const { return !embedded_.empty(); }
   const SearchPath& path() const { return path_; }
@@ -88,8 +89,10 @@ std::shared_ptr<const RobotModel> ReadRobotModelText(const std::string& text, co
                                                      const std::string& type, Diagnostics& diagnostics,
                                                      const Resources* resources = nullptr);
 
-/// Reads the text of a .world. Errors go to `diagnostics`; what could be read is returned.
-WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics);
+/// Reads the text of a .world. Errors go to `diagnostics`; what could be read is returned. `textures`: of
+/// `file`; null for a text without files.
+WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics,
+                     Textures* textures = nullptr);
 
 /// Reads the text of a .scenario and all that it names, whose texts it keeps in `sources`. Nothing if there
 /// are errors. With these sources embedded in `robots`, text, file and seed give the same scenario again.

@@ -106,6 +106,7 @@ std::string Summary(const Scenario& scenario) {
 
   const Nanoseconds step = scenario.simulation.step.value_or(kDefaultStep);
   out += ", " + Counted(scenario.targets.size(), "target");
+  if (!scenario.lights.empty()) out += ", " + Counted(scenario.lights.size(), "light");
   out += ", floor " + FormatNumber(scenario.floor.length_m) + " x " + FormatNumber(scenario.floor.width_m) +
          " m";
   out += std::string(", ") + ToString(scenario.simulation.mode.value_or(Mode::kRealtime)) + " " +

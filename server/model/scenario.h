@@ -97,10 +97,11 @@ struct SwarmEntry {
 
 /// A file that a scenario names, as it was read: with these a recording carries its world.
 struct SourceText {
-  std::string kind;  // world, robot
-  std::string name;  // as it was asked for: the file's name, the robot's type
+  std::string kind;  // world, robot, texture
+  std::string
+      name;  // as it was asked for: the file's name, the robot's type; of a world's texture WORLD:NAME
   std::string file;  // as found; for messages
-  std::string text;
+  std::string text;  // of a texture: its bytes in base64
 };
 
 struct Scenario {

@@ -12,6 +12,7 @@
 #include "server/model/sdf_world.h"
 #include "server/model/section_reader.h"
 #include "server/model/text_file.h"
+#include "server/model/textures.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -48,7 +49,8 @@ class ScenarioReader {
         by_socket_(by_socket),
         seed_(seed),
         diagnostics_(diagnostics),
-        robots_(*scenario_, library, FolderOf(file, by_socket), diagnostics) {
+        robots_(*scenario_, library, FolderOf(file, by_socket), diagnostics),
+        textures_(library, label_, "", !by_socket) {
     scenario_->file = by_socket ? "" : file;
     if (!by_socket && file != kPipe) scenario_->name = std::filesystem::path(file).stem().string();
   }
@@ -78,10 +80,33 @@ class ScenarioReader {
       robots_.ReadSwarm(reader);
     }
     robots_.SortAsInFile();
+    AddSources(textures_);
     return diagnostics_.has_errors() ? nullptr : scenario_;
   }
 
  private:
+  void AddSources(const Textures& textures) {
+    const std::vector<SourceText>& sources = textures.sources();
+    scenario_->sources.insert(scenario_->sources.end(), sources.begin(), sources.end());
+  }
+
+  void AddLight(const PointLight& light) {
+    if (scenario_->lights.size() == kMaxLights) {
+      diagnostics_.Error(light.where, "a scenario has at most " + std::to_string(kMaxLights) + " lights");
+      return;
+    }
+    const auto same = [&light](const PointLight& other) {
+      return ToLower(other.name) == ToLower(light.name);
+    };
+    const auto first = std::ranges::find_if(scenario_->lights, same);
+    if (first != scenario_->lights.end() && first->where.file != light.where.file) {
+      diagnostics_.Error(light.where, "[" + light.name + "] stands in the world too (" + first->where.file +
+                                          ":" + std::to_string(first->where.line) +
+                                          "): give it another name");
+    }
+    scenario_->lights.push_back(light);
+  }
+
   const Section* FirstSection(const std::string& word) const {
     const auto found =
         std::find_if(sections_.begin(), sections_.end(), [&](const Section& s) { return s.word == word; });
@@ -122,6 +147,8 @@ class ScenarioReader {
         reader.ErrorAt("gravity", "'gravity' is one positive number in m/s², downwards: write 9.81");
       }
     }
+    ambient_light_ = ReadAmbientLight(reader);
+    if (ambient_light_) scenario_->ambient_light = *ambient_light_;
     reader.Finish();
   }
 
@@ -158,7 +185,11 @@ class ScenarioReader {
     if (!name) return;
     std::optional<SourceText> source = FindWorld(*name, reader.LineOf("file"));
     if (!source) return;
-    scenario_->world = ReadWorld(source->text, source->file, diagnostics_);
+    Textures textures(library_, source->file, source->name, !by_socket_);
+    scenario_->world = ReadWorld(source->text, source->file, diagnostics_, &textures);
+    AddSources(textures);
+    for (const PointLight& light : scenario_->world.lights) AddLight(light);
+    if (!ambient_light_) scenario_->ambient_light = scenario_->world.ambient_light.value_or(0);
     source->text = scenario_->world.text;
     scenario_->sources.push_back(std::move(*source));
     if (scenario_->world.floor) scenario_->floor = *scenario_->world.floor;
@@ -193,7 +224,9 @@ class ScenarioReader {
       reader.Error("[FLOOR] stands in the world too (" + first.file + ":" + std::to_string(first.line) +
                    "): keep one of them");
     }
-    const Floor floor = ReadFloor(reader);
+    std::optional<double> ambient_light;
+    const Floor floor = ReadFloor(reader, textures_, ambient_light);
+    if (ambient_light && !ambient_light_) scenario_->ambient_light = *ambient_light;
     if (!scenario_->world.floor) scenario_->floor = floor;
   }
 
@@ -235,8 +268,8 @@ class ScenarioReader {
 
   /// Robots and objects.
   void ReadPlain(const Section& section) {
-    static const std::vector<std::string> kOwn = {"WORLD", "SIMULATION", "TARGET",
-                                                  "FLOOR", "ROBOT_1",    "SWARM_1"};
+    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET", "FLOOR",
+                                                  "ROBOT_1", "SWARM_1",    "LIGHT_1"};
     for (const char* word : {"world", "simulation", "target", "floor"}) {
       if (section.word == word) return;
     }
@@ -249,7 +282,11 @@ class ScenarioReader {
       }
       return;
     }
-    ObjectSection read = ReadObject(reader, kOwn);
+    if (IsNumbered(section.word, "light")) {
+      if (const std::optional<PointLight> light = ReadLight(reader)) AddLight(*light);
+      return;
+    }
+    ObjectSection read = ReadObject(reader, kOwn, textures_);
     if (read.object) AddObject(*read.object);
     if (read.scattered) scattered_.push_back(std::move(*read.scattered));
   }
@@ -277,6 +314,8 @@ class ScenarioReader {
   Diagnostics& diagnostics_;
   std::shared_ptr<Scenario> scenario_ = std::make_shared<Scenario>();
   RobotSections robots_;
+  Textures textures_;                    // of the scenario itself
+  std::optional<double> ambient_light_;  // of [SIMULATION]
   std::vector<Section> sections_;
   bool degrees_ = false;
   std::unordered_map<std::string, SourceLine> objects_;  // by name in lower case
@@ -286,14 +325,19 @@ class ScenarioReader {
 
 /// A .world as a scenario without robots.
 std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const std::string& file,
+                                                const RobotLibrary& library,
                                                 std::optional<std::uint64_t> seed, Diagnostics& diagnostics) {
   auto scenario = std::make_shared<Scenario>();
-  const WorldModel world = ReadWorld(text, file, diagnostics);
+  Textures textures(library, file, "", true);
+  const WorldModel world = ReadWorld(text, file, diagnostics, &textures);
   scenario->name = std::filesystem::path(file).stem().string();
   scenario->file = file;
   scenario->text = world.text;
   scenario->floor = world.floor.value_or(Floor());
   scenario->objects = world.objects;
+  scenario->lights = world.lights;
+  scenario->ambient_light = world.ambient_light.value_or(0);
+  scenario->sources = textures.sources();
   if (seed) scenario->simulation.seed = *seed;
   AddScattered(world.scattered, {}, *scenario, diagnostics);
   return diagnostics.has_errors() ? nullptr : scenario;
@@ -342,7 +386,7 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
     if (text) scenario = ReadScenario(*text, file, robots, false, found, seed);
   } else if (text) {
     const bool world = ToLower(path->extension().string()) == ".world";
-    scenario = world ? WorldAsScenario(*text, file, seed, found)
+    scenario = world ? WorldAsScenario(*text, file, robots, seed, found)
                      : ReadScenario(*text, file, robots, false, found, seed);
   }
   diagnostics.Append(found);

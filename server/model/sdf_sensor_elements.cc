@@ -163,8 +163,7 @@ LidarModel ToLidar(ElementValues& values) {
     values.Error(values.sensor(), "needs <range><max>, in m");
     return lidar;
   }
-  // Some models write a huge number, or inf, for no limit.
-  const std::string max_text = ToLower(ElementValues::TextOf(element, "range/max"));
+  // Some models write a huge number for no limit.
   lidar.max_range_m = values.Number(element, "range/max", 1, 0, 1e12);
   lidar.max_range_m = std::min(lidar.max_range_m, kMaxSensorLength_m);
   lidar.noise = values.Noise(element, "");

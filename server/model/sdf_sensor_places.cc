@@ -26,6 +26,13 @@ Pose PlaceOf(const SdfSensor& sensor, const std::vector<ModelScope>& scopes, Mod
     if (link != nullptr) found = link->SensorByName(sensor.name);
   }
   if (found == nullptr) return {};
+  // libsdformat does not look up frames for sensors of joints.
+  if (sensor.on_joint) {
+    if (!found->PoseRelativeTo().empty())
+      reading.Warn(sensor.where.line,
+                   what + ": relative_to of its <pose> is not used: it is in the joint's frame");
+    return reading.CheckedPose(found->RawPose(), found->Element(), what);
+  }
   return reading.Resolve(found->SemanticPose(), sensor.host, found->Element(), what);
 }
 

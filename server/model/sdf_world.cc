@@ -59,13 +59,17 @@ class WorldConverter {
     for (const XmlNode& child : world->children) {
       if (child.name == "model") {
         AddModel(child);
+      } else if (child.name == "light" && child.Attribute("type") == "point") {
+        AddLight(child);
+      } else if (child.name == "scene" && child.Child("ambient") != nullptr) {
+        ReadAmbient(child);
       } else if (child.name != "physics" && child.name != "gravity") {
         diagnostics_.Warning(child.where, "<" + child.name + "> in <world> is not used by coopdyn");
       }
     }
     if (diagnostics_.has_errors()) return std::nullopt;
     return "; The scenario that " + file_.filename().string() + " means.\n[SIMULATION]\n" + simulation_ +
-           "\n[FLOOR]\n" + (floor_.empty() ? "size 100 100\n" : floor_) + things_ + robots_;
+           "\n[FLOOR]\n" + (floor_.empty() ? "size 100 100\n" : floor_) + things_ + lights_ + robots_;
   }
 
  private:
@@ -94,6 +98,52 @@ class WorldConverter {
     }
   }
 
+  /// The numbers in `text`; those that are none are 0.
+  static std::vector<double> NumbersIn(const std::string& text, std::size_t count) {
+    std::vector<double> values;
+    for (const std::string& word : SplitWords(text)) values.push_back(ParsePlain(word).value_or(0));
+    values.resize(count);
+    return values;
+  }
+
+  void AddLight(const XmlNode& light) {
+    const XmlNode* pose = light.Child("pose");
+    if (pose != nullptr && pose->Has("relative_to"))
+      diagnostics_.Warning(pose->where,
+                           "relative_to of a light's <pose> is not used: it is x y z in the world");
+    const std::vector<double> p = NumbersIn(pose == nullptr ? "" : pose->text, 3);
+    std::string color = "1 1 1";
+    if (!light.TextOf("diffuse").empty()) {
+      const std::vector<double> c = NumbersIn(light.TextOf("diffuse"), 3);
+      color = Exact(Vector3(c[0], c[1], c[2]).cwiseMin(1).cwiseMax(0));
+    }
+    // What it gives at 1 m.
+    double fade = 1;
+    if (const XmlNode* attenuation = light.Child("attenuation")) {
+      const auto part = [&](const char* key, double otherwise) {
+        const auto value = ParsePlain(attenuation->TextOf(key));
+        return value ? std::max(0.0, *value) : otherwise;
+      };
+      fade = part("constant", 1) + part("linear", 1) + part("quadratic", 0);
+    }
+    const double power =
+        std::max(0.0, ParsePlain(light.TextOf("intensity")).value_or(1)) / std::max(fade, 1e-3);
+    const std::string shadows = light.TextOf("cast_shadows");
+    lights_ += "\n[LIGHT_" + std::to_string(++light_count_) + "]\nposition " +
+               Exact(Vector3(p[0], p[1], p[2])) + "\ncolor " + color + "\npower " +
+               Exact(std::min(power, 1e6)) + "\nshadows " +
+               (shadows == "1" || shadows == "true" ? "yes" : "no") + "\n";
+  }
+
+  void ReadAmbient(const XmlNode& scene) {
+    const std::vector<double> c = NumbersIn(scene.TextOf("ambient"), 3);
+    simulation_ += "ambient_light " + Exact(std::clamp((c[0] + c[1] + c[2]) / 3, 0.0, 1e6)) + "\n";
+    for (const XmlNode& child : scene.children) {
+      if (child.name != "ambient")
+        diagnostics_.Warning(child.where, "<" + child.name + "> in <scene> is not used by coopdyn");
+    }
+  }
+
   std::string NewName(const std::string& given) {
     std::string name;
     for (const char c : given) {
@@ -105,7 +155,7 @@ class WorldConverter {
       name = "m" + name;
     name.resize(std::min<std::size_t>(name.size(), 50));
     // These are no things.
-    for (const char* word : {"world", "simulation", "target", "floor", "robot", "swarm"}) {
+    for (const char* word : {"world", "simulation", "target", "floor", "robot", "swarm", "light"}) {
       if (ToLower(name).starts_with(word)) name = "m_" + name;
     }
     std::string unique = name;
@@ -149,7 +199,7 @@ class WorldConverter {
     library_.Add(type, read);
     robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +
                "\nposition " + Exact(X_WR.p) + "\norientation " + Angles(X_WR.q) + "\n";
-    if (!read->has_actuators()) robots_ += "sockets no\n";
+    if (!read->has_actuators() && read->sensors.size() <= 1) robots_ += "sockets no\n";
   }
 
   /// A static horizontal plane at z = 0 is the floor.
@@ -170,7 +220,9 @@ class WorldConverter {
 
   /// What stands still and is made of simple shapes, or is one simple shape, needs no model.
   bool AddThings(const RobotModel& model, const std::string& name, const Pose& X_WR) {
-    if (model.links.size() != 1 || !model.joints.empty()) return false;
+    const bool senses = std::ranges::any_of(
+        model.sensors, [](const SensorModel& one) { return !std::holds_alternative<PoseModel>(one.kind); });
+    if (model.links.size() != 1 || !model.joints.empty() || senses) return false;
     const LinkModel& link = model.links.front();
     const bool simple = std::ranges::all_of(
         link.collisions, [](const LinkShape& one) { return one.shape.index() <= 2 && one.restitution == 0; });
@@ -203,9 +255,9 @@ class WorldConverter {
   const Resources resources_;
   RobotLibrary& library_;
   Diagnostics& diagnostics_;
-  std::string simulation_, floor_, things_, robots_;
+  std::string simulation_, floor_, things_, lights_, robots_;
   std::set<std::string> names_;
-  int robot_count_ = 0;
+  int robot_count_ = 0, light_count_ = 0;
 };
 
 }  // namespace

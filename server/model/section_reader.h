@@ -121,8 +121,16 @@ bool SaysDegrees(const Section& section, const std::string& file, Diagnostics& d
 
 // --- [FLOOR] and objects: the sections that .world and .scenario share
 
-/// Reads [FLOOR]; `angles` in it is read by SaysDegrees.
-Floor ReadFloor(SectionReader& reader);
+class Textures;
+
+/// Reads [FLOOR]; `angles` in it is read by SaysDegrees, and its `ambient_light` goes to `ambient_light`.
+Floor ReadFloor(SectionReader& reader, Textures& textures, std::optional<double>& ambient_light);
+/// `ambient_light` of [FLOOR] or [SIMULATION].
+std::optional<double> ReadAmbientLight(SectionReader& reader);
+/// Reads a [LIGHT_n]; nothing with an error.
+std::optional<PointLight> ReadLight(SectionReader& reader);
+/// The most that a scenario may have with its world.
+inline constexpr std::size_t kMaxLights = 100;
 
 /// What an object's section says: one at its position, or copies by `count`; neither if it has errors.
 struct ObjectSection {
@@ -131,7 +139,8 @@ struct ObjectSection {
 };
 
 /// Reads a box, cylinder or sphere. `other_sections`: what its section's name may have been meant to be.
-ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> other_sections);
+ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> other_sections,
+                         Textures& textures);
 
 /// `area x y length width`; nothing if missing or wrong (then reported).
 std::optional<FloorArea> ReadArea(SectionReader& reader);

@@ -8,12 +8,13 @@
 
 #include "server/model/readers.h"
 #include "server/model/text_file.h"
+#include "server/model/textures.h"
 
 namespace coopdyn {
 
 namespace {
 
-constexpr double kMaxFriction = 1e3;
+constexpr double kMaxFriction = 1e3, kMaxLightPower = 1e6;
 
 const std::array<std::string, 3> kTypes = {"box", "cylinder", "sphere"};
 
@@ -52,7 +53,7 @@ std::optional<Shape> ReadShape(SectionReader& reader, std::size_t type) {
 
 }  // namespace
 
-Floor ReadFloor(SectionReader& reader) {
+Floor ReadFloor(SectionReader& reader, Textures& textures, std::optional<double>& ambient_light) {
   Floor floor;
   floor.where = reader.where();
   reader.Has("angles");
@@ -65,8 +66,35 @@ Floor ReadFloor(SectionReader& reader) {
   }
   Take(reader.ColorValue("color"), floor.color);
   Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), floor.friction);
+  floor.texture = textures.Read(reader, floor.color);
+  if (const auto light = ReadAmbientLight(reader)) ambient_light = light;
   reader.Finish();
   return floor;
+}
+
+std::optional<double> ReadAmbientLight(SectionReader& reader) {
+  return reader.Number("ambient_light", Quantity::kPlain, 0, kMaxLightPower);
+}
+
+std::optional<PointLight> ReadLight(SectionReader& reader) {
+  PointLight light;
+  light.name = reader.section().name;
+  light.where = reader.where();
+  reader.Require("position", "position 2 0 1.5");
+  const auto position =
+      reader.Numbers("position", Quantity::kLength, {3}, "x y z", -kMaxFileLength_m, kMaxFileLength_m);
+  Take(reader.ColorValue("color"), light.color);
+  Take(reader.Number("power", Quantity::kPlain, 0, kMaxLightPower), light.power);
+  Take(reader.YesNo("shadows"), light.casts_shadows);
+  if (reader.Has("type") || reader.Has("size")) {
+    reader.Error(reader.title() +
+                 " is a lamp, with position, color, power and shadows: call a thing otherwise");
+    return std::nullopt;
+  }
+  reader.Finish();
+  if (!position) return std::nullopt;
+  light.p_WP = Vector3((*position)[0], (*position)[1], (*position)[2]);
+  return light;
 }
 
 std::optional<FloorArea> ReadArea(SectionReader& reader) {
@@ -80,7 +108,8 @@ std::optional<FloorArea> ReadArea(SectionReader& reader) {
   return FloorArea{(*area)[0], (*area)[1], (*area)[2], (*area)[3]};
 }
 
-ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> other_sections) {
+ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> other_sections,
+                         Textures& textures) {
   const std::string near = Nearest(reader.section().name, other_sections);
   WorldObject object;
   object.name = reader.section().name;
@@ -108,6 +137,7 @@ ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> oth
   }
   Take(reader.ColorValue("color"), object.color);
   Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), object.friction);
+  object.texture = textures.Read(reader, object.color);
   ScatteredObjects scattered;
   const auto count = reader.WholeNumber("count", 1, kMaxSwarm);
   if (many) {
@@ -140,8 +170,11 @@ bool IsNumbered(const std::string& word, const std::string& kind) {
   return word == kind || word.starts_with(kind + "_");
 }
 
-WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics) {
+WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnostics& diagnostics,
+                     Textures* textures) {
   WorldModel world;
+  Textures none;
+  if (textures == nullptr) textures = &none;
   world.file = file;
   std::optional<std::string> decoded = DecodeText(text, {file, 0}, diagnostics);
   if (!decoded) return world;
@@ -150,22 +183,27 @@ WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnosti
   const auto floor =
       std::find_if(sections.begin(), sections.end(), [](const Section& s) { return s.word == "floor"; });
   const bool degrees = floor != sections.end() && SaysDegrees(*floor, file, diagnostics);
-  const std::vector<std::string> own = {"FLOOR"};
+  const std::vector<std::string> own = {"FLOOR", "LIGHT_1"};
   for (const Section& section : sections) {
     if (diagnostics.StopAt({file, section.line})) break;
     SectionReader reader(section, file, degrees, diagnostics);
     if (section.word == "floor") {
-      if (!world.floor) world.floor = ReadFloor(reader);
+      if (!world.floor) world.floor = ReadFloor(reader, *textures, world.ambient_light);
+      continue;
+    }
+    if (IsNumbered(section.word, "light")) {
+      if (auto light = ReadLight(reader)) world.lights.push_back(std::move(*light));
       continue;
     }
     const bool scenarios = section.word == "world" || section.word == "simulation" ||
                            section.word == "target" || IsNumbered(section.word, "robot") ||
                            IsNumbered(section.word, "swarm");
     if (scenarios) {
-      reader.Error(reader.title() + " belongs into a .scenario; a .world has [FLOOR] and objects only");
+      reader.Error(reader.title() +
+                   " belongs into a .scenario; a .world has [FLOOR], lights and objects only");
       continue;
     }
-    ObjectSection read = ReadObject(reader, own);
+    ObjectSection read = ReadObject(reader, own, *textures);
     if (read.object) world.objects.push_back(std::move(*read.object));
     if (read.scattered) world.scattered.push_back(std::move(*read.scattered));
   }
