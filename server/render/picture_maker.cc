@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include "server/model/values.h"
 #include "server/render/camera.h"
 #include "server/render/lens.h"
 #include "server/render/picture.h"
@@ -43,9 +44,28 @@ std::optional<std::vector<std::uint8_t>> Encode(Picture picture, ImageFormat for
   return std::move(picture.rgb);
 }
 
-/// Why there is no such camera in `frame`; empty if there is.
-std::string WhyNoCamera(const Frame& frame, const CameraShot& shot) {
+/// Looks up the names of `shot`. Why there is no such camera in `frame`; empty if there is.
+std::string Find(const Frame& frame, CameraShot& shot) {
   const std::vector<SceneRobot>& robots = frame.scene->robots;
+  if (!shot.robot_name.empty()) {
+    shot.robot = frame.scene->FindRobot(shot.robot_name);
+    if (shot.robot < 0) {
+      std::vector<std::string> names;
+      for (const SceneRobot& robot : robots) names.push_back(robot.entry.name);
+      return "there is no robot '" + shot.robot_name + "'" + DidYouMean(shot.robot_name, names);
+    }
+    const std::vector<SensorModel>& sensors = ModelOf(frame, shot.robot).sensors;
+    const auto found = std::ranges::find(sensors, shot.module, &SensorModel::name);
+    shot.sensor = static_cast<std::size_t>(found - sensors.begin());
+    if (found == sensors.end() || !std::holds_alternative<CameraModel>(found->kind)) {
+      std::vector<std::string> names;
+      for (const SensorModel& sensor : sensors) {
+        if (std::holds_alternative<CameraModel>(sensor.kind)) names.push_back(sensor.name);
+      }
+      if (names.empty()) return shot.robot_name + " has no camera";
+      return shot.robot_name + " has no camera '" + shot.module + "'" + DidYouMean(shot.module, names);
+    }
+  }
   if (shot.robot < 0 || static_cast<std::size_t>(shot.robot) >= robots.size())
     return "the robot is no longer part of the scenario";
   const RobotModel& model = *robots[static_cast<std::size_t>(shot.robot)].entry.model;
@@ -177,14 +197,15 @@ bool PictureMaker::Start() {
   return scene_renderer_ != nullptr;
 }
 
-ImageResult PictureMaker::Make(const Frame& frame, const ImageRequest& request) {
+ImageResult PictureMaker::Make(const Frame& newest, const ImageRequest& asked) {
+  ImageRequest request = asked;
   if (request.shot) {
-    if (std::string missing = WhyNoCamera(frame, *request.shot); !missing.empty()) {
-      ImageResult result;
-      result.error = std::move(missing);
-      return result;
-    }
+    ImageResult none;
+    none.error = Find(newest, *request.shot);
+    if (!none.error.empty()) return none;
   }
+  const bool is_live = request.shot && request.shot->frame == nullptr;
+  const Frame& frame = is_live ? SampleOf(newest, request.shot->robot, request.shot->sensor) : newest;
   ImageRequest key = request;
   key.paced = false;
   const FrameName name{frame.epoch, frame.step, frame.revision};

@@ -71,6 +71,55 @@ std::string ReadParameter(std::string_view key, std::string_view text, ImageRequ
   return "unknown parameter " + Quoted(key) + ": write w, h, eye, look or rays";
 }
 
+std::string ReadShotParameter(std::string_view key, const std::string& text, CameraShot& shot) {
+  if (key == "robot") {
+    shot.robot_name = text;
+  } else if (key == "camera") {
+    shot.module = text;
+  } else if (key == "view") {
+    constexpr std::array<std::string_view, 3> kViews{"color", "depth", "segmentation"};
+    const auto* const found = std::ranges::find(kViews, text);
+    if (found == kViews.end()) return "view must be color, depth or segmentation";
+    shot.view = static_cast<ShotView>(found - kViews.begin());
+  } else {
+    return "unknown parameter " + Quoted(key) + ": write robot, camera or view";
+  }
+  return {};
+}
+
+/// Calls take(key, value) for each parameter until one returns an error; that, or empty.
+template <typename Take>
+std::string ReadQuery(std::string_view query, const Take& take) {
+  while (!query.empty()) {
+    const auto end = query.find('&');
+    const std::string_view pair = query.substr(0, end);
+    query.remove_prefix(end == std::string_view::npos ? query.size() : end + 1);
+    if (pair.empty()) continue;
+    const auto equals = pair.find('=');
+    std::string coded(equals == std::string_view::npos ? "" : pair.substr(equals + 1));
+    std::replace(coded.begin(), coded.end(), '+', ' ');
+    const std::optional<std::string> value = PercentDecode(coded);
+    if (!value) return "badly escaped: " + Quoted(pair);
+    if (std::string error = take(pair.substr(0, equals), *value); !error.empty()) return error;
+  }
+  return {};
+}
+
+/// A picture of a robot's camera.
+HttpRoute AcceptShot(HttpRouteKind kind, ImageFormat format, std::string_view query) {
+  HttpRoute route{.kind = kind};
+  route.image.format = format;
+  route.image.paced = kind == HttpRouteKind::kStream;
+  route.image.shot.emplace().module = CameraModel::kType;
+  CameraShot& shot = *route.image.shot;
+  std::string error = ReadQuery(query, [&shot](std::string_view key, const std::string& value) {
+    return ReadShotParameter(key, value, shot);
+  });
+  if (error.empty() && shot.robot_name.empty())
+    error = "whose camera? Write ?robot=NAME, and &camera=MODULE unless that is 'camera'";
+  return error.empty() ? route : Refuse(400, error);
+}
+
 HttpRoute AcceptImage(HttpRouteKind kind, ImageFormat format, std::string_view query) {
   HttpRoute route{.kind = kind};
   route.image.format = format;
@@ -101,6 +150,9 @@ std::string RunNameIn(std::string_view path) {
 HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/snapshot.png") return AcceptImage(HttpRouteKind::kSnapshot, ImageFormat::kPng, query);
   if (path == "/view.mjpg") return AcceptImage(HttpRouteKind::kStream, ImageFormat::kJpeg, query);
+  if (path == "/camera.png") return AcceptShot(HttpRouteKind::kSnapshot, ImageFormat::kPng, query);
+  if (path == "/camera.jpg") return AcceptShot(HttpRouteKind::kSnapshot, ImageFormat::kJpeg, query);
+  if (path == "/camera.mjpg") return AcceptShot(HttpRouteKind::kStream, ImageFormat::kJpeg, query);
   if (path == "/api/status") return {.kind = HttpRouteKind::kStatus};
   if (path == "/api/scenarios") return {.kind = HttpRouteKind::kScenarios};
   if (path == "/api/modules") return {.kind = HttpRouteKind::kModules};
@@ -130,20 +182,10 @@ std::string RefuseHost(const HttpRequestHead& head, const std::vector<std::strin
 }  // namespace
 
 std::string ReadImageQuery(std::string_view query, ImageRequest& request) {
-  while (!query.empty()) {
-    const auto end = query.find('&');
-    const std::string_view pair = query.substr(0, end);
-    query.remove_prefix(end == std::string_view::npos ? query.size() : end + 1);
-    if (pair.empty()) continue;
-    const auto equals = pair.find('=');
-    std::string coded(equals == std::string_view::npos ? "" : pair.substr(equals + 1));
-    std::replace(coded.begin(), coded.end(), '+', ' ');
-    const std::optional<std::string> value = PercentDecode(coded);
-    if (!value) return "badly escaped: " + Quoted(pair);
-    if (std::string error = ReadParameter(pair.substr(0, equals), *value, request); !error.empty())
-      return error;
-  }
-  return CheckImageRequest(request);
+  std::string error = ReadQuery(query, [&request](std::string_view key, const std::string& value) {
+    return ReadParameter(key, value, request);
+  });
+  return error.empty() ? CheckImageRequest(request) : error;
 }
 
 HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>& host_names) {
