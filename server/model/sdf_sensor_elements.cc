@@ -98,6 +98,9 @@ class ElementValues {
   void Error(const XMLElement& at, const std::string& text) {
     diagnostics_.Error({file_, at.GetLineNum()}, "sensor '" + name() + "': " + text);
   }
+  void Warn(const XMLElement& at, const std::string& text) {
+    diagnostics_.Warning({file_, at.GetLineNum()}, "sensor '" + name() + "': " + text);
+  }
   std::string name() const {
     const char* name = sensor_.Attribute("name");
     return name == nullptr ? "" : name;
@@ -155,6 +158,11 @@ LidarModel ToLidar(ElementValues& values) {
   lidar.last_azimuth_rad = angle("scan/horizontal/max_angle");
   lidar.first_elevation_rad = angle("scan/vertical/min_angle");
   lidar.last_elevation_rad = angle("scan/vertical/max_angle");
+  if (lidar.first_azimuth_rad > lidar.last_azimuth_rad) {
+    values.Warn(*ElementValues::Find(element, "scan/horizontal"),
+                "<min_angle> lies above <max_angle>: they are taken the other way round");
+    std::swap(lidar.first_azimuth_rad, lidar.last_azimuth_rad);
+  }
   // One ray looks along the first angle, as in Gazebo.
   if (lidar.columns == 1) lidar.last_azimuth_rad = lidar.first_azimuth_rad;
   if (lidar.rows == 1) lidar.last_elevation_rad = lidar.first_elevation_rad;

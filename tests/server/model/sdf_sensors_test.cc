@@ -144,6 +144,17 @@ TEST(SdfSensorsTest, ALidarWithRows) {
   EXPECT_EQ(lidar.last_elevation_rad, 0.3);
 }
 
+TEST(SdfSensorsTest, AnglesThatAreTheWrongWayRoundAreTurned) {
+  const auto answer = ReadHead(
+      "<sensor name=\"l\" type=\"ray\"><ray><scan><horizontal><samples>3</samples><min_angle>1</min_angle>"
+      "<max_angle>-2</max_angle></horizontal></scan><range><max>5</max></range></ray></sensor>");
+  ASSERT_NE(answer.robot, nullptr) << answer.messages;
+  EXPECT_THAT(answer.messages,
+              HasSubstr("rig.sdf:2: warning: sensor 'l': <min_angle> lies above <max_angle>"));
+  EXPECT_EQ(answer.robot->Find<LidarModel>()->first_azimuth_rad, -2);
+  EXPECT_EQ(answer.robot->Find<LidarModel>()->last_azimuth_rad, 1);
+}
+
 TEST(SdfSensorsTest, ForceAndTorqueAreThoseOfTheJoint) {
   const auto read = [](const std::string& inside) {
     return ReadSdfModel(
@@ -275,7 +286,7 @@ TEST(SdfSensorsTest, WrongValuesAreSaidAllAtOnceWithTheirLines) {
       answer.messages,
       HasSubstr("rig.sdf:4: error: sensor 'a': <samples> must be a number from 1 to 1000000, not '0'"));
   EXPECT_THAT(answer.messages,
-              HasSubstr("rig.sdf:3: error: sensor 'a': the first angle must not lie above the last"));
+              HasSubstr("rig.sdf:3: error: sensor 'a': the least range must lie below the largest"));
   EXPECT_THAT(answer.messages, HasSubstr("rig.sdf:6: error: sensor 'b': the camera's horizontal field of "
                                          "view lies between 1 and 175 degrees"));
   EXPECT_THAT(

@@ -152,6 +152,14 @@ TEST(SensorElementsTest, AWrenchInALoopIsRefused) {
               HasSubstr("rig.sdf:10: error: <coopdyn:wrench>: joint 'knuckle' is in a closed loop"));
 }
 
+TEST(SensorElementsTest, AWrenchOnAJointToTheWorldHasAllThatHangsOnIt) {
+  const auto wrench = Described<WrenchModel>(RigJoint("stand", "fixed", "world", "base") +
+                                             "<coopdyn:wrench joint=\"stand\"/>");
+  EXPECT_EQ(wrench.part.link, 0);
+  EXPECT_DOUBLE_EQ(wrench.part.mass_kg, 4);
+  EXPECT_EQ(wrench.beyond.size(), 2u);
+}
+
 TEST(SensorElementsTest, AWrenchWhoseChildStandsInTheWorldIsRefused) {
   EXPECT_THAT(WrongElement("wrench", RigJoint("nail", "fixed", "world", "finger") +
                                          "<coopdyn:wrench joint=\"knuckle\"/>"),
