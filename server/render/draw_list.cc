@@ -52,7 +52,9 @@ class Builder {
   DrawList Build() {
     for (const SceneObject& object : frame_.scene->objects) {
       ++number_;
+      texture_ = numbers_ ? nullptr : &object.object.texture;
       AddShape(object.object.shape, ObjectPose(frame_, object), object.object.color);
+      texture_ = nullptr;
     }
     const int robots = static_cast<int>(frame_.scene->robots.size()), first = number_;
     number_ += robots;
@@ -102,7 +104,18 @@ class Builder {
       InstancesOf(data, in_skin && !numbers_).push_back(MakeInstance(X_WG, Vector3::Ones(), Painted(color)));
       return;
     }
-    list_.meshes[static_cast<std::size_t>(mesh)].push_back(MakeInstance(X_WG, scale, Painted(color)));
+    const auto id = static_cast<std::size_t>(mesh);
+    const bool is_clad = texture_ != nullptr && texture_->image != nullptr;
+    (is_clad ? CladIn(*texture_).meshes[id] : list_.meshes[id])
+        .push_back(MakeInstance(X_WG, scale, Painted(color)));
+  }
+
+  CladDraw& CladIn(const Texture& texture) {
+    const auto found = std::ranges::find_if(list_.clad, [&texture](const CladDraw& one) {
+      return one.texture.image == texture.image && one.texture.width_m == texture.width_m &&
+             one.texture.height_m == texture.height_m;
+    });
+    return found != list_.clad.end() ? *found : list_.clad.emplace_back(CladDraw{texture, {}});
   }
 
   Color Painted(const Color& color) const {
@@ -243,7 +256,8 @@ class Builder {
   const Frustum frustum_;
   const bool of_robot_;  // drawn is what a robot's camera sees
   const bool numbers_;
-  int number_ = kFirstNumber - 1;  // in a segmentation, of what is added
+  const Texture* texture_ = nullptr;  // of what is added
+  int number_ = kFirstNumber - 1;     // in a segmentation, of what is added
   DrawList list_;
   std::vector<std::pair<double, Label>> labels_;  // with their depth
 };

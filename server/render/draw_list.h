@@ -30,6 +30,12 @@ struct MeshDraw {
   std::vector<Instance> instances;
 };
 
+/// Simple shapes with a picture on them.
+struct CladDraw {
+  Texture texture;
+  std::array<std::vector<Instance>, kMeshCount> meshes;
+};
+
 /// One corner of a flat mark, in clip coordinates. The layout is that of the vertex attributes.
 struct OverlayVertex {
   std::array<float, 4> clip;
@@ -47,6 +53,7 @@ struct Label {
 
 struct DrawList {
   std::array<std::vector<Instance>, kMeshCount> meshes;
+  std::vector<CladDraw> clad;
   std::vector<MeshDraw> model_meshes;      // those of robot models
   std::vector<OverlayVertex> floor_marks;  // drawn where the floor is seen
   std::vector<OverlayVertex> rays;

@@ -89,7 +89,10 @@ struct GlApi {
   PFNGLTEXPARAMETERIPROC TexParameteri = load("glTexParameteri");
   PFNGLGENERATEMIPMAPPROC GenerateMipmap = load("glGenerateMipmap");
 
+  PFNGLUNIFORM1IPROC Uniform1i = load("glUniform1i");
+  PFNGLUNIFORM2FPROC Uniform2f = load("glUniform2f");
   PFNGLUNIFORM3FPROC Uniform3f = load("glUniform3f");
+  PFNGLUNIFORM3FVPROC Uniform3fv = load("glUniform3fv");
   PFNGLUNIFORMMATRIX4FVPROC UniformMatrix4fv = load("glUniformMatrix4fv");
 
   PFNGLGENFRAMEBUFFERSPROC GenFramebuffers = load("glGenFramebuffers");

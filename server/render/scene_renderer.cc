@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/geometry/mesh.h"
+#include "server/render/gl_mesh.h"
 #include "server/render/gl_objects.h"
 #include "server/render/label_painter.h"
 #include "server/render/shaders.h"
@@ -23,10 +23,12 @@ constexpr float kFloorCorners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1
 constexpr unsigned char kWhite[] = {255, 255, 255};
 constexpr float kSkyCorners[] = {-1, -1, 0, 3, -1, 0, -1, 3, 0};
 
-std::string Source(const char* body, bool lit = false, bool in_skin = false) {
-  return std::string(shaders::kHeader) + (in_skin ? "#define SKIN\n" : "") + (lit ? shaders::kLight : "") +
-         body;
+std::string Source(const char* body, bool lit = false, const char* variant = "") {
+  return std::string(shaders::kHeader) + variant + (lit ? shaders::kLight : "") + body;
 }
+constexpr const char* kSkin = "#define SKIN\n";
+constexpr const char* kClad = "#define CLAD\n";
+constexpr std::size_t kMostLamps = 8;  // as in the shaders
 
 // The slab under the floor, which shows its edge; its top lies a little below the floor that is drawn.
 DrawList Slab(const Floor& floor) {
@@ -43,69 +45,15 @@ DrawList Slab(const Floor& floor) {
   return list;
 }
 
-// A mesh with flat faces, in the driver's memory; what has one material lies together.
-struct GlMesh {
-  struct Range {
-    std::uint32_t material = 0;
-    std::size_t first = 0;
-    GLsizei count = 0;
-  };
-
-  GlMesh(const GlApi& gl, const MeshData& mesh)
-      : vertices(gl), indices(gl), coordinates(gl), count(static_cast<GLsizei>(3 * mesh.triangles.size())) {
-    std::vector<MeshVertex> corners;
-    std::vector<std::uint32_t> order;
-    std::vector<std::array<float, 2>> uvs;
-    std::vector<MeshData::Triangle> triangles = mesh.triangles;
-    const auto material = [&mesh](const MeshData::Triangle& t) {
-      return mesh.skin == nullptr ? 0 : mesh.skin->corners[t[0]].material;
-    };
-    std::ranges::stable_sort(triangles, {}, material);
-    for (const auto& triangle : triangles) {
-      if (ranges.empty() || ranges.back().material != material(triangle))
-        ranges.push_back({material(triangle), order.size(), 0});
-      ranges.back().count += 3;
-      const Vector3& a = mesh.vertices[triangle[0]];
-      const Vector3 n = (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).normalized();
-      for (const std::uint32_t v : triangle) {
-        MeshVertex corner{};
-        for (std::size_t i = 0; i < 3; ++i) {
-          corner.position[i] = static_cast<float>(mesh.vertices[v][static_cast<Eigen::Index>(i)]);
-          corner.normal[i] = static_cast<float>(n[static_cast<Eigen::Index>(i)]);
-        }
-        order.push_back(static_cast<std::uint32_t>(corners.size()));
-        corners.push_back(corner);
-        if (mesh.skin != nullptr) uvs.push_back(mesh.skin->corners[v].uv);
-      }
-    }
-    vertices.Bind();
-    vertices.Upload(corners.data(), corners.size() * sizeof(MeshVertex), GL_STATIC_DRAW);
-    vertices.Attribute(0, 3, sizeof(MeshVertex), offsetof(MeshVertex, position));
-    vertices.Attribute(1, 3, sizeof(MeshVertex), offsetof(MeshVertex, normal));
-    if (!uvs.empty()) {
-      gl.BindBuffer(GL_ARRAY_BUFFER, coordinates.buffer());
-      gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(uvs.size() * sizeof(uvs[0])), uvs.data(),
-                    GL_STATIC_DRAW);
-      gl.EnableVertexAttribArray(8);
-      gl.VertexAttribPointer(8, 2, GL_FLOAT, GL_FALSE, sizeof(uvs[0]), nullptr);
-    }
-    gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.buffer());
-    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(order.size() * sizeof(std::uint32_t)),
-                  order.data(), GL_STATIC_DRAW);
-  }
-
-  GlVertices vertices, indices, coordinates;
-  std::vector<Range> ranges;
-  const GLsizei count;
-};
-
 }  // namespace
 
 struct SceneRenderer::Impl {
   Impl(const GlApi& gl_api, std::string& error)
       : gl(gl_api),
         mesh(gl, Source(shaders::kMeshVertex), Source(shaders::kMeshFragment, true), error),
-        skin(gl, Source(shaders::kMeshVertex, false, true), Source(shaders::kMeshFragment, true, true),
+        skin(gl, Source(shaders::kMeshVertex, false, kSkin), Source(shaders::kMeshFragment, true, kSkin),
+             error),
+        clad(gl, Source(shaders::kMeshVertex, false, kClad), Source(shaders::kMeshFragment, true, kClad),
              error),
         shadow(gl, Source(shaders::kMeshVertex), Source(shaders::kShadowFragment), error),
         floor(gl, Source(shaders::kFloorVertex), Source(shaders::kFloorFragment, true), error),
@@ -153,18 +101,50 @@ struct SceneRenderer::Impl {
     SetVector(program, "sun", SunDirection().normalized());
   }
 
+  /// Use() for a program that is lit by the lamps of `scene`: the nearest to the camera, if there are many.
+  void UseLit(const GlProgram& program, const Eigen::Matrix4f& clip_from_W, const Scene& scene,
+              const Camera& camera) const {
+    Use(program, clip_from_W);
+    SetVector(program, "eye", camera.eye_W);
+    if (scene.scenario == nullptr) return;
+    std::vector<const PointLight*> lamps;
+    for (const PointLight& lamp : scene.scenario->lights) lamps.push_back(&lamp);
+    std::ranges::stable_sort(
+        lamps, {}, [&](const PointLight* lamp) { return (lamp->p_WP - camera.eye_W).squaredNorm(); });
+    lamps.resize(std::min(lamps.size(), kMostLamps));
+    std::vector<float> places, lights;
+    for (const PointLight* lamp : lamps) {
+      const Vector3 light = lamp->power * Vector3(lamp->color.r, lamp->color.g, lamp->color.b);
+      for (const double x : lamp->p_WP) places.push_back(static_cast<float>(x));
+      for (const double x : light) lights.push_back(static_cast<float>(x));
+    }
+    const auto count = static_cast<GLsizei>(lamps.size());
+    gl.Uniform1i(program.Uniform("lamp_count"), count);
+    if (count == 0) return;
+    gl.Uniform3fv(program.Uniform("lamp_place"), count, places.data());
+    gl.Uniform3fv(program.Uniform("lamp_light"), count, lights.data());
+  }
+
+  void SetTexture(const GlProgram& program, const Texture& texture) {
+    const bool is_there = texture.image != nullptr;
+    gl.Uniform2f(program.Uniform("picture_size"), is_there ? static_cast<float>(texture.width_m) : 0,
+                 is_there ? static_cast<float>(texture.height_m) : 0);
+    BindTexture(texture.image);
+  }
+
   // Draws all shapes of `list` with the program in use.
-  void DrawInstances(const DrawList& list) const {
+  void DrawInstances(const DrawList& list) const { DrawInstances(list.meshes); }
+  void DrawInstances(const std::array<std::vector<Instance>, kMeshCount>& meshes) const {
     mesh_vertices.Bind();
     for (std::size_t id = 0; id < kMeshCount; ++id) {
-      if (list.meshes[id].empty()) continue;
-      instances.Upload(list.meshes[id].data(), list.meshes[id].size() * sizeof(Instance), GL_STREAM_DRAW);
+      if (meshes[id].empty()) continue;
+      instances.Upload(meshes[id].data(), meshes[id].size() * sizeof(Instance), GL_STREAM_DRAW);
       // Attributes 2…7 are threes of floats, in the order of Instance.
       for (GLuint i = 0; i < 6; ++i)
         instances.Attribute(2 + i, 3, sizeof(Instance), 3 * i * sizeof(float), 1);
       gl.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(ranges[id].count), GL_UNSIGNED_SHORT,
                                reinterpret_cast<const void*>(ranges[id].first_index * sizeof(std::uint16_t)),
-                               static_cast<GLsizei>(list.meshes[id].size()));
+                               static_cast<GLsizei>(meshes[id].size()));
     }
   }
   // Binds a mesh, which stays in the driver's memory once drawn, and its instances.
@@ -228,8 +208,8 @@ struct SceneRenderer::Impl {
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 
-  void DrawScene(const DrawList& list, const Floor& floor_model, const Camera& camera, int width,
-                 int height) {
+  void DrawScene(const DrawList& list, const Scene& scene, const Camera& camera, int width, int height) {
+    const Floor& floor_model = scene.floor;
     const Eigen::Matrix4f clip_from_W =
         (ProjectionMatrix(camera, width, height) * ViewMatrix(camera)).cast<float>();
     gl.Viewport(0, 0, width, height);
@@ -242,23 +222,30 @@ struct SceneRenderer::Impl {
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
 
     // Shapes first: the floor behind them need not be shaded.
-    Use(mesh, clip_from_W);
-    SetVector(mesh, "eye", camera.eye_W);
+    UseLit(mesh, clip_from_W, scene, camera);
     SetVector(mesh, "shadow_along", Vector3::Zero());
     DrawInstances(Slab(floor_model));
     DrawInstances(list);
     DrawModelMeshes(list, false);
-    Use(skin, clip_from_W);
-    SetVector(skin, "eye", camera.eye_W);
+    UseLit(skin, clip_from_W, scene, camera);
     SetVector(skin, "shadow_along", Vector3::Zero());
     DrawSkins(list);
     gl.Enable(GL_CULL_FACE);
+    if (!list.clad.empty()) {
+      UseLit(clad, clip_from_W, scene, camera);
+      SetVector(clad, "shadow_along", Vector3::Zero());
+      for (const CladDraw& draw : list.clad) {
+        SetTexture(clad, draw.texture);
+        DrawInstances(draw.meshes);
+      }
+    }
 
     // Seen pixels of the floor get 1 in the stencil, those in shadow 2, so that shadows do not add up.
     gl.Enable(GL_STENCIL_TEST);
     gl.StencilFunc(GL_ALWAYS, 1, 0xff);
     gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
-    Use(floor, clip_from_W);
+    UseLit(floor, clip_from_W, scene, camera);
+    SetTexture(floor, floor_model.texture);
     SetVector(floor, "half_size", {floor_model.length_m / 2, floor_model.width_m / 2, 1});
     SetVector(floor, "floor_color", {floor_model.color.r, floor_model.color.g, floor_model.color.b});
     floor_vertices.Bind();
@@ -273,6 +260,7 @@ struct SceneRenderer::Impl {
     Use(shadow, clip_from_W);
     SetVector(shadow, "shadow_along", SunDirection());
     DrawInstances(list);
+    for (const CladDraw& draw : list.clad) DrawInstances(draw.meshes);
     DrawModelMeshes(list, true);
 
     gl.StencilFunc(GL_LEQUAL, 1, 0xff);
@@ -325,7 +313,7 @@ struct SceneRenderer::Impl {
   }
 
   const GlApi& gl;
-  GlProgram mesh, skin, shadow, floor, sky, overlay, number, floor_number;
+  GlProgram mesh, skin, clad, shadow, floor, sky, overlay, number, floor_number;
   GlVertices mesh_vertices, mesh_indices, instances, floor_vertices, sky_vertices, overlay_vertices;
   GlTexture white;  // of materials without a texture
   // A picture lives as long as its texture, so that no other takes its address.
@@ -406,8 +394,7 @@ Picture SceneRenderer::Draw(const Frame& frame, const ImageRequest& request, con
   if (!target->complete()) return {};
   target->Bind();
   const DrawList list = MakeDrawList(frame, request, camera);
-  const Floor& floor = frame.scene->floor;
-  impl_->DrawScene(list, floor, camera, width, height);
+  impl_->DrawScene(list, *frame.scene, camera, width, height);
 
   std::vector<std::uint8_t> upside_down(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                                         3);

@@ -13,6 +13,19 @@ const vec3 kSunColor = vec3(0.80, 0.76, 0.68);
 const vec3 kSkyLight = vec3(0.40, 0.44, 0.50);
 const vec3 kGroundLight = vec3(0.27, 0.25, 0.24);
 vec3 Ambient(float nz) { return mix(kGroundLight, kSkyLight, nz * 0.5 + 0.5); }
+// Lamps: each gives power × colour × cosine / distance².
+uniform int lamp_count;
+uniform vec3 lamp_place[8];
+uniform vec3 lamp_light[8];
+vec3 Lamps(vec3 p, vec3 n) {
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < lamp_count; ++i) {
+    vec3 to = lamp_place[i] - p;
+    float d2 = max(dot(to, to), 1e-4);
+    sum += lamp_light[i] * max(dot(n, to), 0.0) / (d2 * sqrt(d2));
+  }
+  return sum;
+}
 )";
 
 inline constexpr const char* kMeshVertex = R"(
@@ -29,6 +42,10 @@ layout(location = 8) in vec2 uv;
 uniform vec3 tint;
 out vec2 skin_uv;
 #endif
+#ifdef CLAD
+out vec3 own_place;  // m, from the shape's middle
+out vec3 own_normal;
+#endif
 uniform mat4 clip_from_world;
 uniform vec3 shadow_along;  // the sun's direction with z = 1; zero: no shadow
 out vec3 world;
@@ -44,6 +61,10 @@ void main() {
 #else
   base = color * color;
 #endif
+#ifdef CLAD
+  own_place = position * scale;
+  own_normal = normal;
+#endif
   world -= shadow_along * max(world.z, 0.0);
   gl_Position = clip_from_world * vec4(world, 1.0);
 }
@@ -57,6 +78,12 @@ in vec3 base;
 in vec2 skin_uv;
 uniform sampler2D skin;
 #endif
+#ifdef CLAD
+in vec3 own_place;
+in vec3 own_normal;
+uniform sampler2D skin;
+uniform vec2 picture_size;  // m
+#endif
 uniform vec3 eye;
 out vec4 result;
 void main() {
@@ -64,13 +91,21 @@ void main() {
   vec3 v = normalize(eye - world);
   float lit = max(dot(n, sun), 0.0);
   float near_floor = mix(0.62, 1.0, smoothstep(0.0, 0.22, world.z));
-  vec3 light = Ambient(n.z) * near_floor + kSunColor * lit;
+  vec3 light = Ambient(n.z) * near_floor + kSunColor * lit + Lamps(world, n);
   float shine = pow(max(dot(n, normalize(v + sun)), 0.0), 36.0) * lit * 0.22;
   float rim = 1.0 - max(dot(n, v), 0.0);
   vec3 own = base;
 #ifdef SKIN
   vec3 texel = texture(skin, skin_uv).rgb;
   own *= texel * texel;
+#endif
+#ifdef CLAD
+  // One picture after the other from the middle of each side.
+  vec3 a = abs(own_normal);
+  vec2 side = a.z >= max(a.x, a.y) ? own_place.xy : a.x >= a.y ? own_place.yz : own_place.xz;
+  vec2 at = side / picture_size + 0.5;
+  vec3 texel = texture(skin, vec2(at.x, 1.0 - at.y)).rgb;
+  own = texel * texel;
 #endif
   result = vec4(sqrt(own * light + shine + 0.05 * rim * rim * rim), 1.0);
 }
@@ -113,6 +148,8 @@ void main() {
 inline constexpr const char* kFloorFragment = R"(
 in vec2 world;
 uniform vec3 floor_color;
+uniform sampler2D skin;
+uniform vec2 picture_size;  // m; 0: there is none
 out vec4 result;
 // How much of this pixel the lines of the whole metres cover; far away it tends to their share of the floor.
 float Lines(vec2 p, float width) {
@@ -129,7 +166,13 @@ void main() {
   vec2 cell = floor(world);
   base *= 1.0 - 0.05 * mod(cell.x + cell.y, 2.0) * (1.0 - clamp(length(fwidth(world)) * 2.0, 0.0, 1.0));
   base = mix(base, base * vec3(0.50, 0.55, 0.64), Lines(world, 0.013));
-  result = vec4(sqrt(base * (Ambient(1.0) + kSunColor * sun.z)), 1.0);
+  if (picture_size.x > 0.0) {
+    vec2 at = world / picture_size + 0.5;
+    vec3 texel = texture(skin, vec2(at.x, 1.0 - at.y)).rgb;
+    base = texel * texel;
+  }
+  vec3 light = Ambient(1.0) + kSunColor * sun.z + Lamps(vec3(world, 0.0), vec3(0.0, 0.0, 1.0));
+  result = vec4(sqrt(base * light), 1.0);
 }
 )";
 

@@ -38,8 +38,8 @@ struct CameraShot {
   FramePtr frame;                            // that is drawn; null: the newest
   int robot = -1;                            // index into the scene
   std::size_t sensor = 0;                    // of its model: a camera
-  std::string robot_name = {}, module = {};  // instead of these two: looked up in the frame
   ShotView view = ShotView::kColor;
+  std::string robot_name = {}, module = {};  // instead of robot and sensor: looked up in the frame
 
   bool operator==(const CameraShot&) const = default;
 };

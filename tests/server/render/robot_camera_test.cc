@@ -235,6 +235,63 @@ TEST(RobotCameraTest, RoundingTwiceIsRoundingOnce) {
   }
 }
 
+// --- colours
+
+/// What docs/physics.md says of a level plane of this grey, high above the floor, seen from straight above.
+double LevelPlane(double grey, const Vector3& lamps) {
+  const Vector3 sun = SunDirection().normalized(), up = Vector3::UnitZ();
+  const double cosine = sun.z(), half = up.dot((up + sun).normalized());
+  const double light = 0.40 + 0.80 * cosine + lamps.x();  // of red
+  return 255 * std::sqrt(grey * grey * light + 0.22 * cosine * std::pow(half, 36));
+}
+
+std::shared_ptr<Frame> Table(const std::vector<PointLight>& lights, const Texture& texture = {}) {
+  CameraModel camera = Eye(64, 64);
+  camera.mount.X_LS = {{0, 0, 2}, FromRollPitchYaw(0, M_PI / 2, 0)};  // it looks down
+  std::shared_ptr<Frame> frame =
+      SampleWorld().Robot(At(0, 0), Seer(camera)).Object(Box{{1, 1, 0.1}}, Stands(0, 0, 0.95)).MakeFrame();
+  auto scenario = std::make_shared<Scenario>(*frame->scene->scenario);
+  scenario->lights = lights;
+  scenario->objects[0].color = {0.5, 0.5, 0.5};
+  scenario->objects[0].texture = texture;
+  frame->scene = MakeScene(scenario);
+  return frame;
+}
+
+TEST(RobotCameraTest, APlanesColourIsThatOfTheFormula) {
+  const auto rgb = Values<std::uint8_t>(Look(*Table({}), ImageFormat::kRgb));
+  EXPECT_NEAR(rgb[3 * (32 * 64 + 32)], LevelPlane(0.5, Vector3::Zero()), 1);
+}
+
+TEST(RobotCameraTest, ALampGivesPowerByTheSquareOfItsDistance) {
+  PointLight lamp;
+  lamp.p_WP = {0, 0, 1.5};  // half a metre above
+  lamp.power = 0.1;
+  lamp.color = {0.5, 1, 1};
+  const auto rgb = Values<std::uint8_t>(Look(*Table({lamp}), ImageFormat::kRgb));
+  EXPECT_NEAR(rgb[3 * (32 * 64 + 32)], LevelPlane(0.5, {0.5 * 0.1 / 0.25, 0, 0}), 1);
+}
+
+TEST(RobotCameraTest, ATextureLiesOnABoxFromTheMiddleOfItsSide) {
+  // Four fields: red, green / blue, white, row by row from the top, each a quarter of a metre.
+  auto image = std::make_shared<Image>();
+  image->width = image->height = 2;
+  image->rgb = {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255};
+  const auto rgb = Values<std::uint8_t>(Look(*Table({}, {image, 0.5, 0.5}), ImageFormat::kRgb));
+  // The box's x is up in this picture, its y to the left: texture's right is up, its top is left.
+  const double pixels_per_m = Eye(64, 64).focal_px();
+  const auto at = [&](double x_m, double y_m) {
+    const auto column = static_cast<std::size_t>(32 - y_m * pixels_per_m);
+    const auto row = static_cast<std::size_t>(32 - x_m * pixels_per_m);
+    const std::uint8_t* p = &rgb[3 * (row * 64 + column)];
+    return Vector3(p[0] > 128, p[1] > 128, p[2] > 128);
+  };
+  EXPECT_EQ(at(-0.12, 0.12), Vector3(1, 0, 0));
+  EXPECT_EQ(at(0.12, 0.12), Vector3(0, 1, 0));
+  EXPECT_EQ(at(-0.12, -0.12), Vector3(0, 0, 1));
+  EXPECT_EQ(at(0.12, -0.12), Vector3(1, 1, 1));
+}
+
 // --- noise
 
 TEST(RobotCameraTest, NoiseOfThePixelsHasItsMeanAndDeviation) {
