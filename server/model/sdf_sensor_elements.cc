@@ -158,11 +158,14 @@ LidarModel ToLidar(ElementValues& values) {
   lidar.last_azimuth_rad = angle("scan/horizontal/max_angle");
   lidar.first_elevation_rad = angle("scan/vertical/min_angle");
   lidar.last_elevation_rad = angle("scan/vertical/max_angle");
-  if (lidar.first_azimuth_rad > lidar.last_azimuth_rad) {
-    values.Warn(*ElementValues::Find(element, "scan/horizontal"),
+  const auto sort = [&](const char* path, double& first_rad, double& last_rad) {
+    if (first_rad <= last_rad) return;
+    values.Warn(*ElementValues::Find(element, path),
                 "<min_angle> lies above <max_angle>: they are taken the other way round");
-    std::swap(lidar.first_azimuth_rad, lidar.last_azimuth_rad);
-  }
+    std::swap(first_rad, last_rad);
+  };
+  sort("scan/horizontal", lidar.first_azimuth_rad, lidar.last_azimuth_rad);
+  sort("scan/vertical", lidar.first_elevation_rad, lidar.last_elevation_rad);
   // One ray looks along the first angle, as in Gazebo.
   if (lidar.columns == 1) lidar.last_azimuth_rad = lidar.first_azimuth_rad;
   if (lidar.rows == 1) lidar.last_elevation_rad = lidar.first_elevation_rad;

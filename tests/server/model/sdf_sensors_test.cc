@@ -147,12 +147,16 @@ TEST(SdfSensorsTest, ALidarWithRows) {
 TEST(SdfSensorsTest, AnglesThatAreTheWrongWayRoundAreTurned) {
   const auto answer = ReadHead(
       "<sensor name=\"l\" type=\"ray\"><ray><scan><horizontal><samples>3</samples><min_angle>1</min_angle>"
-      "<max_angle>-2</max_angle></horizontal></scan><range><max>5</max></range></ray></sensor>");
+      "<max_angle>-2</max_angle></horizontal>\n<vertical><samples>2</samples><min_angle>-0.1</min_angle>"
+      "<max_angle>-0.3</max_angle></vertical></scan><range><max>5</max></range></ray></sensor>");
   ASSERT_NE(answer.robot, nullptr) << answer.messages;
   EXPECT_THAT(answer.messages,
               HasSubstr("rig.sdf:2: warning: sensor 'l': <min_angle> lies above <max_angle>"));
+  EXPECT_THAT(answer.messages,
+              HasSubstr("rig.sdf:3: warning: sensor 'l': <min_angle> lies above <max_angle>"));
   EXPECT_EQ(answer.robot->Find<LidarModel>()->first_azimuth_rad, -2);
   EXPECT_EQ(answer.robot->Find<LidarModel>()->last_azimuth_rad, 1);
+  EXPECT_EQ(answer.robot->Find<LidarModel>()->first_elevation_rad, -0.3);
 }
 
 TEST(SdfSensorsTest, ForceAndTorqueAreThoseOfTheJoint) {
