@@ -23,7 +23,7 @@ namespace {
 constexpr std::array kFormats{"csv", "mat", "png", "mp4"};
 
 struct Given {
-  std::string run, to, out, robots, objects, readings, size = "640x480";
+  std::string run, to, out, robots, objects, readings, camera, size = "640x480";
   std::vector<double> eye_m, look_m;
   std::vector<std::string> scenario_folders;
   std::optional<double> time_s;
@@ -54,6 +54,21 @@ void ReadSize(const std::string& text, ImageRequest& image) {
     throw CLI::ValidationError("--size: " + error);
 }
 
+/// `robot1` or `robot1/left_camera`.
+void ReadCamera(const CLI::App& sub, const std::string& text, ImageRequest& image) {
+  for (const char* option : {"--size", "--eye", "--look", "--rays"}) {
+    if (sub.count(option) > 0)
+      throw CLI::ValidationError(std::string(option) +
+                                 " is for the view, --camera for a robot's camera: choose");
+  }
+  const std::size_t slash = text.find('/');
+  CameraShot& shot = image.shot.emplace();
+  shot.robot_name = text.substr(0, slash);
+  shot.module = slash == std::string::npos ? CameraModel::kType : text.substr(slash + 1);
+  if (shot.robot_name.empty() || shot.module.empty())
+    throw CLI::ValidationError("--camera: write ROBOT or ROBOT/MODULE, e.g. robot1/camera");
+}
+
 /// csv for `a.csv`; empty if the name does not tell.
 std::string FormatOf(const std::string& out) {
   const std::string extension = std::filesystem::path(out).extension().string();
@@ -69,7 +84,8 @@ void Complete(const CLI::App& sub, Given& given) {
     throw CLI::ValidationError("--to: write csv, mat, png or mp4");
   const bool table = given.to == "csv" || given.to == "mat";
   const std::vector<const char*> not_mine =
-      table ? std::vector<const char*>{"--size", "--fps", "--speed", "--eye", "--look", "--rays", "--time"}
+      table ? std::vector<const char*>{"--size", "--fps",  "--speed", "--eye",
+                                       "--look", "--rays", "--time",  "--camera"}
             : std::vector<const char*>{"--robots", "--objects", "--readings", "--every"};
   for (const char* option : not_mine) {
     if (sub.count(option) > 0)
@@ -91,6 +107,7 @@ void Complete(const CLI::App& sub, Given& given) {
   if (!given.eye_m.empty()) image.eye_m = Vector3(given.eye_m[0], given.eye_m[1], given.eye_m[2]);
   if (!given.look_m.empty()) image.look_m = Vector3(given.look_m[0], given.look_m[1], given.look_m[2]);
   if (const std::string error = CheckImageRequest(image); !error.empty()) throw CLI::ValidationError(error);
+  if (!given.camera.empty()) ReadCamera(sub, given.camera, image);
   if (given.out.empty()) {
     const bool folder = given.to == "png" && !given.time_s;
     given.out = WithSuffix(given.run, folder ? "-png" : "." + given.to);
@@ -176,6 +193,7 @@ void AddExport(CLI::App& app, Chosen& chosen) {
   sub->add_option("--look", given->look_m, "x,y,z of the middle of the picture, m")
       ->delimiter(',')
       ->expected(3);
+  sub->add_option("--camera", given->camera, "What a robot's camera saw: ROBOT or ROBOT/MODULE");
   sub->add_flag("--rays", given->pictures.image.show_rays, "Show the rays of the distance sensors");
   sub->add_option("--time", given->time_s, "One picture, of this simulated time, s");
   sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names");

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "server/model/values.h"
+#include "server/record/player_frames.h"
 #include "server/replay/ffmpeg.h"
 #include "server/replay/run_table.h"
 #include "server/replay/verify_chain.h"
@@ -128,7 +129,8 @@ FilmTimes ChooseTimes(RunReader& reader, const ExportOptions& options, const Pic
 /// Makes the pictures of a run one after the other.
 class Film {
  public:
-  Film(RunReader& reader, const PictureOptions& options) : reader_(reader), maker_(options.renderer) {}
+  Film(RunReader& reader, const PictureOptions& options)
+      : reader_(reader), moments_(reader), maker_(options.renderer) {}
 
   /// The picture that shows the newest recorded poses at or before `time`.
   ImageResult At(Nanoseconds time, const ImageRequest& image) {
@@ -138,7 +140,15 @@ class Film {
       failed.error = reader_.error().empty() ? "this run was recorded without poses" : reader_.error();
       return failed;
     }
-    if (frame_ == nullptr || frame_->step != *step) {
+    const bool is_new = frame_ == nullptr || frame_->step != *step;
+    if (is_new && image.shot) {
+      // A camera shows its samples, with the noise of then.
+      frame_ = moments_.Make(*step);
+      if (frame_ == nullptr) {
+        failed.error = reader_.error().empty() ? fmt::format("step {} is damaged", *step) : reader_.error();
+        return failed;
+      }
+    } else if (is_new) {
       const auto recorded = reader_.Read(*step);
       auto scene = recorded ? reader_.SceneOf(recorded->scene) : nullptr;
       auto frame = std::make_shared<Frame>();
@@ -165,6 +175,7 @@ class Film {
 
  private:
   RunReader& reader_;
+  PlayFrames moments_;  // for robots' cameras
   PictureMaker maker_;
   std::shared_ptr<const Frame> frame_;  // shown last
 };
@@ -226,21 +237,31 @@ std::string ExportPicture(RunReader& reader, double time_s, const PictureOptions
 
 std::string ExportVideo(RunReader& reader, const ExportOptions& options, const PictureOptions& pictures,
                         const std::string& out, const ExportProgress& progress) {
-  const ImageRequest image = Encoded(pictures.image, ImageFormat::kRgb);
-  if (image.width % 2 != 0 || image.height % 2 != 0)
-    return "--size: the width and the height of a film are even, e.g. 640x480";
+  ImageRequest image = Encoded(pictures.image, ImageFormat::kRgb);
   std::string error;
   const FilmTimes times = ChooseTimes(reader, options, pictures, error);
   if (!error.empty()) return error;
+  Film film(reader, pictures);
+  if (image.shot) {
+    const ImageResult first = film.At(times.begin, image);
+    if (!first.error.empty()) return first.error;
+    image.width = first.width;
+    image.height = first.height;
+  }
+  if (image.width % 2 != 0 || image.height % 2 != 0) {
+    return image.shot
+               ? fmt::format("the camera has {} x {} pixels, a film needs even numbers: write --to png",
+                             image.width, image.height)
+               : "--size: the width and the height of a film are even, e.g. 640x480";
+  }
   ExportFile file(out);
   if (error = file.Open(options.overwrite); !error.empty()) return error;
   Ffmpeg ffmpeg;
   error = ffmpeg.Start({image.width, image.height, pictures.fps}, file.temporary());
   if (!error.empty()) return error;
-  error = Film(reader, pictures)
-              .ForEach(times, image, progress, [&ffmpeg](std::uint64_t, const ImageResult& picture) {
-                return ffmpeg.Write(*picture.bytes);
-              });
+  error = film.ForEach(times, image, progress, [&ffmpeg](std::uint64_t, const ImageResult& picture) {
+    return ffmpeg.Write(*picture.bytes);
+  });
   if (error.empty()) error = ffmpeg.Finish();
   return error.empty() ? file.Commit() : error;
 }
