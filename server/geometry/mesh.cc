@@ -38,71 +38,27 @@ void Weigh(MeshData& mesh) {
   mesh.inertia_m5 = {squares.y() + squares.z(), squares.x() + squares.z(), squares.x() + squares.y()};
 }
 
-class TreeBuilder {
- public:
-  explicit TreeBuilder(MeshData& mesh) : mesh_(mesh) {}
-
-  void Build(std::uint32_t first, std::uint32_t count) {
-    constexpr std::uint32_t kLeaf = 4;
-    const std::size_t at = mesh_.tree.size();
-    mesh_.tree.emplace_back();
-    Vector3 low = Vector3::Constant(kNoHit), high = -low;
-    for (std::uint32_t i = first; i < first + count; ++i) {
-      for (const std::uint32_t v : mesh_.triangles[i]) {
-        low = low.cwiseMin(mesh_.vertices[v]);
-        high = high.cwiseMax(mesh_.vertices[v]);
-      }
+/// Neighbours next to each other: each half of the longer side of its box before the other, and so on.
+void SortTriangles(MeshData& mesh, std::uint32_t first, std::uint32_t count) {
+  constexpr std::uint32_t kFew = 4;
+  if (count <= kFew) return;
+  Vector3 low = Vector3::Constant(kNoHit), high = -low;
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    for (const std::uint32_t v : mesh.triangles[i]) {
+      low = low.cwiseMin(mesh.vertices[v]);
+      high = high.cwiseMax(mesh.vertices[v]);
     }
-    const Vector3 pad = Vector3::Constant(1e-9);
-    mesh_.tree[at].low = low - pad;
-    mesh_.tree[at].high = high + pad;
-    if (count <= kLeaf) {
-      mesh_.tree[at].first = first;
-      mesh_.tree[at].count = count;
-      return;
-    }
-    Eigen::Index axis = 0;
-    (high - low).maxCoeff(&axis);
-    const auto begin = mesh_.triangles.begin() + first;
-    const auto key = [&](const MeshData::Triangle& t) {
-      return mesh_.vertices[t[0]][axis] + mesh_.vertices[t[1]][axis] + mesh_.vertices[t[2]][axis];
-    };
-    std::stable_sort(begin, begin + count,
-                     [&](const auto& one, const auto& other) { return key(one) < key(other); });
-    Build(first, count / 2);
-    mesh_.tree[at].right = static_cast<std::uint32_t>(mesh_.tree.size());
-    Build(first + count / 2, count - count / 2);
   }
-
- private:
-  MeshData& mesh_;
-};
-
-bool MeetsBox(const Ray& ray, const Vector3& inverse, const MeshData::Node& node, double nearest_m) {
-  double from = 0, to = nearest_m;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double a = (node.low[axis] - ray.origin[axis]) * inverse[axis];
-    const double b = (node.high[axis] - ray.origin[axis]) * inverse[axis];
-    // A ray along a face gives nan, which min and max ignore in this order.
-    from = std::max(from, std::min(b, a));
-    to = std::min(to, std::max(b, a));
-  }
-  return from <= to;
-}
-
-double RayToTriangle(const Ray& ray, const Vector3& a, const Vector3& b, const Vector3& c) {
-  const Vector3 u = b - a, v = c - a;
-  const Vector3 h = ray.direction.cross(v);
-  const double det = u.dot(h);
-  if (det == 0) return kNoHit;
-  const Vector3 s = ray.origin - a;
-  const double x = s.dot(h) / det;
-  const Vector3 q = s.cross(u);
-  const double y = ray.direction.dot(q) / det;
-  constexpr double kEdge = -1e-12;
-  if (x < kEdge || y < kEdge || x + y > 1 - kEdge) return kNoHit;
-  const double t = v.dot(q) / det;
-  return t >= 0 ? t : kNoHit;
+  Eigen::Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const auto begin = mesh.triangles.begin() + first;
+  const auto key = [&](const MeshData::Triangle& t) {
+    return mesh.vertices[t[0]][axis] + mesh.vertices[t[1]][axis] + mesh.vertices[t[2]][axis];
+  };
+  std::stable_sort(begin, begin + count,
+                   [&](const auto& one, const auto& other) { return key(one) < key(other); });
+  SortTriangles(mesh, first, count / 2);
+  SortTriangles(mesh, first + count / 2, count - count / 2);
 }
 
 /// The points that lie furthest in evenly spread directions, each once, in their order.
@@ -213,9 +169,10 @@ MeshData MakeMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle>
     hash.Add(v.data(), 3 * sizeof(double));
   }
   Weigh(mesh);
-  TreeBuilder(mesh).Build(0, static_cast<std::uint32_t>(mesh.triangles.size()));
+  SortTriangles(mesh, 0, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const auto& triangle : mesh.triangles) hash.Add(triangle.data(), sizeof(triangle));
   mesh.id = hash.value();
+  mesh.tree = RayTree(mesh.vertices, mesh.triangles);
   return mesh;
 }
 
@@ -241,26 +198,7 @@ std::optional<MeshData> ConvexHull(std::span<const Vector3> points, Vector3& mid
 }
 
 double RayToMesh(const Ray& ray, const MeshData& mesh) {
-  const Vector3 inverse = ray.direction.cwiseInverse();
-  double nearest = kNoHit;
-  constexpr std::size_t kDepth = 64;  // the tree halves: 2^32 triangles need 32
-  std::array<std::uint32_t, kDepth> stack{};
-  std::size_t count = 1;
-  while (count > 0) {
-    const std::uint32_t at = stack[--count];
-    const MeshData::Node& node = mesh.tree[at];
-    if (!MeetsBox(ray, inverse, node, nearest)) continue;
-    if (node.count == 0) {
-      stack[count++] = node.right;
-      stack[count++] = at + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const auto& [a, b, c] = mesh.triangles[i];
-      nearest = std::min(nearest, RayToTriangle(ray, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]));
-    }
-  }
-  return nearest;
+  return mesh.tree.Cast(ray, mesh.vertices);
 }
 
 }  // namespace coopdyn

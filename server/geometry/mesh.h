@@ -11,6 +11,7 @@
 
 #include "server/geometry/image.h"
 #include "server/geometry/ray.h"
+#include "server/geometry/ray_tree.h"
 #include "server/geometry/shape.h"
 
 namespace coopdyn {
@@ -31,7 +32,7 @@ struct MeshSkin {
 };
 
 struct MeshData {
-  using Triangle = std::array<std::uint32_t, 3>;
+  using Triangle = RayTree::Triangle;
 
   std::vector<Vector3> vertices;               // about the middle of their box
   std::vector<Triangle> triangles;             // counter-clockwise from outside
@@ -42,14 +43,7 @@ struct MeshData {
   std::uint64_t id = 0;                        // of its content
   std::optional<std::array<double, 3>> color;  // of the file it came from
   std::shared_ptr<const MeshSkin> skin;        // null: `color` all over
-
-  /// A tree of boxes about triangles[first …]: an inner node's children are the next one and `right`.
-  struct Node {
-    Vector3 low = Vector3::Zero(), high = Vector3::Zero();
-    std::uint32_t first = 0, count = 0;  // count 0: an inner node
-    std::uint32_t right = 0;
-  };
-  std::vector<Node> tree;
+  RayTree tree;                                // of the triangles
 };
 
 /// A mesh of these triangles, moved so that the middle of its box is the origin; `middle` is where that was.

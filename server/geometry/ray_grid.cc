@@ -131,4 +131,10 @@ std::size_t RayGrid::FindNear(const Aabb2& box, double min_z, double max_z,
   return count;
 }
 
+std::vector<std::uint32_t> RayGrid::AllNear(const Aabb2& box) const {
+  std::vector<std::uint32_t> items;
+  grid_.FindOverlaps(boxes_, box, items);
+  return items;
+}
+
 }  // namespace coopdyn

@@ -40,6 +40,8 @@ class RayGrid {
   /// Writes the items whose bounds overlap `box` in the plane and [min_z, max_z], by increasing index, to
   /// `found`, if they fit. Returns how many there are, or found.size() + 1 for any number above.
   std::size_t FindNear(const Aabb2& box, double min_z, double max_z, std::span<std::uint32_t> found) const;
+  /// All items whose bounds overlap `box` in the plane, by increasing index.
+  std::vector<std::uint32_t> AllNear(const Aabb2& box) const;
 
  private:
   // What decides about most items without looking at their shapes.

@@ -56,9 +56,7 @@ void Compute(const DistanceModel& model, const KeptSensor& sensor, const Sensing
 }
 
 std::span<const double> Distances(const Frame& frame, int robot, std::size_t number) {
-  const SensingCache& cache = SensingCache::Of(frame);
-  if (number >= cache.scene().type(robot).distance_sensors) return {};
-  return cache.Values(robot, number);
+  return SensingCache::Of(frame).ValuesOf<DistanceModel>(robot, number);
 }
 
 std::span<const double> Distances(const Frame& frame, int robot) {

@@ -19,11 +19,14 @@ void AppendAll(const std::vector<Sighting>& seen, std::vector<double>& data) {
   for (const Sighting& one : seen) data.insert(data.end(), {one.distance_m, one.bearing_rad});
 }
 
+void Append(std::span<const double> values, std::vector<double>& data) {
+  data.insert(data.end(), values.begin(), values.end());
+}
+
 // The table of the sensors: the reading of each kind, a line each.
 
 void Append(const DistanceModel& /*model*/, const Place& at, std::vector<double>& data) {
-  const std::span<const double> ranges_m = Distances(at.frame, at.robot, at.number);
-  data.insert(data.end(), ranges_m.begin(), ranges_m.end());
+  Append(Distances(at.frame, at.robot, at.number), data);
 }
 void Append(const TargetModel& /*model*/, const Place& at, std::vector<double>& data) {
   AppendAll(SeenTargets(at.frame, at.robot, at.number), data);
@@ -58,6 +61,18 @@ void Append(const WrenchModel& /*model*/, const Place& at, std::vector<double>& 
   const WrenchReading reading = Wrench(at.frame, at.robot, at.number).value_or(WrenchReading());
   Append(reading.force_S, data);
   Append(reading.torque_S, data);
+}
+void Append(const LidarModel& /*model*/, const Place& at, std::vector<double>& data) {
+  Append(Scan(at.frame, at.robot, at.number), data);
+}
+void Append(const SonarModel& /*model*/, const Place& at, std::vector<double>& data) {
+  Append(SonarRanges(at.frame, at.robot, at.number), data);
+}
+void Append(const InfraredModel& /*model*/, const Place& at, std::vector<double>& data) {
+  Append(InfraredValues(at.frame, at.robot, at.number), data);
+}
+void Append(const LightModel& /*model*/, const Place& at, std::vector<double>& data) {
+  Append(LightValues(at.frame, at.robot, at.number), data);
 }
 void Append(const ContactModel& /*model*/, const Place& at, std::vector<double>& data) {
   for (const Touch& touch : Touches(at.frame, at.robot, at.number)) {

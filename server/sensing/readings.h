@@ -118,6 +118,18 @@ struct OdometryReading {
 };
 OdometryReading Odometry(const Frame& frame, int robot, std::size_t number = 0);
 
+/// One range per ray of a lidar (LidarModel has their order), m from the sensor: 0 nearer than its minimum,
+/// inf = nothing in range. It sees collision shapes: the floor, objects, other robots, and of its own the
+/// links but the one that carries it. Valid as long as the frame lives.
+std::span<const double> Scan(const Frame& frame, int robot, std::size_t number = 0);
+/// The same of each beam of a sonar: of the nearest point in its cone. It sees the floor only where that is
+/// perpendicular to a ray in the cone, since it throws all others away from the sensor.
+std::span<const double> SonarRanges(const Frame& frame, int robot, std::size_t number = 0);
+/// What each eye of an infrared range finder puts out. Valid as long as the frame lives.
+std::span<const double> InfraredValues(const Frame& frame, int robot, std::size_t number = 0);
+/// How much light each eye of a light sensor sees.
+std::vector<double> LightValues(const Frame& frame, int robot, std::size_t number = 0);
+
 /// The pose of a sensor in the world.
 Pose MountPose(const Frame& frame, int robot, const Mount& mount);
 /// The angular velocity of a link in the world, rad/s.

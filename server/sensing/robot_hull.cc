@@ -135,10 +135,10 @@ Extent RobotHull::Bounds(const Frame& frame, int robot, const Pose& X_WR) const 
   return bounds;
 }
 
-void RobotHull::Cast(const Frame& frame, int robot, const Pose& X_WR, const Ray& ray_W,
-                     double& nearest_m) const {
+void RobotHull::Cast(const Frame& frame, int robot, const Pose& X_WR, const Ray& ray_W, double& nearest_m,
+                     int ignored_link) const {
   bool between_ends = false;
-  if (trunk_) {
+  if (trunk_ && ignored_link != 0) {
     const Quaternion& q = X_WR.q;
     const Vector3 axis_W(2 * (q.x() * q.z() + q.w() * q.y()), 2 * (q.y() * q.z() - q.w() * q.x()),
                          1 - 2 * (q.x() * q.x() + q.y() * q.y()));
@@ -157,19 +157,19 @@ void RobotHull::Cast(const Frame& frame, int robot, const Pose& X_WR, const Ray&
   if (between_ends && all_hidden_ && frame.scene->robots[static_cast<std::size_t>(robot)].one_body()) {
     return;
   }
-  CastParts(frame, robot, X_WR, ray_W, between_ends, nearest_m);
+  CastParts(frame, robot, X_WR, ray_W, between_ends, ignored_link, nearest_m);
 }
 
 void RobotHull::CastParts(const Frame& frame, int robot, const Pose& X_WR, const Ray& ray_W,
-                          bool between_ends, double& nearest_m) const {
+                          bool between_ends, int ignored_link, double& nearest_m) const {
   const SceneRobot& scene_robot = frame.scene->robots[static_cast<std::size_t>(robot)];
   const bool rigid = scene_robot.one_body();
   for (const Part& part : parts_) {
     const bool in_place = rigid || part.link == 0;
-    if (part.hidden && between_ends && in_place) continue;
+    if ((part.hidden && between_ends && in_place) || part.link == ignored_link) continue;
     const Vector3 center_W = in_place ? X_WR * part.p_RC : BodyOfLink(frame, scene_robot, part.link).p_WB;
     if (!MayMeet(ray_W, center_W, in_place ? part.radius_m : part.body_radius_m, nearest_m)) continue;
-    const Pose X_WG = part.link == 0 ? X_WR * part.X_RG : LinkPose(frame, robot, part.link) * part.X_LG;
+    const Pose X_WG = PlaceOf(frame, robot, X_WR, part);
     const Matrix3 R_GW = X_WG.q.toRotationMatrix().transpose();
     const Ray ray_G{R_GW * (ray_W.origin - X_WG.p), R_GW * ray_W.direction};
     nearest_m = std::min(nearest_m, RayToShape(ray_G, part.shape));

@@ -24,12 +24,27 @@ class RobotHull {
   /// No bounds are wider than this unless a wheel has left its place.
   double whole_radius_m() const { return whole_radius_m_; }
 
-  /// Lowers `nearest_m`, a finite number, to the distance at which `ray_W` meets the robot if that is nearer.
-  void Cast(const Frame& frame, int robot, const Pose& X_WR, const Ray& ray_W, double& nearest_m) const;
+  /// Lowers `nearest_m`, a finite number, to the distance at which `ray_W` meets the robot, link
+  /// `ignored_link` left out, if that is nearer.
+  void Cast(const Frame& frame, int robot, const Pose& X_WR, const Ray& ray_W, double& nearest_m,
+            int ignored_link = kNoLink) const;
+  /// Calls visit(shape, X_WG) for each shape of the links but `ignored_link`.
+  template <typename Visit>
+  void ForShapes(const Frame& frame, int robot, const Pose& X_WR, int ignored_link, Visit visit) const {
+    if (trunk_ && ignored_link != 0) visit(Shape(trunk_->shape), Pose{X_WR * trunk_->p_RG, X_WR.q});
+    for (const Part& part : parts_) {
+      if (part.link != ignored_link) visit(part.shape, PlaceOf(frame, robot, X_WR, part));
+    }
+  }
+  static constexpr int kNoLink = -1;
 
  private:
+  struct Part;
+  static Pose PlaceOf(const Frame& frame, int robot, const Pose& X_WR, const Part& part) {
+    return part.link == 0 ? X_WR * part.X_RG : LinkPose(frame, robot, part.link) * part.X_LG;
+  }
   void CastParts(const Frame& frame, int robot, const Pose& X_WR, const Ray& ray_W, bool between_ends,
-                 double& nearest_m) const;
+                 int ignored_link, double& nearest_m) const;
 
   /// A cylinder that stands upright in R: most of what rays meet.
   struct Trunk {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -17,18 +16,23 @@ const SceneSensing& SceneSensing::Of(const Scene& scene) {
 }
 
 SceneSensing::RobotType::RobotType(const RobotModel& model) : hull(model) {
-  for (const SensorModel& sensor : model.sensors) {
+  for (std::size_t i = 0; i < model.sensors.size(); ++i) {
     const auto keep = [&]<typename Kind>(const Kind& kind) {
       if constexpr (IsKept<Kind>) {
-        kept.push_back({&sensor.kind, values, static_cast<std::uint32_t>(ValueCount(kind)), {}});
-        values += kept.back().count;
-        if constexpr (std::is_same_v<Kind, DistanceModel>) {
-          distance_sensors = kept.size();
-          ranges = values;
+        KeptSensor sensor{&model.sensors[i].kind,
+                          static_cast<std::uint32_t>(model.NumberOf(i)),
+                          0,
+                          static_cast<std::uint32_t>(ValueCount(kind)),
+                          {}};
+        if (!sensor.has_list()) {
+          sensor.first = ranges;
+          ranges += sensor.count;
+          ++distance_sensors;
         }
+        kept.push_back(std::move(sensor));
       }
     };
-    std::visit(keep, sensor.kind);
+    std::visit(keep, model.sensors[i].kind);
   }
 }
 
@@ -39,9 +43,9 @@ SceneSensing::SceneSensing(const Scene& scene) {
     const auto [found, is_new] = indices.emplace(&model, static_cast<std::uint32_t>(types_.size()));
     if (is_new) types_.emplace_back(model);
     types_of_robots_.push_back(found->second);
-    places_.push_back({kept_sensors_, kept_values_});
+    places_.push_back({kept_sensors_, ranges_});
     kept_sensors_ += static_cast<std::uint32_t>(types_[found->second].kept.size());
-    kept_values_ += types_[found->second].values;
+    ranges_ += types_[found->second].ranges;
   }
   double upright_radius_m = 0;
   for (const RobotType& type : types_) {
@@ -50,10 +54,8 @@ SceneSensing::SceneSensing(const Scene& scene) {
   }
   for (RobotType& type : types_) {
     for (KeptSensor& sensor : type.kept) {
-      const auto make_fans = [&]<typename Kind>(const Kind& kind) {
-        if constexpr (IsKept<Kind>) sensor.fans = SensorFan::MakeAll(kind, upright_radius_m);
-      };
-      std::visit(make_fans, *sensor.kind);
+      if (const auto* distance = std::get_if<DistanceModel>(sensor.kind))
+        sensor.fans = SensorFan::MakeAll(*distance, upright_radius_m);
     }
   }
   std::vector<RayItem> items;

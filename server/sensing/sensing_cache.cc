@@ -23,7 +23,8 @@ RayItem MakeRayItem(const Shape& shape, const Pose& X_WG) {
 
 FrameBuffers::FrameBuffers(const SceneSensing& scene)
     : progress(std::make_unique<std::atomic<std::uint8_t>[]>(scene.kept_sensors())),
-      values(scene.kept_values()) {}
+      ranges(scene.ranges()),
+      lists(scene.kept_sensors()) {}
 
 const SensingCache& SensingCache::Of(const Frame& frame, WorkerPool* pool) {
   std::call_once(frame.cache_once, [&] { frame.cache = std::make_unique<SensingCache>(frame, pool); });
@@ -56,39 +57,41 @@ const RayGrid& SensingCache::movable_grid() const {
 }
 
 std::span<const double> SensingCache::Values(int robot, std::size_t kept) const {
-  const SceneSensing::Place& place = scene_.place(robot);
-  const KeptSensor& sensor = scene_.type(robot).kept[kept];
-  Need(robot, place, sensor, buffers_->progress[place.first_kept + kept]);
-  return std::span<const double>(buffers_->values).subspan(place.first_value + sensor.first, sensor.count);
+  if (kept >= scene_.type(robot).kept.size()) return {};
+  return Need(robot, kept);
 }
 
 std::span<const double> SensingCache::Distances(int robot) const {
-  const SceneSensing::Place& place = scene_.place(robot);
   const SceneSensing::RobotType& type = scene_.type(robot);
-  for (std::size_t kept = 0; kept < type.distance_sensors; ++kept) {
-    Need(robot, place, type.kept[kept], buffers_->progress[place.first_kept + kept]);
-  }
-  return std::span<const double>(buffers_->values).subspan(place.first_value, type.ranges);
+  for (std::size_t kept = 0; kept < type.distance_sensors; ++kept) Need(robot, kept);
+  return std::span<const double>(buffers_->ranges).subspan(scene_.place(robot).first_range, type.ranges);
 }
 
-void SensingCache::Need(int robot, const SceneSensing::Place& place, const KeptSensor& sensor,
-                        std::atomic<std::uint8_t>& progress) const {
+std::span<double> SensingCache::Need(int robot, std::size_t kept) const {
+  const SceneSensing::Place& place = scene_.place(robot);
+  const KeptSensor& sensor = scene_.type(robot).kept[kept];
+  std::vector<double>& list = buffers_->lists[place.first_kept + kept];
+  std::atomic<std::uint8_t>& progress = buffers_->progress[place.first_kept + kept];
+  const auto values = [&]() -> std::span<double> {
+    if (sensor.has_list()) return list;
+    return std::span(buffers_->ranges).subspan(place.first_range + sensor.first, sensor.count);
+  };
   std::uint8_t now = progress.load(std::memory_order_acquire);
   if (now == kNobody && progress.compare_exchange_strong(now, kInTheMaking, std::memory_order_acquire)) {
-    const std::span<double> values =
-        std::span(buffers_->values).subspan(place.first_value + sensor.first, sensor.count);
+    if (sensor.has_list()) list.resize(sensor.count);
     const auto compute = [&]<typename Kind>(const Kind& kind) {
-      if constexpr (IsKept<Kind>) Compute(kind, sensor, *this, robot, values);
+      if constexpr (IsKept<Kind>) Compute(kind, sensor, *this, robot, values());
     };
     std::visit(compute, *sensor.kind);
     progress.store(kReady, std::memory_order_release);
     progress.notify_all();
-    return;
+    return values();
   }
   while (now != kReady) {
     progress.wait(now, std::memory_order_acquire);
     now = progress.load(std::memory_order_acquire);
   }
+  return values();
 }
 
 ThingHit SensingCache::Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const {

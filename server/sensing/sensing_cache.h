@@ -21,13 +21,28 @@ namespace coopdyn {
 
 class SensingCache;
 
-// The kinds of sensors whose values are kept have three functions each: ValueCount(), SensorFan::MakeAll()
-// and Compute(). All others are computed each time they are read.
+// The kinds of sensors whose values are kept have two functions each: ValueCount() and Compute(). All others
+// are computed each time they are read.
 inline std::size_t ValueCount(const DistanceModel& model) {
   return model.sectors.size();
 }
+inline std::size_t ValueCount(const LidarModel& model) {
+  return model.rays();
+}
+inline std::size_t ValueCount(const SonarModel& model) {
+  return model.beams.size();
+}
+inline std::size_t ValueCount(const InfraredModel& model) {
+  return model.eyes.size();
+}
 void Compute(const DistanceModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
              std::span<double> ranges_m);
+void Compute(const LidarModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
+             std::span<double> ranges_m);
+void Compute(const SonarModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
+             std::span<double> ranges_m);
+void Compute(const InfraredModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
+             std::span<double> values);
 template <typename Kind>
 concept IsKept = requires(const Kind& kind) { ValueCount(kind); };
 
@@ -41,7 +56,9 @@ struct FrameBuffers {
   std::vector<RayItem> movable_items;
   RayGrid movable_grid;
   std::unique_ptr<std::atomic<std::uint8_t>[]> progress;  // of each kept sensor
-  std::vector<double> values;                             // a sensor's part is guarded by its progress
+  // A sensor's part is guarded by its progress.
+  std::vector<double> ranges;              // of distance sensors
+  std::vector<std::vector<double>> lists;  // of each kept sensor; empty until somebody reads it
 };
 
 class SensingCache final : public FrameCache {
@@ -59,8 +76,13 @@ class SensingCache final : public FrameCache {
   const RobotField& field() const { return buffers_->field; }
   const RayGrid& movable_grid() const;
 
-  /// The values of kept sensor `kept` (index into RobotType::kept) of `robot`.
+  /// The values of kept sensor `kept` (index into RobotType::kept) of `robot`; empty if there is none.
   std::span<const double> Values(int robot, std::size_t kept) const;
+  /// Those of sensor `number` of a kind.
+  template <typename Kind>
+  std::span<const double> ValuesOf(int robot, std::size_t number) const {
+    return Values(robot, scene_.type(robot).IndexOf<Kind>(number));
+  }
   /// Those of all its distance sensors.
   std::span<const double> Distances(int robot) const;
 
@@ -70,8 +92,7 @@ class SensingCache final : public FrameCache {
 
  private:
   /// Computes the values of `sensor` unless they are there. One thread computes, others wait for it.
-  void Need(int robot, const SceneSensing::Place& place, const KeptSensor& sensor,
-            std::atomic<std::uint8_t>& progress) const;
+  std::span<double> Need(int robot, std::size_t kept) const;
 
   const Frame& frame_;
   const SceneSensing& scene_;

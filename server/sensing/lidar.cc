@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Lidars: ranges along many rays from one point. Worth keeping, so the frame's cache holds them.
+#include <cmath>
+#include <vector>
+
+#include "server/sensing/range_noise.h"
+#include "server/sensing/ray_caster.h"
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// `count` angles, evenly spread.
+double Spread(double first, double last, int count, int index) {
+  return count > 1 ? first + (last - first) * index / (count - 1) : first;
+}
+
+std::vector<Vector3> DirectionsOf(const LidarModel& model) {
+  struct Turn {
+    double cosine, sine;
+  };
+  std::vector<Turn> columns;
+  for (int column = 0; column < model.columns; ++column) {
+    const double azimuth_rad = Spread(model.first_azimuth_rad, model.last_azimuth_rad, model.columns, column);
+    columns.push_back({std::cos(azimuth_rad), std::sin(azimuth_rad)});
+  }
+  std::vector<Vector3> directions_S;
+  directions_S.reserve(model.rays());
+  for (int row = 0; row < model.rows; ++row) {
+    const double elevation_rad = Spread(model.first_elevation_rad, model.last_elevation_rad, model.rows, row);
+    const double across = std::cos(elevation_rad), up = std::sin(elevation_rad);
+    for (const Turn& turn : columns) directions_S.emplace_back(across * turn.cosine, across * turn.sine, up);
+  }
+  return directions_S;
+}
+
+}  // namespace
+
+void Compute(const LidarModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
+             std::span<double> ranges_m) {
+  const Frame& frame = cache.frame();
+  const Pose X_WS = MountPose(frame, robot, model.mount);
+  const Matrix3 R_WS = X_WS.q.toRotationMatrix();
+  const RayCaster caster(cache, robot, model.mount.link);
+  NoiseKey key = KeyOf(frame, robot, NoiseKind::kLidar, sensor.number);
+  const ValueNoise noise = WithBias(model.noise, key);
+  const std::vector<Vector3> directions_S = DirectionsOf(model);
+  for (std::size_t k = 0; k < ranges_m.size(); ++k) {
+    key.sample = static_cast<std::uint32_t>(k);
+    const double range_m = caster.Cast({X_WS.p, R_WS * directions_S[k]}, model.max_range_m);
+    ranges_m[k] = NoisyRange(range_m, model.min_range_m, model.max_range_m, noise, key);
+  }
+}
+
+std::span<const double> Scan(const Frame& frame, int robot, std::size_t number) {
+  return SensingCache::Of(frame).ValuesOf<LidarModel>(robot, number);
+}
+
+}  // namespace coopdyn

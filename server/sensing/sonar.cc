@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Sonars: the nearest point in a cone.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "server/geometry/cone.h"
+#include "server/sensing/range_noise.h"
+#include "server/sensing/readings.h"
+#include "server/sensing/sensing_cache.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// Looks for the nearest thing in one cone.
+class ConeSearch {
+ public:
+  ConeSearch(const SensingCache& cache, int robot, const SonarModel::Beam& beam)
+      : cache_(cache), nearest_m_(beam.max_range_m) {
+    const Pose X_WS = MountPose(cache.frame(), robot, beam.mount);
+    cone_W_ = {X_WS.p, X_WS.q * Vector3::UnitX(), beam.opening_rad / 2};
+    MeetFloor();
+    MeetItems(cache.scene().static_grid());
+    if (!cache.scene().movable().empty()) MeetItems(cache.movable_grid());
+    MeetRobots(robot, beam.mount.link);
+  }
+  /// kNoHit: nothing in range.
+  double range_m() const { return found_ ? nearest_m_ : kNoHit; }
+
+ private:
+  void Found(double range_m) {
+    if (range_m > nearest_m_) return;
+    nearest_m_ = range_m;
+    found_ = true;
+  }
+  void MeetFloor() {
+    const double down_rad = std::acos(std::clamp(-cone_W_.axis.z(), -1.0, 1.0));
+    if (down_rad <= cone_W_.half_angle_rad) Found(std::max(0.0, cone_W_.apex.z()));
+  }
+  void MeetShape(const Shape& shape, const Pose& X_WG) {
+    if (!ConeMeetsSphere(cone_W_, X_WG.p, BoundingRadius(shape))) return;
+    const Pose X_GW = X_WG.Inverse();
+    const Cone cone_G{X_GW * cone_W_.apex, X_GW.q * cone_W_.axis, cone_W_.half_angle_rad};
+    Found(NearestInCone(cone_G, shape, nearest_m_));
+  }
+  void MeetItems(const RayGrid& grid) {
+    const double x = cone_W_.apex.x(), y = cone_W_.apex.y();
+    for (const std::uint32_t index :
+         grid.AllNear({x - nearest_m_, y - nearest_m_, x + nearest_m_, y + nearest_m_})) {
+      const RayItem& item = grid.items()[index];
+      MeetShape(item.shape, {item.p_WG, Quaternion(item.R_WG)});
+    }
+  }
+  void MeetRobots(int robot, int link) {
+    const RobotField& field = cache_.field();
+    field.ForHulls(cone_W_.apex.x(), cone_W_.apex.y(), nearest_m_, [&](auto entries) {
+      for (const RobotField::Entry& entry : entries)
+        MeetRobot(entry, entry.robot == robot ? link : RobotHull::kNoLink);
+    });
+  }
+  void MeetRobot(const RobotField::Entry& entry, int ignored_link) {
+    const Vector3 middle(entry.x, entry.y, (entry.min_z + entry.max_z) / 2);
+    if (!ConeMeetsSphere(cone_W_, middle, std::hypot(entry.radius_m, (entry.max_z - entry.min_z) / 2)))
+      return;
+    cache_.scene()
+        .type(entry.robot)
+        .hull.ForShapes(cache_.frame(), entry.robot, cache_.field().pose(entry.robot), ignored_link,
+                        [this](const Shape& shape, const Pose& X_WG) { MeetShape(shape, X_WG); });
+  }
+
+  const SensingCache& cache_;
+  Cone cone_W_;
+  double nearest_m_;
+  bool found_ = false;
+};
+
+}  // namespace
+
+void Compute(const SonarModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
+             std::span<double> ranges_m) {
+  NoiseKey key = KeyOf(cache.frame(), robot, NoiseKind::kSonar, sensor.number);
+  for (std::size_t k = 0; k < ranges_m.size(); ++k) {
+    const SonarModel::Beam& beam = model.beams[k];
+    key.sample = static_cast<std::uint32_t>(k);
+    ranges_m[k] = NoisyRange(ConeSearch(cache, robot, beam).range_m(), beam.min_range_m, beam.max_range_m,
+                             model.noise, key);
+  }
+}
+
+std::span<const double> SonarRanges(const Frame& frame, int robot, std::size_t number) {
+  return SensingCache::Of(frame).ValuesOf<SonarModel>(robot, number);
+}
+
+}  // namespace coopdyn
