@@ -18,17 +18,17 @@ namespace {
 
 namespace client = coopdyn::client;
 
-constexpr double kBallRadius_m = 0.1;  // R
-constexpr double kKeep_m = 0.8;        // from the camera to the ball
-constexpr double kApproach = 1.0;      // 1/s, speed for each metre too far
-constexpr double kMaxSpeed = 0.4;      // m/s
-constexpr double kSteer = 2.0;         // 1/s, turn rate for each radian off
-constexpr double kMaxTurn = 1.5;       // rad/s
-constexpr double kSearch = 0.8;        // rad/s, when it sees no ball
-constexpr double kRed = 60;            // what red has at least
-constexpr double kMore = 2;            // and how many times green and blue
-constexpr double kColumns = 80;        // of the picture so many are looked at, and as many rows
-constexpr double kFew = 6;             // less pixels are no ball
+constexpr double kBallRadius_m = 0.12;  // R
+constexpr double kKeep_m = 0.8;         // from the camera to the ball
+constexpr double kApproach = 1.0;       // 1/s, speed for each metre too far
+constexpr double kMaxSpeed = 0.4;       // m/s
+constexpr double kSteer = 2.0;          // 1/s, turn rate for each radian off
+constexpr double kMaxTurn = 1.5;        // rad/s
+constexpr double kSearch = 0.8;         // rad/s, when it sees no ball
+constexpr double kRed = 60;             // what red has at least
+constexpr double kMore = 2;             // and how many times green and blue
+constexpr double kColumns = 80;         // of the picture so many are looked at, and as many rows
+constexpr double kFew = 6;              // less pixels are no ball
 
 struct Ball {
   double distance, bearing;

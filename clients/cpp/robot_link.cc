@@ -15,19 +15,11 @@ constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command 
 
 /// Types of robots that have a module of this kind; "": none that comes with the daemon.
 const std::map<std::string, std::string>& WhoHas() {
-  static const std::map<std::string, std::string> types = {{"neighbours", "minibot"},
-                                                           {"compass", "minibot"},
-                                                           {"support", "transporter"},
-                                                           {"imu", "balancer"},
-                                                           {"wrench", "humanoid"},
-                                                           {"lidar", "turtle"},
-                                                           {"contact", "turtle"},
-                                                           {"battery", "turtle"},
-                                                           {"odometry", "turtle"},
-                                                           {"sonar", ""},
-                                                           {"camera", "coopbot_camera"},
-                                                           {"infrared", ""},
-                                                           {"light", ""}};
+  static const std::map<std::string, std::string> types = {
+      {"neighbours", "minibot"}, {"compass", "minibot"}, {"support", "transporter"},   {"imu", "balancer"},
+      {"wrench", "humanoid"},    {"lidar", "turtle"},    {"contact", "turtle"},        {"battery", "turtle"},
+      {"odometry", "turtle"},    {"sonar", ""},          {"camera", "coopbot_camera"}, {"infrared", ""},
+      {"light", "moth"}};
   return types;
 }
 

@@ -45,17 +45,17 @@ function ball(name, duration)
 end
 
 function p = parameters()
-  p.ball_radius = 0.1;  % R [m]
-  p.keep = 0.8;         % [m] from the camera to the ball
-  p.approach = 1.0;     % [1/s] speed for each metre too far
-  p.max_speed = 0.4;    % [m/s]
-  p.steer = 2.0;        % [1/s] turn rate for each radian off
-  p.max_turn = 1.5;     % [rad/s]
-  p.search = 0.8;       % [rad/s] when it sees no ball
-  p.red = 60;           % what red has at least
-  p.more = 2;           % and how many times green and blue
-  p.columns = 80;       % of the picture so many are looked at, and as many rows
-  p.few = 6;            % less pixels are no ball
+  p.ball_radius = 0.12;  % R [m]
+  p.keep = 0.8;          % [m] from the camera to the ball
+  p.approach = 1.0;      % [1/s] speed for each metre too far
+  p.max_speed = 0.4;     % [m/s]
+  p.steer = 2.0;         % [1/s] turn rate for each radian off
+  p.max_turn = 1.5;      % [rad/s]
+  p.search = 0.8;        % [rad/s] when it sees no ball
+  p.red = 60;            % what red has at least
+  p.more = 2;            % and how many times green and blue
+  p.columns = 80;        % of the picture so many are looked at, and as many rows
+  p.few = 6;             % less pixels are no ball
 end
 
 function [distance, bearing] = look(p, image, camera)

@@ -11,7 +11,7 @@ import sys
 
 import coopdyn
 
-BALL_RADIUS = 0.1  # R [m]
+BALL_RADIUS = 0.12  # R [m]
 KEEP = 0.8  # [m] from the camera to the ball
 APPROACH = 1.0  # [1/s] speed for each metre too far
 MAX_SPEED = 0.4  # [m/s]

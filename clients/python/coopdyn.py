@@ -108,7 +108,7 @@ _SENSED = ("motors", "distance", "target", "pose", "compass", "support", "imu", 
            "light", "battery", "odometry")
 # Types of robots that have a module of this kind; "": none that comes with the daemon.
 _HAVE = {"neighbours": "minibot", "compass": "minibot", "support": "transporter", "imu": "balancer", "wrench": "humanoid",
-         "lidar": "turtle", "contact": "turtle", "camera": "coopbot_camera", "sonar": "", "infrared": "", "light": "",
+         "lidar": "turtle", "contact": "turtle", "camera": "coopbot_camera", "sonar": "", "infrared": "", "light": "moth",
          "battery": "turtle", "odometry": "turtle"}
 
 _ERROR_NAMES = {

@@ -118,6 +118,9 @@ class GuideTest(unittest.TestCase):
     def test_an_arm(self):
         self.read_chapter("An arm")
 
+    def test_what_a_robot_sees_and_feels(self):
+        self.read_chapter("What a robot sees and feels")
+
     def test_telnet(self):
         self.read_chapter("Telnet")
 

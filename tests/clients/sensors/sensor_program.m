@@ -2,7 +2,7 @@
 % Prints what all sensors of robot1 read; sensor_program.py and sensor_program.cc are the same program.
 1;
 function show(what, values)
-  disp([what strrep(sprintf(' %.17g', double(values)), 'Inf', 'inf')]);
+  disp([what lower(sprintf(' %.17g', double(values)))]);
 end
 
 function show_struct(what, s)

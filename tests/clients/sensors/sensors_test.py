@@ -5,6 +5,7 @@ import pathlib
 import subprocess
 import sys
 import unittest
+import unittest.mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "python"))
@@ -15,6 +16,24 @@ from fake_daemon import FakeDaemon  # noqa: E402
 
 CLIENTS = harness.ROOT / "clients"
 LIMIT_S = 170
+ROOM = """[SIMULATION]
+mode lockstep
+[FLOOR]
+size 8 8 0.1
+[WALL]
+type box
+size 0.2 4 0.6
+position 1.5 0
+[BALL]
+type sphere
+size 0.3
+position 0.9 0.1
+color red
+[ROBOT_1]
+type sensed
+name robot1
+position 0 0
+"""
 
 
 def octave(code):
@@ -77,6 +96,19 @@ class SameReadings(unittest.TestCase):
 
     def test_cpp_reads_the_same(self):
         self.assertEqual(self.read([os.environ["SENSOR_PROGRAM"]]), self.expected())
+
+
+class RealReadings(unittest.TestCase):
+    def test_the_three_languages_read_the_same_of_a_robot_with_all_sensors(self):
+        read = []
+        for command in ([sys.executable, HERE / "sensor_program.py"], octave("sensor_program"), [os.environ["SENSOR_PROGRAM"]]):
+            with unittest.mock.patch.dict(os.environ, COOPDYN_PATH=str(HERE)), harness.Daemon(ROOM, "--no-http") as daemon:
+                read.append(run(command, daemon.server))
+        words = [line.split()[0] for line in read[0]]
+        for word in ("imu", "wrench", "ranges", "bumper", "sonar", "infrared", "light", "battery", "odometry", "image", "depth", "name"):
+            self.assertIn(word, words)
+        self.assertEqual(read[1], read[0])
+        self.assertEqual(read[2], read[0])
 
 
 class Resets(unittest.TestCase):

@@ -71,12 +71,13 @@ TEST(ShippedTest, EveryWorldLoadsWithoutDiagnostics) {
 }
 
 TEST(ShippedTest, NamesAreListedSorted) {
-  EXPECT_THAT(ShippedRobots().path().ScenarioNames(),
-              ::testing::ElementsAre("aggregate50", "arena20", "ball", "box_maze", "classroom", "cluttered",
-                                     "corridor", "crowd200", "diffuse100", "empty", "fig4", "flock50",
-                                     "formation", "formation_loaded", "lamps", "maze", "reach", "squat", "swarm100",
-                                     "swarm1000", "swarm5000", "transport", "transport_loaded", "triangle",
-                                     "triangle_loaded", "tripod", "trot", "walk"));
+  EXPECT_THAT(
+      ShippedRobots().path().ScenarioNames(),
+      ::testing::ElementsAre("aggregate50", "arena20", "ball", "box_maze", "classroom", "cluttered",
+                             "corridor", "crowd200", "diffuse100", "empty", "fig4", "flock50", "formation",
+                             "formation_loaded", "lamps", "maze", "pendulum", "reach", "squat", "swarm100",
+                             "swarm1000", "swarm5000", "transport", "transport_loaded", "triangle",
+                             "triangle_loaded", "tripod", "trot", "walk", "wall"));
 }
 
 TEST(ShippedTest, RobotsStartClearOfEverything) {

@@ -16,7 +16,9 @@ function [type, known] = type_with(module)
       type = 'turtle';
     case 'camera'
       type = 'coopbot_camera';
-    case {'sonar', 'infrared', 'light'}
+    case 'light'
+      type = 'moth';
+    case {'sonar', 'infrared'}
       % none
     otherwise
       known = false;

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: MIT
+"""The programs that come with the clients use sensors: they follow a ball by a camera and a wall by a lidar, and balance by an IMU.
+CLIENT_BALL, CLIENT_WALL and CLIENT_PENDULUM name those in C++."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "python"))
+import harness  # noqa: E402
+import coopdyn  # noqa: E402
+
+CLIENTS = harness.ROOT / "clients"
+LIMIT_S = 170
+
+
+def drive(language, program, mode, *arguments):
+    """What the program prints at its end, and the hash of the world then."""
+    if language == "python":
+        command = [sys.executable, str(CLIENTS / "python" / f"{program}.py"), *arguments]
+    elif language == "cpp":
+        command = [os.environ[f"CLIENT_{program.upper()}"], *arguments]
+    else:
+        quoted = ", ".join([f"'{arguments[0]}'", *arguments[1:]]) if arguments else ""
+        command = ["octave", "--no-gui", "--norc", "--eval", f"addpath('{CLIENTS / 'matlab'}'); {program}({quoted});"]
+    options = [] if program == "ball" else ["--no-render"]
+    with harness.Daemon(program, "--no-http", "--mode", mode, *options) as daemon:
+        env = dict(os.environ, COOPDYN_SERVER=daemon.server, PYTHONPATH=str(CLIENTS / "python"))
+        env.pop("DISPLAY", None)
+        done = subprocess.run(command, env=env, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT_S)
+        if done.returncode != 0:
+            raise AssertionError(f"{command}: {done.stdout}{done.stderr}")
+        with coopdyn.connect(daemon.server, watch=True) as sim:
+            return done.stdout, sim.hash()
+
+
+class Controllers:
+    language = ""
+
+    def figures(self, program, mode, *arguments):
+        out, _ = drive(self.language, program, mode, *arguments)
+        return [float(number) for number in re.findall(r"-?\d+(?:\.\d+)?", out.split(" ", 1)[1])], out
+
+    def test_the_pendulum_gets_up_and_goes_a_metre_in_lockstep(self):
+        (way, most), out = self.figures("pendulum", "lockstep")
+        self.assertAlmostEqual(way, 1, delta=0.01, msg=out)
+        self.assertLess(most, 6, out)
+
+    def test_and_stays_up_in_real_time(self):
+        (way, most), out = self.figures("pendulum", "realtime")
+        self.assertAlmostEqual(way, 1, delta=0.2, msg=out)
+        self.assertLess(most, 11, out)  # at 12 degrees it lies on a skid
+
+    def test_the_wall_follower_keeps_its_distance_in_lockstep(self):
+        (within, wanted, share, least), out = self.figures("wall", "lockstep", "robot1", "60")
+        self.assertEqual((within, wanted), (0.1, 0.5))
+        self.assertGreaterEqual(share, 80, out)
+        self.assertGreater(least, 0.2, out)
+
+    def test_and_in_real_time(self):
+        (_, _, share, least), out = self.figures("wall", "realtime", "robot1", "15")
+        self.assertGreaterEqual(share, 50, out)
+        self.assertGreater(least, 0.15, out)
+
+    def test_the_camera_keeps_the_ball_in_sight_in_lockstep(self):
+        (share, pictures, distance, bearing), out = self.figures("ball", "lockstep", "robot1", "15")
+        self.assertEqual(pictures, 1500)
+        self.assertGreaterEqual(share, 80, out)
+        self.assertAlmostEqual(distance, 1.05, delta=0.1, msg=out)  # the ball drives on: it trails by speed / APPROACH
+        self.assertAlmostEqual(bearing, 0, delta=10, msg=out)
+
+    def test_and_the_ball_in_real_time(self):
+        (share, _, distance, bearing), out = self.figures("ball", "realtime", "robot1", "15")
+        self.assertGreaterEqual(share, 50, out)
+        self.assertAlmostEqual(distance, 1.05, delta=0.5, msg=out)
+        self.assertAlmostEqual(bearing, 0, delta=25, msg=out)
+
+
+class Python(Controllers, unittest.TestCase):
+    language = "python"
+
+
+class Octave(Controllers, unittest.TestCase):
+    language = "octave"
+
+
+class Cpp(Controllers, unittest.TestCase):
+    language = "cpp"
+
+
+class SameController(unittest.TestCase):
+    def test_the_three_languages_drive_alike_to_the_last_bit(self):
+        for program, arguments in (("pendulum", ()), ("wall", ("robot1", "10")), ("ball", ("robot1", "5"))):
+            with self.subTest(program):
+                python = drive("python", program, "lockstep", *arguments)
+                self.assertRegex(python[1], r"^[0-9a-f]{16}$")
+                for language in ("octave", "cpp"):
+                    self.assertEqual(drive(language, program, "lockstep", *arguments), python, language)
+
+
+if __name__ == "__main__":
+    unittest.main()
