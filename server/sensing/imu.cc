@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Inertial measurement units: turn rates, acceleration and orientation, each with its noise.
-#include "server/state/noise.h"
 #include "server/sensing/readings.h"
+#include "server/state/noise.h"
 
 namespace coopdyn {
 

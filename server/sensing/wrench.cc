@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Force and torque through a joint: what physics measured, with noise.
-#include "server/state/noise.h"
 #include "server/sensing/readings.h"
+#include "server/state/noise.h"
 
 namespace coopdyn {
 

@@ -35,9 +35,9 @@ enum class ShotView { kColor, kDepth, kSegmentation };
 
 /// A picture of a robot's camera.
 struct CameraShot {
-  FramePtr frame;                            // that is drawn; null: the newest
-  int robot = -1;                            // index into the scene
-  std::size_t sensor = 0;                    // of its model: a camera
+  FramePtr frame;          // that is drawn; null: the newest
+  int robot = -1;          // index into the scene
+  std::size_t sensor = 0;  // of its model: a camera
   ShotView view = ShotView::kColor;
   std::string robot_name = {}, module = {};  // instead of robot and sensor: looked up in the frame
 
