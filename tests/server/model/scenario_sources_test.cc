@@ -78,8 +78,12 @@ class Portrait {
     for (const JointModel& j : model.joints) {
       Add(j.name, j.parent, j.child, j.p_RJ, j.axis_R, j.max_effort);
     }
-    Add(model.drive_actuator()->joints[0], model.drive_actuator()->joints[1], model.drive()->wheel_radius_m,
-        model.drive()->track_m, model.drive()->max_wheel_speed_rad_s, model.drive()->max_torque_nm);
+    for (const ActuatorModel& actuator : model.actuators) {
+      Add(actuator.module);
+      for (const int joint : actuator.joints) Add(joint);
+    }
+    if (const DriveModel* drive = model.drive())
+      Add(drive->wheel_radius_m, drive->track_m, drive->max_wheel_speed_rad_s, drive->max_torque_nm);
     for (const SectorModel& s : model.sectors()) {
       Add(s.X_RS, s.bearing_rad, s.opening_rad, s.rays, s.max_range_m, s.noise_stddev_m);
     }
