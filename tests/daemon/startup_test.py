@@ -80,7 +80,7 @@ class MistakeTest(unittest.TestCase):
                                   (("export", "a.run", "--to", "png", "--eye", "1,2"), "--eye takes 3 numbers"),
                                   (("export", "a.run", "--to", "csv", "--from", "x"), "--from must be a number, not x"),
                                   (("check", "a.run"), "there is no such scenario"),
-                                  (("describe", "robot"), "describe robot takes a name, one of car, coopbot"),
+                                  (("describe", "robot"), "describe robot takes a name, one of balancer, car, coopbot, "),
                                   (("export",), "RUN is missing (coopdyn export --help shows how to write it)")):
             self.assertIn(wanted, run(*arguments).stderr.decode())
 

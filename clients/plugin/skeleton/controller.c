@@ -1,12 +1,13 @@
-/* @NAME@: drives on in curves and turns away from what is near. Change step(); controller.h says what there is.
- * Try it: see README.md beside this file. */
+/* @NAME@: drives on in curves and turns away from what is near. Change step(); controller.h says what there
+ * is. Try it: see README.md beside this file. */
 #include "controller.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Options of the scenario's line, e.g. `controller @NAME@ speed=0.3`: name, help, default, least, greatest. */
+/* Options of the scenario's line, e.g. `controller @NAME@ speed=0.3`: name, help, default, least, greatest.
+ */
 static const coopdyn_option options[] = {
     {"speed", "of driving, m/s", 0.2, 0, 5},
     {"near", "turns away from what is nearer, m", 0.4, 0, 100},
@@ -30,6 +31,7 @@ static const coopdyn_description* describe(void) {
       sizeof(state_t),
       sizeof(options) / sizeof(options[0]),
       options,
+      NULL, /* sensors' modules, with COOPDYN_SENSORS: "lidar imu" */
   };
   return &description;
 }
