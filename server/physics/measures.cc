@@ -95,26 +95,14 @@ void Measures::Begin(std::span<const BodyState> bodies) {
 }
 
 void Measures::Add(std::span<const MeasuredContact> contacts, double share) {
-  const std::size_t old = gathered_.size();
   std::uint32_t index = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const MeasuredContact& one = contacts[i];
-    const auto same = [&one](const MeasuredContact& other) {
-      return other.a == one.a && other.b == one.b && other.part_a == one.part_a && other.part_b == one.part_b;
-    };
-    index = i > 0 && same(contacts[i - 1]) ? index + 1 : 0;
-    const auto found =
-        std::find_if(gathered_.begin(), gathered_.begin() + static_cast<std::ptrdiff_t>(old),
-                     [&](const Gathered& other) { return other.index == index && same(other.contact); });
-    if (found == gathered_.begin() + static_cast<std::ptrdiff_t>(old)) {
-      gathered_.push_back({one, index, share});
-      gathered_.back().contact.force_W *= share;
-      continue;
-    }
-    found->contact.force_W += share * one.force_W;
-    found->contact.p_W = one.p_W;
-    found->contact.normal_W = one.normal_W;
-    found->share += share;
+    const bool again = i > 0 && contacts[i - 1].a == contacts[i].a && contacts[i - 1].b == contacts[i].b &&
+                       contacts[i - 1].part_a == contacts[i].part_a &&
+                       contacts[i - 1].part_b == contacts[i].part_b;
+    index = again ? index + 1 : 0;
+    gathered_.push_back({contacts[i], index, share});
+    gathered_.back().contact.force_W *= share;
   }
 }
 
@@ -136,27 +124,54 @@ bool Measures::Sleeps(const ContactEnd& end, std::span<const BodyState> bodies) 
 
 void Measures::EndContacts(std::span<const BodyState> bodies) {
   // Who sleeps weighs as much as before, on what sleeps, too.
-  const auto is_over = [&](const Contact& contact) {
-    const bool anew = std::ranges::any_of(gathered_, [&](const Gathered& other) {
-      return EndOf(other.contact.a, other.contact.part_a) == contact.a &&
-             EndOf(other.contact.b, other.contact.part_b) == contact.b;
-    });
-    return anew || !Sleeps(contact.a, bodies) || !Sleeps(contact.b, bodies);
-  };
-  std::erase_if(contacts_, is_over);
-  for (const Gathered& gathered : gathered_) {
-    const MeasuredContact& from = gathered.contact;
-    Contact contact{EndOf(from.a, from.part_a), EndOf(from.b, from.part_b), from.p_W, from.normal_W,
-                    from.force_W};
-    // It fell asleep in the middle of the step.
-    if (Sleeps(contact.a, bodies) && Sleeps(contact.b, bodies)) contact.force_W /= gathered.share;
-    contacts_.push_back(contact);
-  }
-  const auto key = [](const Contact& contact) {
+  std::erase_if(contacts_, [&](const Contact& contact) {
+    return !Sleeps(contact.a, bodies) || !Sleeps(contact.b, bodies);
+  });
+  const auto ends = [](const Contact& contact) {
     const ContactEnd &a = contact.a, &b = contact.b;
     return std::tuple(a.robot, a.object, a.link, a.collision, b.robot, b.object, b.link, b.collision);
   };
-  std::ranges::stable_sort(contacts_, {}, key);
+  struct Found {
+    Contact contact;
+    std::uint32_t index;
+    double share;
+  };
+  std::vector<Found> all;
+  for (const Gathered& gathered : gathered_) {
+    const MeasuredContact& from = gathered.contact;
+    all.push_back(
+        {{EndOf(from.a, from.part_a), EndOf(from.b, from.part_b), from.p_W, from.normal_W, from.force_W},
+         gathered.index,
+         gathered.share});
+  }
+  // Those of one pair of parts in all substeps, one after the other.
+  std::ranges::stable_sort(all, {}, [&ends](const Found& one) {
+    return std::tuple_cat(ends(one.contact), std::tuple(one.index));
+  });
+  std::vector<Contact> merged;
+  for (std::size_t i = 0; i < all.size();) {
+    Contact contact = all[i].contact;
+    double share = all[i].share;
+    std::size_t next = i + 1;
+    for (; next < all.size() && all[next].index == all[i].index && ends(all[next].contact) == ends(contact);
+         ++next) {
+      contact.force_W += all[next].contact.force_W;
+      contact.p_W = all[next].contact.p_W;
+      contact.normal_W = all[next].contact.normal_W;
+      share += all[next].share;
+    }
+    // It fell asleep in the middle of the step.
+    if (Sleeps(contact.a, bodies) && Sleeps(contact.b, bodies)) contact.force_W /= share;
+    merged.push_back(contact);
+    i = next;
+  }
+  // What was found anew takes the place of what slept.
+  std::erase_if(contacts_, [&](const Contact& old) {
+    const auto at = std::ranges::lower_bound(merged, ends(old), {}, ends);
+    return at != merged.end() && ends(*at) == ends(old);
+  });
+  contacts_.insert(contacts_.end(), merged.begin(), merged.end());
+  std::ranges::stable_sort(contacts_, {}, ends);
 }
 
 void Measures::End(const Moment& moment, std::span<const BodyState> bodies,
@@ -227,8 +242,15 @@ Measures::Motion Measures::MotionOf(const Measured& of, std::span<const BodyStat
     const Quaternion q_WI = body.orientation() * X_BI.q;
     return q_WI * Vector3(inertia_kg_m2.cwiseProduct(q_WI.conjugate() * body.w_WB));
   };
-  return {was.p_WB + was.orientation() * X_BI.p, mass_kg * velocity(was), mass_kg * velocity(is),
-          momentum(was), momentum(is)};
+  const auto place = [&X_BI](const BodyState& body) -> Vector3 {
+    return body.p_WB + body.orientation() * X_BI.p;
+  };
+  return {place(was),
+          (place(was) + place(is)) / 2,
+          mass_kg * velocity(was),
+          mass_kg * velocity(is),
+          momentum(was),
+          momentum(is)};
 }
 
 // Newton's and Euler's laws for all that is beyond the joint: what passes through it is what its momentum has
@@ -240,13 +262,16 @@ void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<c
   const std::size_t index = BodyOf(of, robot, model.mount.link);
   const BodyState &was = of.before[index], &is = now[index];
   const Pose X_BS = PlaceInBody(of, model.mount.link) * model.mount.X_LS;
+  // Weight and contacts act where things are when the step begins; the momentum changes in its middle.
   const Vector3 o_W = was.p_WB + was.orientation() * X_BS.p;
+  const Vector3 middle_W = (o_W + is.p_WB + is.orientation() * X_BS.p) / 2;
   const double g = scene_->scenario->simulation.gravity_m_s2;
   Vector3 force = Vector3::Zero(), torque = Vector3::Zero();
   const auto add = [&](const Motion& motion, double mass_kg) {
-    const Vector3 needed = (motion.P_next_W - motion.P_W) / moment.dt_s + Vector3(0, 0, mass_kg * g);
-    force += needed;
-    torque += (motion.p_W - o_W).cross(needed) + (motion.L_next_W - motion.L_W) / moment.dt_s;
+    const Vector3 gained = (motion.P_next_W - motion.P_W) / moment.dt_s, carried(0, 0, mass_kg * g);
+    force += gained + carried;
+    torque += (motion.middle_W - middle_W).cross(gained) + (motion.p_W - o_W).cross(carried) +
+              (motion.L_next_W - motion.L_W) / moment.dt_s;
   };
   const WrenchModel::Part& part = model.part;
   add(MotionOf(of, now, part.link, part.mass_kg, part.X_LI, part.inertia_kg_m2), part.mass_kg);

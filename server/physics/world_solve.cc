@@ -274,7 +274,7 @@ void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, Solver& solver, dou
 
 template <typename Solver>
 void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
-  batch.measured.assign(solver.measured().begin(), solver.measured().end());
+  if (!measures_.empty()) batch.measured.assign(solver.measured().begin(), solver.measured().end());
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
     const Thing& info = things_.all[thing];
