@@ -25,10 +25,10 @@ constexpr double kMaxSpeed = 0.4;       // m/s
 constexpr double kSteer = 2.0;          // 1/s, turn rate for each radian off
 constexpr double kMaxTurn = 1.5;        // rad/s
 constexpr double kSearch = 0.8;         // rad/s, when it sees no ball
-constexpr double kRed = 60;             // what red has at least
-constexpr double kMore = 2;             // and how many times green and blue
-constexpr double kColumns = 80;         // of the picture so many are looked at, and as many rows
-constexpr double kFew = 6;              // less pixels are no ball
+constexpr double kRed = 60;             // a red pixel has at least this much red
+constexpr double kMore = 2;             // and this many times as much as green and as blue
+constexpr double kColumns = 80;         // it looks at every fourth pixel of a picture that is 320 wide, and so on
+constexpr double kFew = 6;              // fewer red pixels are no ball
 
 struct Ball {
   double distance, bearing;
@@ -43,7 +43,7 @@ std::optional<Ball> Look(const client::Image& image, const client::Camera& camer
       const client::Rgb c = image.rgb(x, y);
       if (c.r < kRed || c.r < kMore * c.g || c.r < kMore * c.b) continue;
       ++count;
-      columns += x / every;
+      columns += (x / every);
     }
   }
   if (count < kFew) return std::nullopt;

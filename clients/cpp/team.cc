@@ -10,6 +10,7 @@
 
 #include "clients/cpp/error.h"
 #include "clients/cpp/session.h"
+#include "clients/cpp/words.h"
 #include "protocol/command_ids.h"
 
 namespace coopdyn::client {

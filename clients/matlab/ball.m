@@ -52,10 +52,10 @@ function p = parameters()
   p.steer = 2.0;         % [1/s] turn rate for each radian off
   p.max_turn = 1.5;      % [rad/s]
   p.search = 0.8;        % [rad/s] when it sees no ball
-  p.red = 60;            % what red has at least
-  p.more = 2;            % and how many times green and blue
-  p.columns = 80;        % of the picture so many are looked at, and as many rows
-  p.few = 6;             % less pixels are no ball
+  p.red = 60;            % a red pixel has at least this much red
+  p.more = 2;            % and this many times as much as green and as blue
+  p.columns = 80;        % it looks at every fourth pixel of a picture that is 320 wide, and so on
+  p.few = 6;             % fewer red pixels are no ball
 end
 
 function [distance, bearing] = look(p, image, camera)

@@ -18,10 +18,10 @@ MAX_SPEED = 0.4  # [m/s]
 STEER = 2.0  # [1/s] turn rate for each radian off
 MAX_TURN = 1.5  # [rad/s]
 SEARCH = 0.8  # [rad/s] when it sees no ball
-RED = 60  # what red has at least
-MORE = 2  # and how many times green and blue
-COLUMNS = 80  # of the picture so many are looked at, and as many rows
-FEW = 6  # less pixels are no ball
+RED = 60  # a red pixel has at least this much red
+MORE = 2  # and this many times as much as green and as blue
+COLUMNS = 80  # it looks at every fourth pixel of a picture that is 320 wide, and so on
+FEW = 6  # fewer red pixels are no ball
 
 
 def look(image, camera):

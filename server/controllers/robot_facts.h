@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a controller is told of its robot once, as it lies in the shared area: channels and sensors. The
-// stepping thread.
+// The channels and sensors of a robot, as a controller gets them in create(), and their places in the shared
+// area. The stepping thread.
 #pragma once
 
 #include <cstddef>

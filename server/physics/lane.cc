@@ -251,7 +251,7 @@ void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32
     auto surface = SurfaceOf(contact, {&a, body_a != nullptr, channels(index_a)}, of_b, settings_, dt_s);
     if (!surface) continue;
     if (surface->swapped) std::swap(body_a, body_b);
-    const dJointID joint = dJointCreateContact(world_.get(), contacts_.get(), &surface->contact);
+    dJointID joint = dJointCreateContact(world_.get(), contacts_.get(), &surface->contact);
     dJointAttach(joint, body_a, body_b);
     if (!measured) continue;
     measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,

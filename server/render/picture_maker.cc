@@ -15,6 +15,7 @@
 #include "server/render/camera.h"
 #include "server/render/lens.h"
 #include "server/render/picture.h"
+#include "server/sensing/readings.h"
 #include "server/state/pose_codec.h"
 
 namespace coopdyn {

@@ -13,6 +13,7 @@
 
 #include "server/model/values.h"
 #include "server/replay/verify_chain.h"
+#include "server/sensing/readings.h"
 
 namespace coopdyn {
 

@@ -21,12 +21,16 @@ using coopdyn::DistanceModel;
 using coopdyn::RobotModel;
 using coopdyn::SectorModel;
 
-/// A scenario of one robot, without a file.
-std::shared_ptr<const coopdyn::Scenario> MakeScenario() {
+/// A scenario of one robot, without a file; it may have sensors whose values physics measures.
+std::shared_ptr<const coopdyn::Scenario> MakeScenario(bool measured) {
   auto model = std::make_shared<RobotModel>();
   model->type = "r";
   model->links.resize(1);
   model->AddSensor("distance", DistanceModel{std::vector<SectorModel>(2)});
+  if (measured) {
+    model->AddSensor("imu", coopdyn::ImuModel());
+    model->AddSensor("contact", coopdyn::ContactModel());
+  }
   auto scenario = std::make_shared<coopdyn::Scenario>();
   scenario->robots.resize(1);
   scenario->robots[0].name = "robot1";
@@ -38,7 +42,7 @@ void Require(bool fine) {
   if (!fine) std::abort();
 }
 
-void DecodeColumns(std::span<const std::byte> bytes) {
+void DecodeColumns(std::span<const std::byte> bytes, const coopdyn::Scene& measured) {
   std::vector<std::byte> again;
   std::vector<coopdyn::CommandRecord> commands;
   if (coopdyn::DecodeCommands(bytes, commands)) {
@@ -55,7 +59,9 @@ void DecodeColumns(std::span<const std::byte> bytes) {
   if (coopdyn::DecodeFloats(bytes, values)) Require(values.size() * sizeof(float) == bytes.size());
   for (const std::size_t channels : {0, 1, 3}) {
     std::vector<coopdyn::ChannelMotion> motions(channels);
-    coopdyn::DecodeChannels(bytes, motions);
+    coopdyn::SensedStep sensed;
+    if (!coopdyn::DecodeChannels(bytes, measured, motions, sensed)) continue;
+    for (const coopdyn::Contact& contact : sensed.contacts) Require(coopdyn::Fits(contact, measured));
   }
   std::vector<coopdyn::BodyState> bodies(bytes.size() / coopdyn::kPoseBytes);
   if (coopdyn::DecodePoses(bytes, bodies)) {
@@ -66,10 +72,11 @@ void DecodeColumns(std::span<const std::byte> bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const std::shared_ptr<const coopdyn::Scenario> scenario = MakeScenario();
+  static const std::shared_ptr<const coopdyn::Scenario> scenario = MakeScenario(false);
   static const std::shared_ptr<const coopdyn::Scene> scene = coopdyn::MakeScene(scenario);
+  static const std::shared_ptr<const coopdyn::Scene> measured = coopdyn::MakeScene(MakeScenario(true));
   const auto bytes = std::as_bytes(std::span(data, size));
-  DecodeColumns(bytes);
+  DecodeColumns(bytes, *measured);
   const coopdyn::SavedStatePtr state = coopdyn::DecodeState(bytes, scene);
   if (state != nullptr) Require(!coopdyn::EncodeState(*state).empty());
   const auto model = [](const std::string& type) {

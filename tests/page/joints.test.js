@@ -50,6 +50,21 @@ test('an arm shows its joints with their limits, positions and targets', async (
   await page.waitForFunction(() => /→ −?\d/.test(document.querySelector('.card[open] .joints .number').textContent));
 });
 
+test('the ports, which come later, leave the joints as they are', async () => {
+  let ports;
+  const held = new Promise((resolve) => { ports = resolve; });
+  await page.route('**/api/modules', async (route) => {
+    await held;
+    await route.continue();
+  });
+  await page.reload();
+  await page.waitForSelector('.card[open] .joints tr');
+  await page.evaluate(() => { document.querySelector('.card[open] .joints tr').dataset.seen = 'yes'; });
+  ports();
+  await page.waitForSelector('.card[open] .lines dt:has-text("MATLAB")');
+  assert.equal(await page.locator('.card[open] .joints tr').first().getAttribute('data-seen'), 'yes');
+});
+
 test('a slider moves its joint, and the page drives the robot until it lets go', async () => {
   await slide(1, 0.4);
   await eventually(async () => Math.abs(await joint(2) - 0.4) < 0.001);

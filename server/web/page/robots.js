@@ -17,6 +17,8 @@ class Card {
   #owner = make('span', {class: 'owner'});
   #release;
   #body = make('div', {class: 'card-body'});
+  #place = make('div', {class: 'readings-place'});
+  #read = '';  // the modules that the readings were made for
   #modules = [];
   #lines = '';  // what the body was last made of
   #type = '';
@@ -57,7 +59,7 @@ class Card {
     if (this.isOpen) this.fill();
   }
 
-  /** Makes the body, and its readings, if they are not there or have changed. */
+  /** Makes the body and the readings where they are not there or have changed. */
   fill() {
     const lines = JSON.stringify([this.#modules, this.#namePort]);
     if (this.#lines === lines) return this.#startReadings();
@@ -67,19 +69,23 @@ class Card {
       make('tr', {}, make('td', {}, module.name), make('td', {class: 'number'}, address(module))));
     this.#body.replaceChildren(
       make('p', {class: 'quiet'}, this.#type),
-      make('div', {class: 'readings-place'}),
+      this.#place,
       make('table', {class: 'modules'}, make('tbody', {}, ...rows)),
       connectionLines(this.#name, this.#modules, this.#namePort));
-    this.stopReadings();
     this.#startReadings();
   }
 
+  /** New ports leave the readings alone. */
   #startReadings() {
-    if (this.#readings) return this.#readings.setOff(this.#off);
-    if (this.#modules.length === 0) return;
-    this.#readings = new Readings(this.#connection, this.#name, this.#modules.map(({name, type}) => ({name: lastWord(name), type})));
-    this.#body.querySelector('.readings-place')?.replaceChildren(this.#readings.element);
-    this.#readings.setOff(this.#off);
+    const modules = this.#modules.map(({name, type}) => ({name: lastWord(name), type}));
+    const read = JSON.stringify([this.#type, modules]);
+    if (this.#read !== read) this.stopReadings();
+    this.#read = read;
+    if (!this.#readings && modules.length > 0) {
+      this.#readings = new Readings(this.#connection, this.#name, modules);
+      this.#place.replaceChildren(this.#readings.element);
+    }
+    this.#readings?.setOff(this.#off);
   }
 
   stopReadings() {

@@ -192,8 +192,6 @@ constexpr ImageFormat kFormats[] = {ImageFormat::kRgb, ImageFormat::kJpeg, Image
                                     ImageFormat::kSegmentation};
 
 TEST(RobotCameraTest, BothSurfacesDrawTheSameBytes) {
-  std::string error;
-  if (GlContext::Create(RendererKind::kEgl, error) == nullptr) GTEST_SKIP() << error;
   const auto frame = Busy(Eye());
   for (const ImageFormat format : kFormats) {
     EXPECT_EQ(*Look(*frame, format, RendererKind::kOsmesa).bytes,
