@@ -27,8 +27,8 @@ constexpr double kMaxTurn = 1.5;        // rad/s
 constexpr double kSearch = 0.8;         // rad/s, when it sees no ball
 constexpr double kRed = 60;             // a red pixel has at least this much red
 constexpr double kMore = 2;             // and this many times as much as green and as blue
-constexpr double kColumns = 80;         // it looks at every fourth pixel of a picture that is 320 wide, and so on
-constexpr double kFew = 6;              // fewer red pixels are no ball
+constexpr double kColumns = 80;  // it looks at every fourth pixel of a picture that is 320 wide, and so on
+constexpr double kFew = 6;       // fewer red pixels are no ball
 
 struct Ball {
   double distance, bearing;
@@ -43,7 +43,8 @@ std::optional<Ball> Look(const client::Image& image, const client::Camera& camer
       const client::Rgb c = image.rgb(x, y);
       if (c.r < kRed || c.r < kMore * c.g || c.r < kMore * c.b) continue;
       ++count;
-      columns += (x / every);
+      const int column = x / every;
+      columns += column;
     }
   }
   if (count < kFew) return std::nullopt;
