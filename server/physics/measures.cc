@@ -14,6 +14,11 @@ namespace coopdyn {
 
 namespace {
 
+/// Which body of a robot a link belongs to.
+std::size_t BodyOf(const SceneRobot& robot, int link) {
+  return robot.one_body() ? 0 : static_cast<std::size_t>(link);
+}
+
 Quaternion TurnBack(const BodyState& body, double dt_s) {
   const Vector3 turn = -body.w_WB * dt_s;
   const double angle_rad = turn.norm();
@@ -209,16 +214,12 @@ Pose Measures::PlaceInBody(const Measured& of, int link) const {
   return robot.one_body() ? robot.X_BR * model.X_RL : model.X_LI.Inverse();
 }
 
-std::size_t Measures::BodyOf(const Measured& /*of*/, const SceneRobot& robot, int link) {
-  return robot.one_body() ? 0 : static_cast<std::size_t>(link);
-}
-
 // The mean of the step, along the axes of the middle of it: a sensor on a turntable then reads ω²r along its
 // radius.
 void Measures::Measure(const ImuModel& model, const Measured& of, std::span<const BodyState> now,
                        const Moment& moment, std::span<double> values) const {
   const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
-  const std::size_t index = BodyOf(of, robot, model.mount.link);
+  const std::size_t index = BodyOf(robot, model.mount.link);
   const BodyState &was = of.before[index], &is = now[index];
   const Pose X_BS = PlaceInBody(of, model.mount.link) * model.mount.X_LS;
   const auto velocity = [&X_BS](const BodyState& body) -> Vector3 {
@@ -232,7 +233,7 @@ void Measures::Measure(const ImuModel& model, const Measured& of, std::span<cons
 Measures::Motion Measures::MotionOf(const Measured& of, std::span<const BodyState> now, int link,
                                     double mass_kg, const Pose& X_LI, const Vector3& inertia_kg_m2) const {
   const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
-  const std::size_t index = BodyOf(of, robot, link);
+  const std::size_t index = BodyOf(robot, link);
   const BodyState &was = of.before[index], &is = now[index];
   const Pose X_BI = PlaceInBody(of, link) * X_LI;
   const auto velocity = [&](const BodyState& body) -> Vector3 {
@@ -259,7 +260,7 @@ void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<c
                        const Moment& moment, std::span<double> values) const {
   const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
   const RobotModel& of_robot = *robot.entry.model;
-  const std::size_t index = BodyOf(of, robot, model.mount.link);
+  const std::size_t index = BodyOf(robot, model.mount.link);
   const BodyState &was = of.before[index], &is = now[index];
   const Pose X_BS = PlaceInBody(of, model.mount.link) * model.mount.X_LS;
   // Weight and contacts act where things are when the step begins; the momentum changes in its middle.

@@ -83,9 +83,8 @@ class Measures {
   ContactEnd EndOf(std::uint32_t thing, const Part* part) const;
   bool Sleeps(const ContactEnd& end, std::span<const BodyState> bodies) const;
   void EndContacts(std::span<const BodyState> bodies);
-  /// A link's frame in its body; and which body that is.
+  /// A link's frame in its body.
   Pose PlaceInBody(const Measured& of, int link) const;
-  static std::size_t BodyOf(const Measured& of, const SceneRobot& robot, int link);
   Motion MotionOf(const Measured& of, std::span<const BodyState> now, int link, double mass_kg,
                   const Pose& X_LI, const Vector3& inertia_kg_m2) const;
 

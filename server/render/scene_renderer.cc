@@ -208,10 +208,8 @@ struct SceneRenderer::Impl {
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 
-  void DrawScene(const DrawList& list, const Scene& scene, const Camera& camera, int width, int height) {
-    const Floor& floor_model = scene.floor;
-    const Eigen::Matrix4f clip_from_W =
-        (ProjectionMatrix(camera, width, height) * ViewMatrix(camera)).cast<float>();
+  // Clears the target and expects solid shapes; returns how the camera sees them.
+  Eigen::Matrix4f Begin(const Camera& camera, int width, int height) {
     gl.Viewport(0, 0, width, height);
     gl.Enable(GL_DEPTH_TEST);
     gl.Enable(GL_CULL_FACE);
@@ -220,6 +218,12 @@ struct SceneRenderer::Impl {
     gl.Disable(GL_BLEND);
     gl.Disable(GL_STENCIL_TEST);
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    return (ProjectionMatrix(camera, width, height) * ViewMatrix(camera)).cast<float>();
+  }
+
+  void DrawScene(const DrawList& list, const Scene& scene, const Camera& camera, int width, int height) {
+    const Floor& floor_model = scene.floor;
+    const Eigen::Matrix4f clip_from_W = Begin(camera, width, height);
 
     // Shapes first: the floor behind them need not be shaded.
     UseLit(mesh, clip_from_W, scene, camera);
@@ -281,17 +285,8 @@ struct SceneRenderer::Impl {
   // Depths and numbers; `list` has numbers as colours.
   void DrawNumbers(const DrawList& list, const Floor& floor_model, const Camera& camera, int width,
                    int height) {
-    const Eigen::Matrix4f clip_from_W =
-        (ProjectionMatrix(camera, width, height) * ViewMatrix(camera)).cast<float>();
+    const Eigen::Matrix4f clip_from_W = Begin(camera, width, height);
     const Vector3 forward = -ViewMatrix(camera).block<1, 3>(2, 0).transpose();
-    gl.Viewport(0, 0, width, height);
-    gl.Enable(GL_DEPTH_TEST);
-    gl.Enable(GL_CULL_FACE);
-    gl.DepthMask(GL_TRUE);
-    gl.DepthFunc(GL_LEQUAL);
-    gl.Disable(GL_BLEND);
-    gl.Disable(GL_STENCIL_TEST);
-    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     Use(number, clip_from_W);
     SetVector(number, "eye", camera.eye_W);
     SetVector(number, "forward", forward);

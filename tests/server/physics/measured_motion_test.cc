@@ -17,18 +17,6 @@
 namespace coopdyn::measured_motion {
 namespace {
 
-constexpr double kG = 9.81;
-
-LinkModel Bar(const char* name, const Vector3& p_RL, const Vector3& size_m, double mass_kg) {
-  LinkModel link;
-  link.name = name;
-  link.X_RL.p = p_RL;
-  link.mass_kg = mass_kg;
-  link.inertia_kg_m2 = SolidInertia(Box{size_m}, mass_kg);
-  link.collisions = {{Box{size_m}, {}, {}, 1, false}};
-  return link;
-}
-
 /// Force and torque through `joint`, of all of its child.
 WrenchModel WrenchAt(const RobotModel& model, const JointModel& joint) {
   WrenchModel wrench;
@@ -51,7 +39,7 @@ std::shared_ptr<RobotModel> OneJoint(LinkModel moving, JointModel joint) {
   auto model = std::make_shared<RobotModel>();
   model->type = "joint";
   model->fixed_base = true;
-  model->links = {Bar("base", {0, 0, 0.1}, {0.1, 0.1, 0.2}, 5), std::move(moving)};
+  model->links = {Block("base", {0, 0, 0.1}, {0.1, 0.1, 0.2}, 5), std::move(moving)};
   joint.name = "joint";
   joint.child = 1;
   model->joints = {joint};
@@ -99,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Milliseconds, MotionAtSteps, testing::Values(1, 5, 10))
 TEST_P(MotionAtSteps, ASwingingRodPullsAsThePendulumsLawSays) {
   constexpr double kLength_m = 0.6, kMass_kg = 2;
   scene_.robot_model =
-      OneJoint(Bar("rod", {kLength_m / 2, 0, 1}, {kLength_m, 0.001, 0.001}, kMass_kg), HingeAt({0, 0, 1}));
+      OneJoint(Block("rod", {kLength_m / 2, 0, 1}, {kLength_m, 0.001, 0.001}, kMass_kg), HingeAt({0, 0, 1}));
   scene_.AddRobot(0, 0);
   // From the vertical; y turns x downwards.
   const auto angle = [this] {
@@ -131,7 +119,7 @@ TEST_P(MotionAtSteps, ASliderIsPushedByItsMotorsForce) {
   slider.axis_R = Vector3::UnitX();
   slider.max_velocity = 10;
   slider.max_effort = 100;
-  auto model = OneJoint(Bar("sled", {0, 0, 1}, {0.1, 0.1, 0.1}, kMass_kg), slider);
+  auto model = OneJoint(Block("sled", {0, 0, 1}, {0.1, 0.1, 0.1}, kMass_kg), slider);
   model->actuators = {{"sled", {0}, BoardModel{}}};
   scene_.robot_model = model;
   scene_.AddRobot(0, 0);
@@ -145,7 +133,7 @@ TEST_P(MotionAtSteps, ASliderIsPushedByItsMotorsForce) {
 }
 
 TEST_P(MotionAtSteps, WhatFallsFreelyPassesNoForceThroughItsJoints) {
-  auto model = OneJoint(Bar("arm", {0, 0, 0.4}, {0.1, 0.1, 0.2}, 1), HingeAt({0, 0, 0.3}));
+  auto model = OneJoint(Block("arm", {0, 0, 0.4}, {0.1, 0.1, 0.2}, 1), HingeAt({0, 0, 0.3}));
   model->fixed_base = false;
   scene_.robot_model = model;
   scene_.AddRobot(At(0, 0, 3));
@@ -157,7 +145,7 @@ TEST_P(MotionAtSteps, WhatFallsFreelyPassesNoForceThroughItsJoints) {
 TEST_P(MotionAtSteps, AWeldedFootCarriesWhatStandsOnIt) {
   auto model = std::make_shared<RobotModel>();
   model->type = "welded";
-  LinkModel link = Bar("crate", {0, 0, 0.2}, {0.2, 0.2, 0.2}, 3);
+  LinkModel link = Block("crate", {0, 0, 0.2}, {0.2, 0.2, 0.2}, 3);
   link.collisions[0].X_LG.p = {0, 0, 0.05};
   link.collisions.push_back({Box{{0.2, 0.2, 0.1}}, {{0, 0, -0.15}, Quaternion::Identity()}, {}, 1, false});
   model->links = {link};
@@ -231,7 +219,7 @@ TEST(MeasuredContacts, ALargeIslandPressesTheFloorByItsWeight) {
   PhysicsScene scene;
   auto model = std::make_shared<RobotModel>();
   model->type = "crate";
-  model->links = {Bar("crate", {0, 0, 0.1}, {0.2, 0.2, 0.2}, 3)};
+  model->links = {Block("crate", {0, 0, 0.1}, {0.2, 0.2, 0.2}, 3)};
   model->footprint_radius_m = 0.15;
   model->height_m = 0.2;
   ContactModel contact;

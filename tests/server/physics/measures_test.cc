@@ -13,18 +13,6 @@ namespace {
 
 using testing::SizeIs;
 
-constexpr double kG = 9.81;
-
-LinkModel Block(const char* name, const Vector3& p_RL, const Vector3& size_m, double mass_kg) {
-  LinkModel link;
-  link.name = name;
-  link.X_RL.p = p_RL;
-  link.mass_kg = mass_kg;
-  link.inertia_kg_m2 = SolidInertia(Box{size_m}, mass_kg);
-  link.collisions = {{Box{size_m}, {}, {}, 1, false}};
-  return link;
-}
-
 /// A free box of 0.2 m, 3 kg, that feels all its sides.
 std::shared_ptr<RobotModel> Crate() {
   auto model = std::make_shared<RobotModel>();

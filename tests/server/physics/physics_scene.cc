@@ -71,6 +71,16 @@ std::shared_ptr<const RobotModel> MakeRobot(const Dimensions& of) {
 
 }  // namespace
 
+LinkModel Block(const char* name, const Vector3& p_RL, const Vector3& size_m, double mass_kg) {
+  LinkModel link;
+  link.name = name;
+  link.X_RL.p = p_RL;
+  link.mass_kg = mass_kg;
+  link.inertia_kg_m2 = SolidInertia(Box{size_m}, mass_kg);
+  link.collisions = {{Box{size_m}, {}, {}, 1, false}};
+  return link;
+}
+
 std::shared_ptr<const RobotModel> TestRobot() {
   return MakeRobot({.type = "testbot",
                     .mass_kg = 9,

@@ -18,6 +18,10 @@ namespace coopdyn {
 std::shared_ptr<const RobotModel> TestRobot();
 /// One with the dimensions of minibot: wheels of 3 cm, track 14 cm, 1.6 kg.
 std::shared_ptr<const RobotModel> SmallRobot();
+/// A solid box as a link.
+LinkModel Block(const char* name, const Vector3& p_RL, const Vector3& size_m, double mass_kg);
+
+inline constexpr double kG = 9.81;  // of gravity, m/s²
 
 /// Upright at a point, m.
 inline Pose At(double x, double y, double z) {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "server/sensing/readings.h"
@@ -211,6 +213,29 @@ TEST(SensorsTest, AppendReadingReadsAnyOfThem) {
     }
   }
   EXPECT_EQ(sizes, (std::vector<std::size_t>{3, 2, 5, 2, 1, 0}));
+}
+
+template <std::size_t... I>
+std::vector<SensorKind> OneOfEach(std::index_sequence<I...> /*of*/) {
+  return {SensorKind(std::in_place_index<I>)...};
+}
+
+TEST(SensorsTest, EachFixedValueHasAName) {
+  std::vector<SensorKind> kinds = OneOfEach(std::make_index_sequence<std::variant_size_v<SensorKind>>());
+  LidarModel lidar;
+  lidar.columns = 5;
+  lidar.rows = 2;
+  ContactModel bumper;
+  bumper.zones.resize(3);
+  SonarModel sonar;
+  sonar.beams.resize(2);
+  InfraredModel infrared;
+  infrared.eyes.resize(4);
+  LightModel light;
+  light.eyes.resize(2);
+  kinds.insert(kinds.end(),
+               {DistanceModel{std::vector<SectorModel>(3)}, lidar, bumper, sonar, infrared, light});
+  for (const SensorKind& kind : kinds) EXPECT_EQ(FixedNames(kind).size(), FixedCount(kind)) << kind.index();
 }
 
 }  // namespace
