@@ -38,7 +38,9 @@ std::string Objection(const ValueSpec& spec, double value) {
   if (spec.enums.empty()) return "";
   const bool listed = std::any_of(spec.enums.begin(), spec.enums.end(),
                                   [value](const auto& word) { return word.second == value; });
-  return listed ? "" : "needs a " + spec.name + ": " + ListOfEnums(spec) + ", not " + Written(value);
+  return listed
+             ? ""
+             : "needs a " + spec.name + ": " + ListOfEnums(spec) + ", not " + Written(value) + Instead(spec);
 }
 
 CheckResult CheckText(const CommandSpec& spec, std::string_view text, std::size_t params) {

@@ -25,6 +25,7 @@ struct ValueSpec {
   double min = -std::numeric_limits<double>::infinity();  // the smallest number allowed
   bool any_number = false;                                // inf and nan are allowed in data
   double max = std::numeric_limits<double>::infinity();   // the largest number allowed
+  std::string instead = {};  // said to who gives another word or number than those of `enums`
 };
 
 /// How a command uses the text field of a request.
@@ -49,8 +50,9 @@ struct CommandSpec {
   std::string reply_text = {};             // what the text of the reply is; empty = nothing
   std::string example = {};                // a named line that works; empty = made from the names
   bool text_optional = false;              // kRest only: the text may be empty
-  std::string alias = {};  // a second word for it in named lines; if a command that takes nothing has that
-                           // name, then for lines that carry something
+  std::string no_push = {};  // why `subscribe` does not take this get-command, and what to do instead
+  std::string alias = {};    // a second word for it in named lines; if a command that takes nothing has that
+                             // name, then for lines that carry something
 };
 
 /// Edits (insert, remove, replace, swap of neighbours) between two words, letters of either case alike.

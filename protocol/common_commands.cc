@@ -10,7 +10,7 @@ namespace coopdyn {
 
 bool IsSubscribable(const CommandSpec& spec) {
   return spec.name.starts_with("get_") && spec.id != command::kGetTime && spec.text == TextUse::kNone &&
-         CountFits(spec.params, 0) && spec.data.empty();
+         CountFits(spec.params, 0) && spec.data.empty() && spec.no_push.empty();
 }
 
 std::vector<std::pair<std::string, std::int32_t>> ModeWords() {
@@ -32,10 +32,13 @@ std::vector<ValueSpec> StepReplyData() {
 
 std::vector<CommandSpec> CommonCommands(std::span<const CommandSpec> own) {
   std::vector<std::pair<std::string, std::int32_t>> readings;
+  std::string instead;
   for (const CommandSpec& spec : own) {
     if (IsSubscribable(spec)) readings.emplace_back(spec.name, spec.id);
+    if (!spec.no_push.empty()) instead += (instead.empty() ? "" : "; ") + spec.no_push;
   }
-  const ValueSpec reading{.name = "reading", .unit = "", .optional = true, .enums = readings};
+  const ValueSpec reading{
+      .name = "reading", .unit = "", .optional = true, .enums = readings, .instead = instead};
   const ValueSpec any_param{.name = "param", .unit = "", .repeated = true};
   const ValueSpec any_data{.name = "value", .unit = "", .repeated = true, .any_number = true};
   return {

@@ -16,7 +16,8 @@ namespace coopdyn {
 /// How many commands every table begins with.
 inline constexpr std::size_t kCommonCommandCount = 10;
 
-/// True if the command can be subscribed to: a get-command that needs neither text nor values.
+/// True if the command can be subscribed to: a get-command that needs neither text nor values, unless its
+/// `no_push` says why not.
 bool IsSubscribable(const CommandSpec& spec);
 
 /// The specs of the common commands for a module with the commands `own`, whose subscribable ones become the

@@ -86,7 +86,10 @@ CommandTable CameraTable() {
                   .enums = {{"rgb", 0}, {"jpeg", 1}, {"depth", 2}, {"segmentation", 3}}}},
       .reply_params = {Value("width"), Value("height"), Value("bytes"), Repeated("word")},
       .reply_text = "of a segmentation: the names of what is seen, as `NUMBER=NAME`",
-      .example = "get_image jpeg"};
+      .example = "get_image jpeg",
+      .no_push =
+          "get_image is not pushed; ask for each picture with get_image, or read "
+          "/camera.mjpg by HTTP"};
   return CommandTable(
       "camera", {Reading(command::kGetCamera, "get_camera",
                          "Returns the size of the picture in pixels, focal lengths and middle in pixels, the "

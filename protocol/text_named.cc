@@ -198,7 +198,7 @@ class NamedReader {
 
   void RefuseWord(const ValueSpec& value, std::string_view token, Error error) {
     Refuse(error, spec_.name + " needs a " + value.name + ": " + ListOfEnums(value) + ", not " +
-                      Quoted(token) + ": " + ExampleLine(spec_));
+                      Quoted(token) + Instead(value) + ": " + ExampleLine(spec_));
   }
 
   const CommandSpec& spec_;

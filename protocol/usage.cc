@@ -131,6 +131,10 @@ std::string ListOfEnums(const ValueSpec& value) {
   return list;
 }
 
+std::string Instead(const ValueSpec& value) {
+  return value.instead.empty() ? "" : " (" + value.instead + ")";
+}
+
 std::string ValuesCell(std::span<const ValueSpec> values, bool words) {
   std::string cell;
   const std::size_t fixed = FixedCount(values);

@@ -31,6 +31,8 @@ std::string ExampleLine(const CommandSpec& spec);
 std::string ListOf(std::span<const ValueSpec> values);
 /// `realtime (0), lockstep (1) or free (2)`.
 std::string ListOfEnums(const ValueSpec& value);
+/// ` (…)`: what to do instead of giving others than these; empty if that is not said.
+std::string Instead(const ValueSpec& value);
 /// One cell of the tables of docs/protocol.md, e.g. `[steps], left rad/s`; `–` if empty. What repeats ends
 /// with …, in brackets if it is a group. `words`: with the numbers that enum words stand for.
 std::string ValuesCell(std::span<const ValueSpec> values, bool words = false);

@@ -110,6 +110,7 @@ Matrix4 ProjectionMatrix(const Camera& camera, int width, int height) {
 
 Frustum::Frustum(const Camera& camera, int width, int height)
     : clip_from_W_(ProjectionMatrix(camera, width, height) * ViewMatrix(camera)),
+      eye_W_(camera.eye_W),
       focal_px_(height / 2.0 / std::tan(camera.fov_rad / 2)),
       near_m_(camera.near_m),
       width_(width),

@@ -49,12 +49,14 @@ class Frustum {
   Eigen::Vector4d Clip(const Vector3& p_W) const;
   ProjectedPoint Pixel(const Vector3& p_W) const;
 
+  const Vector3& eye_W() const { return eye_W_; }
   double near_m() const { return near_m_; }
   int width() const { return width_; }
   int height() const { return height_; }
 
  private:
   Matrix4 clip_from_W_;
+  Vector3 eye_W_;
   std::array<Eigen::Vector4d, 6> planes_;  // inside: plane · (p, 1) ≥ 0
   double focal_px_ = 1;
   double near_m_ = 0.05;

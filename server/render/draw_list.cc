@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/geometry/mesh.h"
-#include "server/sensing/readings.h"
+#include "server/render/sensor_marks.h"
 
 namespace coopdyn {
 
@@ -15,21 +15,9 @@ namespace {
 constexpr double kSmall_px = 7, kLarge_px = 34;  // sizes on screen at which the level of detail changes
 constexpr double kTiny_px = 7;                   // a robot smaller than this is one cylinder
 constexpr double kNameless_px = 9;               // and below this it has no name
-constexpr double kMaxRay_m = 100;
-
-struct Rgba {
-  double r, g, b, a;
-};
 
 Rgba WithAlpha(const Color& color, double alpha) {
   return {color.r, color.g, color.b, alpha};
-}
-
-template <std::size_t N>
-std::array<float, N> ToFloats(const double* values) {
-  std::array<float, N> floats;
-  for (std::size_t i = 0; i < N; ++i) floats[i] = static_cast<float>(values[i]);
-  return floats;
 }
 
 // A mobile robot whose chassis looks the same ahead and behind needs a mark that shows its heading.
@@ -47,7 +35,8 @@ class Builder {
         request_(request),
         frustum_(camera, request.width, request.height),
         of_robot_(request.shot.has_value()),
-        numbers_(paint == Paint::kNumbers) {}
+        numbers_(paint == Paint::kNumbers),
+        floor_marks_(frustum_) {}
 
   DrawList Build() {
     for (const SceneObject& object : frame_.scene->objects) {
@@ -69,6 +58,8 @@ class Builder {
     std::stable_sort(labels_.begin(), labels_.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     for (auto& [depth_m, label] : labels_) list_.labels.push_back(std::move(label));
+    list_.floor_marks = floor_marks_.Take();
+    if (request_.show_rays && !of_robot_) list_.sensor_marks = SensorMarks(frame_, frustum_);
     return std::move(list_);
   }
 
@@ -145,17 +136,16 @@ class Builder {
     AddShape(Cylinder{kPost_m, ball_W.z()},
              {{ball_W.x(), ball_W.y(), ball_W.z() / 2}, Quaternion::Identity()}, post);
     AddShape(Sphere{kBall_m}, {ball_W, Quaternion::Identity()}, target.color);
-    if (!of_robot_) AddFloorMark(ball_W, kDisc_m, WithAlpha(target.color, 1), 2);
+    if (!of_robot_) floor_marks_.AddOnFloor(ball_W, kDisc_m, WithAlpha(target.color, 1), 2);
   }
 
   void AddRobot(int index) {
     const SceneRobot& robot = frame_.scene->robots[static_cast<std::size_t>(index)];
     const RobotModel& model = *robot.entry.model;
     const Pose X_WR = RobotPose(frame_, index);
-    if (request_.show_rays && !of_robot_) AddRays(index);
     const double reach_m = std::hypot(model.footprint_radius_m, model.height_m);
     if (!frustum_.Sees(X_WR.p, 2 * reach_m)) return;
-    if (!of_robot_) AddFloorMark(X_WR.p, 1.45 * model.footprint_radius_m, {0, 0, 0, 0.5}, 1);
+    if (!of_robot_) floor_marks_.AddOnFloor(X_WR.p, 1.45 * model.footprint_radius_m, {0, 0, 0, 0.5}, 1);
     const double size_px = reach_m * frustum_.PixelsPerMetre(X_WR.p);
     const Pose X_WTop = X_WR * Pose{{0, 0, model.height_m}, Quaternion::Identity()};
     if (of_robot_) return AddVisuals(index, robot);
@@ -190,67 +180,6 @@ class Builder {
     labels_.emplace_back(at.depth_m, Label{robot.entry.name, at.x_px, at.y_px, robot.entry.color});
   }
 
-  void AddRays(int index) {
-    const double width_px = 1.3 * std::max(1.0, request_.height / 480.0);
-    for (const RaySegment& ray : DistanceRays(frame_, index)) {
-      const Rgba color = ray.hit ? Rgba{1, 0.35, 0.1, 0.75} : Rgba{0.1, 0.6, 0.35, 0.3};
-      Vector3 to_W = ray.to_W;
-      const double length_m = (to_W - ray.from_W).norm();
-      if (length_m > kMaxRay_m) to_W = ray.from_W + (to_W - ray.from_W) * (kMaxRay_m / length_m);
-      AddLine(ray.from_W, to_W, width_px, color);
-      if (ray.hit) AddDot(to_W, 2 * width_px, {1, 0.25, 0.05, 0.95});
-    }
-  }
-
-  static OverlayVertex Corner(const Eigen::Vector4d& clip, double u, double v, const Rgba& color, int kind) {
-    return {ToFloats<4>(clip.data()),
-            {static_cast<float>(u), static_cast<float>(v)},
-            ToFloats<4>(&color.r),
-            static_cast<float>(kind)};
-  }
-  static void AddQuad(std::vector<OverlayVertex>& vertices, const std::array<OverlayVertex, 4>& corners) {
-    for (const std::size_t i : {0, 1, 2, 0, 2, 3}) vertices.push_back(corners[i]);
-  }
-
-  void AddFloorMark(const Vector3& p_W, double radius_m, const Rgba& color, int kind) {
-    const auto corner = [&](double u, double v) {
-      return Corner(frustum_.Clip({p_W.x() + u * radius_m, p_W.y() + v * radius_m, 0}), u, v, color, kind);
-    };
-    AddQuad(list_.floor_marks, {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)});
-  }
-
-  void AddLine(const Vector3& from_W, const Vector3& to_W, double width_px, const Rgba& color) {
-    Eigen::Vector4d a = frustum_.Clip(from_W), b = frustum_.Clip(to_W);
-    const double near_m = frustum_.near_m();
-    if (a.w() < near_m && b.w() < near_m) return;
-    if (a.w() < near_m) a += (b - a) * ((near_m - a.w()) / (b.w() - a.w()));
-    if (b.w() < near_m) b += (a - b) * ((near_m - b.w()) / (a.w() - b.w()));
-    const Eigen::Array2d half_px(frustum_.width() / 2.0, frustum_.height() / 2.0);
-    const Eigen::Vector2d along = (b.head<2>() / b.w() - a.head<2>() / a.w()).array() * half_px;
-    if (along.norm() < 1e-9) return;
-    const Eigen::Vector2d across = Eigen::Vector2d(-along.y(), along.x()).normalized() * (width_px / 2);
-    const Eigen::Vector2d offset = across.array() / half_px;
-    const auto corner = [&](const Eigen::Vector4d& end, double side) {
-      Eigen::Vector4d clip = end;
-      clip.head<2>() += offset * (side * end.w());
-      return Corner(clip, 0, 0, color, 0);
-    };
-    AddQuad(list_.rays, {corner(a, -1), corner(b, -1), corner(b, 1), corner(a, 1)});
-  }
-
-  void AddDot(const Vector3& p_W, double radius_px, const Rgba& color) {
-    const Eigen::Vector4d at = frustum_.Clip(p_W);
-    if (at.w() < frustum_.near_m()) return;
-    const auto corner = [&](double u, double v) {
-      Eigen::Vector4d clip = at;
-      clip.x() += u * radius_px / frustum_.width() * 2 * at.w();
-      clip.y() += v * radius_px / frustum_.height() * 2 * at.w();
-      clip.z() -= 2e-4 * at.w();  // before the surface it lies on
-      return Corner(clip, u, v, color, 3);
-    };
-    AddQuad(list_.rays, {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)});
-  }
-
   const Frame& frame_;
   const ImageRequest& request_;
   const Frustum frustum_;
@@ -259,6 +188,7 @@ class Builder {
   const Texture* texture_ = nullptr;  // of what is added
   int number_ = kFirstNumber - 1;     // in a segmentation, of what is added
   DrawList list_;
+  Overlay floor_marks_;
   std::vector<std::pair<double, Label>> labels_;  // with their depth
 };
 

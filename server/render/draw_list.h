@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a picture shows, without GL: the shapes in the field of view with their level of detail, marks on the
-// floor, rays and names. Pure function of frame and camera; any thread.
+// floor, what sensors see and names. Pure function of frame and camera; any thread.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 #include "server/model/world_model.h"
 #include "server/render/camera.h"
 #include "server/render/meshes.h"
+#include "server/render/overlay.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -36,14 +37,6 @@ struct CladDraw {
   std::array<std::vector<Instance>, kMeshCount> meshes;
 };
 
-/// One corner of a flat mark, in clip coordinates. The layout is that of the vertex attributes.
-struct OverlayVertex {
-  std::array<float, 4> clip;
-  std::array<float, 2> uv;  // −1…1 across the mark
-  std::array<float, 4> color;
-  float kind = 0;  // 0: plain; 1: fades to its rim; 2: disc with a ring; 3: disc
-};
-
 /// A name above a robot.
 struct Label {
   std::string text;
@@ -56,7 +49,7 @@ struct DrawList {
   std::vector<CladDraw> clad;
   std::vector<MeshDraw> model_meshes;      // those of robot models
   std::vector<OverlayVertex> floor_marks;  // drawn where the floor is seen
-  std::vector<OverlayVertex> rays;
+  std::vector<OverlayVertex> sensor_marks;
   std::vector<Label> labels;  // far ones first
 };
 

@@ -278,7 +278,7 @@ struct SceneRenderer::Impl {
 
     gl.Enable(GL_BLEND);
     gl.DepthMask(GL_FALSE);
-    DrawOverlay(list.rays);
+    DrawOverlay(list.sensor_marks);
     gl.DepthMask(GL_TRUE);
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Draws a frame: sky, floor with its grid, lit shapes with their shadows, marks, rays and names. Used and
+// Draws a frame: sky, floor with its grid, lit shapes with their shadows, marks, what sensors see and names. Used and
 // destroyed on the thread of its context.
 #pragma once
 

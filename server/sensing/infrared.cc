@@ -10,6 +10,15 @@
 
 namespace coopdyn {
 
+namespace {
+
+Ray RayOf(const InfraredModel& model, const Pose& X_WS, int index) {
+  const double angle_rad = BeamAngle(model.opening_rad, model.rays, index);
+  return {X_WS.p, X_WS.q * Vector3(std::cos(angle_rad), std::sin(angle_rad), 0)};
+}
+
+}  // namespace
+
 InfraredModel::Row OnCurve(std::span<const InfraredModel::Row> curve, double distance_m) {
   const auto above = std::ranges::find_if(
       curve, [distance_m](const InfraredModel::Row& row) { return row.distance_m > distance_m; });
@@ -31,9 +40,8 @@ void Compute(const InfraredModel& model, const KeptSensor& sensor, const Sensing
     const RayCaster caster(cache, robot, eye.link);
     double nearest_m = kNoHit;
     for (int i = 0; i < model.rays; ++i) {
-      const double angle_rad = BeamAngle(model.opening_rad, model.rays, i);
-      const Ray ray_W{X_WS.p, X_WS.q * Vector3(std::cos(angle_rad), std::sin(angle_rad), 0)};
-      nearest_m = std::min(nearest_m, caster.Cast(ray_W, std::min(nearest_m, model.max_range_m)));
+      nearest_m =
+          std::min(nearest_m, caster.Cast(RayOf(model, X_WS, i), std::min(nearest_m, model.max_range_m)));
     }
     key.sample = static_cast<std::uint32_t>(k);
     ValueNoise noise = model.noise;
@@ -49,6 +57,24 @@ void Compute(const InfraredModel& model, const KeptSensor& sensor, const Sensing
 
 std::span<const double> InfraredValues(const Frame& frame, int robot, std::size_t number) {
   return SensingCache::Of(frame).ValuesOf<InfraredModel>(robot, number);
+}
+
+std::vector<RaySegment> InfraredRays(const Frame& frame, int robot, std::size_t number) {
+  const auto* const model = ModelOf(frame, robot).Find<InfraredModel>(number);
+  if (model == nullptr) return {};
+  std::vector<RaySegment> segments;
+  for (const Mount& eye : model->eyes) {
+    const Pose X_WS = MountPose(frame, robot, eye);
+    const RayCaster caster(SensingCache::Of(frame), robot, eye.link);
+    for (int i = 0; i < model->rays; ++i) {
+      const Ray ray_W = RayOf(*model, X_WS, i);
+      const double range_m = caster.Cast(ray_W, model->max_range_m);
+      const bool hit = range_m < kNoHit;
+      segments.push_back(
+          {ray_W.origin, ray_W.origin + (hit ? range_m : model->max_range_m) * ray_W.direction, hit});
+    }
+  }
+  return segments;
 }
 
 }  // namespace coopdyn

@@ -57,4 +57,21 @@ std::span<const double> Scan(const Frame& frame, int robot, std::size_t number) 
   return SensingCache::Of(frame).ValuesOf<LidarModel>(robot, number);
 }
 
+std::vector<RaySegment> ScanRays(const Frame& frame, int robot, std::size_t number) {
+  const auto* const model = ModelOf(frame, robot).Find<LidarModel>(number);
+  if (model == nullptr) return {};
+  const Pose X_WS = MountPose(frame, robot, model->mount);
+  const Matrix3 R_WS = X_WS.q.toRotationMatrix();
+  const std::vector<Vector3> directions_S = DirectionsOf(*model);
+  const std::span<const double> ranges_m = Scan(frame, robot, number);
+  std::vector<RaySegment> segments;
+  segments.reserve(ranges_m.size());
+  for (std::size_t k = 0; k < ranges_m.size(); ++k) {
+    const bool far = ranges_m[k] == kNoHit;
+    const double length_m = far ? model->max_range_m : ranges_m[k];
+    segments.push_back({X_WS.p, X_WS.p + length_m * (R_WS * directions_S[k]), !far && length_m > 0});
+  }
+  return segments;
+}
+
 }  // namespace coopdyn

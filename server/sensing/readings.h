@@ -154,11 +154,25 @@ std::vector<HeardMessage> HeardMessages(const Frame& frame, int robot, std::size
 /// nothing. The values do not depend on the number of threads.
 void PrepareDistances(const Frame& frame, std::span<const int> robots, WorkerPool& pool);
 
-/// For drawing: where each ray of robot's distance sensors starts and ends in the world.
+// For drawing.
+
+/// Where a ray starts and ends in the world; without a hit it ends at the sensor's range.
 struct RaySegment {
   Vector3 from_W, to_W;
   bool hit = false;
 };
+/// Those of robot's distance sensors, without noise.
 std::vector<RaySegment> DistanceRays(const Frame& frame, int robot);
+/// Those of an infrared range finder, without noise, eye by eye.
+std::vector<RaySegment> InfraredRays(const Frame& frame, int robot, std::size_t number = 0);
+/// Those of a lidar as Scan() has them; what is nearer than its minimum is a ray without length.
+std::vector<RaySegment> ScanRays(const Frame& frame, int robot, std::size_t number = 0);
+/// The cone of a sonar's beam about S's x axis, up to what SonarRanges() says.
+struct RangeCone {
+  Pose X_WS;
+  double half_angle_rad = 0, length_m = 0;  // along each ray
+  bool hit = false;
+};
+std::vector<RangeCone> SonarCones(const Frame& frame, int robot, std::size_t number = 0);
 
 }  // namespace coopdyn

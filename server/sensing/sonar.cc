@@ -93,4 +93,18 @@ std::span<const double> SonarRanges(const Frame& frame, int robot, std::size_t n
   return SensingCache::Of(frame).ValuesOf<SonarModel>(robot, number);
 }
 
+std::vector<RangeCone> SonarCones(const Frame& frame, int robot, std::size_t number) {
+  const auto* const model = ModelOf(frame, robot).Find<SonarModel>(number);
+  if (model == nullptr) return {};
+  const std::span<const double> ranges_m = SonarRanges(frame, robot, number);
+  std::vector<RangeCone> cones;
+  for (std::size_t k = 0; k < ranges_m.size(); ++k) {
+    const SonarModel::Beam& beam = model->beams[k];
+    const bool far = ranges_m[k] == kNoHit;
+    cones.push_back({MountPose(frame, robot, beam.mount), beam.opening_rad / 2,
+                     far ? beam.max_range_m : ranges_m[k], !far});
+  }
+  return cones;
+}
+
 }  // namespace coopdyn

@@ -53,7 +53,7 @@ struct ImageRequest {
   std::optional<Vector3> look_m;  // the point in the middle of the picture; missing: the middle of the scene
   double fov_rad = 0.8;           // full vertical angle
   ImageFormat format = ImageFormat::kPng;
-  bool show_rays = false;  // of the distance sensors
+  bool show_rays = false;  // and scans, cones and fields of view: what robots' sensors see
   bool show_names = true;  // of the robots
   bool paced = false;      // one picture of a stream: waits for the next tick of --render-fps
 

@@ -68,6 +68,22 @@ class SensorsTest(unittest.TestCase):
             self.assertEqual(rows[:3], daemon.text("/robot1/support").must("get_support").data[:3])
             self.assertTrue(all(value != value for value in rows[3:6]))
 
+    def test_pictures_are_not_pushed_and_the_reply_says_what_to_do_instead(self):
+        with Daemon("[SIMULATION]\nmode lockstep\n[ROBOT]\ntype turtle\nname robot1\nposition 0 0\n") as daemon:
+            camera = daemon.text("/robot1/camera")
+            instead = "get_image is not pushed; ask for each picture with get_image, or read /camera.mjpg by HTTP"
+            camera.send("subscribe 1 get_image")
+            refused = camera.receive()
+            self.assertEqual((refused.error, refused.command), (2, 4))
+            self.assertIn(instead, refused.text)
+            refused = daemon.binary("/robot1/camera").ask(4, (1, 270))
+            self.assertEqual(refused.error, 4)
+            self.assertIn(instead, refused.text)
+            self.assertEqual(camera.must("get_image jpeg").params[:2], [320, 240])
+            camera.must("subscribe 1 get_camera")
+            daemon.text("/robot1/motors", direct=True).must("ready")
+            self.assertEqual(camera.receive().command, -271)
+
 
 if __name__ == "__main__":
     unittest.main()

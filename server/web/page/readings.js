@@ -35,7 +35,7 @@ function describeReading({name, type}, data, colours) {
         [name, `${showNumber(100 * data[0], 1)}, ${showNumber(100 * data[1], 1)} cm, ${showNumber(degrees(data[2]), 0)}°`],
       ];
     case 'distance':
-      return [['distances', data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
+      return [[name === 'distance' ? 'distances' : name, data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
     case 'target': {
       const targets = [];
       for (let i = 0; 2 * i + 1 < data.length; ++i) {
@@ -175,6 +175,7 @@ export class Readings {
       if (lengths[i] > MOST_VALUES) {
         this.#large.add(module.name);
         this.#attached = false;  // again without it
+        this.#scans.get(module.name)?.element.remove();
         return [[module.name, `${lengths[i]} values: too many to show here`]];
       }
       if (panel) shown.push([panel, data]);

@@ -5,7 +5,7 @@ import {make, setText, showNumber} from './dom.js';
 const PLOT_PX = 220;
 const VIEWS = [['picture', ''], ['depth', 'depth'], ['segments', 'segmentation']];
 
-/** The row of a lidar that lies flattest, seen from above: the robot in the middle, its front up. */
+/** The row of a lidar that lies flattest, seen from above: the lidar in the middle, its front up. */
 export class ScanPlot {
   #connection;
   #module;

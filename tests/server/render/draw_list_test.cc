@@ -106,9 +106,9 @@ TEST(DrawListTest, NamesComeFarthestFirstAndOnlyIfAskedFor) {
 TEST(DrawListTest, RaysOnlyIfAskedFor) {
   const auto frame = SampleWorld().Robot(At(0, 0)).MakeFrame();
   ImageRequest request = From({0, 0, 12}, {0, 0, 0});
-  EXPECT_TRUE(ListFor(*frame, request).rays.empty());
+  EXPECT_TRUE(ListFor(*frame, request).sensor_marks.empty());
   request.show_rays = true;
-  EXPECT_EQ(ListFor(*frame, request).rays.size(), 3U * 6U);  // two triangles each
+  EXPECT_EQ(ListFor(*frame, request).sensor_marks.size(), 3U * 6U);  // two triangles each
 }
 
 }  // namespace

@@ -9,52 +9,12 @@
 #include <iterator>
 
 #include "server/geometry/mesh.h"
-#include "server/render/picture_maker.h"
 #include "tests/server/render/decode.h"
+#include "tests/server/render/shot.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
 namespace {
-
-struct Pixel {
-  int r, g, b;
-  int brightness() const { return r + g + b; }
-};
-
-// One picture, asked by world points.
-class Shot {
- public:
-  Shot(const Frame& frame, ImageRequest request, RendererKind renderer = RendererKind::kOsmesa)
-      : request_(request), camera_(CameraFor(request, *frame.scene)) {
-    request_.format = ImageFormat::kRgb;
-    const ImageResult result = PictureMaker(renderer).Make(frame, request_);
-    EXPECT_EQ(result.error, "");
-    if (result.bytes) picture_ = {request.width, request.height, *result.bytes};
-  }
-  Pixel At(int x, int y) const {
-    const std::uint8_t* p = picture_.at(x, y);
-    return {p[0], p[1], p[2]};
-  }
-  Pixel At(const Vector3& p_W) const {
-    const ProjectedPoint at = Frustum(camera_, request_.width, request_.height).Pixel(p_W);
-    return At(static_cast<int>(at.x_px), static_cast<int>(at.y_px));
-  }
-  const Picture& picture() const { return picture_; }
-
- private:
-  ImageRequest request_;
-  Camera camera_;
-  Picture picture_;
-};
-
-ImageRequest PictureFrom(const Vector3& eye, const Vector3& look) {
-  ImageRequest request;
-  request.width = 320;
-  request.height = 240;
-  request.eye_m = eye;
-  request.look_m = look;
-  return request;
-}
 
 const ImageRequest kFromAbove = PictureFrom({0, 0, 8}, {0, 0, 0});
 
