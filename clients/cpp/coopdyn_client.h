@@ -227,7 +227,8 @@ class Robot {
   Limits get_limits();
 
   /// All readings of one step in one round trip; in lockstep, right after sim.step(), those that came with
-  /// its reply, without any. With a colour, `target` is the nearest target of it.
+  /// its reply, without any. With a colour, `target` is the nearest target of it. Of several sensors of a
+  /// type it has the first; read the others by name: get_scan("rear_lidar").
   Reading sense(const std::string& x = "");
 
   /// Its joints of this name: a group of `<coopdyn:group>` in its model, "joints" if it names none. Without a

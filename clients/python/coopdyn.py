@@ -2856,7 +2856,8 @@ class Robot:
     @_usage('r.sense() or r.sense("red")')
     def sense(self, x: Union[str, int, None] = None) -> Reading:
         """All readings of one step, in one round trip; in lockstep, right after `sim.step()`, those that came with
-        its reply, without any. `sense("red").target` is the nearest target of that colour (or with that id)."""
+        its reply, without any. `sense("red").target` is the nearest target of that colour (or with that id). Of several
+        sensors of a type it has the first; read the others by name: `r.get_scan("rear_lidar")`."""
         session, link = self._session, self._link
         session.require_open()
         if link.lost is not None and link.lost.code == 10:

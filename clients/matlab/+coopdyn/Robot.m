@@ -166,7 +166,7 @@ classdef Robot < coopdyn.internal.SensorCalls
     function s = sense(r, x)
     %SENSE All readings of one step in one round trip: time, step, distances, targets, target, pose, wheels, compass,
     %   support, joints; imu, wrench, scan, contacts (id -1, no name), sonar, infrared, light, battery, odometry, each of the
-    %   first sensor of its kind.
+    %   first sensor of its kind; read the others by name: r.get_scan('rear_lidar').
     %   s = r.sense('red'): s.target is the nearest target of that colour (or with that id); error if there is none.
     %   In lockstep, right after sim.step(), the readings that came with its reply, without any round trip.
       link = r.link;

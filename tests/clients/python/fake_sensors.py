@@ -3,7 +3,7 @@
 import math
 import struct
 
-MODULES = {"gyro": "imu", "wrench": "wrench", "lidar": "lidar", "contact": "contact", "sonar": "sonar", "infrared": "infrared",
+MODULES = {"gyro": "imu", "mast_imu": "imu", "wrench": "wrench", "lidar": "lidar", "rear_lidar": "lidar", "contact": "contact", "sonar": "sonar", "infrared": "infrared",
            "light": "light", "left_camera": "camera", "right_camera": "camera", "battery": "battery", "odometry": "odometry"}
 FIRST = {"imu": 230, "wrench": 240, "lidar": 250, "contact": 260, "sonar": 320, "infrared": 330, "light": 310, "camera": 271,
          "battery": 290, "odometry": 340}
@@ -27,6 +27,12 @@ READINGS = {
     330: ("", (), [2.25, 0.375, 0.5]),
     340: ("", (), [1, 2, 0.5, 0.25, -0.125]),
 }
+# Of a robot's second sensors.
+SECOND = {
+    ("mast_imu", 230): ("", (), [0, 1, 0, 0, 0.5, 0.25, 0.125, 1, 2, -9.81]),
+    ("rear_lidar", 250): ("", (), [0.5, math.inf, 3]),
+    ("rear_lidar", 251): ("", (), [-0.25, 0.25, 0, 4, 1, 3, 0, 0]),
+}
 
 
 def shown(reading, step):
@@ -48,7 +54,7 @@ def pixels(kind, right):
 def values(module, reading, params):
     """Text, params and data; None if this is no reading of a sensor."""
     if reading != 270:
-        return READINGS.get(reading)
+        return SECOND.get((module.split("/")[-1], reading)) or READINGS.get(reading)
     kind = params[0] if params else 0
     raw = pixels(kind, module.endswith("right_camera"))
     filled = raw + bytes(-len(raw) % 4)

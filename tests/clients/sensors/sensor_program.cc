@@ -84,8 +84,10 @@ void Run() {
   client::Robot r = sim.robot("robot1");
   sim.step(7);
   Show(r.get_imu());
+  Show(r.get_imu("mast_imu"));
   Show(r.get_wrench());
   Show(r.get_scan());
+  Show(r.get_scan("rear_lidar"));
   Show(r.get_contacts());
   const std::vector<bool> pressed = r.get_bumper();
   Show("bumper", {pressed.begin(), pressed.end()});
@@ -112,8 +114,10 @@ void Run() {
     Show("when", {shown, static_cast<double>(sim.steps())});
   }
   r.subscribe("light");
+  r.subscribe("rear_lidar");
   sim.step();
   Show("pushed", r.next("light", 10).value);
+  Show("pushed", r.next("rear_lidar", 10).value);
   sim.close();
 }
 

@@ -34,8 +34,10 @@ sim = coopdyn.connect();
 r = sim.robot('robot1');
 sim.step(7);
 show_struct('imu', r.get_imu());
+show_struct('imu', r.get_imu('mast_imu'));
 show_struct('wrench', r.get_wrench());
 show_scan(r.get_scan());
+show_scan(r.get_scan('rear_lidar'));
 show_contacts(r.get_contacts());
 show('bumper', r.get_bumper());
 show('sonar', r.get_sonar());
@@ -78,7 +80,10 @@ for k = 1:3
   show('when', [step sim.steps]);
 end
 r.subscribe('light');
+r.subscribe('rear_lidar');
 sim.step();
-pushed = r.next('light', 'timeout', 10);
-show('pushed', pushed.value);
+for module = {'light', 'rear_lidar'}
+  pushed = r.next(module{1}, 'timeout', 10);
+  show('pushed', pushed.value);
+end
 sim.close();

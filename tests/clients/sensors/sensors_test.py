@@ -76,7 +76,10 @@ class SameReadings(unittest.TestCase):
 
         count = fake_sensors.WIDTH * fake_sensors.HEIGHT
         jpeg = fake_sensors.pixels(1, False)
-        lines = [simple["imu"], simple["wrench"], *scan, *named, "bumper 1 0 1"]
+        second = {module: numbers(word, fake_sensors.SECOND[(module, reading)][2])
+                  for word, module, reading in (("imu", "mast_imu", 230), ("ranges", "rear_lidar", 250))}
+        rear_scan = [second["rear_lidar"], numbers("azimuth", [-0.25, 0, 0.25]), "elevation 0", "limits 0 4"]
+        lines = [simple["imu"], second["mast_imu"], simple["wrench"], *scan, *rear_scan, *named, "bumper 1 0 1"]
         lines += [simple[word] for word in ("sonar", "infrared", "light", "battery", "odometry")]
         lines += [numbers("camera", data[271]), image(False), numbers("when", [6 * 0.01, 6, 7]), image(True)]
         lines += [numbers("jpeg", [len(jpeg), 0xFF, 0xD8, sum(jpeg)])]
@@ -86,7 +89,7 @@ class SameReadings(unittest.TestCase):
             lines += [numbers("sense", [step * 0.01, step, step]), simple["imu"], simple["wrench"], *scan, *nameless]
             lines += [simple[word] for word in ("sonar", "infrared", "light", "battery", "odometry")]
             lines += [numbers("when", [step // 3 * 3, step])]
-        return [*lines, simple["light"].replace("light", "pushed")]
+        return [*lines, simple["light"].replace("light", "pushed"), second["rear_lidar"].replace("ranges", "pushed")]
 
     def test_python_reads_every_sensor_and_a_camera_s_last_picture_is_no_reset(self):
         self.assertEqual(self.read([sys.executable, HERE / "sensor_program.py"]), self.expected())
@@ -107,6 +110,8 @@ class RealReadings(unittest.TestCase):
         words = [line.split()[0] for line in read[0]]
         for word in ("imu", "wrench", "ranges", "bumper", "sonar", "infrared", "light", "battery", "odometry", "image", "depth", "name"):
             self.assertIn(word, words)
+        counts = [len(line.split()) - 1 for line in read[0] if line.startswith("ranges")]
+        self.assertEqual(counts, [9, 9, 3] + 3 * [9, 9])  # the rear lidar is read by its name alone
         self.assertEqual(read[1], read[0])
         self.assertEqual(read[2], read[0])
 
