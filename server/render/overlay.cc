@@ -2,6 +2,8 @@
 #include "server/render/overlay.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace coopdyn {
 
@@ -55,13 +57,17 @@ void Overlay::AddDot(const Vector3& p_W, double radius_px, const Rgba& color, do
   const double part = std::min((slant_m + lift_m) / distance_m, 0.5);
   const Eigen::Vector4d at = frustum_.Clip(p_W + part * to_eye_W);
   if (!(at.w() >= frustum_.near_m())) return;
+  const double half_x = 2 * at.w() * radius_px / frustum_.width(),
+               half_y = 2 * at.w() * radius_px / frustum_.height();
+  if (std::abs(at.x()) > at.w() + half_x || std::abs(at.y()) > at.w() + half_y) return;
+  // A triangle about the disc: there are many dots, and this is half as much as a square.
   const auto corner = [&](double u, double v) {
-    Eigen::Vector4d clip = at;
-    clip.x() += u * radius_px / frustum_.width() * 2 * at.w();
-    clip.y() += v * radius_px / frustum_.height() * 2 * at.w();
-    return Corner(clip, u, v, color, 3);
+    const Eigen::Vector4d clip = at + Eigen::Vector4d(u * half_x, v * half_y, 0, 0);
+    vertices_.push_back(Corner(clip, u, v, color, 3));
   };
-  AddQuad({corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)});
+  corner(-std::numbers::sqrt3, -1);
+  corner(std::numbers::sqrt3, -1);
+  corner(0, 2);
 }
 
 }  // namespace coopdyn

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMaxRay_m = 100;
 constexpr std::size_t kFewRays = 32;        // a lidar with more has no rays, just their ends
-constexpr std::size_t kMostPoints = 60000;  // of all lidars in a picture; of more each n-th
+constexpr std::size_t kMostPoints = 30000;  // of all lidars in a picture; of more each n-th
 
 constexpr Rgba kHitRay{1, 0.35, 0.1, 0.75}, kHitDot{1, 0.25, 0.05, 0.95}, kFreeRay{0.1, 0.6, 0.35, 0.3};
 constexpr Rgba kScanDot{0.05, 0.35, 0.95, 0.95}, kScanArea{0.15, 0.45, 1, 0.13};
