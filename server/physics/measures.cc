@@ -142,6 +142,7 @@ void Measures::EndContacts(std::span<const BodyState> bodies) {
     double share;
   };
   std::vector<Found> all;
+  all.reserve(gathered_.size());
   for (const Gathered& gathered : gathered_) {
     const MeasuredContact& from = gathered.contact;
     all.push_back(
@@ -177,6 +178,18 @@ void Measures::EndContacts(std::span<const BodyState> bodies) {
   });
   contacts_.insert(contacts_.end(), merged.begin(), merged.end());
   std::ranges::stable_sort(contacts_, {}, ends);
+  SortContactsByRobot();
+}
+
+// Else each robot's wrenches would look at the contacts of all robots.
+void Measures::SortContactsByRobot() {
+  by_robot_.clear();
+  for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
+    const std::int32_t a = contacts_[i].a.robot, b = contacts_[i].b.robot;
+    if (a >= 0) by_robot_.push_back({a, i});
+    if (b >= 0 && b != a) by_robot_.push_back({b, i});
+  }
+  std::ranges::sort(by_robot_);
 }
 
 void Measures::End(const Moment& moment, std::span<const BodyState> bodies,
@@ -287,7 +300,9 @@ void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<c
            std::ranges::find(part.collisions, static_cast<std::size_t>(end.collision)) !=
                part.collisions.end();
   };
-  for (const Contact& contact : contacts_) {
+  for (const ContactOfRobot& one :
+       std::ranges::equal_range(by_robot_, of.robot, {}, &ContactOfRobot::robot)) {
+    const Contact& contact = contacts_[one.contact];
     for (const auto& [end, sign] : {std::pair(contact.a, 1.0), std::pair(contact.b, -1.0)}) {
       if (!is_beyond(end)) continue;
       force -= sign * contact.force_W;

@@ -4,6 +4,7 @@
 // state: the holder of the step baton. Only server/physics includes this file.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -72,6 +73,11 @@ class Measures {
     std::uint32_t index = 0;  // which of these two parts
     double share = 0;
   };
+  struct ContactOfRobot {
+    std::int32_t robot = 0;
+    std::uint32_t contact = 0;  // index into contacts_
+    auto operator<=>(const ContactOfRobot&) const = default;
+  };
   /// A rigid piece of a robot before and after the step.
   struct Motion {
     Vector3 p_W, middle_W;  // its centre of mass before the step, and in the middle of it
@@ -83,6 +89,7 @@ class Measures {
   ContactEnd EndOf(std::uint32_t thing, const Part* part) const;
   bool Sleeps(const ContactEnd& end, std::span<const BodyState> bodies) const;
   void EndContacts(std::span<const BodyState> bodies);
+  void SortContactsByRobot();
   /// A link's frame in its body.
   Pose PlaceInBody(const Measured& of, int link) const;
   Motion MotionOf(const Measured& of, std::span<const BodyState> now, int link, double mass_kg,
@@ -106,6 +113,7 @@ class Measures {
   std::vector<double> values_;                  // as Frame::measured
   std::vector<Contact> contacts_;               // as Frame::contacts
   std::vector<Gathered> gathered_;              // of the present step
+  std::vector<ContactOfRobot> by_robot_;        // sorted; of contacts_ at the end of the step
 };
 
 }  // namespace coopdyn

@@ -18,6 +18,7 @@ std::vector<Touch> Touches(const Frame& frame, int robot, std::size_t number) {
            });
   };
   for (const Contact& contact : frame.contacts) {
+    if (contact.a.robot != robot && contact.b.robot != robot) continue;
     const double force_n = contact.force_W.norm();
     const Vector3 p_R = X_RW * contact.p_W, normal_R = X_RW.q * contact.normal_W;
     // Two parts of one robot may touch each other: each of them feels it.
