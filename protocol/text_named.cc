@@ -172,6 +172,12 @@ class NamedReader {
       number = *word;
     } else if (value != nullptr && !value->enums.empty() && LooksLikeWord(token)) {
       return RefuseWord(*value, token, Error::kWrongParams);
+    } else if (const ValueSpec* next = ValueAt(values, index + 1);
+               next != nullptr && !next->enums.empty() && LooksLikeWord(token)) {
+      // `subscribe get_limits`
+      if (!EnumNumber(next, token)) return RefuseWord(*next, token, Error::kWrongParams);
+      return Refuse(Error::kWrongParams, spec_.name + " takes " + value->name + " before " + Quoted(token) +
+                                             ": " + spec_.name + " 1 " + std::string(token));
     } else if (std::string why = ReadParam(token, number); !why.empty()) {
       const std::string example = ExampleLine(spec_);
       const bool helps = example.find(bracketed_ ? '(' : ' ') != std::string::npos;

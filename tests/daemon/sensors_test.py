@@ -72,10 +72,11 @@ class SensorsTest(unittest.TestCase):
         with Daemon("[SIMULATION]\nmode lockstep\n[ROBOT]\ntype turtle\nname robot1\nposition 0 0\n") as daemon:
             camera = daemon.text("/robot1/camera")
             instead = "get_image is not pushed; ask for each picture with get_image, or read /camera.mjpg by HTTP"
-            camera.send("subscribe 1 get_image")
-            refused = camera.receive()
-            self.assertEqual((refused.error, refused.command), (2, 4))
-            self.assertIn(instead, refused.text)
+            for line in ("subscribe 1 get_image", "subscribe get_image"):
+                camera.send(line)
+                refused = camera.receive()
+                self.assertEqual((refused.error, refused.command), (2, 4))
+                self.assertIn(instead, refused.text)
             refused = daemon.binary("/robot1/camera").ask(4, (1, 270))
             self.assertEqual(refused.error, 4)
             self.assertIn(instead, refused.text)

@@ -176,6 +176,15 @@ TEST(TextCodec, ACommandOfAnotherModuleIsNamed) {
             "unknown command 'get_pose': it is a command of pose, not of motors (help lists all of motors)");
 }
 
+TEST(TextCodec, AWordThatComesTooEarlyIsPutInItsPlace) {
+  EXPECT_EQ(DecodeText("subscribe get_limits\n", MotorsTable(), false).message.text,
+            "subscribe takes every before 'get_limits': subscribe 1 get_limits");
+  EXPECT_THAT(DecodeText("subscribe get_image\n", CameraTable(), false).message.text,
+              HasSubstr("get_image is not pushed; ask for each picture with get_image"));
+  EXPECT_THAT(DecodeText("subscribe often\n", MotorsTable(), false).message.text,
+              HasSubstr("needs a reading: get_wheels (12) or get_limits (13), not 'often'"));
+}
+
 TEST(TextCodec, AFarewellIsTakenInCapitals) {
   EXPECT_EQ(DecodeText("QUIT\n", MotorsTable(), false).status, DecodeStatus::kLeave);
   EXPECT_THAT(DecodeText("QUIT\n", SimulationTable(), false).message.text, HasSubstr("did you mean quit?"));
