@@ -58,40 +58,43 @@ const RayGrid& SensingCache::movable_grid() const {
 
 std::span<const double> SensingCache::Values(int robot, std::size_t kept) const {
   if (kept >= scene_.type(robot).kept.size()) return {};
-  return Need(robot, kept);
+  const SceneSensing::Place& place = scene_.place(robot);
+  Need(robot, place, kept);
+  return PlaceOf(robot, place, kept);
 }
 
 std::span<const double> SensingCache::Distances(int robot) const {
+  const SceneSensing::Place& place = scene_.place(robot);
   const SceneSensing::RobotType& type = scene_.type(robot);
-  for (std::size_t kept = 0; kept < type.distance_sensors; ++kept) Need(robot, kept);
-  return std::span<const double>(buffers_->ranges).subspan(scene_.place(robot).first_range, type.ranges);
+  for (std::size_t kept = 0; kept < type.distance_sensors; ++kept) Need(robot, place, kept);
+  return std::span<const double>(buffers_->ranges).subspan(place.first_range, type.ranges);
 }
 
-std::span<double> SensingCache::Need(int robot, std::size_t kept) const {
-  const SceneSensing::Place& place = scene_.place(robot);
+std::span<double> SensingCache::PlaceOf(int robot, const SceneSensing::Place& place, std::size_t kept) const {
   const KeptSensor& sensor = scene_.type(robot).kept[kept];
-  std::vector<double>& list = buffers_->lists[place.first_kept + kept];
+  if (sensor.has_list()) return buffers_->lists[place.first_kept + kept];
+  return std::span(buffers_->ranges).subspan(place.first_range + sensor.first, sensor.count);
+}
+
+void SensingCache::Need(int robot, const SceneSensing::Place& place, std::size_t kept) const {
   std::atomic<std::uint8_t>& progress = buffers_->progress[place.first_kept + kept];
-  const auto values = [&]() -> std::span<double> {
-    if (sensor.has_list()) return list;
-    return std::span(buffers_->ranges).subspan(place.first_range + sensor.first, sensor.count);
-  };
   std::uint8_t now = progress.load(std::memory_order_acquire);
   if (now == kNobody && progress.compare_exchange_strong(now, kInTheMaking, std::memory_order_acquire)) {
-    if (sensor.has_list()) list.resize(sensor.count);
+    const KeptSensor& sensor = scene_.type(robot).kept[kept];
+    if (sensor.has_list()) buffers_->lists[place.first_kept + kept].resize(sensor.count);
+    const std::span<double> values = PlaceOf(robot, place, kept);
     const auto compute = [&]<typename Kind>(const Kind& kind) {
-      if constexpr (IsKept<Kind>) Compute(kind, sensor, *this, robot, values());
+      if constexpr (IsKept<Kind>) Compute(kind, sensor, *this, robot, values);
     };
     std::visit(compute, *sensor.kind);
     progress.store(kReady, std::memory_order_release);
     progress.notify_all();
-    return values();
+    return;
   }
   while (now != kReady) {
     progress.wait(now, std::memory_order_acquire);
     now = progress.load(std::memory_order_acquire);
   }
-  return values();
 }
 
 ThingHit SensingCache::Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const {

@@ -91,8 +91,10 @@ class SensingCache final : public FrameCache {
   ThingHit Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const;
 
  private:
-  /// Computes the values of `sensor` unless they are there. One thread computes, others wait for it.
-  std::span<double> Need(int robot, std::size_t kept) const;
+  /// Computes the values of a kept sensor unless they are there. One thread computes, others wait for it.
+  void Need(int robot, const SceneSensing::Place& place, std::size_t kept) const;
+  /// Where they are.
+  std::span<double> PlaceOf(int robot, const SceneSensing::Place& place, std::size_t kept) const;
 
   const Frame& frame_;
   const SceneSensing& scene_;
