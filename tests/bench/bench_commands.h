@@ -21,4 +21,7 @@ void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen);
 /// What recording costs, and how long it takes to find a moment again, to verify the run, and to begin anew.
 void AddBenchRecording(CLI::App& bench, std::function<int()>& chosen);
 
+/// Pictures and lidar rays per second, µs of each reading, and how long a client waits for a picture.
+void AddBenchSensors(CLI::App& bench, std::function<int()>& chosen);
+
 }  // namespace coopdyn

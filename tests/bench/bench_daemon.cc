@@ -42,10 +42,9 @@ void BenchDaemon::Start(const BenchDaemonOptions& options) {
     if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
   }
   const std::string program = options.program.empty() ? ProgramBeside("coopdyn") : options.program;
-  std::vector<std::string> words{program,       "serve",       folder / "bench.scenario",
-                                 "--port",      "0",           "--no-http",
-                                 "--no-render", "--scenarios", folder_,
-                                 "--log-level", "error"};
+  std::vector<std::string> words{
+      program,       "serve", folder / "bench.scenario", "--port", "0", "--no-http", "--scenarios", folder_,
+      "--log-level", "error"};
   words.insert(words.end(), options.words.begin(), options.words.end());
   if (!options.record.empty()) {
     words.insert(words.end(), {"--record", folder / "bench.run", "--record-what", options.record});

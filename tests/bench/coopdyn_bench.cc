@@ -19,10 +19,11 @@ int main(int argc, char** argv) {
   coopdyn::AddBenchRobot(bench, chosen);
   coopdyn::AddBenchLockstep(bench, chosen);
   coopdyn::AddBenchRecording(bench, chosen);
+  coopdyn::AddBenchSensors(bench, chosen);
   try {
     bench.parse(argc, argv);
     if (!chosen) {
-      throw CLI::ValidationError("write what to measure: coopdyn bench swarm, robot, lockstep or recording");
+      throw CLI::ValidationError("write what to measure: coopdyn bench swarm, robot, lockstep, recording or sensors");
     }
   } catch (const CLI::Success& help) {
     return bench.exit(help);
