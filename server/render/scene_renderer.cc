@@ -12,6 +12,7 @@
 #include "server/render/gl_mesh.h"
 #include "server/render/gl_objects.h"
 #include "server/render/label_painter.h"
+#include "server/render/lit_programs.h"
 #include "server/render/shaders.h"
 
 namespace coopdyn {
@@ -22,13 +23,6 @@ namespace {
 constexpr float kFloorCorners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
 constexpr unsigned char kWhite[] = {255, 255, 255};
 constexpr float kSkyCorners[] = {-1, -1, 0, 3, -1, 0, -1, 3, 0};
-
-std::string Source(const char* body, bool lit = false, const char* variant = "") {
-  return std::string(shaders::kHeader) + variant + (lit ? shaders::kLight : "") + body;
-}
-constexpr const char* kSkin = "#define SKIN\n";
-constexpr const char* kClad = "#define CLAD\n";
-constexpr std::size_t kMostLamps = 8;  // as in the shaders
 
 // The slab under the floor, which shows its edge; its top lies a little below the floor that is drawn.
 DrawList Slab(const Floor& floor) {
@@ -50,13 +44,8 @@ DrawList Slab(const Floor& floor) {
 struct SceneRenderer::Impl {
   Impl(const GlApi& gl_api, std::string& error)
       : gl(gl_api),
-        mesh(gl, Source(shaders::kMeshVertex), Source(shaders::kMeshFragment, true), error),
-        skin(gl, Source(shaders::kMeshVertex, false, kSkin), Source(shaders::kMeshFragment, true, kSkin),
-             error),
-        clad(gl, Source(shaders::kMeshVertex, false, kClad), Source(shaders::kMeshFragment, true, kClad),
-             error),
+        lit(std::make_unique<LitPrograms>(gl, 0, error)),
         shadow(gl, Source(shaders::kMeshVertex), Source(shaders::kShadowFragment), error),
-        floor(gl, Source(shaders::kFloorVertex), Source(shaders::kFloorFragment, true), error),
         sky(gl, Source(shaders::kSkyVertex), Source(shaders::kSkyFragment), error),
         overlay(gl, Source(shaders::kOverlayVertex), Source(shaders::kOverlayFragment), error),
         number(gl, Source(shaders::kMeshVertex), Source(shaders::kNumberFragment), error),
@@ -101,17 +90,25 @@ struct SceneRenderer::Impl {
     SetVector(program, "sun", SunDirection().normalized());
   }
 
+  /// Makes programs for the lamps of `scene`.
+  void FitLamps(const Scene& scene) {
+    if (lit->lamps == LampsOf(scene)) return;
+    std::string error;
+    auto made = std::make_unique<LitPrograms>(gl, LampsOf(scene), error);
+    if (error.empty()) lit = std::move(made);
+  }
+
   /// Use() for a program that is lit by the lamps of `scene`: the nearest to the camera, if there are many.
   void UseLit(const GlProgram& program, const Eigen::Matrix4f& clip_from_W, const Scene& scene,
               const Camera& camera) const {
     Use(program, clip_from_W);
     SetVector(program, "eye", camera.eye_W);
-    if (scene.scenario == nullptr) return;
+    if (lit->lamps == 0) return;
     std::vector<const PointLight*> lamps;
     for (const PointLight& lamp : scene.scenario->lights) lamps.push_back(&lamp);
     std::ranges::stable_sort(
         lamps, {}, [&](const PointLight* lamp) { return (lamp->p_WP - camera.eye_W).squaredNorm(); });
-    lamps.resize(std::min(lamps.size(), kMostLamps));
+    lamps.resize(std::min(lamps.size(), lit->lamps));
     std::vector<float> places, lights;
     for (const PointLight* lamp : lamps) {
       const Vector3 light = lamp->power * Vector3(lamp->color.r, lamp->color.g, lamp->color.b);
@@ -119,8 +116,6 @@ struct SceneRenderer::Impl {
       for (const double x : light) lights.push_back(static_cast<float>(x));
     }
     const auto count = static_cast<GLsizei>(lamps.size());
-    gl.Uniform1i(program.Uniform("lamp_count"), count);
-    if (count == 0) return;
     gl.Uniform3fv(program.Uniform("lamp_place"), count, places.data());
     gl.Uniform3fv(program.Uniform("lamp_light"), count, lights.data());
   }
@@ -172,7 +167,7 @@ struct SceneRenderer::Impl {
       for (const GlMesh::Range& range : BindMesh(draw).ranges) {
         const MeshSkin::Material& material = draw.mesh->skin->materials[range.material];
         const auto& tint = material.texture != nullptr ? material.tint : material.color;
-        SetVector(skin, "tint", {tint[0], tint[1], tint[2]});
+        SetVector(lit->skin, "tint", {tint[0], tint[1], tint[2]});
         BindTexture(material.texture);
         gl.DrawElementsInstanced(GL_TRIANGLES, range.count, GL_UNSIGNED_INT,
                                  reinterpret_cast<const void*>(range.first * sizeof(std::uint32_t)),
@@ -224,22 +219,23 @@ struct SceneRenderer::Impl {
   void DrawScene(const DrawList& list, const Scene& scene, const Camera& camera, int width, int height) {
     const Floor& floor_model = scene.floor;
     const Eigen::Matrix4f clip_from_W = Begin(camera, width, height);
+    FitLamps(scene);
 
     // Shapes first: the floor behind them need not be shaded.
-    UseLit(mesh, clip_from_W, scene, camera);
-    SetVector(mesh, "shadow_along", Vector3::Zero());
+    UseLit(lit->mesh, clip_from_W, scene, camera);
+    SetVector(lit->mesh, "shadow_along", Vector3::Zero());
     DrawInstances(Slab(floor_model));
     DrawInstances(list);
     DrawModelMeshes(list, false);
-    UseLit(skin, clip_from_W, scene, camera);
-    SetVector(skin, "shadow_along", Vector3::Zero());
+    UseLit(lit->skin, clip_from_W, scene, camera);
+    SetVector(lit->skin, "shadow_along", Vector3::Zero());
     DrawSkins(list);
     gl.Enable(GL_CULL_FACE);
     if (!list.clad.empty()) {
-      UseLit(clad, clip_from_W, scene, camera);
-      SetVector(clad, "shadow_along", Vector3::Zero());
+      UseLit(lit->clad, clip_from_W, scene, camera);
+      SetVector(lit->clad, "shadow_along", Vector3::Zero());
       for (const CladDraw& draw : list.clad) {
-        SetTexture(clad, draw.texture);
+        SetTexture(lit->clad, draw.texture);
         DrawInstances(draw.meshes);
       }
     }
@@ -248,10 +244,10 @@ struct SceneRenderer::Impl {
     gl.Enable(GL_STENCIL_TEST);
     gl.StencilFunc(GL_ALWAYS, 1, 0xff);
     gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
-    UseLit(floor, clip_from_W, scene, camera);
-    SetTexture(floor, floor_model.texture);
-    SetVector(floor, "half_size", {floor_model.length_m / 2, floor_model.width_m / 2, 1});
-    SetVector(floor, "floor_color", {floor_model.color.r, floor_model.color.g, floor_model.color.b});
+    UseLit(lit->floor, clip_from_W, scene, camera);
+    SetTexture(lit->floor, floor_model.texture);
+    SetVector(lit->floor, "half_size", {floor_model.length_m / 2, floor_model.width_m / 2, 1});
+    SetVector(lit->floor, "floor_color", {floor_model.color.r, floor_model.color.g, floor_model.color.b});
     floor_vertices.Bind();
     gl.DrawArrays(GL_TRIANGLES, 0, 6);
 
@@ -308,7 +304,8 @@ struct SceneRenderer::Impl {
   }
 
   const GlApi& gl;
-  GlProgram mesh, skin, clad, shadow, floor, sky, overlay, number, floor_number;
+  std::unique_ptr<LitPrograms> lit;  // for as many lamps as the scene has that was drawn last
+  GlProgram shadow, sky, overlay, number, floor_number;
   GlVertices mesh_vertices, mesh_indices, instances, floor_vertices, sky_vertices, overlay_vertices;
   GlTexture white;  // of materials without a texture
   // A picture lives as long as its texture, so that no other takes its address.

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The programs that draw what is lit, for a number of lamps. Used and destroyed on the context's thread.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+
+#include "server/render/gl_objects.h"
+#include "server/render/shaders.h"
+#include "server/state/scene.h"
+
+namespace coopdyn {
+
+inline constexpr std::size_t kMostLamps = 8;
+
+/// The lamps that pictures of `scene` show.
+inline std::size_t LampsOf(const Scene& scene) {
+  return scene.scenario == nullptr ? 0 : std::min(scene.scenario->lights.size(), kMostLamps);
+}
+
+/// A shader's text. `variant`: definitions before it.
+inline std::string Source(const char* body, const std::string& variant = "") {
+  return shaders::kHeader + variant + body;
+}
+
+struct LitPrograms {
+  LitPrograms(const GlApi& gl, std::size_t lamp_count, std::string& error)
+      : lamps(lamp_count),
+        mesh(gl, Source(shaders::kMeshVertex), Lit(shaders::kMeshFragment), error),
+        skin(gl, Source(shaders::kMeshVertex, kSkin), Lit(shaders::kMeshFragment, kSkin), error),
+        clad(gl, Source(shaders::kMeshVertex, kClad), Lit(shaders::kMeshFragment, kClad), error),
+        floor(gl, Source(shaders::kFloorVertex), Lit(shaders::kFloorFragment), error) {}
+
+  const std::size_t lamps;
+  GlProgram mesh, skin, clad, floor;
+
+ private:
+  static constexpr const char *kSkin = "#define SKIN\n", *kClad = "#define CLAD\n";
+
+  std::string Lit(const char* body, const std::string& variant = "") const {
+    return Source(body, "#define LAMPS " + std::to_string(lamps) + "\n" + variant + shaders::kLight);
+  }
+};
+
+}  // namespace coopdyn
