@@ -118,7 +118,7 @@ class Marker {
   template <typename Mounts>
   bool MaySee(const Sensor& sensor, const Mounts& mounts, double range_m) const {
     return std::ranges::any_of(mounts, [&](const Mount& mount) {
-      return frustum_.Sees(MountPose(sensor.frame, sensor.robot, mount).p, std::min(range_m, kMaxRay_m));
+      return frustum_.Sees(MountPose(sensor.frame, sensor.robot, mount).p, range_m);
     });
   }
 
