@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
   try {
     bench.parse(argc, argv);
     if (!chosen) {
-      throw CLI::ValidationError("write what to measure: coopdyn bench swarm, robot, lockstep, recording or sensors");
+      throw CLI::ValidationError(
+          "write what to measure: coopdyn bench swarm, robot, lockstep, recording or sensors");
     }
   } catch (const CLI::Success& help) {
     return bench.exit(help);
