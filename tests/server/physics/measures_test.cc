@@ -302,6 +302,26 @@ TEST(MeasuresTest, ALoadThatIsPutOnIsWeighed) {
   EXPECT_NEAR(values[4], -3 * kG * 0.1, 0.01 * 3 * kG);
 }
 
+TEST(MeasuresTest, AWrenchCountsItsOwnRobotsContactsOnWhicheverEnd) {
+  // Nothing but contacts holds a free crate: with all of them counted, nothing is left for the joint.
+  PhysicsScene scene;
+  auto model = Crate();
+  model->sensors.clear();
+  const LinkModel& crate = model->links[0];
+  WrenchModel wrench;
+  wrench.part = {0, crate.mass_kg, crate.X_LI, crate.inertia_kg_m2, {0}};
+  model->AddSensor("wrench", wrench);
+  scene.robot_model = model;
+  scene.AddRobot(0, 0);
+  scene.AddRobot(At(0, 0, 0.2));  // on top
+  scene.AddRobot(1, 0);
+  scene.RunFor(0.4);
+  for (const int robot : {0, 1, 2}) {
+    EXPECT_NEAR(ForceOn(scene, robot).z(), 3 * kG, 0.3);
+    EXPECT_LT(First(MeasuredBy(scene, robot)).norm(), 0.01 * 3 * kG);
+  }
+}
+
 // --- battery
 
 TEST(MeasuresTest, ABatteryFallsByWhatIsDrawn) {
