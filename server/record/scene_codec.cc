@@ -182,6 +182,18 @@ void CodeScene(auto& codec, auto& scene, const Context& context) {
   codec.List(scene.body_ids, 4, [&codec](auto& body) { codec.Number(body.value); });
 }
 
+/// Textures are those of the scenario; what was added later has none.
+void TakeTextures(Scene& scene) {
+  if (scene.scenario == nullptr) return;
+  const std::vector<WorldObject>& objects = scene.scenario->objects;
+  scene.floor.texture = scene.scenario->floor.texture;
+  for (SceneObject& thing : scene.objects) {
+    const std::size_t place = thing.id.value - 1;
+    if (place < objects.size() && objects[place].name == thing.object.name)
+      thing.object.texture = objects[place].texture;
+  }
+}
+
 /// Every dynamic body belongs to one thing, every index is inside, ids increase.
 bool Fits(const Scene& scene) {
   std::vector<bool> taken(scene.body_ids.size());
@@ -238,6 +250,7 @@ std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
   if (!reader.finished() || !Fits(*scene)) return nullptr;
   for (SceneRobot& robot : std::exchange(scene->robots, {})) AddRobot(*scene, std::move(robot));
   scene->scenario = scenario;
+  TakeTextures(*scene);
   return scene;
 }
 

@@ -296,6 +296,22 @@ TEST(SceneCodecTest, ASceneKeepsEveryBit) {
   EXPECT_TRUE(SameBits(read->targets[1].p_WT, scene->targets[1].p_WT));
 }
 
+TEST(SceneCodecTest, TexturesAreThoseOfTheScenarioAndNewThingsHaveNone) {
+  auto scenario = std::make_shared<Scenario>(*ReadRecordScenario());
+  scenario->floor.texture.image = std::make_shared<Image>();
+  scenario->objects[0].texture = {std::make_shared<Image>(), 1, 1};
+  scenario->objects[1].texture = {std::make_shared<Image>(), 0.5, 0.25};
+  Scene scene = *MakeScene(scenario);
+  scene.objects[0].object.name = "NEW_1";
+  scene.objects[0].object.texture = {};
+  const auto read = DecodeScene(EncodeScene(scene), scenario, ModelsOf(*scenario));
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(read->floor.texture.image, scenario->floor.texture.image);
+  EXPECT_EQ(read->objects[0].object.texture.image, nullptr);
+  EXPECT_EQ(read->objects[1].object.texture.image, scenario->objects[1].texture.image);
+  EXPECT_EQ(read->objects[1].object.texture.width_m, 0.5);
+}
+
 TEST(SceneCodecTest, TheCodeOfAControllerIsFoundByTheScenarioNotByTheRecording) {
   auto scenario = std::make_shared<Scenario>(*ReadRecordScenario());
   scenario->robots[1].controller.name = "diffuse";
