@@ -122,6 +122,19 @@ std::shared_ptr<const Image> DecodeTexture(std::span<const unsigned char> bytes,
   return image;
 }
 
+std::string EncodeTexture(const Image& image) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width);
+  png.height = static_cast<png_uint_32>(image.height);
+  png.format = PNG_FORMAT_RGB;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string bytes(size, '\0');
+  if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.rgb.data(), 0, nullptr)) return {};
+  bytes.resize(size);
+  return bytes;
+}
+
 double Heights::At(double x, double y) const {
   const double u = x * (width - 1), v = y * (height - 1);
   const int i = std::clamp(static_cast<int>(u), 0, std::max(width - 2, 0));

@@ -19,6 +19,8 @@ inline constexpr std::size_t kMaxImageBytes = 64u << 20;
 
 /// A picture for a texture; null, and `why` says what to do, for what is none.
 std::shared_ptr<const Image> DecodeTexture(std::span<const unsigned char> bytes, std::string& why);
+/// A PNG that DecodeTexture() makes the same picture of; empty if there is no memory.
+std::string EncodeTexture(const Image& image);
 
 /// Heights from 0 to 1, row by row, the uppermost first.
 struct Heights {

@@ -22,7 +22,7 @@ namespace coopdyn {
 namespace {
 
 constexpr double kMaxVertex_m = 1e4;
-constexpr std::uint32_t kSkinMark = 0x4e494b53;
+constexpr std::uint32_t kSkinMark = 0x4e494b53, kTextureMark = 0x54584554;
 
 std::string TooMany(std::size_t triangles) {
   return "the mesh has " + std::to_string(triangles) + " triangles, at most " +
@@ -100,6 +100,45 @@ bool TakeBytes(std::string_view& bytes, T& value) {
   std::memcpy(&value, bytes.data(), sizeof(value));
   bytes.remove_prefix(sizeof(value));
   return true;
+}
+
+bool SameImage(const Image& a, const Image& b) {
+  return a.width == b.width && a.height == b.height && a.rgb == b.rgb;
+}
+
+/// Of a skin with pictures: for each material its picture's place in `textures` + 1 and its tint, for each
+/// vertex its place on the picture.
+void PutTextures(const MeshSkin& skin, MeshTextures& textures, std::string& bytes) {
+  const auto has_none = [](const MeshSkin::Material& one) { return one.texture == nullptr; };
+  if (std::ranges::all_of(skin.materials, has_none)) return;
+  PutBytes(bytes, kTextureMark);
+  for (const MeshSkin::Material& material : skin.materials) {
+    std::size_t number = 0;
+    if (material.texture != nullptr) {
+      const auto known =
+          std::ranges::find_if(textures, [&](const auto& one) { return SameImage(*one, *material.texture); });
+      number = static_cast<std::size_t>(known - textures.begin()) + 1;
+      if (known == textures.end()) textures.push_back(material.texture);
+    }
+    PutBytes(bytes, static_cast<std::uint32_t>(number));
+    PutBytes(bytes, material.tint);
+  }
+  for (const MeshSkin::Corner& corner : skin.corners) PutBytes(bytes, corner.uv);
+}
+
+/// What PutTextures() wrote, if it wrote something.
+bool TakeTextures(std::string_view& bytes, const MeshTextures& textures, MeshSkin& skin) {
+  if (bytes.size() < sizeof(kTextureMark)) return true;  // zeros that fill up the word
+  std::uint32_t mark = 0, number = 0;
+  bool good = TakeBytes(bytes, mark) && mark == kTextureMark;
+  for (MeshSkin::Material& material : skin.materials) {
+    good = good && TakeBytes(bytes, number) && number <= textures.size() && TakeBytes(bytes, material.tint);
+    for (const double part : material.tint) good = good && part >= 0 && part <= 1;
+    if (good && number > 0) material.texture = textures[number - 1];
+  }
+  for (MeshSkin::Corner& corner : skin.corners)
+    good = good && TakeBytes(bytes, corner.uv) && std::isfinite(corner.uv[0]) && std::isfinite(corner.uv[1]);
+  return good;
 }
 
 }  // namespace
@@ -206,7 +245,7 @@ std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vecto
   return MakeModelMesh(std::move(all.vertices), std::move(all.triangles), skin.color(), skin.Take());
 }
 
-std::string MeshToText(const ModelMesh& mesh) {
+std::string MeshToText(const ModelMesh& mesh, MeshTextures& textures) {
   std::string bytes;
   const MeshData& data = *mesh.data;
   PutBytes(bytes, static_cast<std::uint32_t>(data.vertices.size()));
@@ -218,16 +257,16 @@ std::string MeshToText(const ModelMesh& mesh) {
   }
   for (const auto& triangle : data.triangles) PutBytes(bytes, triangle);
   if (data.skin != nullptr) {
-    // The textures stay where they are: each is its mean colour.
     PutBytes(bytes, kSkinMark);
     PutBytes(bytes, static_cast<std::uint32_t>(data.skin->materials.size()));
     for (const MeshSkin::Material& material : data.skin->materials) PutBytes(bytes, material.color);
     for (const MeshSkin::Corner& corner : data.skin->corners) PutBytes(bytes, corner.material);
+    PutTextures(*data.skin, textures, bytes);
   }
   return ToBase64(bytes);
 }
 
-std::optional<ModelMesh> MeshFromText(std::string_view text) {
+std::optional<ModelMesh> MeshFromText(std::string_view text, const MeshTextures& textures) {
   const auto bytes = FromBase64(text);
   if (!bytes) return std::nullopt;
   std::string_view rest = *bytes;
@@ -263,6 +302,7 @@ std::optional<ModelMesh> MeshFromText(std::string_view text) {
     skin->corners.resize(vertices.size());
     for (MeshSkin::Corner& corner : skin->corners)
       good = good && TakeBytes(rest, corner.material) && corner.material < material_count;
+    good = good && TakeTextures(rest, textures, *skin);
   }
   if (!good) return std::nullopt;
   return MakeModelMesh(std::move(vertices), std::move(triangles),

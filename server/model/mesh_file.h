@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/base/diagnostics.h"
 #include "server/geometry/mesh.h"
@@ -41,8 +42,12 @@ ModelMesh MakeModelMesh(std::vector<Vector3> vertices, std::vector<MeshData::Tri
 std::string ToBase64(const std::string& bytes);
 std::optional<std::string> FromBase64(std::string_view text);
 
-/// A mesh as one word, and back; nothing for a bad word.
-std::string MeshToText(const ModelMesh& mesh);
-std::optional<ModelMesh> MeshFromText(std::string_view text);
+/// The pictures on the meshes of a model, each once.
+using MeshTextures = std::vector<std::shared_ptr<const Image>>;
+
+/// A mesh as one word, and back; nothing for a bad word. The word names its pictures by their places in
+/// `textures`, where MeshToText() puts those that are not there yet.
+std::string MeshToText(const ModelMesh& mesh, MeshTextures& textures);
+std::optional<ModelMesh> MeshFromText(std::string_view text, const MeshTextures& textures);
 
 }  // namespace coopdyn

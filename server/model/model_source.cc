@@ -5,9 +5,11 @@
 #include <array>
 #include <iterator>
 #include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 
+#include "server/model/image_file.h"
 #include "server/model/sdf_parts.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
@@ -17,6 +19,7 @@ namespace coopdyn {
 namespace {
 
 constexpr std::string_view kMeshMark = "<!--coopdyn:mesh ";
+constexpr std::string_view kTextureKey = "texture";  // instead of a mesh's key
 constexpr int kMaxIncludes = 200;
 constexpr int kMaxDepth = 10;  // of includes in includes
 
@@ -154,15 +157,26 @@ bool TakeMeshes(std::string& text, MeshTable& table) {
   if (start == std::string::npos) return true;
   std::string_view rest = std::string_view(text).substr(start + 1);
   std::size_t triangles = 0;
+  MeshTextures textures;
   while (rest.starts_with(kMeshMark)) {
     rest.remove_prefix(kMeshMark.size());
     const std::size_t space = rest.find(' '), end = rest.find("-->");
     if (space == std::string_view::npos || end == std::string_view::npos || space > end) return false;
-    auto mesh = MeshFromText(rest.substr(space + 1, end - space - 1));
-    if (!mesh) return false;
-    triangles += mesh->data->triangles.size();
-    if (triangles > kMaxModelTriangles) return false;
-    table.emplace(std::string(rest.substr(0, space)), std::move(*mesh));
+    const std::string_view key = rest.substr(0, space), word = rest.substr(space + 1, end - space - 1);
+    if (key == kTextureKey) {
+      const auto bytes = FromBase64(word);
+      std::string why;
+      if (!bytes) return false;
+      const std::span png(reinterpret_cast<const unsigned char*>(bytes->data()), bytes->size());
+      textures.push_back(DecodeTexture(png, why));
+      if (textures.back() == nullptr) return false;
+    } else {
+      auto mesh = MeshFromText(word, textures);
+      if (!mesh) return false;
+      triangles += mesh->data->triangles.size();
+      if (triangles > kMaxModelTriangles) return false;
+      table.emplace(std::string(key), std::move(*mesh));
+    }
     rest.remove_prefix(end + 3);
     while (rest.starts_with('\n')) rest.remove_prefix(1);
   }
@@ -291,11 +305,15 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
 }
 
 std::string WithMeshes(const ModelSource& source) {
-  std::string text = source.text;
-  for (const auto& [key, mesh] : source.meshes) {
-    text += std::string(kMeshMark) + key + " " + MeshToText(mesh) + "-->\n";
-  }
-  return text;
+  std::string text = source.text, meshes;
+  MeshTextures textures;  // stand before the meshes, which name them
+  const auto line = [](const std::string& key, const std::string& word) {
+    return std::string(kMeshMark) + key + " " + word + "-->\n";
+  };
+  for (const auto& [key, mesh] : source.meshes) meshes += line(key, MeshToText(mesh, textures));
+  for (const auto& texture : textures)
+    text += line(std::string(kTextureKey), ToBase64(EncodeTexture(*texture)));
+  return text + meshes;
 }
 
 void AppendMapped(const Diagnostics& found, const std::string& file, const ModelSource& source,

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -183,13 +184,43 @@ TEST(TextureTest, AnObjHasTheMaterialsOfItsMtl) {
   EXPECT_EQ(mesh.skin->materials[0].color, (std::array<double, 3>{0, 1, 0}));
   EXPECT_NE(mesh.skin->materials[1].texture, nullptr);
   EXPECT_EQ(mesh.skin->corners.size(), mesh.vertices.size());
-  // A recording keeps the colours.
+  // A recording keeps all of it.
   Diagnostics diagnostics;
   const auto again = ReadRobotModelText(robot->text, "model.sdf", "rig", diagnostics);
   ASSERT_NE(again, nullptr) << diagnostics.ToString();
   const MeshData& kept = *std::get<Mesh>(again->links[0].visuals.at(0).shape).data;
   ASSERT_NE(kept.skin, nullptr);
   EXPECT_EQ(kept.skin->materials[1].color, (std::array<double, 3>{1, 0, 0}));
+  EXPECT_EQ(kept.id, mesh.id);
+  ASSERT_NE(kept.skin->materials[1].texture, nullptr);
+  EXPECT_EQ(kept.skin->materials[1].texture->rgb, (std::vector<std::uint8_t>{255, 0, 0}));
+  EXPECT_EQ(kept.skin->materials[0].texture, nullptr);
+  EXPECT_TRUE(std::ranges::equal(kept.skin->corners, mesh.skin->corners, {}, &MeshSkin::Corner::uv,
+                                 &MeshSkin::Corner::uv));
+}
+
+TEST(TextureTest, ARecordingCarriesAPictureOfSeveralMeshesOnceAndWhatDoesNotFitIsRefused) {
+  const TempFolder folder;
+  folder.Write("red.png", PngOf(2, 1, {255, 0, 0, 0, 9, 255}));
+  std::string second = VisualOf("<box><size>2 2 3</size></box>", "red.png");
+  second.replace(second.find("\"v\""), 3, "\"w\"");
+  folder.Write("model.sdf", FixedModel(VisualOf("<box><size>1 2 3</size></box>", "red.png") + second));
+  const auto [robot, messages] = ReadIn(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  const std::string mark = "<!--coopdyn:mesh texture ";
+  const std::size_t at = robot->text.find(mark);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(robot->text.find(mark, at + 1), std::string::npos);
+  Diagnostics diagnostics;
+  const auto again = ReadRobotModelText(robot->text, "model.sdf", "rig", diagnostics);
+  ASSERT_NE(again, nullptr) << diagnostics.ToString();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const MeshData& kept = *std::get<Mesh>(again->links[0].visuals.at(i).shape).data;
+    EXPECT_EQ(kept.skin->materials.at(0).texture->rgb, (std::vector<std::uint8_t>{255, 0, 0, 0, 9, 255}));
+  }
+  std::string without = robot->text;
+  without.erase(at, without.find('\n', at) + 1 - at);
+  EXPECT_EQ(ReadRobotModelText(without, "model.sdf", "rig", diagnostics), nullptr);
 }
 
 TEST(TextureTest, OneThatIsMissingOrOutsideIsAWarning) {
