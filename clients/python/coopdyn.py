@@ -2920,7 +2920,7 @@ class Robot:
     # --- pushed readings ---
     @_usage('r.subscribe("distance")')
     def subscribe(self, module: str, n: int = 1) -> None:
-        """Has the first reading of "distance", "target", "pose", "motors" or a group of joints sent every n steps; `next` takes them.
+        """Has the first reading of a module ("distance", "motors", "imu", ...; no pictures) sent every n steps; `next` takes them.
         n = 0 ends it. What is not taken in time is dropped, the oldest first (64 are kept)."""
         self._session.require_open()
         module = _word(module, 'a module, as "distance",')

@@ -55,7 +55,10 @@ void ReadInto(WrenchModel& sensor, const SensorSource& source) {
   const std::string frame_word = attributes.Text("frame").value_or("child");
   const std::string direction = attributes.Text("direction").value_or("child_to_parent");
   Pose X_JS;
-  if (const auto v = attributes.Numbers("pose", 6))
+  const auto pose = attributes.Numbers("pose", 6);
+  if (pose && frame_word != "sensor")
+    attributes.Error("a pose needs frame=\"sensor\": without it the axes are those of a link");
+  if (const auto& v = pose)
     X_JS = {Vector3((*v)[0], (*v)[1], (*v)[2]), FromRollPitchYaw((*v)[3], (*v)[4], (*v)[5])};
   ValueNoise force, torque;
   ReadNoise(attributes, "force_", force);

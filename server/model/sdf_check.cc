@@ -131,6 +131,7 @@ class Checker {
     const std::string path = std::string(parent.Name()) + "/" + name;
     const bool nested_pose = path == "model/pose" && depth > 1;
     if (name == "sensor" && !IsKnownType(child)) return;
+    if (name == "sensor") CheckSensorName(child, where);
     if (nested_pose || IsUsedElement(parent.Name(), name)) {
       // SDF describes a model inside a model by the outer one.
       Check(child, path == "model/model" ? description : description->GetElementDescription(name), depth + 1);
@@ -142,6 +143,18 @@ class Checker {
       diagnostics_.Error(where, "<" + name + "> does not belong into a robot: remove it");
     } else {
       diagnostics_.Warning(where, "<" + name + "> in <" + parent.Name() + "> is not used by coopdyn");
+    }
+  }
+
+  /// libsdformat says no line.
+  void CheckSensorName(const XMLElement& sensor, const SourceLine& where) {
+    const char* name = sensor.Attribute("name");
+    for (const XMLElement* other = sensor.PreviousSiblingElement("sensor");
+         name != nullptr && other != nullptr; other = other->PreviousSiblingElement("sensor")) {
+      if (!other->Attribute("name", name)) continue;
+      diagnostics_.Error(
+          where, std::string("another <sensor> here is called '") + name + "': give each a name of its own");
+      return;
     }
   }
 
@@ -175,7 +188,9 @@ class Checker {
     } else {
       static const std::vector<std::string> kOwn = {"imu",   "force_torque", "lidar",       "contact",
                                                     "sonar", "camera",       "depth_camera"};
-      diagnostics_.Error(where, "unknown type '" + type + "' of <sensor>" + DidYouMean(type, kOwn));
+      diagnostics_.Error(where, type.empty()
+                                    ? "<sensor> needs a type, for example type=\"imu\""
+                                    : "unknown type '" + type + "' of <sensor>" + DidYouMean(type, kOwn));
     }
     return false;
   }

@@ -122,14 +122,22 @@ void ReadInto(LidarModel& sensor, const SensorSource& source) {
              last = attributes.Number("last_deg", -360, 360);
   if (first.has_value() != last.has_value())
     attributes.Error("needs both 'first_deg' and 'last_deg', or neither: then it looks all round");
-  // All round: the last column is one before the first.
-  sensor.first_azimuth_rad = first.value_or(-180) * kRadPerDeg;
-  sensor.last_azimuth_rad = last.value_or(180 - 360.0 / sensor.columns) * kRadPerDeg;
+  // All round: the last column is one before the first. One alone looks ahead.
+  const bool is_one = sensor.columns == 1;
+  sensor.first_azimuth_rad = first.value_or(is_one ? 0 : -180) * kRadPerDeg;
+  sensor.last_azimuth_rad = last.value_or(is_one ? 0 : 180 - 360.0 / sensor.columns) * kRadPerDeg;
   sensor.first_elevation_rad = attributes.Number("first_elevation_deg", -90, 90).value_or(0) * kRadPerDeg;
   sensor.last_elevation_rad = attributes.Number("last_elevation_deg", -90, 90).value_or(0) * kRadPerDeg;
   sensor.min_range_m = attributes.Number("min_range", 0, kMaxSensorLength_m).value_or(0);
   sensor.max_range_m = attributes.Number("max_range", 1e-3, kMaxSensorLength_m).value_or(1);
   ReadNoise(attributes, "", sensor.noise);
+  if (is_one && sensor.first_azimuth_rad != sensor.last_azimuth_rad)
+    attributes.Error(
+        "one column looks one way: write the same angle as first_deg and last_deg, or more columns");
+  if (sensor.rows == 1 && sensor.first_elevation_rad != sensor.last_elevation_rad)
+    attributes.Error(
+        "one row looks one way: write the same angle as first_elevation_deg and last_elevation_deg, or more "
+        "rows");
   if (const std::string wrong = WrongIn(sensor); !wrong.empty()) attributes.Error(wrong);
 }
 

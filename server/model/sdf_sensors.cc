@@ -99,6 +99,7 @@ Mount SensorSource::ReadMount(XmlAttributes& from) const {
 void SensorSource::ForEachChild(
     std::initializer_list<std::string_view> names,
     const std::function<void(XmlAttributes& child, std::string_view name)>& read) const {
+  has_read_children = true;
   const std::vector<std::string> known(names.begin(), names.end());
   for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
        child = child->NextSiblingElement()) {
@@ -141,9 +142,12 @@ bool SensorReader::Read(const XMLElement& element) {
   XmlAttributes attributes(element, file_, diagnostics_);
   const std::string name = attributes.Text("name").value_or("");
   SensorTiming timing;
-  SensorKind kind = words->read({element, attributes, file_, robot_, assembly_, diagnostics_, timing});
+  const SensorSource source{element, attributes, file_, robot_, assembly_, diagnostics_, timing};
+  SensorKind kind = words->read(source);
   if (words->has_timing) ReadTiming(attributes, timing);
   attributes.Finish();
+  if (!source.has_read_children && (element.FirstChildElement() != nullptr || element.GetText() != nullptr))
+    attributes.Error("holds no elements and no text: write its values as attributes");
   for (const Described& other : described_) {
     if (other.kind.index() == kind.index() && other.name == name) {
       attributes.Error("stands here twice: keep one, or give each the name=\"…\" of its module");

@@ -29,6 +29,7 @@ struct SensorSource {
   const Assembly& assembly;
   Diagnostics& diagnostics;
   SensorTiming& timing;  // a preset may have one
+  mutable bool has_read_children = false;
 
   /// Index into robot.frames of the link `name`; nothing with an error at `from`.
   std::optional<std::size_t> FindLink(XmlAttributes& from, const std::string& name) const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <type_traits>
 #include <variant>
@@ -37,6 +38,8 @@ void Measures::Fit(const Scene& scene, const Things& things) {
   things_ = &things;
   robots_.clear();
   wants_.clear();
+  wants_work_.clear();
+  work_j_.assign(scene.channels.size(), 0.0);
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const SceneRobot& robot = scene.robots[i];
     const RobotModel& model = *robot.entry.model;
@@ -55,6 +58,10 @@ void Measures::Fit(const Scene& scene, const Things& things) {
     }
     if (of.sensors.empty()) continue;
     robots_.push_back(std::move(of));
+    if (model.Find<BatteryModel>() != nullptr) {
+      wants_work_.resize(things.first_static);
+      wants_work_[robots_.back().thing] = 1;
+    }
     if (!wants_contacts) continue;
     wants_.resize(things.first_static);
     wants_[robots_.back().thing] = 1;
@@ -96,6 +103,7 @@ void Measures::Begin(std::span<const BodyState> bodies) {
                                     static_cast<std::size_t>(robot.body_count));
     of.before.assign(own.begin(), own.end());
   }
+  std::ranges::fill(work_j_, 0.0);
   gathered_.clear();
 }
 
@@ -320,24 +328,19 @@ void Measures::Measure(const BatteryModel& model, const Measured& of, std::span<
                        std::span<const ChannelState> channels, const Moment& moment,
                        std::span<double> values) const {
   const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
-  double motors_w = 0;
-  bool unmeasured = false;
-  for (const ChannelState& channel : channels) {
-    if (std::isnan(channel.effort)) {
-      unmeasured = true;
-    } else {
-      motors_w += std::abs(channel.effort * channel.velocity);
-    }
-  }
-  if (unmeasured && robot.one_body()) {
+  const auto work_j =
+      std::span(work_j_).subspan(static_cast<std::size_t>(robot.first_channel), channels.size());
+  double motors_j = std::accumulate(work_j.begin(), work_j.end(), 0.0);
+  const auto is_unmeasured = [](const ChannelState& channel) { return std::isnan(channel.effort); };
+  if (robot.one_body() && std::ranges::any_of(channels, is_unmeasured)) {
     const RigidBody& body = things_->all[of.thing].mechanism->bodies.front();
     const auto energy_j = [&body](const BodyState& state) {
       const Vector3 w_B = state.orientation().conjugate() * state.w_WB;
       return (body.mass_kg * state.v_WB.squaredNorm() + w_B.dot(body.inertia_kg_m2 * w_B)) / 2;
     };
-    motors_w += std::abs(energy_j(now.front()) - energy_j(of.before.front())) / moment.dt_s;
+    motors_j += std::abs(energy_j(now.front()) - energy_j(of.before.front()));
   }
-  const double power_w = model.idle_w + motors_w / model.efficiency;
+  const double power_w = model.idle_w + motors_j / moment.dt_s / model.efficiency;
   values[0] = std::max(0.0, values[0] - power_w * moment.dt_s);
   values[1] = power_w;
 }

@@ -4,6 +4,7 @@
 // state: the holder of the step baton. Only server/physics includes this file.
 #pragma once
 
+#include <cmath>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -35,11 +36,15 @@ class Measures {
   bool empty() const { return robots_.empty(); }
   /// The forces on this thing are wanted.
   bool Wants(std::uint32_t thing) const { return thing < wants_.size() && wants_[thing] != 0; }
+  /// The work of this thing's motors is wanted.
+  bool WantsWork(std::uint32_t thing) const { return thing < wants_work_.size() && wants_work_[thing] != 0; }
 
   /// A step begins; `bodies`: as Frame::bodies.
   void Begin(std::span<const BodyState> bodies);
   /// The contacts of some islands in a substep, which is `share` of the step.
   void Add(std::span<const MeasuredContact> contacts, double share);
+  /// A motor has given this work in a substep, or has taken it. Different channels: from any threads.
+  void AddWork(std::size_t channel, double work_j) { work_j_[channel] += std::abs(work_j); }
   /// What a step that has run is told apart by.
   struct Moment {
     double dt_s = 0;
@@ -109,6 +114,8 @@ class Measures {
   const Things* things_ = nullptr;
   std::vector<Measured> robots_;
   std::vector<std::uint8_t> wants_;             // by dynamic thing
+  std::vector<std::uint8_t> wants_work_;        // by dynamic thing
+  std::vector<double> work_j_;                  // of each channel's motor in this step, given or taken
   std::vector<std::uint32_t> thing_of_object_;  // by object of the scene
   std::vector<double> values_;                  // as Frame::measured
   std::vector<Contact> contacts_;               // as Frame::contacts

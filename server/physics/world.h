@@ -122,6 +122,8 @@ class PhysicsWorld {
   void FitBoards();
   /// Takes the set-points of a step; who gets other ones wakes.
   void TakeSetpoints(std::span<const Setpoint> setpoints);
+  /// How fast each joint turns or slides, by the bodies, if its motor's work is wanted; else empty.
+  std::vector<double> RatesOf(std::uint32_t thing) const;
   /// Where a joint of a control board is, by its bodies.
   JointPlace PlaceOf(std::size_t control) const;
   /// What the motors of the control boards do in this substep, of which `left` are to come.

@@ -7,6 +7,30 @@
 
 namespace coopdyn {
 
+namespace {
+
+/// A joint in the world, as its child sees it, and how fast it turns or slides.
+struct JointMotion {
+  Vector3 axis_W, anchor_W;
+  double rate = 0;
+};
+JointMotion MotionOf(const JointModel& joint, std::span<const RigidBody> rigid, const BodyState* bodies) {
+  const auto child = static_cast<std::size_t>(joint.child), parent = static_cast<std::size_t>(joint.parent);
+  const Quaternion R_WR = bodies[child].orientation() * rigid[child].X_RB.q.conjugate();
+  JointMotion motion;
+  motion.axis_W = R_WR * joint.axis_R;
+  motion.anchor_W = bodies[child].p_WB + R_WR * (joint.p_RJ - rigid[child].X_RB.p);
+  const auto velocity_at = [&](const BodyState& body) -> Vector3 {
+    return body.v_WB + body.w_WB.cross(motion.anchor_W - body.p_WB);
+  };
+  const bool slides = joint.kind == JointModel::Kind::kSlider;
+  motion.rate = motion.axis_W.dot(slides ? Vector3(velocity_at(bodies[child]) - velocity_at(bodies[parent]))
+                                         : Vector3(bodies[child].w_WB - bodies[parent].w_WB));
+  return motion;
+}
+
+}  // namespace
+
 void PhysicsWorld::FitBoards() {
   board_joints_.clear();
   for (std::size_t i = things_.first_robot; i < things_.first_static; ++i) {
@@ -23,24 +47,26 @@ void PhysicsWorld::FitBoards() {
   rows_.resize(board_joints_.size());
 }
 
+std::vector<double> PhysicsWorld::RatesOf(std::uint32_t thing) const {
+  std::vector<double> rates;
+  const Mechanism& mechanism = *things_.all[thing].mechanism;
+  if (!measures_.WantsWork(thing) || mechanism.one_body()) return rates;
+  for (const Joint& joint : mechanism.joints)
+    rates.push_back(MotionOf(*joint.model, mechanism.bodies, &FirstBody(thing)).rate);
+  return rates;
+}
+
 JointPlace PhysicsWorld::PlaceOf(std::size_t control) const {
   const BoardJoint& of = board_joints_[control];
   const JointModel& model = *of.joint->model;
   const std::vector<RigidBody>& rigid = things_.all[of.thing].mechanism->bodies;
   const BodyState* const bodies = &FirstBody(of.thing);
-  const auto child = static_cast<std::size_t>(model.child), parent = static_cast<std::size_t>(model.parent);
-  const Quaternion R_WR =
-      bodies[child].orientation() * rigid[child].X_RB.q.conjugate();  // as the child sees it
-  const Vector3 axis_W = R_WR * model.axis_R;
-  const Vector3 anchor_W = bodies[child].p_WB + R_WR * (model.p_RJ - rigid[child].X_RB.p);
+  const JointMotion motion = MotionOf(model, rigid, bodies);
+  const Vector3 &axis_W = motion.axis_W, &anchor_W = motion.anchor_W;
+  const bool slides = model.kind == JointModel::Kind::kSlider;
   JointPlace place;
   place.position = channels_[of.channel].position;
-  const auto velocity_at = [&](const BodyState& body) -> Vector3 {
-    return body.v_WB + body.w_WB.cross(anchor_W - body.p_WB);
-  };
-  const bool slides = model.kind == JointModel::Kind::kSlider;
-  place.velocity = axis_W.dot(slides ? Vector3(velocity_at(bodies[child]) - velocity_at(bodies[parent]))
-                                     : Vector3(bodies[child].w_WB - bodies[parent].w_WB));
+  place.velocity = motion.rate;
   const double gravity_m_s2 = scene_->scenario->simulation.gravity_m_s2;
   for (const int body : of.joint->beyond) {
     const auto index = static_cast<std::size_t>(body);

@@ -285,6 +285,7 @@ void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
       Freeze(thing, *why, batch);
       continue;
     }
+    const std::vector<double> rates_before = RatesOf(thing);
     for (std::size_t k = info.mechanism->fixed_base ? 1 : 0; k < bodies.size(); ++k) {
       const std::uint64_t counter = bodies[k].sleep_counter;
       bodies[k] = solver.Read(thing, k);
@@ -292,6 +293,15 @@ void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
     }
     if (info.mechanism->one_body() && info.mechanism->planar()) Flatten(bodies.front(), info.rest_z_m);
     if (info.channel_count > 0) ReadChannels(thing, solver, dt_s);
+    // Effort × mean rate: exact where the motor alone moves a body.
+    const std::vector<double> rates = RatesOf(thing);
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      const int channel = info.mechanism->joints[i].channel;
+      if (channel < 0) continue;
+      const auto index = static_cast<std::size_t>(channel);
+      const double mean_rate = (rates_before[i] + rates[i]) / 2;
+      measures_.AddWork(info.first_channel + index, ChannelsOf(info)[index].effort * mean_rate * dt_s);
+    }
   }
 }
 

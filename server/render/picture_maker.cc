@@ -203,6 +203,7 @@ ImageResult PictureMaker::Make(const Frame& newest, const ImageRequest& asked) {
   if (request.shot) {
     ImageResult none;
     none.error = Find(newest, *request.shot);
+    none.is_unknown = true;
     if (!none.error.empty()) return none;
   }
   const bool is_live = request.shot && request.shot->frame == nullptr;

@@ -71,6 +71,7 @@ struct ImageCamera {
 
 struct ImageResult {
   std::string error;                                       // empty: there is a picture
+  bool is_unknown = false;                                 // with an error: there is no such robot or camera
   std::shared_ptr<const std::vector<std::uint8_t>> bytes;  // encoded; null with an error
   int width = 0, height = 0;
   std::string legend = {};  // of a segmentation: what is seen, `1=floor 3=BOX_1`

@@ -230,7 +230,8 @@ void HttpSession::AnswerSnapshot(const ImageRequest& image, bool body_wanted) {
   const std::uint64_t ticket = Await("the picture");
   context_.pictures.Request(
       image, [self = shared_from_this(), ticket, format = image.format](const ImageResult& result) {
-        if (!result.error.empty()) return self->AnswerLater(ticket, ErrorAnswer(503, result.error));
+        if (!result.error.empty())
+          return self->AnswerLater(ticket, ErrorAnswer(result.is_unknown ? 404 : 503, result.error));
         HttpAnswer answer;
         answer.type = MediaType(format);
         answer.headers = {{"Cache-Control", "no-store"},

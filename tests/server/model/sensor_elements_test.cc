@@ -185,6 +185,18 @@ TEST(SensorElementsTest, ALidarLooksAllRoundWithoutAngles) {
   EXPECT_EQ(lidar.max_range_m, 5);
 }
 
+TEST(SensorElementsTest, ALidarOfOneRayLooksAhead) {
+  const auto lidar = Described<LidarModel>("<coopdyn:lidar max_range=\"5\" columns=\"1\"/>");
+  EXPECT_EQ(lidar.first_azimuth_rad, 0);
+  EXPECT_EQ(lidar.last_azimuth_rad, 0);
+}
+
+TEST(SensorElementsTest, AnElementThatHoldsNothingTellsWhatItHolds) {
+  for (const char* wrong : {"<coopdyn:imu><coopdyn:beam/></coopdyn:imu>", "<coopdyn:imu>hello</coopdyn:imu>"})
+    EXPECT_THAT(WrongElement("imu", wrong), HasSubstr("holds no elements and no text"));
+  EXPECT_TRUE(Described<ImuModel>("<coopdyn:imu><!-- in the middle --></coopdyn:imu>").turn_noise[0].exact());
+}
+
 TEST(SensorElementsTest, ALidarMayHaveRows) {
   const auto lidar = Described<LidarModel>(
       "<coopdyn:lidar max_range=\"5\" columns=\"10\" rows=\"3\" first_deg=\"-45\" last_deg=\"45\" "
@@ -204,6 +216,11 @@ TEST(SensorElementsTest, WrongLidars) {
               HasSubstr("both 'first_deg' and 'last_deg'"));
   EXPECT_THAT(WrongElement("lidar", "<coopdyn:lidar max_range=\"1\" first_deg=\"9\" last_deg=\"-9\"/>"),
               HasSubstr("must not lie above the last"));
+  EXPECT_THAT(
+      WrongElement("lidar", "<coopdyn:lidar max_range=\"1\" columns=\"1\" first_deg=\"-9\" last_deg=\"9\"/>"),
+      HasSubstr("one column looks one way"));
+  EXPECT_THAT(WrongElement("lidar", "<coopdyn:lidar max_range=\"1\" last_elevation_deg=\"9\"/>"),
+              HasSubstr("one row looks one way"));
   EXPECT_THAT(WrongElement("lidar", "<coopdyn:lidar max_range=\"1\" rows=\"2\"/>"),
               HasSubstr("all rows look the same way"));
   EXPECT_THAT(WrongElement(

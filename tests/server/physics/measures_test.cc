@@ -324,21 +324,36 @@ TEST(MeasuresTest, AWrenchCountsItsOwnRobotsContactsOnWhicheverEnd) {
 
 // --- battery
 
-TEST(MeasuresTest, ABatteryFallsByWhatIsDrawn) {
+TEST_P(MeasuresAtSteps, ABatteryGivesTheEnergyThatTheMotorPutsIn) {
   PhysicsScene scene;
+  scene.step_length = GetParam() * 1'000'000;
   auto model = Turntable();
   model->AddSensor("battery", BatteryModel{.capacity_j = 100, .start = 0.5, .idle_w = 2, .efficiency = 0.5});
   scene.robot_model = model;
   scene.AddRobot(0, 0);
-  scene.setpoints = {{4, ControlMode::kVelocity}};
-  double drawn_j = 0;
-  for (int i = 0; i < 100; ++i) {
-    scene.Run(1);
-    const ChannelState& motor = scene.Capture()->channels[0];
-    drawn_j += 0.01 * (2 + std::abs(motor.effort * motor.velocity) / 0.5);
-    ASSERT_NEAR(MeasuredBy(scene)[0], 50 - drawn_j, 1e-9);
+  const auto turn_j = [&] {
+    double energy_j = 0;
+    const auto frame = scene.Capture();
+    for (std::size_t k = 1; k < frame->bodies.size(); ++k) {
+      const double w = frame->bodies[k].w_WB.z();
+      energy_j += model->links[k].inertia_kg_m2.z() * w * w / 2;
+    }
+    return energy_j;
+  };
+  double given_j = 0, time_s = 0;
+  for (const double speed : {4.0, 1.0, 0.0}) {
+    scene.setpoints = {{speed, ControlMode::kVelocity}};
+    double before_j = turn_j();
+    for (int i = 0; i < 20; ++i) {
+      scene.Run(1);
+      time_s += GetParam() * 1e-3;
+      const double now_j = turn_j();
+      given_j += std::abs(now_j - before_j);
+      before_j = now_j;
+    }
   }
-  EXPECT_GT(drawn_j, 2);
+  EXPECT_GT(given_j, 0.01);
+  EXPECT_NEAR(50 - MeasuredBy(scene)[0] - 2 * time_s, given_j / 0.5, 0.01 * given_j / 0.5);
 }
 
 TEST(MeasuresTest, AnEmptyBatteryStaysEmpty) {

@@ -136,6 +136,31 @@ TEST(RobotCameraTest, ARoundThingsDepthIsWithinAMillimetre) {
   EXPECT_NEAR(static_cast<double>(depth_m[120 * 320 + 160]), 1.5 - 0.12 - 0.2, 1e-3);
 }
 
+TEST(RobotCameraTest, ABallsDepthIsWithinAMillimetreAwayFromItsEdge) {
+  constexpr double kRadius_m = 0.3;
+  const Vector3 p_WO(1.7, 0.2, 0.5);
+  const auto frame =
+      SampleWorld().Robot(At(0, 0), Seer(Eye())).Object(Sphere{kRadius_m}, {p_WO, {}}).MakeFrame();
+  const auto depth_m = Values<float>(Look(*frame, ImageFormat::kDepth));
+  const Vector3 p_SO = p_WO - Vector3(0.2, 0, kEyeHeight_m);
+  const double f = Eye().focal_px();
+  int seen = 0;
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      // Nearest point on the ball of the ray through the pixel's middle; the ray has depth 1 a unit.
+      const Vector3 ray(1, (160 - x - 0.5) / f, (120 - y - 0.5) / f);
+      const double along = ray.dot(p_SO) / ray.squaredNorm(), miss_m = (along * ray - p_SO).norm();
+      if (miss_m > 0.95 * kRadius_m) continue;
+      const double expected =
+          along - std::sqrt((kRadius_m * kRadius_m - miss_m * miss_m) / ray.squaredNorm());
+      ASSERT_NEAR(static_cast<double>(depth_m[static_cast<std::size_t>(y * 320 + x)]), expected, 1e-3)
+          << x << " " << y;
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 5000);
+}
+
 TEST(RobotCameraTest, TheLegendNamesWhatIsSeenAndNothingElse) {
   const auto frame = SampleWorld()
                          .Robot(At(0, 0), Seer(Eye()))
