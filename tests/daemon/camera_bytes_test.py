@@ -2,6 +2,7 @@
 import struct
 import tempfile
 import unittest
+import urllib.error
 import urllib.request
 import zlib
 from pathlib import Path
@@ -101,6 +102,16 @@ class Viewer:
 def fetch(daemon, robot):
     with urllib.request.urlopen(f"{daemon.http}/camera.png?robot={robot}".replace("//camera", "/camera"), timeout=60) as answer:
         return answer.read()
+
+
+class UnknownCameraTest(unittest.TestCase):
+    def test_http_says_that_there_is_no_such_camera(self):
+        with Daemon(WORLD, "--http") as daemon:
+            for query in ("nobody", f"{CAMERAS[0]}&camera=nothing"):
+                with self.assertRaises(urllib.error.HTTPError) as raised:
+                    fetch(daemon, query)
+                with raised.exception as error:
+                    self.assertEqual(error.code, 404)
 
 
 class CameraBytesTest(unittest.TestCase):

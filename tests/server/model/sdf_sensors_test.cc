@@ -304,7 +304,7 @@ TEST(SdfSensorsTest, WrongValuesAreSaidAllAtOnceWithTheirLines) {
 TEST(SdfSensorsTest, TwoOfOneNameInALinkAreAnErrorWithItsLine) {
   const auto answer = ReadHead("<sensor name=\"s\" type=\"imu\"/>\n<sensor name=\"s\" type=\"imu\"/>");
   EXPECT_EQ(answer.robot, nullptr);
-  EXPECT_THAT(answer.messages, ContainsRegex(":[0-9]+: error: another <sensor> here is called 's'"));
+  EXPECT_THAT(answer.messages, testing::ContainsRegex(":[0-9]+: error: another <sensor> here is called 's'"));
 }
 
 TEST(SdfSensorsTest, SensorsOfUrdfStandInGazeboElements) {
