@@ -194,7 +194,8 @@ void AddExport(CLI::App& app, Chosen& chosen) {
       ->delimiter(',')
       ->expected(3);
   sub->add_option("--camera", given->camera, "What a robot's camera saw: ROBOT or ROBOT/MODULE");
-  sub->add_flag("--rays", given->pictures.image.show_rays, "Show what sensors see: rays, scans, cones, fields of view");
+  sub->add_flag("--rays", given->pictures.image.show_rays,
+                "Show what sensors see: rays, scans, cones, fields of view");
   sub->add_option("--time", given->time_s, "One picture, of this simulated time, s");
   sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names");
   sub->add_flag("--force", given->options.overwrite,
