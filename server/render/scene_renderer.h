@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws a frame: sky, floor with its grid, lit shapes with their shadows, marks, what sensors see and names. Used and
-// destroyed on the thread of its context.
+// Draws a frame: sky, floor with its grid, lit shapes with their shadows, marks, what sensors see and names.
+// Used and destroyed on the thread of its context.
 #pragma once
 
 #include <cstdint>
