@@ -63,4 +63,7 @@ def main(name="robot1", duration="30"):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    try:
+        sys.exit(main(*sys.argv[1:]))
+    except coopdyn.Error as error:
+        sys.exit(str(error))

@@ -71,4 +71,7 @@ def main(name="robot1", duration="60"):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    try:
+        sys.exit(main(*sys.argv[1:]))
+    except coopdyn.Error as error:
+        sys.exit(str(error))
