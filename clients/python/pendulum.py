@@ -56,4 +56,7 @@ def main(name):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:2] or ["robot1"]))
+    try:
+        sys.exit(main(*sys.argv[1:2] or ["robot1"]))
+    except coopdyn.Error as error:
+        sys.exit(str(error))
