@@ -13,7 +13,6 @@ namespace coopdyn {
 namespace {
 
 constexpr double kSmall_px = 7, kLarge_px = 34;  // sizes on screen at which the level of detail changes
-constexpr double kFine_m = 0.04;                 // depths of smaller ones are right without the finest level
 constexpr double kTiny_px = 7;                   // a robot smaller than this is one cylinder
 constexpr double kNameless_px = 9;               // and below this it has no name
 
@@ -71,11 +70,7 @@ class Builder {
     const double shadow_m = std::max(X_WG.p.z() + radius_m, 0.0) * SunDirection().head<2>().norm();
     if (!frustum_.Sees(X_WG.p, radius_m + shadow_m)) return;
     const double size_px = radius_m * frustum_.PixelsPerMetre(X_WG.p);
-    // Depths are those of the round shape to a fraction of a millimetre, also of small things far away.
-    const int level = numbers_               ? (radius_m > kFine_m ? 3 : 2)
-                      : size_px >= kLarge_px ? 2
-                      : size_px < kSmall_px  ? 0
-                                             : 1;
+    const int level = numbers_ || size_px >= kLarge_px ? 2 : size_px < kSmall_px ? 0 : 1;
     MeshId mesh = MeshId::kBox;
     Vector3 scale;
     if (const auto* box = std::get_if<Box>(&shape)) {

@@ -113,11 +113,9 @@ Meshes MakeMeshes() {
   AddCylinder(build, MeshId::kCylinder8, 8);
   AddCylinder(build, MeshId::kCylinder16, 16);
   AddCylinder(build, MeshId::kCylinder40, 40);
-  AddCylinder(build, MeshId::kCylinder160, 160);
   AddSphere(build, MeshId::kSphere8, 8);
   AddSphere(build, MeshId::kSphere16, 16);
   AddSphere(build, MeshId::kSphere32, 32);
-  AddSphere(build, MeshId::kSphere128, 128);
   return meshes;
 }
 

@@ -10,18 +10,7 @@
 namespace coopdyn {
 
 /// The levels of detail of round shapes differ in the number of segments round.
-enum class MeshId {
-  kBox,
-  kCylinder8,
-  kCylinder16,
-  kCylinder40,
-  kCylinder160,
-  kSphere8,
-  kSphere16,
-  kSphere32,
-  kSphere128,
-  kCount
-};
+enum class MeshId { kBox, kCylinder8, kCylinder16, kCylinder40, kSphere8, kSphere16, kSphere32, kCount };
 inline constexpr std::size_t kMeshCount = static_cast<std::size_t>(MeshId::kCount);
 
 struct MeshVertex {

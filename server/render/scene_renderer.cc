@@ -24,6 +24,11 @@ constexpr float kFloorCorners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1
 constexpr unsigned char kWhite[] = {255, 255, 255};
 constexpr float kSkyCorners[] = {-1, -1, 0, 3, -1, 0, -1, 3, 0};
 
+// As the shader of numbers has it.
+int RoundnessOf(MeshId id) {
+  return id == MeshId::kBox ? 0 : id < MeshId::kSphere8 ? 1 : 2;
+}
+
 // The slab under the floor, which shows its edge; its top lies a little below the floor that is drawn.
 DrawList Slab(const Floor& floor) {
   constexpr double kGap_m = 0.002, kMaxHeight_m = 0.1;
@@ -48,7 +53,7 @@ struct SceneRenderer::Impl {
         shadow(gl, Source(shaders::kMeshVertex), Source(shaders::kShadowFragment), error),
         sky(gl, Source(shaders::kSkyVertex), Source(shaders::kSkyFragment), error),
         overlay(gl, Source(shaders::kOverlayVertex), Source(shaders::kOverlayFragment), error),
-        number(gl, Source(shaders::kMeshVertex), Source(shaders::kNumberFragment), error),
+        number(gl, Source(shaders::kMeshVertex, "#define ROUND\n"), Source(shaders::kNumberFragment), error),
         floor_number(gl, Source(shaders::kFloorVertex), Source(shaders::kFloorNumberFragment), error),
         mesh_vertices(gl),
         mesh_indices(gl),
@@ -129,10 +134,14 @@ struct SceneRenderer::Impl {
 
   // Draws all shapes of `list` with the program in use.
   void DrawInstances(const DrawList& list) const { DrawInstances(list.meshes); }
-  void DrawInstances(const std::array<std::vector<Instance>, kMeshCount>& meshes) const {
+  // `rounded`: the program, if it wants to know which are round.
+  void DrawInstances(const std::array<std::vector<Instance>, kMeshCount>& meshes,
+                     const GlProgram* rounded = nullptr) const {
     mesh_vertices.Bind();
     for (std::size_t id = 0; id < kMeshCount; ++id) {
       if (meshes[id].empty()) continue;
+      if (rounded != nullptr)
+        gl.Uniform1i(rounded->Uniform("roundness"), RoundnessOf(static_cast<MeshId>(id)));
       instances.Upload(meshes[id].data(), meshes[id].size() * sizeof(Instance), GL_STREAM_DRAW);
       // Attributes 2…7 are threes of floats, in the order of Instance.
       for (GLuint i = 0; i < 6; ++i)
@@ -291,8 +300,9 @@ struct SceneRenderer::Impl {
     for (auto& instances_of : slab.meshes) {
       for (Instance& instance : instances_of) instance.color = {kFloorNumber, 0, 0};
     }
-    DrawInstances(slab);
-    DrawInstances(list);
+    DrawInstances(slab.meshes, &number);
+    DrawInstances(list.meshes, &number);
+    gl.Uniform1i(number.Uniform("roundness"), 0);
     DrawModelMeshes(list, true);
     gl.Enable(GL_CULL_FACE);
     Use(floor_number, clip_from_W);

@@ -46,6 +46,11 @@ layout(location = 8) in vec2 uv;
 uniform vec3 tint;
 out vec2 skin_uv;
 #endif
+#ifdef ROUND
+uniform vec3 eye;
+out vec3 own;  // place on the unit shape, and the way there from the eye
+out vec3 own_ray;
+#endif
 #ifdef CLAD
 out vec3 own_place;  // m, from the shape's middle
 out vec3 own_normal;
@@ -64,6 +69,10 @@ void main() {
   skin_uv = vec2(uv.x, 1.0 - uv.y);
 #else
   base = color * color;
+#endif
+#ifdef ROUND
+  own = position;
+  own_ray = position - transpose(axes) * (eye - place) / scale;
 #endif
 #ifdef CLAD
   own_place = position * scale;
@@ -120,14 +129,28 @@ out vec4 result;
 void main() { result = vec4(0.05, 0.06, 0.10, 0.30); }
 )";
 
-// The depth along the view, and the number that the instance has in its red.
+// The depth along the view, and the number that the instance has in its red. Cylinders and spheres are drawn
+// with flat sides, but have the depth of the round surface: the way there from the flat one is the root of a
+// s² + 2 b s + c.
 inline constexpr const char* kNumberFragment = R"(
 in vec3 world;
 in vec3 base;
+in vec3 own;
+in vec3 own_ray;
 uniform vec3 eye;
 uniform vec3 forward;
+uniform int roundness;  // 0: none, 1: about z, 2: a sphere
 out vec2 result;
-void main() { result = vec2(dot(world - eye, forward), round(sqrt(base.r))); }
+void main() {
+  float s = 0.0;
+  if (roundness == 2 || (roundness == 1 && abs(own.z) < 0.49999)) {
+    vec3 kept = vec3(1.0, 1.0, float(roundness - 1));
+    vec3 p = own * kept, d = own_ray * kept;
+    float b = dot(p, d), c = min(dot(p, p) - 0.25, 0.0);
+    s = c / max(sqrt(b * b - dot(d, d) * c) - b, 1e-6);
+  }
+  result = vec2(dot(world - eye, forward) * (1.0 + s), round(sqrt(base.r)));
+}
 )";
 
 inline constexpr const char* kFloorNumberFragment = R"(
