@@ -71,7 +71,7 @@ class TwentyCamerasTest(RecordingTestCase):
         ages = sorted(now - step for watcher in watchers for step, now in watcher.seen)
         print(f"{len(ages)} pictures; {steps} steps and {late} skipped, factor {after['rtf']:.2f}; age in steps: "
               f"{ages[len(ages) // 2]}, at most {ages[-1]}", flush=True)
-        self.assertGreater(steps, (0.2 if SANITIZED else 0.5) * (steps + late), "physics waits for pictures")
+        self.assertGreater(steps, (0.2 if SANITIZED else 0.7) * (steps + late), "physics waits for pictures")
         self.assertGreaterEqual(ages[0], 0)
         for watcher in watchers:
             shown = [step for step, _ in watcher.seen]
