@@ -4,6 +4,9 @@ import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
 import {once} from 'node:events';
 import {connect} from 'node:net';
+import {mkdirSync, mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {dirname, join} from 'node:path';
 import {createInterface} from 'node:readline';
 import {chromium} from 'playwright-core';
 
@@ -71,6 +74,23 @@ export async function openPage(browser, url) {
 export async function openClassroom(browser) {
   const daemon = await startDaemon('classroom');
   return {daemon, page: await openPage(browser, daemon.url)};
+}
+
+/** A daemon with the scenario of this text, which finds `files` (texts by path) too, and its page. closeScenario() ends them. */
+export async function openScenario(browser, text, files = {}) {
+  const folder = mkdtempSync(join(tmpdir(), 'coopdyn_page_'));
+  for (const [name, content] of Object.entries({...files, 'page.scenario': text})) {
+    mkdirSync(dirname(join(folder, name)), {recursive: true});
+    writeFileSync(join(folder, name), content);
+  }
+  const daemon = await startDaemon(join(folder, 'page.scenario'), '--scenarios', folder);
+  return {daemon, folder, page: await openPage(browser, daemon.url)};
+}
+
+/** Ends what openScenario() began; there were no errors on the page. */
+export async function closeScenario({daemon, folder, page}) {
+  await closeClassroom({daemon, page});
+  rmSync(folder, {recursive: true, force: true});
 }
 
 /** Ends both; there were no errors on the page. */

@@ -1,36 +1,26 @@
 // SPDX-License-Identifier: MIT
 // The joints of an arm on the page: what they are, and moving them by sliders.
 import assert from 'node:assert/strict';
-import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
-import {tmpdir} from 'node:os';
-import {join} from 'node:path';
 import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {call, eventually, launchBrowser, openPage, startDaemon} from './harness.js';
+import {call, closeScenario, eventually, launchBrowser, openScenario} from './harness.js';
 
 const SCENARIO = '[SIMULATION]\nmode realtime\n[FLOOR]\nsize 6 6 0.1\n[ROBOT_1]\ntype lwa\nname arm1\nposition 0 0\n';
 
 let browser;
 let daemon;
-let folder;
+let opened;
 let page;
 
 before(async () => { browser = await launchBrowser(); });
 after(async () => { await browser?.close(); });
 
 beforeEach(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'coopdyn_arm_'));
-  writeFileSync(join(folder, 'arm.scenario'), SCENARIO);
-  daemon = await startDaemon(join(folder, 'arm.scenario'));
-  page = await openPage(browser, daemon.url);
+  opened = await openScenario(browser, SCENARIO);
+  ({daemon, page} = opened);
   await page.waitForSelector('.card[open] .joints tr');
 });
 
-afterEach(async () => {
-  assert.deepEqual(page.mistakes, []);
-  await page.close();
-  await daemon.stop();
-  rmSync(folder, {recursive: true, force: true});
-});
+afterEach(() => closeScenario(opened));
 
 const joint = async (id) => (await call(daemon.url, {module: '/arm1/arm', command: 'get_joints', params: [id]})).data[0];
 

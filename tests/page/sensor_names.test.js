@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A robot with several lidars and cameras on the page, each by its module's name; and what sensors see in the view.
 import assert from 'node:assert/strict';
-import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
-import {tmpdir} from 'node:os';
-import {join} from 'node:path';
+import {readFileSync} from 'node:fs';
 import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {eventually, hasText, launchBrowser, openPage, picture, startDaemon} from './harness.js';
+import {closeScenario, eventually, hasText, launchBrowser, openScenario, picture} from './harness.js';
 
 const SCENARIO = '[SIMULATION]\nmode lockstep\n[FLOOR]\nsize 6 6\n[WALL]\ntype box\nsize 0.1 2 0.5\nposition 1.05 0\n' +
   '[ROBOT_1]\ntype twin\nname robot1\nposition 0 0\n';
@@ -19,27 +17,18 @@ const TWIN = TURTLE.replace('name="turtle"', 'name="twin"').replace('</model>', 
 
 let browser;
 let daemon;
-let folder;
+let opened;
 let page;
 
 before(async () => { browser = await launchBrowser(); });
 after(async () => { await browser?.close(); });
 
 beforeEach(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'coopdyn_twin_'));
-  mkdirSync(join(folder, 'robots', 'twin'), {recursive: true});
-  writeFileSync(join(folder, 'robots', 'twin', 'model.sdf'), TWIN);
-  writeFileSync(join(folder, 'room.scenario'), SCENARIO);
-  daemon = await startDaemon(join(folder, 'room.scenario'), '--scenarios', folder);
-  page = await openPage(browser, daemon.url);
+  opened = await openScenario(browser, SCENARIO, {'robots/twin/model.sdf': TWIN});
+  ({daemon, page} = opened);
 });
 
-afterEach(async () => {
-  assert.deepEqual(page.mistakes, []);
-  await page.close();
-  await daemon.stop();
-  rmSync(folder, {recursive: true, force: true});
-});
+afterEach(() => closeScenario(opened));
 
 test('each camera has a tile and each lidar a plot, by its name', async () => {
   await page.waitForSelector('.card[open] [data-camera="rear_camera"]');

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What a robot sees, on the page: the picture of its camera and the scan of its lidar.
 import assert from 'node:assert/strict';
-import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
-import {tmpdir} from 'node:os';
-import {join} from 'node:path';
 import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {call, eventually, hasText, launchBrowser, openPage, startDaemon} from './harness.js';
+import {call, closeScenario, eventually, hasText, launchBrowser, openScenario} from './harness.js';
 
 const WALLS = [[1.05, 0, 0.1, 2], [-1.05, 0, 0.1, 2], [0, 1.05, 2, 0.1], [0, -1.05, 2, 0.1]]
   .map(([x, y, length, width], i) => `[WALL_${i + 1}]\ntype box\nsize ${length} ${width} 0.5\nposition ${x} ${y}\n`).join('');
@@ -16,26 +13,19 @@ const SCAN = '.card[open] [data-module="/robot1/lidar"]';
 
 let browser;
 let daemon;
-let folder;
+let opened;
 let page;
 
 before(async () => { browser = await launchBrowser(); });
 after(async () => { await browser?.close(); });
 
 beforeEach(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'coopdyn_turtle_'));
-  writeFileSync(join(folder, 'room.scenario'), SCENARIO);
-  daemon = await startDaemon(join(folder, 'room.scenario'));
-  page = await openPage(browser, daemon.url);
+  opened = await openScenario(browser, SCENARIO);
+  ({daemon, page} = opened);
   await page.waitForSelector(TILE);
 });
 
-afterEach(async () => {
-  assert.deepEqual(page.mistakes, []);
-  await page.close();
-  await daemon.stop();
-  rmSync(folder, {recursive: true, force: true});
-});
+afterEach(() => closeScenario(opened));
 
 /** What an image or a canvas shows: its width, the mean column of its red pixels (null without any), whether all of it is grey, and
  *  how opaque each pixel of a canvas is. */
