@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -82,5 +83,11 @@ class PhysicsScene {
   Nanoseconds time_ = 0;
   std::shared_ptr<Frame> frame_;
 };
+
+/// What physics measures for a robot's sensor now.
+inline std::vector<double> MeasuredBy(PhysicsScene& scene, int robot = 0, std::size_t sensor = 0) {
+  const std::span<const double> values = MeasuredOf(*scene.Capture(), robot, sensor);
+  return {values.begin(), values.end()};
+}
 
 }  // namespace coopdyn

@@ -12,32 +12,13 @@
 
 #include "server/geometry/mesh.h"
 #include "server/sensing/readings.h"
-#include "tests/server/sensing/sample_frame.h"
+#include "tests/server/sensing/mounted.h"
 
 namespace coopdyn::range_sensors {
 namespace {
 
 using testing::Each;
 using testing::ElementsAre;
-
-constexpr double kEye_m = 0.5;  // height of the sensors, above the sample robot
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
-Pose Stands(double x, double y, double z) {
-  return {{x, y, z}, Quaternion::Identity()};
-}
-
-/// On the chassis, whose frame is 5 cm above R.
-Mount OnTop(const Quaternion& q = Quaternion::Identity()) {
-  return {0, {{0, 0, kEye_m - 0.05}, q}};
-}
-
-template <typename Kind>
-std::shared_ptr<RobotModel> With(const Kind& sensor) {
-  auto model = SampleRobot();
-  model->AddSensor("sensor", sensor);
-  return model;
-}
 
 LidarModel Fan(int columns, double half_rad, double max_range_m = 10) {
   LidarModel lidar;
@@ -417,63 +398,6 @@ TEST(InfraredTest, TheNearestOfItsRaysCounts) {
   infrared.opening_rad = 0.2;
   infrared.rays = 3;
   EXPECT_NEAR(at(infrared), 33.6 / (49 + 4), 1e-3);
-}
-
-// --- light
-
-LightModel Eyes(std::initializer_list<double> openings_rad) {
-  LightModel light;
-  for (const double opening_rad : openings_rad) light.eyes.push_back({OnTop(), opening_rad});
-  return light;
-}
-
-PointLight Lamp(const Vector3& p_WP, double power) {
-  PointLight lamp;
-  lamp.p_WP = p_WP;
-  lamp.power = power;
-  return lamp;
-}
-
-std::vector<double> LightOf(SampleWorld world, const std::vector<PointLight>& lamps, double ambient = 0) {
-  const auto frame = world.MakeFrame();
-  auto scenario = std::make_shared<Scenario>(*frame->scene->scenario);
-  scenario->lights = lamps;
-  scenario->ambient_light = ambient;
-  frame->scene = MakeScene(scenario);
-  return LightValues(*frame, 0);
-}
-
-TEST(LightTest, ALampGivesItsPowerByTheSquareOfTheDistanceAndTheAngle) {
-  const auto robot = SampleWorld().Robot(At(0, 0), With(Eyes({0, 1.0})));
-  const Vector3 ahead(2, 0, kEye_m), beside(2 * std::cos(0.2), 2 * std::sin(0.2), kEye_m);
-  EXPECT_THAT(LightOf(robot, {Lamp(ahead, 8)}),
-              ElementsAre(testing::DoubleNear(2, 1e-9), testing::DoubleNear(2, 1e-9)));
-  // 0.2 of the half opening of 0.5.
-  EXPECT_THAT(LightOf(robot, {Lamp(beside, 8)}),
-              ElementsAre(testing::DoubleNear(2, 1e-9), testing::DoubleNear(2 * 0.6, 1e-9)));
-  const Vector3 behind(-2, 0, kEye_m);
-  EXPECT_THAT(LightOf(robot, {Lamp(behind, 8)}), ElementsAre(testing::DoubleNear(2, 1e-9), 0));
-}
-
-TEST(LightTest, LampsAddUpWithTheAmbientLightAndCountByTheirBrightness) {
-  const auto robot = SampleWorld().Robot(At(0, 0), With(Eyes({0})));
-  PointLight red = Lamp({0, 2, kEye_m}, 12);
-  red.color = {1, 0, 0};  // a third of white
-  EXPECT_THAT(LightOf(robot, {Lamp({2, 0, kEye_m}, 8), red}, 0.5),
-              ElementsAre(testing::DoubleNear(2 + 1 + 0.5, 1e-9)));
-}
-
-TEST(LightTest, WhatStandsBetweenHidesALampUnlessItCastsNoShadows) {
-  const auto world =
-      SampleWorld().Robot(At(0, 0), With(Eyes({0}))).Object(Box{{0.1, 1, 1}}, Stands(1, 0, kEye_m));
-  PointLight lamp = Lamp({2, 0, kEye_m}, 8);
-  EXPECT_THAT(LightOf(world, {lamp}, 0.1), ElementsAre(testing::DoubleNear(0.1, 1e-9)));
-  lamp.casts_shadows = false;
-  EXPECT_THAT(LightOf(world, {lamp}, 0.1), ElementsAre(testing::DoubleNear(2.1, 1e-9)));
-  // Behind the lamp it hides nothing.
-  const auto behind =
-      SampleWorld().Robot(At(0, 0), With(Eyes({0}))).Object(Box{{0.1, 1, 1}}, Stands(3, 0, kEye_m));
-  EXPECT_THAT(LightOf(behind, {Lamp({2, 0, kEye_m}, 8)}), ElementsAre(testing::DoubleNear(2, 1e-9)));
 }
 
 }  // namespace
