@@ -2,6 +2,7 @@
 #include "protocol/command_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <utility>
 
@@ -93,6 +94,14 @@ std::string CommandTable::Nearest(std::string_view name) const {
     if (spec.name.find(name) != std::string::npos) return spec.name;
   }
   return "";
+}
+
+bool IsReadingCommand(std::string_view command_name) {
+  constexpr std::array<std::string_view, 9> kHarmless = {"describe",        "ping",   "subscribe",
+                                                         "unsubscribe",     "attach", "read_all",
+                                                         "select_readings", "list",   "pick"};
+  return command_name.starts_with("get_") ||
+         std::find(kHarmless.begin(), kHarmless.end(), command_name) != kHarmless.end();
 }
 
 }  // namespace coopdyn

@@ -85,6 +85,10 @@ inline constexpr std::int32_t kProtocolVersion = 1;
 /// The most steps that one request may stand or wait for.
 inline constexpr std::int32_t kMaxSteps = 10'000'000;
 
+/// True if the command only reads, so that everybody may send it: get_…, describe, ping, (un)subscribe,
+/// attach, list, pick and the like.
+bool IsReadingCommand(std::string_view command_name);
+
 /// Checks text, params and data of a request against its spec: Ok and empty, or the error and what to write
 /// instead. Counts and text: errors 2 and 3; numbers below `min` or above `max`, not in `enums` or not
 /// finite: error 4.

@@ -1,22 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <memory>
-#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "server/app/checker.h"
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
-#include "server/controllers/controller_host.h"
-#include "server/model/readers.h"
-#include "server/model/scenario.h"
-#include "server/model/sensor_text.h"
-#include "server/model/text_file.h"
-#include "server/model/values.h"
-#include "server/physics/world.h"
 #include "server/render/picture_maker.h"
 
 namespace coopdyn {
@@ -29,133 +20,6 @@ struct CheckOptions {
   std::vector<std::string> scenario_folders;
 };
 
-/// Says what the controllers that `scenario` names do not take, and which robots of `frame` (null: there is
-/// none) they cannot drive.
-void CheckControllers(const Scenario& scenario, const FramePtr& frame, Diagnostics& diagnostics) {
-  const SteadyClock clock;
-  WorkerPool pool(1);
-  ControllerHost host(ControllerOptions{}, clock, NullLogger(), pool);
-  host.Check(scenario, diagnostics);
-  if (frame == nullptr || diagnostics.has_errors()) return;
-  host.Configure(frame);
-  std::set<std::string> said;
-  for (const StoppedController& stopped : host.TakeStopped()) {
-    const auto robot = std::ranges::find(scenario.robots, stopped.robot, &RobotEntry::name);
-    const bool known = diagnostics.ToString().find(stopped.why) != std::string::npos;
-    if (robot == scenario.robots.end() || known || !said.insert(stopped.why).second) continue;
-    diagnostics.Warning(robot->controller.where, stopped.why + "; " + stopped.robot + " will stand");
-  }
-}
-
-/// The first frame of `scenario`; null with diagnostics if its physics cannot be built.
-FramePtr FirstFrame(const std::shared_ptr<const Scenario>& scenario, Diagnostics& diagnostics) {
-  auto frame = std::make_shared<Frame>();
-  frame->scene = MakeScene(scenario);
-  frame->seed = scenario->simulation.seed;
-  const auto world = PhysicsWorld::Build(frame->scene, frame->seed, diagnostics);
-  if (world != nullptr) world->Fill(*frame);
-  CheckControllers(*scenario, world == nullptr ? nullptr : frame, diagnostics);
-  return world == nullptr ? nullptr : frame;
-}
-
-/// A model, not a world.
-bool IsRobotModel(const std::string& file) {
-  const std::string extension = std::filesystem::path(file).extension();
-  if (extension == ".urdf") return true;
-  if (extension != ".sdf") return false;
-  Diagnostics ignored;
-  const auto text = ReadTextFile(file, {file, 0}, ignored);
-  return !text || text->find("<world") == std::string::npos;
-}
-
-constexpr const char* kAlone = "model";
-
-std::string CountOf(std::size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
-/// What is in a model, in lines: counts, mass, size, then joints and modules by name.
-std::vector<std::string> DescribeModel(const RobotModel& model) {
-  double mass_kg = 0;
-  for (std::size_t i = model.fixed_base ? 1 : 0; i < model.links.size(); ++i)
-    mass_kg += model.links[i].mass_kg;
-  const auto number = [](double value) { return FormatNumber(std::round(value * 1e4) / 1e4); };
-  std::vector<std::string> lines = {
-      "robot " + model.type + ", " + CountOf(model.links.size(), "link") + ", " +
-      CountOf(model.joints.size(), "joint") + ", " + CountOf(model.sector_count(), "distance sensor") + ", " +
-      CountOf(model.modules().size(), "module") + "; " +
-      (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
-      " kg, footprint radius " + number(model.footprint_radius_m) + " m, height " + number(model.height_m) +
-      " m"};
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const JointModel& joint = model.joints[j];
-    std::string text = "  joint " + joint.name + ": " + ToString(joint.kind);
-    if (joint.kind == JointModel::Kind::kScrew) text += " of " + FormatNumber(joint.pitch_m_rad) + " m/rad";
-    if (joint.has_stop()) {
-      text +=
-          ", from " + number(joint.lower) + " to " + number(joint.upper) + (joint.slides() ? " m" : " rad");
-    }
-    if (const CouplingModel* coupling = model.FindCoupling(static_cast<int>(j))) {
-      text += ", follows: " + number(coupling->multiplier) + " * " +
-              model.joints[static_cast<std::size_t>(coupling->leader)].name;
-      if (coupling->offset != 0)
-        text += (coupling->offset < 0 ? " - " : " + ") + number(std::abs(coupling->offset));
-    } else if (joint.max_effort > 0 && std::isfinite(joint.max_effort)) {
-      text += ", effort " + number(joint.max_effort) + (joint.slides() ? " N" : " N m");
-      if (std::isfinite(joint.max_velocity))
-        text += ", speed " + number(joint.max_velocity) + (joint.slides() ? " m/s" : " rad/s");
-    }
-    lines.push_back(std::move(text));
-  }
-  for (const ModuleModel& module : model.modules()) {
-    std::string text = "  module " + module.name + " (" + module.type + ")";
-    for (const ActuatorModel& actuator : model.actuators) {
-      if (!actuator.is_board() || actuator.module != module.name) continue;
-      for (std::size_t i = 0; i < actuator.joints.size(); ++i)
-        text += (i == 0 ? ": " : ", ") + model.joints[static_cast<std::size_t>(actuator.joints[i])].name;
-    }
-    const auto sensor = std::ranges::find(model.sensors, module.name, &SensorModel::name);
-    const std::string words = sensor == model.sensors.end() ? "" : Describe(*sensor, model);
-    if (!words.empty()) text += ": " + words;
-    lines.push_back(std::move(text));
-  }
-  return lines;
-}
-
-/// Checks one file; null, or its first frame for a picture.
-FramePtr CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics) {
-  if (IsRobotModel(file)) {
-    const auto model = ReadRobotModel(file, robots.path(), diagnostics);
-    if (model == nullptr || diagnostics.has_errors()) return nullptr;
-    const std::vector<std::string> lines = DescribeModel(*model);
-    Print("{}: {}\n", file, lines.front());
-    for (std::size_t i = 1; i < lines.size(); ++i) Print("{}\n", lines[i]);
-    // A picture shows it on the floor of a world of its own.
-    RobotLibrary own(robots.path());
-    own.Add(kAlone, model);
-    const auto alone = ReadScenario("[ROBOT_1]\ntype " + std::string(kAlone) + "\nposition 0 0\n", "", own,
-                                    true, diagnostics);
-    return alone == nullptr ? nullptr : FirstFrame(alone, diagnostics);
-  }
-  std::shared_ptr<const Scenario> scenario;
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {
-    diagnostics.Error({file, 0}, "it is a folder: name the files to check, for example " +
-                                     (std::filesystem::path(file) / "*.scenario").string());
-    return nullptr;
-  }
-  if (IsPipe(file)) {
-    const std::optional<std::string> text = ReadPipe(file, diagnostics);
-    if (text) scenario = ReadScenario(*text, kPipe, robots, false, diagnostics);
-  } else {
-    scenario = LoadScenario(file, robots, diagnostics);
-  }
-  if (scenario == nullptr) return nullptr;
-  FramePtr frame = FirstFrame(scenario, diagnostics);
-  if (frame != nullptr && !diagnostics.has_errors()) Print("{}: {}\n", file, Summary(*scenario));
-  return frame;
-}
-
 int Check(const CheckOptions& options) {
   const SearchPath path = DataPath(options.scenario_folders);
   RobotLibrary robots(path);
@@ -163,7 +27,11 @@ int Check(const CheckOptions& options) {
   FramePtr last;
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
-    if (FramePtr frame = CheckFile(file, robots, diagnostics)) last = std::move(frame);
+    Checked checked = CheckFile(file, robots, diagnostics);
+    for (std::size_t i = 0; i < checked.lines.size(); ++i) {
+      Print("{}{}\n", i == 0 ? file + ": " : "", checked.lines[i]);
+    }
+    if (checked.frame != nullptr) last = std::move(checked.frame);
     PrintErrorLines(diagnostics.ToString());
     failed = failed || diagnostics.has_errors();
   }

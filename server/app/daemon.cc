@@ -90,6 +90,12 @@ std::string Bracketed(const std::string& host) {
   return host.find(':') == std::string::npos ? host : '[' + host + ']';
 }
 
+/// `path` with one more folder, the last; empty: as it is.
+SearchPath WithFolder(SearchPath path, const std::filesystem::path& folder) {
+  if (!folder.empty()) path.folders.push_back(folder);
+  return path;
+}
+
 }  // namespace
 
 Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
@@ -97,8 +103,9 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       logger_(std::move(logger)),
       shutdown_(shutdown),
       token_(TokenOf(options)),
-      models_(DataPath(options.scenario_folders)),
-      net_(logger_, clock_),
+      uploads_(options.no_net || options.no_http ? std::filesystem::path() : Uploads::ChooseFolder()),
+      models_(WithFolder(DataPath(options.scenario_folders), uploads_)),
+      net_(logger_, clock_, StandardEncodings(), options.read_only),
       wrong_tokens_(logger_),
       robot_guard_(token_, options.private_robots, &wrong_tokens_),
       control_guard_(token_, true, &wrong_tokens_),
@@ -122,8 +129,10 @@ Daemon::~Daemon() {
 
 std::string Daemon::Start() {
   if (std::string error = StartWorld(); !error.empty()) return error;
-  if (options_.no_net && player_ == nullptr && board_.mode() == Mode::kLockstep && !board_.AllReady()) {
-    return "--no-net leaves nobody to drive the robots in lockstep: use --mode free";
+  const bool undriven = options_.no_net || options_.read_only;
+  if (undriven && player_ == nullptr && board_.mode() == Mode::kLockstep && !board_.AllReady()) {
+    return std::string(options_.no_net ? "--no-net" : "--read-only") +
+           " leaves nobody to drive the robots in lockstep: use --mode free";
   }
 
   if (!options_.no_render) {
@@ -237,6 +246,9 @@ std::string Daemon::OpenPage() {
       done({status, run.text, run.file.string(), run.temporary});
     });
   };
+  page_ = std::make_unique<PageServices>(models_.path(), uploads_, options_.no_render ? nullptr : &images_,
+                                         logger_);
+  web.files = page_->files();
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
@@ -260,6 +272,7 @@ void Daemon::Stop() {
   control_.Stop();
   name_client_.reset();
   if (web_ != nullptr) web_->Stop();
+  page_.reset();
   recorder_.reset();
   playback_.reset();
   swarm_.reset();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/app/options.h"
+#include "server/app/page_services.h"
 #include "server/app/run_report.h"
 #include "server/app/shutdown.h"
 #include "server/base/log.h"
@@ -106,6 +107,7 @@ class Daemon final : private ControlActions {
   EditQueue edits_{bell_};
   RunControl run_;
   ImageBoard images_;
+  const std::filesystem::path uploads_;  // a folder of models_
   RobotLibrary models_;
   NetServices net_;
   NameTable names_;
@@ -133,6 +135,7 @@ class Daemon final : private ControlActions {
   std::unique_ptr<NameServer> name_server_;
   std::unique_ptr<NameClient> name_client_;
   std::map<std::string, int> told_names_;  // to the other name server: name, port
+  std::unique_ptr<PageServices> page_;     // of web_
   std::unique_ptr<WebServer> web_;
   std::jthread physics_;
   bool stopped_ = false;

@@ -49,6 +49,7 @@ struct ServeOptions {
   bool weak_token = false;  // may be short
   std::string yarp_server;  // HOST:PORT; empty: our own name server
   bool private_robots = false;
+  bool read_only = false;
   bool no_render = false, no_http = false, no_net = false;
   double render_fps = 10;
   std::string renderer = "auto";  // auto, osmesa, egl

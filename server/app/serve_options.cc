@@ -131,6 +131,8 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
       ->check(CLI::Validator(CheckToken, ""));
   sub->add_flag("--weak-token", serve.weak_token, "Let --token be shorter than 12 characters");
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
+  sub->add_flag("--read-only", serve.read_only,
+                "Clients and the page may read and watch, and change nothing");
   sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT");
   sub->add_flag("--no-render", serve.no_render, "No pictures");
   sub->add_flag("--no-http", serve.no_http, "No page");

@@ -42,6 +42,9 @@ struct SearchPath {
   std::vector<std::string> ControllerNames(const std::filesystem::path& beside = {}) const;
   /// Names of all scenarios on the path, sorted, without extension.
   std::vector<std::string> ScenarioNames() const;
+  /// Likewise of all .world files, and of all robots.
+  std::vector<std::string> WorldNames() const;
+  std::vector<std::string> RobotNames() const;
 };
 
 /// Whether a robot's type is the path of a model: it has a folder, or ends in .sdf or .urdf.

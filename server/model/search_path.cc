@@ -121,9 +121,7 @@ std::vector<std::string> RobotTypes(const SearchPath& path, const std::vector<So
   for (const SourceText& source : embedded) {
     if (source.kind == kRobot) types.insert(source.name);
   }
-  ForAll(path.folders, {".", "robots"}, [&types](const fs::path& folder) {
-    if (ModelFileIn(folder)) types.insert(folder.filename().string());
-  });
+  for (std::string& name : path.RobotNames()) types.insert(std::move(name));
   return {types.begin(), types.end()};
 }
 
@@ -192,6 +190,18 @@ std::vector<std::string> SearchPath::ControllerNames(const fs::path& beside) con
 
 std::vector<std::string> SearchPath::ScenarioNames() const {
   return Stems(folders, {".", "scenarios"}, ".scenario");
+}
+
+std::vector<std::string> SearchPath::WorldNames() const {
+  return Stems(folders, {".", "worlds"}, ".world");
+}
+
+std::vector<std::string> SearchPath::RobotNames() const {
+  std::set<std::string> names;
+  ForAll(folders, {".", "robots"}, [&names](const fs::path& folder) {
+    if (ModelFileIn(folder)) names.insert(folder.filename().string());
+  });
+  return {names.begin(), names.end()};
 }
 
 bool IsModelPath(const std::string& type) {

@@ -8,6 +8,7 @@
 #include "protocol/text_scan.h"
 #include "server/base/printable.h"
 #include "server/net/encoding.h"
+#include "server/net/net_services.h"
 
 namespace coopdyn {
 namespace {
@@ -79,6 +80,8 @@ class Answerer {
     const std::string& verb = words_[0];
     if (verb == "query") return Query();
     if (verb == "list") return List();
+    const bool changes = verb == "register" || verb == "unregister" || verb == "set";
+    if (changes && context_.read_only) return Refused(kReadOnlyText);
     if (verb == "register") return Register();
     if (verb == "unregister") return Unregister();
     if (verb == "set") return Set();

@@ -20,10 +20,11 @@ namespace coopdyn {
 
 /// Who asks, and where.
 struct NameContext {
-  std::string asked_at;   // the address that the request reached
-  std::string peer_ip;    // of the asker
-  std::string advertise;  // the address of our own names in every answer; empty = asked_at
-  Nanoseconds now = 0;    // by the daemon's clock
+  std::string asked_at;    // the address that the request reached
+  std::string peer_ip;     // of the asker
+  std::string advertise;   // the address of our own names in every answer; empty = asked_at
+  Nanoseconds now = 0;     // by the daemon's clock
+  bool read_only = false;  // no name may come or go
 };
 
 struct NameReply {

@@ -104,7 +104,8 @@ struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
         listener(c, s, [this](UniqueFd fd, PeerInfo peer) { Open(std::move(fd), std::move(peer)); }) {}
 
   void Open(UniqueFd fd, PeerInfo peer) {
-    NameContext where{IpOf(LocalAddress(fd.get())), IpOf(PeerAddress(fd.get())), advertise};
+    NameContext where{IpOf(LocalAddress(fd.get())), IpOf(PeerAddress(fd.get())), advertise, 0,
+                      services.read_only()};
     auto client = std::make_shared<Client>(Client{Socket(context), std::move(peer), std::move(where)});
     error_code error;
     client->socket.assign({AF_UNSPEC, 0}, fd.get(), error);  // Asio wants a protocol; nothing here uses it

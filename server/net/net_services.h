@@ -15,15 +15,22 @@
 
 namespace coopdyn {
 
+/// What who wants to change something is told.
+inline constexpr const char* kReadOnlyText =
+    "the daemon was started with --read-only: everything can be read and watched, nothing changed";
+
 /// One per daemon; outlives every server. `clock` must outlive it.
 class NetServices {
  public:
-  NetServices(Logger logger, const Clock& clock, Encodings encodings = StandardEncodings())
-      : logger_(std::move(logger)), clock_(clock), encodings_(std::move(encodings)) {}
+  /// `read_only`: no client may change anything (`--read-only`).
+  NetServices(Logger logger, const Clock& clock, Encodings encodings = StandardEncodings(),
+              bool read_only = false)
+      : logger_(std::move(logger)), clock_(clock), encodings_(std::move(encodings)), read_only_(read_only) {}
 
   const Logger& logger() const { return logger_; }
   const Clock& clock() const { return clock_; }
   const Encodings& encodings() const { return encodings_; }
+  bool read_only() const { return read_only_; }
   /// An id that no other connection of this daemon has or had.
   ClientId NextClient() { return ++last_client_; }
   /// Says in the log that no connection can be accepted for want of something (an errno): once, until that
@@ -37,6 +44,7 @@ class NetServices {
   Logger logger_;
   const Clock& clock_;
   const Encodings encodings_;
+  const bool read_only_;
   PeerLogLimiter limiter_;
   std::atomic<ClientId> last_client_{0};
   std::atomic<Nanoseconds> exhausted_{std::numeric_limits<Nanoseconds>::min()};  // last; min: never

@@ -193,6 +193,14 @@ void Session::TakeEncoding(std::unique_ptr<Encoding> encoding) {
   out_.AddRaw(encoding_->Greeting());
 }
 
+bool Session::MustNotChange(std::int32_t command) const {
+  constexpr std::int32_t kSaveWorld = 146;  // returns a text, unlike save of /simulation
+  if (!services_.read_only() || endpoint_ == nullptr || command == command::kHello || command == kSaveWorld)
+    return false;
+  const CommandSpec* const spec = endpoint_->table().Find(command);
+  return spec != nullptr && !IsReadingCommand(spec->name);
+}
+
 void Session::HandRequest(Message request) {
   waiting_ = true;
   const std::uint64_t serial = ++serial_;
@@ -200,6 +208,7 @@ void Session::HandRequest(Message request) {
   ReplyFunction reply = [weak = weak_from_this(), serial](const Message& message) {
     if (const std::shared_ptr<Session> self = weak.lock()) self->OnReply(serial, message);
   };
+  if (MustNotChange(command)) return OnReply(serial, ErrorReply(command, Error::kNotAllowed, kReadOnlyText));
   const bool ok = CallEndpoint(
       [&](Endpoint& endpoint) { endpoint.OnRequest(*this, std::move(request), std::move(reply)); });
   if (!ok)

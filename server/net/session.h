@@ -101,6 +101,8 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool HandleNext();
   void TakeEncoding(std::unique_ptr<Encoding> encoding);
   void HandRequest(Message request);
+  /// `--read-only`, and the command is not one that only reads.
+  bool MustNotChange(std::int32_t command) const;
   void OnReply(std::uint64_t serial, const Message& reply);
   bool MayHandle() const { return !closing_ && !closed_ && !waiting_ && !blocked_; }
   // Writing.

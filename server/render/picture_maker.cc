@@ -211,8 +211,9 @@ ImageResult PictureMaker::Make(const Frame& newest, const ImageRequest& asked) {
   ImageRequest key = request;
   key.paced = false;
   const FrameName name{frame.epoch, frame.step, frame.revision};
-  if (name != kept_frame_) kept_.clear();
-  kept_frame_ = name;
+  const bool keeps = request.frame == nullptr;  // else it is of another world
+  if (keeps && name != kept_frame_) kept_.clear();
+  if (keeps) kept_frame_ = name;
   for (const Kept& kept : kept_) {
     if (kept.request == key) return kept.result;
   }
@@ -223,7 +224,7 @@ ImageResult PictureMaker::Make(const Frame& newest, const ImageRequest& asked) {
   result.error = CheckImageRequest(request);
   if (result.error.empty() && !Start()) result.error = start_error_;
   if (result.error.empty()) request.shot ? DrawShot(frame, request, result) : Draw(frame, request, result);
-  if (!result.error.empty()) return result;
+  if (!result.error.empty() || !keeps) return result;
   if (kept_.size() >= kMaxKept) kept_.erase(kept_.begin());
   kept_.push_back({key, result});
   return result;

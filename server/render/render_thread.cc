@@ -43,7 +43,8 @@ void RenderThread::Run(std::stop_token stop) {
     for (const ImageBoard::Pending& pending : taken) {
       ImageResult result;
       const std::optional<CameraShot>& shot = pending.request.shot;
-      const FramePtr frame = shot && shot->frame ? shot->frame : frames_.Latest();
+      const FramePtr& given = shot ? shot->frame : pending.request.frame;
+      const FramePtr frame = given != nullptr ? given : frames_.Latest();
       if (stop.stop_requested()) {
         result.error = "the simulator is stopping";
       } else if (!frame) {

@@ -46,6 +46,7 @@ struct CameraShot {
 
 /// What somebody wants to see.
 struct ImageRequest {
+  FramePtr frame = nullptr;        // that is drawn, unless there is a shot; null: the newest
   std::optional<CameraShot> shot;  // of a robot's camera: size, place and field of view are its own
   int width = 640;
   int height = 480;

@@ -75,11 +75,4 @@ std::string_view BearerToken(std::string_view authorization) {
   return authorization.substr(kScheme.size());
 }
 
-bool IsReadingCommand(std::string_view command_name) {
-  constexpr std::array<std::string_view, 7> kHarmless = {
-      "describe", "ping", "subscribe", "unsubscribe", "attach", "read_all", "select_readings"};
-  return command_name.starts_with("get_") ||
-         std::find(kHarmless.begin(), kHarmless.end(), command_name) != kHarmless.end();
-}
-
 }  // namespace coopdyn

@@ -10,6 +10,11 @@
 
 namespace coopdyn {
 
+/// What a stranger is told who wants to change something without the token.
+inline constexpr const char* kTokenText =
+    "from another machine this needs the token that the daemon printed when it started: enter it at the top "
+    "of the page and press Unlock; a program sends it as \"token\"";
+
 /// The name or address of a Host header, lower case, without port and without the brackets of IPv6; nothing
 /// if it is not well-formed.
 std::optional<std::string> HostName(std::string_view host);
@@ -24,9 +29,5 @@ bool OriginAllowed(std::string_view origin, std::string_view host);
 
 /// The token of an Authorization header; empty if it is not `Bearer TOKEN`.
 std::string_view BearerToken(std::string_view authorization);
-
-/// True if the command only reads, so that everybody may send it: get_…, describe, ping, (un)subscribe,
-/// attach.
-bool IsReadingCommand(std::string_view command_name);
 
 }  // namespace coopdyn

@@ -147,6 +147,29 @@ std::string RunNameIn(std::string_view path) {
   return ends_well && IsRunName(name) ? name : "";
 }
 
+/// What is sent to `path` by POST; nothing: another address.
+std::optional<HttpRouteKind> PostKind(std::string_view path) {
+  if (path == "/api/call") return HttpRouteKind::kCall;
+  if (path == "/api/check") return HttpRouteKind::kCheck;
+  if (path == "/api/upload") return HttpRouteKind::kUpload;
+  return std::nullopt;
+}
+
+/// /thumb/KIND/NAME.png; nothing: another address.
+std::optional<HttpRoute> ThumbIn(std::string_view path) {
+  for (const std::string_view kind : {"world", "scenario", "robot"}) {
+    const std::string folder = "/thumb/" + std::string(kind) + "/";
+    if (!path.starts_with(folder) || !path.ends_with(".png")) continue;
+    path.remove_prefix(folder.size());
+    path.remove_suffix(std::min<std::size_t>(path.size(), 4));
+    std::string name = PercentDecode(path).value_or("");
+    if (name.empty()) break;
+    return HttpRoute{
+        .kind = HttpRouteKind::kThumb, .thumb_kind = std::string(kind), .thumb = std::move(name)};
+  }
+  return std::nullopt;
+}
+
 HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/snapshot.png") return AcceptImage(HttpRouteKind::kSnapshot, ImageFormat::kPng, query);
   if (path == "/view.mjpg") return AcceptImage(HttpRouteKind::kStream, ImageFormat::kJpeg, query);
@@ -156,6 +179,8 @@ HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/api/status") return {.kind = HttpRouteKind::kStatus};
   if (path == "/api/scenarios") return {.kind = HttpRouteKind::kScenarios};
   if (path == "/api/modules") return {.kind = HttpRouteKind::kModules};
+  if (path == "/api/gallery") return {.kind = HttpRouteKind::kGallery};
+  if (std::optional<HttpRoute> thumb = ThumbIn(path)) return *std::move(thumb);
   if (path == "/runs") return {.kind = HttpRouteKind::kRuns};
   if (std::string name = RunNameIn(path); !name.empty()) {
     return {.kind = HttpRouteKind::kRun, .run = std::move(name)};
@@ -210,11 +235,11 @@ HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>&
     }
     return from_here ? HttpRoute{.kind = HttpRouteKind::kSocket} : Refuse(403, kForeign);
   }
-  if (path == "/api/call") {
+  if (const std::optional<HttpRouteKind> posted = PostKind(path)) {
     if (head.method != "POST") return RefuseMethod("POST");
     if (!from_here) return Refuse(403, kForeign);
     if (!IsJson(head.content_type)) return Refuse(415, "send JSON, with Content-Type: application/json");
-    return {.kind = HttpRouteKind::kCall};
+    return {.kind = *posted};
   }
   HttpRoute route = FindGet(path, query);
   const bool found = route.kind != HttpRouteKind::kRefused || route.refusal.status != 404;

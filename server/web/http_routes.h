@@ -21,6 +21,11 @@ struct HttpAnswer {
   bool close = false;  // the connection, afterwards
 };
 
+/// JSON, not to be kept by anybody.
+inline HttpAnswer JsonAnswer(const std::string& body) {
+  return {.body = body + "\n", .type = "application/json", .headers = {{"Cache-Control", "no-store"}}};
+}
+
 /// One line of text that says what is wrong.
 inline HttpAnswer ErrorAnswer(unsigned status, const std::string& text) {
   return {.status = status, .body = text + "\n"};
@@ -48,7 +53,11 @@ enum class HttpRouteKind {
   kModules,
   kRuns,
   kRun,
+  kGallery,
+  kThumb,
   kCall,
+  kCheck,
+  kUpload,
   kSocket
 };
 
@@ -57,6 +66,8 @@ struct HttpRoute {
   HttpAnswer refusal = {};       // kRefused
   const Asset* asset = nullptr;  // kAsset
   ImageRequest image = {};       // kSnapshot, kStream
+  std::string thumb_kind = {};   // kThumb: world, scenario or robot
+  std::string thumb = {};        // kThumb: the name, to be looked up among those that there are
   std::string run = {};          // kRun: NAME.run or NAME.mat, to be checked by whoever keeps them
 };
 

@@ -34,6 +34,8 @@ constexpr std::size_t kMaxDrainBytes = std::size_t{1} << 20;
 constexpr std::chrono::seconds kDrainTime{2};
 constexpr std::chrono::seconds kRetryAfter{15};  // by then connections without a request have ended
 
+constexpr std::size_t kMaxCheckedBytes = std::size_t{2} << 20;
+
 HttpRequestHead HeadOf(const http::request<http::string_body>& request) {
   HttpRequestHead head;
   head.method = request.method_string();
@@ -46,10 +48,6 @@ HttpRequestHead HeadOf(const http::request<http::string_body>& request) {
   head.if_none_match = request[http::field::if_none_match];
   head.upgrade = beast::websocket::is_upgrade(request);
   return head;
-}
-
-HttpAnswer JsonAnswer(const std::string& body) {
-  return {.body = body + "\n", .type = "application/json", .headers = {{"Cache-Control", "no-store"}}};
 }
 
 /// ["classroom","corridor"]
@@ -193,6 +191,17 @@ void HttpSession::OnRequest() {
       return AnswerRuns();
     case HttpRouteKind::kRun:
       return AnswerRun(route_.run);
+    case HttpRouteKind::kGallery: {
+      const std::uint64_t ticket = Await("the gallery");
+      return context_.files.Gallery(LaterAnswer(ticket));
+    }
+    case HttpRouteKind::kThumb: {
+      const std::uint64_t ticket = Await("the picture");
+      return context_.files.Thumb(route_.thumb_kind, route_.thumb, LaterAnswer(ticket));
+    }
+    case HttpRouteKind::kCheck:
+    case HttpRouteKind::kUpload:
+      return AnswerFile(request.body());
     case HttpRouteKind::kCall:
       return AnswerCall(request.body());
     case HttpRouteKind::kSocket:
@@ -239,6 +248,30 @@ void HttpSession::AnswerSnapshot(const ImageRequest& image, bool body_wanted) {
         answer.body.assign(result.bytes->begin(), result.bytes->end());
         self->AnswerLater(ticket, std::move(answer));
       });
+}
+
+std::function<void(const HttpAnswer&)> HttpSession::LaterAnswer(std::uint64_t ticket) {
+  return [self = shared_from_this(), ticket](const HttpAnswer& answer) { self->AnswerLater(ticket, answer); };
+}
+
+void HttpSession::AnswerFile(const std::string& body) {
+  const bool upload = route_.kind == HttpRouteKind::kUpload;
+  if (upload && context_.services.read_only()) return Answer(ErrorAnswer(403, kReadOnlyText));
+  PageFileRead read = ReadPageFile(body);
+  if (!read.error.empty()) return Answer(ErrorAnswer(400, read.error));
+  const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
+  const std::string_view token = bearer.empty() ? std::string_view(read.token) : bearer;
+  if (!peer_.trusted && !context_.TakesToken(token, peer_.text)) {
+    const std::string wait = token.empty() ? std::string() : context_.TokenWaitText(peer_.text);
+    return Answer(ErrorAnswer(403, wait.empty() ? kTokenText : wait));
+  }
+  if (!upload && read.file.text.size() > kMaxCheckedBytes) {
+    return Answer(
+        ErrorAnswer(413, "a text of more than 2 MiB is not checked as one types: coopdyn check FILE"));
+  }
+  const std::uint64_t ticket = Await(upload ? "the upload" : "the check");
+  upload ? context_.files.Upload(std::move(read.file), LaterAnswer(ticket))
+         : context_.files.Check(std::move(read.file), LaterAnswer(ticket));
 }
 
 void HttpSession::AnswerCall(const std::string& body) {

@@ -14,6 +14,7 @@
 #include <boost/beast/http/string_body.hpp>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -58,12 +59,16 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
   void AnswerStatus();
   void AnswerSnapshot(const ImageRequest& image, bool body_wanted);
   void AnswerCall(const std::string& body);
+  /// Checks or keeps the file in `body`.
+  void AnswerFile(const std::string& body);
   void AnswerRuns();
   void AnswerRun(const std::string& name);
   /// Turns the connection into a stream of that file's bytes, unless the time was up.
   void OpenRun(std::uint64_t ticket, const std::string& name, const WebRunFile& run);
   /// Starts waiting for somebody else's answer; the result is what AnswerLater() needs.
   std::uint64_t Await(const std::string& whom, std::chrono::seconds time = kAnswerTime);
+  /// AnswerLater() for somebody else to call.
+  std::function<void(const HttpAnswer&)> LaterAnswer(std::uint64_t ticket);
   /// Like Answer(), unless the time was up.
   void AnswerLater(std::uint64_t ticket, HttpAnswer answer);
   void Answer(HttpAnswer answer);

@@ -131,11 +131,7 @@ void PageBridge::Handle(const PageCall& call) {
   }
   if (!resolved.send) return Answer(call, std::move(resolved.message), std::move(resolved.note));
   if (resolved.changes && !peer_.trusted) {
-    return Answer(
-        call,
-        ErrorReply(resolved.message.command, Error::kNotAllowed,
-                   "from another machine this needs the token that the daemon printed when it started: "
-                   "enter it at the top of the page and press Unlock; a program sends it as \"token\""));
+    return Answer(call, ErrorReply(resolved.message.command, Error::kNotAllowed, kTokenText));
   }
   if (waiting_ >= kMaxWaiting) {
     return Answer(call, ErrorReply(resolved.message.command, Error::kTooLarge,

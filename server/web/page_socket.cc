@@ -126,6 +126,7 @@ void PageSocket::OnHello(const PageHello& hello) {
   const std::string wait = wrong ? context_.TokenWaitText(bridge_.peer()) : std::string();
   boost::json::object said{
       {"type", "hello"}, {"version", context_.options.version}, {"trusted", bridge_.trusted()}};
+  if (context_.services.read_only()) said["read_only"] = true;
   if (wrong) said["wrong_token"] = true;
   if (!wait.empty()) said["token_wait"] = wait;
   said["pictures"] = context_.pictures.available();

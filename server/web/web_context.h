@@ -11,6 +11,7 @@
 #include "server/naming/name_table.h"
 #include "server/net/net_services.h"
 #include "server/web/access.h"
+#include "server/web/page_files.h"
 #include "server/web/pictures.h"
 #include "server/web/run_files.h"
 #include "server/web/status_feed.h"
@@ -29,6 +30,7 @@ struct WebContext {
         services(net_services),
         pictures(io_context, frame_board, images),
         runs(io_context, options.runs, net_services.logger()),
+        files(io_context, options.files),
         status(io_context, name_table),
         connections(options.limits) {}
 
@@ -39,6 +41,7 @@ struct WebContext {
   NetServices& services;
   Pictures pictures;
   RunFiles runs;
+  PageFiles files;
   StatusFeed status;
   WebConnections connections;
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/base/wrong_tokens.h"
+#include "server/web/http_routes.h"
 #include "server/web/web_connections.h"
 
 namespace coopdyn {
@@ -25,6 +26,22 @@ struct WebRuns {
   std::function<void(std::function<void(const std::string& json)> done)> list;
   /// `name`: NAME.run or NAME.mat as the client gave it.
   std::function<void(const std::string& name, std::function<void(const WebRunFile&)> done)> open;
+};
+
+/// A text that the page sends.
+struct WebFile {
+  std::string name;  // of the file, as the client calls it
+  std::string text;
+};
+
+/// Access to scenarios, worlds and robots. Called on the UI thread; each function calls `done` once, on any
+/// thread.
+struct WebFiles {
+  using Done = std::function<void(const HttpAnswer&)>;
+  std::function<void(WebFile, Done)> check;
+  std::function<void(WebFile, Done)> upload;
+  std::function<void(Done)> gallery;
+  std::function<void(const std::string& kind, const std::string& name, Done)> thumb;
 };
 
 struct WebOptions {
@@ -47,6 +64,8 @@ struct WebOptions {
   std::chrono::milliseconds header_time{15'000};
   /// Recordings that can be copied; without functions: none.
   WebRuns runs = {};
+  /// Files that can be looked through, checked and uploaded; without functions: none.
+  WebFiles files = {};
 };
 
 }  // namespace coopdyn

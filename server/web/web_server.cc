@@ -22,6 +22,7 @@ void WebServer::Stop() {
   thread_.Call([this] {
     context_.pictures.Stop();
     context_.runs.Stop();
+    context_.files.Stop();
     context_.connections.CloseAll();
   });
   thread_.Stop();

@@ -280,5 +280,15 @@ TEST(Utf8, RefusesWhatRfc3629Refuses) {
   EXPECT_FALSE(IsCleanUtf8(std::string_view("\0", 1)));
 }
 
+TEST(ReadingCommands, ChangeNothing) {
+  for (const char* name : {"get_pose", "get_status", "read_all", "select_readings", "describe", "ping",
+                           "subscribe", "attach", "list"}) {
+    EXPECT_TRUE(IsReadingCommand(name)) << name;
+  }
+  for (const char* name : {"set_velocity", "run", "ready", "claim", "hello", "release_robot", "stop", ""}) {
+    EXPECT_FALSE(IsReadingCommand(name)) << name;
+  }
+}
+
 }  // namespace
 }  // namespace coopdyn

@@ -171,5 +171,13 @@ TEST_F(NameProtocolTest, HostileLinesNeverChangeOwnNames) {
   EXPECT_THAT(Ask("query /robot1/motors"), HasSubstr("port 10002"));
 }
 
+TEST_F(NameProtocolTest, ReadOnlyRefusesWhatChangesNamesAndSaysWhy) {
+  context_.read_only = true;
+  for (const char* line : {"register /mine", "unregister /ext", "set /ext title red"}) {
+    EXPECT_THAT(Ask(line), HasSubstr("*** refused: the daemon was started with --read-only")) << line;
+  }
+  EXPECT_THAT(Ask("query /robot1/motors"), HasSubstr("port 10002"));
+}
+
 }  // namespace
 }  // namespace coopdyn

@@ -51,15 +51,5 @@ TEST(Token, IsReadFromTheAuthorizationHeader) {
   EXPECT_EQ(BearerToken(""), "");
 }
 
-TEST(ReadingCommands, ChangeNothing) {
-  for (const char* name :
-       {"get_pose", "get_status", "read_all", "select_readings", "describe", "ping", "subscribe", "attach"}) {
-    EXPECT_TRUE(IsReadingCommand(name)) << name;
-  }
-  for (const char* name : {"set_velocity", "run", "ready", "claim", "hello", "release_robot", "stop", ""}) {
-    EXPECT_FALSE(IsReadingCommand(name)) << name;
-  }
-}
-
 }  // namespace
 }  // namespace coopdyn

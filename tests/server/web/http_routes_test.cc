@@ -38,12 +38,45 @@ TEST(Routes, LeadToWhatIsAskedFor) {
       {"/view.mjpg", HttpRouteKind::kStream},
       {"/api/status", HttpRouteKind::kStatus},
       {"/api/modules", HttpRouteKind::kModules},
-      {"/api/scenarios", HttpRouteKind::kScenarios}};
+      {"/api/scenarios", HttpRouteKind::kScenarios},
+      {"/api/gallery", HttpRouteKind::kGallery},
+      {"/thumb/robot/coopbot.png", HttpRouteKind::kThumb}};
   for (const auto& [target, kind] : routes) EXPECT_EQ(FindRoute(Get(target), {}).kind, kind) << target;
   EXPECT_EQ(FindRoute(PostCall(), {}).kind, HttpRouteKind::kCall);
+  for (const auto& [target, kind] :
+       {std::pair("/api/check", HttpRouteKind::kCheck), std::pair("/api/upload", HttpRouteKind::kUpload)}) {
+    HttpRequestHead head = PostCall();
+    head.target = target;
+    EXPECT_EQ(FindRoute(head, {}).kind, kind) << target;
+  }
   HttpRequestHead socket = Get("/ws");
   socket.upgrade = true;
   EXPECT_EQ(FindRoute(socket, {}).kind, HttpRouteKind::kSocket);
+}
+
+TEST(Routes, TextsAreTakenFromTheOwnPageAsJsonOnly) {
+  for (const char* target : {"/api/check", "/api/upload"}) {
+    HttpRequestHead head = PostCall();
+    head.target = target;
+    head.origin = "http://evil.example";
+    EXPECT_EQ(StatusOf(head), 403U) << target;
+    head.origin = "http://127.0.0.1:10001";
+    EXPECT_EQ(StatusOf(head), 200U) << target;
+    head.content_type = "text/plain";
+    EXPECT_EQ(StatusOf(head), 415U) << target;
+    head.method = "GET";
+    EXPECT_EQ(StatusOf(head), 405U) << target;
+  }
+}
+
+TEST(Routes, ThumbsHaveAKindAndAName) {
+  const HttpRoute route = FindRoute(Get("/thumb/world/a%20b.png"), {});
+  EXPECT_EQ(route.thumb_kind, "world");
+  EXPECT_EQ(route.thumb, "a b");
+  for (const char* target :
+       {"/thumb/world/.png", "/thumb/planet/x.png", "/thumb/world/x", "/thumb/world/x.jpg"}) {
+    EXPECT_EQ(StatusOf(Get(target)), 404U) << target;
+  }
 }
 
 TEST(Routes, UnknownPathsAre404) {

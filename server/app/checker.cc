@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/checker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "server/base/log.h"
+#include "server/base/worker_pool.h"
+#include "server/controllers/controller_host.h"
+#include "server/model/scenario.h"
+#include "server/model/sensor_text.h"
+#include "server/model/text_file.h"
+#include "server/model/values.h"
+#include "server/physics/world.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// Says what the controllers that `scenario` names do not take, and which robots of `frame` (null: there is
+/// none) they cannot drive.
+void CheckControllers(const Scenario& scenario, const FramePtr& frame, Diagnostics& diagnostics) {
+  const SteadyClock clock;
+  WorkerPool pool(1);
+  ControllerHost host(ControllerOptions{}, clock, NullLogger(), pool);
+  host.Check(scenario, diagnostics);
+  if (frame == nullptr || diagnostics.has_errors()) return;
+  host.Configure(frame);
+  std::set<std::string> said;
+  for (const StoppedController& stopped : host.TakeStopped()) {
+    const auto robot = std::ranges::find(scenario.robots, stopped.robot, &RobotEntry::name);
+    const bool known = diagnostics.ToString().find(stopped.why) != std::string::npos;
+    if (robot == scenario.robots.end() || known || !said.insert(stopped.why).second) continue;
+    diagnostics.Warning(robot->controller.where, stopped.why + "; " + stopped.robot + " will stand");
+  }
+}
+
+/// The first frame of `scenario`; null with diagnostics if its physics cannot be built.
+FramePtr FirstFrame(const std::shared_ptr<const Scenario>& scenario, bool controllers,
+                    Diagnostics& diagnostics) {
+  auto frame = std::make_shared<Frame>();
+  frame->scene = MakeScene(scenario);
+  frame->seed = scenario->simulation.seed;
+  const auto world = PhysicsWorld::Build(frame->scene, frame->seed, diagnostics);
+  if (world != nullptr) world->Fill(*frame);
+  if (controllers) CheckControllers(*scenario, world == nullptr ? nullptr : frame, diagnostics);
+  return world == nullptr ? nullptr : frame;
+}
+
+/// A model, not a world.
+bool IsRobotModel(const std::string& file) {
+  const std::string extension = std::filesystem::path(file).extension();
+  if (extension == ".urdf") return true;
+  if (extension != ".sdf") return false;
+  Diagnostics ignored;
+  const auto text = ReadTextFile(file, {file, 0}, ignored);
+  return !text || text->find("<world") == std::string::npos;
+}
+
+constexpr const char* kAlone = "model";
+
+std::string CountOf(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/// What is in a model, in lines: counts, mass, size, then joints and modules by name.
+std::vector<std::string> DescribeModel(const RobotModel& model) {
+  double mass_kg = 0;
+  for (std::size_t i = model.fixed_base ? 1 : 0; i < model.links.size(); ++i)
+    mass_kg += model.links[i].mass_kg;
+  const auto number = [](double value) { return FormatNumber(std::round(value * 1e4) / 1e4); };
+  std::vector<std::string> lines = {
+      "robot " + model.type + ", " + CountOf(model.links.size(), "link") + ", " +
+      CountOf(model.joints.size(), "joint") + ", " + CountOf(model.sector_count(), "distance sensor") + ", " +
+      CountOf(model.modules().size(), "module") + "; " +
+      (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
+      " kg, footprint radius " + number(model.footprint_radius_m) + " m, height " + number(model.height_m) +
+      " m"};
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const JointModel& joint = model.joints[j];
+    std::string text = "  joint " + joint.name + ": " + ToString(joint.kind);
+    if (joint.kind == JointModel::Kind::kScrew) text += " of " + FormatNumber(joint.pitch_m_rad) + " m/rad";
+    if (joint.has_stop()) {
+      text +=
+          ", from " + number(joint.lower) + " to " + number(joint.upper) + (joint.slides() ? " m" : " rad");
+    }
+    if (const CouplingModel* coupling = model.FindCoupling(static_cast<int>(j))) {
+      text += ", follows: " + number(coupling->multiplier) + " * " +
+              model.joints[static_cast<std::size_t>(coupling->leader)].name;
+      if (coupling->offset != 0)
+        text += (coupling->offset < 0 ? " - " : " + ") + number(std::abs(coupling->offset));
+    } else if (joint.max_effort > 0 && std::isfinite(joint.max_effort)) {
+      text += ", effort " + number(joint.max_effort) + (joint.slides() ? " N" : " N m");
+      if (std::isfinite(joint.max_velocity))
+        text += ", speed " + number(joint.max_velocity) + (joint.slides() ? " m/s" : " rad/s");
+    }
+    lines.push_back(std::move(text));
+  }
+  for (const ModuleModel& module : model.modules()) {
+    std::string text = "  module " + module.name + " (" + module.type + ")";
+    for (const ActuatorModel& actuator : model.actuators) {
+      if (!actuator.is_board() || actuator.module != module.name) continue;
+      for (std::size_t i = 0; i < actuator.joints.size(); ++i)
+        text += (i == 0 ? ": " : ", ") + model.joints[static_cast<std::size_t>(actuator.joints[i])].name;
+    }
+    const auto sensor = std::ranges::find(model.sensors, module.name, &SensorModel::name);
+    const std::string words = sensor == model.sensors.end() ? "" : Describe(*sensor, model);
+    if (!words.empty()) text += ": " + words;
+    lines.push_back(std::move(text));
+  }
+  return lines;
+}
+
+Checked CheckModel(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics) {
+  const auto model = ReadRobotModel(file, robots.path(), diagnostics);
+  if (model == nullptr || diagnostics.has_errors()) return {};
+  // A picture shows it on the floor of a world of its own.
+  RobotLibrary own(robots.path());
+  own.Add(kAlone, model);
+  const auto alone =
+      ReadScenario("[ROBOT_1]\ntype " + std::string(kAlone) + "\nposition 0 0\n", "", own, true, diagnostics);
+  return {alone == nullptr ? nullptr : FirstFrame(alone, false, diagnostics), DescribeModel(*model)};
+}
+
+Checked CheckScenario(const std::shared_ptr<const Scenario>& scenario, bool controllers,
+                      Diagnostics& diagnostics) {
+  if (scenario == nullptr) return {};
+  Checked checked{FirstFrame(scenario, controllers, diagnostics), {}};
+  if (checked.frame != nullptr && !diagnostics.has_errors()) checked.lines.push_back(Summary(*scenario));
+  return checked;
+}
+
+}  // namespace
+
+Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics, bool controllers) {
+  if (IsRobotModel(file)) return CheckModel(file, robots, diagnostics);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    diagnostics.Error({file, 0}, "it is a folder: name the files to check, for example " +
+                                     (std::filesystem::path(file) / "*.scenario").string());
+    return {};
+  }
+  if (!IsPipe(file)) return CheckScenario(LoadScenario(file, robots, diagnostics), controllers, diagnostics);
+  const std::optional<std::string> text = ReadPipe(file, diagnostics);
+  if (!text) return {};
+  return CheckScenario(ReadScenario(*text, kPipe, robots, false, diagnostics), controllers, diagnostics);
+}
+
+Checked CheckScenarioText(const std::string& text, const std::string& name, RobotLibrary& robots,
+                          Diagnostics& diagnostics) {
+  return CheckScenario(ReadScenario(text, name, robots, true, diagnostics), true, diagnostics);
+}
+
+std::string SummaryOf(const RobotModel& model) {
+  return DescribeModel(model).front();
+}
+
+}  // namespace coopdyn

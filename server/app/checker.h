@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// What `coopdyn check` and the page's editor say about a file: the readers' diagnostics, then what physics
+// and controllers have to say, and a summary. Any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/model/readers.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+struct Checked {
+  FramePtr frame;                  // the first one, for a picture; null: it cannot be built
+  std::vector<std::string> lines;  // what is in it; empty with errors
+};
+
+/// Checks a scenario, a world or a robot model. `controllers`: what they say too, which starts them.
+Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics,
+                  bool controllers = true);
+/// Checks the text of a scenario that names other files by bare names only.
+Checked CheckScenarioText(const std::string& text, const std::string& name, RobotLibrary& robots,
+                          Diagnostics& diagnostics);
+
+/// What is in a model, in one line.
+std::string SummaryOf(const RobotModel& model);
+
+}  // namespace coopdyn

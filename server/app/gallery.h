@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// The worlds, scenarios and robots on the search path with titles, counts and pictures: looked into once,
+// then again when their files change. One thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/model/readers.h"
+#include "server/state/image_board.h"
+
+namespace coopdyn {
+
+enum class GalleryKind { kWorld, kScenario, kRobot };
+
+class Gallery {
+ public:
+  static constexpr std::size_t kMaxListed = 1000;  // of each kind
+  static constexpr std::size_t kMaxKept = 300;     // pictures
+  static constexpr int kWidth = 320, kHeight = 200;
+
+  /// `draw`: null without pictures. `path` outlives it.
+  Gallery(const SearchPath& path, DrawImage draw) : path_(path), draw_(std::move(draw)) {}
+
+  /// {"worlds":[{"name":…,"title":…,"summary":…,"thumb":…}],"scenarios":[…],"robots":[…]}
+  std::string List();
+  /// A PNG; or none, and `why`. `kind`: world, scenario or robot.
+  ImageResult Thumb(const std::string& kind, const std::string& name);
+
+  /// The first sentence of the comment at the head of a file: lines with #, or the first of XML that is not
+  /// about a licence.
+  static std::string TitleOf(const std::string& text);
+
+ private:
+  struct Known {
+    std::filesystem::file_time_type written;
+    std::string title, summary;
+  };
+  struct Picture {
+    std::filesystem::file_time_type written;
+    ImageResult result;
+  };
+
+  std::vector<std::string> NamesOf(GalleryKind kind) const;
+  std::filesystem::path FileOf(GalleryKind kind, const std::string& name) const;
+  const Known& Look(GalleryKind kind, const std::string& name, const std::filesystem::path& file,
+                    RobotLibrary& robots);
+  ImageResult Draw(GalleryKind kind, const std::filesystem::path& file) const;
+
+  const SearchPath& path_;
+  const DrawImage draw_;
+  std::map<std::filesystem::path, Known> known_;
+  std::map<std::filesystem::path, Picture> pictures_;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,71 @@
+"""A daemon that may be watched and not changed: in every encoding, on the port of names and over HTTP."""
+import json
+import unittest
+import urllib.error
+import urllib.request
+
+from harness import Connection, Daemon
+
+WHY = "--read-only"
+
+
+def call(http, module, line):
+    body = json.dumps({"id": 1, "module": module, "line": line}).encode()
+    request = urllib.request.Request(http + "api/call", body, {"Content-Type": "application/json"})
+    try:
+        with urllib.request.urlopen(request) as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode()
+
+
+class ReadOnlyTest(unittest.TestCase):
+    def test_lines_that_change_something_are_refused_in_words(self):
+        with Daemon(None, "--read-only", name="classroom") as daemon:
+            for module, line in (("/robot1/motors", "set_velocity 0.2 0"), ("/robot1/motors", "claim"), ("/simulation", "pause"),
+                                 ("/simulation", "reset"), ("/simulation", "quit"), ("/recorder", "start x"),
+                                 ("/swarm", "stop_team")):
+                reply = daemon.text(module).ask(line)
+                self.assertEqual(reply.error, 12, line)
+                self.assertIn(WHY, reply.text, line)
+            self.assertEqual(daemon.status()["state"], "running")
+
+    def test_binary_frames_are_refused_likewise(self):
+        with Daemon(None, "--read-only", name="classroom") as daemon:
+            connection = daemon.binary("/simulation")
+            pause = next(command for command in json.loads(daemon.text("/simulation").must("describe").text)["commands"]
+                         if command["name"] == "pause")
+            reply = connection.ask(pause["id"])
+            self.assertEqual(reply.error, 12)
+            self.assertIn(WHY, reply.text)
+
+    def test_reading_and_watching_go_on(self):
+        with Daemon(None, "--read-only", name="classroom") as daemon:
+            motors = daemon.text("/robot1/motors")
+            motors.must("hello me")
+            motors.must("get_wheels")
+            motors.must("subscribe 1")
+            first, second = motors.receive(), motors.receive()
+            self.assertLess(first.step, second.step)
+
+    def test_names_neither_come_nor_go(self):
+        with Daemon(None, "--read-only", name="classroom") as daemon:
+            names = Connection(daemon.names)
+            names.write("NAME_SERVER register /mine\n")
+            self.assertIn(WHY, names.read_line())
+            names.close()
+
+    def test_calls_over_http_are_refused_with_403(self):
+        with Daemon(None, "--read-only", "--http", name="classroom") as daemon:
+            status, text = call(daemon.http, "/simulation", "pause")
+            self.assertEqual(status, 403)
+            self.assertIn(WHY, text)
+            self.assertEqual(call(daemon.http, "/simulation", "get_status")[0], 200)
+
+    def test_lockstep_without_anybody_who_may_drive_is_refused(self):
+        with self.assertRaisesRegex(AssertionError, "--read-only leaves nobody to drive"):
+            Daemon(None, "--read-only", "--mode", "lockstep", name="classroom")
+
+
+if __name__ == "__main__":
+    unittest.main()
