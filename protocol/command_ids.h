@@ -54,6 +54,9 @@ inline constexpr Id kGetStatus = 100, kRun = 101, kPause = 102, kStep = 103, kRe
                     kSetStep = 106, kSetSpeed = 107, kLoadScenario = 108, kQuit = 109, kStopAll = 190,
                     kSetParticipants = 191, kReload = 192, kReleaseRobot = 193, kSaveState = 194,
                     kRestoreState = 195, kGetSaved = 196;
+// /world
+inline constexpr Id kInsert = 140, kRemove = 141, kSetPose = 142, kSetThing = 143, kRename = 144,
+                    kListWorld = 145, kSaveWorld = 146, kUndo = 147, kRedo = 148, kPick = 149, kGetWorld = 150;
 // /recorder
 inline constexpr Id kGetRecording = 120, kStartRecording = 121, kStopRecording = 122, kNote = 123,
                     kListRuns = 124;

@@ -148,7 +148,7 @@ const std::vector<CommandTable>& AllModuleTables() {
       MotorsTable(),     JointsTable(),   DistanceTable(), TargetTable(),  PoseTable(),    NeighboursTable(),
       CompassTable(),    SupportTable(),  ImuTable(),      WrenchTable(),  LidarTable(),   ContactTable(),
       SonarTable(),      InfraredTable(), LightTable(),    CameraTable(),  BatteryTable(), OdometryTable(),
-      SimulationTable(), SwarmTable(),    RecorderTable(), PlaybackTable()};
+      SimulationTable(), WorldTable(),    SwarmTable(),    RecorderTable(),  PlaybackTable()};
   return tables;
 }
 

@@ -30,6 +30,7 @@ CommandTable CameraTable();      // /R/camera
 CommandTable BatteryTable();     // /R/battery
 CommandTable OdometryTable();    // /R/odometry
 CommandTable SimulationTable();  // /simulation
+CommandTable WorldTable();       // /world
 CommandTable SwarmTable();       // /swarm
 CommandTable RecorderTable();    // /recorder
 CommandTable PlaybackTable();    // /playback

@@ -203,6 +203,10 @@ std::string Daemon::OpenGlobalModules() {
                          [this](std::function<void()> load) { loader_.Post(std::move(load)); },
                          options_.run.seed},
       post);
+  world_ = std::make_unique<WorldModule>(
+      WorldServices{services, run_, models_, [this](const Scene& scene) { ApplyScene(scene); },
+                    [this](std::function<void()> read) { loader_.Post(std::move(read)); }},
+      post);
   swarm_ = std::make_unique<SwarmModule>(
       GlobalServices{board_, frames_, edits_, roster_, robot_guard_, clock_, kVersion}, ThreadsOf(options_),
       post);
@@ -213,7 +217,8 @@ std::string Daemon::OpenGlobalModules() {
   const std::pair<const char*, Endpoint*> modules[] = {{"/simulation", simulation_.get()},
                                                        {"/swarm", swarm_.get()},
                                                        {"/playback", playback_.get()},
-                                                       {"/recorder", recorder_.get()}};
+                                                       {"/recorder", recorder_.get()},
+                                                       {"/world", world_.get()}};
   for (const auto& [name, module] : modules) {
     published_.push_back(std::make_unique<PublishedModule>(name, *module, control_, net_, names_));
     PublishedModule& port = *published_.back();
@@ -276,6 +281,7 @@ void Daemon::Stop() {
   recorder_.reset();
   playback_.reset();
   swarm_.reset();
+  world_.reset();
   simulation_.reset();
   if (render_ != nullptr) render_->Stop();
 }

@@ -21,6 +21,7 @@
 #include "server/control/recording_desk.h"
 #include "server/control/run_folder.h"
 #include "server/control/simulation_module.h"
+#include "server/control/world_module.h"
 #include "server/control/swarm_module.h"
 #include "server/controllers/controller_host.h"
 #include "server/naming/name_client.h"
@@ -128,6 +129,7 @@ class Daemon final : private ControlActions {
   IoThread control_;
   std::unique_ptr<RobotHost> robots_;
   std::unique_ptr<SimulationModule> simulation_;
+  std::unique_ptr<WorldModule> world_;
   std::unique_ptr<SwarmModule> swarm_;
   std::unique_ptr<PlaybackModule> playback_;
   std::unique_ptr<RecorderModule> recorder_;

@@ -70,6 +70,7 @@ void GlobalModule::OnEditDone(ClientId client, const EditResult& result, const A
     return;
   }
   Message answer = ReplyTo(peer->command, result.text.empty() ? peer->text : result.text);
+  answer.params = result.params;
   ModuleCore::Stamp(answer, *frame);
   Finish(*peer, std::move(answer));
 }

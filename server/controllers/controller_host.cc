@@ -335,6 +335,43 @@ double ControllerHost::child_cpu_s() const {
   return ended_cpu_s_ + (set_ ? set_->child_cpu_s() : 0) + (checked_ ? checked_->child_cpu_s() : 0);
 }
 
+void ControllerHost::Revise(const FramePtr& frame) {
+  std::map<RobotId, Driven> before;
+  bool same = true;
+  std::size_t count = 0;
+  std::map<RobotId, const SceneRobot*> robots;
+  for (const SceneRobot& robot : frame->scene->robots) {
+    if (robot.entry.controller.empty()) continue;
+    robots[robot.id] = &robot;
+    ++count;
+  }
+  same = count == driven_.size();
+  for (Driven& driven : driven_) {
+    const auto found = robots.find(driven.id);
+    const bool stays = found != robots.end() && found->second->entry.controller.name == driven.controller;
+    same &= stays && found->second->entry.name == driven.name;
+    if (!stays) continue;
+    Driven kept = driven;
+    if (driven.status == Status::kDrives && set_) {
+      const std::span<const std::byte> state = set_->StateOf(driven.slot);
+      kept.restored.emplace(state.begin(), state.end());
+    }
+    before.emplace(driven.id, std::move(kept));
+  }
+  if (same) return Rebind(frame->scene);
+  std::vector<StoppedController> told = std::move(stopped_);
+  List(*frame->scene);
+  for (Driven& driven : driven_) {
+    const auto found = before.find(driven.id);
+    if (found == before.end()) continue;
+    driven.status = found->second.status;
+    driven.why = found->second.why;
+    driven.restored = std::move(found->second.restored);
+  }
+  Create(frame);
+  stopped_.insert(stopped_.begin(), told.begin(), told.end());
+}
+
 // Save() and Restore(): little-endian; a keyframe holds them.
 //   u32 version, u32 count, then for each robot with a controller by increasing id:
 //   u32 id, u8 status, u32 size of the controller's name, name, u32 size of the reason, reason, u32 size,

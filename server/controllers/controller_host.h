@@ -46,6 +46,7 @@ class ControllerHost final : public ControllerDriver {
   /// A controller whose state has another size by now is stopped; TakeStopped() has those first, then those
   /// that were stopped when it was saved.
   bool Restore(const FramePtr& frame, std::span<const std::byte> saved) override;
+  void Revise(const FramePtr& frame) override;
   std::vector<int> Unloaded() const override;
   void Stop(int robot, const std::string& why) override;
 

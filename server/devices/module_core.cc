@@ -67,7 +67,8 @@ Message ModuleCore::NotAllowed(const Message& request) {
 
 bool ModuleCore::OnlyReads(const CommandSpec& spec) {
   return spec.name.starts_with("get_") || spec.id == command::kPing || spec.id == command::kDescribe ||
-         spec.id == command::kReadAll || spec.id == command::kListRuns;
+         spec.id == command::kReadAll || spec.id == command::kListRuns || spec.id == command::kListWorld ||
+         spec.id == command::kSaveWorld || spec.id == command::kPick;
 }
 
 std::optional<Message> ModuleCore::AnswerCommon(ModuleClient& client, const Message& request,
@@ -225,6 +226,8 @@ Message WaitEnded(command::Id command, const StepResult& result, const std::stri
       return ErrorReply(command, Error::kNotPossible, "reset");
     case StepEnd::kLoad:
       return ErrorReply(command, Error::kNotPossible, "load");
+    case StepEnd::kRemoved:
+      return ErrorReply(command, Error::kNotPossible, "the robot was taken out of the world");
     case StepEnd::kReplaced:
       return ErrorReply(
           command, Error::kOwned,

@@ -105,6 +105,15 @@ WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnosti
 std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std::string& file,
                                              RobotLibrary& robots, bool by_socket, Diagnostics& diagnostics,
                                              std::optional<std::uint64_t> seed = std::nullopt);
+/// Why nothing of that kind can be called `name`; empty: it can.
+enum class NamedKind { kThing, kLight, kRobot };
+std::string WhyNoName(const std::string& name, NamedKind kind);
+
+/// Reads sections that are to be inserted into a world in which `around` stands: its floor, things and robots
+/// leave places for swarms and copies, and have their names. Only what is new is returned. Nothing if there are
+/// errors. Files as with `by_socket`.
+std::shared_ptr<const Scenario> ReadInsertion(const std::string& text, RobotLibrary& robots,
+                                              const Scenario& around, Diagnostics& diagnostics);
 /// Finds and reads a scenario (or a .world, as a scenario without robots) by path or bare name.
 /// `by_socket`: the name came over a socket, so only a bare name on the search path will do. `seed`: as
 /// above.

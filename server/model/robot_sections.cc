@@ -49,18 +49,34 @@ std::string WithoutSlash(const std::string& name) {
   return name.starts_with('/') ? name.substr(1) : name;
 }
 
-}  // namespace
-
-bool RobotSections::IsGoodName(const std::string& name, std::string& why) const {
+std::string WhyNoRobotName(const std::string& name) {
   bool good = !name.empty() && name.size() <= kMaxName && IsLetter(name.front());
   for (const char c : name) good = good && (IsLetter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-');
   if (!good) {
-    why = "a robot's name is a letter, then letters, digits, _ and -, at most 63; not '" + name + "'";
-  } else if (std::ranges::count(kReservedNames, ToLower(name)) > 0) {
-    why = "'" + name + "' is the name of a module of the simulator: give the robot another name";
-    good = false;
+    return "a robot's name is a letter, then letters, digits, _ and -, at most 63; not '" + name + "'";
   }
-  return good;
+  if (std::ranges::count(kReservedNames, ToLower(name)) == 0) return {};
+  return "'" + name + "' is the name of a module of the simulator: give the robot another name";
+}
+
+}  // namespace
+
+std::string WhyNoName(const std::string& name, NamedKind kind) {
+  if (kind == NamedKind::kRobot) return WhyNoRobotName(name);
+  Diagnostics diagnostics;
+  const std::vector<Section> sections = ReadSections("[" + name + "]\n", "", diagnostics);
+  if (diagnostics.has_errors() || sections.size() != 1 || sections.front().name != name) {
+    return "a name has letters, digits, _ and -, at most 63; not '" + name + "'";
+  }
+  const std::string& word = sections.front().word;
+  const bool is_light = IsNumbered(word, "light");
+  if (kind == NamedKind::kLight) {
+    return is_light ? "" : "a light is called LIGHT_ and a word, for example LIGHT_2; not '" + name + "'";
+  }
+  bool is_own = is_light;
+  for (const char* own : {"world", "simulation", "target", "floor"}) is_own |= word == own;
+  for (const char* own : {"robot", "swarm"}) is_own |= IsNumbered(word, own);
+  return is_own ? "[" + name + "] is a section of another kind: give the thing another name" : "";
 }
 
 std::shared_ptr<const RobotModel> RobotSections::ReadType(SectionReader& reader, bool& team) {
@@ -229,12 +245,13 @@ std::optional<WorldObject> RobotSections::ReadBar(SectionReader& reader, const R
 }
 
 void RobotSections::Add(RobotEntry entry, const SourceLine& where) {
-  std::string why;
-  if (!IsGoodName(entry.name, why)) {
-    diagnostics_.Error(where, why);
+  if (std::string why = WhyNoRobotName(entry.name); !why.empty()) {
+    diagnostics_.Error(where, std::move(why));
   } else if (const auto [first, is_new] = names_.emplace(ToLower(entry.name), where); !is_new) {
-    diagnostics_.Error(where, "there are two robots '" + entry.name + "' (the first in line " +
-                                  std::to_string(first->second.line) + "): give one another name");
+    const int line = first->second.line;
+    diagnostics_.Error(where, line == 0 ? "there is a robot '" + entry.name + "' already: give this one another name"
+                                        : "there are two robots '" + entry.name + "' (the first in line " +
+                                              std::to_string(line) + "): give one another name");
   } else if (const auto swarm = swarm_names_.find(first->first); swarm != swarm_names_.end()) {
     diagnostics_.Error(where, "a swarm is called '" + entry.name + "' too (in line " +
                                   std::to_string(swarm->second.line) + "): give one another name");
@@ -318,8 +335,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
     entry.name = name + "_" + std::to_string(i + 1);
     entry.X_WR = {Vector3(places[i].x_m, places[i].y_m, 0), FromRollPitchYaw(0, 0, places[i].heading_rad)};
     Add(entry, reader.LineOf("name"));
-    std::string why;
-    if (!IsGoodName(entry.name, why)) return;  // once is enough
+    if (!WhyNoRobotName(entry.name).empty()) return;  // once is enough
   }
 }
 

@@ -30,6 +30,11 @@ class RobotSections {
   /// Adds the robots of a [SWARM_n]; their places are those left by objects and robots added before, so read
   /// swarms after everything else and call SortAsInFile() then.
   void ReadSwarm(SectionReader& reader);
+  /// A robot that stands there already: swarms leave it its place, others its name.
+  void AddAround(RobotEntry robot) {
+    const SourceLine where = robot.where;
+    Add(std::move(robot), where);
+  }
   /// Where the robots read up to now stand.
   std::vector<FloorPlace> TakenPlaces() const;
   /// Puts the robots into the order of their sections, then numbers them; says where each swarm stands.
@@ -52,7 +57,6 @@ class RobotSections {
   /// What a swarm is called, by its name or its section; false, and reported, if a robot or another swarm is
   /// called so. Swarms are read after all robots but their own.
   bool TakeSwarmName(const std::string& name, const SourceLine& where, const std::string& remedy);
-  bool IsGoodName(const std::string& name, std::string& why) const;
 
   Scenario& scenario_;
   RobotLibrary& library_;

@@ -95,15 +95,6 @@ struct SwarmEntry {
   SourceLine where;
 };
 
-/// A file that a scenario names, as it was read: with these a recording carries its world.
-struct SourceText {
-  std::string kind;  // world, robot, texture
-  std::string
-      name;  // as it was asked for: the file's name, the robot's type; of a world's texture WORLD:NAME
-  std::string file;  // as found; for messages
-  std::string text;  // of a texture: its bytes in base64
-};
-
 struct Scenario {
   std::string name;                  // file name without folder and extension; "(text)" if none is known
   std::string file;                  // as found; empty by socket, kPipe by pipe

@@ -55,6 +55,25 @@ class ScenarioReader {
     if (!by_socket && file != kPipe) scenario_->name = std::filesystem::path(file).stem().string();
   }
 
+  /// What stands there already; before Read().
+  void Surround(const Scenario& around) {
+    scenario_->floor = around.floor;
+    scenario_->simulation.seed = around.simulation.seed;
+    for (WorldObject object : around.objects) {
+      object.where = {kAround, 0};
+      AddObject(object);
+    }
+    for (const PointLight& light : around.lights) {
+      AddLight(light);
+      scenario_->lights.back().where = {kAround, 0};
+    }
+    for (RobotEntry robot : around.robots) {
+      robot.where = {kAround, 0};
+      robots_.AddAround(std::move(robot));
+    }
+  }
+  static constexpr const char* kAround = "the world";
+
   std::shared_ptr<const Scenario> Read(const std::string& text) {
     std::optional<std::string> decoded = DecodeText(text, {label_, 0}, diagnostics_);
     if (!decoded) return nullptr;
@@ -85,6 +104,11 @@ class ScenarioReader {
   }
 
  private:
+  /// " (file:line)"; of what is not from a file nothing.
+  static std::string At(const SourceLine& where) {
+    return where.line == 0 ? "" : " (" + where.file + ":" + std::to_string(where.line) + ")";
+  }
+
   void AddSources(const Textures& textures) {
     const std::vector<SourceText>& sources = textures.sources();
     scenario_->sources.insert(scenario_->sources.end(), sources.begin(), sources.end());
@@ -100,9 +124,8 @@ class ScenarioReader {
     };
     const auto first = std::ranges::find_if(scenario_->lights, same);
     if (first != scenario_->lights.end() && first->where.file != light.where.file) {
-      diagnostics_.Error(light.where, "[" + light.name + "] stands in the world too (" + first->where.file +
-                                          ":" + std::to_string(first->where.line) +
-                                          "): give it another name");
+      diagnostics_.Error(light.where, "[" + light.name + "] stands in the world too" + At(first->where) +
+                                          ": give it another name");
     }
     scenario_->lights.push_back(light);
   }
@@ -300,9 +323,8 @@ class ScenarioReader {
                                            other.file + ":" + std::to_string(other.line) +
                                            "): give one another name");
     } else if (!is_new && first->second.file != object.where.file) {
-      diagnostics_.Error(object.where, "[" + object.name + "] stands in the world too (" +
-                                           first->second.file + ":" + std::to_string(first->second.line) +
-                                           "): give it another name");
+      diagnostics_.Error(object.where, "[" + object.name + "] stands in the world too" + At(first->second) +
+                                           ": give it another name");
     }
     scenario_->objects.push_back(object);
   }
@@ -352,6 +374,35 @@ std::shared_ptr<const Scenario> ReadScenario(const std::string& text, const std:
   std::shared_ptr<const Scenario> scenario = ScenarioReader(file, robots, by_socket, seed, found).Read(text);
   diagnostics.Append(found);
   return scenario;
+}
+
+std::shared_ptr<const Scenario> ReadInsertion(const std::string& text, RobotLibrary& robots,
+                                              const Scenario& around, Diagnostics& diagnostics) {
+  const std::string label = "(insert)";
+  Diagnostics found(label);
+  for (const Section& section : ReadSections(text, label, found)) {
+    for (const char* word : {"world", "simulation", "floor"}) {
+      if (section.word != word) continue;
+      found.Error({label, section.line}, "[" + section.name +
+                                             "] cannot be inserted, only things, robots, swarms, targets and "
+                                             "lights: load_scenario loads a whole scenario");
+    }
+  }
+  std::shared_ptr<const Scenario> read;
+  if (!found.has_errors()) {
+    found = Diagnostics(label);
+    ScenarioReader reader(label, robots, true, std::nullopt, found);
+    reader.Surround(around);
+    read = reader.Read(text);
+  }
+  diagnostics.Append(found);
+  if (read == nullptr) return nullptr;
+  auto added = std::make_shared<Scenario>(*read);
+  const auto is_around = [](const auto& thing) { return thing.where.file == ScenarioReader::kAround; };
+  std::erase_if(added->objects, is_around);
+  std::erase_if(added->lights, is_around);
+  std::erase_if(added->robots, is_around);
+  return added;
 }
 
 std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots,

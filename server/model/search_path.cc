@@ -229,6 +229,7 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
   MutexLock lock(mutex_);
   const bool is_path = IsModelPath(type) && Embedded(kRobot, type) == nullptr;
   if (is_path && !beside) {
+    if (const auto known = models_.find(type); known != models_.end()) return known->second;
     diagnostics.Error(
         where, "over a socket a robot's type is a bare name on the search path, not the path '" + type + "'");
     return nullptr;

@@ -311,7 +311,22 @@ std::optional<Color> SectionReader::ColorValue(const std::string& key) {
 }
 
 std::optional<Quaternion> SectionReader::Orientation(const std::string& key) {
-  constexpr double kMaxAngle_rad = 1e4;
+  constexpr double kMaxAngle_rad = 1e4, kUnit = 1e-6, kRounding = 1e-12;
+  if (Has("quaternion")) {
+    const auto wxyz = Numbers("quaternion", Quantity::kPlain, {4}, "w x y z", -2, 2);
+    if (Has(key)) {
+      ErrorAt("quaternion", "'quaternion' and '" + key + "' exclude each other: keep one");
+      return std::nullopt;
+    }
+    if (!wxyz) return std::nullopt;
+    const Quaternion q((*wxyz)[0], (*wxyz)[1], (*wxyz)[2], (*wxyz)[3]);
+    if (std::abs(q.norm() - 1) > kUnit) {
+      ErrorAt("quaternion", "a quaternion w x y z has length 1, not " + FormatNumber(q.norm()) +
+                                ", for example: quaternion 1 0 0 0");
+      return std::nullopt;
+    }
+    return std::abs(q.norm() - 1) > kRounding ? q.normalized() : q;
+  }
   const auto angles =
       Numbers(key, Quantity::kAngle, {1, 3}, "yaw, or roll pitch yaw", -kMaxAngle_rad, kMaxAngle_rad);
   if (!angles) return std::nullopt;

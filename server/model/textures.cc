@@ -38,16 +38,27 @@ std::shared_ptr<const Image> MakePattern(bool checker, const Color& color) {
 
 }  // namespace
 
+std::shared_ptr<const Image> PatternOf(const std::string& name, const Color& color) {
+  return name == "checker" || name == "grid" ? MakePattern(name == "checker", color) : nullptr;
+}
+
+std::shared_ptr<const Image> EmbeddedTexture(const SourceText& source) {
+  const auto bytes = FromBase64(source.text);
+  std::string why;
+  if (!bytes) return nullptr;
+  return DecodeTexture(std::span(reinterpret_cast<const unsigned char*>(bytes->data()), bytes->size()), why);
+}
+
 Textures::Textures(const RobotLibrary& library, const std::string& file, const std::string& world,
                    bool beside)
     : library_(&library), file_(file), world_(world), beside_(beside) {
   files_.emplace(library.path().folders, beside ? std::filesystem::path(file) : std::filesystem::path());
 }
 
-std::shared_ptr<const Image> Textures::Load(const std::string& name, std::string& why) {
+Textures::Loaded Textures::Load(const std::string& name, std::string& why) {
   if (library_ == nullptr) {
     why = "this text came without files: write texture checker, or texture grid";
-    return nullptr;
+    return {};
   }
   std::string bytes, found = name;
   const std::string key = world_.empty() ? name : world_ + ":" + name;
@@ -57,31 +68,32 @@ std::shared_ptr<const Image> Textures::Load(const std::string& name, std::string
     const auto decoded = FromBase64(embedded->text);
     if (!decoded) {
       why = "the recording's copy is damaged";
-      return nullptr;
+      return {};
     }
     bytes = *decoded;
   } else {
     if (!beside_ && !IsBareName(name)) {
       why = "a scenario sent over a socket names a texture by the bare name of a file on the search path";
-      return nullptr;
+      return {};
     }
     auto path = files_->Find(name, file_, why);
     std::string ignored;
     if (!path) path = files_->Find("textures/" + name, file_, ignored);
-    if (!path) return nullptr;
+    if (!path) return {};
     found = path->string();
     const auto content = ReadImageFile(*path, why);
-    if (!content) return nullptr;
+    if (!content) return {};
     bytes.assign(content->begin(), content->end());
   }
   if (bytes.size() > kMaxTextureBytes) {
     why = "a texture has at most " + std::to_string(kMaxTextureBytes >> 20) + " MiB: make it smaller";
-    return nullptr;
+    return {};
   }
   auto image =
       DecodeTexture(std::span(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()), why);
-  if (image != nullptr) sources_.push_back({kTexture, key, found, ToBase64(bytes)});
-  return image;
+  if (image == nullptr) return {};
+  sources_.push_back({kTexture, key, found, ToBase64(bytes)});
+  return {std::move(image), std::make_shared<const SourceText>(sources_.back())};
 }
 
 Texture Textures::Read(SectionReader& reader, const Color& color) {
@@ -96,21 +108,22 @@ Texture Textures::Read(SectionReader& reader, const Color& color) {
                      "'texture_size' is that of a 'texture': write one, for example: texture checker");
     return texture;
   }
-  if (*name == "checker" || *name == "grid") {
-    texture.image = MakePattern(*name == "checker", color);
-  } else {
+  texture.name = *name;
+  texture.image = PatternOf(*name, color);
+  if (texture.image == nullptr) {
     auto known = known_.find(*name);
     if (known == known_.end()) {
       std::string why;
       known = known_.emplace(*name, Load(*name, why)).first;
-      if (known->second == nullptr) {
+      if (known->second.image == nullptr) {
         constexpr std::string_view kModels = "the model's folder";
         if (const std::size_t at = why.find(kModels); at != std::string::npos)
           why.replace(at, kModels.size(), "the scenario's folder");
         reader.ErrorAt(kTexture, "the texture '" + *name + "' cannot be read: " + why);
       }
     }
-    texture.image = known->second;
+    texture.image = known->second.image;
+    texture.source = known->second.source;
   }
   if (texture.image == nullptr) return texture;
   texture.width_m = size ? (*size)[0] : 1;

@@ -31,14 +31,23 @@ class Textures {
   const std::vector<SourceText>& sources() const { return sources_; }
 
  private:
-  std::shared_ptr<const Image> Load(const std::string& name, std::string& why);
+  struct Loaded {
+    std::shared_ptr<const Image> image;  // null: it cannot be read
+    std::shared_ptr<const SourceText> source;
+  };
+  Loaded Load(const std::string& name, std::string& why);
 
   const RobotLibrary* library_ = nullptr;
   std::optional<Resources> files_;
   std::string file_, world_;
   bool beside_ = false;
-  std::map<std::string, std::shared_ptr<const Image>> known_;
+  std::map<std::string, Loaded> known_;
   std::vector<SourceText> sources_;
 };
+
+/// The picture of the texture called `name` on what has `color`, if it needs no file; else null.
+std::shared_ptr<const Image> PatternOf(const std::string& name, const Color& color);
+/// That of an embedded file; null if it is damaged.
+std::shared_ptr<const Image> EmbeddedTexture(const SourceText& source);
 
 }  // namespace coopdyn

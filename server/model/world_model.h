@@ -29,10 +29,21 @@ const std::vector<std::string>& ColorNames();
 /// The word for `color_n` of a [TARGET], n ≥ 1: red, green, blue, …, then again from the start.
 const std::string& PaletteName(int n);
 
+/// A file that a scenario names, as it was read: with these a recording carries its world.
+struct SourceText {
+  std::string kind;  // world, robot, texture
+  std::string
+      name;  // as it was asked for: the file's name, the robot's type; of a world's texture WORLD:NAME
+  std::string file;  // as found; for messages
+  std::string text;  // of a texture: its bytes in base64
+};
+
 /// A picture on a thing, repeated; its colour without it.
 struct Texture {
   std::shared_ptr<const Image> image;  // null: none
   double width_m = 1, height_m = 1;    // of one picture
+  std::string name = {};               // as files say: checker, grid, bricks.png
+  std::shared_ptr<const SourceText> source = nullptr;  // of a file: what a recording carries
 };
 
 struct Floor {

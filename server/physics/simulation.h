@@ -20,6 +20,7 @@
 #include "server/state/frame_pool.h"
 #include "server/state/run_control.h"
 #include "server/state/sample_keeper.h"
+#include "server/state/world_change.h"
 
 namespace coopdyn {
 
@@ -69,6 +70,10 @@ class Simulation {
   /// What Restore() takes; `mode` and `paused` are the caller's to fill in.
   SavedState Save() const;
 
+  /// Changes what stands in the world, and gives what is new in `change` its ids; frame() shows it. `inverse`
+  /// undoes it. Why it cannot be, and nothing has changed; empty: it is done. Stopped controllers: as with
+  /// Restore().
+  [[nodiscard]] std::string Change(WorldChange& change, WorldChange& inverse);
   /// Tunes the joints of a control board; frame() says so. Why it cannot; empty: it is done.
   std::string Tune(const edit::TuneJoints& tuning);
   /// Runs a step of `length` and returns its frame.
@@ -86,6 +91,10 @@ class Simulation {
   void Use(std::shared_ptr<const Scene> scene);
   /// `frame`, of a scene of this scenario, tells what stands where from now on.
   void Take(const Frame& frame);
+  /// Why controllers of robots in `change` cannot be; empty: they can.
+  std::string ControllerFaults(const WorldChange& change) const;
+  /// Puts things as `change` says into `next`, a frame of the world's scene; `before`: the frame before.
+  std::string PlaceAll(const WorldChange& change, const Frame& before, Frame& next) const;
   std::string RestoreControllers(std::span<const std::byte> saved, std::vector<StoppedController>* told);
   /// Broadcasts that nobody can hear any more are dropped, those of the coming step added.
   void TakeMessages(std::span<const SentMessage> sent);
@@ -99,6 +108,7 @@ class Simulation {
   std::uint64_t seed_ = 1, epoch_ = 0, step_ = 0;
   Nanoseconds time_ = 0, step_length_ = kDefaultStep;
   bool has_controllers_ = false;
+  UsedIds used_;  // by edits
   std::vector<SentMessage> messages_;  // that may still be heard
   std::uint64_t message_steps_ = 0;    // for so long
   SampleKeeper samples_;

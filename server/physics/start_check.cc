@@ -87,6 +87,61 @@ void CheckModels(const Scene& scene, Diagnostics& diagnostics) {
   }
 }
 
+namespace {
+
+/// All pairs that may touch. `margin_m`: of robots.
+std::vector<BroadPhase::Pair> AllPairs(const Things& things, std::span<const BodyState> bodies,
+                                       double margin_m) {
+  BroadPhase broad_phase(things, bodies);
+  for (std::size_t i = 0; i < things.first_static; ++i) {
+    const Thing& thing = things.all[i];
+    if (thing.robot < 0) continue;
+    const BodyState& first = bodies[static_cast<std::size_t>(thing.first_body)];
+    broad_phase.spaces()[static_cast<std::size_t>(thing.robot)] = SpaceOf(thing, first, margin_m);
+  }
+  return broad_phase.FindPairs(std::vector<std::uint8_t>(things.first_static, 1));
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const BodyState> bodies,
+                                      std::span<const std::uint8_t> chosen) {
+  constexpr double kMargin_m = 0.01;
+  std::vector<std::uint32_t> near;
+  for (const auto& [a, b] : AllPairs(things, bodies, kMargin_m)) {
+    if (chosen[a] == chosen[b]) continue;
+    const std::uint32_t other = chosen[a] != 0 ? b : a;
+    if (other < things.first_static) near.push_back(other);
+  }
+  std::ranges::sort(near);
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  return near;
+}
+
+std::string WhyNotThere(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
+                        std::span<const std::uint8_t> chosen) {
+  for (std::size_t i = 0; i < things.first_static; ++i) {
+    if (chosen[i] == 0) continue;
+    const Actor actor = things.ActorOf(i, bodies);
+    const double below = DepthBelowFloor(actor);
+    if (below > kTolerance_m) {
+      return TitleOf(scene, actor.thing) + " would stand " + Metres(below) +
+             " below the floor (z = 0): give it a higher place";
+    }
+  }
+  Collider collider;
+  for (const auto& [a, b] : AllPairs(things, bodies, 0)) {
+    if (chosen[a] == 0 && chosen[b] == 0) continue;
+    const double depth = DepthOfPair(collider, things.ActorOf(a, bodies), things.ActorOf(b, bodies));
+    if (depth <= kTolerance_m) continue;
+    const Thing& put = things.all[chosen[a] != 0 ? a : b];
+    const Thing& other = things.all[chosen[a] != 0 ? b : a];
+    return TitleOf(scene, put) + " would stand " + Metres(depth) + " inside " + NameOf(scene, other) +
+           ": give it another place";
+  }
+  return {};
+}
+
 void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnostics) {
   BroadPhase broad_phase(things, things.bodies);
   Collider collider;

@@ -293,6 +293,8 @@ void Stepper::PublishStatus(Nanoseconds now, bool always) {
   status_.mode = mode_;
   status_.step_length = step_length_;
   status_.speed = speed();
+  status_.undo = history_.undo_count();
+  status_.redo = history_.redo_count();
   status_.state = ended_ ? RunState::kEnded : paused_ ? RunState::kPaused : RunState::kRunning;
   status_.duration_s = duration_ ? ToSeconds(*duration_) : 0;
   status_.real_time_factor = rate_.Factor(now, simulation_ != nullptr ? frame().time : 0);
@@ -318,7 +320,7 @@ void Stepper::AddEvent(const char* level, std::string text) {
   boards_.control.AddEvent(std::move(event));
 }
 
-void Stepper::WriteInput(std::uint64_t step, std::variant<RunEdit, RobotEvent> what) {
+void Stepper::WriteInput(std::uint64_t step, std::variant<RunEdit, RobotEvent, WorldInput> what) {
   if (journal_ != nullptr) journal_->Input({step, std::move(what)});
 }
 

@@ -25,6 +25,7 @@
 #include "server/state/frame_board.h"
 #include "server/state/run_control.h"
 #include "server/state/run_journal.h"
+#include "server/state/world_history.h"
 #include "server/timing/pace.h"
 
 namespace coopdyn {
@@ -101,6 +102,9 @@ class Stepper {
   EditResult Apply(const edit::Reset&) REQUIRES(baton_);
   EditResult Apply(const edit::Load&) REQUIRES(baton_);
   EditResult Apply(const edit::Restore&) REQUIRES(baton_);
+  EditResult Apply(const edit::Change& change) REQUIRES(baton_);
+  EditResult Apply(const edit::Undo&) REQUIRES(baton_);
+  EditResult Apply(const edit::Redo&) REQUIRES(baton_);
   EditResult Apply(const edit::SetJournal&) REQUIRES(baton_);
   EditResult Apply(const edit::Note&) REQUIRES(baton_);
   EditResult Apply(const edit::Save&) REQUIRES(baton_);
@@ -145,7 +149,9 @@ class Stepper {
     return state.step_length.value_or(state.frame->step_length);
   }
   std::uint64_t NextEpoch() const;
-  void WriteInput(std::uint64_t step, std::variant<RunEdit, RobotEvent> what) REQUIRES(baton_);
+  /// Makes `change` and puts the new scene in force; `entry` is for the history.
+  EditResult ChangeWorld(WorldChange change, WorldHistory::Entry& entry) REQUIRES(baton_);
+  void WriteInput(std::uint64_t step, std::variant<RunEdit, RobotEvent, WorldInput> what) REQUIRES(baton_);
   /// Takes mode, step, speed and duration of the scenario, as far as it says them and the command line does
   /// not.
   void TakeOptions(const SimulationOptions& said) REQUIRES(baton_);
@@ -172,6 +178,7 @@ class Stepper {
 
   Baton baton_;
   std::unique_ptr<Simulation> simulation_ GUARDED_BY(baton_);
+  WorldHistory history_ GUARDED_BY(baton_);
   RunJournal* journal_ GUARDED_BY(baton_) = nullptr;
   Mode mode_ GUARDED_BY(baton_) = Mode::kRealtime;
   Nanoseconds step_length_ GUARDED_BY(baton_) = kDefaultStep;

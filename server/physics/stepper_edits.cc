@@ -36,6 +36,7 @@ EditResult Stepper::ApplyAny(const EditAction& action) {
   const auto apply = [this](const auto& edit) REQUIRES(baton_) { return Apply(edit); };
   if (const auto* run = std::get_if<RunEdit>(&action)) return std::visit(apply, *run);
   if (const auto* world = std::get_if<WorldEdit>(&action)) return std::visit(apply, *world);
+  if (const auto* scene = std::get_if<SceneEdit>(&action)) return std::visit(apply, *scene);
   if (const auto* record = std::get_if<RecordEdit>(&action)) return std::visit(apply, *record);
   return {Error::kNotPossible, kNotPlayingText};
 }
@@ -69,7 +70,67 @@ EditResult Stepper::Apply(const edit::Reset& reset) {
   simulation_->SetStepLength(step_length_);
   simulation_->Restart(reset.seed.value_or(frame().seed), NextEpoch());
   Install(StepEnd::kReset);
+  history_.NoteReset();
   return {};
+}
+
+EditResult Stepper::ChangeWorld(WorldChange change, WorldHistory::Entry& entry) {
+  entry.epoch = frame().epoch;
+  entry.step = frame().step;
+  if (std::string why = simulation_->Change(change, entry.inverse); !why.empty()) {
+    return {Error::kNotPossible, std::move(why)};
+  }
+  const Scene& scene = simulation_->scene();
+  status_.frozen = FrozenNames(frame());
+  NoteFloorLeft(frame(), true);
+  has_deadlines_ = std::any_of(scene.robots.begin(), scene.robots.end(),
+                               [](const SceneRobot& robot) { return robot.entry.deadline_s.has_value(); });
+  boards_.frames.Publish(simulation_->frame());
+  boards_.commands.Revise(scene, simulation_->frame(), clock_.Now());
+  WriteInput(frame().step, change);
+  AddEvent("info", change.label);
+  if (simulation_->has_controllers()) {
+    NoteStoppedControllers(helpers_.controllers->TakeStopped(), std::nullopt);
+  }
+  EditResult result;
+  result.change = std::move(change);
+  return result;
+}
+
+EditResult Stepper::Apply(const edit::Change& made) {
+  WorldHistory::Entry entry;
+  EditResult result = ChangeWorld(made.change, entry);
+  if (result.error == Error::kOk) {
+    entry.change = result.change;
+    history_.Note(std::move(entry));
+  }
+  return result;
+}
+
+EditResult Stepper::Apply(const edit::Undo&) {
+  if (!history_.can_undo()) {
+    return {Error::kNotPossible, "there is nothing to undo: the world is as it was loaded"};
+  }
+  WorldHistory::Entry entry;
+  EditResult result = ChangeWorld(history_.NextUndo(frame().epoch, frame().step), entry);
+  if (result.error == Error::kOk) {
+    history_.NoteUndone();
+  } else {
+    result.text = "this cannot be undone now: " + result.text;
+  }
+  return result;
+}
+
+EditResult Stepper::Apply(const edit::Redo&) {
+  if (!history_.can_redo()) return {Error::kNotPossible, "there is nothing to redo"};
+  WorldHistory::Entry entry;
+  EditResult result = ChangeWorld(history_.NextRedo(), entry);
+  if (result.error == Error::kOk) {
+    history_.NoteRedone(std::move(entry));
+  } else {
+    result.text = "this cannot be redone now: " + result.text;
+  }
+  return result;
 }
 
 EditResult Stepper::Apply(const edit::Load& load) {
@@ -83,6 +144,7 @@ EditResult Stepper::Apply(const edit::Load& load) {
   simulation_->SetStepLength(step_length_);
   simulation_->StartControllers();
   Install(StepEnd::kLoad);
+  history_.Clear();
   return {};
 }
 
@@ -234,6 +296,7 @@ std::string Stepper::LoseControllers(const std::string& why, std::vector<Stopped
 void Stepper::InstallState(const SavedState& state, StepEnd end) {
   if (duration_ && frame().time >= *duration_) duration_.reset();
   Install(end, &state);
+  history_.Clear();
   std::istringstream warnings(state.warning);
   for (std::string line; std::getline(warnings, line);) AddEvent("warning", line);
 }

@@ -20,6 +20,16 @@ BodyState StateAt(const Pose& X_WB) {
   return state;
 }
 
+}  // namespace
+
+std::vector<BodyState> StartBodies(const Mechanism& mechanism, const Pose& X_WR) {
+  std::vector<BodyState> bodies;
+  for (const RigidBody& body : mechanism.bodies) bodies.push_back(StateAt(X_WR * body.X_RB));
+  return bodies;
+}
+
+namespace {
+
 class Builder {
  public:
   Builder(const Scene& scene, const Things* before) : scene_(scene), before_(before) {}

@@ -3,6 +3,7 @@
 // changes. Only server/physics includes this file.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -124,6 +125,9 @@ Things MakeThings(const Scene& scene);
 /// its mechanism, and `bodies` is empty.
 Things MakeThings(const Scene& scene, const Things& before);
 
+/// Where the bodies of a thing begin, at rest, if its model's frame is at `X_WR`.
+std::vector<BodyState> StartBodies(const Mechanism& mechanism, const Pose& X_WR);
+
 /// What a thing is called: `robot robot1`, `box BOX_1`; its name alone; and where the files say so.
 std::string TitleOf(const Scene& scene, const Thing& thing);
 const std::string& NameOf(const Scene& scene, const Thing& thing);
@@ -135,5 +139,14 @@ const SourceLine& WhereOf(const Scene& scene, const Thing& thing);
 void CheckModels(const Scene& scene, Diagnostics& diagnostics);
 /// Reports every dynamic thing that starts more than 1 mm inside another or below the floor, and by how much.
 void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnostics);
+
+// What an edit looks at. `chosen`: by thing, 1: it is one of those that the edit puts there, or takes away.
+
+/// Why they cannot stand where `bodies` say: "box BOX_1 would stand 0.1 m inside WALL_2: …"; empty: they can.
+std::string WhyNotThere(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
+                        std::span<const std::uint8_t> chosen);
+/// The other dynamic things that may touch them, increasing.
+std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const BodyState> bodies,
+                                      std::span<const std::uint8_t> chosen);
 
 }  // namespace coopdyn

@@ -62,6 +62,7 @@ class PhysicsWorld {
   std::vector<FrozenBody> TakeFrozen() { return std::exchange(frozen_, {}); }
 
   const Scene& scene() const { return *scene_; }
+  const Things& things() const { return things_; }
 
  private:
   PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t seed, WorkerPool* pool);

@@ -18,9 +18,20 @@ constexpr std::uint64_t kMostReadOn = 1000;
 /// Where the body that is at `place` of `scene` is in `before`; that has as many bodies or none if not there.
 std::optional<std::size_t> PlaceIn(const Scene& before, const Scene& scene, std::size_t place) {
   if (&before == &scene) return place;
-  const auto found = std::lower_bound(before.body_ids.begin(), before.body_ids.end(), scene.body_ids[place]);
-  if (found == before.body_ids.end() || *found != scene.body_ids[place]) return std::nullopt;
-  return static_cast<std::size_t>(found - before.body_ids.begin());
+  const int body = static_cast<int>(place);
+  for (const SceneObject& thing : scene.objects) {
+    if (thing.body != body) continue;
+    const auto found = std::ranges::find(before.objects, thing.id, &SceneObject::id);
+    if (found == before.objects.end() || found->body < 0) return std::nullopt;
+    return static_cast<std::size_t>(found->body);
+  }
+  for (const SceneRobot& robot : scene.robots) {
+    if (body < robot.first_body || body >= robot.first_body + robot.body_count) continue;
+    const auto found = std::ranges::find(before.robots, robot.id, &SceneRobot::id);
+    if (found == before.robots.end() || found->body_count != robot.body_count) return std::nullopt;
+    return static_cast<std::size_t>(found->first_body + body - robot.first_body);
+  }
+  return std::nullopt;
 }
 
 }  // namespace

@@ -178,7 +178,7 @@ std::shared_ptr<const Scenario> RunReader::LoadScenario(const SearchPath& path, 
 }
 
 void RunReader::UseScenario(std::shared_ptr<const Scenario> scenario) {
-  library_.reset();
+  library_ = std::make_unique<RobotLibrary>(SearchPath(), header_.sources);
   scenes_.clear();
   scenario_ = std::move(scenario);
 }
@@ -256,7 +256,15 @@ std::vector<RunInput> RunReader::Inputs(std::uint64_t first, std::uint64_t last)
     rows.Bind(1, newest_input_);
     while (rows.Step()) {
       const std::string action = rows.text(2), detail = rows.text(3);
-      auto input = DecodeInput(static_cast<std::uint64_t>(rows.integer(1)), action, detail);
+      const auto step = static_cast<std::uint64_t>(rows.integer(1));
+      const FindModel model = library_ != nullptr ? ModelFinder() : nullptr;
+      const FindTexture texture = library_ != nullptr ? TextureFinder() : nullptr;
+      const SceneContext context{scenario_.get(), &model, &texture};
+      auto input = DecodeInput(step, action, detail, context);
+      if (!input && library_ != nullptr) {
+        ReadTextsAgain();
+        input = DecodeInput(step, action, detail, context);
+      }
       if (!input) Damaged("the input \"" + action + " " + detail + "\"");
       newest_input_ = rows.integer(0);
       inputs_.push_back(*std::move(input));
@@ -386,18 +394,46 @@ std::shared_ptr<const Scene> RunReader::FindScene(std::uint64_t number) {
   Statement row = database().Prepare("SELECT description FROM scene WHERE id = ?1");
   row.Bind(1, number);
   if (!row.Step()) Damaged("a step of " + name + ", which is missing");
-  const auto model = [this](const std::string& type) -> std::shared_ptr<const RobotModel> {
-    for (const RobotEntry& robot : scenario_->robots) {
-      if (robot.model->type == type) return robot.model;
-    }
-    if (library_ == nullptr) return nullptr;
-    Diagnostics ignored;
-    return library_->Get(type, SourceLine{file_, 0}, ignored);
-  };
-  std::shared_ptr<const Scene> scene = DecodeScene(row.blob(0), scenario_, model);
+  const FindModel model = ModelFinder();
+  const FindTexture texture = TextureFinder();
+  std::shared_ptr<const Scene> scene = DecodeScene(row.blob(0), scenario_, model, texture);
+  if (scene == nullptr) {  // a robot of a kind that came while the file was being read
+    ReadTextsAgain();
+    scene = DecodeScene(row.blob(0), scenario_, model, texture);
+  }
   if (scene == nullptr) Damaged(name);
   scenes_.emplace(number, scene);
   return scene;
+}
+
+FindModel RunReader::ModelFinder() {
+  return [this](const std::string& type) -> std::shared_ptr<const RobotModel> {
+    for (const RobotEntry& robot : scenario_->robots) {
+      if (robot.model->type == type) return robot.model;
+    }
+    Diagnostics ignored;
+    return library_->Get(type, SourceLine{file_, 0}, ignored);
+  };
+}
+
+FindTexture RunReader::TextureFinder() {
+  return [this](const std::string& key) {
+    Texture found;
+    const SourceText* source = library_->Embedded("texture", key);
+    if (source == nullptr) return found;
+    std::shared_ptr<const Image>& image = images_[key];
+    if (image == nullptr) image = EmbeddedTexture(*source);
+    found.image = image;
+    found.source = std::make_shared<const SourceText>(*source);
+    return found;
+  };
+}
+
+void RunReader::ReadTextsAgain() {
+  RunHeader header;
+  if (!ReadHeader(database(), header).empty() || header.sources.size() == header_.sources.size()) return;
+  header_.sources = std::move(header.sources);
+  library_ = std::make_unique<RobotLibrary>(library_->path(), header_.sources);
 }
 
 SavedStatePtr RunReader::Keyframe(std::uint64_t step) {

@@ -19,6 +19,7 @@
 #include "server/record/run_header.h"
 #include "server/record/run_open.h"
 #include "server/state/run_journal.h"
+#include "server/state/scene_code.h"
 
 namespace coopdyn {
 
@@ -130,6 +131,10 @@ class RunReader {
   /// The row that `row` stands at, checked against its scene.
   RecordedStep Decode(const Statement& row, bool inputs_only);
   std::shared_ptr<const Scene> FindScene(std::uint64_t scene);
+  FindModel ModelFinder();
+  FindTexture TextureFinder();
+  /// The texts of things that were inserted since the file was opened.
+  void ReadTextsAgain();
 
   const std::string file_;
   ino_t inode_ = 0;  // of the file when it was opened first
@@ -141,6 +146,7 @@ class RunReader {
   std::unique_ptr<RobotLibrary> library_;
   std::shared_ptr<const Scenario> scenario_;
   std::unordered_map<std::uint64_t, std::shared_ptr<const Scene>> scenes_;
+  std::unordered_map<std::string, std::shared_ptr<const Image>> images_;  // of textures, by their key
   std::vector<RunInput> inputs_;  // as far as they were read
   std::int64_t newest_input_ = 0;
 };

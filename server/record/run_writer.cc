@@ -233,7 +233,29 @@ void RunWriter::WriteImage(CameraShot shot) {
                     static_cast<std::int64_t>(drawn.height), std::as_bytes(std::span(*drawn.bytes)));
 }
 
+void RunWriter::WriteTexts(const Scene& scene) {
+  const auto add = [this](const SourceText& source) {
+    const auto same = [&source](const SourceText& known) {
+      return known.kind == source.kind && known.name == source.name;
+    };
+    if (std::ranges::any_of(options_.header.sources, same) || std::ranges::any_of(now_.texts, same)) return;
+    database_->Prepare("INSERT OR REPLACE INTO text VALUES(?, ?, ?, ?)")
+        .Run(source.kind, source.name, source.file, source.text);
+    now_.texts.push_back({source.kind, source.name, "", ""});
+    SetMeta(*database_, "texts", TextsChain(*database_));
+  };
+  for (const SceneRobot& robot : scene.robots) {
+    const RobotModel& model = *robot.entry.model;
+    if (model.text.empty()) continue;
+    add({"robot", model.type, model.file, model.text});
+  }
+  for (const SceneObject& thing : scene.objects) {
+    if (thing.object.texture.source != nullptr) add(*thing.object.texture.source);
+  }
+}
+
 void RunWriter::BeginScene(const Frame& frame) {
+  if (now_.scene != nullptr) WriteTexts(*frame.scene);
   now_.scene = frame.scene;
   WriteScene(*database_, ++now_.scene_number, frame.step, *now_.scene);
   LinkScene(*database_, now_.ends[kSceneTable]);

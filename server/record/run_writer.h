@@ -84,6 +84,8 @@ class RunWriter {
   /// `write()` in a transaction. False if it throws: error() says why, and the transaction is undone.
   template <typename Write>
   bool Try(Write write);
+  /// Writes the texts of models and textures that the file does not have yet.
+  void WriteTexts(const Scene& scene);
   void BeginScene(const Frame& frame);
   void WriteRow(const Frame& frame);
   void WriteImage(CameraShot shot);
@@ -110,6 +112,7 @@ class RunWriter {
     TableEnds ends;
     std::shared_ptr<const Scene> scene;
     std::int64_t scene_number = 0;
+    std::vector<SourceText> texts;    // of things that came later: kinds and names
     std::vector<Setpoint> in_force;   // of scene->channels
     std::vector<bool> is_recomputed;  // of scene->robots: its controller's set-points are left out
     std::uint64_t steps = 0, lost = 0, lost_after = 0, last_step = 0;

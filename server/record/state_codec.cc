@@ -12,44 +12,8 @@ namespace coopdyn {
 namespace {
 
 constexpr std::uint8_t kStateVersion = 5, kWithoutSensed = 4, kWithoutAcceleration = 3, kWithoutControls = 2;
-constexpr std::size_t kBodyBytes = (3 + 4 + 9 + 3 + 3) * 8 + 8;
-constexpr std::size_t kSetpointBytes = 1 + 8, kChannelStateBytes = 2 * 8 + kSetpointBytes;
 constexpr std::size_t kContactBytes = 2 * 4 * 4 + 9 * 8;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
-
-void CodeBody(auto& codec, auto& body) {
-  codec.Finite(body.p_WB);
-  codec.Finite(body.q_WB);
-  codec.Finite(body.R_WB);
-  codec.Finite(body.v_WB);
-  codec.Finite(body.w_WB);
-  codec.Number(body.sleep_counter);
-}
-
-void CodeChannel(auto& codec, auto& channel) {
-  codec.Finite(channel.position);
-  codec.Finite(channel.velocity);
-  CodeSetpoint(codec, channel.setpoint);
-}
-
-void CodeControl(auto& codec, auto& control, std::uint64_t version) {
-  codec.Number(control.stiffness);  // may be infinite
-  codec.Finite(control.damping);
-  codec.Finite(control.offset);
-  codec.Finite(control.speed);
-  codec.Finite(control.acceleration);
-  codec.Finite(control.p);
-  codec.Finite(control.i);
-  codec.Finite(control.d);
-  codec.Finite(control.start);
-  codec.Finite(control.start_velocity);
-  if (version > kWithoutAcceleration) codec.Finite(control.start_acceleration);
-  codec.Finite(control.target);
-  codec.Finite(control.duration_s);
-  codec.Finite(control.elapsed_s);
-  codec.Finite(control.integral);
-  codec.Finite(control.reference);
-}
 
 void CodeContact(auto& codec, auto& contact) {
   for (auto* end : {&contact.a, &contact.b}) {
@@ -142,7 +106,7 @@ void CodeState(Codec& codec, const std::shared_ptr<const Scene>& scene, auto& st
   if (version != kWithoutControls) {
     const std::size_t doubles = JointControl::kDoubles - (version > kWithoutAcceleration ? 0 : 1);
     codec.List(frame.controls, 8 * doubles,
-               [&codec, version](auto& one) { CodeControl(codec, one, version); });
+               [&codec, version](auto& one) { CodeControl(codec, one, version > kWithoutAcceleration); });
   }
   if (version > kWithoutSensed) {
     CodeSensed(codec, frame);

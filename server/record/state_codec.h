@@ -12,14 +12,10 @@
 
 #include "server/base/bytes.h"
 #include "server/state/frame.h"
+#include "server/state/frame_code.h"
+#include "server/state/scene_code.h"
 
 namespace coopdyn {
-
-/// u8 mode, f64 reference.
-void CodeSetpoint(auto& codec, auto& setpoint) {
-  codec.Word(setpoint.mode, ControlMode::kEffort);
-  codec.Finite(setpoint.reference);
-}
 
 /// u32 count ≤ 8, count × f64.
 void CodeMessage(auto& codec, auto& message) {
@@ -37,8 +33,8 @@ SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<cons
 std::vector<std::byte> EncodeScene(const Scene& scene);
 /// The scene of `scenario` as it was encoded. `model` gives a robot model by type, null if there is none.
 /// Null if the bytes do not add up or a model is missing.
-std::shared_ptr<const Scene> DecodeScene(
-    std::span<const std::byte> bytes, const std::shared_ptr<const Scenario>& scenario,
-    const std::function<std::shared_ptr<const RobotModel>(const std::string& type)>& model);
+std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
+                                         const std::shared_ptr<const Scenario>& scenario,
+                                         const FindModel& model, const FindTexture& texture = nullptr);
 
 }  // namespace coopdyn

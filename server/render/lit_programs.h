@@ -16,7 +16,7 @@ inline constexpr std::size_t kMostLamps = 8;
 
 /// The lamps that pictures of `scene` show.
 inline std::size_t LampsOf(const Scene& scene) {
-  return scene.scenario == nullptr ? 0 : std::min(scene.scenario->lights.size(), kMostLamps);
+  return std::min(scene.lights.size(), kMostLamps);
 }
 
 /// A shader's text. `variant`: definitions before it.

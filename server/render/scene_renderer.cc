@@ -110,7 +110,7 @@ struct SceneRenderer::Impl {
     SetVector(program, "eye", camera.eye_W);
     if (lit->lamps == 0) return;
     std::vector<const PointLight*> lamps;
-    for (const PointLight& lamp : scene.scenario->lights) lamps.push_back(&lamp);
+    for (const PointLight& lamp : scene.lights) lamps.push_back(&lamp);
     std::ranges::stable_sort(
         lamps, {}, [&](const PointLight* lamp) { return (lamp->p_WP - camera.eye_W).squaredNorm(); });
     lamps.resize(std::min(lamps.size(), lit->lamps));

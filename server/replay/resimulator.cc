@@ -221,12 +221,35 @@ void Resimulator::Apply(const RunInput& input) {
     if (const std::string why = simulation_->Tune(*tuning); !why.empty()) {
       Warn("step " + std::to_string(frame()->step) + ": joints are not tuned: " + why);
     }
+  } else if (const auto* change = As<WorldChange>(input.what)) {
+    Change(*change);
   } else if (const auto* stopped = As<ControllerStopped>(input.what)) {
     const int robot = scene.FindRobot(stopped->robot);
     if (robot < 0 || host_ == nullptr) return;
     host_->Stop(robot, stopped->why);
     host_->TakeStopped();
   }
+}
+
+bool Resimulator::ChangesWorld() const {
+  for (std::size_t i = next_input_; i < inputs_.size() && inputs_[i].step <= frame()->step; ++i) {
+    if (inputs_[i].step == frame()->step && As<WorldChange>(inputs_[i].what) != nullptr) return true;
+  }
+  return false;
+}
+
+void Resimulator::Change(WorldChange change) {
+  const std::shared_ptr<const Scene> before = frame()->scene;
+  WorldChange ignored;
+  if (const std::string why = simulation_->Change(change, ignored); !why.empty()) {
+    return Warn("step " + std::to_string(frame()->step) + ": the world is not changed (" + change.label +
+                "): " + why);
+  }
+  const Scene& scene = *frame()->scene;
+  in_force_ = InChannelsOf(scene, *before, in_force_, Setpoint());
+  commanded_.assign(scene.actuators.size(), 0);
+  ListComputed();
+  if (host_ != nullptr) host_->TakeStopped();
 }
 
 bool Resimulator::Step(const RecordedStep& step) {
@@ -240,6 +263,7 @@ bool Resimulator::Step(const RecordedStep& step) {
   for (; next_input_ < inputs_.size() && inputs_[next_input_].step < step.step; ++next_input_) {
     if (inputs_[next_input_].step == frame()->step) Apply(inputs_[next_input_]);
   }
+  scene_number_ = step.scene;
   std::fill(commanded_.begin(), commanded_.end(), std::uint8_t{0});
   for (const CommandRecord& command : step.commands) {
     if (command.channel >= in_force_.size()) {

@@ -31,9 +31,10 @@ class Resimulator {
   bool Restore(const SavedStatePtr& state, std::uint64_t scene);
   /// Inputs of the run for the steps to come, in their order, instead of those given before.
   void SetInputs(std::vector<RunInput> inputs);
-  /// Whether `step` is the one after frame(), in the same scene.
+  /// Whether `step` is the one after frame(): in the same scene, or in the next one if inputs change the world.
   bool Follows(const RecordedStep& step) const {
-    return step.step == frame()->step + 1 && step.scene == scene_number_;
+    if (step.step != frame()->step + 1) return false;
+    return step.scene == scene_number_ || (step.scene == scene_number_ + 1 && ChangesWorld());
   }
   /// Runs `step`. @pre Follows(). False, and error() says why, if what it says cannot be.
   bool Step(const RecordedStep& step);
@@ -72,6 +73,9 @@ class Resimulator {
   bool GiveUpControllers(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
                          const std::string& why);
   void Apply(const RunInput& input);
+  void Change(WorldChange change);
+  /// An input for the step after frame() changes what stands in the world.
+  bool ChangesWorld() const;
   void ListComputed();
   /// The robot's channels come to rest.
   void StopChannels(std::size_t robot);

@@ -29,14 +29,14 @@ std::vector<double> LightValues(const Frame& frame, int robot, std::size_t numbe
   const auto* model = ModelOf(frame, robot).Find<LightModel>(number);
   if (model == nullptr) return {};
   const SensingCache& cache = SensingCache::Of(frame);
-  const Scenario& scenario = *frame.scene->scenario;
+  const Scene& scene = *frame.scene;
   NoiseKey key = KeyOf(frame, robot, NoiseKind::kLight, number);
   std::vector<double> values;
   for (const LightModel::Eye& eye : model->eyes) {
     const Pose X_WS = MountPose(frame, robot, eye.mount);
     const RayCaster caster(cache, robot, eye.mount.link);
-    double sum = scenario.ambient_light;
-    for (const PointLight& light : scenario.lights) {
+    double sum = scene.ambient_light;
+    for (const PointLight& light : scene.lights) {
       const Vector3 p_SP_W = light.p_WP - X_WS.p;
       const double shine = Shine(light, eye, X_WS.q.conjugate() * p_SP_W);
       if (shine <= 0) continue;

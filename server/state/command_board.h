@@ -29,6 +29,7 @@ enum class StepEnd {
   kRan,
   kReset,     // error 5 `reset`
   kLoad,      // error 5 `load`
+  kRemoved,   // the robot was taken out of the world: error 5
   kReplaced,  // another client became owner first: error 6
   kPaused,    // `pause` ended a `step n`: error 5
   kStopping,  // the daemon ends: error 5
@@ -164,6 +165,9 @@ class CommandBoard {
   /// Lays out the slots for a new scene. Robots of the same name and type keep slot, owner and name; all
   /// waits end with `end` (kReset keeps participants, kLoad takes them from the scene).
   void Configure(const Scene& scene, StepEnd end, FramePtr frame, Nanoseconds now);
+  /// The scene has been edited: who stays keeps what it has and waits for; waits of who goes end with
+  /// kRemoved.
+  void Revise(const Scene& scene, FramePtr frame, Nanoseconds now);
   void SetMode(Mode mode, Nanoseconds now);
   Mode mode() const;
   /// Names of the robots to wait for; empty: as in the scenario. Unknown names: error 10, nothing changes.
@@ -243,6 +247,8 @@ class CommandBoard {
   /// Makes the client owner, unless its input has ended. @pre no Objection()
   void TakeOwnership(std::size_t index, const Client& client) REQUIRES(mutex_);
   void Disown(std::size_t index) REQUIRES(mutex_);
+  /// One robot less that a batch waits for; the last ends it.
+  void LeaveBatch(std::uint64_t batch, StepEnd end, Completions& completions) REQUIRES(mutex_);
   /// Clears what another client has pending, which then gets kReplaced.
   void ReplacePending(std::size_t index, const Client& client, Completions& completions) REQUIRES(mutex_);
   /// Clears what is pending; somebody who waits for it gets `end`.

@@ -39,11 +39,59 @@ void CommandBoard::ReplacePending(std::size_t index, const Client& client, Compl
   if (!drive.pending || drive.pending_from == client.id) return;
   const std::uint64_t batch = drive.batch;
   EndPending(index, StepEnd::kReplaced, completions);
+  LeaveBatch(batch, StepEnd::kReplaced, completions);
+}
+
+void CommandBoard::LeaveBatch(std::uint64_t batch, StepEnd end, Completions& completions) {
   if (batch == 0) return;
   const auto waiter = std::ranges::find(waiters_, batch, &Waiter::batch);
   if (waiter == waiters_.end() || --waiter->members != 0) return;
-  completions.calls.emplace_back(std::move(waiter->done), StepEnd::kReplaced);
+  completions.calls.emplace_back(std::move(waiter->done), end);
   waiters_.erase(waiter);
+}
+
+void CommandBoard::Revise(const Scene& scene, FramePtr frame, Nanoseconds now) {
+  Completions completions;
+  {
+    const MutexLock lock(mutex_);
+    last_frame_ = std::move(frame);
+    completions = MakeCompletions();
+    std::vector<std::uint32_t> robots;  // by old index: the new one, or kGone
+    constexpr std::uint32_t kGone = static_cast<std::uint32_t>(-1);
+    for (std::size_t i = 0; i < table_.robot_count(); ++i) {
+      const int place = scene.FindRobot(table_.slot(table_.first_slot(i)).robot);
+      robots.push_back(place < 0 ? kGone : static_cast<std::uint32_t>(place));
+    }
+    for (DriveTable::Leaving& left : table_.Revise(scene)) {
+      if (left.done) completions.calls.emplace_back(std::move(left.done), StepEnd::kRemoved);
+      LeaveBatch(left.batch, StepEnd::kRemoved, completions);
+    }
+    const auto moved = [&](std::uint32_t robot) { return robot < robots.size() ? robots[robot] : kGone; };
+    // Broadcasts that wait and clients that were lost name robots by their place.
+    std::vector<SentMessage> messages;
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      std::uint32_t& message = table_.slot(i).message;
+      if (message >= messages_.size()) continue;
+      messages.push_back(messages_[message]);
+      messages.back().robot = table_.drive(i).robot;
+      message = static_cast<std::uint32_t>(messages.size() - 1);
+    }
+    messages_ = std::move(messages);
+    std::erase_if(losses_, [&](LostClient& loss) {
+      const std::uint32_t robot = moved(static_cast<std::uint32_t>(loss.robot));
+      loss.robot = robot;
+      return robot == kGone;
+    });
+    latched_ = table_.in_force();
+    latched_commands_.assign(table_.size(), 0);
+    latched_messages_.clear();
+    latched_losses_.clear();
+    waiting_since_ = now;
+    awaited_ = table_.CountAwaited();
+    NoteTeams();
+    layout_revision_.fetch_add(1, std::memory_order_release);
+  }
+  completions.Call();
 }
 
 void CommandBoard::EndInput(std::size_t index) {

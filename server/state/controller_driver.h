@@ -54,6 +54,9 @@ class ControllerDriver {
   /// after the step that made `frame`; those that were stopped are among the next TakeStopped(). False, with
   /// all controllers at their start, if `saved` does not belong to this scene.
   virtual bool Restore(const FramePtr& /*frame*/, std::span<const std::byte> /*saved*/) { return true; }
+  /// `frame` is of an edited scene: controllers of robots that stay go on as they are, those of new robots
+  /// begin (the stopped are among the next TakeStopped()), the others end.
+  virtual void Revise(const FramePtr& /*frame*/) {}
   /// Robots (indices into the scene) whose controller has been taken away.
   virtual std::vector<int> Unloaded() const { return {}; }
   /// The robot stands from now on, for the reason `why`, as it did in the run that is being repeated.

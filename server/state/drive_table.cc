@@ -17,6 +17,34 @@ void Merge(std::span<const Setpoint> commanded, std::span<Setpoint> channels) {
 
 }  // namespace
 
+std::vector<DriveTable::Leaving> DriveTable::Revise(const Scene& scene) {
+  DriveTable old = *this;
+  Configure(scene, true);
+  std::vector<Leaving> left;
+  for (std::size_t i = 0; i < old.size(); ++i) {
+    const Drive& was = old.drives_[i];
+    const std::size_t now = Find(old.slots_[i].id);
+    const bool same = now != kNoSlot && drives_[now].driven == was.driven &&
+                      drives_[now].channel_count == was.channel_count;
+    if (!same) {
+      left.push_back({was.has_done ? std::move(old.slots_[i].done) : nullptr, was.batch});
+      continue;
+    }
+    Drive& drive = drives_[now];
+    const Drive fresh = drive;
+    drive = was;
+    drive.robot = fresh.robot;
+    drive.first_channel = fresh.first_channel;
+    Slot& slot = slots_[now];
+    if (slot.may_participate != old.slots_[i].may_participate) drive.participates = slot.may_participate;
+    slot.done = std::move(old.slots_[i].done);
+    slot.message = old.slots_[i].message;
+    std::ranges::copy(old.Of(i, old.in_force_), Of(now, in_force_).begin());
+    std::ranges::copy(old.Of(i, old.commanded_), Of(now, commanded_).begin());
+  }
+  return left;
+}
+
 void DriveTable::Configure(const Scene& scene, bool keep_participants) {
   const DriveTable old = std::exchange(*this, {});
   next_slot_ = old.next_slot_;

@@ -89,6 +89,14 @@ class DriveTable {
   /// with `keep_participants` also whether they take part.
   void Configure(const Scene& scene, bool keep_participants);
 
+  /// What was pending of a slot that is gone.
+  struct Leaving {
+    StepDone done;  // null: nobody waits
+    std::uint64_t batch = 0;
+  };
+  /// Lays out the slots for an edited scene: those that stay keep all that they have.
+  std::vector<Leaving> Revise(const Scene& scene);
+
   std::size_t size() const { return drives_.size(); }
   Drive& drive(std::size_t index) { return drives_[index]; }
   const Drive& drive(std::size_t index) const { return drives_[index]; }

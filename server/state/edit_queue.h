@@ -26,6 +26,8 @@ struct EditResult {
   std::string text;
   FramePtr frame = nullptr;       // the newest after the edit
   SavedStatePtr saved = nullptr;  // of Save
+  WorldChange change = {};        // of a SceneEdit: what it came to
+  std::vector<std::int32_t> params = {};  // of the reply
 };
 
 struct Edit {

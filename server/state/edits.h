@@ -12,6 +12,7 @@
 
 #include "server/model/scenario.h"
 #include "server/state/frame.h"
+#include "server/state/world_change.h"
 
 namespace coopdyn {
 
@@ -73,6 +74,16 @@ struct Restore {
   SavedStatePtr state;
 };
 
+// What stands in the world, as it goes on. Each one that succeeds is an input of the run: the WorldChange that
+// it came to.
+struct Change {
+  WorldChange change;
+};
+/// Takes back the last change that was not taken back yet.
+struct Undo {};
+/// Makes the change again that was taken back last, by Undo or by a reset.
+struct Redo {};
+
 // What a playback shows.
 /// The step at or before `time`; the nearest end if it lies outside.
 struct Seek {
@@ -107,10 +118,11 @@ struct Save {};
 using RunEdit = std::variant<edit::Run, edit::Pause, edit::Step, edit::SetMode, edit::SetStep, edit::SetSpeed,
                              edit::SetParticipants, edit::StopAll, edit::UnloadController, edit::TuneJoints>;
 using WorldEdit = std::variant<edit::Reset, edit::Load, edit::Restore>;
+using SceneEdit = std::variant<edit::Change, edit::Undo, edit::Redo>;
 using PlaybackEdit = std::variant<edit::Seek, edit::Skip, edit::SetPlaySpeed, edit::SetLoop>;
 using RecordEdit = std::variant<edit::SetJournal, edit::Note, edit::Save>;
 
-using EditAction = std::variant<RunEdit, WorldEdit, PlaybackEdit, RecordEdit>;
+using EditAction = std::variant<RunEdit, WorldEdit, SceneEdit, PlaybackEdit, RecordEdit>;
 
 /// The `T` in a variant of variants; null if it holds something else.
 template <typename T, typename... Kinds>

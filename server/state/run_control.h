@@ -53,6 +53,7 @@ struct RunStatus {
   double duration_s = 0;           // the simulated time at which the run ends; 0: never
   Nanoseconds simulated = 0;       // by all steps since the daemon started, whatever was reset
   StepLoad load;                   // in real time
+  std::size_t undo = 0, redo = 0;  // edits of the world that can be taken back, or made again
   std::vector<std::string> frozen;
   std::set<std::string> frozen_before;  // before the last reset, restore or load, since the daemon started
 };

@@ -12,6 +12,7 @@
 #include "protocol/module_tables.h"
 #include "server/base/clock.h"
 #include "server/model/values.h"
+#include "server/state/change_codec.h"
 #include "server/state/joint_tuning.h"
 
 namespace coopdyn {
@@ -19,7 +20,7 @@ namespace coopdyn {
 namespace {
 
 constexpr std::string_view kDeadline = "deadline", kDisconnect = "disconnect",
-                           kStopped = "controller_stopped";
+                           kStopped = "controller_stopped", kEdit = "edit";
 
 const CommandTable& Commands() {
   static const CommandTable table = SimulationTable();
@@ -79,6 +80,9 @@ struct TextOf {
   }
   InputText operator()(const edit::UnloadController& unload) const {
     return {Word(command::kReleaseRobot), unload.robot};
+  }
+  InputText operator()(const WorldChange& change) const {
+    return {std::string(kEdit), change.label + "\n" + EncodeChange(change)};
   }
   InputText operator()(const DeadlineFired& fired) const {
     return {std::string(kDeadline), fired.robot + " " + ToString(fired.policy)};
@@ -171,7 +175,16 @@ InputText Encode(const RunInput& input) {
   return std::visit([](const auto& kind) { return std::visit(TextOf(), kind); }, input.what);
 }
 
-std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action, std::string_view detail) {
+std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action, std::string_view detail,
+                                    const SceneContext& context) {
+  if (action == kEdit) {
+    const std::size_t end = detail.find('\n');
+    if (end == std::string_view::npos) return std::nullopt;
+    std::optional<WorldChange> change = DecodeChange(detail.substr(end + 1), context);
+    if (!change) return std::nullopt;
+    change->label = detail.substr(0, end);
+    return RunInput{step, WorldInput(*std::move(change))};
+  }
   if (action == kDeadline || action == kDisconnect || action == kStopped) {
     std::optional<RobotEvent> event = DecodeEvent(action, detail);
     return event ? std::optional(RunInput{step, *std::move(event)}) : std::nullopt;

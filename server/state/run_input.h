@@ -14,6 +14,7 @@
 #include "protocol/message.h"
 #include "server/model/scenario.h"
 #include "server/state/edits.h"
+#include "server/state/scene_code.h"
 
 namespace coopdyn {
 
@@ -34,9 +35,12 @@ struct ControllerStopped {
 };
 using RobotEvent = std::variant<DeadlineFired, ClientLost, ControllerStopped>;
 
+/// What stands in the world was edited.
+using WorldInput = std::variant<WorldChange>;
+
 struct RunInput {
   std::uint64_t step = 0;  // of the frame after which it came: it acts from the next step on
-  std::variant<RunEdit, RobotEvent> what;
+  std::variant<RunEdit, RobotEvent, WorldInput> what;
 };
 
 /// An input as a recording has it: `set_mode` `lockstep`, `deadline` `robot3 stop`.
@@ -46,7 +50,9 @@ struct InputText {
 };
 InputText Encode(const RunInput& input);
 /// The reverse, for the bytes of any file; nothing if they are no input.
-std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action, std::string_view detail);
+/// `context`: what changes of the world name; a change that names what it does not have is no input.
+std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action, std::string_view detail,
+                                    const SceneContext& context = {});
 
 /// What a request to /simulation, one that its table allows, asks of the run. Nothing if it is another
 /// command; or, with `error`, if a value cannot be (error 4).

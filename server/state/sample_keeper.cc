@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
+
+#include "server/state/world_change.h"
 
 namespace coopdyn {
 
@@ -32,6 +35,25 @@ FramePtr SampleKeeper::Copy(const Frame& frame) {
   copy->measured = frame.measured;
   copy->contacts = frame.contacts;
   return copy;
+}
+
+void SampleKeeper::Refit(const Frame& now, const std::vector<SensorTiming>& before) {
+  std::map<FramePtr, FramePtr> refitted;  // one for each, since sensors share them
+  const auto refit = [&](const FramePtr& sample) -> const FramePtr& {
+    FramePtr& made = refitted[sample];
+    if (made == nullptr) made = Copy(*InScene(*sample, now.scene, &now));
+    return made;
+  };
+  std::vector<FrameSamples> held(now.scene->clocks.size());
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const auto same = std::ranges::find(before, now.scene->clocks[i]);
+    const auto place = static_cast<std::size_t>(same - before.begin());
+    if (same != before.end() && place < held_.size()) {
+      for (const FramePtr& sample : held_[place]) held[i].push_back(refit(sample));
+    }
+    if (held[i].empty()) held[i].push_back(Copy(now));
+  }
+  held_ = std::move(held);
 }
 
 std::int64_t SampleKeeper::SampleAt(const SensorTiming& timing, Nanoseconds time) {

@@ -19,6 +19,10 @@ class SampleKeeper {
     held_ = frame.samples;
   }
 
+  /// The scene is that of `now` from here on: what the samples have of it is kept; a sensor with a new timing
+  /// begins with `now`.
+  void Refit(const Frame& now, const std::vector<SensorTiming>& before);
+
   /// Which sample was taken last at `time`, counted from 0.
   static std::int64_t SampleAt(const SensorTiming& timing, Nanoseconds time);
   /// How many steps before `time` the sample was taken that is shown then, if all steps last `length`.

@@ -92,35 +92,47 @@ void AddRobot(Scene& scene, SceneRobot robot) {
   scene.robots.push_back(std::move(robot));
 }
 
+void FillScene(Scene& scene, std::vector<SceneObject> objects, std::vector<SceneRobot> robots,
+               std::vector<Target> targets) {
+  int bodies = 0;
+  scene.objects = std::move(objects);
+  scene.targets = std::move(targets);
+  for (SceneObject& thing : scene.objects) thing.body = thing.object.is_static() ? -1 : bodies++;
+  scene.robots.reserve(robots.size());
+  for (SceneRobot& robot : robots) {
+    const int links = static_cast<int>(robot.entry.model->links.size());
+    robot.entry.id = robot.id;
+    robot.first_body = bodies;
+    robot.body_count = robot.entry.fidelity == Fidelity::kFull ? links : 1;
+    robot.X_BR = PlaceOfR(robot.entry);
+    robot.axes_of_R = robot.X_BR.q.vec().isZero(0);
+    bodies += robot.body_count;
+    AddRobot(scene, std::move(robot));
+  }
+  for (int body = 0; body < bodies; ++body) {
+    scene.body_ids.push_back(BodyId{static_cast<std::uint32_t>(body + 1)});
+  }
+}
+
 std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario) {
   auto scene = std::make_shared<Scene>();
   scene->floor = scenario->floor;
-  scene->targets = scenario->targets;
-  int bodies = 0;
+  scene->lights = scenario->lights;
+  scene->ambient_light = scenario->ambient_light;
+  std::vector<SceneObject> objects;
   for (const WorldObject& object : scenario->objects) {
-    const ObjectId id{static_cast<std::uint32_t>(scene->objects.size() + 1)};
-    scene->objects.push_back({id, object, object.is_static() ? -1 : bodies++});
+    objects.push_back({ObjectId{static_cast<std::uint32_t>(objects.size() + 1)}, object});
   }
-  for (std::size_t i = 0; i < scenario->targets.size(); ++i) {
-    scene->targets[i].id = TargetId{static_cast<std::uint32_t>(i + 1)};
-  }
+  std::vector<Target> targets = scenario->targets;
+  for (std::size_t i = 0; i < targets.size(); ++i) targets[i].id = TargetId{static_cast<std::uint32_t>(i + 1)};
+  std::vector<SceneRobot> robots;
   for (const RobotEntry& entry : scenario->robots) {
-    const int index = static_cast<int>(scene->robots.size());
-    const int links = static_cast<int>(entry.model->links.size());
     SceneRobot robot;
-    robot.id = RobotId{static_cast<std::uint32_t>(index + 1)};
+    robot.id = RobotId{static_cast<std::uint32_t>(robots.size() + 1)};
     robot.entry = entry;
-    robot.entry.id = robot.id;
-    robot.first_body = bodies;
-    robot.body_count = entry.fidelity == Fidelity::kFull ? links : 1;
-    robot.X_BR = PlaceOfR(entry);
-    robot.axes_of_R = robot.X_BR.q.vec().isZero(0);
-    bodies += robot.body_count;
-    AddRobot(*scene, std::move(robot));
+    robots.push_back(std::move(robot));
   }
-  for (int body = 0; body < bodies; ++body) {
-    scene->body_ids.push_back(BodyId{static_cast<std::uint32_t>(body + 1)});
-  }
+  FillScene(*scene, std::move(objects), std::move(robots), std::move(targets));
   scene->scenario = std::move(scenario);
   return scene;
 }

@@ -90,6 +90,8 @@ struct Scene {
   std::vector<SceneObject> objects;
   std::vector<SceneRobot> robots;        // by increasing id
   std::vector<Target> targets;           // by increasing id
+  std::vector<PointLight> lights;
+  double ambient_light = 0;              // what a light sensor reads without lamps
   std::vector<BodyId> body_ids;          // of Frame::bodies, increasing
   std::vector<Channel> channels;         // of Frame::channels: robot by robot, actuator by actuator
   std::vector<SceneActuator> actuators;  // robot by robot
@@ -112,6 +114,11 @@ Vector3 CenterOfMass(const RobotModel& model);
 
 /// Appends `robot` with its actuators and channels.
 void AddRobot(Scene& scene, SceneRobot robot);
+
+/// Lays out things, robots and targets, each by increasing id, in a scene that has none yet: bodies are those
+/// of the dynamic objects, then the robots', numbered from 1. @pre ids, and each robot's entry
+void FillScene(Scene& scene, std::vector<SceneObject> objects, std::vector<SceneRobot> robots,
+               std::vector<Target> targets);
 
 /// The scene of `scenario` at its start. Bodies: dynamic objects in file order, then the robots'.
 std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario);

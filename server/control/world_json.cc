@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// WorldJson() of world_edits.h: what `list` of /world answers (docs/protocol.md). Every object of a list has
+// the same keys.
+#include <boost/json.hpp>
+#include <utility>
+
+#include "protocol/json_text.h"
+#include "server/control/world_edits.h"
+
+namespace coopdyn {
+
+namespace {
+
+namespace json = boost::json;
+
+json::array Numbers(const Vector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+json::array Numbers(const Quaternion& q) {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+json::array Numbers(const Color& color) {
+  return {color.r, color.g, color.b};
+}
+
+json::object ThingJson(const Frame& frame, const SceneObject& thing) {
+  const WorldObject& object = thing.object;
+  json::string type = "box";
+  json::array size;
+  if (const auto* box = std::get_if<Box>(&object.shape)) {
+    size = Numbers(box->size_m);
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&object.shape)) {
+    type = "cylinder";
+    size = {2 * cylinder->radius_m, 2 * cylinder->radius_m, cylinder->length_m};
+  } else if (const auto* sphere = std::get_if<Sphere>(&object.shape)) {
+    type = "sphere";
+    size = {2 * sphere->radius_m};
+  }
+  const Pose X = ObjectPose(frame, thing);
+  return {{"id", thing.id.value},
+          {"name", object.name},
+          {"type", std::move(type)},
+          {"size", std::move(size)},
+          {"position", Numbers(X.p)},
+          {"quaternion", Numbers(X.q)},
+          {"mass", object.mass_kg},
+          {"color", Numbers(object.color)},
+          {"friction", object.friction},
+          {"texture", object.texture.name}};
+}
+
+json::object RobotJson(const Frame& frame, int place) {
+  const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(place)];
+  const Pose X = RobotPose(frame, place);
+  return {{"id", WorldId::kRobots + static_cast<std::int32_t>(robot.id.value)},
+          {"name", robot.entry.name},
+          {"type", robot.entry.model->type},
+          {"position", Numbers(X.p)},
+          {"quaternion", Numbers(X.q)},
+          {"color", Numbers(robot.entry.color)},
+          {"fidelity", ToString(robot.entry.fidelity)},
+          {"controller", robot.entry.controller.name}};
+}
+
+}  // namespace
+
+std::string WorldJson(const Frame& frame, const RunStatus& status) {
+  const Scene& scene = *frame.scene;
+  json::array things, robots, targets, lights;
+  for (const SceneObject& thing : scene.objects) things.push_back(ThingJson(frame, thing));
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) robots.push_back(RobotJson(frame, static_cast<int>(i)));
+  for (const Target& target : scene.targets) {
+    targets.push_back({{"id", WorldId::kTargets + static_cast<std::int32_t>(target.id.value)},
+                       {"name", TargetName(target)},
+                       {"color_name", target.color_name},
+                       {"color", Numbers(target.color)},
+                       {"position", Numbers(target.p_WT)}});
+  }
+  std::int32_t number = WorldId::kLights;
+  for (const PointLight& light : scene.lights) {
+    lights.push_back({{"id", ++number},
+                      {"name", light.name},
+                      {"position", Numbers(light.p_WP)},
+                      {"color", Numbers(light.color)},
+                      {"power", light.power},
+                      {"shadows", light.casts_shadows}});
+  }
+  const Floor& floor = scene.floor;
+  const json::object world{
+      {"scenario", scene.scenario->name},
+      {"undo", status.undo},
+      {"redo", status.redo},
+      {"floor", {{"size", {floor.length_m, floor.width_m, floor.height_m}}, {"color", Numbers(floor.color)}}},
+      {"things", std::move(things)},
+      {"robots", std::move(robots)},
+      {"targets", std::move(targets)},
+      {"lights", std::move(lights)}};
+  return json::serialize(world);
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "server/state/change_codec.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "server/model/mesh_file.h"
+#include "server/state/frame_code.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::uint8_t kVersion = 1;
+// Least bytes of each.
+constexpr std::size_t kObjectBytes = 100, kRobotBytes = 130, kTargetBytes = 60, kLightBytes = 65;
+
+void CodeIds(auto& codec, auto& ids) {
+  codec.List(ids, 4, [&codec](auto& id) {
+    codec.Number(id.value);
+    codec.Require(id.value != 0);
+  });
+}
+
+template <typename Codec>
+void CodePut(Codec& codec, auto& put, const SceneContext& context) {
+  using Put = std::decay_t<decltype(put)>;
+  codec.Number(put.id.value);
+  codec.Require(put.id.value != 0);
+  codec.Word(put.placing, Placing::kExact);
+  if constexpr (std::is_same_v<Put, PutObject>) {
+    CodeThing(codec, put.object, context);
+    bool has_body = put.body.has_value();
+    codec.Bool(has_body);
+    if constexpr (Codec::kReads) {
+      if (has_body) put.body.emplace();
+    }
+    if (has_body) CodeBody(codec, *put.body);
+  } else {
+    CodeEntry(codec, put.entry, context);
+    codec.List(put.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
+    codec.List(put.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
+    codec.List(put.controls, JointControl::kDoubles * 8, [&codec](auto& control) { CodeControl(codec, control); });
+    codec.List(put.measured, 8, [&codec](auto& value) { codec.Finite(value); });
+  }
+}
+
+template <typename Codec>
+void CodeChange(Codec& codec, auto& change, const SceneContext& context) {
+  CodeIds(codec, change.gone_objects);
+  CodeIds(codec, change.gone_robots);
+  CodeIds(codec, change.gone_targets);
+  codec.List(change.objects, kObjectBytes, [&](auto& put) { CodePut(codec, put, context); });
+  codec.List(change.robots, kRobotBytes, [&](auto& put) { CodePut(codec, put, context); });
+  codec.List(change.targets, kTargetBytes, [&](auto& target) { CodeTarget(codec, target); });
+  bool has_lights = change.lights.has_value();
+  codec.Bool(has_lights);
+  if constexpr (Codec::kReads) {
+    if (has_lights) change.lights.emplace();
+  }
+  if (has_lights) codec.List(*change.lights, kLightBytes, [&codec](auto& light) { CodeLight(codec, light); });
+  codec.List(change.rests, 12, [&codec](auto& rest) {
+    codec.Number(rest.id);
+    codec.Number(rest.counter);
+  });
+}
+
+}  // namespace
+
+std::string EncodeChange(const WorldChange& change) {
+  std::vector<std::byte> bytes;
+  ByteWriter writer(bytes);
+  writer.Number(kVersion);
+  CodeChange(writer, change, {});
+  return ToBase64(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+std::optional<WorldChange> DecodeChange(std::string_view text, const SceneContext& context) {
+  const std::optional<std::string> bytes = FromBase64(text);
+  if (!bytes) return std::nullopt;
+  ByteReader reader(std::as_bytes(std::span(*bytes)));
+  if (reader.Low(1) != kVersion) return std::nullopt;
+  WorldChange change;
+  CodeChange(reader, change, context);
+  if (!reader.finished()) return std::nullopt;
+  return change;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// Bodies, channels and joints of a frame as bytes, exactly, in both ways (server/base/bytes.h). Pure.
+#pragma once
+
+#include <cstddef>
+
+#include "server/base/bytes.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+inline constexpr std::size_t kBodyBytes = (3 + 4 + 9 + 3 + 3) * 8 + 8;
+inline constexpr std::size_t kSetpointBytes = 1 + 8, kChannelStateBytes = 2 * 8 + kSetpointBytes;
+
+/// u8 mode, f64 reference.
+void CodeSetpoint(auto& codec, auto& setpoint) {
+  codec.Word(setpoint.mode, ControlMode::kEffort);
+  codec.Finite(setpoint.reference);
+}
+
+void CodeBody(auto& codec, auto& body) {
+  codec.Finite(body.p_WB);
+  codec.Finite(body.q_WB);
+  codec.Finite(body.R_WB);
+  codec.Finite(body.v_WB);
+  codec.Finite(body.w_WB);
+  codec.Number(body.sleep_counter);
+}
+
+void CodeChannel(auto& codec, auto& channel) {
+  codec.Finite(channel.position);
+  codec.Finite(channel.velocity);
+  CodeSetpoint(codec, channel.setpoint);
+}
+
+void CodeControl(auto& codec, auto& control, bool has_acceleration = true) {
+  codec.Number(control.stiffness);  // may be infinite
+  codec.Finite(control.damping);
+  codec.Finite(control.offset);
+  codec.Finite(control.speed);
+  codec.Finite(control.acceleration);
+  codec.Finite(control.p);
+  codec.Finite(control.i);
+  codec.Finite(control.d);
+  codec.Finite(control.start);
+  codec.Finite(control.start_velocity);
+  if (has_acceleration) codec.Finite(control.start_acceleration);
+  codec.Finite(control.target);
+  codec.Finite(control.duration_s);
+  codec.Finite(control.elapsed_s);
+  codec.Finite(control.integral);
+  codec.Finite(control.reference);
+}
+
+}  // namespace coopdyn
