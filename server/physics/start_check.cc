@@ -108,6 +108,7 @@ std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const Body
                                       std::span<const std::uint8_t> chosen) {
   constexpr double kMargin_m = 0.01;
   std::vector<std::uint32_t> near;
+  if (std::ranges::count(chosen, std::uint8_t{1}) == 0) return near;
   for (const auto& [a, b] : AllPairs(things, bodies, kMargin_m)) {
     if (chosen[a] == chosen[b]) continue;
     const std::uint32_t other = chosen[a] != 0 ? b : a;
@@ -120,6 +121,7 @@ std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const Body
 
 std::string WhyNotThere(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
                         std::span<const std::uint8_t> chosen) {
+  if (std::ranges::count(chosen, std::uint8_t{1}) == 0) return {};
   for (std::size_t i = 0; i < things.first_static; ++i) {
     if (chosen[i] == 0) continue;
     const Actor actor = things.ActorOf(i, bodies);

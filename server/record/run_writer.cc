@@ -255,13 +255,23 @@ void RunWriter::WriteTexts(const Scene& scene) {
 }
 
 void RunWriter::BeginScene(const Frame& frame) {
-  if (now_.scene != nullptr) WriteTexts(*frame.scene);
-  now_.scene = frame.scene;
+  const std::shared_ptr<const Scene> before = std::exchange(now_.scene, frame.scene);
+  if (before != nullptr) WriteTexts(*frame.scene);
   WriteScene(*database_, ++now_.scene_number, frame.step, *now_.scene);
   LinkScene(*database_, now_.ends[kSceneTable]);
+  const std::vector<bool> was_recomputed = now_.is_recomputed;
   now_.is_recomputed.assign(now_.scene->robots.size(), false);
   for (std::size_t i = 0; i < now_.scene->robots.size() && !options_.header.what.controllers; ++i) {
     now_.is_recomputed[i] = !now_.scene->robots[i].entry.controller.empty();
+  }
+  if (before == nullptr) return;
+  const std::vector<int> places = PlacesIn(*before, *now_.scene);
+  for (std::size_t i = 0; i < places.size(); ++i) {  // a controller that was unloaded stays so
+    if (places[i] < 0) continue;
+    const auto was = static_cast<std::size_t>(places[i]);
+    const bool same =
+        before->robots[was].entry.controller.name == now_.scene->robots[i].entry.controller.name;
+    if (same) now_.is_recomputed[i] = was_recomputed[was];
   }
 }
 

@@ -36,6 +36,8 @@ class Resimulator {
     if (step.step != frame()->step + 1) return false;
     return step.scene == scene_number_ || (step.scene == scene_number_ + 1 && ChangesWorld());
   }
+  /// Whether the world is changed before `step`, which follows.
+  bool BeginsScene(const RecordedStep& step) const { return step.scene != scene_number_; }
   /// Runs `step`. @pre Follows(). False, and error() says why, if what it says cannot be.
   bool Step(const RecordedStep& step);
   /// Runs the steps of `reader` up to `step`, with their inputs. An error text, empty if frame() is that of

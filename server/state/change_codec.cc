@@ -83,7 +83,8 @@ std::optional<WorldChange> DecodeChange(std::string_view text, const SceneContex
   if (reader.Low(1) != kVersion) return std::nullopt;
   WorldChange change;
   CodeChange(reader, change, context);
-  if (!reader.finished()) return std::nullopt;
+  constexpr std::size_t kPadding = 2;  // of base64
+  if (!reader.ok() || reader.left() > kPadding) return std::nullopt;
   return change;
 }
 
