@@ -116,12 +116,12 @@ CommandTable WorldTable() {
   remove.params = {{.name = "id", .unit = "", .repeated = true, .min = 1}};
   remove.example = "remove BOX_1";
   CommandSpec pose = edit(command::kSetPose, "set_pose",
-                          "Puts a thing elsewhere, at rest: x, y, z, then nothing (it keeps its turn), a yaw, or "
-                          "a quaternion w x y z.");
+                          "Puts a thing elsewhere, at rest: x and y; then nothing, or z; then nothing, a yaw, or a "
+                          "quaternion w x y z. What is not said it keeps.");
   pose.text = TextUse::kFirst;
   pose.text_name = "NAME";
   pose.params = {id};
-  pose.data = {Value("x", "m"), Value("y", "m"), Value("z", "m"), Repeated("turn")};
+  pose.data = {Value("x", "m"), Value("y", "m"), Repeated("z or turn")};
   pose.example = "set_pose BOX_1 2 1 0.25 0";
   CommandSpec set = edit(command::kSetThing, "set",
                          "Changes keys of a thing's section; several with | between them.");

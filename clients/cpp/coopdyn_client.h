@@ -16,6 +16,7 @@
 // Dropping them closes their connections; close() also stops robots.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -157,6 +158,12 @@ struct Playback {
   double begin_time = 0, end_time = 0, time = 0, speed = 1;
   bool playing = false, loop = false, growing = false;
   std::string file;
+};
+/// What a ray meets first: its name (empty: nothing), the point [m] and how far it is [m].
+struct Picked {
+  std::string name;
+  std::array<double, 3> point{};
+  double distance = 0;
 };
 /// A state that the daemon keeps, and its simulated time [s].
 struct SavedState {
@@ -302,6 +309,32 @@ class Simulation {
   void set_participants(const std::vector<std::string>& names = {});
   /// Takes a robot from whoever drives it: closes that program's connection, or unloads its controller.
   void release_robot(const std::string& name);
+
+  // What stands in the world, edited live.
+  /// Puts things, robots, targets and lights into the world: sections of a scenario, or a file of such; returns
+  /// their names. [BOX_*] takes the next free number; in one line | stands between the lines. Error 5 if it would
+  /// overlap.
+  std::vector<std::string> insert(const std::string& sections);
+  /// Takes things, robots, targets or lights out of the world.
+  void remove(const std::string& name);
+  void remove(const std::vector<std::string>& names);
+  /// Puts something elsewhere, at rest: x, y or x, y, z [m]; then a yaw [rad], or a quaternion w, x, y, z, which
+  /// need x, y and z. What is not given it keeps. Error 5 if it would overlap.
+  void move(const std::string& name, const std::vector<double>& position, const std::vector<double>& turn = {});
+  /// Changes keys of a thing's section in the scenario: sim.change("BOX_1", {{"color", "red"}, {"mass", "2"}}).
+  void change(const std::string& name, const std::map<std::string, std::string>& keys);
+  /// Gives a thing, a robot or a light another name. The modules of a robot get new names, too.
+  void rename(const std::string& name, const std::string& new_name);
+  /// Takes back the last edit, of whichever client; returns what that concerned. Error 5: there is none.
+  std::string undo();
+  /// Makes the edit again that undo, or a reset, has taken back last.
+  std::string redo();
+  /// All that stands in the world now, as JSON (docs/protocol.md).
+  std::string world();
+  /// Writes the present world as a scenario that loads to the same places; returns the file's name.
+  std::string save_scenario(const std::string& file);
+  /// What a ray from a point in a direction meets first.
+  Picked pick(const std::array<double, 3>& origin, const std::array<double, 3>& direction);
 
   /// Keeps all that decides how the run goes on, under a name; replaces what is kept under that name.
   void save_state(const std::string& name);

@@ -17,13 +17,6 @@ constexpr double kExportTimeout_s = 600;  // for a long recording as a MAT file,
 constexpr const char* kRecorder = "/recorder";
 constexpr const char* kPlayback = "/playback";
 
-/// One word that the daemon takes as a name.
-std::string Word(const std::string& text, const char* what) {
-  const std::vector<std::string> words = Words(text);
-  if (words.size() != 1) throw Error(3, std::string(what) + " is one word, not '" + text + "'");
-  return words[0];
-}
-
 /// That of a file, so it may have blanks.
 const std::string& RunName(const std::string& text) {
   if (Words(text).empty()) throw Error(3, "the name of a recording is a text, not '" + text + "'");

@@ -23,6 +23,13 @@ inline std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
+/// One word that the daemon takes as a name.
+inline std::string Word(const std::string& text, const char* what) {
+  const std::vector<std::string> words = Words(text);
+  if (words.size() != 1) throw Error(3, std::string(what) + " is one word, not '" + text + "'");
+  return words[0];
+}
+
 inline std::string FirstWord(const std::string& text) {
   return text.substr(0, text.find(' '));
 }

@@ -66,7 +66,8 @@ _GET_MODES, _SET_COMPLIANCE, _GET_COMPLIANCE, _SET_PROFILE, _GET_PROFILE, _SET_G
 _GET_JOINT_LIMITS, _GET_MOTION, _GET_REFERENCES, _HOLD, _GET_CHAIN = 216, 217, 218, 219, 220
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD, _RELEASE_ROBOT = 108, 190, 191, 192, 193
-_SIMULATION, _RECORDER, _PLAYBACK = "/simulation", "/recorder", "/playback"
+_SIMULATION, _RECORDER, _PLAYBACK, _WORLD = "/simulation", "/recorder", "/playback", "/world"
+_INSERT, _REMOVE, _SET_POSE, _SET_THING, _RENAME, _LIST_WORLD, _SAVE_WORLD, _UNDO, _REDO, _PICK = range(140, 150)
 _SAVE_STATE, _RESTORE_STATE, _GET_SAVED = 194, 195, 196
 _GET_RECORDING, _START_RECORDING, _STOP_RECORDING, _NOTE, _LIST_RUNS = 120, 121, 122, 123, 124
 _GET_PLAYBACK, _SEEK, _PLAY, _SET_PLAY_SPEED, _SKIP, _SET_LOOP, _BRANCH = 130, 131, 132, 134, 135, 136, 137
@@ -706,6 +707,14 @@ class Playback(NamedTuple):
     loop: bool
     growing: bool
     file: str
+
+
+class Picked(NamedTuple):
+    """What a ray meets first: its name ("": nothing), the point [m] and how far it is [m]."""
+
+    name: str
+    point: Tuple[float, ...]
+    distance: float
 
 
 class SavedState(NamedTuple):
@@ -3597,6 +3606,92 @@ class Simulation:
     def release_robot(self, name: str) -> None:
         """Takes a robot from its driver: closes that program's connection, or unloads its controller."""
         self._session.control(_RELEASE_ROBOT, text=_word(name, "the name of a robot"))
+
+    # --- what stands in the world, edited live ---
+    @_usage('sim.insert("[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1")')
+    def insert(self, sections: str) -> List[str]:
+        """Puts things, robots, targets and lights into the world: sections of a scenario, or a file of such. Returns their
+        names. [BOX_*] takes the next free number; in one line | stands between the lines. Error 5 if it would overlap."""
+        sections = _path(sections, "a text with sections")
+        if "[" not in sections and os.path.isfile(sections):
+            with open(sections, encoding="utf-8-sig") as file:
+                sections = file.read()
+        return self._edit(_INSERT, text=sections)
+
+    @_usage('sim.remove("BOX_1") or sim.remove("BOX_1", "robot2")')
+    def remove(self, *names: str) -> None:
+        """Takes things, robots, targets or lights out of the world."""
+        if not names:
+            raise Error(3, 'nothing to remove: write sim.remove("BOX_1")')
+        self._edit(_REMOVE, text=" ".join(_word(name, "a name") for name in names))
+
+    @_usage('sim.move("BOX_1", (2, 1)) or sim.move("BOX_1", (2, 1, 0.25), 1.57)')
+    def move(self, name: str, position: Sequence[float], turn: Union[float, Sequence[float], None] = None) -> None:
+        """Puts something elsewhere, at rest: position x, y or x, y, z [m]; turn: a yaw [rad], or a quaternion w, x, y, z. What is
+        not given it keeps, but a turn needs x, y and z. Error 5 if it would overlap."""
+        if not hasattr(position, "__len__") or len(position) not in (2, 3):
+            raise Error(3, f'a position is x, y or x, y, z, not {position!r}: write sim.move("BOX_1", (2, 1))')
+        data = [_number(x, "a position") for x in position]
+        if turn is not None:
+            turns = turn if hasattr(turn, "__len__") else (turn,)
+            if len(data) != 3 or len(turns) not in (1, 4):
+                raise Error(3, 'a turn is a yaw or w, x, y, z, and needs x, y and z: write sim.move("BOX_1", (2, 1, 0.25), 1.57)')
+            data += [_number(x, "a turn") for x in turns]
+        self._edit(_SET_POSE, data=data, text=_word(name, "a name"))
+
+    @_usage('sim.change("BOX_1", color="red", mass=2)')
+    def change(self, name: str, **keys: Any) -> None:
+        """Changes keys of a thing's section in the scenario: color, size, mass, friction, controller, … Lists of numbers are
+        written (1, 2, 3)."""
+        if not keys:
+            raise Error(3, 'nothing to change: write sim.change("BOX_1", color="red", mass=2)')
+        values = {key: " ".join(str(x) for x in value) if isinstance(value, (list, tuple)) else str(value)
+                  for key, value in keys.items()}
+        lines = "\n".join(f"{key} {value}" for key, value in values.items())
+        self._edit(_SET_THING, text=f"{_word(name, 'a name')}\n{lines}")
+
+    @_usage('sim.rename("BOX_1", "crate")')
+    def rename(self, name: str, new_name: str) -> None:
+        """Gives a thing, a robot or a light another name. The modules of a robot get new names, too."""
+        self._edit(_RENAME, text=f"{_word(name, 'a name')} {_word(new_name, 'a name')}")
+
+    def undo(self) -> str:
+        """Takes back the last edit, of whichever client; returns what that concerned. Error 5: there is none."""
+        return " ".join(self._edit(_UNDO))
+
+    def redo(self) -> str:
+        """Makes the edit again that undo, or a reset, has taken back last."""
+        return " ".join(self._edit(_REDO))
+
+    def world(self) -> Dict[str, Any]:
+        """All that stands in the world now: lists of things, robots, targets and lights with ids, names and places."""
+        return json.loads(self._session.tell(_WORLD, _LIST_WORLD).text)
+
+    @_usage('sim.save_scenario("mine.scenario")')
+    def save_scenario(self, file: Union[str, "os.PathLike[str]"]) -> str:
+        """Writes the present world as a scenario that loads to the same places; returns the file's name."""
+        file = _path(file, "the name of a file")
+        if not file:
+            raise Error(3, 'no name: write sim.save_scenario("mine.scenario")')
+        text = self._session.tell(_WORLD, _SAVE_WORLD).text
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(text)
+        return file
+
+    @_usage("sim.pick((0, 0, 5), (0, 0, -1))")
+    def pick(self, origin: Sequence[float], direction: Sequence[float]) -> Picked:
+        """What a ray from a point in a direction meets first: its name ("" if nothing), the point and the distance [m]."""
+        if any(not hasattr(v, "__len__") or len(v) != 3 for v in (origin, direction)):
+            raise Error(3, "origin and direction are x, y, z: write sim.pick((0, 0, 5), (0, 0, -1))")
+        reply = self._session.tell(_WORLD, _PICK, (), [_number(x, "a ray") for x in (*origin, *direction)])
+        return Picked(reply.text, tuple(reply.data[:3]), reply.data[3])
+
+    def _edit(self, command: int, data: Sequence[float] = (), text: str = "") -> List[str]:
+        reply = self._session.tell(_WORLD, command, (), data, text, timeout=_LOAD_TIMEOUT_S)
+        names, _, warnings = reply.text.partition("\n")
+        for warning in warnings.splitlines():
+            print(f"coopdyn: {warning}", file=sys.stderr)
+        return names.split()
 
     # --- states to go on from ---
     @_usage('sim.save_state("before_turn")')

@@ -16,6 +16,7 @@
 #include "server/app/print.h"
 #include "server/app/remote_connection.h"
 #include "server/model/text_file.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -48,6 +49,11 @@ constexpr Verb kVerbs[] = {
     {"load", command::kLoadScenario,
      "Load another scenario: a bare name, a file of this machine, or - (standard input)",
      "coopdyn load corridor", 1, 1},
+    {"world", 0,
+     "Look at what stands in the world, or edit it: list, insert, remove, move, set, rename, undo, redo, save",
+     "coopdyn world insert \"[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1\"    coopdyn world move BOX_1 2 "
+     "1    coopdyn world save mine.scenario",
+     1, 1 << 20},
     {"stop-all", command::kStopAll, "Stop all robots", "coopdyn stop-all", 0, 0},
     {"quit", command::kQuit, "End the daemon", "coopdyn quit", 0, 0},
     {"call", 0, "Send any command to any module",
@@ -172,6 +178,76 @@ Message MakeRequest(const RemoteOptions& options, std::int32_t command) {
   return request;
 }
 
+/// `words` of `coopdyn world` as a request to /world.
+Message WorldRequest(const std::vector<std::string>& words) {
+  const std::string& verb = words.front();
+  const CommandTable& table = *FindModuleTable("world");
+  const CommandSpec* spec = table.Find(verb == "move" ? "set_pose" : verb);
+  if (spec == nullptr || spec->id < command::kInsert || spec->id > command::kGetWorld) {
+    throw RemoteError(kExitWrongUse,
+                      verb + " is nothing that coopdyn world does: write list, insert, remove, move, set, rename, "
+                             "undo, redo or save");
+  }
+  Message request;
+  request.command = spec->id;
+  if (spec->id == command::kSaveWorld) return request;
+  const bool has_numbers = !spec->data.empty();
+  std::size_t next = 1;
+  if (has_numbers && spec->text != TextUse::kNone && next < words.size()) request.text = words[next++];
+  for (; next < words.size(); ++next) {
+    if (has_numbers) {
+      const std::optional<double> number = ParsePlain(words[next]);
+      if (!number) throw RemoteError(kExitWrongUse, "'" + words[next] + "' is no number: coopdyn world " + spec->example);
+      request.data.push_back(*number);
+    } else {
+      request.text += (request.text.empty() ? "" : " ") + words[next];
+    }
+  }
+  std::error_code ignored;
+  if (spec->id == command::kInsert && std::filesystem::is_regular_file(request.text, ignored)) {
+    std::ifstream file(request.text, std::ios::binary);
+    request.text.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  return request;
+}
+
+void PrintWorld(const std::string& text) {
+  boost::system::error_code error;
+  const json::value parsed = json::parse(text, error);
+  if (error || !parsed.is_object()) throw RemoteError(kExitErrors, "the daemon's answer is unreadable");
+  for (const char* kind : {"things", "robots", "targets", "lights"}) {
+    for (const json::value& one : ArrayAt(parsed.as_object(), kind)) {
+      const json::object& thing = one.as_object();
+      std::string place;
+      for (const json::value& x : ArrayAt(thing, "position")) place += fmt::format(" {:8.3f}", x.to_number<double>());
+      const std::string type = WordAt(thing, "type");
+      Print("{:>8.0f}  {:<20} {:<12}{}\n", NumberAt(thing, "id"), WordAt(thing, "name"),
+            type == "-" ? std::string(kind).substr(0, std::string_view(kind).size() - 1) : type, place);
+    }
+  }
+}
+
+/// `coopdyn world`.
+void CallWorld(RemoteConnection& connection, const RemoteOptions& options, const Message& request) {
+  connection.Open("/world");
+  if (!options.at->token.empty()) {
+    Message hello;
+    hello.command = command::kHello;
+    hello.text = "coopdyn-call " + options.at->token;
+    if (const Message reply = connection.Call(hello); reply.error != 0) throw RemoteError(kExitErrors, reply.text);
+  }
+  const Message reply = connection.Call(request);
+  if (reply.error != 0) throw RemoteError(kExitErrors, reply.text);
+  if (request.command == command::kListWorld) return PrintWorld(reply.text);
+  if (request.command != command::kSaveWorld) return Print("{}: {}\n", options.words.front(), reply.text);
+  if (options.words.size() < 2) return Print("{}", reply.text);
+  std::ofstream file(options.words[1], std::ios::binary);
+  file << reply.text;
+  file.close();
+  if (!file) throw RemoteError(kExitErrors, options.words[1] + " cannot be written: choose another folder or name");
+  Print("saved as {}\n", options.words[1]);
+}
+
 /// Diagnostics of a file that was sent as a text carry its name again.
 std::string WithFileName(std::string text, const RemoteOptions& options) {
   constexpr std::string_view kText = "(text):";
@@ -237,8 +313,13 @@ void CallSimulation(RemoteConnection& connection, const RemoteOptions& options, 
 int Remote(const RemoteOptions& options, const Verb& verb) {
   try {
     const ServerAddress server(options.at->server);
-    const Message request = MakeRequest(options, verb.command);
+    const bool is_world = options.verb == "world";
+    const Message request = is_world ? WorldRequest(options.words) : MakeRequest(options, verb.command);
     RemoteConnection connection(server);
+    if (is_world) {
+      CallWorld(connection, options, request);
+      return kExitOk;
+    }
     if (options.verb == "list") {
       List(connection);
     } else if (options.verb == "call") {

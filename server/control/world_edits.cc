@@ -392,14 +392,16 @@ ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::sp
   const Scene& scene = *frame.scene;
   const Found found = name.empty() && !ids.empty() ? FindId(scene, ids.front()) : FindName(scene, name);
   if (!found.any()) return NoSuchThing(scene, name.empty() && !ids.empty() ? std::to_string(ids.front()) : name);
-  const std::span<const double> turn = values.subspan(std::min<std::size_t>(3, values.size()));
-  const Vector3 p_W(values[0], values[1], values[2]);
-  const bool far = p_W.cwiseAbs().maxCoeff() > kMaxFileLength_m || !p_W.allFinite();
-  if (far) return Refuse(Error::kOutOfRange, "a place is within 100 km of the origin");
-  if (turn.size() > 1 && turn.size() != 4) {
+  if (values.size() < 2 || values.size() == 5 || values.size() == 6 || values.size() > 7) {
     return Refuse(Error::kOutOfRange,
-                  "set_pose takes x y z, then nothing, a yaw, or a quaternion w x y z: set_pose BOX_1 2 1 0.25 0");
+                  "set_pose takes x y, x y z, x y z and a yaw, or x y z and a quaternion w x y z: set_pose BOX_1 2 1 "
+                  "0.25 0");
   }
+  const std::span<const double> turn = values.subspan(std::min<std::size_t>(3, values.size()));
+  const auto at = [&values](double z) { return Vector3(values[0], values[1], values.size() > 2 ? values[2] : z); };
+  const Vector3 p_W = at(0);
+  const bool far = !p_W.allFinite() || p_W.cwiseAbs().maxCoeff() > kMaxFileLength_m;
+  if (far) return Refuse(Error::kOutOfRange, "a place is within 100 km of the origin");
   std::optional<Quaternion> q;
   if (turn.size() == 1) q = FromRollPitchYaw(0, 0, turn[0]);
   if (turn.size() == 4) q = Quaternion(turn[0], turn[1], turn[2], turn[3]);
@@ -411,23 +413,23 @@ ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::sp
   if (found.object >= 0) {
     const SceneObject& thing = ObjectAt(scene, found.object);
     PutObject put{thing.id, ObjectNow(frame, thing), Placing::kStart};
-    put.object.X_WO = {p_W, q.value_or(put.object.X_WO.q)};
+    put.object.X_WO = {at(put.object.X_WO.p.z()), q.value_or(put.object.X_WO.q)};
     edit.change.label = "move " + thing.object.name;
     edit.change.objects.push_back(std::move(put));
   } else if (found.robot >= 0) {
     PutRobot put{RobotAt(scene, found.robot).id, RobotNow(frame, found.robot), Placing::kStart};
-    put.entry.X_WR = {p_W, q.value_or(put.entry.X_WR.q)};
+    put.entry.X_WR = {at(put.entry.X_WR.p.z()), q.value_or(put.entry.X_WR.q)};
     edit.change.label = "move " + put.entry.name;
     edit.change.robots.push_back(std::move(put));
   } else if (found.target >= 0) {
     Target target = scene.targets[static_cast<std::size_t>(found.target)];
-    target.p_WT = p_W;
+    target.p_WT = at(target.p_WT.z());
     edit.change.label = "move " + TargetName(target);
     edit.change.targets.push_back(std::move(target));
   } else {
     edit.change.lights = scene.lights;
     PointLight& light = (*edit.change.lights)[static_cast<std::size_t>(found.light)];
-    light.p_WP = p_W;
+    light.p_WP = at(light.p_WP.z());
     edit.change.label = "move " + light.name;
   }
   return edit;

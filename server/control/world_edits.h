@@ -28,7 +28,7 @@ struct ResolvedEdit {
 ResolvedEdit ResolveInsert(const Frame& frame, const std::string& text, RobotLibrary& robots);
 /// Names in `text` and WorldIds; a name may be an id.
 ResolvedEdit ResolveRemove(const Frame& frame, const std::string& text, std::span<const std::int32_t> ids);
-/// `values`: x y z, and nothing, a yaw, or w x y z.
+/// `values`: x y, x y z, x y z yaw, or x y z and w x y z.
 ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::span<const std::int32_t> ids,
                             std::span<const double> values);
 /// "BOX_1 color red | mass 2".

@@ -3,6 +3,7 @@ classdef Simulation < coopdyn.internal.RunCalls
 %SIMULATION A connection to a daemon: its time and its robots. Made by coopdyn.connect.
 %   robot, team, robots, step; time, steps, mode, dt; run, pause, stop_all, reset, reload, load_scenario, set_mode, set_step,
 %   set_speed, set_participants, release_robot; status, hash, waiting, snapshot, describe, modules, call, close.
+%   What stands in the world: insert, remove, move, change, rename, undo, redo, world, save_scenario, pick.
 %   Saved states: save_state, restore_state, saved_states. Recording: record, stop_recording, note, recording, recordings,
 %   fetch_run. Playing a recording: playback, seek, play, set_play_speed, skip, set_loop, branch.
 %   In lockstep set_velocity does not wait: it is kept (the last wins) until sim.step(), which sends the commands of all

@@ -15,7 +15,7 @@ namespace coopdyn {
 namespace {
 
 struct Case {
-  std::variant<RunEdit, RobotEvent> what;
+  std::variant<RunEdit, RobotEvent, WorldInput> what;
   std::string action, detail;
 };
 

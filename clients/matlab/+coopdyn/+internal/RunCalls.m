@@ -1,9 +1,6 @@
 % SPDX-License-Identifier: MIT
-classdef RunCalls < handle
+classdef RunCalls < coopdyn.internal.WorldCalls
 %RUNCALLS What a simulation tells /recorder and /playback, and its saved states. Part of coopdyn.Simulation.
-  properties (Access = protected)
-    session
-  end
   methods
     % --- states to go on from
     function save_state(sim, name)
