@@ -105,7 +105,7 @@ CommandTable WorldTable() {
   const ValueSpec id{.name = "id", .unit = "", .optional = true, .min = 1};
   CommandSpec insert = edit(command::kInsert, "insert",
                             "Puts things, robots, targets and lights into the world: sections of a scenario; "
-                            "in one line with | between the lines. [BOX_*] takes the next free number.");
+                            "in one line bars stand between the lines. [BOX_*] takes the next free number.");
   insert.text = TextUse::kRest;
   insert.text_name = "SECTIONS";
   insert.example = "insert [BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1";
@@ -124,7 +124,7 @@ CommandTable WorldTable() {
   pose.data = {Value("x", "m"), Value("y", "m"), Repeated("z or turn")};
   pose.example = "set_pose BOX_1 2 1 0.25 0";
   CommandSpec set = edit(command::kSetThing, "set",
-                         "Changes keys of a thing's section; several with | between them.");
+                         "Changes keys of a thing's section; bars stand between several.");
   set.text = TextUse::kRest;
   set.text_name = "NAME KEY VALUES";
   set.example = "set BOX_1 color red | mass 2kg";

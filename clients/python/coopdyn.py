@@ -3618,12 +3618,13 @@ class Simulation:
                 sections = file.read()
         return self._edit(_INSERT, text=sections)
 
-    @_usage('sim.remove("BOX_1") or sim.remove("BOX_1", "robot2")')
-    def remove(self, *names: str) -> None:
+    @_usage('sim.remove("BOX_1") or sim.remove(["BOX_1", "robot2"])')
+    def remove(self, names: Union[str, Sequence[str]]) -> None:
         """Takes things, robots, targets or lights out of the world."""
-        if not names:
-            raise Error(3, 'nothing to remove: write sim.remove("BOX_1")')
-        self._edit(_REMOVE, text=" ".join(_word(name, "a name") for name in names))
+        words = [names] if isinstance(names, str) else names
+        if not isinstance(words, (list, tuple)) or not words:
+            raise Error(3, f'what is to be removed is named, not {names!r}: write sim.remove("BOX_1")')
+        self._edit(_REMOVE, text=" ".join(_word(name, "a name") for name in words))
 
     @_usage('sim.move("BOX_1", (2, 1)) or sim.move("BOX_1", (2, 1, 0.25), 1.57)')
     def move(self, name: str, position: Sequence[float], turn: Union[float, Sequence[float], None] = None) -> None:

@@ -39,16 +39,24 @@ void CodeScene(auto& codec, auto& scene, const SceneContext& context) {
 }
 
 /// What an older recording does not say is as in the scenario.
-void TakeFromScenario(Scene& scene) {
+void TakeLights(Scene& scene) {
   if (scene.scenario == nullptr) return;
   scene.lights = scene.scenario->lights;
   scene.ambient_light = scene.scenario->ambient_light;
+}
+
+/// Things of the scenario share its textures; what was added later has its own.
+void TakeTextures(Scene& scene) {
+  if (scene.scenario == nullptr) return;
+  const auto take = [](Texture& texture, const Texture& of) {
+    if (texture.image == nullptr && (texture.name.empty() || texture.name == of.name)) texture = of;
+  };
   const std::vector<WorldObject>& objects = scene.scenario->objects;
-  scene.floor.texture = scene.scenario->floor.texture;
+  take(scene.floor.texture, scene.scenario->floor.texture);
   for (SceneObject& thing : scene.objects) {
     const std::size_t place = thing.id.value - 1;
     if (place < objects.size() && objects[place].name == thing.object.name)
-      thing.object.texture = objects[place].texture;
+      take(thing.object.texture, objects[place].texture);
   }
 }
 
@@ -110,7 +118,8 @@ std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
   if (!reader.finished() || !Fits(*scene)) return nullptr;
   for (SceneRobot& robot : std::exchange(scene->robots, {})) AddRobot(*scene, std::move(robot));
   scene->scenario = scenario;
-  if (!has_textures) TakeFromScenario(*scene);
+  if (!has_textures) TakeLights(*scene);
+  TakeTextures(*scene);
   return scene;
 }
 

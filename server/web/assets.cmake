@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 # The page and the clients to download, built into the library: embed.cmake makes a C++ file of them.
 set(clients ${PROJECT_SOURCE_DIR}/clients)
-file(GLOB page_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/page/*)
+file(GLOB page_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/page/*.html ${CMAKE_CURRENT_SOURCE_DIR}/page/*.svg)
+file(GLOB scripts CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/page/*.js ${CMAKE_CURRENT_SOURCE_DIR}/page/*.css)
 file(GLOB_RECURSE matlab_files CONFIGURE_DEPENDS RELATIVE ${clients}/matlab ${clients}/matlab/*.m)
 file(GLOB python_client CONFIGURE_DEPENDS ${clients}/python/coopdyn.py)
 
@@ -25,10 +26,30 @@ if(matlab_files)
     VERBATIM)
 endif()
 
+# The page's libraries, by its lock file, and then its scripts and styles as a few files with all that they import.
+find_program(NPM npm REQUIRED)
+set(packages ${CMAKE_CURRENT_BINARY_DIR}/packages)
+set(bundle ${CMAKE_CURRENT_BINARY_DIR}/bundle)
+add_custom_command(
+  OUTPUT ${packages}/installed
+  COMMAND ${CMAKE_COMMAND} -DPAGE=${CMAKE_CURRENT_SOURCE_DIR}/page -DPACKAGES=${packages} -DNPM=${NPM}
+          -P ${CMAKE_CURRENT_SOURCE_DIR}/packages.cmake
+  DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/page/package-lock.json ${CMAKE_CURRENT_SOURCE_DIR}/packages.cmake
+  VERBATIM)
+add_custom_command(
+  OUTPUT ${bundle}/app.js
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${bundle}
+  COMMAND ${CMAKE_COMMAND} -E env NODE_PATH=${packages}/node_modules ${packages}/node_modules/.bin/esbuild
+          ${CMAKE_CURRENT_SOURCE_DIR}/page/app.js ${CMAKE_CURRENT_SOURCE_DIR}/page/style.css --bundle --splitting
+          --format=esm --minify --legal-comments=none --target=es2022 --log-level=warning --outdir=${bundle}
+  DEPENDS ${scripts} ${packages}/installed
+  VERBATIM)
+
 set(assets_source ${CMAKE_CURRENT_BINARY_DIR}/assets_data.cc)
 add_custom_command(
   OUTPUT ${assets_source}
-  COMMAND ${CMAKE_COMMAND} -DOUTPUT=${assets_source} "-DASSETS=${assets}" -P ${CMAKE_CURRENT_SOURCE_DIR}/embed.cmake
-  DEPENDS ${page_files} ${python_client} ${matlab_zip} ${CMAKE_CURRENT_SOURCE_DIR}/embed.cmake
+  COMMAND ${CMAKE_COMMAND} -DOUTPUT=${assets_source} "-DASSETS=${assets}" -DBUNDLE=${bundle}
+          -P ${CMAKE_CURRENT_SOURCE_DIR}/embed.cmake
+  DEPENDS ${page_files} ${bundle}/app.js ${python_client} ${matlab_zip} ${CMAKE_CURRENT_SOURCE_DIR}/embed.cmake
   VERBATIM)
 coopdyn_generated_source(coopdyn_web ${assets_source})

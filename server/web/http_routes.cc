@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/beast/zlib/inflate_stream.hpp>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -181,6 +182,15 @@ HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/api/modules") return {.kind = HttpRouteKind::kModules};
   if (path == "/api/gallery") return {.kind = HttpRouteKind::kGallery};
   if (std::optional<HttpRoute> thumb = ThumbIn(path)) return *std::move(thumb);
+  if (path == "/api/scene") return {.kind = HttpRouteKind::kScene};
+  constexpr std::string_view kMeshes = "/api/mesh/", kGlb = ".glb", kTextures = "/api/texture/";
+  if (path.starts_with(kMeshes) && path.ends_with(kGlb) && path.size() == kMeshes.size() + 16 + kGlb.size()) {
+    return {.kind = HttpRouteKind::kMesh, .name = std::string(path.substr(kMeshes.size(), 16))};
+  }
+  if (path.starts_with(kTextures)) {
+    const std::optional<std::string> name = PercentDecode(path.substr(kTextures.size()));
+    return name ? HttpRoute{.kind = HttpRouteKind::kTexture, .name = *name} : Refuse(400, "badly escaped");
+  }
   if (path == "/runs") return {.kind = HttpRouteKind::kRuns};
   if (std::string name = RunNameIn(path); !name.empty()) {
     return {.kind = HttpRouteKind::kRun, .run = std::move(name)};
@@ -253,7 +263,27 @@ std::string StreamHeader(std::string_view more) {
   return header.append(more) + "\r\n\r\n";
 }
 
-HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match) {
+std::string PlainBytes(const Asset& asset) {
+  constexpr std::size_t kHead = 10, kTail = 8;  // gzip's, without a name
+  if (!asset.compressed || asset.bytes.size() < kHead + kTail) return std::string(asset.bytes);
+  std::uint32_t size = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    size |= std::uint32_t{static_cast<unsigned char>(asset.bytes[asset.bytes.size() - 4 + i])} << (8 * i);
+  }
+  std::string plain(size, '\0');
+  boost::beast::zlib::z_params params;
+  params.next_in = asset.bytes.data() + kHead;
+  params.avail_in = asset.bytes.size() - kHead - kTail;
+  params.next_out = plain.data();
+  params.avail_out = plain.size();
+  boost::beast::zlib::inflate_stream inflate;
+  boost::system::error_code ended;
+  inflate.write(params, boost::beast::zlib::Flush::sync, ended);
+  plain.resize(plain.size() - params.avail_out);
+  return plain;
+}
+
+HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match, std::string_view accept_encoding) {
   HttpAnswer answer;
   const std::string tag = EntityTag(asset);
   answer.type = ContentType(asset.path);
@@ -264,9 +294,13 @@ HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match) {
   }
   if (if_none_match == "*" || if_none_match.find(tag) != std::string_view::npos) {
     answer.status = 304;
-  } else {
+  } else if (asset.compressed && accept_encoding.find("gzip") != std::string_view::npos) {
+    answer.headers.emplace_back("Content-Encoding", "gzip");
     answer.body = asset.bytes;
+  } else {
+    answer.body = PlainBytes(asset);
   }
+  if (asset.compressed) answer.headers.emplace_back("Vary", "Accept-Encoding");
   return answer;
 }
 

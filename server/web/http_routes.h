@@ -51,6 +51,9 @@ enum class HttpRouteKind {
   kStatus,
   kScenarios,
   kModules,
+  kScene,
+  kMesh,
+  kTexture,
   kRuns,
   kRun,
   kGallery,
@@ -68,6 +71,7 @@ struct HttpRoute {
   ImageRequest image = {};       // kSnapshot, kStream
   std::string thumb_kind = {};   // kThumb: world, scenario or robot
   std::string thumb = {};        // kThumb: the name, to be looked up among those that there are
+  std::string name = {};         // kMesh: 16 hex digits; kTexture
   std::string run = {};          // kRun: NAME.run or NAME.mat, to be checked by whoever keeps them
 };
 
@@ -79,7 +83,9 @@ HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>&
 std::string ReadImageQuery(std::string_view query, ImageRequest& request);
 
 /// The answer with a file; 304 if the client has it.
-HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match);
+/// `accept_encoding`: one who does not say gzip gets plain bytes.
+HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match,
+                       std::string_view accept_encoding = {});
 
 /// The headers that every answer carries.
 const std::vector<std::pair<std::string, std::string>>& CommonHeaders();

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <boost/asio/dispatch.hpp>
+#include <charconv>
 #include <boost/asio/write.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/error.hpp>
@@ -18,6 +19,7 @@
 #include "server/web/access.h"
 #include "server/web/page_bridge.h"
 #include "server/web/page_socket.h"
+#include "server/web/scene_json.h"
 #include "server/web/streams.h"
 
 namespace coopdyn {
@@ -69,6 +71,30 @@ HttpAnswer AnswerModules(const WebContext& context) {
   return JsonAnswer(JsonText(json::object{{"name_port", context.options.name_port},
                                           {"version", context.options.version},
                                           {"modules", std::move(modules)}}));
+}
+
+HttpAnswer AnswerScene(WebContext& context) {
+  const FramePtr frame = context.frames.Latest();
+  if (frame == nullptr) return ErrorAnswer(503, "there is no world yet: ask again in a second");
+  return JsonAnswer(SceneJson(*frame, context.scenes.Of(frame->scene)));
+}
+
+HttpAnswer AnswerMesh(const WebContext& context, const std::string& name) {
+  const FramePtr frame = context.frames.Latest();
+  std::uint64_t id = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id, 16);
+  const bool read = error == std::errc() && end == name.data() + name.size();
+  std::string glb = frame != nullptr && read ? MeshGlb(*frame->scene, id) : "";
+  if (glb.empty()) return ErrorAnswer(404, "no robot of the scene has this mesh: /api/scene names them");
+  // The name is that of the content.
+  return {.body = std::move(glb), .type = "model/gltf-binary", .headers = {{"Cache-Control", "max-age=86400"}}};
+}
+
+HttpAnswer AnswerTexture(const WebContext& context, const std::string& name) {
+  const FramePtr frame = context.frames.Latest();
+  const auto image = frame == nullptr ? nullptr : FindTextureImage(*frame->scene, name);
+  if (image == nullptr) return ErrorAnswer(404, "nothing in the scene has this texture: /api/scene names them");
+  return {.body = BitmapOf(*image), .type = "image/bmp", .headers = {{"Cache-Control", "no-cache"}}};
 }
 
 /// What to answer to something that is no HTTP request.
@@ -176,7 +202,8 @@ void HttpSession::OnRequest() {
     case HttpRouteKind::kRefused:
       return Answer(route_.refusal);
     case HttpRouteKind::kAsset:
-      return Answer(AnswerAsset(*route_.asset, std::string_view(request[http::field::if_none_match])));
+      return Answer(AnswerAsset(*route_.asset, std::string_view(request[http::field::if_none_match]),
+                                std::string_view(request[http::field::accept_encoding])));
     case HttpRouteKind::kSnapshot:
       return AnswerSnapshot(route_.image, !head_only);
     case HttpRouteKind::kStream:
@@ -187,6 +214,12 @@ void HttpSession::OnRequest() {
       return Answer(AnswerScenarios(context_));
     case HttpRouteKind::kModules:
       return Answer(AnswerModules(context_));
+    case HttpRouteKind::kScene:
+      return Answer(AnswerScene(context_));
+    case HttpRouteKind::kMesh:
+      return Answer(AnswerMesh(context_, route_.name));
+    case HttpRouteKind::kTexture:
+      return Answer(AnswerTexture(context_, route_.name));
     case HttpRouteKind::kRuns:
       return AnswerRuns();
     case HttpRouteKind::kRun:

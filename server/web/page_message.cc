@@ -152,8 +152,14 @@ PageMessage ReadObject(const json::object& object) {
   if (type == "hello") return PageHello{NameAt(object, "token")};
   if (type == "view") return ReadView(object);
   if (type == "shown") return PageShown{};
+  if (type == "poses") {
+    const json::value* rate = object.if_contains("rate");
+    if (rate == nullptr || !rate->is_number() || !(rate->to_number<double>() >= 0))
+      throw Wrong{"poses take a rate per second, 0 for none: {\"type\":\"poses\",\"rate\":30}"};
+    return PagePoses{std::min(rate->to_number<double>(), PagePoses::kMaxRate_hz)};
+  }
   if (type == "close") return PageClose{ModuleAt(object), NameAt(object, "channel")};
-  throw Wrong{"unknown type: write call, hello, view, shown or close"};
+  throw Wrong{"unknown type: write call, hello, view, shown, poses or close"};
 }
 
 json::value NumberOrWord(double value) {

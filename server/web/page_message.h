@@ -41,13 +41,19 @@ struct PageView {
 };
 struct PageShown {};
 
+/// {"type":"poses","rate":30}: where the bodies are, so many times a second at most (pose_stream.h); 0: no more.
+struct PagePoses {
+  static constexpr double kMaxRate_hz = 60;
+  double rate_hz = 0;
+};
+
 /// {"type":"close","module":"/robot1/motors","channel":""}: closes that connection, which frees the robot.
 struct PageClose {
   std::string module;
   std::string channel;
 };
 
-using PageMessage = std::variant<PageCall, PageHello, PageView, PageShown, PageClose>;
+using PageMessage = std::variant<PageCall, PageHello, PageView, PageShown, PagePoses, PageClose>;
 
 /// What could be read, or what is wrong with it.
 struct PageRead {

@@ -2,6 +2,7 @@
 #include "server/web/page_socket.h"
 
 #include <boost/beast/core/buffers_to_string.hpp>
+#include <cmath>
 #include <boost/beast/websocket/option.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <boost/json.hpp>
@@ -31,7 +32,7 @@ std::string PictureMessage(const ImageResult& result) {
                                                           {"eye", PointOf(result.camera.eye_m)},
                                                           {"look", PointOf(result.camera.look_m)}}
                                     : boost::json::object{{"error", result.error}});
-  std::string message;
+  std::string message(1, '\1');
   for (int shift = 0; shift < 32; shift += 8) message += static_cast<char>((json.size() >> shift) & 0xffU);
   message += json;
   if (result.bytes) message.append(result.bytes->begin(), result.bytes->end());
@@ -50,7 +51,8 @@ PageSocket::PageSocket(beast::tcp_stream stream, WebContext& context, PeerInfo p
       context_(context),
       bridge_(context.io, context.names, context.frames, PageOf(std::move(peer)),
               [this](const PageReply& reply) { OnReply(reply); }),
-      view_(context.io, context.pictures, [this](const ImageResult& result) { OnPicture(result); }) {}
+      view_(context.io, context.pictures, [this](const ImageResult& result) { OnPicture(result); }),
+      pose_timer_(context.io) {}
 
 void PageSocket::Start(http::request<http::string_body> upgrade) {
   upgrade_ = std::move(upgrade);
@@ -76,6 +78,7 @@ void PageSocket::Start(http::request<http::string_body> upgrade) {
 void PageSocket::Close() {
   open_ = false;
   view_.Set(std::nullopt);
+  SendPoses(0);
   beast::get_lowest_layer(socket_).close();
 }
 
@@ -109,6 +112,8 @@ void PageSocket::OnMessage(std::string_view text) {
     view_.Set(view->request);
   } else if (std::holds_alternative<PageShown>(*read.message)) {
     view_.Shown();
+  } else if (const auto* poses = std::get_if<PagePoses>(&*read.message)) {
+    SendPoses(poses->rate_hz);
   } else if (const auto* close = std::get_if<PageClose>(&*read.message)) {
     bridge_.CloseLink(close->module, close->channel);
   }
@@ -153,6 +158,37 @@ void PageSocket::OnPicture(const ImageResult& result) {
   WriteNext();
 }
 
+void PageSocket::SendPoses(double rate_hz) {
+  pose_timer_.cancel();
+  pose_every_ = std::chrono::nanoseconds(rate_hz > 0 ? std::llround(1e9 / rate_hz) : 0);
+  poses_due_ = rate_hz > 0;
+  posed_ = nullptr;
+  poses_.Restart();
+  if (rate_hz <= 0) return;
+  AwaitPoses();
+  WriteNext();
+}
+
+void PageSocket::AwaitPoses() {
+  pose_timer_.expires_after(pose_every_);
+  pose_timer_.async_wait([self = weak_from_this()](error_code cancelled) {
+    const auto socket = self.lock();
+    if (cancelled || !socket || !socket->open_ || socket->pose_every_.count() == 0) return;
+    socket->poses_due_ = true;
+    socket->WriteNext();
+    socket->AwaitPoses();
+  });
+}
+
+std::string PageSocket::TakePoses() {
+  if (!poses_due_) return {};
+  poses_due_ = false;
+  const FramePtr frame = context_.frames.Latest();
+  if (frame == nullptr || frame == posed_) return {};
+  posed_ = frame;
+  return poses_.Next(*frame, context_.scenes.Of(frame->scene));
+}
+
 void PageSocket::Send(std::string text, bool push) {
   if (!open_) return;
   queued_bytes_ += text.size();
@@ -181,6 +217,9 @@ void PageSocket::WriteNext() {
   } else if (status_) {
     written_ = R"({"type":"status","status":)" + *status_ + "}";
     status_ = nullptr;
+  } else if (std::string poses = TakePoses(); !poses.empty()) {
+    written_ = std::move(poses);
+    binary = true;
   } else if (!picture_.empty()) {
     written_.swap(picture_);
     picture_.clear();

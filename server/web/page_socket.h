@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // One open page: a WebSocket that carries calls to modules, the status, and pictures. A slow one gets the
-// newest status and picture only. Text messages are JSON; a binary one is a picture: uint32 (little-endian)
-// length of a JSON object, that object {"time_s":…,"step":…,"eye":[x,y,z],"look":[x,y,z]} or {"error":"…"},
-// then a JPEG. UI thread.
+// newest status, picture and poses only. Text messages are JSON; a binary one has a type byte: 2 poses
+// (pose_stream.h), 1 a picture: uint32 (little-endian) length of a JSON object, that object
+// {"time_s":…,"step":…,"eye":[x,y,z],"look":[x,y,z]} or {"error":"…"}, then a JPEG. UI thread.
 #pragma once
 
 #include <utility>
 
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
@@ -20,6 +21,7 @@
 
 #include "server/web/live_view.h"
 #include "server/web/page_bridge.h"
+#include "server/web/pose_stream.h"
 #include "server/web/web_context.h"
 
 namespace coopdyn {
@@ -55,6 +57,11 @@ class PageSocket : public WebConnection,
   void OnHello(const PageHello& hello);
   void OnReply(PageReply reply);
   void OnPicture(const ImageResult& result);
+  /// Poses at this rate from now on; 0: none.
+  void SendPoses(double rate_hz);
+  void AwaitPoses();
+  /// The poses of the newest frame, if they are due and not what the viewer has.
+  std::string TakePoses();
   void Send(std::string text, bool push = false);
   void WriteNext();
   bool overfull() const { return queue_.size() > kMaxQueuedReplies || queued_bytes_ > kMaxQueuedBytes; }
@@ -75,6 +82,11 @@ class PageSocket : public WebConnection,
   std::size_t dropped_pushes_ = 0;
   std::shared_ptr<const std::string> status_;  // the newest, not yet written
   std::string picture_;                        // likewise
+  PoseStream poses_;
+  boost::asio::steady_timer pose_timer_;
+  std::chrono::nanoseconds pose_every_{0};  // 0: none are wanted
+  bool poses_due_ = false;
+  FramePtr posed_;  // the frame whose poses were taken last
 };
 
 }  // namespace coopdyn

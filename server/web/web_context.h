@@ -20,6 +20,22 @@
 
 namespace coopdyn {
 
+/// Numbers the scenes that are shown, so that viewers know when to ask for another. UI thread.
+class SceneNumbers {
+ public:
+  std::uint32_t Of(const std::shared_ptr<const Scene>& scene) {
+    if (scene != newest_) {
+      newest_ = scene;
+      ++number_;
+    }
+    return number_;
+  }
+
+ private:
+  std::shared_ptr<const Scene> newest_;
+  std::uint32_t number_ = 0;
+};
+
 struct WebContext {
   WebContext(boost::asio::io_context& io_context, WebOptions web_options, const NameTable& name_table,
              const FrameBoard& frame_board, ImageBoard* images, NetServices& net_services)
@@ -44,6 +60,7 @@ struct WebContext {
   PageFiles files;
   StatusFeed status;
   WebConnections connections;
+  SceneNumbers scenes;
 
   /// Whether `given` is the token. Wrong ones of `peer` are counted, and after some it waits.
   bool TakesToken(std::string_view given, const std::string& peer) const {

@@ -18,7 +18,19 @@ const record = new Record(connection);
 const runs = new Runs();
 const robots = new Robots(connection);
 const lines = new Console(connection);
-new View(connection);
+
+/** The view that is drawn here; without WebGL, or with ?view=server, pictures of the daemon. */
+async function openView() {
+  if (new URLSearchParams(location.search).get('view') !== 'server') {
+    try {
+      const {View3d, webGl} = await import('./view3d.js');
+      const quality = webGl();
+      if (quality !== 'none') return new View3d(connection, quality);
+    } catch { /* then the daemon draws */ }
+  }
+  return new View(connection);
+}
+openView().then((view) => { window.coopdyn = {view, connection}; });  // for tests, and for those who look
 
 const RETRY_MS = 2000;
 let asked = 0;

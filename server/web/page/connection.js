@@ -14,7 +14,7 @@ export class Connection extends EventTarget {
 
   /** Events: open, lost, hello (detail: {trusted, pictures, version}; wrong_token: true if the token that was sent is not
    *  the daemon's; token_wait: after too many of them, how long none is read), status (detail: object or null),
-   *  silence (no status for two seconds), picture (detail: {about, jpeg}), push (detail: message). */
+   *  silence (no status for two seconds), picture (detail: {about, jpeg}), poses (detail: the message), push (detail: message). */
   constructor(token) {
     super();
     this.#token = token;
@@ -67,7 +67,7 @@ export class Connection extends EventTarget {
     socket.onmessage = ({data}) => {
       this.#heard = performance.now();
       if (typeof data === 'string') this.#onText(JSON.parse(data));
-      else this.#onPicture(data);
+      else this.#onBytes(data);
     };
     socket.onclose = () => {
       clearTimeout(this.#silence);
@@ -100,10 +100,17 @@ export class Connection extends EventTarget {
     this.#silence = setTimeout(() => this.dispatchEvent(new Event('silence')), SILENCE_MS);
   }
 
-  #onPicture(buffer) {
-    const length = new DataView(buffer).getUint32(0, true);
-    const about = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-    const jpeg = new Blob([new Uint8Array(buffer, 4 + length)], {type: 'image/jpeg'});
+  /** The first byte says what it is: 1 a picture, 2 poses. */
+  #onBytes(buffer) {
+    const view = new DataView(buffer);
+    if (view.getUint8(0) === 2) {
+      this.received = (this.received ?? 0) + buffer.byteLength;
+      this.dispatchEvent(new CustomEvent('poses', {detail: buffer}));
+      return;
+    }
+    const length = view.getUint32(1, true);
+    const about = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 5, length)));
+    const jpeg = new Blob([new Uint8Array(buffer, 5 + length)], {type: 'image/jpeg'});
     this.dispatchEvent(new CustomEvent('picture', {detail: {about, jpeg}}));
   }
 }

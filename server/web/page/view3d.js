@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: MIT
+// The live view, drawn here: the scene by /api/scene, moved by pose messages. Left button turns, right button moves, wheel
+// zooms to the pointer; one finger turns, two move and zoom. A click selects, a double click follows.
+import * as THREE from 'three';
+import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
+import {byId, make, setText} from './dom.js';
+import {Interpolator, PoseReader} from './poses.js';
+import {Scene3d} from './scene3d.js';
+
+const RATE_HZ = 30;
+const TRAIL_POINTS = 600;
+const MAX_NAMES = 200;
+const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond that shadows cost more than they tell
+
+/** How this browser can draw it: 'none', 'software' or 'hardware'. */
+export function webGl() {
+  try {
+    const gl = document.createElement('canvas').getContext('webgl2');
+    if (!gl) return 'none';
+    const about = gl.getExtension('WEBGL_debug_renderer_info');
+    const name = about ? gl.getParameter(about.UNMASKED_RENDERER_WEBGL) : '';
+    gl.getExtension('WEBGL_lose_context')?.loseContext();
+    return /swiftshader|llvmpipe|software|basic render/i.test(name) ? 'software' : 'hardware';
+  } catch {
+    return 'none';
+  }
+}
+
+/** Events: select (detail: the thing, or null), scene (a new one is shown), drawn. A thing is {kind, name, id, description}. */
+export class View3d extends EventTarget {
+  #connection;
+  #frame = byId('view-frame');
+  #canvas;
+  #renderer;
+  #root = new THREE.Scene();
+  #camera = new THREE.PerspectiveCamera(50, 1, 0.02, 2000);
+  #controls;
+  #sun = new THREE.DirectionalLight(0xffffff, 2.1);
+  #sky = new THREE.HemisphereLight(0xffffff, 0x8a8f98, 1.5);
+  #scene = null;
+  #reader = new PoseReader();
+  #between = new Interpolator();
+  #asking = null;     // number of the scene that was asked for
+  #dirty = true;
+  #framed = '';       // the scenario that the camera was set up for
+  #selected = null;
+  #follows = null;
+  #followed = null;   // where it was
+  #outline = new THREE.Group();
+  #names = new Map();
+  #trails = new Map();
+  #options = {shadows: true, names: false, trails: false};
+  #drawn = 0;
+  #pause = 0;
+
+  /** `quality`: 'software' leaves out what only a graphics card does quickly. */
+  constructor(connection, quality) {
+    super();
+    this.#connection = connection;
+    this.#software = quality === 'software';
+    // A canvas has one kind of context for its life.
+    this.#canvas = make('canvas', {id: 'view', tabIndex: 0, 'aria-label': byId('view').getAttribute('aria-label')});
+    byId('view').replaceWith(this.#canvas);
+    this.#renderer = new THREE.WebGLRenderer({canvas: this.#canvas, antialias: !this.#software, preserveDrawingBuffer: true});
+    this.#renderer.shadowMap.enabled = true;
+    this.#renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.#renderer.setPixelRatio(this.#software ? 1 : Math.min(2, devicePixelRatio));
+    this.#camera.up.set(0, 0, 1);
+    this.#controls = new OrbitControls(this.#camera, this.#canvas);
+    this.#controls.zoomToCursor = true;
+    this.#controls.maxPolarAngle = Math.PI * 0.495;
+    this.#controls.listenToKeyEvents(this.#canvas);
+    this.#controls.addEventListener('change', () => { this.#dirty = true; });
+    this.#controls.addEventListener('start', () => { this.#canvas.focus({preventScroll: true}); });
+    this.#sun.castShadow = true;
+    this.#sun.shadow.mapSize.setScalar(this.#software ? 1024 : 2048);
+    this.#sun.shadow.bias = -0.0004;
+    this.#sun.shadow.normalBias = 0.02;
+    this.#root.add(this.#sun, this.#sun.target, this.#sky, this.#outline);
+    this.#labels = make('div', {id: 'labels', 'aria-hidden': 'true'});
+    this.#frame.append(this.#labels);
+    connection.addEventListener('hello', () => this.#ask());
+    connection.addEventListener('poses', ({detail}) => this.#onPoses(detail));
+    document.addEventListener('visibilitychange', () => this.#ask());
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.#paint());
+    new ResizeObserver(() => this.#fitCanvas()).observe(this.#frame);
+    this.#listen();
+    this.#paint();
+    this.#fitCanvas();
+    requestAnimationFrame((now) => this.#draw(now));
+    byId('view-note').hidden = true;
+    this.#ask();
+  }
+  #labels;
+  #software;
+
+  // --- for other parts of the page
+  get scene() { return this.#scene; }
+  get canvas() { return this.#canvas; }
+  get camera() { return this.#camera; }
+  get controls() { return this.#controls; }
+  get selected() { return this.#selected; }
+  get step() { return this.#reader.step; }
+  get framesDrawn() { return this.#drawn; }
+  redraw() { this.#dirty = true; }
+  /** Draws `object` too, until it is removed from its parent. */
+  add(object) { this.#root.add(object); this.#dirty = true; }
+
+  select(thing) {
+    if (typeof thing === 'string') thing = this.#scene?.find(thing) ?? null;
+    this.#selected = thing;
+    this.#dirty = true;
+    this.#outlineSelected();
+    this.dispatchEvent(new CustomEvent('select', {detail: thing}));
+  }
+
+  /** The point of the floor under a place of the window; null beyond the horizon. */
+  floorAt(clientX, clientY) {
+    const caster = this.#casterAt(clientX, clientY);
+    return caster.ray.intersectPlane(new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), new THREE.Vector3());
+  }
+
+  /** {thing, point} under a place of the window; null if there is nothing. */
+  pick(clientX, clientY) {
+    if (!this.#scene) return null;
+    const hit = this.#casterAt(clientX, clientY).intersectObjects(this.#scene.pickable, false)[0];
+    if (!hit) return null;
+    return {thing: hit.object.userData.things[hit.instanceId ?? 0], point: hit.point};
+  }
+
+  /** Looks at everything: 'top' from above, else from the side. */
+  fit(from = 'side') {
+    if (!this.#scene) return;
+    const box = this.#scene.box(), size = box.getSize(new THREE.Vector3());
+    const middle = box.getCenter(new THREE.Vector3());
+    const fov = THREE.MathUtils.degToRad(this.#camera.fov), aspect = this.#camera.aspect;
+    const half = from === 'top' ? Math.max(size.y, size.x / aspect) / 2 : Math.max(size.length() / 2, 0.5) / Math.min(1, aspect);
+    const away = 1.08 * Math.max(0.8, half) / Math.tan(fov / 2);
+    this.#follows = null;
+    this.#controls.target.set(middle.x, middle.y, from === 'top' ? 0 : Math.min(middle.z, 0.3 * size.z));
+    const direction = from === 'top' ? new THREE.Vector3(0, -0.001, 1) : new THREE.Vector3(-0.62, -0.5, 0.6).normalize();
+    this.#camera.position.copy(this.#controls.target).addScaledVector(direction, from === 'top' ? away : 0.78 * away);
+    this.#controls.update();
+    this.#showFollow();
+    this.#dirty = true;
+  }
+
+  follow(thing) {
+    this.#follows = thing ?? null;
+    this.#followed = null;
+    this.#showFollow();
+    this.#dirty = true;
+  }
+
+  /** A PNG of what is seen. */
+  snapshot() {
+    this.#render();
+    return new Promise((resolve) => this.#canvas.toBlob(resolve, 'image/png'));
+  }
+
+  // --- the wire
+  #ask() {
+    this.#connection.send({type: 'poses', rate: document.hidden ? 0 : RATE_HZ});
+  }
+
+  #onPoses(buffer) {
+    if (!this.#reader.take(buffer)) return;
+    if (!this.#scene || this.#scene.number !== this.#reader.scene) return this.#load(this.#reader.scene);
+    this.#between.push(this.#reader, performance.now());
+    this.#dirty = true;
+  }
+
+  async #load(number) {
+    if (this.#asking === number) return;
+    this.#asking = number;
+    try {
+      const description = await (await fetch('api/scene')).json();
+      if (this.#asking !== number && description.scene !== this.#reader.scene) return;
+      this.#show(description);
+    } catch {
+      setTimeout(() => { this.#asking = null; }, 500);  // the banner says if the daemon is gone
+      return;
+    }
+    this.#asking = null;
+  }
+
+  #show(description) {
+    const selected = this.#selected?.name, followed = this.#follows?.name;
+    this.#scene?.dispose();
+    this.#scene = new Scene3d(description, {onLoaded: () => { this.#dirty = true; }, plain: this.#software});
+    this.#root.add(this.#scene.root);
+    this.#between.reset(description.bodies);
+    if (this.#reader.scene === description.scene) this.#between.push(this.#reader, performance.now());
+    this.#between.write(this.#scene.bodies, performance.now());
+    this.#scene.place();
+    this.#clearTrails();
+    const many = description.robots.length > SHADOW_ROBOTS[this.#software ? 'software' : 'hardware'];
+    this.#sun.castShadow = this.#options.shadows && !many;
+    this.#aimSun();
+    if (this.#framed !== description.scenario) {
+      this.#framed = description.scenario;
+      const wanted = new URLSearchParams(location.search).get('view');
+      this.fit(wanted === 'top' ? 'top' : 'side');
+    }
+    this.select(selected ? this.#scene.find(selected) ?? null : null);
+    this.#follows = followed ? this.#scene.find(followed) ?? null : null;
+    this.#showFollow();
+    this.#makeNames();
+    this.#dirty = true;
+    this.dispatchEvent(new Event('scene'));
+  }
+
+  // --- drawing
+  #paint() {
+    const style = getComputedStyle(document.documentElement);
+    const ground = style.getPropertyValue('--view-ground').trim() || '#dfe4ea';
+    this.#root.background = new THREE.Color(ground);
+    this.#dirty = true;
+  }
+
+  #aimSun() {
+    const box = this.#scene.box(), middle = box.getCenter(new THREE.Vector3());
+    const radius = Math.max(2, box.getSize(new THREE.Vector3()).length() / 2);
+    this.#sun.position.copy(middle).add(new THREE.Vector3(0.45, -0.35, 1).multiplyScalar(2 * radius));
+    this.#sun.target.position.copy(middle);
+    const {camera} = this.#sun.shadow;
+    Object.assign(camera, {left: -radius, right: radius, top: radius, bottom: -radius, near: 0.1, far: 5 * radius});
+    camera.updateProjectionMatrix();
+  }
+
+  #fitCanvas() {
+    const {clientWidth: width, clientHeight: height} = this.#frame;
+    if (width === 0 || height === 0) return;
+    this.#renderer.setSize(width, height, false);
+    this.#camera.aspect = width / height;
+    this.#camera.updateProjectionMatrix();
+    this.#dirty = true;
+  }
+
+  #draw(now) {
+    requestAnimationFrame((next) => this.#draw(next));
+    if (document.hidden || !this.#scene) return;
+    const moves = this.#between.moves(now);
+    if ((!moves && !this.#dirty) || now < this.#pause) return;
+    this.#between.write(this.#scene.bodies, now);
+    this.#scene.place();
+    this.#moveCamera();
+    this.#drawTrails();
+    this.#placeOutline();
+    this.#dirty = false;
+    this.#render();
+    // Where drawing takes long the rest of the page gets its share.
+    const took = Math.max(performance.now() - now, 0);
+    this.#pause = took > 40 ? performance.now() + 0.5 * took : 0;
+    this.#placeNames();
+    this.#canvas.dataset.step = this.#reader.step;
+    this.#canvas.dataset.shown = ++this.#drawn;
+    this.dispatchEvent(new Event('drawn'));
+  }
+
+  #render() { this.#renderer.render(this.#root, this.#camera); }
+  renderNow() { this.#render(); }
+
+  #moveCamera() {
+    if (!this.#follows) return;
+    const [p] = this.#scene.pose(this.#follows);
+    if (this.#followed) {
+      const way = p.clone().sub(this.#followed);
+      this.#camera.position.add(way);
+      this.#controls.target.add(way);
+    } else {
+      const away = this.#camera.position.clone().sub(this.#controls.target).setLength(Math.max(1.5, 4 * (this.#follows.model?.radius ?? 0.5)));
+      this.#controls.target.copy(p);
+      this.#camera.position.copy(p).add(away);
+    }
+    this.#followed = p;
+    this.#controls.update();
+  }
+
+  #outlineSelected() {
+    this.#outline.clear();
+    const thing = this.#selected;
+    if (!thing) return;
+    const {description, model} = thing;
+    const size = thing.kind === 'robot' ? [2 * model.radius, 2 * model.radius, model.height]
+      : description.type === 'box' ? description.size
+      : description.type === 'cylinder' ? [2 * description.size[0], 2 * description.size[0], description.size[1]]
+      : description.type === 'sphere' ? Array(3).fill(2 * description.size[0]) : [0.2, 0.2, 0.2];
+    const edges = new THREE.LineSegments(new THREE.EdgesGeometry(new THREE.BoxGeometry(...size.map((s) => 1.02 * s + 0.01))),
+      new THREE.LineBasicMaterial({color: 0x2f7bf0, depthTest: false, transparent: true}));
+    if (thing.kind === 'robot') edges.position.z = model.height / 2;
+    edges.renderOrder = 10;
+    this.#outline.add(edges);
+    this.#placeOutline();
+  }
+
+  #placeOutline() {
+    if (!this.#selected || !this.#scene) return;
+    const [p, q] = this.#scene.pose(this.#selected);
+    this.#outline.position.copy(p);
+    this.#outline.quaternion.copy(q);
+  }
+
+  #makeNames() {
+    this.#labels.replaceChildren();
+    this.#names.clear();
+    if (!this.#options.names || !this.#scene) return;
+    for (const thing of this.#scene.things.filter(({kind}) => kind !== 'light').slice(0, MAX_NAMES)) {
+      const label = make('span', {}, thing.name);
+      this.#labels.append(label);
+      this.#names.set(thing, label);
+    }
+  }
+
+  #placeNames() {
+    const {clientWidth: width, clientHeight: height} = this.#frame;
+    for (const [thing, label] of this.#names) {
+      const [p] = this.#scene.pose(thing);
+      p.z += thing.model?.height ?? 0.3;
+      p.project(this.#camera);
+      label.hidden = p.z > 1 || Math.abs(p.x) > 1.1 || Math.abs(p.y) > 1.1;
+      label.style.transform = `translate(-50%, -100%) translate(${((p.x + 1) * width / 2).toFixed(1)}px, ${((1 - p.y) * height / 2).toFixed(1)}px)`;
+    }
+  }
+
+  #clearTrails() {
+    for (const {line} of this.#trails.values()) {
+      line.removeFromParent();
+      line.geometry.dispose();
+    }
+    this.#trails.clear();
+  }
+
+  #drawTrails() {
+    if (!this.#options.trails) return;
+    for (const thing of this.#scene.things.filter(({kind}) => kind === 'robot').slice(0, MAX_NAMES)) {
+      let trail = this.#trails.get(thing);
+      if (!trail) {
+        const geometry = new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * TRAIL_POINTS), 3));
+        const [r, g, b] = thing.description.color;
+        trail = {line: new THREE.Line(geometry, new THREE.LineBasicMaterial({color: new THREE.Color(r, g, b)})), points: []};
+        trail.line.frustumCulled = false;
+        this.#trails.set(thing, trail);
+        this.#root.add(trail.line);
+      }
+      const [p] = this.#scene.pose(thing);
+      const last = trail.points.at(-1);
+      if (last && last.distanceTo(p) < 0.01) continue;
+      if (last && last.distanceTo(p) > 1) trail.points = [];
+      trail.points.push(p.clone());
+      if (trail.points.length > TRAIL_POINTS) trail.points.shift();
+      const positions = trail.line.geometry.attributes.position;
+      trail.points.forEach((point, i) => positions.setXYZ(i, point.x, point.y, 0.004));
+      positions.needsUpdate = true;
+      trail.line.geometry.setDrawRange(0, trail.points.length);
+    }
+  }
+
+  // --- pointing
+  #casterAt(clientX, clientY) {
+    const box = this.#canvas.getBoundingClientRect();
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(2 * (clientX - box.left) / box.width - 1, 1 - 2 * (clientY - box.top) / box.height), this.#camera);
+    return caster;
+  }
+
+  #listen() {
+    let down = null;
+    this.#canvas.addEventListener('pointerdown', (event) => { down = event.button === 0 ? [event.clientX, event.clientY] : null; });
+    this.#canvas.addEventListener('pointerup', (event) => {
+      const still = down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4;
+      down = null;
+      if (still && !this.busy) this.select(this.pick(event.clientX, event.clientY)?.thing ?? null);
+    });
+    this.#canvas.addEventListener('dblclick', (event) => this.follow(this.pick(event.clientX, event.clientY)?.thing));
+    this.#canvas.addEventListener('keydown', (event) => {
+      const does = {Home: () => this.fit(), t: () => this.fit('top'), f: () => this.follow(this.#follows ? null : this.#selected),
+        Escape: () => { this.select(null); this.follow(null); }, '+': () => this.#zoom(0.9), '=': () => this.#zoom(0.9), '-': () => this.#zoom(1 / 0.9)}[event.key];
+      if (!does || event.ctrlKey || event.metaKey) return;
+      event.preventDefault();
+      does();
+    });
+    byId('whole').addEventListener('click', () => this.fit());
+    const tools = byId('view-tools');
+    const button = (text, title, act) => {
+      const made = make('button', {type: 'button', title}, text);
+      made.addEventListener('click', act);
+      tools.append(made);
+      return made;
+    };
+    button('top', 'Look from above (T)', () => this.fit('top'));
+    this.#followButton = button('follow', 'The camera goes along with the selected robot (F, or a double click on it)',
+      () => this.follow(this.#follows ? null : this.#selected));
+    for (const [key, title] of [['names', 'Names of robots and things'], ['trails', 'Where robots have been'], ['shadows', 'Shadows']]) {
+      const box = make('input', {type: 'checkbox', checked: this.#options[key], id: `show-${key}`});
+      box.addEventListener('change', () => this.#set(key, box.checked));
+      tools.append(make('label', {title}, box, ` ${key}`));
+    }
+    this.#showFollow();
+  }
+  #followButton;
+
+  #showFollow() {
+    if (!this.#followButton) return;
+    setText(this.#followButton, this.#follows ? `following ${this.#follows.name}` : 'follow');
+    this.#followButton.setAttribute('aria-pressed', String(Boolean(this.#follows)));
+  }
+
+  #zoom(factor) {
+    this.#camera.position.sub(this.#controls.target).multiplyScalar(factor).add(this.#controls.target);
+    this.#dirty = true;
+  }
+
+  #set(key, on) {
+    this.#options[key] = on;
+    if (key === 'names') this.#makeNames();
+    if (key === 'trails' && !on) this.#clearTrails();
+    if (key === 'shadows') this.#sun.castShadow = on;
+    this.#dirty = true;
+  }
+}

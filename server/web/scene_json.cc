@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+#include "server/web/scene_json.h"
+
+#include <algorithm>
+#include <bit>
+#include <boost/json.hpp>
+#include <cstring>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "server/geometry/mesh.h"
+#include "server/state/world_change.h"
+
+namespace coopdyn {
+
+namespace {
+
+namespace json = boost::json;
+
+/// As many digits as a picture needs.
+double Short(double value) {
+  constexpr double kUnit = 1e-5;
+  return std::abs(value) < 1e9 ? std::round(value / kUnit) * kUnit : value;
+}
+
+json::array Numbers(const Vector3& v) {
+  return {Short(v.x()), Short(v.y()), Short(v.z())};
+}
+json::array Numbers(const Quaternion& q) {  // as three.js has them
+  return {Short(q.x()), Short(q.y()), Short(q.z()), Short(q.w())};
+}
+json::array Numbers(const Color& color) {
+  return {Short(color.r), Short(color.g), Short(color.b)};
+}
+
+std::string MeshName(const MeshData& mesh) {
+  return HashText(mesh.id);
+}
+
+/// `type` and `size` of a shape.
+void AddShape(json::object& to, const Shape& shape) {
+  if (const auto* box = std::get_if<Box>(&shape)) {
+    to["type"] = "box";
+    to["size"] = Numbers(box->size_m);
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    to["type"] = "cylinder";
+    to["size"] = {Short(cylinder->radius_m), Short(cylinder->length_m)};
+  } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    to["type"] = "sphere";
+    to["size"] = {Short(sphere->radius_m)};
+  } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+    to["type"] = "capsule";
+    to["size"] = {Short(capsule->radius_m), Short(capsule->length_m)};
+  } else {
+    to["type"] = "mesh";
+    to["mesh"] = MeshName(*std::get<Mesh>(shape).data);
+  }
+}
+
+json::value TextureJson(const Texture& texture) {
+  if (texture.image == nullptr) return nullptr;
+  return json::object{{"name", texture.name}, {"size", {Short(texture.width_m), Short(texture.height_m)}}};
+}
+
+/// Link `k` in the body that it is drawn with.
+Pose LinkInBody(const SceneRobot& robot, const LinkModel& link) {
+  if (!robot.one_body()) return link.X_LI.Inverse();
+  return robot.X_BR * link.X_RL;
+}
+
+json::object ModelJson(const SceneRobot& robot) {
+  const RobotModel& model = *robot.entry.model;
+  json::array shapes;
+  for (std::size_t k = 0; k < model.links.size(); ++k) {
+    const LinkModel& link = model.links[k];
+    const bool has_visuals = !link.visuals.empty();
+    for (const LinkShape& shape : has_visuals ? link.visuals : link.collisions) {
+      const Pose X_BG = LinkInBody(robot, link) * shape.X_LG;
+      json::object one{{"body", robot.one_body() ? 0 : static_cast<int>(k)},
+                       {"position", Numbers(X_BG.p)},
+                       {"quaternion", Numbers(X_BG.q)},
+                       {"color", shape.takes_robot_color ? json::value(nullptr) : json::value(Numbers(shape.color))}};
+      AddShape(one, shape.shape);
+      shapes.push_back(std::move(one));
+    }
+  }
+  json::array joints;
+  for (const JointModel& joint : model.joints) {
+    const LinkModel& child = model.links[static_cast<std::size_t>(joint.child)];
+    const Pose X_RB = child.X_RL * child.X_LI;
+    const Vector3 p_B = X_RB.q.conjugate() * (joint.p_RJ - X_RB.p);
+    joints.push_back({{"name", joint.name},
+                      {"body", robot.one_body() ? 0 : joint.child},
+                      {"position", Numbers(robot.one_body() ? robot.X_BR * joint.p_RJ : p_B)},
+                      {"axis", Numbers(Vector3((robot.one_body() ? robot.X_BR.q : X_RB.q.conjugate()) * joint.axis_R))}});
+  }
+  return {{"type", model.type},
+          {"shapes", std::move(shapes)},
+          {"joints", std::move(joints)},
+          {"height", Short(model.height_m)},
+          {"radius", Short(model.footprint_radius_m)}};
+}
+
+template <typename Number>
+void Append(std::string& bytes, Number number) {
+  static_assert(std::endian::native == std::endian::little);
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+}
+
+/// A chunk of a glb file, filled to whole words.
+void AppendChunk(std::string& glb, std::uint32_t kind, std::string bytes, char filler) {
+  while (bytes.size() % 4 != 0) bytes += filler;
+  Append(glb, static_cast<std::uint32_t>(bytes.size()));
+  Append(glb, kind);
+  glb += bytes;
+}
+
+std::string Glb(const MeshData& mesh) {
+  const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
+  std::string binary;
+  for (const Vector3& v : mesh.vertices) {
+    for (int i = 0; i < 3; ++i) Append(binary, static_cast<float>(v[i]));
+  }
+  const std::size_t colors_at = binary.size();
+  const bool has_skin = mesh.skin != nullptr && mesh.skin->corners.size() == mesh.vertices.size();
+  if (has_skin) {
+    for (const MeshSkin::Corner& corner : mesh.skin->corners) {
+      for (const double part : mesh.skin->materials[corner.material].color) Append(binary, static_cast<float>(part));
+    }
+  }
+  const std::size_t indices_at = binary.size();
+  for (const MeshData::Triangle& triangle : mesh.triangles) {
+    for (const auto vertex : triangle) Append(binary, static_cast<std::uint32_t>(vertex));
+  }
+  constexpr int kFloat = 5126, kUint = 5125;
+  json::array views{{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", colors_at}}};
+  json::array accessors{{{"bufferView", 0},
+                         {"componentType", kFloat},
+                         {"count", count},
+                         {"type", "VEC3"},
+                         {"min", Numbers(Vector3(-mesh.half_m))},
+                         {"max", Numbers(mesh.half_m)}}};
+  json::object attributes{{"POSITION", 0}};
+  if (has_skin) {
+    attributes["COLOR_0"] = accessors.size();
+    accessors.push_back(
+        {{"bufferView", views.size()}, {"componentType", kFloat}, {"count", count}, {"type", "VEC3"}});
+    views.push_back({{"buffer", 0}, {"byteOffset", colors_at}, {"byteLength", indices_at - colors_at}});
+  }
+  const std::size_t indices = accessors.size();
+  accessors.push_back({{"bufferView", views.size()},
+                       {"componentType", kUint},
+                       {"count", 3 * mesh.triangles.size()},
+                       {"type", "SCALAR"}});
+  views.push_back({{"buffer", 0}, {"byteOffset", indices_at}, {"byteLength", binary.size() - indices_at}});
+  const json::object gltf{
+      {"asset", {{"version", "2.0"}}},
+      {"scene", 0},
+      {"scenes", json::array{{{"nodes", json::array{0}}}}},
+      {"nodes", json::array{{{"mesh", 0}}}},
+      {"meshes",
+       json::array{{{"primitives", json::array{{{"attributes", std::move(attributes)}, {"indices", indices}}}}}}},
+      {"accessors", std::move(accessors)},
+      {"bufferViews", std::move(views)},
+      {"buffers", json::array{{{"byteLength", binary.size()}}}}};
+  std::string chunks;
+  AppendChunk(chunks, 0x4E4F534A, json::serialize(gltf), ' ');
+  AppendChunk(chunks, 0x004E4942, std::move(binary), '\0');
+  std::string glb = "glTF";
+  Append(glb, std::uint32_t{2});
+  Append(glb, static_cast<std::uint32_t>(12 + chunks.size()));
+  return glb + chunks;
+}
+
+}  // namespace
+
+std::string SceneJson(const Frame& frame, std::uint32_t number) {
+  const Scene& scene = *frame.scene;
+  json::array things, models, robots, targets, lights;
+  for (const SceneObject& thing : scene.objects) {
+    const Pose X = ObjectPose(frame, thing);
+    json::object one{{"id", thing.id.value},
+                     {"name", thing.object.name},
+                     {"body", thing.body},
+                     {"position", Numbers(X.p)},
+                     {"quaternion", Numbers(X.q)},
+                     {"color", Numbers(thing.object.color)},
+                     {"mass", thing.object.mass_kg},
+                     {"texture", TextureJson(thing.object.texture)}};
+    AddShape(one, thing.object.shape);
+    things.push_back(std::move(one));
+  }
+  std::map<std::pair<const RobotModel*, Fidelity>, std::size_t> known;
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const SceneRobot& robot = scene.robots[i];
+    const auto [model, is_new] = known.emplace(std::pair(robot.entry.model.get(), robot.entry.fidelity), models.size());
+    if (is_new) models.push_back(ModelJson(robot));
+    robots.push_back({{"id", WorldId::kRobots + static_cast<std::int32_t>(robot.id.value)},
+                      {"name", robot.entry.name},
+                      {"model", model->second},
+                      {"color", Numbers(robot.entry.color)},
+                      {"body", robot.first_body},
+                      {"bodies", robot.body_count},
+                      {"origin", Numbers(robot.X_BR.p)},
+                      {"turn", Numbers(robot.X_BR.q)}});
+  }
+  for (const Target& target : scene.targets) {
+    targets.push_back({{"id", WorldId::kTargets + static_cast<std::int32_t>(target.id.value)},
+                       {"name", TargetName(target)},
+                       {"color", Numbers(target.color)},
+                       {"position", Numbers(target.p_WT)}});
+  }
+  std::int32_t light_number = WorldId::kLights;
+  for (const PointLight& light : scene.lights) {
+    lights.push_back({{"id", ++light_number},
+                      {"name", light.name},
+                      {"color", Numbers(light.color)},
+                      {"position", Numbers(light.p_WP)},
+                      {"power", light.power}});
+  }
+  return json::serialize(
+      json::object{{"scene", number},
+                   {"scenario", scene.scenario->name},
+                   {"floor",
+                    {{"size", {scene.floor.length_m, scene.floor.width_m, scene.floor.height_m}},
+                     {"color", Numbers(scene.floor.color)},
+                     {"texture", TextureJson(scene.floor.texture)}}},
+                   {"bodies", frame.bodies.size()},
+                   {"things", std::move(things)},
+                   {"models", std::move(models)},
+                   {"robots", std::move(robots)},
+                   {"targets", std::move(targets)},
+                   {"lights", std::move(lights)}});
+}
+
+std::string MeshGlb(const Scene& scene, std::uint64_t id) {
+  const RobotModel* looked_at = nullptr;
+  for (const SceneRobot& robot : scene.robots) {
+    if (robot.entry.model.get() == looked_at) continue;
+    looked_at = robot.entry.model.get();
+    for (const LinkModel& link : looked_at->links) {
+      for (const auto* shapes : {&link.visuals, &link.collisions}) {
+        for (const LinkShape& shape : *shapes) {
+          const auto* mesh = std::get_if<Mesh>(&shape.shape);
+          if (mesh != nullptr && mesh->data->id == id) return Glb(*mesh->data);
+        }
+      }
+    }
+  }
+  return {};
+}
+
+std::string BitmapOf(const Image& image) {
+  constexpr std::uint32_t kHeader = 14 + 40;
+  const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
+  const std::size_t row = (3 * width + 3) / 4 * 4;
+  std::string bytes = "BM";
+  Append(bytes, static_cast<std::uint32_t>(kHeader + row * height));
+  Append(bytes, std::uint32_t{0});
+  Append(bytes, kHeader);
+  Append(bytes, std::uint32_t{40});
+  Append(bytes, image.width);
+  Append(bytes, image.height);
+  Append(bytes, std::uint16_t{1});
+  Append(bytes, std::uint16_t{24});
+  for (int i = 0; i < 6; ++i) Append(bytes, std::uint32_t{0});
+  for (std::size_t y = height; y-- > 0;) {
+    const std::size_t begin = bytes.size();
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t at = 3 * (y * width + x);
+      for (const std::size_t part : {2, 1, 0}) bytes += static_cast<char>(image.rgb[at + part]);
+    }
+    bytes.resize(begin + row, '\0');
+  }
+  return bytes;
+}
+
+std::shared_ptr<const Image> FindTextureImage(const Scene& scene, const std::string& name) {
+  if (scene.floor.texture.name == name) return scene.floor.texture.image;
+  for (const SceneObject& thing : scene.objects) {
+    if (thing.object.texture.name == name) return thing.object.texture.image;
+  }
+  return nullptr;
+}
+
+}  // namespace coopdyn
