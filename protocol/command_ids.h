@@ -56,7 +56,8 @@ inline constexpr Id kGetStatus = 100, kRun = 101, kPause = 102, kStep = 103, kRe
                     kRestoreState = 195, kGetSaved = 196;
 // /world
 inline constexpr Id kInsert = 140, kRemove = 141, kSetPose = 142, kSetThing = 143, kRename = 144,
-                    kListWorld = 145, kSaveWorld = 146, kUndo = 147, kRedo = 148, kPick = 149, kGetWorld = 150;
+                    kListWorld = 145, kSaveWorld = 146, kUndo = 147, kRedo = 148, kPick = 149,
+                    kGetWorld = 150;
 // /recorder
 inline constexpr Id kGetRecording = 120, kStartRecording = 121, kStopRecording = 122, kNote = 123,
                     kListRuns = 124;

@@ -115,16 +115,17 @@ CommandTable WorldTable() {
   remove.text_optional = true;
   remove.params = {{.name = "id", .unit = "", .repeated = true, .min = 1}};
   remove.example = "remove BOX_1";
-  CommandSpec pose = edit(command::kSetPose, "set_pose",
-                          "Puts a thing elsewhere, at rest: x and y; then nothing, or z; then nothing, a yaw, or a "
-                          "quaternion w x y z. What is not said it keeps.");
+  CommandSpec pose =
+      edit(command::kSetPose, "set_pose",
+           "Puts a thing elsewhere, at rest: x and y; then nothing, or z; then nothing, a yaw, or a "
+           "quaternion w x y z. What is not said it keeps.");
   pose.text = TextUse::kFirst;
   pose.text_name = "NAME";
   pose.params = {id};
   pose.data = {Value("x", "m"), Value("y", "m"), Repeated("z or turn")};
   pose.example = "set_pose BOX_1 2 1 0.25 0";
-  CommandSpec set = edit(command::kSetThing, "set",
-                         "Changes keys of a thing's section; bars stand between several.");
+  CommandSpec set =
+      edit(command::kSetThing, "set", "Changes keys of a thing's section; bars stand between several.");
   set.text = TextUse::kRest;
   set.text_name = "NAME KEY VALUES";
   set.example = "set BOX_1 color red | mass 2kg";
@@ -132,28 +133,30 @@ CommandTable WorldTable() {
   rename.text = TextUse::kRest;
   rename.text_name = "NAME NEW_NAME";
   rename.example = "rename BOX_1 crate";
-  CommandSpec list = Order(command::kListWorld, "list",
-                           "Returns all that stands in the world, with ids, names and places.");
+  CommandSpec list =
+      Order(command::kListWorld, "list", "Returns all that stands in the world, with ids, names and places.");
   list.reply_text = "JSON";
-  CommandSpec save = Order(command::kSaveWorld, "save",
-                           "Returns the present world as the text of a scenario, which loads to the same places.");
+  CommandSpec save =
+      Order(command::kSaveWorld, "save",
+            "Returns the present world as the text of a scenario, which loads to the same places.");
   save.reply_text = "the text";
   CommandSpec counts = Reading(
       command::kGetWorld, "get_world",
-      "Returns how many things, robots, targets and lights there are, and how many edits can be undone and redone.",
+      "Returns how many things, robots, targets and lights there are, and how many edits can be undone and "
+      "redone.",
       {Value("things"), Value("robots"), Value("targets"), Value("lights"), Value("undo"), Value("redo")});
   CommandSpec undo = edit(command::kUndo, "undo", "Takes back the last edit that was not taken back.");
   CommandSpec redo =
       edit(command::kRedo, "redo", "Makes the edit again that undo, or a reset, has taken back last.");
-  CommandSpec pick{.id = command::kPick,
-                   .name = "pick",
-                   .help = "Returns what a ray from a point in a direction meets first.",
-                   .data = {Value("x", "m"), Value("y", "m"), Value("z", "m"), Value("dx"), Value("dy"),
-                            Value("dz")},
-                   .reply_params = {Value("id")},
-                   .reply_data = {Value("x", "m"), Value("y", "m"), Value("z", "m"), Value("distance", "m")},
-                   .reply_text = "its name; `floor`, with id 0; empty, with id -1 and an infinite distance: nothing",
-                   .example = "pick 0 0 5 0 0 -1"};
+  CommandSpec pick{
+      .id = command::kPick,
+      .name = "pick",
+      .help = "Returns what a ray from a point in a direction meets first.",
+      .data = {Value("x", "m"), Value("y", "m"), Value("z", "m"), Value("dx"), Value("dy"), Value("dz")},
+      .reply_params = {Value("id")},
+      .reply_data = {Value("x", "m"), Value("y", "m"), Value("z", "m"), Value("distance", "m")},
+      .reply_text = "its name; `floor`, with id 0; empty, with id -1 and an infinite distance: nothing",
+      .example = "pick 0 0 5 0 0 -1"};
   return CommandTable("world", {std::move(insert), std::move(remove), std::move(pose), std::move(set),
                                 std::move(rename), std::move(list), std::move(save), std::move(undo),
                                 std::move(redo), std::move(pick), std::move(counts)});

@@ -145,10 +145,10 @@ CommandTable SupportTable() {
 
 const std::vector<CommandTable>& AllModuleTables() {
   static const std::vector<CommandTable> tables = {
-      MotorsTable(),     JointsTable(),   DistanceTable(), TargetTable(),  PoseTable(),    NeighboursTable(),
-      CompassTable(),    SupportTable(),  ImuTable(),      WrenchTable(),  LidarTable(),   ContactTable(),
-      SonarTable(),      InfraredTable(), LightTable(),    CameraTable(),  BatteryTable(), OdometryTable(),
-      SimulationTable(), WorldTable(),    SwarmTable(),    RecorderTable(),  PlaybackTable()};
+      MotorsTable(),     JointsTable(),   DistanceTable(), TargetTable(),   PoseTable(),    NeighboursTable(),
+      CompassTable(),    SupportTable(),  ImuTable(),      WrenchTable(),   LidarTable(),   ContactTable(),
+      SonarTable(),      InfraredTable(), LightTable(),    CameraTable(),   BatteryTable(), OdometryTable(),
+      SimulationTable(), WorldTable(),    SwarmTable(),    RecorderTable(), PlaybackTable()};
   return tables;
 }
 

@@ -311,17 +311,19 @@ class Simulation {
   void release_robot(const std::string& name);
 
   // What stands in the world, edited live.
-  /// Puts things, robots, targets and lights into the world: sections of a scenario, or a file of such; returns
-  /// their names. [BOX_*] takes the next free number; in one line | stands between the lines. Error 5 if it would
-  /// overlap.
+  /// Puts things, robots, targets and lights into the world: sections of a scenario, or a file of such;
+  /// returns their names. [BOX_*] takes the next free number; in one line | stands between the lines. Error 5
+  /// if it would overlap.
   std::vector<std::string> insert(const std::string& sections);
   /// Takes things, robots, targets or lights out of the world.
   void remove(const std::string& name);
   void remove(const std::vector<std::string>& names);
-  /// Puts something elsewhere, at rest: x, y or x, y, z [m]; then a yaw [rad], or a quaternion w, x, y, z, which
-  /// need x, y and z. What is not given it keeps. Error 5 if it would overlap.
-  void move(const std::string& name, const std::vector<double>& position, const std::vector<double>& turn = {});
-  /// Changes keys of a thing's section in the scenario: sim.change("BOX_1", {{"color", "red"}, {"mass", "2"}}).
+  /// Puts something elsewhere, at rest: x, y or x, y, z [m]; then a yaw [rad], or a quaternion w, x, y, z,
+  /// which need x, y and z. What is not given it keeps. Error 5 if it would overlap.
+  void move(const std::string& name, const std::vector<double>& position,
+            const std::vector<double>& turn = {});
+  /// Changes keys of a thing's section in the scenario: sim.change("BOX_1", {{"color", "red"}, {"mass",
+  /// "2"}}).
   void change(const std::string& name, const std::map<std::string, std::string>& keys);
   /// Gives a thing, a robot or a light another name. The modules of a robot get new names, too.
   void rename(const std::string& name, const std::string& new_name);

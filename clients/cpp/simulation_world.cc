@@ -21,10 +21,9 @@ constexpr double kLoadTimeout_s = 60;
 
 /// Makes an edit; returns the names that it concerned, and shows warnings.
 std::string Edit(Session& session, std::int32_t command, std::string text, std::vector<double> data = {}) {
-  const Message reply = session.Tell(kWorld, {.command = command,
-                                              .data = std::move(data),
-                                              .text = std::move(text),
-                                              .timeout_s = kLoadTimeout_s});
+  const Message reply = session.Tell(
+      kWorld,
+      {.command = command, .data = std::move(data), .text = std::move(text), .timeout_s = kLoadTimeout_s});
   const std::size_t end = std::min(reply.text.find('\n'), reply.text.size());
   if (end < reply.text.size()) std::cerr << "coopdyn: " << reply.text.substr(end + 1) << "\n";
   return reply.text.substr(0, end);
@@ -58,9 +57,10 @@ void Simulation::move(const std::string& name, const std::vector<double>& positi
     throw Error(3, "a position is x, y or x, y, z: write sim.move(\"BOX_1\", {2, 1})");
   const bool turns = turn.empty() || (position.size() == 3 && (turn.size() == 1 || turn.size() == 4));
   if (!turns)
-    throw Error(3,
-                "a turn is a yaw or w, x, y, z, and needs x, y and z: write sim.move(\"BOX_1\", {2, 1, 0.25}, "
-                "{1.57})");
+    throw Error(
+        3,
+        "a turn is a yaw or w, x, y, z, and needs x, y and z: write sim.move(\"BOX_1\", {2, 1, 0.25}, "
+        "{1.57})");
   std::vector<double> data = position;
   data.insert(data.end(), turn.begin(), turn.end());
   Edit(*session_, command::kSetPose, Word(name, "a name"), std::move(data));

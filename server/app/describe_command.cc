@@ -70,7 +70,7 @@ std::string LeadingComment(const std::string& text) {
 // Modules.
 
 bool IsGlobal(const CommandTable& table) {
-  for (const char* name : {"simulation", "swarm", "recorder", "playback"}) {
+  for (const char* name : {"simulation", "world", "swarm", "recorder", "playback"}) {
     if (table.module() == name) return true;
   }
   return false;

@@ -50,8 +50,10 @@ constexpr Verb kVerbs[] = {
      "Load another scenario: a bare name, a file of this machine, or - (standard input)",
      "coopdyn load corridor", 1, 1},
     {"world", 0,
-     "Look at what stands in the world, or edit it: list, insert, remove, move, set, rename, undo, redo, save",
-     "coopdyn world insert \"[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1\"    coopdyn world move BOX_1 2 "
+     "Look at what stands in the world, or edit it: list, insert, remove, move, set, rename, undo, redo, "
+     "save",
+     "coopdyn world insert \"[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1\"    coopdyn world move "
+     "BOX_1 2 "
      "1    coopdyn world save mine.scenario",
      1, 1 << 20},
     {"stop-all", command::kStopAll, "Stop all robots", "coopdyn stop-all", 0, 0},
@@ -184,9 +186,11 @@ Message WorldRequest(const std::vector<std::string>& words) {
   const CommandTable& table = *FindModuleTable("world");
   const CommandSpec* spec = table.Find(verb == "move" ? "set_pose" : verb);
   if (spec == nullptr || spec->id < command::kInsert || spec->id > command::kGetWorld) {
-    throw RemoteError(kExitWrongUse,
-                      verb + " is nothing that coopdyn world does: write list, insert, remove, move, set, rename, "
-                             "undo, redo or save");
+    throw RemoteError(
+        kExitWrongUse,
+        verb +
+            " is nothing that coopdyn world does: write list, insert, remove, move, set, rename, "
+            "undo, redo or save");
   }
   Message request;
   request.command = spec->id;
@@ -197,7 +201,9 @@ Message WorldRequest(const std::vector<std::string>& words) {
   for (; next < words.size(); ++next) {
     if (has_numbers) {
       const std::optional<double> number = ParsePlain(words[next]);
-      if (!number) throw RemoteError(kExitWrongUse, "'" + words[next] + "' is no number: coopdyn world " + spec->example);
+      if (!number)
+        throw RemoteError(kExitWrongUse,
+                          "'" + words[next] + "' is no number: coopdyn world " + spec->example);
       request.data.push_back(*number);
     } else {
       request.text += (request.text.empty() ? "" : " ") + words[next];
@@ -219,7 +225,8 @@ void PrintWorld(const std::string& text) {
     for (const json::value& one : ArrayAt(parsed.as_object(), kind)) {
       const json::object& thing = one.as_object();
       std::string place;
-      for (const json::value& x : ArrayAt(thing, "position")) place += fmt::format(" {:8.3f}", x.to_number<double>());
+      for (const json::value& x : ArrayAt(thing, "position"))
+        place += fmt::format(" {:8.3f}", x.to_number<double>());
       const std::string type = WordAt(thing, "type");
       Print("{:>8.0f}  {:<20} {:<12}{}\n", NumberAt(thing, "id"), WordAt(thing, "name"),
             type == "-" ? std::string(kind).substr(0, std::string_view(kind).size() - 1) : type, place);
@@ -234,7 +241,8 @@ void CallWorld(RemoteConnection& connection, const RemoteOptions& options, const
     Message hello;
     hello.command = command::kHello;
     hello.text = "coopdyn-call " + options.at->token;
-    if (const Message reply = connection.Call(hello); reply.error != 0) throw RemoteError(kExitErrors, reply.text);
+    if (const Message reply = connection.Call(hello); reply.error != 0)
+      throw RemoteError(kExitErrors, reply.text);
   }
   const Message reply = connection.Call(request);
   if (reply.error != 0) throw RemoteError(kExitErrors, reply.text);
@@ -244,7 +252,8 @@ void CallWorld(RemoteConnection& connection, const RemoteOptions& options, const
   std::ofstream file(options.words[1], std::ios::binary);
   file << reply.text;
   file.close();
-  if (!file) throw RemoteError(kExitErrors, options.words[1] + " cannot be written: choose another folder or name");
+  if (!file)
+    throw RemoteError(kExitErrors, options.words[1] + " cannot be written: choose another folder or name");
   Print("saved as {}\n", options.words[1]);
 }
 

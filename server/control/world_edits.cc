@@ -331,9 +331,10 @@ ResolvedEdit ResolveInsert(const Frame& frame, const std::string& text, RobotLib
     change.lights->insert(change.lights->end(), read->lights.begin(), read->lights.end());
   }
   if (change.empty()) {
-    return Refuse(Error::kMalformed,
-                  "there is nothing to insert: write a section, for example: insert [BOX_*] | type box | size 1 "
-                  "1 0.5 | position 2 1");
+    return Refuse(
+        Error::kMalformed,
+        "there is nothing to insert: write a section, for example: insert [BOX_*] | type box | size 1 "
+        "1 0.5 | position 2 1");
   }
   std::string names;
   for (const PutObject& put : change.objects) AddTo(names, put.object.name);
@@ -391,14 +392,18 @@ ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::sp
                             std::span<const double> values) {
   const Scene& scene = *frame.scene;
   const Found found = name.empty() && !ids.empty() ? FindId(scene, ids.front()) : FindName(scene, name);
-  if (!found.any()) return NoSuchThing(scene, name.empty() && !ids.empty() ? std::to_string(ids.front()) : name);
+  if (!found.any())
+    return NoSuchThing(scene, name.empty() && !ids.empty() ? std::to_string(ids.front()) : name);
   if (values.size() < 2 || values.size() == 5 || values.size() == 6 || values.size() > 7) {
-    return Refuse(Error::kOutOfRange,
-                  "set_pose takes x y, x y z, x y z and a yaw, or x y z and a quaternion w x y z: set_pose BOX_1 2 1 "
-                  "0.25 0");
+    return Refuse(
+        Error::kOutOfRange,
+        "set_pose takes x y, x y z, x y z and a yaw, or x y z and a quaternion w x y z: set_pose BOX_1 2 1 "
+        "0.25 0");
   }
   const std::span<const double> turn = values.subspan(std::min<std::size_t>(3, values.size()));
-  const auto at = [&values](double z) { return Vector3(values[0], values[1], values.size() > 2 ? values[2] : z); };
+  const auto at = [&values](double z) {
+    return Vector3(values[0], values[1], values.size() > 2 ? values[2] : z);
+  };
   const Vector3 p_W = at(0);
   const bool far = !p_W.allFinite() || p_W.cwiseAbs().maxCoeff() > kMaxFileLength_m;
   if (far) return Refuse(Error::kOutOfRange, "a place is within 100 km of the origin");
@@ -454,11 +459,12 @@ ResolvedEdit ResolveSet(const Frame& frame, const std::string& text, RobotLibrar
             ? ""
             : std::string(Trim(std::string_view(line).substr(line.find_first_not_of(" \t=:", space))));
     if (value.empty()) {
-      return Refuse(Error::kMalformed, "set needs a value for '" + Printable(key) + "': set " +
-                                           Printable(name) + " color red");
+      return Refuse(Error::kMalformed,
+                    "set needs a value for '" + Printable(key) + "': set " + Printable(name) + " color red");
     }
     if (keys.Has(key)) return Refuse(Error::kMalformed, "'" + Printable(key) + "' stands twice: keep one");
-    if (key == "name") return Refuse(Error::kMalformed, "rename gives another name: rename " + Printable(name) + " NEW_NAME");
+    if (key == "name")
+      return Refuse(Error::kMalformed, "rename gives another name: rename " + Printable(name) + " NEW_NAME");
     keys.values.emplace_back(std::move(key), value);
   }
   if (keys.values.empty()) {
@@ -551,9 +557,9 @@ std::string WorldText(const Frame& frame, const RunStatus& status) {
   simulation.mode = status.mode;
   simulation.step = status.step_length;
   simulation.seed = frame.seed;
-  std::string text = "# The world of " + Printable(scene.scenario->name) + " at " + ExactNumber(frame.time_s()) +
-                     " s\n" + WriteSimulation(simulation, scene.ambient_light) + "\n" +
-                     WriteFloor(scene.floor);
+  std::string text = "# The world of " + Printable(scene.scenario->name) + " at " +
+                     ExactNumber(frame.time_s()) + " s\n" + WriteSimulation(simulation, scene.ambient_light) +
+                     "\n" + WriteFloor(scene.floor);
   for (const SceneObject& thing : scene.objects) text += "\n" + WriteObject(ObjectNow(frame, thing));
   for (const PointLight& light : scene.lights) text += "\n" + WriteLight(light);
   if (!scene.targets.empty()) text += "\n" + WriteTargets(scene.targets);

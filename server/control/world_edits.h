@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What requests to /world mean: changes of the world as it stands in a frame, and what it is as text. Pure but
-// for files that texts name; any thread.
+// What requests to /world mean: changes of the world as it stands in a frame, and what it is as text. Pure
+// but for files that texts name; any thread.
 #pragma once
 
 #include <cstdint>

@@ -37,16 +37,11 @@ json::object ThingJson(const Frame& frame, const SceneObject& thing) {
     size = {2 * sphere->radius_m};
   }
   const Pose X = ObjectPose(frame, thing);
-  return {{"id", thing.id.value},
-          {"name", object.name},
-          {"type", std::move(type)},
-          {"size", std::move(size)},
-          {"position", Numbers(X.p)},
-          {"quaternion", Numbers(X.q)},
-          {"mass", object.mass_kg},
-          {"color", Numbers(object.color)},
-          {"friction", object.friction},
-          {"texture", object.texture.name}};
+  return {{"id", thing.id.value},        {"name", object.name},
+          {"type", std::move(type)},     {"size", std::move(size)},
+          {"position", Numbers(X.p)},    {"quaternion", Numbers(X.q)},
+          {"mass", object.mass_kg},      {"color", Numbers(object.color)},
+          {"friction", object.friction}, {"texture", object.texture.name}};
 }
 
 json::object RobotJson(const Frame& frame, int place) {
@@ -68,7 +63,8 @@ std::string WorldJson(const Frame& frame, const RunStatus& status) {
   const Scene& scene = *frame.scene;
   json::array things, robots, targets, lights;
   for (const SceneObject& thing : scene.objects) things.push_back(ThingJson(frame, thing));
-  for (std::size_t i = 0; i < scene.robots.size(); ++i) robots.push_back(RobotJson(frame, static_cast<int>(i)));
+  for (std::size_t i = 0; i < scene.robots.size(); ++i)
+    robots.push_back(RobotJson(frame, static_cast<int>(i)));
   for (const Target& target : scene.targets) {
     targets.push_back({{"id", WorldId::kTargets + static_cast<std::int32_t>(target.id.value)},
                        {"name", TargetName(target)},

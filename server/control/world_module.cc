@@ -93,8 +93,8 @@ std::optional<Message> WorldModule::Change(Peer& peer, const Message& request) {
     Begin();
   });
   // The thread may outlive this module, but not the services.
-  requests_.push_back([&robots = services_.robots, &frames = services_.frames, &edits = services_.edits, request,
-                       done = std::move(done)] {
+  requests_.push_back([&robots = services_.robots, &frames = services_.frames, &edits = services_.edits,
+                       request, done = std::move(done)] {
     const auto push = [&edits, &done](SceneEdit edit, std::string warnings) {
       edits.Push({std::move(edit), [done, warnings = std::move(warnings)](EditResult result) {
                     if (result.error == Error::kOk) {

@@ -110,8 +110,8 @@ enum class NamedKind { kThing, kLight, kRobot };
 std::string WhyNoName(const std::string& name, NamedKind kind);
 
 /// Reads sections that are to be inserted into a world in which `around` stands: its floor, things and robots
-/// leave places for swarms and copies, and have their names. Only what is new is returned. Nothing if there are
-/// errors. Files as with `by_socket`.
+/// leave places for swarms and copies, and have their names. Only what is new is returned. Nothing if there
+/// are errors. Files as with `by_socket`.
 std::shared_ptr<const Scenario> ReadInsertion(const std::string& text, RobotLibrary& robots,
                                               const Scenario& around, Diagnostics& diagnostics);
 /// Finds and reads a scenario (or a .world, as a scenario without robots) by path or bare name.

@@ -249,9 +249,10 @@ void RobotSections::Add(RobotEntry entry, const SourceLine& where) {
     diagnostics_.Error(where, std::move(why));
   } else if (const auto [first, is_new] = names_.emplace(ToLower(entry.name), where); !is_new) {
     const int line = first->second.line;
-    diagnostics_.Error(where, line == 0 ? "there is a robot '" + entry.name + "' already: give this one another name"
-                                        : "there are two robots '" + entry.name + "' (the first in line " +
-                                              std::to_string(line) + "): give one another name");
+    diagnostics_.Error(where,
+                       line == 0 ? "there is a robot '" + entry.name + "' already: give this one another name"
+                                 : "there are two robots '" + entry.name + "' (the first in line " +
+                                       std::to_string(line) + "): give one another name");
   } else if (const auto swarm = swarm_names_.find(first->first); swarm != swarm_names_.end()) {
     diagnostics_.Error(where, "a swarm is called '" + entry.name + "' too (in line " +
                                   std::to_string(swarm->second.line) + "): give one another name");

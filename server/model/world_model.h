@@ -40,9 +40,9 @@ struct SourceText {
 
 /// A picture on a thing, repeated; its colour without it.
 struct Texture {
-  std::shared_ptr<const Image> image;  // null: none
-  double width_m = 1, height_m = 1;    // of one picture
-  std::string name = {};               // as files say: checker, grid, bricks.png
+  std::shared_ptr<const Image> image;                  // null: none
+  double width_m = 1, height_m = 1;                    // of one picture
+  std::string name = {};                               // as files say: checker, grid, bricks.png
   std::shared_ptr<const SourceText> source = nullptr;  // of a file: what a recording carries
 };
 

@@ -76,9 +76,9 @@ std::vector<BodyState> PutTo(const Mechanism& mechanism, const Pose& X_WR, const
                              const Frame& before, int index) {
   std::vector<BodyState> start = StartBodies(mechanism, X_WR);
   if (was == nullptr || !mechanism.has_limbs()) return start;
-  const auto bodies = std::span(before.bodies)
-                          .subspan(static_cast<std::size_t>(was->first_body),
-                                   static_cast<std::size_t>(was->body_count));
+  const auto bodies =
+      std::span(before.bodies)
+          .subspan(static_cast<std::size_t>(was->first_body), static_cast<std::size_t>(was->body_count));
   if (bodies.size() != start.size()) return start;
   const std::vector<BodyState> begun = StartBodies(mechanism, was->entry.X_WR);
   if (std::ranges::equal(bodies, begun, SamePlace)) return start;

@@ -147,7 +147,7 @@ class RunReader {
   std::shared_ptr<const Scenario> scenario_;
   std::unordered_map<std::uint64_t, std::shared_ptr<const Scene>> scenes_;
   std::unordered_map<std::string, std::shared_ptr<const Image>> images_;  // of textures, by their key
-  std::vector<RunInput> inputs_;  // as far as they were read
+  std::vector<RunInput> inputs_;                                          // as far as they were read
   std::int64_t newest_input_ = 0;
 };
 

@@ -31,7 +31,8 @@ class Resimulator {
   bool Restore(const SavedStatePtr& state, std::uint64_t scene);
   /// Inputs of the run for the steps to come, in their order, instead of those given before.
   void SetInputs(std::vector<RunInput> inputs);
-  /// Whether `step` is the one after frame(): in the same scene, or in the next one if inputs change the world.
+  /// Whether `step` is the one after frame(): in the same scene, or in the next one if inputs change the
+  /// world.
   bool Follows(const RecordedStep& step) const {
     if (step.step != frame()->step + 1) return false;
     return step.scene == scene_number_ || (step.scene == scene_number_ + 1 && ChangesWorld());

@@ -41,7 +41,8 @@ void CodePut(Codec& codec, auto& put, const SceneContext& context) {
     CodeEntry(codec, put.entry, context);
     codec.List(put.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
     codec.List(put.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
-    codec.List(put.controls, JointControl::kDoubles * 8, [&codec](auto& control) { CodeControl(codec, control); });
+    codec.List(put.controls, JointControl::kDoubles * 8,
+               [&codec](auto& control) { CodeControl(codec, control); });
     codec.List(put.measured, 8, [&codec](auto& value) { codec.Finite(value); });
   }
 }

@@ -24,9 +24,9 @@ inline constexpr const char* kNotPlayingText = "nothing is being played: coopdyn
 struct EditResult {
   Error error = Error::kOk;
   std::string text;
-  FramePtr frame = nullptr;       // the newest after the edit
-  SavedStatePtr saved = nullptr;  // of Save
-  WorldChange change = {};        // of a SceneEdit: what it came to
+  FramePtr frame = nullptr;               // the newest after the edit
+  SavedStatePtr saved = nullptr;          // of Save
+  WorldChange change = {};                // of a SceneEdit: what it came to
   std::vector<std::int32_t> params = {};  // of the reply
 };
 

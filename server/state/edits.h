@@ -74,8 +74,8 @@ struct Restore {
   SavedStatePtr state;
 };
 
-// What stands in the world, as it goes on. Each one that succeeds is an input of the run: the WorldChange that
-// it came to.
+// What stands in the world, as it goes on. Each one that succeeds is an input of the run: the WorldChange
+// that it came to.
 struct Change {
   WorldChange change;
 };

@@ -124,7 +124,8 @@ std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario)
     objects.push_back({ObjectId{static_cast<std::uint32_t>(objects.size() + 1)}, object});
   }
   std::vector<Target> targets = scenario->targets;
-  for (std::size_t i = 0; i < targets.size(); ++i) targets[i].id = TargetId{static_cast<std::uint32_t>(i + 1)};
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    targets[i].id = TargetId{static_cast<std::uint32_t>(i + 1)};
   std::vector<SceneRobot> robots;
   for (const RobotEntry& entry : scenario->robots) {
     SceneRobot robot;

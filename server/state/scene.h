@@ -88,8 +88,8 @@ struct Scene {
   std::shared_ptr<const Scenario> scenario;
   Floor floor;
   std::vector<SceneObject> objects;
-  std::vector<SceneRobot> robots;        // by increasing id
-  std::vector<Target> targets;           // by increasing id
+  std::vector<SceneRobot> robots;  // by increasing id
+  std::vector<Target> targets;     // by increasing id
   std::vector<PointLight> lights;
   double ambient_light = 0;              // what a light sensor reads without lamps
   std::vector<BodyId> body_ids;          // of Frame::bodies, increasing

@@ -169,11 +169,12 @@ void CodeController(Codec& codec, auto& controller, const SceneContext& context)
 }
 
 inline void CodeModel(ByteWriter& writer, const std::shared_ptr<const RobotModel>& model,
-               const SceneContext& /*context*/) {
+                      const SceneContext& /*context*/) {
   writer.Text(model->type);
 }
 
-inline void CodeModel(ByteReader& reader, std::shared_ptr<const RobotModel>& model, const SceneContext& context) {
+inline void CodeModel(ByteReader& reader, std::shared_ptr<const RobotModel>& model,
+                      const SceneContext& context) {
   std::string type;
   reader.Text(type);
   if (reader.ok() && context.model != nullptr && *context.model) model = (*context.model)(type);

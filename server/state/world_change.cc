@@ -248,8 +248,10 @@ WorldChange InverseOf(const WorldChange& change, const Frame& before) {
   const Scene& scene = *before.scene;
   WorldChange inverse;
   inverse.label = change.label;
-  for (const ObjectId id : change.gone_objects) inverse.objects.push_back(PutBack(*FindById(scene.objects, id), before));
-  for (const RobotId id : change.gone_robots) inverse.robots.push_back(PutBack(*FindById(scene.robots, id), before));
+  for (const ObjectId id : change.gone_objects)
+    inverse.objects.push_back(PutBack(*FindById(scene.objects, id), before));
+  for (const RobotId id : change.gone_robots)
+    inverse.robots.push_back(PutBack(*FindById(scene.robots, id), before));
   for (const TargetId id : change.gone_targets) inverse.targets.push_back(*FindById(scene.targets, id));
   for (const PutObject& put : change.objects) {
     const auto was = FindById(scene.objects, put.id);

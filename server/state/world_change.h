@@ -58,9 +58,9 @@ struct WorldChange {
   std::vector<TargetId> gone_targets;
   std::vector<PutObject> objects;
   std::vector<PutRobot> robots;
-  std::vector<Target> targets;                           // id: none, a new one
-  std::optional<std::vector<PointLight>> lights = {};    // all of them
-  std::vector<RestCounter> rests = {};                   // of others: an undo at once lets them sleep again
+  std::vector<Target> targets;                         // id: none, a new one
+  std::optional<std::vector<PointLight>> lights = {};  // all of them
+  std::vector<RestCounter> rests = {};                 // of others: an undo at once lets them sleep again
 
   bool empty() const {
     return gone_objects.empty() && gone_robots.empty() && gone_targets.empty() && objects.empty() &&
@@ -79,7 +79,8 @@ void AssignIds(const Scene& scene, UsedIds& used, WorldChange& change);
 
 /// The scene after `change`, whose things have ids. Null, and `refusal` says why, if it cannot be: a name
 /// that is taken, an id that is not there, too many.
-std::shared_ptr<const Scene> ChangedScene(const Scene& scene, const WorldChange& change, std::string& refusal);
+std::shared_ptr<const Scene> ChangedScene(const Scene& scene, const WorldChange& change,
+                                          std::string& refusal);
 
 /// `from` as a moment of `scene`: what both scenes have keeps its state; what is new has that of `other`, a
 /// frame of `scene`, or if null stands at the origin at rest. Contacts with what is gone are left out.
@@ -103,7 +104,8 @@ std::vector<Value> InChannelsOf(const Scene& scene, const Scene& before, const s
     const SceneRobot& to = scene.robots[i];
     const SceneRobot& of = before.robots[static_cast<std::size_t>(places[i])];
     for (int k = 0; k < to.channel_count && k < of.channel_count; ++k) {
-      now[static_cast<std::size_t>(to.first_channel + k)] = values[static_cast<std::size_t>(of.first_channel + k)];
+      now[static_cast<std::size_t>(to.first_channel + k)] =
+          values[static_cast<std::size_t>(of.first_channel + k)];
     }
   }
   return now;

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <boost/asio/dispatch.hpp>
-#include <charconv>
 #include <boost/asio/write.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/error.hpp>
@@ -14,6 +13,7 @@
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <boost/json.hpp>
+#include <charconv>
 
 #include "protocol/json_text.h"
 #include "server/web/access.h"
@@ -87,13 +87,15 @@ HttpAnswer AnswerMesh(const WebContext& context, const std::string& name) {
   std::string glb = frame != nullptr && read ? MeshGlb(*frame->scene, id) : "";
   if (glb.empty()) return ErrorAnswer(404, "no robot of the scene has this mesh: /api/scene names them");
   // The name is that of the content.
-  return {.body = std::move(glb), .type = "model/gltf-binary", .headers = {{"Cache-Control", "max-age=86400"}}};
+  return {
+      .body = std::move(glb), .type = "model/gltf-binary", .headers = {{"Cache-Control", "max-age=86400"}}};
 }
 
 HttpAnswer AnswerTexture(const WebContext& context, const std::string& name) {
   const FramePtr frame = context.frames.Latest();
   const auto image = frame == nullptr ? nullptr : FindTextureImage(*frame->scene, name);
-  if (image == nullptr) return ErrorAnswer(404, "nothing in the scene has this texture: /api/scene names them");
+  if (image == nullptr)
+    return ErrorAnswer(404, "nothing in the scene has this texture: /api/scene names them");
   return {.body = BitmapOf(*image), .type = "image/bmp", .headers = {{"Cache-Control", "no-cache"}}};
 }
 

@@ -41,7 +41,8 @@ struct PageView {
 };
 struct PageShown {};
 
-/// {"type":"poses","rate":30}: where the bodies are, so many times a second at most (pose_stream.h); 0: no more.
+/// {"type":"poses","rate":30}: where the bodies are, so many times a second at most (pose_stream.h); 0: no
+/// more.
 struct PagePoses {
   static constexpr double kMaxRate_hz = 60;
   double rate_hz = 0;

@@ -2,10 +2,10 @@
 #include "server/web/page_socket.h"
 
 #include <boost/beast/core/buffers_to_string.hpp>
-#include <cmath>
 #include <boost/beast/websocket/option.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <boost/json.hpp>
+#include <cmath>
 
 #include "protocol/json_text.h"
 #include "server/web/access.h"

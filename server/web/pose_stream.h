@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Poses for one viewer, as few bytes as will do (docs/protocol.md): what has changed since the last message, in
-// units of 0.1 mm and 1/8192 of a quaternion's component. Pure; one thread.
+// Poses for one viewer, as few bytes as will do (docs/protocol.md): what has changed since the last message,
+// in units of 0.1 mm and 1/8192 of a quaternion's component. Pure; one thread.
 #pragma once
 
 #include <array>
@@ -23,7 +23,10 @@ class PoseStream {
   /// number of the frame's scene; another one begins anew.
   std::string Next(const Frame& frame, std::uint32_t scene);
   /// The viewer has nothing.
-  void Restart() { bodies_.clear(); fresh_ = true; }
+  void Restart() {
+    bodies_.clear();
+    fresh_ = true;
+  }
 
  private:
   /// x y z, three components of the quaternion, and which one is left out: the one of largest magnitude, made

@@ -77,10 +77,11 @@ json::object ModelJson(const SceneRobot& robot) {
     const bool has_visuals = !link.visuals.empty();
     for (const LinkShape& shape : has_visuals ? link.visuals : link.collisions) {
       const Pose X_BG = LinkInBody(robot, link) * shape.X_LG;
-      json::object one{{"body", robot.one_body() ? 0 : static_cast<int>(k)},
-                       {"position", Numbers(X_BG.p)},
-                       {"quaternion", Numbers(X_BG.q)},
-                       {"color", shape.takes_robot_color ? json::value(nullptr) : json::value(Numbers(shape.color))}};
+      json::object one{
+          {"body", robot.one_body() ? 0 : static_cast<int>(k)},
+          {"position", Numbers(X_BG.p)},
+          {"quaternion", Numbers(X_BG.q)},
+          {"color", shape.takes_robot_color ? json::value(nullptr) : json::value(Numbers(shape.color))}};
       AddShape(one, shape.shape);
       shapes.push_back(std::move(one));
     }
@@ -90,10 +91,11 @@ json::object ModelJson(const SceneRobot& robot) {
     const LinkModel& child = model.links[static_cast<std::size_t>(joint.child)];
     const Pose X_RB = child.X_RL * child.X_LI;
     const Vector3 p_B = X_RB.q.conjugate() * (joint.p_RJ - X_RB.p);
-    joints.push_back({{"name", joint.name},
-                      {"body", robot.one_body() ? 0 : joint.child},
-                      {"position", Numbers(robot.one_body() ? robot.X_BR * joint.p_RJ : p_B)},
-                      {"axis", Numbers(Vector3((robot.one_body() ? robot.X_BR.q : X_RB.q.conjugate()) * joint.axis_R))}});
+    joints.push_back(
+        {{"name", joint.name},
+         {"body", robot.one_body() ? 0 : joint.child},
+         {"position", Numbers(robot.one_body() ? robot.X_BR * joint.p_RJ : p_B)},
+         {"axis", Numbers(Vector3((robot.one_body() ? robot.X_BR.q : X_RB.q.conjugate()) * joint.axis_R))}});
   }
   return {{"type", model.type},
           {"shapes", std::move(shapes)},
@@ -126,7 +128,8 @@ std::string Glb(const MeshData& mesh) {
   const bool has_skin = mesh.skin != nullptr && mesh.skin->corners.size() == mesh.vertices.size();
   if (has_skin) {
     for (const MeshSkin::Corner& corner : mesh.skin->corners) {
-      for (const double part : mesh.skin->materials[corner.material].color) Append(binary, static_cast<float>(part));
+      for (const double part : mesh.skin->materials[corner.material].color)
+        Append(binary, static_cast<float>(part));
     }
   }
   const std::size_t indices_at = binary.size();
@@ -159,8 +162,8 @@ std::string Glb(const MeshData& mesh) {
       {"scene", 0},
       {"scenes", json::array{{{"nodes", json::array{0}}}}},
       {"nodes", json::array{{{"mesh", 0}}}},
-      {"meshes",
-       json::array{{{"primitives", json::array{{{"attributes", std::move(attributes)}, {"indices", indices}}}}}}},
+      {"meshes", json::array{{{"primitives",
+                               json::array{{{"attributes", std::move(attributes)}, {"indices", indices}}}}}}},
       {"accessors", std::move(accessors)},
       {"bufferViews", std::move(views)},
       {"buffers", json::array{{{"byteLength", binary.size()}}}}};
@@ -180,21 +183,18 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
   json::array things, models, robots, targets, lights;
   for (const SceneObject& thing : scene.objects) {
     const Pose X = ObjectPose(frame, thing);
-    json::object one{{"id", thing.id.value},
-                     {"name", thing.object.name},
-                     {"body", thing.body},
-                     {"position", Numbers(X.p)},
-                     {"quaternion", Numbers(X.q)},
-                     {"color", Numbers(thing.object.color)},
-                     {"mass", thing.object.mass_kg},
-                     {"texture", TextureJson(thing.object.texture)}};
+    json::object one{{"id", thing.id.value},         {"name", thing.object.name},
+                     {"body", thing.body},           {"position", Numbers(X.p)},
+                     {"quaternion", Numbers(X.q)},   {"color", Numbers(thing.object.color)},
+                     {"mass", thing.object.mass_kg}, {"texture", TextureJson(thing.object.texture)}};
     AddShape(one, thing.object.shape);
     things.push_back(std::move(one));
   }
   std::map<std::pair<const RobotModel*, Fidelity>, std::size_t> known;
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const SceneRobot& robot = scene.robots[i];
-    const auto [model, is_new] = known.emplace(std::pair(robot.entry.model.get(), robot.entry.fidelity), models.size());
+    const auto [model, is_new] =
+        known.emplace(std::pair(robot.entry.model.get(), robot.entry.fidelity), models.size());
     if (is_new) models.push_back(ModelJson(robot));
     robots.push_back({{"id", WorldId::kRobots + static_cast<std::int32_t>(robot.id.value)},
                       {"name", robot.entry.name},

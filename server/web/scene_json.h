@@ -15,7 +15,8 @@ namespace coopdyn {
 /// of one model and fidelity share a description. `number`: by which pose messages call this scene.
 std::string SceneJson(const Frame& frame, std::uint32_t number);
 
-/// The mesh with the content `id` that a robot of the scene looks like, as binary glTF; empty if there is none.
+/// The mesh with the content `id` that a robot of the scene looks like, as binary glTF; empty if there is
+/// none.
 std::string MeshGlb(const Scene& scene, std::uint64_t id);
 
 /// A texture of a thing or the floor, by its name; null if there is none.

@@ -40,6 +40,17 @@ test('each camera has a tile and each lidar a plot, by its name', async () => {
 });
 
 test('the view shows what sensors see while the box is checked', async () => {
+  await page.check('#rays');
+  await page.waitForFunction(() => {
+    const drawn = document.getElementById('sensors');
+    return drawn.checkVisibility() && drawn.width > 400;
+  });
+  await page.uncheck('#rays');
+  await page.waitForFunction(() => !document.getElementById('sensors').checkVisibility());
+});
+
+test('so do the pictures of the daemon', async () => {
+  await page.goto(`${daemon.url}?view=server`);
   await page.waitForFunction(() => Number(document.getElementById('view').dataset.shown ?? 0) > 0);
   const without = await picture(page);
   await page.check('#rays');

@@ -98,7 +98,8 @@ TEST(ProtocolDoc, ListsTheCommandsOfEachModule) {
   for (const CommandSpec& spec : CommonCommands({})) common.emplace(spec.id, spec);
   for (const CommandTable& table : AllModuleTables()) {
     const bool is_global = table.module() == "simulation" || table.module() == "swarm" ||
-                           table.module() == "recorder" || table.module() == "playback";
+                           table.module() == "world" || table.module() == "recorder" ||
+                           table.module() == "playback";
     const std::string name = (is_global ? "/" : "/R/") + table.module();
     std::vector<std::string> expected;
     for (const CommandSpec& spec : table.commands()) {

@@ -8,6 +8,8 @@ import {Interpolator, PoseReader} from './poses.js';
 import {Scene3d} from './scene3d.js';
 
 const RATE_HZ = 30;
+const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as the daemon's pictures
+const MAX_WIDTH = 1280;  // of pictures of the daemon
 const TRAIL_POINTS = 600;
 const MAX_NAMES = 200;
 const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond that shadows cost more than they tell
@@ -33,7 +35,7 @@ export class View3d extends EventTarget {
   #canvas;
   #renderer;
   #root = new THREE.Scene();
-  #camera = new THREE.PerspectiveCamera(50, 1, 0.02, 2000);
+  #camera = new THREE.PerspectiveCamera(FOV_DEG, 1, 0.02, 2000);
   #controls;
   #sun = new THREE.DirectionalLight(0xffffff, 2.1);
   #sky = new THREE.HemisphereLight(0xffffff, 0x8a8f98, 1.5);
@@ -78,9 +80,12 @@ export class View3d extends EventTarget {
     this.#sun.shadow.normalBias = 0.02;
     this.#root.add(this.#sun, this.#sun.target, this.#sky, this.#outline);
     this.#labels = make('div', {id: 'labels', 'aria-hidden': 'true'});
-    this.#frame.append(this.#labels);
+    this.#sensors = make('canvas', {id: 'sensors', hidden: true, 'aria-hidden': 'true'});
+    this.#canvas.after(this.#sensors, this.#labels);
+    byId('rays').addEventListener('change', () => { this.#askSensors(); this.#dirty = true; });
     connection.addEventListener('hello', () => this.#ask());
     connection.addEventListener('poses', ({detail}) => this.#onPoses(detail));
+    connection.addEventListener('picture', ({detail}) => this.#onPicture(detail));
     document.addEventListener('visibilitychange', () => this.#ask());
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.#paint());
     new ResizeObserver(() => this.#fitCanvas()).observe(this.#frame);
@@ -92,6 +97,8 @@ export class View3d extends EventTarget {
     this.#ask();
   }
   #labels;
+  #sensors;
+  #askedSensors = '';
   #software;
 
   // --- for other parts of the page
@@ -160,6 +167,8 @@ export class View3d extends EventTarget {
 
   // --- the wire
   #ask() {
+    this.#askedSensors = '';
+    this.#askSensors();
     this.#connection.send({type: 'poses', rate: document.hidden ? 0 : RATE_HZ});
   }
 
@@ -210,6 +219,40 @@ export class View3d extends EventTarget {
     this.dispatchEvent(new Event('scene'));
   }
 
+  // --- what sensors see: the daemon draws it, from the same place, over the view
+  #askSensors() {
+    const shown = byId('rays').checked && !document.hidden;
+    this.#sensors.hidden = !shown;
+    if (!shown) {
+      if (this.#askedSensors) this.#connection.send({type: 'view'});
+      this.#askedSensors = '';
+      return;
+    }
+    const scale = Math.min(1, MAX_WIDTH / this.#frame.clientWidth);
+    const view = {type: 'view', rays: true, width: Math.max(64, Math.round(scale * this.#frame.clientWidth)),
+      height: Math.max(48, Math.min(1080, Math.round(scale * this.#frame.clientHeight))),
+      eye: this.#camera.position.toArray(), look: this.#controls.target.toArray()};
+    const text = JSON.stringify(view);
+    if (text === this.#askedSensors) return;
+    this.#askedSensors = text;
+    this.#connection.send(view);
+  }
+
+  async #onPicture({about, jpeg}) {
+    if (!about.error && !this.#sensors.hidden) {
+      try {
+        const bitmap = await createImageBitmap(jpeg);
+        Object.assign(this.#sensors, {width: bitmap.width, height: bitmap.height});
+        this.#sensors.getContext('2d').drawImage(bitmap, 0, 0);
+        bitmap.close();
+      } catch { /* a picture that cannot be read is left out */ }
+    } else if (about.error) {
+      setText(byId('view-note'), about.error);
+      byId('view-note').hidden = this.#sensors.hidden;
+    }
+    this.#connection.send({type: 'shown'});
+  }
+
   // --- drawing
   #paint() {
     const style = getComputedStyle(document.documentElement);
@@ -249,6 +292,7 @@ export class View3d extends EventTarget {
     this.#placeOutline();
     this.#dirty = false;
     this.#render();
+    this.#askSensors();
     // Where drawing takes long the rest of the page gets its share.
     const took = Math.max(performance.now() - now, 0);
     this.#pause = took > 40 ? performance.now() + 0.5 * took : 0;
