@@ -120,6 +120,9 @@ RobotEntry RobotNow(const Frame& frame, int place) {
   RobotEntry entry = RobotAt(*frame.scene, place).entry;
   const Pose now = RobotPose(frame, place);
   if (!IsThere(now, entry.X_WR)) entry.X_WR = {now.p, now.q.normalized()};
+  // One that stands has sunk in a little; a place below the floor is none.
+  constexpr double kSunk_m = 5e-3;
+  if (entry.X_WR.p.z() < 0 && entry.X_WR.p.z() > -kSunk_m) entry.X_WR.p.z() = 0;
   return entry;
 }
 

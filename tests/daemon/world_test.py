@@ -192,6 +192,15 @@ class SaveTest(unittest.TestCase):
             self.assertEqual(world.must("save").text.split("\n", 1)[1], saved.split("\n", 1)[1])
 
 
+    def test_a_world_that_has_run_loads_too(self):
+        with paused(scenario(2, extra=ROOM, mode="free")) as daemon:
+            simulation = daemon.text("/simulation")
+            simulation.must("step 300")
+            saved = daemon.text("/world").must("save").text
+            reply = daemon.binary("/simulation").ask(108, text=saved)
+            self.assertEqual((reply.error, reply.text), (0, ""))
+
+
 class RecordedTest(RecordingTestCase):
     def run_with_edits(self, *options):
         """Drives two robots, and edits the world in between; returns the last hash."""

@@ -10,6 +10,7 @@ import {Robots} from './robots.js';
 import {Strip} from './strip.js';
 import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
+import {World} from './world.js';
 
 const connection = new Connection(rememberedToken());
 const strip = new Strip();
@@ -30,7 +31,13 @@ async function openView() {
   }
   return new View(connection);
 }
-openView().then((view) => { window.coopdyn = {view, connection}; });  // for tests, and for those who look
+openView().then(async (view) => {
+  const world = new World(connection, view);
+  window.coopdyn = {view, connection, world};  // for tests, and for those who look
+  if (!view.controls) return;
+  const {Handles} = await import('./handles.js');
+  window.coopdyn.handles = new Handles(view, world, (text, title, act) => view.addTool(text, title, act));
+});
 
 const RETRY_MS = 2000;
 let asked = 0;

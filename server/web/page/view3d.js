@@ -98,6 +98,7 @@ export class View3d extends EventTarget {
   }
   #labels;
   #sensors;
+  #wanted = '';  // to be selected when it comes
   #askedSensors = '';
   #software;
 
@@ -110,11 +111,26 @@ export class View3d extends EventTarget {
   get step() { return this.#reader.step; }
   get framesDrawn() { return this.#drawn; }
   redraw() { this.#dirty = true; }
+  /** A button among the view's tools. */
+  addTool(text, title, act) {
+    const made = make('button', {type: 'button', title}, text);
+    made.addEventListener('click', act);
+    byId('view-tools').append(made);
+    return made;
+  }
   /** Draws `object` too, until it is removed from its parent. */
   add(object) { this.#root.add(object); this.#dirty = true; }
 
   select(thing) {
-    if (typeof thing === 'string') thing = this.#scene?.find(thing) ?? null;
+    this.#wanted = '';
+    if (typeof thing === 'string') {
+      const found = this.#scene?.find(thing);
+      if (!found) {  // it is on its way
+        this.#wanted = thing;
+        return;
+      }
+      thing = found;
+    }
     this.#selected = thing;
     this.#dirty = true;
     this.#outlineSelected();
@@ -194,7 +210,7 @@ export class View3d extends EventTarget {
   }
 
   #show(description) {
-    const selected = this.#selected?.name, followed = this.#follows?.name;
+    const selected = this.#wanted || this.#selected?.name, followed = this.#follows?.name;
     this.#scene?.dispose();
     this.#scene = new Scene3d(description, {onLoaded: () => { this.#dirty = true; }, plain: this.#software});
     this.#root.add(this.#scene.root);
@@ -211,7 +227,7 @@ export class View3d extends EventTarget {
       const wanted = new URLSearchParams(location.search).get('view');
       this.fit(wanted === 'top' ? 'top' : 'side');
     }
-    this.select(selected ? this.#scene.find(selected) ?? null : null);
+    this.select(selected || null);
     this.#follows = followed ? this.#scene.find(followed) ?? null : null;
     this.#showFollow();
     this.#makeNames();
@@ -426,14 +442,8 @@ export class View3d extends EventTarget {
     });
     byId('whole').addEventListener('click', () => this.fit());
     const tools = byId('view-tools');
-    const button = (text, title, act) => {
-      const made = make('button', {type: 'button', title}, text);
-      made.addEventListener('click', act);
-      tools.append(made);
-      return made;
-    };
-    button('top', 'Look from above (T)', () => this.fit('top'));
-    this.#followButton = button('follow', 'The camera goes along with the selected robot (F, or a double click on it)',
+    this.addTool('top', 'Look from above (T)', () => this.fit('top'));
+    this.#followButton = this.addTool('follow', 'The camera goes along with the selected robot (F, or a double click on it)',
       () => this.follow(this.#follows ? null : this.#selected));
     for (const [key, title] of [['names', 'Names of robots and things'], ['trails', 'Where robots have been'], ['shadows', 'Shadows']]) {
       const box = make('input', {type: 'checkbox', checked: this.#options[key], id: `show-${key}`});

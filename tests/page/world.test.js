@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// The panel World: what stands there is inserted, moved, changed and removed by mouse, form and keys.
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import {after, afterEach, before, beforeEach, test} from 'node:test';
+import {call, closeScenario, eventually, launchBrowser, openPage, openScenario} from './harness.js';
+
+const SCENARIO = `[SIMULATION]
+mode realtime
+[FLOOR]
+size 10 10 0.1
+[BOX_1]
+type box
+size 0.6 0.6 0.6
+position 2 1
+color red
+[WALL_1]
+type box
+size 4 0.2 0.5
+position 0 -3
+[TARGET]
+green -2 0 0.3
+[ROBOT_1]
+type coopbot
+position -1 0
+`;
+
+let browser;
+let opened;
+let daemon;
+let page;
+
+before(async () => { browser = await launchBrowser(); });
+after(async () => { await browser?.close(); });
+beforeEach(async () => {
+  opened = await openScenario(browser, SCENARIO);
+  ({daemon, page} = opened);
+  assert.equal((await call(daemon.url, {module: '/simulation', line: 'pause'})).error, 0);
+  await page.waitForFunction(() => window.coopdyn?.handles && window.coopdyn.view.framesDrawn > 0);
+  await page.click('#world > summary');
+  await page.waitForSelector('#things button:has-text("BOX_1")');
+  await page.click('#view-tools button:has-text("top")');
+});
+afterEach(() => closeScenario(opened));
+
+const world = async () => JSON.parse((await call(daemon.url, {module: '/world', line: 'list'})).text);
+const thing = async (name) => {
+  const {things, robots, targets} = await world();
+  return [...things, ...robots, ...targets].find((one) => one.name === name);
+};
+/** The place of the window where a point of the world is shown. */
+const windowAt = (x, y, z = 0) => page.evaluate(([px, py, pz]) => {
+  const {view} = window.coopdyn;
+  view.renderNow();
+  const p = view.camera.position.clone().set(px, py, pz).project(view.camera);
+  const box = view.canvas.getBoundingClientRect();
+  return [box.left + (p.x + 1) / 2 * box.width, box.top + (1 - p.y) / 2 * box.height];
+}, [x, y, z]);
+const select = (name) => page.click(`#things button:has-text("${name}")`);
+const field = (label) => page.locator(`#thing input[name="${label}"]`);
+async function change(label, value) {
+  await field(label).fill(value);
+  await field(label).press('Enter');
+}
+
+test('a click on the palette inserts a box that is selected then, and undo and redo by key', async () => {
+  await page.click('#palette button:has-text("Box")');
+  await eventually(async () => (await thing('BOX_2')) !== undefined);
+  await page.waitForFunction(() => window.coopdyn.view.selected?.name === 'BOX_2');
+  await page.focus('#view');
+  await page.keyboard.press('Control+z');
+  await eventually(async () => (await thing('BOX_2')) === undefined);
+  await page.keyboard.press('Control+y');
+  await eventually(async () => (await thing('BOX_2')) !== undefined);
+});
+
+test('a box is dragged from the palette to a place of the floor', async () => {
+  const [x, y] = await windowAt(-3, 3);
+  await page.evaluate(([clientX, clientY]) => {
+    const dataTransfer = new DataTransfer();
+    const fire = (element, type, more) => element.dispatchEvent(new DragEvent(type, {bubbles: true, cancelable: true, dataTransfer, ...more}));
+    fire(document.querySelector('#palette [data-kind="box"]'), 'dragstart');
+    const frame = document.getElementById('view-frame');
+    if (fire(frame, 'dragover', {clientX, clientY})) throw new Error('the view takes nothing');
+    fire(frame, 'drop', {clientX, clientY});
+  }, [x, y]);
+  await eventually(async () => (await thing('BOX_2')) !== undefined);
+  const [px, py] = (await thing('BOX_2')).position;
+  assert.ok(Math.hypot(px + 3, py - 3) < 0.15, `${px} ${py}`);
+});
+
+test('what would overlap is refused with what it meets, and stays where it was', async () => {
+  await select('robot1');
+  const {position} = await thing('robot1');
+  await change('y m', '-3');
+  await page.waitForFunction(() => /inside WALL_1/.test(document.getElementById('message').textContent));
+  assert.deepEqual((await thing('robot1')).position, position);
+});
+
+test('the form resizes, recolours, weighs, turns and renames', async () => {
+  await select('BOX_1');
+  await change('size m', '1 0.5 0.4');
+  await eventually(async () => (await thing('BOX_1')).size[0] === 1);
+  await change('mass kg', '3');
+  await eventually(async () => (await thing('BOX_1')).mass === 3);
+  await field('color').evaluate((input) => { input.value = '#00ff00'; input.dispatchEvent(new Event('change')); });
+  await eventually(async () => (await thing('BOX_1')).color[1] === 1);
+  await change('turn °', '90');
+  await eventually(async () => Math.abs((await thing('BOX_1')).quaternion[3] - Math.SQRT1_2) < 1e-4);
+  await change('name', 'crate');
+  await eventually(async () => (await thing('crate')) !== undefined);
+});
+
+test('a target is removed by key, a thing is duplicated', async () => {
+  await select('green_target_1');
+  await page.focus('#view');
+  await page.keyboard.press('Delete');
+  await eventually(async () => (await world()).targets.length === 0);
+  await select('BOX_1');
+  await page.click('#thing button:has-text("Duplicate")');
+  await eventually(async () => (await thing('BOX_2'))?.size[0] === 0.6);
+});
+
+test('an inserted robot is driven from the console', async () => {
+  await page.click('#palette button:has-text("Robot")');
+  await eventually(async () => (await thing('robot2')) !== undefined);
+  await page.waitForSelector('#console-module option[value="/robot2/motors"]', {state: 'attached'});
+  await page.click('#console-box summary');
+  await page.selectOption('#console-module', '/robot2/motors');
+  await page.fill('#console-line', 'set_velocity 0.3 0');
+  await page.press('#console-line', 'Enter');
+  await page.click('#run');
+  const from = (await thing('robot2')).position[0];
+  await eventually(async () => Math.abs((await thing('robot2')).position[0] - from) > 0.05);
+});
+
+test('the saved file loads to the same hash', async () => {
+  assert.equal((await call(daemon.url, {module: '/simulation', line: 'reset'})).error, 0);
+  await page.click('#palette button:has-text("Cylinder")');
+  await eventually(async () => (await world()).things.length === 3);
+  const {hash} = await daemon.status();
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('button:has-text("Save as file")')]);
+  const text = readFileSync(await download.path(), 'utf-8');
+  assert.equal((await call(daemon.url, {module: '/simulation', command: 'load_scenario', text})).text, '');
+  assert.equal((await daemon.status()).hash, hash);
+});
+
+test('two browsers see each other\'s edits', async () => {
+  const other = await openPage(browser, daemon.url);
+  await other.waitForFunction(() => window.coopdyn?.view.scene);
+  await page.click('#palette button:has-text("Ball")');
+  await other.waitForFunction(() => window.coopdyn.view.scene.find('SPHERE_1'));
+  await other.waitForSelector('#things button:has-text("SPHERE_1")');
+  await other.close();
+});
+
+test('nothing went wrong meanwhile', async () => {
+  await select('robot1');
+  await select('robot1');
+  assert.deepEqual(page.mistakes, []);
+});
