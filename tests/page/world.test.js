@@ -150,7 +150,7 @@ test('two browsers see each other\'s edits', async () => {
   await other.waitForFunction(() => window.coopdyn?.view.scene);
   await page.click('#palette button:has-text("Ball")');
   await other.waitForFunction(() => window.coopdyn.view.scene.find('SPHERE_1'));
-  await other.waitForSelector('#things button:has-text("SPHERE_1")');
+  await other.waitForSelector('#things button:has-text("SPHERE_1")', {state: 'attached'});
   await other.close();
 });
 
