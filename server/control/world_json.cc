@@ -91,7 +91,7 @@ std::string WorldJson(const Frame& frame, const RunStatus& status) {
       {"robots", std::move(robots)},
       {"targets", std::move(targets)},
       {"lights", std::move(lights)}};
-  return json::serialize(world);
+  return JsonText(world);
 }
 
 }  // namespace coopdyn

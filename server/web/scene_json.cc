@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/json_text.h"
 #include "server/geometry/mesh.h"
 #include "server/state/world_change.h"
 
@@ -168,7 +169,7 @@ std::string Glb(const MeshData& mesh) {
       {"bufferViews", std::move(views)},
       {"buffers", json::array{{{"byteLength", binary.size()}}}}};
   std::string chunks;
-  AppendChunk(chunks, 0x4E4F534A, json::serialize(gltf), ' ');
+  AppendChunk(chunks, 0x4E4F534A, JsonText(gltf), ' ');
   AppendChunk(chunks, 0x004E4942, std::move(binary), '\0');
   std::string glb = "glTF";
   Append(glb, std::uint32_t{2});
@@ -219,7 +220,7 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
                       {"position", Numbers(light.p_WP)},
                       {"power", light.power}});
   }
-  return json::serialize(
+  return JsonText(
       json::object{{"scene", number},
                    {"scenario", scene.scenario->name},
                    {"floor",

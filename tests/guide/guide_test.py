@@ -109,6 +109,9 @@ class GuideTest(unittest.TestCase):
     def test_the_researcher(self):
         self.read_chapter("The researcher")
 
+    def test_change_the_world_while_it_runs(self):
+        self.read_chapter("Change the world while it runs")
+
     def test_record_play_back_branch(self):
         self.read_chapter("Record, play back, branch")
 
