@@ -220,19 +220,18 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
                       {"position", Numbers(light.p_WP)},
                       {"power", light.power}});
   }
-  return JsonText(
-      json::object{{"scene", number},
-                   {"scenario", scene.scenario->name},
-                   {"floor",
-                    {{"size", {scene.floor.length_m, scene.floor.width_m, scene.floor.height_m}},
-                     {"color", Numbers(scene.floor.color)},
-                     {"texture", TextureJson(scene.floor.texture)}}},
-                   {"bodies", frame.bodies.size()},
-                   {"things", std::move(things)},
-                   {"models", std::move(models)},
-                   {"robots", std::move(robots)},
-                   {"targets", std::move(targets)},
-                   {"lights", std::move(lights)}});
+  return JsonText(json::object{{"scene", number},
+                               {"scenario", scene.scenario->name},
+                               {"floor",
+                                {{"size", {scene.floor.length_m, scene.floor.width_m, scene.floor.height_m}},
+                                 {"color", Numbers(scene.floor.color)},
+                                 {"texture", TextureJson(scene.floor.texture)}}},
+                               {"bodies", frame.bodies.size()},
+                               {"things", std::move(things)},
+                               {"models", std::move(models)},
+                               {"robots", std::move(robots)},
+                               {"targets", std::move(targets)},
+                               {"lights", std::move(lights)}});
 }
 
 std::string MeshGlb(const Scene& scene, std::uint64_t id) {
