@@ -2,6 +2,7 @@
 #include "server/state/world_change.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <unordered_set>
 #include <utility>
@@ -64,7 +65,7 @@ std::string TakenName(const Scene& scene) {
 
 void CopyRobot(const Frame& from, const SceneRobot& of, Frame& to, const SceneRobot& robot) {
   const auto copy = [](const auto& source, int first, auto& target, int place, int count) {
-    if (source.size() < static_cast<std::size_t>(first + count)) return;
+    if (std::ssize(source) < first + count) return;
     std::copy_n(source.begin() + first, count, target.begin() + place);
   };
   if (of.body_count == robot.body_count)
@@ -122,7 +123,7 @@ PutRobot PutBack(const SceneRobot& robot, const Frame& frame) {
   copy(frame.controls, robot.first_control, robot.control_count, put.controls);
   const RobotModel& model = *robot.entry.model;
   const int measured = static_cast<int>(model.FirstMeasured(model.sensors.size()));
-  if (frame.measured.size() >= static_cast<std::size_t>(robot.first_measured + measured))
+  if (std::ssize(frame.measured) >= robot.first_measured + measured)
     copy(frame.measured, robot.first_measured, measured, put.measured);
   return put;
 }
@@ -234,10 +235,10 @@ std::shared_ptr<Frame> InScene(const Frame& from, const std::shared_ptr<const Sc
     const SceneRobot& of = before.robots[static_cast<std::size_t>(robots[i])];
     CopyRobot(from, of, *frame, scene->robots[i]);
     for (int k = 0; k < of.actuator_count && k < scene->robots[i].actuator_count; ++k) {
-      const auto source = static_cast<std::size_t>(of.first_actuator + k);
+      const auto source = static_cast<std::size_t>(of.first_actuator) + static_cast<std::size_t>(k);
       if (source < from.commanded.size())
-        frame->commanded[static_cast<std::size_t>(scene->robots[i].first_actuator + k)] =
-            from.commanded[source];
+        frame->commanded[static_cast<std::size_t>(scene->robots[i].first_actuator) +
+                         static_cast<std::size_t>(k)] = from.commanded[source];
     }
   }
   CopyEvents(from, robots, *frame);

@@ -4,6 +4,7 @@
 // files. Plain values and pure functions; any thread.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -103,10 +104,10 @@ std::vector<Value> InChannelsOf(const Scene& scene, const Scene& before, const s
     if (places[i] < 0) continue;
     const SceneRobot& to = scene.robots[i];
     const SceneRobot& of = before.robots[static_cast<std::size_t>(places[i])];
-    for (int k = 0; k < to.channel_count && k < of.channel_count; ++k) {
-      now[static_cast<std::size_t>(to.first_channel + k)] =
-          values[static_cast<std::size_t>(of.first_channel + k)];
-    }
+    const auto into = static_cast<std::size_t>(to.first_channel),
+               from = static_cast<std::size_t>(of.first_channel);
+    const auto count = static_cast<std::size_t>(std::min(to.channel_count, of.channel_count));
+    for (std::size_t k = 0; k < count; ++k) now[into + k] = values[from + k];
   }
   return now;
 }

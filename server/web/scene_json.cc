@@ -46,13 +46,13 @@ void AddShape(json::object& to, const Shape& shape) {
     to["size"] = Numbers(box->size_m);
   } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
     to["type"] = "cylinder";
-    to["size"] = {Short(cylinder->radius_m), Short(cylinder->length_m)};
+    to["size"] = json::array{Short(cylinder->radius_m), Short(cylinder->length_m)};
   } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
     to["type"] = "sphere";
-    to["size"] = {Short(sphere->radius_m)};
+    to["size"] = json::array{Short(sphere->radius_m)};
   } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
     to["type"] = "capsule";
-    to["size"] = {Short(capsule->radius_m), Short(capsule->length_m)};
+    to["size"] = json::array{Short(capsule->radius_m), Short(capsule->length_m)};
   } else {
     to["type"] = "mesh";
     to["mesh"] = MeshName(*std::get<Mesh>(shape).data);
