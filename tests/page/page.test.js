@@ -277,13 +277,14 @@ describe('the page', () => {
 
   test('everything can be reached by keyboard', async () => {
     await openConsole(page);
-    await page.focus('#run');
+    await page.click('#show > summary');
+    await page.focus('#theme');
     const reached = new Set();
-    for (let i = 0; i < 60; ++i) {
+    for (let i = 0; i < 70; ++i) {
       reached.add(await page.evaluate(() => document.activeElement.id || document.activeElement.tagName));
       await page.keyboard.press('Tab');
     }
-    for (const id of ['run', 'pause', 'reset', 'stop-all', 'view', 'rays', 'console-line', 'set-mode', 'load', 'upload']) {
+    for (const id of ['run', 'pause', 'reset', 'stop-all', 'view', 'rays', 'console-line', 'theme', 'splitter', 'tab-robots', 'set-mode', 'load', 'upload']) {
       assert.ok(reached.has(id), `${id} not among ${[...reached].join(' ')}`);
     }
   });

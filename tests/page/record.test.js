@@ -94,7 +94,7 @@ test('recordings are listed, and copied by their links', async () => {
   const daemon = await startDaemon('classroom', '--recordings', recordings);
   try {
     const page = await openPage(browser, daemon.url);
-    await page.click('#runs-title');
+    await page.click('#tab-runs');
     await hasText(page, '#runs-list', /^none yet$/);
 
     assert.equal((await call(daemon.url, {module: '/recorder', command: 'start', text: 'lesson1'})).error, 0);
@@ -113,8 +113,8 @@ test('recordings are listed, and copied by their links', async () => {
     assert.match(mat.bytes.subarray(0, 19).toString(), /^MATLAB 5\.0 MAT-file$/);
 
     await writeFile(join(recordings, 'torn.run'), 'no recording');
-    await page.click('#runs-title');
-    await page.click('#runs-title');
+    await page.click('#tab-robots');
+    await page.click('#tab-runs');
     await hasText(page, '#runs-title', /^Recordings \(2\)$/);
     await hasText(page, '#runs-list', /torn\.runcannot be read/);
     assert.deepEqual(page.mistakes, []);

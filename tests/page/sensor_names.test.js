@@ -40,6 +40,7 @@ test('each camera has a tile and each lidar a plot, by its name', async () => {
 });
 
 test('the view shows what sensors see while the box is checked', async () => {
+  await page.click('#show > summary');
   await page.check('#rays');
   await page.waitForFunction(() => {
     const drawn = document.getElementById('sensors');
@@ -53,6 +54,7 @@ test('so do the pictures of the daemon', async () => {
   await page.goto(`${daemon.url}?view=server`);
   await page.waitForFunction(() => Number(document.getElementById('view').dataset.shown ?? 0) > 0);
   const without = await picture(page);
+  await page.click('#show > summary');
   await page.check('#rays');
   await eventually(async () => await picture(page) !== without);
   await page.uncheck('#rays');

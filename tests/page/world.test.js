@@ -37,7 +37,7 @@ beforeEach(async () => {
   ({daemon, page} = opened);
   assert.equal((await call(daemon.url, {module: '/simulation', line: 'pause'})).error, 0);
   await page.waitForFunction(() => window.coopdyn?.handles && window.coopdyn.view.framesDrawn > 0);
-  await page.click('#world > summary');
+  await page.click('#tab-world');
   await page.waitForSelector('#things button:has-text("BOX_1")');
   await page.click('#view-tools button:has-text("top")');
 });

@@ -4,6 +4,7 @@ import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
 import {byId, say, setText} from './dom.js';
+import {isShown, startLayout} from './layout.js';
 import {ofType} from './lines.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
@@ -12,6 +13,7 @@ import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
 import {World} from './world.js';
 
+startLayout();
 const connection = new Connection(rememberedToken());
 const strip = new Strip();
 const controls = new Controls(connection);
@@ -35,6 +37,7 @@ openView().then(async (view) => {
   const world = new World(connection, view);
   window.coopdyn = {view, connection, world};  // for tests, and for those who look
   if (!view.controls) return;
+  view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot' && isShown('robots')) robots.reveal(detail.name); });
   const {Handles} = await import('./handles.js');
   window.coopdyn.handles = new Handles(view, world, (text, title, act) => view.addTool(text, title, act));
 });

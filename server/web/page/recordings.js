@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Recordings: the button that makes them, and the list of those that the daemon keeps, to copy from it.
 import {byId, make, say, setOff, setText, showNumber} from './dom.js';
+import {tab} from './layout.js';
 
 /** The button that begins and ends a recording, and the mark in the strip while one is made. */
 export class Record {
@@ -51,7 +52,11 @@ export class Runs {
   #tries = 0;  // left, to find the recording that has begun: its file is made a moment later
 
   constructor() {
-    byId('runs').addEventListener('toggle', () => { if (byId('runs').open) this.#refresh(); });
+    const panel = tab('runs', 'Runs');
+    panel.append(make('h2', {id: 'runs-title'}, 'Recordings'),
+      make('p', {class: 'quiet'}, 'Record keeps a run in a file of the daemon. Copy it as it is, or as .mat for MATLAB and Octave.'),
+      make('ul', {id: 'runs-list'}));
+    panel.addEventListener('shown', () => this.#refresh());
   }
 
   /** A recording that has begun or ended changes the list. */

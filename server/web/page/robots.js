@@ -143,6 +143,14 @@ export class Robots {
     byId('robots').append(card.element);
   }
 
+  /** Opens a robot's card and brings it into sight. */
+  reveal(name) {
+    const card = this.#cards.get(name);
+    if (!card) return;
+    card.element.open = true;
+    card.element.scrollIntoView({block: 'nearest'});
+  }
+
   #toggled(name, card) {
     if (this.#cards.get(name) !== card) return;  // it has gone meanwhile
     if (!card.isOpen || name !== this.#byItself) this.#touched = true;

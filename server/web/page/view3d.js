@@ -87,7 +87,7 @@ export class View3d extends EventTarget {
     connection.addEventListener('poses', ({detail}) => this.#onPoses(detail));
     connection.addEventListener('picture', ({detail}) => this.#onPicture(detail));
     document.addEventListener('visibilitychange', () => this.#ask());
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.#paint());
+    document.addEventListener('theme', () => this.#paint());
     new ResizeObserver(() => this.#fitCanvas()).observe(this.#frame);
     this.#listen();
     this.#paint();
@@ -271,9 +271,7 @@ export class View3d extends EventTarget {
 
   // --- drawing
   #paint() {
-    const style = getComputedStyle(document.documentElement);
-    const ground = style.getPropertyValue('--view-ground').trim() || '#dfe4ea';
-    this.#root.background = new THREE.Color(ground);
+    this.#root.background = new THREE.Color(getComputedStyle(this.#frame).backgroundColor);
     this.#dirty = true;
   }
 
@@ -441,14 +439,13 @@ export class View3d extends EventTarget {
       does();
     });
     byId('whole').addEventListener('click', () => this.fit());
-    const tools = byId('view-tools');
     this.addTool('top', 'Look from above (T)', () => this.fit('top'));
     this.#followButton = this.addTool('follow', 'The camera goes along with the selected robot (F, or a double click on it)',
       () => this.follow(this.#follows ? null : this.#selected));
     for (const [key, title] of [['names', 'Names of robots and things'], ['trails', 'Where robots have been'], ['shadows', 'Shadows']]) {
       const box = make('input', {type: 'checkbox', checked: this.#options[key], id: `show-${key}`});
       box.addEventListener('change', () => this.#set(key, box.checked));
-      tools.append(make('label', {title}, box, ` ${key}`));
+      byId('show-list').append(make('label', {title}, box, ` ${key}`));
     }
     this.#showFollow();
   }

@@ -2,6 +2,7 @@
 // The panel World: a palette to drag onto the floor, the list of what stands there, a form for what is selected, undo and redo.
 // Every change is an edit of /world, so that others see it and a recording has it.
 import {byId, make, say, setText, showNumber} from './dom.js';
+import {isShown, showTab, tab} from './layout.js';
 
 const MODULE = '/world';
 const SNAP_M = 0.05;
@@ -37,7 +38,7 @@ export class World {
   #name = '';         // selected
   #asked = 0;
   #key = '';          // what the list was last made of
-  #element = make('details', {class: 'panel', id: 'world'});
+  #element = make('div', {id: 'world'});
   #list = make('ul', {id: 'things', 'aria-label': 'What stands in the world'});
   #form = make('form', {id: 'thing', hidden: true});
   #undo = make('button', {type: 'button', title: 'Take the last edit back (Ctrl+Z)'}, 'Undo');
@@ -55,10 +56,9 @@ export class World {
     this.#undo.addEventListener('click', () => this.#edit('undo'));
     this.#redo.addEventListener('click', () => this.#edit('redo'));
     this.#search.addEventListener('input', () => { this.#key = ''; this.#showList(); });
-    this.#element.append(make('summary', {}, 'World ', this.#count),
-      make('div', {class: 'row', id: 'palette', role: 'group', 'aria-label': 'Insert: click, or drag onto the floor'}, ...this.#palette()),
-      make('div', {class: 'row'}, this.#undo, this.#redo, save, this.#search), this.#list, this.#form);
-    byId('robots').closest('section').before(this.#element);
+    this.#element.append(make('div', {class: 'row', id: 'palette', role: 'group', 'aria-label': 'Insert: click, or drag onto the floor'}, ...this.#palette()),
+      make('div', {class: 'row'}, this.#undo, this.#redo, save, this.#search, this.#count), this.#list, this.#form);
+    tab('world', 'World').append(this.#element);
     this.#fillTypes();
     view.addEventListener?.('scene', () => this.#refresh());
     view.addEventListener?.('select', ({detail}) => this.select(detail?.name ?? '', true));
@@ -71,7 +71,7 @@ export class World {
   select(name, fromView = false) {
     const anew = name !== this.#name;  // else somebody may be typing
     this.#name = name;
-    if (name) this.#element.open = true;
+    if (name && anew && !(isShown('robots') && this.#isRobot(name)) && (!fromView || isShown('robots'))) showTab('world');
     if (!fromView) this.#view.select?.(name || null);
     this.#showList();
     this.#showForm(anew);
@@ -188,6 +188,8 @@ export class World {
     const {things = [], robots = [], targets = [], lights = []} = this.#world ?? {};
     return [...robots, ...things, ...targets, ...lights];
   }
+
+  #isRobot(name) { return Boolean(this.#world?.robots.some((robot) => robot.name === name)); }
 
   #find(name) { return this.#all().find((thing) => thing.name === name); }
 

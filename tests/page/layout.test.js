@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// Tabs, the bar between view and sidebar, light and dark, and small windows.
+import assert from 'node:assert/strict';
+import {after, before, beforeEach, test} from 'node:test';
+import {closeClassroom, eventually, launchBrowser, openClassroom} from './harness.js';
+
+let browser, daemon, page;
+
+before(async () => {
+  browser = await launchBrowser();
+  ({daemon, page} = await openClassroom(browser));
+});
+beforeEach(() => page.setViewportSize({width: 1280, height: 800}));
+after(async () => {
+  if (page) await closeClassroom({daemon, page});
+  await browser?.close();
+});
+
+const box = (selector) => page.locator(selector).boundingBox();
+
+test('the view has about two thirds of the window', async () => {
+  const {width, height} = await box('#view-frame');
+  assert.ok(width > 0.62 * 1280 && width < 0.72 * 1280, `${width} of 1280`);
+  assert.ok(height > 0.66 * 800, `${height} of 800`);
+});
+
+test('another tab moves nothing but the sidebar', async () => {
+  const before = await box('#view-frame');
+  await page.click('#tab-world');
+  assert.equal(await page.isVisible('#panel-robots'), false);
+  assert.equal(await page.isVisible('#things'), true);
+  assert.deepEqual(await box('#view-frame'), before);
+});
+
+test('arrows go from tab to tab', async () => {
+  await page.click('#tab-robots');
+  await page.keyboard.press('ArrowRight');
+  assert.equal(await page.getAttribute('#tab-robots', 'aria-selected'), 'false');
+  await page.keyboard.press('Home');
+  assert.equal(await page.getAttribute('#tab-robots', 'aria-selected'), 'true');
+  assert.equal(await page.isVisible('#panel-robots'), true);
+});
+
+test('the bar beside the view widens the sidebar by mouse, and a double click sets it back', async () => {
+  const before = (await box('aside')).width;
+  const bar = await box('#splitter');
+  await page.mouse.move(bar.x + 3, 300);
+  await page.mouse.down();
+  await page.mouse.move(bar.x - 120, 300);
+  await page.mouse.up();
+  await eventually(async () => (await box('aside')).width > before + 90);
+  await page.dblclick('#splitter');
+  await eventually(async () => (await box('aside')).width === before);
+});
+
+test('dark is kept when the page is opened again, and the view is dark too', async () => {
+  const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const light = await ground();
+  await page.click('#theme');
+  await page.click('#theme');
+  assert.equal(await page.textContent('#theme'), 'Dark');
+  const dark = await ground();
+  assert.notEqual(dark, light);
+  await page.reload();
+  await eventually(async () => await page.textContent('#theme') === 'Dark');
+  assert.equal(await ground(), dark);
+  await page.click('#theme');
+});
+
+for (const [width, height] of [[1024, 768], [1280, 800], [1920, 1080]]) {
+  test(`at ${width}×${height} nothing has to be scrolled to reach a tab, a button or the view`, async () => {
+    await page.setViewportSize({width, height});
+    for (const selector of ['#run', '#record', '#view', '#theme', '#tab-robots', '#tab-runs', '#console-box']) {
+      const {x, y, width: w, height: h} = await box(selector);
+      assert.ok(x >= 0 && y >= 0 && x + w <= width + 1 && y + h <= height + 1, `${selector}: ${x} ${y} ${w} ${h}`);
+    }
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
+  });
+}
+
+test('on a phone the view stays above the tabs, and nothing is wider than the window', async () => {
+  await page.setViewportSize({width: 390, height: 844});
+  const view = await box('#view-frame'), side = await box('aside');
+  assert.ok(view.y + view.height <= side.y);
+  assert.ok(side.height > 300, `${side.height}`);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+});
+
+test('what is written can be read: its contrast is at least 4.5, light and dark', async () => {
+  for (const colorScheme of ['light', 'dark']) {
+    await page.emulateMedia({colorScheme});
+    const poor = await page.evaluate(() => {
+      const parse = (text) => text.match(/[\d.]+/g).map(Number);
+      const shine = ([r, g, b]) => [r, g, b].map((c) => (c /= 255) <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+      const groundOf = (element) => {
+        for (let at = element; at; at = at.parentElement) {
+          const ground = parse(getComputedStyle(at).backgroundColor);
+          if (ground.length === 3 || ground[3] === 1) return ground;
+        }
+        return [255, 255, 255];
+      };
+      return [...document.querySelectorAll('body *')].filter((element) =>
+        element.checkVisibility() && !element.disabled && [...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim()))
+        .map((element) => {
+          const [a, b] = [shine(parse(getComputedStyle(element).color)), shine(groundOf(element))].sort((x, y) => y - x);
+          return [element.id || element.className || element.tagName, (a + 0.05) / (b + 0.05)];
+        }).filter(([, contrast]) => contrast < 4.5).map(([name, contrast]) => `${name} ${contrast.toFixed(2)}`);
+    });
+    assert.deepEqual(poor, [], colorScheme);
+  }
+});
