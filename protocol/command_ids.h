@@ -63,6 +63,6 @@ inline constexpr Id kGetRecording = 120, kStartRecording = 121, kStopRecording =
                     kListRuns = 124;
 // /playback
 inline constexpr Id kGetPlayback = 130, kSeek = 131, kPlay = 132, kPausePlayback = 133, kSetPlaySpeed = 134,
-                    kSkip = 135, kSetLoop = 136, kBranch = 137;
+                    kSkip = 135, kSetLoop = 136, kBranch = 137, kOpenRecording = 138, kCloseRecording = 139;
 
 }  // namespace coopdyn::command

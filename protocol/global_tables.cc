@@ -307,6 +307,14 @@ CommandTable PlaybackTable() {
            .help = "Ends the playback: the simulation goes on live from the step shown, or from this time.",
            .data = {Optional("time", "s")},
            .example = "branch"},
+          {.id = command::kOpenRecording,
+           .name = "open",
+           .help = "Plays a recording of the daemon (/recorder list). The live run is put aside until close.",
+           .text = TextUse::kRest,
+           .text_name = "NAME",
+           .example = "open lesson1"},
+          Order(command::kCloseRecording, "close",
+                "Ends the playback: the live run goes on where it was put aside."),
       });
 }
 

@@ -375,6 +375,10 @@ class Simulation {
   /// Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s], bit
   /// for bit as it did if the inputs are the same.
   void branch(std::optional<double> time = std::nullopt);
+  /// Plays a recording of the daemon. The live run is put aside until close_run().
+  void open_run(const std::string& name);
+  /// Ends the playback: the live run goes on where open_run() put it aside.
+  void close_run();
 
   /// The whole state of the simulation (docs/protocol.md lists the keys).
   Json status();

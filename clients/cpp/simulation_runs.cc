@@ -159,4 +159,15 @@ void Simulation::branch(std::optional<double> time) {
   session_->Jumped();
 }
 
+void Simulation::open_run(const std::string& name) {
+  if (name.empty()) throw Error(3, "no name: write sim.open_run(\"lesson1\")");
+  session_->Tell(kPlayback, {command::kOpenRecording, {}, {}, name, kExportTimeout_s});
+  session_->Jumped();
+}
+
+void Simulation::close_run() {
+  session_->Tell(kPlayback, {command::kCloseRecording});
+  session_->Jumped();
+}
+
 }  // namespace coopdyn::client

@@ -70,7 +70,7 @@ _SIMULATION, _RECORDER, _PLAYBACK, _WORLD = "/simulation", "/recorder", "/playba
 _INSERT, _REMOVE, _SET_POSE, _SET_THING, _RENAME, _LIST_WORLD, _SAVE_WORLD, _UNDO, _REDO, _PICK = range(140, 150)
 _SAVE_STATE, _RESTORE_STATE, _GET_SAVED = 194, 195, 196
 _GET_RECORDING, _START_RECORDING, _STOP_RECORDING, _NOTE, _LIST_RUNS = 120, 121, 122, 123, 124
-_GET_PLAYBACK, _SEEK, _PLAY, _SET_PLAY_SPEED, _SKIP, _SET_LOOP, _BRANCH = 130, 131, 132, 134, 135, 136, 137
+_GET_PLAYBACK, _SEEK, _PLAY, _SET_PLAY_SPEED, _SKIP, _SET_LOOP, _BRANCH, _OPEN, _CLOSE = 130, 131, 132, 134, 135, 136, 137, 138, 139
 _STEP_ALL, _SELECT_READINGS, _READ_ALL, _GET_TEAM, _STOP_TEAM = 110, 111, 112, 113, 114
 _OF_JOINTS = {_SET_POSITIONS: "set_positions", _SET_POSITIONS_DIRECT: "set_positions_direct", _SET_VELOCITIES: "set_velocities",
               _SET_EFFORTS: "set_efforts", _SET_MODES: "set_modes", _HOLD: "hold"}  # commands that take effect with a step
@@ -3810,6 +3810,17 @@ class Simulation:
         inputs it repeats the recorded run bit for bit."""
         data = () if time is None else (_number(time, "the time [s]"),)
         self._session.tell(_PLAYBACK, _BRANCH, (), data, timeout=_EXPORT_TIMEOUT_S)
+        self._session.jumped()
+
+    @_usage('sim.open_run("lesson1")')
+    def open_run(self, name: str) -> None:
+        """Plays a recording of the daemon (sim.recordings() lists them). The live run is put aside until sim.close_run()."""
+        self._session.tell(_PLAYBACK, _OPEN, (), (), _run_name(name), timeout=_EXPORT_TIMEOUT_S)
+        self._session.jumped()
+
+    def close_run(self) -> None:
+        """Ends the playback: the live run goes on where sim.open_run() put it aside."""
+        self._session.tell(_PLAYBACK, _CLOSE)
         self._session.jumped()
 
     # --- looking ---

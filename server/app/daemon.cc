@@ -115,9 +115,9 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       controllers_(ControllersOf(options), clock_, logger_, pool_, DrawOn(images_)),
       stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run, {&pool_, &controllers_}),
       recordings_(recording_options(), edits_, run_, frames_, clock_, logger_),
+      branches_({BranchStateMaker(replay_services()), OpenOn(models_.path())}, edits_, run_, logger_),
       runs_(
           options_.record.folder, models_.path(), [this] { return recordings_.status().file.file; }, logger_),
-      branches_(BranchStateMaker(replay_services()), edits_, run_, logger_),
       loader_("load", logger_),
       control_("control", logger_) {
   stepper_.set_on_ended([this] { shutdown_.Request(); });
@@ -211,7 +211,7 @@ std::string Daemon::OpenGlobalModules() {
       GlobalServices{board_, frames_, edits_, roster_, robot_guard_, clock_, kVersion}, ThreadsOf(options_),
       post);
   playback_ = std::make_unique<PlaybackModule>(
-      services, run_, branches_, [this](const Scene& scene) { ApplyScene(scene); }, post);
+      services, run_, branches_, runs_, [this](const Scene& scene) { ApplyScene(scene); }, post);
   recorder_ = std::make_unique<RecorderModule>(
       services, recordings_, runs_, [this] { return http(); }, post);
   const std::pair<const char*, Endpoint*> modules[] = {{"/simulation", simulation_.get()},

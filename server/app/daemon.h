@@ -80,8 +80,11 @@ class Daemon final : private ControlActions {
   std::string StartScenario();
   std::string StartFromRecording();
   std::string StartPlayback();
-  /// The physics thread: plays, until a branch, or steps.
+  /// The physics thread: steps until a recording is opened, plays until a branch or a close, steps, …
   void RunWorld(const std::stop_token& stop);
+  /// Plays what `play` says instead of the live run, whose state was `live` (null: there was none), and
+  /// answers it. On the physics thread.
+  void Play(const Edit& play, const SavedStatePtr& live);
   ReplayServices replay_services();
   RecordingOptions recording_options();
 
@@ -121,10 +124,10 @@ class Daemon final : private ControlActions {
   ControllerHost controllers_;  // likewise
   Stepper stepper_;
   RecordingDesk recordings_;
-  RunFolder runs_;
   BranchDesk branches_;
+  RunFolder runs_;
   IoThread loader_;                 // reads scenarios that are loaded
-  std::unique_ptr<Player> player_;  // of a recording, until it is branched from; else null
+  std::unique_ptr<Player> player_;  // of the recording that is played; null in a live run
   std::unique_ptr<RenderThread> render_;
   IoThread control_;
   std::unique_ptr<RobotHost> robots_;

@@ -103,13 +103,42 @@ std::string Daemon::StartPlayback() {
 }
 
 void Daemon::RunWorld(const std::stop_token& stop) {
-  while (player_ != nullptr) {
-    std::optional<Edit> branch = player_->Run(stop);
-    if (!branch) return;
-    if (stepper_.TakeOver(*std::move(branch))) break;
-    board_.SetPlaying(true);  // it was refused: the playback goes on
+  for (;;) {
+    std::optional<Edit> next;  // a Play, or a Restore that ends a playback
+    SavedStatePtr live;
+    if (player_ != nullptr) {
+      next = player_->Run(stop);
+    } else if (std::optional<Stepper::PutAside> put_aside = stepper_.Run(stop)) {
+      next = std::move(put_aside->edit);
+      live = std::move(put_aside->state);
+    }
+    if (!next) return;
+    if (As<edit::Play>(next->action) != nullptr) {
+      Play(*next, live);
+    } else if (stepper_.TakeOver(*std::move(next))) {
+      player_.reset();
+    } else {
+      board_.SetPlaying(true);  // it was refused: the playback goes on
+    }
   }
-  stepper_.Run(stop);
+}
+
+void Daemon::Play(const Edit& play, const SavedStatePtr& live) {
+  auto player = std::make_unique<Player>(Player::Boards{frames_, board_, edits_, run_, bell_},
+                                         As<edit::Play>(play.action)->recording, clock_, logger_,
+                                         PlayOptions(), frames_.Latest()->epoch);
+  EditResult result;
+  result.text = player->Start();
+  if (result.text.empty()) {
+    player_ = std::move(player);
+    result.saved = live;
+  } else {
+    result.error = Error::kNotPossible;
+    if (live != nullptr) stepper_.TakeOver({edit::Restore{live}});
+    if (player_ != nullptr) board_.SetPlaying(true);
+  }
+  result.frame = frames_.Latest();
+  if (play.done) play.done(result);
 }
 
 RecordingOptions Daemon::recording_options() {

@@ -57,10 +57,11 @@ std::optional<Message> RecorderModule::Change(Peer& peer, const Message& request
 }
 
 PlaybackModule::PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches,
-                               ApplyScene apply_scene, StepInbox::Post post)
+                               RunFolder& runs, ApplyScene apply_scene, StepInbox::Post post)
     : GlobalModule(std::move(services), PlaybackTable(), std::move(post)),
       run_(run),
       branches_(branches),
+      runs_(runs),
       apply_scene_(std::move(apply_scene)) {}
 
 Message PlaybackModule::Read(const Message& request, const Frame& /*frame*/) {
@@ -76,16 +77,29 @@ Message PlaybackModule::Read(const Message& request, const Frame& /*frame*/) {
 std::optional<Message> PlaybackModule::Refuse(const Message& request) const {
   if (std::optional<Message> refusal = GlobalModule::Refuse(request)) return refusal;
   const bool own = request.command >= static_cast<command::Id>(kCommonCommandCount);
-  if (own && !run_.playback()) return ErrorReply(request.command, Error::kNotPossible, kNotPlayingText);
+  if (own && request.command != command::kOpenRecording && !run_.playback())
+    return ErrorReply(request.command, Error::kNotPossible, kNotPlayingText);
   return std::nullopt;
 }
 
 std::optional<Message> PlaybackModule::Change(Peer& peer, const Message& request) {
+  auto answer = Later(peer, [this](const EditResult& result) {
+    if (result.error == Error::kOk && result.frame != nullptr) apply_scene_(*result.frame->scene);
+  });
   if (request.command == command::kBranch) {
-    const auto time_s = request.data.empty() ? std::nullopt : std::optional(request.data[0]);
-    branches_.Branch(time_s, Later(peer, [this](const EditResult& result) {
-                       if (result.error == Error::kOk) apply_scene_(*result.frame->scene);
-                     }));
+    branches_.Branch(request.data.empty() ? std::nullopt : std::optional(request.data[0]), std::move(answer));
+    return std::nullopt;
+  }
+  if (request.command == command::kCloseRecording) {
+    branches_.Resume(std::move(answer));
+    return std::nullopt;
+  }
+  if (request.command == command::kOpenRecording) {
+    const std::string name = request.text.ends_with(".run") ? request.text : request.text + ".run";
+    runs_.Open(name, [this, answer = std::move(answer)](const RunToCopy& run) {
+      if (run.error == Error::kOk) return branches_.Play(run.file.string(), answer);
+      answer({run.error, run.text});
+    });
     return std::nullopt;
   }
   std::string error;

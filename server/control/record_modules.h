@@ -32,15 +32,15 @@ class RecorderModule final : public GlobalModule {
   const std::function<std::string()> page_;
 };
 
-/// Drives a recording that is played. In a live run all its commands are refused.
+/// Drives a recording that is played. In a live run all its commands but `open` are refused.
 class PlaybackModule final : public GlobalModule {
  public:
   /// Called on the control thread after a branch, before its reply: the robots may be others.
   using ApplyScene = std::function<void(const Scene&)>;
 
   /// Any thread. All outlives the module.
-  PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches, ApplyScene apply_scene,
-                 StepInbox::Post post);
+  PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches, RunFolder& runs,
+                 ApplyScene apply_scene, StepInbox::Post post);
 
  private:
   Message Read(const Message& request, const Frame& frame) override;
@@ -50,6 +50,7 @@ class PlaybackModule final : public GlobalModule {
 
   const RunControl& run_;
   BranchDesk& branches_;
+  RunFolder& runs_;
   const ApplyScene apply_scene_;
 };
 

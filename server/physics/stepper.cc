@@ -74,7 +74,7 @@ bool Stepper::TakeOver(Edit edit) {
   return live;
 }
 
-void Stepper::Run(std::stop_token stop) {
+std::optional<Stepper::PutAside> Stepper::Run(std::stop_token stop) {
   UrgentThread thread;
   // An edit from before the start (a recording) takes effect even if the run ends at once.
   baton_.Take();
@@ -82,7 +82,9 @@ void Stepper::Run(std::stop_token stop) {
   baton_.Pass();
   while (!stop.stop_requested()) {
     const std::uint64_t seen = boards_.bell.count();
-    const Nanoseconds wake = WorkOnce(thread);
+    std::optional<PutAside> put_aside;
+    const Nanoseconds wake = WorkOnce(thread, put_aside);
+    if (put_aside) return put_aside;
     if (wake > clock_.Now()) boards_.bell.WaitUntil(seen, wake);
   }
   baton_.Take();
@@ -96,11 +98,13 @@ void Stepper::Run(std::stop_token stop) {
   baton_.Pass();
   boards_.edits.Close();
   boards_.commands.Stop(boards_.frames.Latest());
+  return std::nullopt;
 }
 
-Nanoseconds Stepper::WorkOnce(UrgentThread& thread) {
+Nanoseconds Stepper::WorkOnce(UrgentThread& thread, std::optional<PutAside>& put_aside) {
   baton_.Take();
   ApplyEdits();
+  put_aside = std::exchange(put_aside_, std::nullopt);
   if (!thread.Set(mode_ == Mode::kRealtime && speed() > 0)) {
     status_.load.priority_refused = true;
     logger_->debug("the stepping thread has no higher priority: `ulimit -e 30` or LimitNICE=-10 allows it");

@@ -74,9 +74,14 @@ class Stepper {
   bool Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagnostics) EXCLUDES(baton_);
   /// Builds the world of `state`, goes on from there and publishes its frame. As Start() otherwise.
   bool StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) EXCLUDES(baton_);
-  /// The physics thread: steps until `stop` is requested (ring the bell after). Returns when nothing steps
-  /// any more.
-  void Run(std::stop_token stop) EXCLUDES(baton_);
+  /// A live run that has given way to a recording.
+  struct PutAside {
+    Edit edit;            // the Play that did it, to be answered
+    SavedStatePtr state;  // of the run, for a Restore
+  };
+  /// The physics thread: steps until `stop` is requested (ring the bell after), or until a Play. Returns when
+  /// nothing steps any more.
+  std::optional<PutAside> Run(std::stop_token stop) EXCLUDES(baton_);
   /// Instead of Start(): `edit` (a Restore) ended a playback. True if the run is live now. Before Run().
   bool TakeOver(Edit edit) EXCLUDES(baton_);
   /// Runs the step that has just become possible on the calling thread if the baton is free and time allows;
@@ -102,6 +107,7 @@ class Stepper {
   EditResult Apply(const edit::Reset&) REQUIRES(baton_);
   EditResult Apply(const edit::Load&) REQUIRES(baton_);
   EditResult Apply(const edit::Restore&) REQUIRES(baton_);
+  EditResult Apply(const edit::Play&) REQUIRES(baton_);
   EditResult Apply(const edit::Change& change) REQUIRES(baton_);
   EditResult Apply(const edit::Undo&) REQUIRES(baton_);
   EditResult Apply(const edit::Redo&) REQUIRES(baton_);
@@ -111,10 +117,11 @@ class Stepper {
   /// The same for any kind; what is for a playback is refused.
   EditResult ApplyAny(const EditAction& action) REQUIRES(baton_);
 
+  /// Up to the first Play, which ends the run.
   void ApplyEdits() REQUIRES(baton_);
   void ApplyEdit(Edit& edit) REQUIRES(baton_);
-  /// Does what is due now and returns when to look again.
-  Nanoseconds WorkOnce(UrgentThread& thread) EXCLUDES(baton_);
+  /// Does what is due now and returns when to look again. `put_aside`: set if the run has given way.
+  Nanoseconds WorkOnce(UrgentThread& thread, std::optional<PutAside>& put_aside) EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
   /// Takes note of controllers that have stopped: in the step after frame `step`, which is an input of the
@@ -187,6 +194,7 @@ class Stepper {
   std::int64_t allowed_steps_ GUARDED_BY(baton_) = 0;  // while paused
   bool ended_ GUARDED_BY(baton_) = false;
   bool stopping_ GUARDED_BY(baton_) = false;
+  std::optional<PutAside> put_aside_ GUARDED_BY(baton_);  // until Run() returns it
   std::optional<Nanoseconds> duration_ GUARDED_BY(baton_);
   Pacer pacer_ GUARDED_BY(baton_);
   RateMeter rate_ GUARDED_BY(baton_);

@@ -13,6 +13,10 @@ namespace coopdyn {
 
 void Stepper::ApplyEdits() {
   for (Edit& edit : boards_.edits.TakeAll()) {
+    if (put_aside_) {  // what came after it is for the playback
+      boards_.edits.Push(std::move(edit));
+      continue;
+    }
     RestControllers();  // it may start threads, which would stay where this one is held
     ApplyEdit(edit);
   }
@@ -22,6 +26,10 @@ void Stepper::ApplyEdit(Edit& edit) {
   EditResult result = ApplyAny(edit.action);
   result.frame = boards_.frames.Latest();
   const bool fine = result.error == Error::kOk;
+  if (fine && As<edit::Play>(edit.action) != nullptr) {
+    put_aside_ = {std::move(edit), result.saved};
+    return;
+  }
   if (const auto* run = std::get_if<RunEdit>(&edit.action); run != nullptr && fine) {
     WriteInput(frame().step, *run);
   }
@@ -175,6 +183,18 @@ EditResult Stepper::Apply(const edit::Restore& restore) {
   }
   InstallState(state, StepEnd::kLoad);
   return {};
+}
+
+EditResult Stepper::Apply(const edit::Play&) {
+  if (journal_ != nullptr) {
+    return {Error::kNotPossible, "the run is being recorded: stop the recording first (/recorder stop)"};
+  }
+  EditResult result;
+  result.saved = SaveState();
+  boards_.commands.EndSteps();
+  simulation_.reset();
+  history_.Clear();
+  return result;
 }
 
 EditResult Stepper::Apply(const edit::Note& note) {

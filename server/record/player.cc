@@ -20,7 +20,7 @@ constexpr Nanoseconds kFrameEvery = kNanosecondsPerSecond / 60;
 
 }  // namespace
 
-Player::Player(Boards boards, std::unique_ptr<RunReader> reader, const Clock& clock, Logger logger,
+Player::Player(Boards boards, std::shared_ptr<RunReader> reader, const Clock& clock, Logger logger,
                PlayOptions options, std::uint64_t epoch)
     : boards_(boards),
       reader_(std::move(reader)),

@@ -69,14 +69,15 @@ class Player {
     Doorbell& bell;
   };
 
-  /// `reader` has its scenario loaded. `epoch`: of the frames published so far.
-  Player(Boards boards, std::unique_ptr<RunReader> reader, const Clock& clock, Logger logger,
+  /// `reader` has its scenario loaded, and is the player's from now on. `epoch`: of the frames published so
+  /// far.
+  Player(Boards boards, std::shared_ptr<RunReader> reader, const Clock& clock, Logger logger,
          PlayOptions options, std::uint64_t epoch = 0);
 
   /// Publishes the first frame; an error text, empty if all is well. Before Run().
   std::string Start() { return Start(clock_.Now()); }
   /// Plays until `stop` is requested (ring the bell after), which ends all waits; or until an edit ends the
-  /// playback (Restore): returns that edit, for the live run to apply.
+  /// playback (Restore: for the live run to apply; Play: another recording): returns that edit.
   std::optional<Edit> Run(std::stop_token stop);
   std::uint64_t epoch() const { return epoch_; }
 
@@ -147,7 +148,7 @@ class Player {
   void PublishStatus();
 
   const Boards boards_;
-  const std::unique_ptr<RunReader> reader_;
+  const std::shared_ptr<RunReader> reader_;
   const Clock& clock_;
   const Logger logger_;
   const PlayOptions options_;

@@ -12,8 +12,9 @@ namespace coopdyn {
 
 std::optional<Edit> Player::ApplyEdits() {
   while (std::optional<Edit> edit = boards_.edits.TakeNext()) {
-    // What came after it is for the live run, and stays in the queue.
-    if (As<edit::Restore>(edit->action) != nullptr) return edit;
+    // What came after it is for what comes then, and stays in the queue.
+    const bool ends = As<edit::Restore>(edit->action) != nullptr || As<edit::Play>(edit->action) != nullptr;
+    if (ends) return edit;
     EditResult result = ApplyAny(*edit);
     result.frame = shown_;
     PublishStatus();

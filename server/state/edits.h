@@ -25,6 +25,8 @@ inline bool IsPlaySpeed(double factor) {
 inline constexpr const char* kNoPlaySpeed =
     " is not possible: a recording is played at -4 to 64 times its speed, below 0 backwards; pause holds it";
 
+class RunReader;
+
 namespace edit {
 
 // How the run goes on. Each one that succeeds is an input of the run (RunInput).
@@ -73,6 +75,11 @@ struct Load {
 struct Restore {
   SavedStatePtr state;
 };
+/// Ends the live run, or the playback: plays `recording` (its scenario is loaded). The result has the state
+/// of the live run, if there was one.
+struct Play {
+  std::shared_ptr<RunReader> recording;
+};
 
 // What stands in the world, as it goes on. Each one that succeeds is an input of the run: the WorldChange
 // that it came to.
@@ -117,7 +124,7 @@ struct Save {};
 
 using RunEdit = std::variant<edit::Run, edit::Pause, edit::Step, edit::SetMode, edit::SetStep, edit::SetSpeed,
                              edit::SetParticipants, edit::StopAll, edit::UnloadController, edit::TuneJoints>;
-using WorldEdit = std::variant<edit::Reset, edit::Load, edit::Restore>;
+using WorldEdit = std::variant<edit::Reset, edit::Load, edit::Restore, edit::Play>;
 using SceneEdit = std::variant<edit::Change, edit::Undo, edit::Redo>;
 using PlaybackEdit = std::variant<edit::Seek, edit::Skip, edit::SetPlaySpeed, edit::SetLoop>;
 using RecordEdit = std::variant<edit::SetJournal, edit::Note, edit::Save>;

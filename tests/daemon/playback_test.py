@@ -258,5 +258,81 @@ class GrowingTest(unittest.TestCase):
                         self.assertLess(math.dist(one[:2], other[:2]), NEAR_M)
 
 
+class OpenTest(PlaybackTest):
+    """A live daemon shows a recording, while its own run is put aside."""
+
+    def live(self):
+        """A daemon at step 40 of the same run, whose folder of recordings has lesson.run; and its client."""
+        daemon = Daemon(WORLD, "--recordings", self.file.parent)
+        self.enterContext(daemon)
+        client = Client(daemon)
+        client.drive(1, 40)
+        return daemon, client
+
+    def test_a_live_daemon_plays_a_recording_and_goes_on_where_it_was(self):
+        daemon, client = self.live()
+        playback = daemon.text("/playback")
+        playback.must("open lesson")
+        playback.must("pause")
+        playback.must("seek 0.9")
+        self.expect_sight(client, 90)
+        self.assertEqual(client.motors[0].ask(wheels(41, 0)).error, 5)
+        playback.must("close")
+        self.assertEqual(daemon.status()["step"], 40)
+        self.assertEqual(daemon.status()["hash"], self.hashes[40])
+        self.assertIsNone(daemon.status()["playback"])
+        client.drive(41, 60)
+        self.assertEqual(daemon.status()["hash"], self.hashes[60])
+
+    def test_it_goes_on_live_from_the_recording_too(self):
+        daemon, client = self.live()
+        playback = daemon.text("/playback")
+        playback.must("open lesson.run")
+        playback.must("branch 0.5")
+        daemon.text("/simulation").must("run")
+        client.drive(51, 70)
+        self.assertEqual(daemon.status()["hash"], self.hashes[70])
+        self.assertEqual(playback.ask("close").error, 5)
+
+    def test_opening_a_recording_again_begins_it_anew(self):
+        daemon, client = self.live()
+        playback = daemon.text("/playback")
+        playback.must("open lesson")
+        playback.must("pause")
+        playback.must("seek 0.9")
+        playback.must("open lesson")
+        playback.must("pause")
+        self.assertLess(playback.must("get_playback").data[2], 0.9)
+        playback.must("close")
+        self.assertEqual(daemon.status()["hash"], self.hashes[40])
+
+    def test_what_cannot_be_played_leaves_the_run_alone(self):
+        daemon, client = self.live()
+        playback = daemon.text("/playback")
+        (self.file.parent / "torn.run").write_text("no recording")
+        self.assertEqual(playback.ask("open nothing").error, 10)
+        self.assertEqual(playback.ask("open torn").error, 5)
+        self.assertEqual(playback.ask("open ../lesson").error, 10)
+        self.assertEqual(playback.ask("close").error, 5)
+        client.drive(41, 50)
+        self.assertEqual(daemon.status()["hash"], self.hashes[50])
+
+    def test_a_run_that_is_recorded_is_not_put_aside(self):
+        daemon, client = self.live()
+        recorder, playback = daemon.text("/recorder"), daemon.text("/playback")
+        recorder.must("start mine")
+        refused = playback.ask("open lesson")
+        self.assertEqual(refused.error, 5)
+        self.assertIn("/recorder stop", refused.text)
+        recorder.must("stop")
+        playback.must("open lesson")
+
+    def test_a_daemon_that_only_plays_has_no_run_to_go_back_to(self):
+        with Play(self.file, "--paused") as daemon:
+            reply = daemon.text("/playback").ask("close")
+            self.assertEqual(reply.error, 5)
+            self.assertIn("branch", reply.text)
+
+
 if __name__ == "__main__":
     unittest.main()

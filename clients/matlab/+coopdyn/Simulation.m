@@ -5,7 +5,7 @@ classdef Simulation < coopdyn.internal.RunCalls
 %   set_speed, set_participants, release_robot; status, hash, waiting, snapshot, describe, modules, call, close.
 %   What stands in the world: insert, remove, move, change, rename, undo, redo, world, save_scenario, pick.
 %   Saved states: save_state, restore_state, saved_states. Recording: record, stop_recording, note, recording, recordings,
-%   fetch_run. Playing a recording: playback, seek, play, set_play_speed, skip, set_loop, branch.
+%   fetch_run. Playing a recording: playback, seek, play, set_play_speed, skip, set_loop, branch, open_run, close_run.
 %   In lockstep set_velocity does not wait: it is kept (the last wins) until sim.step(), which sends the commands of all
 %   robots of this sim and waits for the step. In real time it is sent at once, and sim.step() waits for the next step.
   properties (Dependent)

@@ -80,6 +80,11 @@ for round = 1:2
   assert(sim.steps == 40 && strcmp(sim.hash(), hashes{40}));
 end
 assert(strcmp(last{1}, last{2}));
+sim.open_run('lesson1');
+assert(strcmp(sim.playback().file, 'lesson1.run'));
+sim.close_run();
+assert(strcmp(sim.hash(), hashes{40}));
+expect_error('coopdyn:not_possible', @() sim.close_run());
 expect_error('coopdyn:no_such_name', @() sim.restore_state('never'));
 ben = coopdyn.connect('name', 'ben');
 ben.release_robot('robot1');

@@ -337,6 +337,22 @@ class Requests(DaemonTestCase):
         self.assertEqual([f.url for f in sim.recordings()], [""])
         self.assert_error(5, lambda: sim.fetch_run("a"), "--no-http")
 
+    def test_a_live_run_is_put_aside_for_a_recording_and_goes_on(self):
+        sim = self.connect(self.start(harness.scenario_of(1)))
+        r = sim.robot(1)
+        sim.record("opened")
+        for _ in drive(sim, 10, [r]):
+            pass
+        sim.stop_recording()
+        before = sim.hash()
+        sim.open_run("opened")
+        self.assertEqual(sim.playback().file, "opened.run")
+        self.assert_error(5, lambda: r.set_velocity(0.1, 0), "playing a recording")
+        sim.close_run()
+        self.assertEqual(sim.hash(), before)
+        self.assert_error(5, sim.close_run)
+        self.assert_error(10, lambda: sim.open_run("never"))
+
     def test_a_saved_state_is_gone_on_from(self):
         sim = self.connect(self.start(harness.scenario_of(2)))
         robots = [sim.robot(1), sim.robot(2)]

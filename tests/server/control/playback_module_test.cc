@@ -26,16 +26,15 @@ class PlaybackModuleTest : public GlobalModuleTest {
     playback.speed = -2;
     playback.playing = true;
     run_.SetPlayback(playback);
-    desk_.emplace(
-        [this](const std::string& file, std::uint64_t step, std::optional<double> time_s,
-               std::string& error) -> SavedStatePtr {
-          asked_ = {file, step, time_s};
-          error = make_error_;
-          return make_error_.empty() ? State() : nullptr;
-        },
-        edits_, run_, logger_);
+    const auto make = [this](const std::string& file, std::uint64_t step, std::optional<double> time_s,
+                             std::string& error) -> SavedStatePtr {
+      asked_ = {file, step, time_s};
+      error = make_error_;
+      return make_error_.empty() ? State() : nullptr;
+    };
+    desk_.emplace(BranchDesk::Work{make, OpenOn({})}, edits_, run_, logger_);
     module_.emplace(
-        services_, run_, *desk_, [this](const Scene& scene) { applied_scenes_.push_back(&scene); },
+        services_, run_, *desk_, runs_, [this](const Scene& scene) { applied_scenes_.push_back(&scene); },
         thread_.poster());
     client_.emplace(*module_, 1);
   }
@@ -63,6 +62,7 @@ class PlaybackModuleTest : public GlobalModuleTest {
   std::string make_error_;
   std::vector<const Scene*> applied_scenes_;
   std::optional<BranchDesk> desk_;
+  RunFolder runs_{testing::TempDir(), {}, [] { return std::string(); }, logger_};
   std::optional<PlaybackModule> module_;
   std::optional<FakeClient> client_;
 };

@@ -180,6 +180,19 @@ classdef RunCalls < coopdyn.internal.WorldCalls
       sim.session.tell('/playback', 137, [], data, '', 600);
       jumped(sim.session);
     end
+
+    function open_run(sim, name)
+    %OPEN_RUN Plays a recording of the daemon (sim.recordings() lists them). The live run is put aside until sim.close_run().
+      coopdyn.internal.need(nargin, 2, 'sim.open_run(''lesson1'')');
+      sim.session.tell('/playback', 138, [], [], coopdyn.internal.run_name(name), 600);
+      jumped(sim.session);
+    end
+
+    function close_run(sim)
+    %CLOSE_RUN Ends the playback: the live run goes on where sim.open_run() put it aside.
+      sim.session.tell('/playback', 139);
+      jumped(sim.session);
+    end
   end
 end
 
