@@ -252,7 +252,7 @@ std::string Daemon::OpenPage() {
     });
   };
   page_ = std::make_unique<PageServices>(models_.path(), uploads_, options_.no_render ? nullptr : &images_,
-                                         logger_);
+                                         runs_, run_, replay_services(), logger_);
   web.files = page_->files();
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);

@@ -11,8 +11,11 @@
 
 #include "protocol/json_text.h"
 #include "server/app/checker.h"
+#include "server/app/run_views.h"
+#include "server/control/branch_desk.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
+#include "server/state/edit_queue.h"
 
 namespace coopdyn {
 
@@ -65,19 +68,25 @@ std::string LoadOf(const Upload& upload) {
 }  // namespace
 
 PageServices::PageServices(const SearchPath& path, const std::filesystem::path& uploads, ImageBoard* images,
+                           RunFolder& runs, const RunControl& run, const ReplayServices& replay,
                            Logger logger)
     : path_(path),
       uploads_(uploads, path),
       gallery_(path, DrawerOn(images)),
+      runs_(runs),
+      run_(run),
+      replay_{replay.clock, replay.logger, pool_, replay.controllers, replay.path},
       checks_("check", logger),
-      drawings_("gallery", logger) {
-  for (IoThread* thread : {&checks_, &drawings_})
+      drawings_("gallery", logger),
+      views_("run views", logger) {
+  for (IoThread* thread : {&checks_, &drawings_, &views_})
     thread->Post([] { ::setpriority(PRIO_PROCESS, 0, kNice); });  // on Linux, of this thread alone
 }
 
 PageServices::~PageServices() {
   checks_.Stop();
   drawings_.Stop();
+  views_.Stop();
 }
 
 WebFiles PageServices::files() {
@@ -116,7 +125,47 @@ WebFiles PageServices::files() {
       });
     });
   };
+  files.run = [this](const RunView& view, WebFiles::Done done) {
+    if (++viewing_ > kMaxViews) {
+      --viewing_;
+      return done(ErrorAnswer(503, "too many recordings are looked into: try again in a moment"));
+    }
+    const auto refuse = [this, done](const RunToCopy& run) {
+      --viewing_;
+      done(ErrorAnswer(run.error == Error::kNoSuchName ? 404 : 409, run.text));
+    };
+    const auto look = [this, view, done](const std::string& file, const std::string& other) {
+      views_.Post([this, view, done, file, other] {
+        --viewing_;
+        Answer(done, [&] { return View(view, file, other); });
+      });
+    };
+    const auto found = [this, view, refuse, look](const RunToCopy& run) {
+      if (run.error != Error::kOk) return refuse(run);
+      if (view.with.empty()) return look(run.file.string(), "");
+      runs_.Open(view.with, [refuse, look, file = run.file.string()](const RunToCopy& other) {
+        other.error == Error::kOk ? look(file, other.file.string()) : refuse(other);
+      });
+    };
+    if (!view.run.empty()) return runs_.Open(view.run, found);
+    const std::optional<PlaybackStatus> playback = run_.playback();
+    found(playback ? RunToCopy{Error::kOk, {}, playback->file}
+                   : RunToCopy{Error::kNotPossible, kNotPlayingText, {}});
+  };
   return files;
+}
+
+HttpAnswer PageServices::View(const RunView& view, const std::string& file, const std::string& other) {
+  std::string error;
+  const OpenRecording open = OpenOn(path_);
+  const std::shared_ptr<RunReader> run = open(file, error);
+  if (run == nullptr) return ErrorAnswer(409, error);
+  if (view.what == "timeline") return TimelineOf(*run);
+  if (view.what == "scene") return SceneOf(*run);
+  if (view.what == "poses") return PosesOf(*run, view.rate_hz);
+  if (view.what == "table") return TableOf(*run, view.robot, view.points);
+  const std::shared_ptr<RunReader> second = open(other, error);
+  return second == nullptr ? ErrorAnswer(409, error) : PartingOf(*run, *second, replay_);
 }
 
 void PageServices::Check(const WebFile& file, const WebFiles::Done& done) {

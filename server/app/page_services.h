@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the page asks of files, done on threads that give way to the run: texts are checked, uploads kept, the
-// gallery drawn. Calls on the UI thread.
+// gallery drawn, recordings looked into. Calls on the UI thread.
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,10 @@
 #include "server/app/gallery.h"
 #include "server/app/uploads.h"
 #include "server/base/log.h"
+#include "server/base/worker_pool.h"
+#include "server/control/run_folder.h"
 #include "server/net/io_thread.h"
+#include "server/replay/state_at.h"
 #include "server/web/web_options.h"
 
 namespace coopdyn {
@@ -20,9 +23,12 @@ class PageServices {
   static constexpr int kMaxWaiting = 8;     // texts to be checked or kept
   static constexpr int kMaxPictures = 256;  // of the gallery that wait
 
-  /// `uploads`: the folder for them, the last of `path`. `images`: null without pictures. All outlive it.
+  static constexpr int kMaxViews = 8;  // of recordings that wait
+
+  /// `uploads`: the folder for them, the last of `path`. `images`: null without pictures. `run` knows what is
+  /// played. All outlive it.
   PageServices(const SearchPath& path, const std::filesystem::path& uploads, ImageBoard* images,
-               Logger logger);
+               RunFolder& runs, const RunControl& run, const ReplayServices& replay, Logger logger);
   /// Ends after what is being done.
   ~PageServices();
   PageServices(const PageServices&) = delete;
@@ -34,13 +40,19 @@ class PageServices {
  private:
   void Check(const WebFile& file, const WebFiles::Done& done);
   void Keep(const WebFile& file, const WebFiles::Done& done);
+  /// On views_: what is asked of the recording in `file`, and for a parting of that in `other`.
+  HttpAnswer View(const RunView& view, const std::string& file, const std::string& other);
 
   const SearchPath& path_;
   Uploads uploads_;  // checks_
   Gallery gallery_;  // drawings_
-  std::atomic<int> waiting_{0}, pictures_{0};
+  RunFolder& runs_;
+  const RunControl& run_;
+  WorkerPool pool_{1};  // of views_: the daemon's own is the stepping thread's
+  const ReplayServices replay_;
+  std::atomic<int> waiting_{0}, pictures_{0}, viewing_{0};
   // Last: what they run uses the rest.
-  IoThread checks_, drawings_;
+  IoThread checks_, drawings_, views_;
 };
 
 }  // namespace coopdyn

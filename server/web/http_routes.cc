@@ -148,6 +148,42 @@ std::string RunNameIn(std::string_view path) {
   return ends_well && IsRunName(name) ? name : "";
 }
 
+/// /runs/NAME.run/WHAT, /api/playback/WHAT; nothing: another address.
+std::optional<HttpRoute> RunViewIn(std::string_view path, std::string_view query) {
+  const auto slash = path.rfind('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  RunView view;
+  const bool played = path.substr(0, slash) == "/api/playback";
+  view.run = RunNameIn(path.substr(0, slash));
+  view.what = std::string(path.substr(slash + 1));
+  constexpr std::array<std::string_view, 5> kViews = {"timeline", "scene", "poses", "table", "parting"};
+  const bool known = std::find(kViews.begin(), kViews.end(), view.what) != kViews.end();
+  if (!known || (!played && !view.run.ends_with(kRunExtension))) return std::nullopt;
+  std::string error = ReadQuery(query, [&view](std::string_view key, const std::string& value) {
+    if (key == "with") {
+      view.with = value;
+    } else if (key == "robot") {
+      view.robot = value;
+    } else if (key == "points" || key == "rate") {
+      double number = 0;
+      const bool fits = ReadDouble(value, number) == NumberRead::kOk && number >= 0.1 && number <= 100'000;
+      if (!fits) return std::string(key) + " is a number from 0.1 to 100000, not " + Quoted(value);
+      if (key == "rate") view.rate_hz = number;
+      if (key == "points") view.points = static_cast<int>(number);
+    } else {
+      return "unknown parameter " + Quoted(key) + ": write with, robot, points or rate";
+    }
+    return std::string();
+  });
+  if (!error.empty()) return Refuse(400, error);
+  if (view.what == "parting" && (!view.with.ends_with(kRunExtension) || !IsRunName(view.with))) {
+    return Refuse(400, "parting compares two recordings: write ?with=OTHER.run");
+  }
+  if (view.what == "table" && view.robot.empty())
+    return Refuse(400, "a table is of one robot: write ?robot=NAME");
+  return HttpRoute{.kind = HttpRouteKind::kRunView, .view = std::move(view)};
+}
+
 /// What is sent to `path` by POST; nothing: another address.
 std::optional<HttpRouteKind> PostKind(std::string_view path) {
   if (path == "/api/call") return HttpRouteKind::kCall;
@@ -195,6 +231,7 @@ HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (std::string name = RunNameIn(path); !name.empty()) {
     return {.kind = HttpRouteKind::kRun, .run = std::move(name)};
   }
+  if (std::optional<HttpRoute> view = RunViewIn(path, query)) return *std::move(view);
   if (const Asset* asset = FindAsset(path)) {
     return {.kind = HttpRouteKind::kAsset, .asset = asset};
   }

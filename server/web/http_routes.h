@@ -56,12 +56,24 @@ enum class HttpRouteKind {
   kTexture,
   kRuns,
   kRun,
+  kRunView,
   kGallery,
   kThumb,
   kCall,
   kCheck,
   kUpload,
   kSocket
+};
+
+/// /runs/NAME.run/WHAT, or /api/playback/WHAT of what is played:
+/// ?with=OTHER.run&robot=NAME&points=1000&rate=30
+struct RunView {
+  std::string run;   // empty: what is played
+  std::string what;  // timeline, scene, poses, table, parting
+  std::string with;  // another run
+  std::string robot;
+  int points = 1000;
+  double rate_hz = 30;
 };
 
 struct HttpRoute {
@@ -73,6 +85,7 @@ struct HttpRoute {
   std::string thumb = {};        // kThumb: the name, to be looked up among those that there are
   std::string name = {};         // kMesh: 16 hex digits; kTexture
   std::string run = {};          // kRun: NAME.run or NAME.mat, to be checked by whoever keeps them
+  RunView view = {};             // kRunView
 };
 
 /// Where `head` leads. `host_names`: WebOptions.

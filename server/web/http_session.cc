@@ -226,6 +226,10 @@ void HttpSession::OnRequest() {
       return AnswerRuns();
     case HttpRouteKind::kRun:
       return AnswerRun(route_.run);
+    case HttpRouteKind::kRunView: {
+      const std::uint64_t ticket = Await("the recording");
+      return context_.files.Run(route_.view, LaterAnswer(ticket));
+    }
     case HttpRouteKind::kGallery: {
       const std::uint64_t ticket = Await("the gallery");
       return context_.files.Gallery(LaterAnswer(ticket));

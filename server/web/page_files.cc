@@ -62,6 +62,11 @@ void PageFiles::Upload(WebFile file, Done done) {
   files_.upload ? files_.upload(std::move(file), answer) : answer(NoFiles());
 }
 
+void PageFiles::Run(const RunView& view, Done done) {
+  const Done answer = answers_.Expect(std::move(done));
+  files_.run ? files_.run(view, answer) : answer(NoFiles());
+}
+
 void PageFiles::Gallery(Done done) {
   const Done answer = answers_.Expect(std::move(done));
   files_.gallery ? files_.gallery(answer) : answer(NoFiles());

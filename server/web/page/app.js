@@ -4,21 +4,24 @@ import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
 import {byId, say, setText} from './dom.js';
-import {isShown, startLayout} from './layout.js';
+import {isShown, startLayout, tab} from './layout.js';
 import {ofType} from './lines.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
 import {Strip} from './strip.js';
+import {Timeline} from './timeline.js';
 import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
 import {World} from './world.js';
 
 startLayout();
+for (const [id, title] of [['world', 'World'], ['arena', 'Arena'], ['plots', 'Plots'], ['runs', 'Runs'], ['text', 'Text'], ['cost', 'Cost']]) tab(id, title);
 const connection = new Connection(rememberedToken());
 const strip = new Strip();
 const controls = new Controls(connection);
 const record = new Record(connection);
-const runs = new Runs();
+const timeline = new Timeline(connection);
+const runs = new Runs(connection, timeline);
 const robots = new Robots(connection);
 const lines = new Console(connection);
 
@@ -38,7 +41,8 @@ openView().then(async (view) => {
   window.coopdyn = {view, connection, world};  // for tests, and for those who look
   if (!view.controls) return;
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot' && isShown('robots')) robots.reveal(detail.name); });
-  const {Handles} = await import('./handles.js');
+  const [{Handles}, {Ghost}] = await Promise.all([import('./handles.js'), import('./ghost.js')]);
+  runs.setGhost(new Ghost(view));
   window.coopdyn.handles = new Handles(view, world, (text, title, act) => view.addTool(text, title, act));
 });
 
@@ -68,6 +72,7 @@ connection.addEventListener('status', ({detail: status}) => {
   strip.update(status);
   controls.update(status);
   if (!status) return;  // the rest stays as it was last
+  timeline.update(status.playback);
   record.update(status);
   runs.update(status);
   robots.update(status);

@@ -35,37 +35,110 @@ const link = (name) => make('a', {href: `runs/${encodeURIComponent(name)}`, down
 const whyNot = (recording, seconds) => (recording ? 'being recorded'
   : seconds !== null ? 'its name cannot stand in a link' : 'cannot be read');
 
-/** `lesson1.run 12.5 s .run .mat`, or why it cannot be copied. `url` is null for what cannot. */
-function row({name, seconds, recording, url}) {
-  const length = seconds === null ? '' : `${showNumber(seconds, 1)} s`;
-  const copies = url === null ? [make('span', {class: 'quiet'}, whyNot(recording, seconds))]
-    : [link(name), ' ', link(name.replace(/\.run$/, '.mat'))];
-  return make('li', {}, make('span', {class: 'run-name'}, name), make('span', {class: 'number'}, length),
-    make('span', {}, ...copies));
-}
-
-/** The list of the recordings. */
+/** The list of the recordings: to play, to copy, and to lay over the one that is played. */
 export class Runs {
+  #connection;
+  #timeline;
+  #ghost = null;
   #recording;  // when the list was last asked for
+  #played = '';  // name of the one that is played
   #asked = 0;
   #names = [];
   #tries = 0;  // left, to find the recording that has begun: its file is made a moment later
+  #note = make('input', {id: 'note', type: 'text', 'aria-label': 'Note', title: 'A note marks this moment in the recording', maxLength: 200});
+  #noting = make('form', {class: 'row', hidden: true}, this.#note, make('button', {}, 'Note'));
+  #parting = make('p', {id: 'parting', role: 'status', hidden: true});
 
-  constructor() {
+  constructor(connection, timeline) {
+    this.#connection = connection;
+    this.#timeline = timeline;
     const panel = tab('runs', 'Runs');
-    panel.append(make('h2', {id: 'runs-title'}, 'Recordings'),
-      make('p', {class: 'quiet'}, 'Record keeps a run in a file of the daemon. Copy it as it is, or as .mat for MATLAB and Octave.'),
-      make('ul', {id: 'runs-list'}));
+    panel.append(make('h2', {id: 'runs-title'}, 'Recordings'), this.#noting, this.#parting, make('ul', {id: 'runs-list'}));
     panel.addEventListener('shown', () => this.#refresh());
+    this.#noting.addEventListener('submit', (event) => {
+      event.preventDefault();
+      this.#writeNote();
+    });
   }
 
-  /** A recording that has begun or ended changes the list. */
+  /** Ghosts can be drawn from now on. */
+  setGhost(ghost) {
+    this.#ghost = ghost;
+    this.#refresh();
+  }
+
+  /** A recording that has begun or ended, and what is played, change the list. */
   update(status) {
+    const played = status.playback?.file.split('/').at(-1) ?? '';
+    if (played !== this.#played) {
+      this.#played = played;
+      this.#clearGhost();
+      this.#refresh();
+    }
+    this.#noting.hidden = !status.recording;
     const changed = status.recording !== this.#recording;
     if (changed) this.#tries = 10;
     const awaited = status.recording && !this.#names.includes(status.recording) && this.#tries-- > 0;
     this.#recording = status.recording;
     if (changed || awaited) this.#refresh();
+  }
+
+  async #writeNote() {
+    const text = this.#note.value.trim();
+    if (!text) return;
+    const reply = await this.#connection.call({module: '/recorder', command: 'note', text});
+    if (reply.error !== 0) return say(reply.text, true);
+    this.#note.value = '';
+    say(`noted: ${text}`);
+  }
+
+  async #play(name) {
+    say(`opening ${name} …`);
+    const reply = await this.#connection.call({module: '/playback', command: 'open', text: name});
+    say(reply.error === 0 ? `playing ${name}` : reply.text, reply.error !== 0);
+  }
+
+  async #lay(name) {
+    if (this.#ghost.name === name) {
+      this.#clearGhost();
+      return this.#refresh();
+    }
+    say(`reading ${name} …`);
+    const error = await this.#ghost.show(name);
+    say(error || `${name} is drawn pale over ${this.#played || 'the live run'}`, error !== '');
+    this.#refresh();
+    if (!error && this.#played && this.#played !== name) this.#findParting(this.#played, name);
+  }
+
+  #clearGhost() {
+    this.#ghost?.clear();
+    this.#parting.hidden = true;
+  }
+
+  async #findParting(one, other) {
+    const answer = await fetch(`api/playback/parting?with=${encodeURIComponent(other)}`);
+    if (this.#ghost.name !== other) return;
+    this.#parting.hidden = false;
+    if (!answer.ok) return setText(this.#parting, (await answer.text()).trim());
+    const parting = await answer.json();
+    setText(this.#parting, parting.equal ? `${one} and ${other}: ${parting.text.trim()}` : parting.text.trim());
+    if (!parting.equal) this.#timeline.addParting(parting.time_s, `${one} and ${other} part: ${parting.what} ${parting.field}`);
+  }
+
+  /** `lesson1.run 12.5 s Play Ghost .run .mat`, or why it cannot be copied. `url` is null for what cannot. */
+  #row({name, seconds, recording, url}) {
+    const length = seconds === null ? '' : `${showNumber(seconds, 1)} s`;
+    const button = (text, title, pressed, act) => {
+      const made = make('button', {type: 'button', class: 'small', title, 'aria-pressed': String(pressed)}, text);
+      made.addEventListener('click', act);
+      return made;
+    };
+    const does = url === null ? [make('span', {class: 'quiet'}, whyNot(recording, seconds))]
+      : [button('Play', `Play ${name}; the live run is put aside`, name === this.#played, () => this.#play(name)), ' ',
+        ...(this.#ghost ? [button('Ghost', `Draw ${name} pale over what is shown`, name === this.#ghost.name, () => this.#lay(name)), ' '] : []),
+        link(name), ' ', link(name.replace(/\.run$/, '.mat'))];
+    return make('li', {}, make('span', {class: 'run-name'}, name), make('span', {class: 'number'}, length),
+      make('span', {class: 'run-does'}, ...does));
   }
 
   async #refresh() {
@@ -77,7 +150,8 @@ export class Runs {
     if (asked !== this.#asked) return;
     this.#names = runs.map(({name}) => name);
     setText(byId('runs-title'), runs.length > 0 ? `Recordings (${runs.length})` : 'Recordings');
-    const rows = runs.length > 0 ? runs.map(row) : [make('li', {class: 'quiet'}, 'none yet')];
+    const rows = runs.length > 0 ? runs.map((run) => this.#row(run))
+      : [make('li', {class: 'quiet'}, 'none yet: Record, above the view, makes one')];
     byId('runs-list').replaceChildren(...rows);
   }
 }

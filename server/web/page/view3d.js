@@ -109,6 +109,7 @@ export class View3d extends EventTarget {
   get controls() { return this.#controls; }
   get selected() { return this.#selected; }
   get step() { return this.#reader.step; }
+  get time() { return this.#reader.time; }
   get framesDrawn() { return this.#drawn; }
   redraw() { this.#dirty = true; }
   /** A button among the view's tools. */

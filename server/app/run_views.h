@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// What the page shows of a recording besides playing it: its timeline, where it parts from another one, its
+// ghost, and its numbers (docs/protocol.md). Pure functions of open recordings; each may take seconds. Any
+// thread.
+#pragma once
+
+#include <string>
+
+#include "server/record/run_reader.h"
+#include "server/replay/state_at.h"
+#include "server/web/http_routes.h"
+
+namespace coopdyn {
+
+/// {"name","begin_s","end_s","steps","keyframes":[s],"events":[{"time_s","level","text"}]}; a run with more
+/// has the first 10,000 of each.
+HttpAnswer TimelineOf(RunReader& run);
+/// Where two runs part, as `coopdyn verify` finds it:
+/// {"equal","steps","time_s","step","what","field","one","other","text"}.
+HttpAnswer PartingOf(RunReader& one, RunReader& other, const ReplayServices& services);
+/// The first scene, as /api/scene; its number is 0.
+HttpAnswer SceneOf(RunReader& run);
+/// Poses of the first scene for about `rate` moments a second: each as a u32 length and a pose message.
+HttpAnswer PosesOf(RunReader& run, double rate_hz);
+/// The columns of `coopdyn export` for one robot, sensors included, thinned to about `points` rows; CSV.
+HttpAnswer TableOf(RunReader& run, const std::string& robot, int points);
+
+}  // namespace coopdyn

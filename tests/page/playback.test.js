@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// Recordings played from the page: scrubbed, reversed, stepped, branched from, laid over one another.
+import assert from 'node:assert/strict';
+import {mkdtemp, rm} from 'node:fs/promises';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {createInterface} from 'node:readline';
+import {after, before, test} from 'node:test';
+import {call, eventually, hasText, launchBrowser, openModule, openPage, startDaemon} from './harness.js';
+
+const STEPS = 200;
+let browser, folder, daemon, page, liveHash;
+
+const order = async (module, line) => {
+  const reply = await call(daemon.url, {module, line});
+  assert.equal(reply.error, 0, `${line}: ${reply.text}`);
+  return reply;
+};
+
+/** Records `name` in lockstep; the robot turns from step 100 on at `turn`. */
+async function record(name, turn) {
+  await order('/simulation', 'reset');
+  await order('/recorder', `start ${name}`);
+  const motors = await openModule(daemon.names, '/robot1/motors');
+  const replies = createInterface({input: motors})[Symbol.asyncIterator]();
+  for (let step = 1; step <= STEPS; ++step) {
+    motors.write(`set_velocity 0.3 ${step > 100 ? turn : 0}\n`);
+    await replies.next();
+    if (step === 50 && turn === 0) await order('/recorder', 'note half-way');
+  }
+  motors.end();
+  await order('/recorder', 'stop');
+}
+
+before(async () => {
+  browser = await launchBrowser();
+  folder = await mkdtemp(join(tmpdir(), 'coopdyn-page-'));
+  daemon = await startDaemon('classroom', '--recordings', folder, '--mode', 'lockstep');
+  await record('straight', 0);
+  await record('turning', 1);
+  liveHash = (await daemon.status()).hash;
+  page = await openPage(browser, daemon.url);
+  await page.waitForFunction(() => window.coopdyn?.handles);
+});
+after(async () => {
+  await page?.close();
+  await daemon?.stop();
+  await browser?.close();
+  await rm(folder, {recursive: true, force: true});
+});
+
+const playback = async () => (await daemon.status()).playback;
+const button = (row, text) => page.locator('#runs-list li', {hasText: row}).locator('button', {hasText: text});
+const scrub = (time) => page.evaluate((value) => {
+  const track = document.getElementById('timeline-track');
+  track.value = value;
+  track.dispatchEvent(new Event('input'));
+}, time);
+
+test('Play in the list plays a recording, and the timeline appears', async () => {
+  await page.click('#tab-runs');
+  assert.equal(await page.isVisible('#timeline'), false);
+  await button('straight.run', 'Play').click();
+  await hasText(page, '#state', /^playing$/);
+  await page.waitForSelector('#timeline', {state: 'visible'});
+  await page.click('#timeline-play');
+  await hasText(page, '#state', /^paused$/);
+});
+
+test('scrubbing shows the time that is asked for', async () => {
+  for (const time of [1.2, 0.4]) {
+    await scrub(time);
+    await eventually(async () => (await playback()).step === Math.round(100 * time));
+    await hasText(page, '#timeline-time', new RegExp(`^${time.toFixed(2)} / 2\\.00 s, step ${100 * time}$`));
+  }
+});
+
+test('steps go on and back', async () => {
+  await page.click('#timeline-step');
+  await eventually(async () => (await playback()).step === 41);
+  await page.click('#timeline-step-back');
+  await eventually(async () => (await playback()).step === 40);
+});
+
+test('a note is a mark, and a click on it goes there', async () => {
+  await page.click('.mark.note');
+  await eventually(async () => (await playback()).step === 50);
+  assert.match(await page.getAttribute('.mark.note', 'title'), /half-way/);
+});
+
+test('keyframes are marks', async () => {
+  assert.ok(await page.locator('.mark.keyframe').count() >= 1);
+});
+
+test('below 0 it goes backwards', async () => {
+  await page.click('#timeline-last');
+  await eventually(async () => (await playback()).step === STEPS);
+  await page.selectOption('#timeline-speed', '-4');
+  await page.click('#timeline-play');
+  await eventually(async () => (await playback()).step < 60);
+  await page.selectOption('#timeline-speed', '1');
+  if ((await playback()).playing) await page.click('#timeline-play');
+});
+
+test('in a loop it begins again', async () => {
+  await page.click('#timeline-loop');
+  await page.waitForSelector('#timeline-loop[aria-pressed="true"]');
+  assert.equal((await playback()).loop, true);
+  await page.click('#timeline-loop');
+  await page.waitForSelector('#timeline-loop[aria-pressed="false"]');
+});
+
+test('a ghost of another run is drawn where that run was, and the page tells where they part', async () => {
+  await scrub(2);
+  await eventually(async () => (await playback()).step === STEPS);
+  await button('turning.run', 'Ghost').click();
+  await hasText(page, '#parting', /step 10[0-9]/);
+  const places = await page.evaluate(() => new Promise((resolve) => {
+    const {view} = window.coopdyn;
+    let ghost;
+    view.scene.root.parent.children.forEach((child) => { if (child.userData.ghost) ghost = child; });
+    const look = () => {
+      const mesh = ghost?.children.find((child) => child.isInstancedMesh);
+      const place = mesh && [mesh.instanceMatrix.array[12], mesh.instanceMatrix.array[13]];
+      if (place && place[0] !== 0) resolve({ghost: place, shown: view.scene.pose(view.scene.find('robot1'))[0].toArray()});
+      else requestAnimationFrame(look);
+    };
+    look();
+  }));
+  const apart = Math.hypot(places.ghost[0] - places.shown[0], places.ghost[1] - places.shown[1]);
+  assert.ok(apart > 0.02 && apart < 0.5, JSON.stringify(places));
+  await page.waitForSelector('.mark.parting');
+  await button('turning.run', 'Ghost').click();
+  await page.waitForSelector('#parting', {state: 'hidden'});
+});
+
+test('a recording is not a ghost that parts from itself', async () => {
+  const answer = await (await fetch(new URL('runs/straight.run/parting?with=straight.run', daemon.url))).json();
+  assert.equal(answer.equal, true);
+  assert.equal(answer.steps, STEPS);
+});
+
+test('Back to the live run puts back what was there', async () => {
+  await page.click('#timeline-close');
+  await page.waitForSelector('#timeline', {state: 'hidden'});
+  assert.equal((await daemon.status()).hash, liveHash);
+  await hasText(page, '#playback', /^$/);
+});
+
+test('Go live from here goes on from what is shown', async () => {
+  await button('straight.run', 'Play').click();
+  await page.waitForSelector('#timeline', {state: 'visible'});
+  await page.evaluate(() => window.coopdyn.connection.call({module: '/playback', line: 'pause'}));
+  await scrub(0.5);
+  await eventually(async () => (await playback()).step === 50);
+  await page.click('#timeline-branch');
+  await page.waitForSelector('#timeline', {state: 'hidden'});
+  assert.equal((await daemon.status()).step, 50);
+});
+
+test('a note is taken while a run is recorded', async () => {
+  await page.click('#record');
+  await page.waitForSelector('#note', {state: 'visible'});
+  await page.fill('#note', 'they <b>meet</b>');
+  await page.press('#note', 'Enter');
+  await hasText(page, '#message', /^noted: they <b>meet<\/b>$/);
+  await page.click('#record');
+  await page.waitForSelector('#note', {state: 'hidden'});
+});
+
+test('a table of a run has the numbers of its export', async () => {
+  const answer = await fetch(new URL('runs/turning.run/table?robot=robot1&points=100', daemon.url));
+  assert.equal(answer.status, 200);
+  const [head, ...rows] = (await answer.text()).trim().split('\n');
+  assert.match(head, /robot1\.x_m/);
+  assert.ok(rows.length > 90 && rows.length <= 202, String(rows.length));
+});
+
+test('what is asked of a recording wrongly is refused in words', async () => {
+  for (const [path, status, words] of [['runs/none.run/timeline', 404, /no recording/], ['runs/straight.run/table', 400, /robot=NAME/],
+    ['runs/straight.run/parting', 400, /with=/], ['runs/straight.run/parting?with=../x.run', 400, /with=/],
+    ['runs/straight.run/poses?rate=0', 400, /0\.1 to/], ['runs/straight.run/table?robot=nobody', 409, /nobody/]]) {
+    const answer = await fetch(new URL(path, daemon.url));
+    assert.equal(answer.status, status, path);
+    assert.match(await answer.text(), words, path);
+  }
+});
+
+test('nothing went wrong meanwhile', () => assert.deepEqual(page.mistakes, []));
