@@ -6,6 +6,7 @@ import {Controls, showVersion} from './controls.js';
 import {byId, say, setText} from './dom.js';
 import {isShown, startLayout, tab} from './layout.js';
 import {ofType} from './lines.js';
+import {Plots} from './plots.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
 import {Strip} from './strip.js';
@@ -22,6 +23,7 @@ const controls = new Controls(connection);
 const record = new Record(connection);
 const timeline = new Timeline(connection);
 const runs = new Runs(connection, timeline);
+const plots = new Plots(connection, timeline);
 const robots = new Robots(connection);
 const lines = new Console(connection);
 
@@ -38,7 +40,7 @@ async function openView() {
 }
 openView().then(async (view) => {
   const world = new World(connection, view);
-  window.coopdyn = {view, connection, world};  // for tests, and for those who look
+  window.coopdyn = {view, connection, world, plots};  // for tests, and for those who look
   if (!view.controls) return;
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot' && isShown('robots')) robots.reveal(detail.name); });
   const [{Handles}, {Ghost}] = await Promise.all([import('./handles.js'), import('./ghost.js')]);
@@ -73,6 +75,7 @@ connection.addEventListener('status', ({detail: status}) => {
   controls.update(status);
   if (!status) return;  // the rest stays as it was last
   timeline.update(status.playback);
+  plots.update(status);
   record.update(status);
   runs.update(status);
   robots.update(status);
