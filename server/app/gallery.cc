@@ -132,6 +132,15 @@ const Gallery::Known& Gallery::Look(GalleryKind kind, const std::string& name, c
   return known_.insert_or_assign(file, std::move(known)).first->second;
 }
 
+std::optional<std::string> Gallery::TextOf(const std::string& kind, const std::string& name) const {
+  const GalleryKind of = kind == "world" ? GalleryKind::kWorld : GalleryKind::kScenario;
+  const std::vector<std::string> names = NamesOf(of);
+  if (std::find(names.begin(), names.end(), name) == names.end()) return std::nullopt;
+  Diagnostics ignored;
+  const std::string file = FileOf(of, name).string();
+  return ReadTextFile(file, {file, 0}, ignored);
+}
+
 std::string Gallery::List() {
   json::object all;
   RobotLibrary robots(path_);  // reads each model once

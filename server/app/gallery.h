@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +33,9 @@ class Gallery {
   std::string List();
   /// A PNG; or none, and `why`. `kind`: world, scenario or robot.
   ImageResult Thumb(const std::string& kind, const std::string& name);
+
+  /// The text of a world or a scenario; nothing if there is none of that name.
+  std::optional<std::string> TextOf(const std::string& kind, const std::string& name) const;
 
   /// The first sentence of the comment at the head of a file: lines with #, or the first of XML that is not
   /// about a licence.

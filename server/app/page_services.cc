@@ -125,6 +125,15 @@ WebFiles PageServices::files() {
       });
     });
   };
+  files.text = [this](const std::string& kind, const std::string& name, WebFiles::Done done) {
+    drawings_.Post([this, kind, name, done = std::move(done)] {
+      Answer(done, [&] {
+        const std::optional<std::string> text = gallery_.TextOf(kind, name);
+        if (!text) return ErrorAnswer(404, "there is no " + kind + " of that name: /api/gallery lists them");
+        return HttpAnswer{.body = *text, .headers = {{"Cache-Control", "no-store"}}};
+      });
+    });
+  };
   files.run = [this](const RunView& view, WebFiles::Done done) {
     if (++viewing_ > kMaxViews) {
       --viewing_;

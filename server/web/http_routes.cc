@@ -207,6 +207,19 @@ std::optional<HttpRoute> ThumbIn(std::string_view path) {
   return std::nullopt;
 }
 
+/// /api/text/KIND/NAME; nothing: another address.
+std::optional<HttpRoute> FileTextIn(std::string_view path) {
+  for (const std::string_view kind : {"world", "scenario"}) {
+    const std::string folder = "/api/text/" + std::string(kind) + "/";
+    if (!path.starts_with(folder)) continue;
+    std::string name = PercentDecode(path.substr(folder.size())).value_or("");
+    if (name.empty()) break;
+    return HttpRoute{
+        .kind = HttpRouteKind::kFileText, .thumb_kind = std::string(kind), .thumb = std::move(name)};
+  }
+  return std::nullopt;
+}
+
 HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/snapshot.png") return AcceptImage(HttpRouteKind::kSnapshot, ImageFormat::kPng, query);
   if (path == "/view.mjpg") return AcceptImage(HttpRouteKind::kStream, ImageFormat::kJpeg, query);
@@ -218,6 +231,8 @@ HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/api/modules") return {.kind = HttpRouteKind::kModules};
   if (path == "/api/gallery") return {.kind = HttpRouteKind::kGallery};
   if (std::optional<HttpRoute> thumb = ThumbIn(path)) return *std::move(thumb);
+  if (path == "/api/text") return {.kind = HttpRouteKind::kText};
+  if (std::optional<HttpRoute> text = FileTextIn(path)) return *std::move(text);
   if (path == "/api/scene") return {.kind = HttpRouteKind::kScene};
   constexpr std::string_view kMeshes = "/api/mesh/", kGlb = ".glb", kTextures = "/api/texture/";
   if (path.starts_with(kMeshes) && path.ends_with(kGlb) && path.size() == kMeshes.size() + 16 + kGlb.size()) {

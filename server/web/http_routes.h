@@ -52,6 +52,8 @@ enum class HttpRouteKind {
   kScenarios,
   kModules,
   kScene,
+  kText,
+  kFileText,
   kMesh,
   kTexture,
   kRuns,
@@ -81,8 +83,8 @@ struct HttpRoute {
   HttpAnswer refusal = {};       // kRefused
   const Asset* asset = nullptr;  // kAsset
   ImageRequest image = {};       // kSnapshot, kStream
-  std::string thumb_kind = {};   // kThumb: world, scenario or robot
-  std::string thumb = {};        // kThumb: the name, to be looked up among those that there are
+  std::string thumb_kind = {};   // kThumb, kFileText: world, scenario or robot
+  std::string thumb = {};        // the same: the name, to be looked up among those that there are
   std::string name = {};         // kMesh: 16 hex digits; kTexture
   std::string run = {};          // kRun: NAME.run or NAME.mat, to be checked by whoever keeps them
   RunView view = {};             // kRunView

@@ -79,6 +79,13 @@ HttpAnswer AnswerScene(WebContext& context) {
   return JsonAnswer(SceneJson(*frame, context.scenes.Of(frame->scene)));
 }
 
+/// The scenario as it was loaded.
+HttpAnswer AnswerText(const WebContext& context) {
+  const FramePtr frame = context.frames.Latest();
+  if (frame == nullptr) return ErrorAnswer(503, "there is no world yet: ask again in a second");
+  return {.body = frame->scene->scenario->text, .headers = {{"Cache-Control", "no-store"}}};
+}
+
 HttpAnswer AnswerMesh(const WebContext& context, const std::string& name) {
   const FramePtr frame = context.frames.Latest();
   std::uint64_t id = 0;
@@ -218,6 +225,12 @@ void HttpSession::OnRequest() {
       return Answer(AnswerModules(context_));
     case HttpRouteKind::kScene:
       return Answer(AnswerScene(context_));
+    case HttpRouteKind::kText:
+      return Answer(AnswerText(context_));
+    case HttpRouteKind::kFileText: {
+      const std::uint64_t ticket = Await("the file");
+      return context_.files.Text(route_.thumb_kind, route_.thumb, LaterAnswer(ticket));
+    }
     case HttpRouteKind::kMesh:
       return Answer(AnswerMesh(context_, route_.name));
     case HttpRouteKind::kTexture:

@@ -62,6 +62,11 @@ void PageFiles::Upload(WebFile file, Done done) {
   files_.upload ? files_.upload(std::move(file), answer) : answer(NoFiles());
 }
 
+void PageFiles::Text(const std::string& kind, const std::string& name, Done done) {
+  const Done answer = answers_.Expect(std::move(done));
+  files_.text ? files_.text(kind, name, answer) : answer(NoFiles());
+}
+
 void PageFiles::Run(const RunView& view, Done done) {
   const Done answer = answers_.Expect(std::move(done));
   files_.run ? files_.run(view, answer) : answer(NoFiles());

@@ -34,6 +34,8 @@ class PageFiles {
   void Gallery(Done done);
   /// `kind`: world, scenario or robot.
   void Thumb(const std::string& kind, const std::string& name, Done done);
+  /// Of a world or a scenario.
+  void Text(const std::string& kind, const std::string& name, Done done);
   /// What is asked of a recording besides its file.
   void Run(const RunView& view, Done done);
   /// No answer gets through any more, those that wait are forgotten. UI thread, or when that has stopped.

@@ -41,6 +41,7 @@ struct WebFiles {
   std::function<void(WebFile, Done)> check;
   std::function<void(WebFile, Done)> upload;
   std::function<void(Done)> gallery;
+  std::function<void(const std::string& kind, const std::string& name, Done)> text;
   std::function<void(const RunView&, Done)> run;
   std::function<void(const std::string& kind, const std::string& name, Done)> thumb;
 };

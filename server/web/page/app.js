@@ -4,8 +4,12 @@ import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
 import {byId, say, setText} from './dom.js';
+import {Dropped} from './dropped.js';
+import {Editor} from './editor.js';
+import {Gallery} from './gallery.js';
 import {isShown, startLayout, tab} from './layout.js';
 import {ofType} from './lines.js';
+import {Links} from './links.js';
 import {Plots} from './plots.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
@@ -20,6 +24,10 @@ for (const [id, title] of [['world', 'World'], ['arena', 'Arena'], ['plots', 'Pl
 const connection = new Connection(rememberedToken());
 const strip = new Strip();
 const controls = new Controls(connection);
+const editor = new Editor(connection, controls);
+const gallery = new Gallery(controls, (kind, name) => editor.open(kind, name));
+const dropped = new Dropped(connection, controls, gallery);
+const links = new Links(connection, controls);
 const record = new Record(connection);
 const timeline = new Timeline(connection);
 const runs = new Runs(connection, timeline);
@@ -40,8 +48,10 @@ async function openView() {
 }
 openView().then(async (view) => {
   const world = new World(connection, view);
-  window.coopdyn = {view, connection, world, plots};  // for tests, and for those who look
+  window.coopdyn = {view, connection, world, plots, editor};  // for tests, and for those who look
   if (!view.controls) return;
+  gallery.setWorld(world);
+  dropped.setWorld(world);
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot' && isShown('robots')) robots.reveal(detail.name); });
   const [{Handles}, {Ghost}] = await Promise.all([import('./handles.js'), import('./ghost.js')]);
   runs.setGhost(new Ghost(view));
@@ -75,7 +85,10 @@ connection.addEventListener('status', ({detail: status}) => {
   controls.update(status);
   if (!status) return;  // the rest stays as it was last
   timeline.update(status.playback);
+  if (greeted) links.follow(status);
   plots.update(status);
+  gallery.update(status);
+  editor.update(status);
   record.update(status);
   runs.update(status);
   robots.update(status);
@@ -86,6 +99,7 @@ connection.addEventListener('status', ({detail: status}) => {
 });
 connection.addEventListener('silence', () => strip.update(null));
 let unlocking = false;
+let greeted = false;  // and this page has the rights that it will have
 connection.addEventListener('hello', ({detail}) => {
   // A token that was kept is on its way when the daemon greets: nothing is asked before it is answered.
   const underWay = connection.token !== '' && !detail.wrong_token;
@@ -104,6 +118,7 @@ connection.addEventListener('hello', ({detail}) => {
     return;
   }
   unlocking = false;
+  greeted = true;
 });
 connection.addEventListener('open', () => {
   byId('lost').hidden = true;

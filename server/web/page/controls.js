@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Run, pause, step, reset, …; mode, step size, speed; scenarios to choose and to upload.
 import {byId, make, say, setOff, setText} from './dom.js';
+import {textOf} from './dropped.js';
+import {showTab} from './layout.js';
 
 const MODULE = '/simulation';
 const MAX_INT32 = 2 ** 31 - 1;
@@ -25,7 +27,7 @@ export class Controls {
     on('step-back', 'click', () => this.#step(-Math.abs(this.#stepCount())));
     on('step-count', 'change', () => this.#stepCount());
     on('reset', 'click', () => this.#reset());
-    on('reload', 'click', () => this.#load({command: 'reload'}));
+    on('reload', 'click', () => this.load({command: 'reload'}));
     on('stop-all', 'click', () => this.#order('stop_all'));
     on('set-mode', 'change', () => this.#order('set_mode', {line: `set_mode ${byId('set-mode').value}`}));
     on('set-step', 'change', () => this.#setStep());
@@ -35,7 +37,7 @@ export class Controls {
       on(id, 'input', () => byId(id).removeAttribute('aria-invalid'));
       on(id, 'blur', () => this.#forgetRefused(id));
     }
-    on('load', 'click', () => this.#load({command: 'load_scenario', text: byId('scenarios').value}));
+    on('load', 'click', () => this.load({command: 'load_scenario', text: byId('scenarios').value}));
     on('upload', 'change', () => this.#upload());
   }
 
@@ -181,7 +183,7 @@ export class Controls {
   }
 
   /** `name`: of what is loaded. `lines`: of the file that is sent. */
-  async #load(request, name = request.text ?? '', lines = null) {
+  async load(request, name = request.text ?? '', lines = null) {
     this.#uploaded = lines;
     this.#showDiagnostics('');
     say('loading …');
@@ -202,16 +204,21 @@ export class Controls {
     byId('upload').value = '';  // so that the same file can be chosen again
     if (!file) return;
     if (file.size > 12 * 2 ** 20) return say('the file is too large for a scenario', true);
-    const bytes = await file.arrayBuffer();
-    let text;
-    try {
-      text = new TextDecoder('utf-8', {fatal: true}).decode(bytes);
-    } catch {
-      text = new TextDecoder('windows-1252').decode(bytes);
-    }
+    await this.loadText(await textOf(file), file.name);
+  }
+
+  /** Runs the scenario of this text; its mistakes are shown with their lines. */
+  async loadText(text, name) {
     const lines = text.split(/\r?\n/);
     // The last line of a text that is sent may tell the file's name.
-    await this.#load({command: 'load_scenario', text: `${text}\n# file: ${file.name.replace(/\s/g, ' ')}\n`}, file.name, lines);
+    await this.load({command: 'load_scenario', text: `${text}\n# file: ${name.replace(/\s/g, ' ')}\n`}, name, lines);
+  }
+
+  /** Mistakes as /api/check and /api/upload tell them, of a file with this text. */
+  showErrors(diagnostics, text) {
+    this.#uploaded = text.split(/\r?\n/);
+    say('the file has errors; nothing was changed', true);
+    this.#showDiagnostics(diagnostics.map(({file, line, severity, text: what}) => `${file}:${line}: ${severity}: ${what}`).join('\n'));
   }
 
   /** One entry for each `file:line: error: text`, with the line of the file that was sent. */
@@ -228,7 +235,10 @@ export class Controls {
     byId('diagnostics').hidden = entries.length === 0;
     byId('diagnostics').replaceChildren(...entries);
     byId('diagnostics').scrollTop = 0;
-    if (entries.length > 0) byId('diagnostics').scrollIntoView({block: 'nearest'});
+    if (entries.length > 0) {
+      showTab('robots');
+      byId('diagnostics').scrollIntoView({block: 'nearest'});
+    }
   }
 }
 

@@ -6,7 +6,7 @@ import {isShown, showTab, tab} from './layout.js';
 
 const MODULE = '/world';
 const SNAP_M = 0.05;
-const DRAGGED = 'application/x-coopdyn-sections';
+export const DRAGGED = 'application/x-coopdyn-sections';
 const SHAPES = {
   box: 'type box\nsize 0.5 0.5 0.5\nmass 2\ncolor orange',
   cylinder: 'type cylinder\nsize 0.4 0.4 0.5\nmass 2\ncolor teal',
@@ -81,7 +81,7 @@ export class World {
     const entry = (kind, text, title, choice) => {
       const button = make('button', {type: 'button', draggable: true, title: `${title}: click, or drag it onto the floor`}, text);
       button.dataset.kind = kind;
-      button.addEventListener('click', () => this.#insertNear(kind, choice?.value));
+      button.addEventListener('click', () => this.insertNear(kind, choice?.value));
       button.addEventListener('dragstart', (event) => {
         event.dataTransfer.setData(DRAGGED, JSON.stringify({kind, choice: choice?.value}));
         event.dataTransfer.effectAllowed = 'copy';
@@ -119,7 +119,7 @@ export class World {
   }
 
   /** At the middle of the view, or the next free place around it. */
-  async #insertNear(kind, choice) {
+  async insertNear(kind, choice) {
     const box = this.#view.canvas?.getBoundingClientRect();
     const middle = box && this.#view.floorAt(box.left + box.width / 2, box.top + box.height / 2);
     const {x, y} = middle ?? {x: 0, y: 0};
@@ -134,6 +134,13 @@ export class World {
       return this.select(reply.text.split(/\s/)[0]);
     }
     say('There is no free place in the middle of the view: look elsewhere, or drag it to a free place', true);
+  }
+
+  /** Under a place of the window; where there is no floor, in the middle of the view. */
+  async insertAt(kind, choice, clientX, clientY) {
+    const at = this.#view.floorAt?.(clientX, clientY);
+    if (!at || !this.#view.canvas?.matches(':hover')) return this.insertNear(kind, choice);
+    return this.#insert(kind, at.x, at.y, choice);
   }
 
   /** Puts something to a place, as the handles in the view do. */

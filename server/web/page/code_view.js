@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// A text field for scenarios: CodeMirror with completion and marks. It lives in a shadow root, where it may have styles of its own.
+import {acceptCompletion, autocompletion, completionKeymap} from '@codemirror/autocomplete';
+import {defaultKeymap, history, historyKeymap} from '@codemirror/commands';
+import {lintGutter, lintKeymap, setDiagnostics} from '@codemirror/lint';
+import {EditorState} from '@codemirror/state';
+import {Decoration, drawSelection, EditorView, highlightActiveLine, keymap, lineNumbers, MatchDecorator, ViewPlugin} from '@codemirror/view';
+import {GRAMMAR, kindOf, TEMPLATES} from './grammar.js';
+
+const SECTION = /^\s*\[([^\]]*)\]?/;
+
+const colored = (regexp, className) => {
+  const matcher = new MatchDecorator({regexp, decoration: Decoration.mark({class: className})});
+  return ViewPlugin.define((view) => ({
+    decorations: matcher.createDeco(view),
+    update(update) { this.decorations = matcher.updateDeco(update, this.decorations); },
+  }), {decorations: (plugin) => plugin.decorations});
+};
+
+/** The kind of the section in which position `at` lies; empty before the first. */
+function sectionAt(state, at) {
+  for (let line = state.doc.lineAt(at).number; line > 0; --line) {
+    const found = SECTION.exec(state.doc.line(line).text);
+    if (found) return kindOf(found[1]);
+  }
+  return '';
+}
+
+/** Completions for the word before the cursor. `names`: of robots and worlds. */
+export function completionsAt(context, names) {
+  const line = context.state.doc.lineAt(context.pos), before = line.text.slice(0, context.pos - line.from);
+  if (/[#;]/.test(before)) return null;
+  if (/^\s*(\[[\w-]*)?$/.test(before) && (before.includes('[') || sectionAt(context.state, line.from) === '')) {
+    const from = line.from + (before.indexOf('[') < 0 ? before.length : before.indexOf('['));
+    return {from, options: TEMPLATES.map(([name, first]) => ({label: `[${name}]`, type: 'class', apply: `[${name}]\n${first}\n`, detail: first.split('\n')[0]}))};
+  }
+  const words = GRAMMAR[sectionAt(context.state, context.pos)];
+  if (!words) return null;
+  const key = /^\s*([\w-]*)$/.exec(before);
+  if (key) {
+    if (key[1] === '' && !context.explicit) return null;
+    return {from: context.pos - key[1].length, options: Object.entries(words).map(([label, [help, example]]) =>
+      ({label, type: 'property', info: `${help}\n${example}`, apply: `${label.padEnd(9)} `}))};
+  }
+  const value = /^\s*([\w-]+)\s+([\w.-]*)$/.exec(before);
+  if (!value) return null;
+  const kind = sectionAt(context.state, context.pos);
+  const choices = value[1] === 'file' ? names.worlds
+    : value[1] === 'type' && (kind === 'ROBOT' || kind === 'SWARM') ? names.robots : words[value[1]]?.[2];
+  if (!choices) return null;
+  return {from: context.pos - value[2].length, options: choices.map((label) => ({label, type: 'enum'}))};
+}
+
+const LOOK = EditorView.theme({
+  '&': {height: '100%', color: 'var(--ink)', backgroundColor: 'var(--field)', fontSize: '13px'},
+  '.cm-scroller': {fontFamily: 'var(--mono)', lineHeight: '1.5'},
+  '.cm-content': {caretColor: 'var(--ink)'},
+  '.cm-cursor': {borderLeftColor: 'var(--ink)'},
+  '&.cm-focused': {outline: '2px solid var(--accent)', outlineOffset: '-2px'},
+  '&.cm-focused .cm-selectionBackground, .cm-selectionBackground': {backgroundColor: 'color-mix(in srgb, var(--accent) 25%, transparent) !important'},
+  '.cm-gutters': {backgroundColor: 'var(--field)', color: 'var(--quiet)', borderRight: '1px solid var(--line)'},
+  '.cm-activeLine': {backgroundColor: 'color-mix(in srgb, var(--accent) 7%, transparent)'},
+  '.cm-tooltip': {backgroundColor: 'var(--raised)', color: 'var(--ink)', border: '1px solid var(--line)'},
+  '.cm-tooltip.cm-completionInfo': {whiteSpace: 'pre-line'},
+  '.cm-tooltip-autocomplete ul li[aria-selected]': {backgroundColor: 'var(--accent)', color: 'var(--on-accent)'},
+  // In place of pictures in data: addresses, which the page's policy forbids.
+  '.cm-lintRange': {backgroundImage: 'none !important', textDecoration: 'underline wavy var(--bad)', textDecorationSkipInk: 'none'},
+  '.cm-lintRange-warning': {textDecorationColor: 'var(--warn)'},
+  '.cm-lint-marker': {content: 'normal !important', borderRadius: '50%', width: '0.7em', height: '0.7em', margin: '0.35em auto'},
+  '.cm-lint-marker-error': {backgroundColor: 'var(--bad)'},
+  '.cm-lint-marker-warning': {backgroundColor: 'var(--warn)'},
+  '.section': {color: 'var(--accent)', fontWeight: '650'},
+  '.comment, .comment *': {color: 'var(--quiet) !important', fontStyle: 'italic'},
+  '.key': {color: 'var(--good)'},
+});
+
+export class CodeView {
+  #view;
+
+  constructor(host, text, names, onChange) {
+    const root = host.attachShadow({mode: 'open'});
+    const state = EditorState.create({doc: text, extensions: [
+      LOOK, lineNumbers(), history(), drawSelection(), highlightActiveLine(), lintGutter(),
+      colored(/^\s*\[[^\]]*\]/gm, 'section'), colored(/(^|\s)[#;].*$/gm, 'comment'), colored(/^\s*[A-Za-z_]\w*(?=\s)/gm, 'key'),
+      autocompletion({override: [(context) => completionsAt(context, names)], icons: false, interactionDelay: 0}),
+      keymap.of([{key: 'Tab', run: acceptCompletion}, ...completionKeymap, ...lintKeymap, ...historyKeymap, ...defaultKeymap]),
+      EditorView.contentAttributes.of({'aria-label': 'Text of the scenario', spellcheck: 'false'}),
+      EditorView.updateListener.of((update) => { if (update.docChanged) onChange(); }),
+    ]});
+    this.#view = new EditorView({state, parent: root, root});
+    host.addEventListener('focus', () => this.#view.focus());
+  }
+
+  get text() { return this.#view.state.doc.toString(); }
+  get view() { return this.#view; }
+
+  /** Another text; undo brings back the one before. */
+  replace(text) {
+    this.#view.dispatch({changes: {from: 0, to: this.#view.state.doc.length, insert: text}, selection: {anchor: 0}, scrollIntoView: true});
+  }
+
+  /** Marks lines: [{line, severity, text}]. */
+  mark(diagnostics) {
+    const {doc} = this.#view.state;
+    this.#view.dispatch(setDiagnostics(this.#view.state, diagnostics.map(({line: number, severity, text}) => {
+      const line = doc.line(Math.min(Math.max(1, number), doc.lines));
+      return {from: line.from + (/^\s*/.exec(line.text)[0].length % (line.length + 1)), to: line.to, severity, message: text};
+    })));
+  }
+
+  repaint() { this.#view.requestMeasure(); }
+}

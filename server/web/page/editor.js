@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// The tab Text: the scenario's text with completion, its mistakes as one types, and what to do with it. What was typed is kept
+// until the tab of the browser is closed.
+import {byId, make, say, setText} from './dom.js';
+import {isShown, showTab, tab} from './layout.js';
+
+const DRAFT = 'coopdyn-draft';
+const CHECK_MS = 350;
+const EMPTY = '[WORLD]\nfile      arena.world\n\n[ROBOT_1]\ntype      coopbot\nposition  0 0\n';
+
+export class Editor {
+  #connection;
+  #controls;
+  #status = null;
+  #code = null;       // code_view.js, once it is here
+  #name = 'my.scenario';
+  #running = null;    // the text that runs, as far as it is known
+  #runningOf = '';
+  #checked = 0;
+  #timer = 0;
+  #report = null;
+  #panel = tab('text', 'Text');
+  #host = make('div', {id: 'editor'});
+  #state = make('p', {id: 'editor-state', role: 'status'});
+
+  constructor(connection, controls) {
+    this.#connection = connection;
+    this.#controls = controls;
+    const button = (id, text, title, act, kind = '') => {
+      const made = make('button', {type: 'button', id, title, class: kind}, text);
+      made.addEventListener('click', act);
+      return made;
+    };
+    this.#panel.append(make('div', {class: 'row'},
+      button('editor-load', 'Load', 'Run this text (Ctrl+Enter)', () => this.load(), 'primary'),
+      button('editor-save', 'Save as file', 'Keep it on this computer (Ctrl+S)', () => this.#save()),
+      button('editor-running', 'What runs', 'The text that was loaded', () => this.#take('api/text', `${this.#status?.scenario ?? 'my'}.scenario`)),
+      button('editor-world', 'World of now', 'The present world as a text', () => this.#takeWorld()),
+      button('editor-new', 'New', 'A small scenario to begin with; Ctrl+Z brings back what was here', () => this.#replace(EMPTY, 'my.scenario'))),
+    this.#host, this.#state);
+    this.#panel.addEventListener('shown', () => this.#start());
+    document.addEventListener('theme', () => this.#code?.repaint());
+    this.#panel.addEventListener('keydown', (event) => {
+      const ctrl = event.ctrlKey || event.metaKey;
+      if (ctrl && event.key === 'Enter') this.load();
+      else if (ctrl && event.key.toLowerCase() === 's') this.#save();
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    }, true);
+  }
+
+  /** For tests: the text, and what is wrong with it. */
+  get text() { return this.#code?.text ?? ''; }
+  get report() { return this.#report; }
+  get code() { return this.#code; }
+
+  update(status) {
+    this.#status = status;
+    const off = status.playback ? 'A recording is played: its scenario cannot be changed' : '';
+    byId('editor-load').disabled = off !== '';
+    byId('editor-load').title = off || 'Run this text (Ctrl+Enter)';
+    if (status.scenario !== this.#runningOf && isShown('text')) this.#learnRunning();
+  }
+
+  /** Shows the text of a shipped file. */
+  async open(kind, name) {
+    showTab('text');
+    await this.#start();
+    await this.#take(`api/text/${kind}/${encodeURIComponent(name)}`, `${name}.${kind}`);
+  }
+
+  async load() {
+    if (!this.#code) return;
+    await this.#controls.loadText(this.text, this.#name);
+    this.#runningOf = '';
+    await this.#learnRunning();
+  }
+
+  #starting = null;
+  #start() {
+    this.#starting ??= this.#begin();
+    return this.#starting;
+  }
+
+  async #begin() {
+    const [{CodeView}, names] = await Promise.all([import('./code_view.js'), fetch('api/gallery').then((answer) => answer.json()).catch(() => ({}))]);
+    const draft = this.#draft();
+    await this.#learnRunning();
+    if (draft) this.#name = draft.name;
+    else if (this.#status) this.#name = `${this.#status.scenario}.scenario`;
+    this.#code = new CodeView(this.#host, draft?.text ?? this.#running ?? EMPTY, {
+      robots: (names.robots ?? []).map(({name}) => name), worlds: (names.worlds ?? []).map(({name}) => `${name}.world`)}, () => this.#changed());
+    this.#check();
+  }
+
+  #draft() {
+    try {
+      return JSON.parse(sessionStorage.getItem(DRAFT));
+    } catch {
+      return null;
+    }
+  }
+
+  #changed() {
+    try {
+      sessionStorage.setItem(DRAFT, JSON.stringify({name: this.#name, text: this.text}));
+    } catch { /* then it is not kept over a reload */ }
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#check(), CHECK_MS);
+  }
+
+  async #learnRunning() {
+    this.#runningOf = this.#status?.scenario ?? '';
+    const answer = await fetch('api/text').catch(() => null);
+    if (answer?.ok) this.#running = await answer.text();
+    this.#showState();
+  }
+
+  #replace(text, name) {
+    this.#name = name;
+    this.#code?.replace(text);
+  }
+
+  async #take(address, name) {
+    const answer = await fetch(address).catch(() => null);
+    if (!answer?.ok) return say(answer ? (await answer.text()).trim() : 'the daemon does not answer', true);
+    this.#replace(await answer.text(), name);
+  }
+
+  async #takeWorld() {
+    const reply = await this.#connection.call({module: '/world', command: 'save'});
+    if (reply.error !== 0) return say(reply.text, true);
+    this.#replace(reply.text, `${this.#status?.scenario ?? 'my'}.scenario`);
+  }
+
+  async #check() {
+    const turn = ++this.#checked;
+    const answer = await fetch('api/check', {method: 'POST', headers: {'Content-Type': 'application/json'},
+      body: JSON.stringify({name: this.#name, text: this.text, token: this.#connection.token || undefined})}).catch(() => null);
+    if (turn !== this.#checked || !answer) return;
+    if (!answer.ok) return setText(this.#state, (await answer.text()).trim());
+    this.#report = await answer.json();
+    this.#code.mark(this.#report.diagnostics.filter(({file}) => file === this.#name || file === '(text)'));
+    this.#showState();
+  }
+
+  #showState() {
+    if (!this.#report) return;
+    const {errors, warnings, summary, diagnostics} = this.#report;
+    const count = (number, what) => (number > 0 ? [`${number} ${what}${number > 1 ? 's' : ''}`] : []);
+    const first = diagnostics[0] ? `; line ${diagnostics[0].line}: ${diagnostics[0].text}` : '';
+    const same = this.#running !== null && this.text.trim() === this.#running.replace(/\n# file: .*\n?$/, '').trim();
+    const runs = same ? 'This runs. ' : 'Not what runs. ';
+    this.#state.classList.toggle('error', errors > 0);
+    setText(this.#state, errors + warnings > 0 ? [...count(errors, 'error'), ...count(warnings, 'warning')].join(', ') + first : runs + (summary ?? ''));
+  }
+
+  #save() {
+    const name = this.#name.endsWith('.world') ? this.#name : this.#name.replace(/(\.\w+)?$/, '.scenario');
+    const link = make('a', {href: URL.createObjectURL(new Blob([this.text], {type: 'text/plain'})), download: name});
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// The tab Arena: scenarios, worlds and robots with their pictures. A click loads a scenario or a world, a robot is dragged onto the floor.
+import {make, say, setText} from './dom.js';
+import {tab} from './layout.js';
+import {DRAGGED} from './world.js';
+
+const KINDS = [['scenarios', 'scenario', 'Scenarios'], ['worlds', 'world', 'Worlds'], ['robots', 'robot', 'Robots']];
+
+export class Gallery {
+  #controls;
+  #edit;
+  #world = null;
+  #asked = false;
+  #listed = {};
+  #panel = tab('arena', 'Arena');
+  #find = make('input', {type: 'search', id: 'gallery-find', 'aria-label': 'Find a scenario, a world or a robot', title: 'Find by name or title'});
+  #groups = make('div', {id: 'gallery'});
+  #status = null;
+
+  /** `edit(kind, name)` opens a text in the editor. */
+  constructor(controls, edit) {
+    this.#controls = controls;
+    this.#edit = edit;
+    this.#find.addEventListener('input', () => this.#show());
+    this.#panel.append(make('div', {class: 'row'}, make('label', {class: 'grow'}, 'Find ', this.#find)),
+      make('p', {class: 'quiet'}, 'A .scenario, .world, .sdf or .urdf file can be dropped anywhere on the page.'), this.#groups);
+    this.#panel.addEventListener('shown', () => { if (!this.#asked) this.refresh(); });
+  }
+
+  /** Robots can be inserted from now on. */
+  setWorld(world) { this.#world = world; }
+
+  update(status) {
+    const changed = status.scenario !== this.#status?.scenario || Boolean(status.playback) !== Boolean(this.#status?.playback);
+    this.#status = status;
+    if (changed) this.#show();
+  }
+
+  async refresh() {
+    this.#asked = true;
+    try {
+      this.#listed = await (await fetch('api/gallery')).json();
+    } catch {
+      this.#asked = false;  // the banner says that the daemon is gone
+      return;
+    }
+    this.#show();
+  }
+
+  #show() {
+    const wanted = this.#find.value.trim().toLowerCase();
+    this.#groups.replaceChildren(...KINDS.flatMap(([key, kind, title]) => {
+      const found = (this.#listed[key] ?? []).filter((entry) => `${entry.name} ${entry.title}`.toLowerCase().includes(wanted));
+      return found.length === 0 ? [] : [make('h2', {}, `${title} `, make('span', {class: 'quiet'}, String(found.length))),
+        make('div', {class: 'cards'}, ...found.map((entry) => this.#card(kind, entry)))];
+    }));
+    if (this.#asked && this.#groups.childElementCount === 0) this.#groups.append(make('p', {class: 'quiet'}, 'nothing of that name'));
+  }
+
+  #card(kind, {name, title, summary, thumb}) {
+    const picture = make('img', {src: thumb.replace(/^\//, ''), alt: '', loading: 'lazy', width: 160, height: 100, draggable: false});
+    picture.addEventListener('error', () => { picture.hidden = true; });
+    const runs = kind === 'scenario' && name === this.#status?.scenario;
+    const does = kind === 'robot' ? 'drag it onto the floor, or click' : 'click to load';
+    const button = make('button', {type: 'button', class: 'thumb', title: `${title || name}\n${summary}\n(${does})`, 'aria-pressed': String(runs)},
+      picture, make('strong', {}, name), make('span', {class: 'quiet'}, title || summary));
+    button.dataset.name = name;
+    button.dataset.kind = kind;
+    button.disabled = Boolean(this.#status?.playback);
+    button.addEventListener('click', () => this.#take(kind, name));
+    if (kind === 'robot') {
+      button.draggable = true;
+      button.addEventListener('dragstart', (event) => {
+        event.dataTransfer.setData(DRAGGED, JSON.stringify({kind: 'robot', choice: name}));
+        event.dataTransfer.effectAllowed = 'copy';
+      });
+      return button;
+    }
+    const edit = make('button', {type: 'button', class: 'small', title: `Look at the text of ${name}`}, 'Text');
+    edit.addEventListener('click', () => this.#edit(kind, name));
+    return make('div', {class: 'thumb-box'}, button, edit);
+  }
+
+  #take(kind, name) {
+    if (kind === 'scenario') return this.#controls.load({command: 'load_scenario', text: name});
+    if (kind === 'world') return this.#controls.load({command: 'load_scenario', text: `[WORLD]\nfile ${name}.world\n`}, name);
+    if (!this.#world) return say('the view that is drawn by the daemon takes no robots: insert them by /world', true);
+    return this.#world.insertNear('robot', name);
+  }
+}

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// The words of a scenario and what they mean, for completion. A test compares them with what the daemon's reader knows.
+
+const COLORS = ['red', 'green', 'blue', 'yellow', 'magenta', 'cyan', 'orange', 'purple', 'brown', 'pink'];
+const YES_NO = ['yes', 'no'];
+const pose = {
+  position: ['x y [z], m', 'position 1 0.5'],
+  orientation: ['yaw, or roll pitch yaw; rad, or with a unit', 'orientation 90deg'],
+  quaternion: ['w x y z', 'quaternion 1 0 0 0'],
+};
+const driven = {
+  type: ['which robot: its folder on the search path', 'type coopbot'],
+  name: ['what it is called', 'name ana'],
+  color: ['a colour word, or R G B', 'color blue', COLORS],
+  fidelity: ['how exactly it is simulated', 'fidelity rolling', ['full', 'rolling', 'planar']],
+  controller: ['a loaded controller and its options', 'controller diffuse speed=0.2'],
+  sockets: ['ports of its own', 'sockets yes', YES_NO],
+};
+const texture = {
+  texture: ['a picture, or checker or grid', 'texture checker', ['checker', 'grid']],
+  texture_size: ['width [height] of one picture, m', 'texture_size 1'],
+};
+
+/** By kind of section: words, each [help, example, choices]. */
+export const GRAMMAR = {
+  WORLD: {file: ['a .world file', 'file arena.world']},
+  SIMULATION: {
+    mode: ['how time goes', 'mode lockstep', ['realtime', 'lockstep', 'free']],
+    step: ['length of a step', 'step 10ms'],
+    substeps: ['equal parts of a step', 'substeps 2'],
+    seed: ['of all that is random', 'seed 1'],
+    speed: ['simulated seconds per second; 0: no limit', 'speed 2'],
+    duration: ['the run ends then, s', 'duration 60'],
+    gravity: ['downwards, m/s²', 'gravity 9.81'],
+    ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
+    angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],
+  },
+  FLOOR: {
+    size: ['length width [height], m', 'size 10 8'],
+    color: ['a colour word, or R G B', 'color lightgray', COLORS],
+    friction: ['1 is rubber on wood', 'friction 1'],
+    ...texture,
+    ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
+    angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],
+  },
+  TARGET: Object.fromEntries(COLORS.map((color) => [color, ['x y [z], m', `${color} 2 0`]])),
+  LIGHT: {
+    position: ['x y z, m', 'position 0 0 2.5'],
+    color: ['a colour word, or R G B', 'color white', COLORS],
+    power: ['what a light sensor reads 1 m away', 'power 1'],
+    shadows: ['things hide it', 'shadows yes', YES_NO],
+  },
+  ROBOT: {
+    ...driven, ...pose,
+    deadline: ['how long lockstep waits for its command', 'deadline 500ms'],
+    on_deadline: ['what it does then', 'on_deadline hold', ['hold', 'stop', 'drop']],
+    on_disconnect: ['what it does when its client goes', 'on_disconnect stop', ['wait', 'hold', 'stop', 'drop']],
+    sync: ['takes part in lockstep', 'sync yes', YES_NO],
+    waits_for: ['modules that need a command for each step', 'waits_for motors'],
+  },
+  SWARM: {
+    ...driven,
+    count: ['how many', 'count 20'],
+    spacing: ['least distance between two, m', 'spacing 0.5'],
+    area: ['x y of the centre, length, width, m', 'area 0 0 4 4'],
+    seed: ['of the places', 'seed 1'],
+  },
+  THING: {
+    type: ['its shape', 'type box', ['box', 'cylinder', 'sphere']],
+    size: ['length width height; diameter twice, height; or diameter, m', 'size 1 0.5 0.3'],
+    count: ['as many, at random places', 'count 5'],
+    spacing: ['least distance between two copies, m', 'spacing 0.5'],
+    area: ['of the copies: x y of the centre, length, width, m', 'area 0 0 4 4'],
+    seed: ['of the places of the copies', 'seed 1'],
+    ...pose,
+    mass: ['kg; without it never moves', 'mass 2'],
+    color: ['a colour word, or R G B', 'color orange', COLORS],
+    friction: ['1 is rubber on wood', 'friction 0.6'],
+    ...texture,
+  },
+};
+
+/** Sections to begin with: what stands in brackets, and its first lines. */
+export const TEMPLATES = [
+  ['WORLD', 'file arena.world'], ['SIMULATION', 'mode realtime'], ['FLOOR', 'size 10 8'], ['TARGET', 'red 2 0'],
+  ['ROBOT_1', 'type coopbot\nposition 0 0'], ['SWARM_1', 'type minibot\ncount 20'], ['LIGHT_1', 'position 0 0 2.5'],
+  ['BOX_1', 'type box\nsize 0.5 0.5 0.5\nposition 1 1\nmass 2'], ['WALL_1', 'type box\nsize 4 0.1 0.5\nposition 0 2'],
+  ['BALL_1', 'type sphere\nsize 0.3\nposition 1 0\nmass 0.5'], ['CYLINDER_1', 'type cylinder\nsize 0.4 0.4 0.5\nposition -1 0'],
+];
+
+/** The kind of a section by its name. */
+export function kindOf(section) {
+  const stem = section.toUpperCase().replace(/_?\d+$|_\*$/, '');
+  return Object.hasOwn(GRAMMAR, stem) ? stem : 'THING';
+}
