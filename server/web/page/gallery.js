@@ -31,9 +31,15 @@ export class Gallery {
   setWorld(world) { this.#world = world; }
 
   update(status) {
-    const changed = status.scenario !== this.#status?.scenario || Boolean(status.playback) !== Boolean(this.#status?.playback);
     this.#status = status;
-    if (changed) this.#show();
+    for (const button of this.#groups.querySelectorAll('.thumb')) this.#mark(button);
+  }
+
+  /** Which scenario runs, and whether another can be loaded. */
+  #mark(button) {
+    const runs = button.dataset.kind === 'scenario' && button.dataset.name === this.#status?.scenario;
+    button.setAttribute('aria-pressed', String(runs));
+    button.disabled = Boolean(this.#status?.playback);
   }
 
   async refresh() {
@@ -60,13 +66,12 @@ export class Gallery {
   #card(kind, {name, title, summary, thumb}) {
     const picture = make('img', {src: thumb.replace(/^\//, ''), alt: '', loading: 'lazy', width: 160, height: 100, draggable: false});
     picture.addEventListener('error', () => { picture.hidden = true; });
-    const runs = kind === 'scenario' && name === this.#status?.scenario;
     const does = kind === 'robot' ? 'drag it onto the floor, or click' : 'click to load';
-    const button = make('button', {type: 'button', class: 'thumb', title: `${title || name}\n${summary}\n(${does})`, 'aria-pressed': String(runs)},
+    const button = make('button', {type: 'button', class: 'thumb', title: `${title || name}\n${summary}\n(${does})`},
       picture, make('strong', {}, name), make('span', {class: 'quiet'}, title || summary));
     button.dataset.name = name;
     button.dataset.kind = kind;
-    button.disabled = Boolean(this.#status?.playback);
+    this.#mark(button);
     button.addEventListener('click', () => this.#take(kind, name));
     if (kind === 'robot') {
       button.draggable = true;
