@@ -120,6 +120,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
           options_.record.folder, models_.path(), [this] { return recordings_.status().file.file; }, logger_),
       loader_("load", logger_),
       control_("control", logger_) {
+  board_.MeasureWaits(clock_);
   stepper_.set_on_ended([this] { shutdown_.Request(); });
 }
 
@@ -254,11 +255,25 @@ std::string Daemon::OpenPage() {
   page_ = std::make_unique<PageServices>(models_.path(), uploads_, options_.no_render ? nullptr : &images_,
                                          runs_, run_, replay_services(), logger_);
   web.files = page_->files();
+  web.costs = [this] { return Costs(); };
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
   const std::string error = web_->Listen(Addresses(options_.hosts), port);
   return WithAdvice(error, "--port, or --http-port");
+}
+
+CostSnapshot Daemon::Costs() const {
+  const RunStatus status = run_.status();
+  CostSnapshot snapshot{.now = clock_.Now(),
+                        .mode = status.mode,
+                        .playing = run_.playback().has_value(),
+                        .recording = !recordings_.recording().empty(),
+                        .costs = status.costs,
+                        .waits = board_.waits()};
+  for (CpuUser& thread : ReadThreadUse())
+    snapshot.threads.push_back({std::move(thread.name), thread.id, thread.cpu});
+  return snapshot;
 }
 
 void Daemon::Stop() {

@@ -92,6 +92,8 @@ class Daemon final : private ControlActions {
   std::string OpenRobots();
   std::string OpenGlobalModules();
   std::string OpenPage();
+  /// What the run has cost so far. Any thread.
+  CostSnapshot Costs() const;
   /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
   void TellYarpServer();
   std::chrono::microseconds Spin() const;

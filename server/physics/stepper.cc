@@ -184,16 +184,36 @@ void Stepper::StepNow(Nanoseconds now) {
   NoteFloorLeft(*frame, false);
   rate_.Note(now, frame->time);
   if (duration_ && frame->time >= *duration_) EndRun(RunEnd::kDuration, "the run has reached its duration");
+  const Nanoseconds told = clock_.Now();
   if (journal_ != nullptr) {
     const bool keyframe = journal_->WantsKeyframe(frame->step);
     journal_->Step(frame, mode_, keyframe,
                    keyframe ? simulation_->Save().controllers : std::vector<std::byte>());
   }
+  const Nanoseconds written = journal_ != nullptr ? clock_.Now() : told;
   boards_.commands.FinishStep(frame, now);
+  NoteCosts(now, told, written);
   if (ended_) {
     PublishStatus(now, true);
     if (on_ended_) on_ended_();
   }
+}
+
+void Stepper::NoteCosts(Nanoseconds began, Nanoseconds told, Nanoseconds written) {
+  const Nanoseconds ended = clock_.Now();
+  StepCosts& costs = status_.costs;
+  ++costs.steps;
+  costs.busy += ended - began;
+  costs.journal += written - told;
+  costs.answer += ended - written;
+  if (rests_from_ > 0) costs.idle += began - rests_from_;
+  rests_from_ = ended;
+  if (!may_step()) IgnoreRest();
+}
+
+void Stepper::IgnoreRest() {
+  rests_from_ = 0;
+  boards_.commands.IgnoreWait();
 }
 
 void Stepper::NoteStoppedControllers(const std::vector<StoppedController>& controllers,
@@ -289,6 +309,7 @@ void Stepper::RestartPace(Nanoseconds now) {
   pacer_.Stop();
   if (speed() > 0) pacer_.Start(now, step_length_, speed());
   boards_.commands.RestartWaiting(now);
+  rests_from_ = 0;
 }
 
 void Stepper::PublishStatus(Nanoseconds now, bool always) {
@@ -302,8 +323,11 @@ void Stepper::PublishStatus(Nanoseconds now, bool always) {
   status_.state = ended_ ? RunState::kEnded : paused_ ? RunState::kPaused : RunState::kRunning;
   status_.duration_s = duration_ ? ToSeconds(*duration_) : 0;
   status_.real_time_factor = rate_.Factor(now, simulation_ != nullptr ? frame().time : 0);
+  const PhaseTimes times = AllTimes();
+  status_.costs.times = {times.sense - times_before_.sense, times.control - times_before_.control,
+                         times.physics - times_before_.physics, times.publish - times_before_.publish};
   if (mode_ == Mode::kRealtime && simulation_ != nullptr) {
-    status_.load.times = AllTimes();
+    status_.load.times = times;
     if (helpers_.controllers != nullptr) {
       const ControllerCost slowest = helpers_.controllers->slowest();
       status_.load.controller = slowest.controller;

@@ -172,6 +172,10 @@ class Stepper {
   double speed() const REQUIRES(baton_);  // ≤ 0: no limit
   void RestartPace(Nanoseconds now) REQUIRES(baton_);
   PhaseTimes AllTimes() const REQUIRES(baton_);
+  /// A step that began at `began` and was told to the journal from `told` to `written` is over.
+  void NoteCosts(Nanoseconds began, Nanoseconds told, Nanoseconds written) REQUIRES(baton_);
+  /// No step follows at once: the time until the next one costs nobody anything.
+  void IgnoreRest() REQUIRES(baton_);
   /// Publishes how the run stands; unless `always`, at most each kStatusEvery.
   void PublishStatus(Nanoseconds now, bool always) REQUIRES(baton_);
   void AddEvent(const char* level, std::string text) REQUIRES(baton_);
@@ -200,6 +204,8 @@ class Stepper {
   RateMeter rate_ GUARDED_BY(baton_);
   RunStatus status_ GUARDED_BY(baton_);
   Nanoseconds status_at_ GUARDED_BY(baton_) = 0;
+  Nanoseconds rests_from_ GUARDED_BY(baton_) = 0;  // the end of the step before; 0: it does not count
+  PhaseTimes times_before_ GUARDED_BY(baton_);     // AllTimes() when costs began anew
   bool has_deadlines_ GUARDED_BY(baton_) = false;
   Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;  // until then the physics thread sleeps
   std::vector<char> off_floor_ GUARDED_BY(baton_);     // 1: yes; by robot

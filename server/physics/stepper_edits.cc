@@ -61,6 +61,7 @@ EditResult Stepper::Apply(const edit::Run&) {
 
 EditResult Stepper::Apply(const edit::Pause&) {
   paused_ = true;
+  IgnoreRest();
   allowed_steps_ = 0;
   boards_.commands.EndSteps();
   return {};
@@ -244,6 +245,8 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   status_.frozen_before.insert(status_.frozen.begin(), status_.frozen.end());
   status_.frozen = FrozenNames(frame());
   boards_.control.ClearStopped();
+  status_.costs = {.runs = status_.costs.runs + 1};
+  times_before_ = AllTimes();
   NoteFloorLeft(frame(), true);
   has_deadlines_ = std::any_of(scene.robots.begin(), scene.robots.end(),
                                [](const SceneRobot& robot) { return robot.entry.deadline_s.has_value(); });

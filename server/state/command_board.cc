@@ -98,7 +98,8 @@ Verdict CommandBoard::Command(SlotId id, const Client& client, std::span<const S
     verdict.answer_now = !steps.has_value() && mode_ != Mode::kLockstep;
     table_.drive(index).has_done = !verdict.answer_now;
     table_.slot(index).done = verdict.answer_now ? nullptr : std::move(done);
-    became_ready = NoteChange(index, was_awaited);
+    std::optional<Nanoseconds> now;
+    became_ready = NoteChange(index, was_awaited, now);
   }
   completions.Call();
   if (became_ready && all_ready_hook_) all_ready_hook_();
@@ -161,7 +162,8 @@ void CommandBoard::Closed(SlotId id, ClientId client) {
     if (index == kNoSlot || !table_.IsOf(index, client)) return;
     const bool was_awaited = table_.drive(index).is_awaited();
     LoseClient(index);
-    became_ready = NoteChange(index, was_awaited);
+    std::optional<Nanoseconds> now;
+    became_ready = NoteChange(index, was_awaited, now);
   }
   if (became_ready && all_ready_hook_) all_ready_hook_();
 }
@@ -213,6 +215,7 @@ Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int st
     }
     completions = MakeCompletions();
     const std::uint64_t batch = next_batch_++;
+    std::optional<Nanoseconds> now;
     Waiter waiter{batch, 0, steps, false, std::move(done), 0};
     const auto place = [&](std::size_t index, std::span<const Setpoint> setpoints) REQUIRES(mutex_) {
       const bool was_awaited = table_.drive(index).is_awaited();
@@ -221,7 +224,7 @@ Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int st
       table_.SetPending(index, client.id, setpoints, steps);
       table_.drive(index).batch = batch;
       ++waiter.members;
-      became_ready |= NoteChange(index, was_awaited);
+      became_ready |= NoteChange(index, was_awaited, now);
     };
     std::span<const Setpoint> left = step.setpoints;
     for (const SlotId id : step.slots) {
@@ -309,11 +312,12 @@ void CommandBoard::ClosedAll(ClientId client) {
   bool became_ready = false;
   {
     const MutexLock lock(mutex_);
+    std::optional<Nanoseconds> now;
     for (std::size_t i = 0; i < table_.size(); ++i) {
       if (!table_.IsOf(i, client)) continue;
       const bool was_awaited = table_.drive(i).is_awaited();
       LoseClient(i);
-      became_ready |= NoteChange(i, was_awaited);
+      became_ready |= NoteChange(i, was_awaited, now);
     }
   }
   if (became_ready && all_ready_hook_) all_ready_hook_();

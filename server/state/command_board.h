@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "protocol/message.h"
+#include "server/base/clock.h"
 #include "server/base/mutex.h"
 #include "server/state/drive_table.h"
 #include "server/state/frame.h"
@@ -161,6 +162,24 @@ class CommandBoard {
   /// Up to `max` awaited robots, the count of all in `total`. Empty unless in lockstep and not ready.
   std::vector<Awaited> Awaiting(Nanoseconds now, std::size_t max, std::size_t* total) const;
 
+  /// How long the world has waited for a robot in lockstep, since the last reset or load.
+  struct Wait {
+    std::string robot;
+    std::string client;      // name, else peer; empty: nobody
+    bool is_team = false;    // owned through /swarm
+    Nanoseconds waited = 0;  // from the ends of steps to the robot's commands for the next ones
+    Nanoseconds alone = 0;   // of that: when all others were ready
+  };
+  struct Waits {
+    std::vector<Wait> robots;  // that were awaited, in the scene's order
+    Nanoseconds total = 0;     // from the ends of steps until all were ready
+  };
+  /// Of the steps that have run. Empty without MeasureWaits().
+  Waits waits() const;
+  /// Measures them from now on: reads the clock when a robot becomes ready. Set once before threads start;
+  /// `clock` outlives the board.
+  void MeasureWaits(const Clock& clock) { wait_clock_ = &clock; }
+
   // --- the stepping thread (holder of the baton)
   /// Lays out the slots for a new scene. Robots of the same name and type keep slot, owner and name; all
   /// waits end with `end` (kReset keeps participants, kLoad takes them from the scene).
@@ -203,6 +222,8 @@ class CommandBoard {
   void FinishStep(const FramePtr& frame, Nanoseconds now);
   /// Waiting starts anew (after a pause): deadlines count from `now`.
   void RestartWaiting(Nanoseconds now);
+  /// No step is to follow for now: how long it takes to the next command counts for no robot.
+  void IgnoreWait();
   /// Fires the deadlines of awaited robots that have passed.
   std::vector<FiredDeadline> FireDeadlines(Nanoseconds now);
   /// When the next deadline of an awaited robot fires; INT64_MAX: never.
@@ -266,7 +287,10 @@ class CommandBoard {
   void NoteLoss(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
   void EndAllWaits(StepEnd end, Completions& completions) REQUIRES(mutex_);
   /// Corrects the count of awaited robots after a change of a slot; true if that made the last one ready.
-  bool NoteChange(std::size_t index, bool was_awaited) REQUIRES(mutex_);
+  /// `now`: read when it is first needed, then the same for all changes of one request.
+  bool NoteChange(std::size_t index, bool was_awaited, std::optional<Nanoseconds>& now) REQUIRES(mutex_);
+  /// The robot of a slot has become ready; `last`: and so are all.
+  void NoteReady(std::size_t index, bool last, std::optional<Nanoseconds>& now) REQUIRES(mutex_);
   void ClearMessages() REQUIRES(mutex_);
   void NoteTeams() { team_revision_.fetch_add(1, std::memory_order_release); }
   Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}}; }
@@ -288,6 +312,15 @@ class CommandBoard {
   std::size_t awaited_ GUARDED_BY(mutex_) = 0;        // participants that are not ready
   std::size_t calls_at_once_ GUARDED_BY(mutex_) = 0;  // the most that one step had to answer
   Nanoseconds waiting_since_ GUARDED_BY(mutex_) = 0;
+  struct WaitTimes {
+    Nanoseconds waited = 0, alone = 0;
+  };
+  const Clock* wait_clock_ = nullptr;                     // constant after construction
+  std::vector<WaitTimes> wait_times_ GUARDED_BY(mutex_);  // by robot
+  Nanoseconds waited_ GUARDED_BY(mutex_) = 0;             // in all
+  Nanoseconds waits_from_ GUARDED_BY(mutex_) = 0;         // the end of the step before; 0: it does not count
+  Nanoseconds newest_ready_ GUARDED_BY(mutex_) = 0;       // when a robot became ready last,
+  Nanoseconds ready_before_ GUARDED_BY(mutex_) = 0;       // and the last one at another time before
   std::uint64_t next_observer_ GUARDED_BY(mutex_) = 1;
   std::uint64_t next_batch_ GUARDED_BY(mutex_) = 1;
   bool stopping_ GUARDED_BY(mutex_) = false;

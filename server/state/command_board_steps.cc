@@ -19,11 +19,13 @@ Nanoseconds DeadlineOf(double deadline_s, Nanoseconds waiting_since) {
 
 }  // namespace
 
-bool CommandBoard::NoteChange(std::size_t index, bool was_awaited) {
+bool CommandBoard::NoteChange(std::size_t index, bool was_awaited, std::optional<Nanoseconds>& now) {
   const bool is_awaited = table_.drive(index).is_awaited();
   if (was_awaited == is_awaited) return false;
   awaited_ += is_awaited ? 1 : -1;
-  return awaited_ == 0 && mode_ == Mode::kLockstep;
+  if (mode_ != Mode::kLockstep) return false;
+  if (!is_awaited) NoteReady(index, awaited_ == 0, now);
+  return awaited_ == 0;
 }
 
 void CommandBoard::Completions::Call() const {
@@ -86,7 +88,13 @@ void CommandBoard::Revise(const Scene& scene, FramePtr frame, Nanoseconds now) {
     latched_commands_.assign(table_.size(), 0);
     latched_messages_.clear();
     latched_losses_.clear();
+    std::vector<WaitTimes> times(table_.robot_count());
+    for (std::size_t i = 0; i < robots.size() && i < wait_times_.size(); ++i) {
+      if (robots[i] != kGone) times[robots[i]] = wait_times_[i];
+    }
+    wait_times_ = std::move(times);
     waiting_since_ = now;
+    waits_from_ = 0;
     awaited_ = table_.CountAwaited();
     NoteTeams();
     layout_revision_.fetch_add(1, std::memory_order_release);
@@ -157,6 +165,8 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
     latched_commands_.assign(table_.size(), 0);
     latched_messages_.clear();
     latched_losses_.clear();
+    wait_times_.assign(table_.robot_count(), {});
+    waited_ = waits_from_ = newest_ready_ = ready_before_ = 0;
     waiting_since_ = now;
     awaited_ = table_.CountAwaited();
     NoteTeams();
@@ -169,6 +179,7 @@ void CommandBoard::SetMode(Mode mode, Nanoseconds now) {
   const MutexLock lock(mutex_);
   mode_ = mode;
   waiting_since_ = now;
+  waits_from_ = 0;
   if (mode == Mode::kLockstep) return;
   // Lockstep waited for their programs; now they would drive on without.
   for (std::size_t i = 0; i < table_.size(); ++i) {
@@ -317,6 +328,8 @@ void CommandBoard::FinishStep(const FramePtr& frame, Nanoseconds now) {
       return true;
     });
     calls_at_once_ = std::max(calls_at_once_, completions.calls.size());
+    const bool measured = wait_clock_ != nullptr && mode_ == Mode::kLockstep;
+    waits_from_ = measured ? wait_clock_->Now() : 0;
   }
   for (const auto& observer : observers) (*observer)(frame);
   completions.Call();
@@ -325,6 +338,7 @@ void CommandBoard::FinishStep(const FramePtr& frame, Nanoseconds now) {
 void CommandBoard::RestartWaiting(Nanoseconds now) {
   const MutexLock lock(mutex_);
   waiting_since_ = now;
+  waits_from_ = 0;
 }
 
 std::vector<FiredDeadline> CommandBoard::FireDeadlines(Nanoseconds now) {

@@ -43,6 +43,17 @@ struct StepLoad {
   bool priority_refused = false;    // the system does not let the stepping thread go first
 };
 
+/// What steps have cost since the last reset, load or restore, by the wall clock.
+struct StepCosts {
+  std::uint64_t runs = 0;  // grows with each of these: the rest begins anew
+  std::uint64_t steps = 0;
+  Nanoseconds busy = 0;     // in steps
+  Nanoseconds idle = 0;     // between steps, but for pauses: the world waits for clients or for its pace
+  Nanoseconds journal = 0;  // of busy: handing steps to the recorder, the wait for it included
+  Nanoseconds answer = 0;   // of busy: telling those who wait for a step
+  PhaseTimes times = {};    // of busy
+};
+
 struct RunStatus {
   Mode mode = Mode::kRealtime;
   RunState state = RunState::kRunning;
@@ -53,6 +64,7 @@ struct RunStatus {
   double duration_s = 0;           // the simulated time at which the run ends; 0: never
   Nanoseconds simulated = 0;       // by all steps since the daemon started, whatever was reset
   StepLoad load;                   // in real time
+  StepCosts costs = {};
   std::size_t undo = 0, redo = 0;  // edits of the world that can be taken back, or made again
   std::vector<std::string> frozen;
   std::set<std::string> frozen_before;  // before the last reset, restore or load, since the daemon started

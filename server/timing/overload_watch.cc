@@ -112,8 +112,20 @@ Nanoseconds ParseBusyTime(std::string_view text, Nanoseconds tick) {
   return busy * tick;
 }
 
+namespace {
+
+Nanoseconds ClockTick() {
+  return kNanosecondsPerSecond / std::max(1L, sysconf(_SC_CLK_TCK));
+}
+
+}  // namespace
+
+std::vector<CpuUser> ReadThreadUse() {
+  return ReadUsers("/proc/self/task", ClockTick());
+}
+
 CpuUse ReadCpuUse() {
-  const Nanoseconds tick = kNanosecondsPerSecond / std::max(1L, sysconf(_SC_CLK_TCK));
+  const Nanoseconds tick = ClockTick();
   CpuUse use;
   use.others = ReadUsers("/proc", tick);
   std::erase_if(use.others, [own = ::getpid()](const CpuUser& user) { return user.id == own; });

@@ -38,6 +38,9 @@ Nanoseconds ParseBusyTime(std::string_view text, Nanoseconds tick);
 /// Takes some milliseconds with hundreds of processes. Any thread.
 CpuUse ReadCpuUse();
 
+/// The threads of this process alone, which takes microseconds for each. Any thread.
+std::vector<CpuUser> ReadThreadUse();
+
 /// Those of one name together.
 struct CpuShare {
   std::string name;

@@ -229,6 +229,7 @@ HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/api/status") return {.kind = HttpRouteKind::kStatus};
   if (path == "/api/scenarios") return {.kind = HttpRouteKind::kScenarios};
   if (path == "/api/modules") return {.kind = HttpRouteKind::kModules};
+  if (path == "/api/costs") return {.kind = HttpRouteKind::kCosts};
   if (path == "/api/gallery") return {.kind = HttpRouteKind::kGallery};
   if (std::optional<HttpRoute> thumb = ThumbIn(path)) return *std::move(thumb);
   if (path == "/api/text") return {.kind = HttpRouteKind::kText};

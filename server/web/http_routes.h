@@ -59,6 +59,7 @@ enum class HttpRouteKind {
   kRuns,
   kRun,
   kRunView,
+  kCosts,
   kGallery,
   kThumb,
   kCall,

@@ -86,6 +86,11 @@ HttpAnswer AnswerText(const WebContext& context) {
   return {.body = frame->scene->scenario->text, .headers = {{"Cache-Control", "no-store"}}};
 }
 
+HttpAnswer AnswerCosts(WebContext& context) {
+  if (!context.options.costs) return ErrorAnswer(404, "this daemon does not measure what steps cost");
+  return JsonAnswer(context.costs.Json(context.options.costs()));
+}
+
 HttpAnswer AnswerMesh(const WebContext& context, const std::string& name) {
   const FramePtr frame = context.frames.Latest();
   std::uint64_t id = 0;
@@ -243,6 +248,8 @@ void HttpSession::OnRequest() {
       const std::uint64_t ticket = Await("the recording");
       return context_.files.Run(route_.view, LaterAnswer(ticket));
     }
+    case HttpRouteKind::kCosts:
+      return Answer(AnswerCosts(context_));
     case HttpRouteKind::kGallery: {
       const std::uint64_t ticket = Await("the gallery");
       return context_.files.Gallery(LaterAnswer(ticket));

@@ -61,6 +61,7 @@ struct WebContext {
   StatusFeed status;
   WebConnections connections;
   SceneNumbers scenes;
+  CostBook costs;
 
   /// Whether `given` is the token. Wrong ones of `peer` are counted, and after some it waits.
   bool TakesToken(std::string_view given, const std::string& peer) const {

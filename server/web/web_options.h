@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/base/wrong_tokens.h"
+#include "server/web/costs.h"
 #include "server/web/http_routes.h"
 #include "server/web/web_connections.h"
 
@@ -60,6 +61,8 @@ struct WebOptions {
   int name_port = 0;
   /// Names of the scenarios that can be loaded by name, sorted. Called on the UI thread.
   std::function<std::vector<std::string>()> scenarios;
+  /// What the run has cost so far; called on the UI thread. Without: it is not told.
+  std::function<CostSnapshot()> costs = {};
   /// Connections beyond them get 503.
   WebLimits limits = {};
   /// For a whole header of a request, however slowly its bytes come; also between two requests.

@@ -3,10 +3,12 @@
 import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
+import {Costs} from './costs.js';
 import {byId, say, setText} from './dom.js';
 import {Dropped} from './dropped.js';
 import {Editor} from './editor.js';
 import {Gallery} from './gallery.js';
+import {Joystick} from './joystick.js';
 import {isShown, startLayout, tab} from './layout.js';
 import {ofType} from './lines.js';
 import {Links} from './links.js';
@@ -32,6 +34,8 @@ const record = new Record(connection);
 const timeline = new Timeline(connection);
 const runs = new Runs(connection, timeline);
 const plots = new Plots(connection, timeline);
+new Costs();
+const joystick = new Joystick(connection);
 const robots = new Robots(connection);
 const lines = new Console(connection);
 
@@ -52,6 +56,7 @@ openView().then(async (view) => {
   if (!view.controls) return;
   gallery.setWorld(world);
   dropped.setWorld(world);
+  view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot') joystick.choose(detail.name); });
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot' && isShown('robots')) robots.reveal(detail.name); });
   const [{Handles}, {Ghost}] = await Promise.all([import('./handles.js'), import('./ghost.js')]);
   runs.setGhost(new Ghost(view));
@@ -92,6 +97,7 @@ connection.addEventListener('status', ({detail: status}) => {
   record.update(status);
   runs.update(status);
   robots.update(status);
+  joystick.update(status);
   const key = moduleKey(status);
   if (key === known) return;
   known = key;

@@ -37,6 +37,7 @@ TEST(Routes, LeadToWhatIsAskedFor) {
       {"/snapshot.png", HttpRouteKind::kSnapshot},
       {"/view.mjpg", HttpRouteKind::kStream},
       {"/api/status", HttpRouteKind::kStatus},
+      {"/api/costs", HttpRouteKind::kCosts},
       {"/api/modules", HttpRouteKind::kModules},
       {"/api/scenarios", HttpRouteKind::kScenarios},
       {"/api/gallery", HttpRouteKind::kGallery},

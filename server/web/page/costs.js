@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// The tab Cost: what a step takes, by its parts; who slows the run.
+import {make, setText, showNumber} from './dom.js';
+import {isShown, tab} from './layout.js';
+
+const PERIOD_MS = 500;
+const LEAST_MS = 0.0005;  // what takes less is not listed
+
+/** What the daemon calls the parts of a step, in plain words: [name, what it is]. */
+const PARTS = {
+  physics: ['physics', 'motion, contacts and joints'],
+  frames: ['state', 'making the state that everybody reads'],
+  sensors: ['sensors', 'readings for loaded controllers'],
+  control: ['control', 'loaded controllers, the wait for their process included'],
+  recorder: ['recorder', 'handing the step to the recorder, the wait for it included'],
+  answers: ['answers', 'telling clients and subscribers of the step'],
+  rest: ['rest', 'everything else in a step'],
+  pace: ['spare', 'nobody is waited for: the run keeps its pace'],
+  clients: ['clients', 'the world waits for commands'],
+};
+
+/** Threads that work beside the steps. */
+const THREADS = {
+  render: 'pictures (render)', web: 'viewers (page)', recorder: 'writing the recording', control: '/simulation, /swarm, names',
+  physics: 'stepping', log: 'log',
+};
+
+/** "2 robots of ana's client", "robot3's client". */
+export const clientName = ({name, client, robots}) => (robots > 1 ? `${client ?? 'a client'} (${robots} robots)` : `${name}'s client`);
+
+/** The rows of a table: {name, about, kind, ms}; `period`: last or all. Those of a step's length, longest first. */
+export function rowsOf(costs, period) {
+  const of = (entry) => entry[`${period}_ms`];
+  const clients = costs.clients.map((client) => {
+    const alone = client[`alone_${period}_ms`];
+    const who = client.client ? `${client.client}: ` : '';
+    return {kind: 'client', name: clientName(client), ms: of(client), alone,
+      about: `${who}the world waited ${showNumber(of(client), 2)} ms per step for it, ${showNumber(alone, 2)} ms of them for it alone`};
+  });
+  const parts = costs.parts.filter(({part}) => part !== 'clients' || clients.length === 0).map((entry) => {
+    const [name, about] = PARTS[entry.part] ?? [entry.part, ''];
+    return {kind: entry.part === 'pace' ? 'spare' : 'part', name, about, ms: of(entry)};
+  });
+  return [...parts, ...clients].filter(({ms}) => typeof ms === 'number' && ms >= LEAST_MS).sort((a, b) => b.ms - a.ms);
+}
+
+/** What a step takes in all: clients are waited for side by side. */
+export const lengthOf = (costs, period) =>
+  costs.parts.reduce((sum, entry) => sum + (entry[`${period}_ms`] ?? 0), 0);
+
+/** Who slows the run, as a sentence. */
+export function verdict(costs, period) {
+  if (costs.playback) return 'A recording is played: nothing is computed.';
+  const rows = rowsOf(costs, period), length = lengthOf(costs, period);
+  if (rows.length === 0) return 'No step has run yet in this time.';
+  const spare = rows.find(({kind}) => kind === 'spare')?.ms ?? 0;
+  const first = rows.find(({kind}) => kind !== 'spare');
+  const steps = `A step takes ${showNumber(length, 2)} ms`;
+  if (spare > 0.2 * length) return `${steps}, ${showNumber(spare, 2)} ms of it to spare: the run keeps its pace.`;
+  if (!first) return `${steps}.`;
+  if (first.kind === 'client') return `${steps}. ${first.name}: the world waited ${showNumber(first.ms, 2)} ms per step for it.`;
+  return `${steps}. Most of it, ${showNumber(first.ms, 2)} ms, is ${first.name}: ${first.about}.`;
+}
+
+const number = (value, digits) => make('td', {class: 'number'}, showNumber(value, digits));
+
+export class Costs {
+  #panel = tab('cost', 'Cost');
+  #period = 'last';
+  #sort = 'ms';
+  #costs = null;
+  #timer = 0;
+  #verdict = make('p', {id: 'cost-verdict', role: 'status'});
+  #rows = make('tbody');
+  #threads = make('tbody');
+  #note = make('p', {class: 'quiet'});
+  #buttons;
+
+  constructor() {
+    const button = (period, text, title) => {
+      const made = make('button', {type: 'button', title, 'aria-pressed': String(period === this.#period)}, text);
+      made.dataset.period = period;
+      made.addEventListener('click', () => { this.#period = period; this.#show(); });
+      return made;
+    };
+    this.#buttons = [button('last', 'last second', 'On average over the last second'),
+      button('all', 'since reset', 'On average since the last reset or load')];
+    const head = (key, text) => {
+      const sort = make('button', {type: 'button', class: 'small', title: `Sort by ${text}`}, text);
+      sort.dataset.sort = key;
+      sort.addEventListener('click', () => { this.#sort = key; this.#show(); });
+      return make('th', {scope: 'col'}, sort);
+    };
+    this.#panel.append(this.#verdict, make('div', {class: 'row'}, ...this.#buttons),
+      make('table', {id: 'cost-table', class: 'costs'},
+        make('thead', {}, make('tr', {}, head('name', 'part'), head('ms', 'ms per step'), make('th', {scope: 'col'}, 'share'))), this.#rows),
+      this.#note, make('h2', {}, 'Beside the steps'),
+      make('p', {class: 'quiet'}, 'Threads of the daemon that the world does not wait for. They slow it only where they take its core.'),
+      make('table', {id: 'cost-threads', class: 'costs'}, make('thead', {}, make('tr', {}, make('th', {scope: 'col'}, 'thread'),
+        make('th', {scope: 'col'}, 'ms per step'), make('th', {scope: 'col'}, 'of a core'))), this.#threads));
+    this.#panel.addEventListener('shown', () => this.#poll());
+    this.#panel.addEventListener('hidden', () => clearTimeout(this.#timer));
+  }
+
+  async #poll() {
+    clearTimeout(this.#timer);
+    if (!document.hidden) {
+      try {
+        const answer = await fetch('api/costs');
+        if (answer.ok) this.#costs = await answer.json();
+        else setText(this.#verdict, (await answer.text()).trim());
+      } catch { /* the banner says that the daemon is gone */ }
+      this.#show();
+    }
+    clearTimeout(this.#timer);
+    if (isShown('cost')) this.#timer = setTimeout(() => this.#poll(), PERIOD_MS);
+  }
+
+  #show() {
+    for (const button of this.#buttons) button.setAttribute('aria-pressed', String(button.dataset.period === this.#period));
+    const costs = this.#costs;
+    if (!costs) return;
+    const rows = rowsOf(costs, this.#period), length = lengthOf(costs, this.#period);
+    setText(this.#verdict, verdict(costs, this.#period));
+    if (this.#sort === 'name') rows.sort((a, b) => a.name.localeCompare(b.name, 'en', {numeric: true}));
+    this.#rows.replaceChildren(...rows.map(({name, about, kind, ms}) => {
+      const bar = make('span', {class: 'cost-bar'});
+      bar.style.width = `${Math.min(100, 100 * ms / Math.max(length, 1e-9)).toFixed(1)}%`;
+      const row = make('tr', {title: about}, make('th', {scope: 'row'}, name), number(ms, 3), make('td', {class: 'cost-share'}, bar));
+      row.dataset.kind = kind;
+      return row;
+    }));
+    const steps = this.#period === 'last' ? costs.steps_last : costs.steps;
+    setText(this.#note, `${steps ?? 0} steps${costs.clients.length > 1 ? '. Clients are waited for side by side: a step lasts as long as the slowest.' : '.'}`);
+    const threads = costs.threads.filter(({cores}) => cores >= 0.0005).sort((a, b) => b.cores - a.cores);
+    this.#threads.replaceChildren(...threads.map(({name, count, last_ms: ms, cores}) =>
+      make('tr', {}, make('th', {scope: 'row'}, (THREADS[name] ?? name) + (count > 1 ? ` × ${count}` : '')), number(ms, 3), number(100 * cores, 1))));
+  }
+}

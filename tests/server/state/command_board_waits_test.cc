@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// For whom a lockstep world waits, and how long; the tests own the clock.
+#include <gtest/gtest.h>
+
+#include "command_board_fixture.h"
+
+namespace coopdyn {
+namespace {
+
+constexpr Nanoseconds kMs = 1'000'000;
+
+class CommandBoardWaitsTest : public CommandBoardTest {
+ protected:
+  CommandBoardWaitsTest() {
+    clock_.Advance(kSecond);
+    board_.MeasureWaits(clock_);
+  }
+
+  void Command(const std::string& robot, const Client& client) {
+    board_.Command(slot(robot), client, Wheels(1, 1), {}, Note(robot));
+  }
+  /// A step for which ana's robot1 and bob's robot2 need so long.
+  void StepAfter(Nanoseconds ana, Nanoseconds bob) {
+    clock_.Advance(ana);
+    Command("robot1", ana_);
+    clock_.Advance(bob - ana);
+    Command("robot2", bob_);
+    RunStep();
+  }
+
+  ManualClock clock_;
+};
+
+TEST_F(CommandBoardWaitsTest, EachRobotIsWaitedForFromTheEndOfTheStepToItsCommand) {
+  StepAfter(0, 0);
+  StepAfter(1 * kMs, 4 * kMs);
+  StepAfter(1 * kMs, 6 * kMs);
+  const CommandBoard::Waits waits = board_.waits();
+  ASSERT_EQ(waits.robots.size(), 2u);
+  EXPECT_EQ(waits.robots[0].robot, "robot1");
+  EXPECT_EQ(waits.robots[0].client, "ana");
+  EXPECT_EQ(waits.robots[0].waited, 2 * kMs);
+  EXPECT_EQ(waits.robots[1].waited, 10 * kMs);
+  EXPECT_EQ(waits.total, 10 * kMs);
+}
+
+TEST_F(CommandBoardWaitsTest, TheLastOneAloneHoldsUpTheWorldFromThenOn) {
+  StepAfter(0, 0);
+  StepAfter(1 * kMs, 4 * kMs);
+  const CommandBoard::Waits waits = board_.waits();
+  EXPECT_EQ(waits.robots[0].alone, 0);
+  EXPECT_EQ(waits.robots[1].alone, 3 * kMs);
+}
+
+TEST_F(CommandBoardWaitsTest, TheWaitForTheFirstCommandDoesNotCount) {
+  StepAfter(1 * kMs, 30 * kSecond);
+  EXPECT_EQ(board_.waits().total, 0);
+}
+
+TEST_F(CommandBoardWaitsTest, APauseDoesNotCount) {
+  StepAfter(0, 0);
+  board_.IgnoreWait();
+  StepAfter(1 * kMs, 30 * kSecond);
+  EXPECT_EQ(board_.waits().total, 0);
+}
+
+TEST_F(CommandBoardWaitsTest, NobodyIsWaitedForInOtherModes) {
+  StepAfter(0, 0);
+  board_.SetMode(Mode::kRealtime, now_);
+  StepAfter(1 * kMs, 4 * kMs);
+  EXPECT_TRUE(board_.waits().robots.empty());
+}
+
+TEST_F(CommandBoardWaitsTest, AResetBeginsAnew) {
+  StepAfter(0, 0);
+  StepAfter(1 * kMs, 4 * kMs);
+  UseRobots({"robot1", "robot2"}, StepEnd::kReset);
+  EXPECT_TRUE(board_.waits().robots.empty());
+  EXPECT_EQ(board_.waits().total, 0);
+}
+
+TEST_F(CommandBoardWaitsTest, AnEditOfTheWorldLeavesEachRobotItsOwn) {
+  StepAfter(0, 0);
+  StepAfter(1 * kMs, 4 * kMs);
+  auto scenario = std::make_shared<Scenario>();
+  scenario->robots = {MakeRobot("robot2")};
+  scene_ = MakeScene(std::move(scenario));
+  board_.Revise(*scene_, MakeFrame(step_), now_);
+  ASSERT_EQ(board_.waits().robots.size(), 1u);
+  EXPECT_EQ(board_.waits().robots[0].robot, "robot2");
+  EXPECT_EQ(board_.waits().robots[0].waited, 4 * kMs);
+}
+
+TEST_F(CommandBoardWaitsTest, ATeamIsReadyAtOnce) {
+  const Client team{3, "carol", "127.0.0.1:3", false, true};
+  const std::vector<SlotId> slots{slot("robot1"), slot("robot2")};
+  for (int k = 0; k < 2; ++k) {
+    clock_.Advance(5 * kMs);
+    board_.StepAll({slots, {}}, team, 1, Note("carol"));
+    RunStep();
+  }
+  const CommandBoard::Waits waits = board_.waits();
+  ASSERT_EQ(waits.robots.size(), 2u);
+  EXPECT_TRUE(waits.robots[0].is_team);
+  EXPECT_EQ(waits.robots[0].waited, 5 * kMs);
+  EXPECT_EQ(waits.robots[0].alone + waits.robots[1].alone, 5 * kMs);
+  EXPECT_EQ(waits.total, 5 * kMs);
+}
+
+}  // namespace
+}  // namespace coopdyn
