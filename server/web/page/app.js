@@ -58,8 +58,9 @@ openView().then(async (view) => {
   dropped.setWorld(world);
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot') joystick.choose(detail.name); });
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot' && isShown('robots')) robots.reveal(detail.name); });
-  const [{Handles}, {Ghost}] = await Promise.all([import('./handles.js'), import('./ghost.js')]);
+  const [{Handles}, {Ghost}, {ViewMarks}] = await Promise.all([import('./handles.js'), import('./ghost.js'), import('./view_marks.js')]);
   runs.setGhost(new Ghost(view));
+  window.coopdyn.marks = new ViewMarks(view, connection);
   window.coopdyn.handles = new Handles(view, world, (text, title, act) => view.addTool(text, title, act));
 });
 

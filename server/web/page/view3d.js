@@ -10,8 +10,6 @@ import {Scene3d} from './scene3d.js';
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as the daemon's pictures
 const MAX_WIDTH = 1280;  // of pictures of the daemon
-const TRAIL_POINTS = 600;
-const MAX_NAMES = 200;
 const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond that shadows cost more than they tell
 
 /** How this browser can draw it: 'none', 'software' or 'hardware'. */
@@ -28,7 +26,7 @@ export function webGl() {
   }
 }
 
-/** Events: select (detail: the thing, or null), scene (a new one is shown), drawn. A thing is {kind, name, id, description}. */
+/** Events: select (detail: the thing, or null), scene (a new one is shown), drawing (places are set), drawn. A thing is {kind, name, id, description}. */
 export class View3d extends EventTarget {
   #connection;
   #frame = byId('view-frame');
@@ -49,9 +47,7 @@ export class View3d extends EventTarget {
   #follows = null;
   #followed = null;   // where it was
   #outline = new THREE.Group();
-  #names = new Map();
-  #trails = new Map();
-  #options = {shadows: true, names: false, trails: false};
+  #shadows = true;
   #drawn = 0;
   #pause = 0;
 
@@ -79,9 +75,8 @@ export class View3d extends EventTarget {
     this.#sun.shadow.bias = -0.0004;
     this.#sun.shadow.normalBias = 0.02;
     this.#root.add(this.#sun, this.#sun.target, this.#sky, this.#outline);
-    this.#labels = make('div', {id: 'labels', 'aria-hidden': 'true'});
     this.#sensors = make('canvas', {id: 'sensors', hidden: true, 'aria-hidden': 'true'});
-    this.#canvas.after(this.#sensors, this.#labels);
+    this.#canvas.after(this.#sensors);
     byId('rays').addEventListener('change', () => { this.#askSensors(); this.#dirty = true; });
     connection.addEventListener('hello', () => this.#ask());
     connection.addEventListener('poses', ({detail}) => this.#onPoses(detail));
@@ -96,7 +91,6 @@ export class View3d extends EventTarget {
     byId('view-note').hidden = true;
     this.#ask();
   }
-  #labels;
   #sensors;
   #wanted = '';  // to be selected when it comes
   #askedSensors = '';
@@ -219,9 +213,8 @@ export class View3d extends EventTarget {
     if (this.#reader.scene === description.scene) this.#between.push(this.#reader, performance.now());
     this.#between.write(this.#scene.bodies, performance.now());
     this.#scene.place();
-    this.#clearTrails();
     const many = description.robots.length > SHADOW_ROBOTS[this.#software ? 'software' : 'hardware'];
-    this.#sun.castShadow = this.#options.shadows && !many;
+    this.#sun.castShadow = this.#shadows && !many;
     this.#aimSun();
     if (this.#framed !== description.scenario) {
       this.#framed = description.scenario;
@@ -231,7 +224,6 @@ export class View3d extends EventTarget {
     this.select(selected || null);
     this.#follows = followed ? this.#scene.find(followed) ?? null : null;
     this.#showFollow();
-    this.#makeNames();
     this.#dirty = true;
     this.dispatchEvent(new Event('scene'));
   }
@@ -303,7 +295,7 @@ export class View3d extends EventTarget {
     this.#between.write(this.#scene.bodies, now);
     this.#scene.place();
     this.#moveCamera();
-    this.#drawTrails();
+    this.dispatchEvent(new Event('drawing'));
     this.#placeOutline();
     this.#dirty = false;
     this.#render();
@@ -311,7 +303,6 @@ export class View3d extends EventTarget {
     // Where drawing takes long the rest of the page gets its share.
     const took = Math.max(performance.now() - now, 0);
     this.#pause = took > 40 ? performance.now() + 0.5 * took : 0;
-    this.#placeNames();
     this.#canvas.dataset.step = this.#reader.step;
     this.#canvas.dataset.shown = ++this.#drawn;
     this.dispatchEvent(new Event('drawn'));
@@ -360,61 +351,6 @@ export class View3d extends EventTarget {
     this.#outline.quaternion.copy(q);
   }
 
-  #makeNames() {
-    this.#labels.replaceChildren();
-    this.#names.clear();
-    if (!this.#options.names || !this.#scene) return;
-    for (const thing of this.#scene.things.filter(({kind}) => kind !== 'light').slice(0, MAX_NAMES)) {
-      const label = make('span', {}, thing.name);
-      this.#labels.append(label);
-      this.#names.set(thing, label);
-    }
-  }
-
-  #placeNames() {
-    const {clientWidth: width, clientHeight: height} = this.#frame;
-    for (const [thing, label] of this.#names) {
-      const [p] = this.#scene.pose(thing);
-      p.z += thing.model?.height ?? 0.3;
-      p.project(this.#camera);
-      label.hidden = p.z > 1 || Math.abs(p.x) > 1.1 || Math.abs(p.y) > 1.1;
-      label.style.transform = `translate(-50%, -100%) translate(${((p.x + 1) * width / 2).toFixed(1)}px, ${((1 - p.y) * height / 2).toFixed(1)}px)`;
-    }
-  }
-
-  #clearTrails() {
-    for (const {line} of this.#trails.values()) {
-      line.removeFromParent();
-      line.geometry.dispose();
-    }
-    this.#trails.clear();
-  }
-
-  #drawTrails() {
-    if (!this.#options.trails) return;
-    for (const thing of this.#scene.things.filter(({kind}) => kind === 'robot').slice(0, MAX_NAMES)) {
-      let trail = this.#trails.get(thing);
-      if (!trail) {
-        const geometry = new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * TRAIL_POINTS), 3));
-        const [r, g, b] = thing.description.color;
-        trail = {line: new THREE.Line(geometry, new THREE.LineBasicMaterial({color: new THREE.Color(r, g, b)})), points: []};
-        trail.line.frustumCulled = false;
-        this.#trails.set(thing, trail);
-        this.#root.add(trail.line);
-      }
-      const [p] = this.#scene.pose(thing);
-      const last = trail.points.at(-1);
-      if (last && last.distanceTo(p) < 0.01) continue;
-      if (last && last.distanceTo(p) > 1) trail.points = [];
-      trail.points.push(p.clone());
-      if (trail.points.length > TRAIL_POINTS) trail.points.shift();
-      const positions = trail.line.geometry.attributes.position;
-      trail.points.forEach((point, i) => positions.setXYZ(i, point.x, point.y, 0.004));
-      positions.needsUpdate = true;
-      trail.line.geometry.setDrawRange(0, trail.points.length);
-    }
-  }
-
   // --- pointing
   #casterAt(clientX, clientY) {
     const box = this.#canvas.getBoundingClientRect();
@@ -443,11 +379,12 @@ export class View3d extends EventTarget {
     this.addTool('top', 'Look from above (T)', () => this.fit('top'));
     this.#followButton = this.addTool('follow', 'The camera goes along with the selected robot (F, or a double click on it)',
       () => this.follow(this.#follows ? null : this.#selected));
-    for (const [key, title] of [['names', 'Names of robots and things'], ['trails', 'Where robots have been'], ['shadows', 'Shadows']]) {
-      const box = make('input', {type: 'checkbox', checked: this.#options[key], id: `show-${key}`});
-      box.addEventListener('change', () => this.#set(key, box.checked));
-      byId('show-list').append(make('label', {title}, box, ` ${key}`));
-    }
+    const box = make('input', {type: 'checkbox', checked: true, id: 'show-shadows'});
+    box.addEventListener('change', () => {
+      this.#shadows = this.#sun.castShadow = box.checked;
+      this.#dirty = true;
+    });
+    byId('show-list').append(make('label', {title: 'Shadows'}, box, ' shadows'));
     this.#showFollow();
   }
   #followButton;
@@ -460,14 +397,6 @@ export class View3d extends EventTarget {
 
   #zoom(factor) {
     this.#camera.position.sub(this.#controls.target).multiplyScalar(factor).add(this.#controls.target);
-    this.#dirty = true;
-  }
-
-  #set(key, on) {
-    this.#options[key] = on;
-    if (key === 'names') this.#makeNames();
-    if (key === 'trails' && !on) this.#clearTrails();
-    if (key === 'shadows') this.#sun.castShadow = on;
     this.#dirty = true;
   }
 }
