@@ -159,7 +159,14 @@ PageMessage ReadObject(const json::object& object) {
     return PagePoses{std::min(rate->to_number<double>(), PagePoses::kMaxRate_hz)};
   }
   if (type == "close") return PageClose{ModuleAt(object), NameAt(object, "channel")};
-  throw Wrong{"unknown type: write call, hello, view, shown, poses or close"};
+  if (type == "me") {
+    PageMe me{NameAt(object, "name"), NameAt(object, "selected")};
+    const bool fits =
+        me.name.size() <= PageMe::kMaxNameBytes && me.selected.size() <= PageMe::kMaxSelectedBytes;
+    if (!fits) throw Wrong{"a name has at most 40 bytes, what is selected 63"};
+    return me;
+  }
+  throw Wrong{"unknown type: write call, hello, view, shown, poses, close or me"};
 }
 
 json::value NumberOrWord(double value) {

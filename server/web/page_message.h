@@ -12,6 +12,7 @@
 
 #include "protocol/message.h"
 #include "server/state/image_board.h"
+#include "server/web/people.h"
 
 namespace coopdyn {
 
@@ -41,8 +42,7 @@ struct PageView {
 };
 struct PageShown {};
 
-/// {"type":"poses","rate":30}: where the bodies are, so many times a second at most (pose_stream.h); 0: no
-/// more.
+/// {"type":"poses","rate":30}: where the bodies are (pose_stream.h), at most this often a second; 0: no more.
 struct PagePoses {
   static constexpr double kMaxRate_hz = 60;
   double rate_hz = 0;
@@ -54,7 +54,7 @@ struct PageClose {
   std::string channel;
 };
 
-using PageMessage = std::variant<PageCall, PageHello, PageView, PageShown, PagePoses, PageClose>;
+using PageMessage = std::variant<PageCall, PageHello, PageView, PageShown, PagePoses, PageClose, PageMe>;
 
 /// What could be read, or what is wrong with it.
 struct PageRead {

@@ -70,12 +70,15 @@ void PageSocket::Start(http::request<http::string_body> upgrade) {
     if (failed) return self->Close();
     self->open_ = true;
     self->context_.status.Watch(self);
+    self->person_ = self->context_.people.Enter(self);
     self->OnHello({});
+    self->context_.people.Set(self->person_, {});
     self->Read();
   });
 }
 
 void PageSocket::Close() {
+  if (open_) context_.people.Leave(person_);
   open_ = false;
   view_.Set(std::nullopt);
   SendPoses(0);
@@ -116,6 +119,8 @@ void PageSocket::OnMessage(std::string_view text) {
     SendPoses(poses->rate_hz);
   } else if (const auto* close = std::get_if<PageClose>(&*read.message)) {
     bridge_.CloseLink(close->module, close->channel);
+  } else if (const auto* me = std::get_if<PageMe>(&*read.message)) {
+    context_.people.Set(person_, *me);
   }
 }
 
@@ -134,6 +139,7 @@ void PageSocket::OnHello(const PageHello& hello) {
   if (context_.services.read_only()) said["read_only"] = true;
   if (wrong) said["wrong_token"] = true;
   if (!wait.empty()) said["token_wait"] = wait;
+  said["person"] = person_;
   said["pictures"] = context_.pictures.available();
   Send(JsonText(said));
 }
@@ -141,6 +147,12 @@ void PageSocket::OnHello(const PageHello& hello) {
 void PageSocket::OnStatus(const std::shared_ptr<const std::string>& status) {
   if (!open_) return;
   status_ = status;
+  WriteNext();
+}
+
+void PageSocket::OnPeople(const std::shared_ptr<const std::string>& people) {
+  if (!open_) return;
+  people_ = people;
   WriteNext();
 }
 
@@ -217,6 +229,9 @@ void PageSocket::WriteNext() {
   } else if (status_) {
     written_ = R"({"type":"status","status":)" + *status_ + "}";
     status_ = nullptr;
+  } else if (people_) {
+    written_ = *people_;
+    people_ = nullptr;
   } else if (std::string poses = TakePoses(); !poses.empty()) {
     written_ = std::move(poses);
     binary = true;

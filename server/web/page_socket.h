@@ -28,6 +28,7 @@ namespace coopdyn {
 
 class PageSocket : public WebConnection,
                    public StatusWatcher,
+                   public PeopleWatcher,
                    public std::enable_shared_from_this<PageSocket> {
  public:
   static constexpr std::size_t kMaxMessageBytes = std::size_t{20} << 20;  // an upload of 16 MiB as JSON
@@ -44,6 +45,7 @@ class PageSocket : public WebConnection,
   void Start(boost::beast::http::request<boost::beast::http::string_body> upgrade);
   void Close() override;
   void OnStatus(const std::shared_ptr<const std::string>& status) override;
+  void OnPeople(const std::shared_ptr<const std::string>& people) override;
 
  private:
   struct Outgoing {
@@ -81,7 +83,9 @@ class PageSocket : public WebConnection,
   std::size_t queued_pushes_ = 0;
   std::size_t dropped_pushes_ = 0;
   std::shared_ptr<const std::string> status_;  // the newest, not yet written
+  std::shared_ptr<const std::string> people_;  // likewise
   std::string picture_;                        // likewise
+  std::uint64_t person_ = 0;                   // among those who look
   PoseStream poses_;
   boost::asio::steady_timer pose_timer_;
   std::chrono::nanoseconds pose_every_{0};  // 0: none are wanted

@@ -12,6 +12,7 @@
 #include "server/net/net_services.h"
 #include "server/web/access.h"
 #include "server/web/page_files.h"
+#include "server/web/people.h"
 #include "server/web/pictures.h"
 #include "server/web/run_files.h"
 #include "server/web/status_feed.h"
@@ -61,6 +62,7 @@ struct WebContext {
   StatusFeed status;
   WebConnections connections;
   SceneNumbers scenes;
+  People people;
   CostBook costs;
 
   /// Whether `given` is the token. Wrong ones of `peer` are counted, and after some it waits.

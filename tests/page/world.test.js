@@ -145,6 +145,35 @@ test('the saved file loads to the same hash', async () => {
   assert.equal((await daemon.status()).hash, hash);
 });
 
+test('an arrow is dragged with the mouse, and moves what is selected', async () => {
+  await select('BOX_1');
+  await page.waitForFunction(() => window.coopdyn.view.selected?.name === 'BOX_1');
+  await page.click('#whole');
+  const before = (await thing('BOX_1')).position;
+  // Where the x arrow of the handles is: a place whose hover the handles notice.
+  const at = await page.evaluate(() => {
+    const {view, handles} = window.coopdyn;
+    const box = view.canvas.getBoundingClientRect(), [p] = view.scene.pose(view.selected);
+    const onScreen = (point) => {
+      const q = point.clone().project(view.camera);
+      return [box.left + (q.x + 1) / 2 * box.width, box.top + (1 - q.y) / 2 * box.height];
+    };
+    const length = handles.reach, tip = p.clone();
+    tip.x += length;
+    return {from: onScreen(tip), to: onScreen(tip.clone().setX(tip.x + 1))};
+  });
+  await page.mouse.move(...at.from);
+  await page.mouse.move(at.from[0] + 1, at.from[1]);
+  await page.mouse.down();
+  for (let i = 1; i <= 8; ++i) await page.mouse.move(at.from[0] + i / 8 * (at.to[0] - at.from[0]), at.from[1] + i / 8 * (at.to[1] - at.from[1]));
+  await page.mouse.up();
+  await eventually(async () => Math.abs((await thing('BOX_1')).position[0] - before[0]) > 0.5);
+  assert.equal((await thing('BOX_1')).position[1], before[1], 'along x alone');
+  await page.keyboard.press('Control+z');
+  await eventually(async () => (await thing('BOX_1')).position[0] === before[0]);
+  await select('BOX_1');
+});
+
 test('two browsers see each other\'s edits', async () => {
   const other = await openPage(browser, daemon.url);
   await other.waitForFunction(() => window.coopdyn?.view.scene);

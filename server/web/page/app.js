@@ -12,6 +12,7 @@ import {Joystick} from './joystick.js';
 import {isShown, startLayout, tab} from './layout.js';
 import {ofType} from './lines.js';
 import {Links} from './links.js';
+import {People} from './people.js';
 import {Plots} from './plots.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
@@ -30,6 +31,7 @@ const editor = new Editor(connection, controls);
 const gallery = new Gallery(controls, (kind, name) => editor.open(kind, name));
 const dropped = new Dropped(connection, controls, gallery);
 const links = new Links(connection, controls);
+const people = new People(connection);
 const record = new Record(connection);
 const timeline = new Timeline(connection);
 const runs = new Runs(connection, timeline);
@@ -54,6 +56,7 @@ openView().then(async (view) => {
   const world = new World(connection, view);
   window.coopdyn = {view, connection, world, plots, editor};  // for tests, and for those who look
   if (!view.controls) return;
+  view.addEventListener('select', ({detail}) => people.select(detail?.name ?? ''));
   gallery.setWorld(world);
   dropped.setWorld(world);
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot') joystick.choose(detail.name); });

@@ -5,7 +5,7 @@ import * as THREE from 'three';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 
 const ROUND = 32;  // segments of round shapes
-const ROUND_OF_MANY = [[20, 24], [100, 16], [Infinity, 8]];  // of robots: up to so many of a kind, so many segments
+const ROUND_OF_MANY = [[20, 24], [100, 16], [Infinity, 8]];  // [most robots of a kind, segments of their round shapes]
 
 const CROWD = 100;  // robots
 

@@ -66,7 +66,7 @@ TEST(PageSocket, GreetsWithItsRights) {
   WebWorld world;
   Page page(world.port);
   ASSERT_FALSE(page.failed);
-  EXPECT_EQ(page.Read(), R"({"type":"hello","version":"1.2.3","trusted":true,"pictures":true})");
+  EXPECT_EQ(page.Read(), R"({"type":"hello","version":"1.2.3","trusted":true,"person":1,"pictures":true})");
 }
 
 TEST(PageSocket, OtherPagesAreRefused) {

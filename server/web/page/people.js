@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Who looks at this daemon's page: a name for each, to be changed by oneself, and what each has selected.
+import {byId, make} from './dom.js';
+
+const KEPT = 'coopdyn-name';
+const SHOWN = 6;
+const nameOf = ({name, id}) => name || `guest ${id}`;
+const initials = (name) => name.split(/\s+/).map((word) => word[0] ?? '').join('').slice(0, 2).toUpperCase();
+const hueOf = (id) => Math.round(id * 137.5) % 360;
+
+export class People {
+  #connection;
+  #own = 0;
+  #name = '';
+  #selected = '';
+  #list = make('span', {id: 'people', role: 'list', 'aria-label': 'Who looks'});
+  people = [];
+
+  constructor(connection) {
+    this.#connection = connection;
+    try { this.#name = localStorage.getItem(KEPT) ?? ''; } catch { /* then one is a guest */ }
+    byId('strip-end').prepend(this.#list);
+    connection.addEventListener('hello', ({detail}) => {
+      this.#own = detail.person ?? 0;
+      if (this.#name || this.#selected) this.#tell();
+    });
+    connection.addEventListener('people', ({detail}) => {
+      this.people = detail.people;
+      this.#show();
+    });
+  }
+
+  /** What this page has selected. */
+  select(name) {
+    if (name === this.#selected) return;
+    this.#selected = name;
+    this.#tell();
+  }
+
+  #tell() { this.#connection.send({type: 'me', name: this.#name, selected: this.#selected}); }
+
+  #show() {
+    if (this.#list.querySelector('input')) return;  // a name is being typed
+    const chips = this.people.slice(0, SHOWN).map((person) => {
+      const own = person.id === this.#own, name = nameOf(person);
+      const at = person.selected ? `, selected ${person.selected}` : '';
+      const chip = make(own ? 'button' : 'span', {class: 'person', role: own ? 'button' : 'listitem',
+        title: own ? `You are ${name}: click to change your name` : `${name}${at}`, 'aria-label': own ? `You: ${name}` : `${name}${at}`}, initials(name));
+      chip.style.setProperty('--hue', hueOf(person.id));
+      if (own) chip.addEventListener('click', () => this.#rename());
+      return chip;
+    });
+    const more = this.people.length - chips.length;
+    // Alone there is nobody to tell apart.
+    this.#list.replaceChildren(...(this.people.length > 1 ? chips : []), ...(more > 0 ? [make('span', {class: 'quiet'}, `+${more}`)] : []));
+  }
+
+  #rename() {
+    const field = make('input', {id: 'own-name', value: this.#name, maxLength: 20, size: 10, 'aria-label': 'Your name'});
+    let ended = false;  // removing the field blurs it
+    const end = (keep) => {
+      if (ended) return;
+      ended = true;
+      if (keep) this.#name = field.value.trim();
+      field.remove();
+      try { localStorage.setItem(KEPT, this.#name); } catch { /* until the page closes */ }
+      this.#tell();
+      this.#show();
+    };
+    field.addEventListener('keydown', ({key}) => { if (key === 'Enter' || key === 'Escape') end(key === 'Enter'); });
+    field.addEventListener('blur', () => end(true));
+    this.#list.replaceChildren(field);
+    field.focus();
+    field.select();
+  }
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Several people at one daemon see who is there.
+import assert from 'node:assert/strict';
+import {after, before, test} from 'node:test';
+import {closeClassroom, eventually, launchBrowser, openClassroom, openPage} from './harness.js';
+
+let browser, daemon, page, other;
+
+before(async () => {
+  browser = await launchBrowser();
+  ({daemon, page} = await openClassroom(browser));
+  await page.waitForFunction(() => window.coopdyn?.view.scene);
+});
+after(async () => {
+  if (page) await closeClassroom({daemon, page});
+  await browser?.close();
+});
+
+const chips = (of) => of.locator('.person').count();
+
+test('who is alone sees nobody', async () => assert.equal(await chips(page), 0));
+
+test('two see each other', async () => {
+  other = await openPage(browser, daemon.url);
+  await other.waitForFunction(() => window.coopdyn?.view.scene);
+  for (const each of [page, other]) await eventually(async () => await chips(each) === 2);
+});
+
+test('a name that one gives oneself is seen by the other, as text', async () => {
+  await other.click('button.person');
+  await other.fill('#own-name', '<b>Ana Lopez');
+  await other.press('#own-name', 'Enter');
+  await page.waitForSelector('.person[title="<b>Ana Lopez"]');
+  await eventually(async () => await page.textContent('.person[title="<b>Ana Lopez"]') === '<L');
+});
+
+test('what the other has selected is told', async () => {
+  await other.click('#tab-world');
+  await other.click('#things button:has-text("BOX_1")');
+  await page.waitForSelector('.person[title="<b>Ana Lopez, selected BOX_1"]');
+});
+
+test('who leaves is not there any more', async () => {
+  assert.deepEqual(other.mistakes, []);
+  await other.close();
+  await eventually(async () => await chips(page) === 0);
+});
