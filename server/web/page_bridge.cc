@@ -147,6 +147,7 @@ void PageBridge::Handle(const PageCall& call) {
   ++waiting_;
   PageReply reply{
       .id = call.id, .module = call.module, .channel = call.channel, .message = {}, .line = {}, .note = {}};
+  if (call.line) reply.sent = resolved.message;
   link->link->Call(resolved.message, [this, alive = std::weak_ptr(alive_), key, reply = std::move(reply),
                                       typed = call.line.has_value()](const Message& message) mutable {
     if (alive.expired()) return;

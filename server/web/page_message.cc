@@ -213,6 +213,14 @@ std::string WritePageReply(const PageReply& reply) {
   said["params"] = json::value_from(message.params);
   said["data"] = std::move(data);
   if (!reply.line.empty()) said["line"] = reply.line;
+  if (reply.sent) {
+    json::array sent_data;
+    for (const double value : reply.sent->data) sent_data.push_back(NumberOrWord(value));
+    said["sent"] = {{"command", reply.sent->command},
+                    {"params", json::value_from(reply.sent->params)},
+                    {"data", std::move(sent_data)},
+                    {"text", reply.sent->text}};
+  }
   if (!reply.note.empty()) said["note"] = reply.note;
   return JsonText(said);
 }

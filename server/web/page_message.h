@@ -72,6 +72,7 @@ struct PageReply {
   Message message;
   std::string line;  // the reply as the text encoding has it, and its explanation; for the console
   std::string note;
+  std::optional<Message> sent = {};  // what a line meant, so that the page can say it in other languages
 };
 /// {"id":1,"module":"…","error":0,"text":"","command":11,"params":[0],"data":[0.01,1]}; numbers that are not
 /// finite are the strings "inf", "-inf", "nan".

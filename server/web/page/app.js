@@ -75,7 +75,7 @@ async function refreshModules(listed) {
     const answer = await (await fetch('api/modules')).json();
     if (turn !== asked) return;  // a later question is under way
     robots.setNamePort(answer.name_port);
-    lines.setModules(answer.modules, listed.map((robot) => ofType(robot.modules, 'motors')).find(Boolean)?.name);
+    lines.setModules(answer.modules, listed.map((robot) => ofType(robot.modules, 'motors')).find(Boolean)?.name, answer.name_port);
     showVersion(answer.version);
     await controls.refreshScenarios();
   } catch {  // the banner says if the daemon is gone

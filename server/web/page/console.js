@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
-// The console: a line for any module, with completion of commands, and its reply.
-import {byId, make, setText} from './dom.js';
+// The console: a line for any module, with completion, its reply, and each command in the languages of our clients.
+import {aboutPlace, commonStart, explain, placeIn, wordsAt} from './console_complete.js';
+import {headOf, inLanguages, programOf} from './console_copy.js';
+import {byId, make, say, setText} from './dom.js';
 
 const MAX_ENTRIES = 200;
+const LONG_TEXT = 200;  // a reply's text beyond it is folded
 
-/** The longest beginning that all `words` share. */
-function commonStart(words) {
-  let start = words[0] ?? '';
-  for (const word of words) {
-    while (!word.startsWith(start)) start = start.slice(0, -1);
+/** JSON as people read it; other text as it is. */
+function readable(text) {
+  try {
+    return JSON.stringify(JSON.parse(text), null, 1);
+  } catch {
+    return text;
   }
-  return start;
 }
 
 export class Console {
@@ -18,72 +21,114 @@ export class Console {
   #module = byId('console-module');
   #line = byId('console-line');
   #log = byId('console-log');
-  #commands = new Map();  // by module: list of {name, usage, help}
+  #copy = make('select', {id: 'console-copy', title: 'Copy the commands of the log as a program', 'aria-label': 'Copy the commands of the log as a program'},
+    ...['Copy as …', 'MATLAB', 'Python', 'C++', 'telnet'].map((name, i) => make('option', {value: i ? name : ''}, name)));
+  #commands = new Map();  // by module: what its `describe` says of them
+  #names = {ROBOT: [], MODULE: [], SCENARIO: []};
+  #namePort = 0;
   #history = [];
   #place = 0;
+  #cycle = null;  // {line, words, at}: what Tab has put there
 
   constructor(connection) {
     this.#connection = connection;
+    byId('console').append(this.#copy);
     byId('console').addEventListener('submit', (event) => {
       event.preventDefault();
       this.#send();
     });
     this.#line.addEventListener('keydown', (event) => this.#key(event));
-    this.#line.addEventListener('input', () => this.#hint());
-    this.#line.addEventListener('focus', () => this.#learn());
-    this.#module.addEventListener('change', () => this.#learn());
+    this.#line.addEventListener('input', () => {
+      this.#cycle = null;
+      this.#hint();
+    });
+    this.#line.addEventListener('focus', () => this.#learn(this.#module.value));
+    this.#module.addEventListener('change', () => this.#learn(this.#module.value));
+    this.#copy.addEventListener('change', () => this.#copyAll());
     connection.addEventListener('push', ({detail}) => this.#pushed(detail));
+    connection.addEventListener('open', () => this.#commands.clear());  // it may be another daemon
   }
 
-  /** `first`: the name of the one that is chosen to begin with. */
-  setModules(modules, first) {
+  /** `first`: the name of the one that is chosen to begin with. `namePort`: of the daemon's names; 0: off. */
+  setModules(modules, first, namePort = 0) {
+    this.#namePort = namePort;
     const chosen = this.#module.value;
     const own = modules.filter((module) => !module.external);
     this.#module.replaceChildren(...own.map((module) => make('option', {value: module.name}, module.name)));
     const wanted = [chosen, first].find((name) => own.some((module) => module.name === name));
     if (wanted) this.#module.value = wanted;
+    const parts = own.map(({name}) => name.split('/')).filter(({length}) => length === 3);
+    this.#names.ROBOT = [...new Set(parts.map(([, robot]) => robot))];
+    this.#names.MODULE = [...new Set(parts.map(([, , module]) => module))];
+    this.#names.SCENARIO = [...byId('scenarios').options].map(({value}) => value);
+    for (const known of [...this.#commands.keys()]) {  // a robot of that name may have other modules now
+      if (!own.some(({name}) => name === known)) this.#commands.delete(known);
+    }
   }
 
-  async #learn() {
-    const module = this.#module.value;
-    if (!module) return;
+  async #learn(module) {
+    if (!module) return [];
     if (!this.#commands.has(module)) {
       const reply = await this.#connection.call({module, channel: 'describe', command: 'describe'});
       this.#connection.send({type: 'close', module, channel: 'describe'});
-      if (reply.error !== 0) return;
+      if (reply.error !== 0) return [];
       // The module's own commands first; those of every module have the ids below 10.
       const commands = JSON.parse(reply.text).commands;
       this.#commands.set(module, commands.sort((a, b) => (a.id < 10) - (b.id < 10)));
     }
-    this.#hint();
+    if (module === this.#module.value) this.#hint();
+    return this.#commands.get(module);
   }
 
-  #matches() {
-    const word = this.#line.value.trimStart().split(/[\s(]/)[0];
-    const commands = this.#commands.get(this.#module.value) ?? [];
-    return {word, matches: commands.filter((command) => command.name.startsWith(word))};
+  get #known() { return this.#commands.get(this.#module.value) ?? []; }
+
+  /** What the line up to the cursor asks for. */
+  #look() {
+    const place = placeIn(this.#line.value, this.#known);
+    return {place, words: wordsAt(place, this.#known, this.#names)};
   }
 
   #hint() {
-    const {word, matches} = this.#matches();
-    const exact = matches.find((command) => command.name === word);
+    const {place, words} = this.#look();
     let text = '';
-    if (exact) text = `${exact.usage ?? exact.name} – ${exact.help ?? ''}`;
-    else if (word || matches.length > 0) text = matches.map((command) => command.name).join('  ');
-    if (word && matches.length === 0 && this.#commands.has(this.#module.value)) text = 'no such command here; help lists them';
+    if (place.command) {
+      text = [`${place.command.usage ?? place.command.name} – ${place.command.help ?? ''}`, aboutPlace(place)].filter(Boolean).join(' · ');
+    } else if (place.word || words.length > 0) {
+      text = words.join('  ');
+    }
+    if (place.word && !place.command && words.length === 0 && this.#known.length > 0) text = 'no such command here; help lists them';
     setText(byId('console-hint'), text);
   }
 
+  /** Puts what can stand there: as far as it is sure, else one after the other. True if there was something. */
+  #complete(back) {
+    const before = this.#line.value;
+    if (this.#cycle?.line === before) {
+      const {words, start} = this.#cycle;
+      this.#cycle.at = (this.#cycle.at + (back ? words.length - 1 : 1)) % words.length;
+      this.#cycle.line = this.#line.value = before.slice(0, start) + words[this.#cycle.at];
+      return true;
+    }
+    const {place, words} = this.#look();
+    if (words.length === 0 || back) return false;
+    const start = 'at' in place ? place.start : before.length - place.word.length;
+    const token = before.slice(start), common = commonStart(words);
+    const completed = before.slice(0, start) + (words.length === 1 ? `${words[0]} ` : common);
+    if (completed.length > before.length && (words.length === 1 || common.length > token.length)) {
+      this.#line.value = completed;
+      return true;
+    }
+    if (words.length < 2) return false;
+    this.#line.value = before.slice(0, start) + words[0];
+    this.#cycle = {line: this.#line.value, words, start, at: 0};
+    return true;
+  }
+
   #key(event) {
-    if (event.key === 'Tab' && !event.shiftKey && this.#line.value.trim() && !/\s/.test(this.#line.value.trim())) {
-      const {word, matches} = this.#matches();
-      const start = commonStart(matches.map((command) => command.name));
-      const completed = matches.length === 1 ? `${start} ` : start;
-      if (completed.length > word.length && completed !== this.#line.value) {
-        event.preventDefault();
-        this.#line.value = completed;
-        this.#hint();
-      }
+    if (event.key === 'Tab' && this.#line.value.trim()) {
+      if (!this.#complete(event.shiftKey)) return;
+      event.preventDefault();
+      this.#hint();
     } else if (event.key === 'ArrowUp' || event.key === 'ArrowDown') {
       event.preventDefault();
       const place = this.#place + (event.key === 'ArrowUp' ? -1 : 1);
@@ -101,14 +146,56 @@ export class Console {
     if (this.#history.at(-1) !== line) this.#history.push(line);
     this.#place = this.#history.length;
     this.#line.value = '';
+    this.#cycle = null;
     this.#hint();
-    this.#write(`${module} > ${line}`, 'sent');
+    const entry = this.#write(`${module} > ${line}`, 'sent');
     const waiting = this.#write('…', 'quiet');
-    const reply = await this.#connection.call({module, line});
-    const text = [reply.line, reply.note].filter(Boolean).join('\n') || reply.text;
-    waiting.textContent = text;
-    waiting.className = reply.error === 0 ? 'reply' : 'reply error';
+    const [reply, commands] = await Promise.all([this.#connection.call({module, line}), this.#learn(module)]);
+    const command = commands.find(({id}) => id === reply.sent?.command);
+    this.#offerCopies(entry, {module, line, name: command?.name ?? null, ...reply.sent});
+    this.#showReply(waiting, reply, command);
     this.#log.scrollTop = this.#log.scrollHeight;
+  }
+
+  #showReply(entry, reply, command) {
+    const whole = [reply.line, reply.note].filter(Boolean).join('\n') || reply.text;
+    const explained = reply.note ? '' : explain(command, reply);
+    const isLong = reply.error === 0 && reply.text.length > LONG_TEXT;
+    entry.replaceChildren(isLong ? make('details', {}, make('summary', {}, `${reply.text.slice(0, 60)} …`), readable(reply.text)) : whole);
+    if (explained) entry.append(make('div', {class: 'explained'}, explained));
+    entry.className = reply.error === 0 ? 'reply' : 'reply error';
+  }
+
+  /** Buttons that copy a command in each language. */
+  #offerCopies(entry, sent) {
+    entry.copies = inLanguages(sent);
+    const buttons = Object.entries(entry.copies).map(([language, text]) => {
+      const head = headOf(language, location.hostname, this.#namePort);
+      const button = make('button', {type: 'button', class: 'small', title: `${text}\n\nafter:\n${head}`}, language);
+      button.dataset.copy = language;
+      button.addEventListener('click', () => this.#toClipboard(text, language));
+      return button;
+    });
+    entry.append(make('span', {class: 'copies', role: 'group', 'aria-label': 'Copy as'}, ...buttons));
+  }
+
+  async #copyAll() {
+    const language = this.#copy.value;
+    this.#copy.value = '';
+    const lines = [...this.#log.children].map(({copies}) => copies?.[language]).filter(Boolean);
+    if (lines.length === 0) return say('send a command first: then the log can be copied as a program', true);
+    await this.#toClipboard(programOf(language, location.hostname, this.#namePort, lines), language);
+  }
+
+  async #toClipboard(text, language) {
+    try {
+      await navigator.clipboard.writeText(text);
+      say(`copied as ${language}`);
+    } catch {  // only pages from this machine or with a certificate may
+      const entry = this.#write(text, 'copied');
+      getSelection().selectAllChildren(entry);
+      say('this browser lets no page copy here: press Ctrl+C');
+    }
   }
 
   #pushed(message) {
