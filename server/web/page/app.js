@@ -7,6 +7,7 @@ import {Costs} from './costs.js';
 import {byId, say, setText} from './dom.js';
 import {Dropped} from './dropped.js';
 import {Editor} from './editor.js';
+import {Film} from './film.js';
 import {Gallery} from './gallery.js';
 import {Joystick} from './joystick.js';
 import {isShown, startLayout, tab} from './layout.js';
@@ -17,6 +18,7 @@ import {Plots} from './plots.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
 import {Strip} from './strip.js';
+import {StripHistory} from './strip_history.js';
 import {Timeline} from './timeline.js';
 import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
@@ -26,6 +28,7 @@ startLayout();
 for (const [id, title] of [['world', 'World'], ['arena', 'Arena'], ['plots', 'Plots'], ['runs', 'Runs'], ['text', 'Text'], ['cost', 'Cost']]) tab(id, title);
 const connection = new Connection(rememberedToken());
 const strip = new Strip();
+const rates = new StripHistory();
 const controls = new Controls(connection);
 const editor = new Editor(connection, controls);
 const gallery = new Gallery(controls, (kind, name) => editor.open(kind, name));
@@ -55,6 +58,7 @@ async function openView() {
 openView().then(async (view) => {
   const world = new World(connection, view);
   window.coopdyn = {view, connection, world, plots, editor};  // for tests, and for those who look
+  window.coopdyn.film = new Film(view);
   if (!view.controls) return;
   view.addEventListener('select', ({detail}) => people.select(detail?.name ?? ''));
   gallery.setWorld(world);
@@ -102,6 +106,7 @@ connection.addEventListener('status', ({detail: status}) => {
   runs.update(status);
   robots.update(status);
   joystick.update(status);
+  rates.update(status);
   const key = moduleKey(status);
   if (key === known) return;
   known = key;
