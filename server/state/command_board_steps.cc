@@ -328,11 +328,13 @@ void CommandBoard::FinishStep(const FramePtr& frame, Nanoseconds now) {
       return true;
     });
     calls_at_once_ = std::max(calls_at_once_, completions.calls.size());
-    const bool measured = wait_clock_ != nullptr && mode_ == Mode::kLockstep;
-    waits_from_ = measured ? wait_clock_->Now() : 0;
+    waits_from_ = 0;
   }
   for (const auto& observer : observers) (*observer)(frame);
   completions.Call();
+  if (wait_clock_ == nullptr) return;
+  const MutexLock lock(mutex_);  // all is told: from now on the world waits for robots that are not ready
+  if (mode_ == Mode::kLockstep) waits_from_ = wait_clock_->Now();
 }
 
 void CommandBoard::RestartWaiting(Nanoseconds now) {

@@ -57,6 +57,25 @@ TEST_F(CommandBoardWaitsTest, TheWaitForTheFirstCommandDoesNotCount) {
   EXPECT_EQ(board_.waits().total, 0);
 }
 
+TEST_F(CommandBoardWaitsTest, TellingWhoWaitedIsNoWaitForAClient) {
+  board_.AddObserver([this](const FramePtr&) { clock_.Advance(9 * kMs); });
+  StepAfter(0, 0);
+  StepAfter(1 * kMs, 4 * kMs);
+  EXPECT_EQ(board_.waits().total, 4 * kMs);
+}
+
+TEST_F(CommandBoardWaitsTest, ARobotThatIsReadyBeforeAllAreToldIsNotWaitedFor) {
+  StepAfter(0, 0);
+  board_.AddObserver([this](const FramePtr&) { Command("robot1", ana_); });
+  StepAfter(1 * kMs, 4 * kMs);
+  clock_.Advance(2 * kMs);
+  Command("robot2", bob_);
+  const CommandBoard::Waits waits = board_.waits();
+  EXPECT_EQ(waits.robots[0].waited, 1 * kMs);
+  EXPECT_EQ(waits.robots[1].waited, 6 * kMs);
+  EXPECT_EQ(waits.robots[1].alone, 5 * kMs);
+}
+
 TEST_F(CommandBoardWaitsTest, APauseDoesNotCount) {
   StepAfter(0, 0);
   board_.IgnoreWait();
