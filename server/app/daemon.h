@@ -80,6 +80,8 @@ class Daemon final : private ControlActions {
   std::string StartScenario();
   std::string StartFromRecording();
   std::string StartPlayback();
+  /// The robots of each scene that the player shows get their modules.
+  void BringUpScenes();
   /// The physics thread: steps until a recording is opened, plays until a branch or a close, steps, …
   void RunWorld(const std::stop_token& stop);
   /// Plays what `play` says instead of the live run, whose state was `live` (null: there was none), and

@@ -99,7 +99,17 @@ std::string Daemon::StartPlayback() {
   play.start = options_.play.start;
   player_ = std::make_unique<Player>(Player::Boards{frames_, board_, edits_, run_, bell_}, std::move(reader),
                                      clock_, logger_, play);
+  BringUpScenes();
   return player_->Start();
+}
+
+void Daemon::BringUpScenes() {
+  player_->set_on_scene([this](std::shared_ptr<const Scene> scene) {
+    control_.Post([this, scene = std::move(scene)] {
+      // A newer one may be shown by now, and be on its way too.
+      if (frames_.Latest()->scene == scene) ApplyScene(*scene);
+    });
+  });
 }
 
 void Daemon::RunWorld(const std::stop_token& stop) {
@@ -131,6 +141,7 @@ void Daemon::Play(const Edit& play, const SavedStatePtr& live) {
   result.text = player->Start();
   if (result.text.empty()) {
     player_ = std::move(player);
+    BringUpScenes();
     result.saved = live;
   } else {
     result.error = Error::kNotPossible;

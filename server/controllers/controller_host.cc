@@ -121,6 +121,7 @@ void ControllerHost::List(const Scene& scene) {
     driven.robot = static_cast<int>(i);
     driven.name = robot.entry.name;
     driven.controller = robot.entry.controller.name;
+    driven.options = robot.entry.controller.options;
     driven.first_channel = static_cast<std::size_t>(robot.first_channel);
     driven.channel_count = static_cast<std::size_t>(robot.channel_count);
     if (const ActuatorModel* drive = robot.entry.model->drive_actuator()) {
@@ -348,7 +349,8 @@ void ControllerHost::Revise(const FramePtr& frame) {
   same = count == driven_.size();
   for (Driven& driven : driven_) {
     const auto found = robots.find(driven.id);
-    const bool stays = found != robots.end() && found->second->entry.controller.name == driven.controller;
+    const ControllerChoice* now = found == robots.end() ? nullptr : &found->second->entry.controller;
+    const bool stays = now != nullptr && now->name == driven.controller && now->options == driven.options;
     same &= stays && found->second->entry.name == driven.name;
     if (!stays) continue;
     Driven kept = driven;

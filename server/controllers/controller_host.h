@@ -62,9 +62,10 @@ class ControllerHost final : public ControllerDriver {
     RobotId id;
     int robot = 0;  // index into the scene; -1: it is not there any more
     std::string name, controller;
-    std::size_t first_channel = 0, channel_count = 0;  // in the scene
-    DriveModel drive;                                  // for forward and turn, if it has one
-    std::size_t wheels = 0;                            // the first channel of its drive, among its own
+    std::vector<std::pair<std::string, double>> options;  // of the controller
+    std::size_t first_channel = 0, channel_count = 0;     // in the scene
+    DriveModel drive;                                     // for forward and turn, if it has one
+    std::size_t wheels = 0;                               // the first channel of its drive, among its own
     Status status = Status::kDrives;
     std::string why;                                 // it is stopped
     std::uint32_t slot = 0;                          // its number in the set

@@ -95,7 +95,10 @@ EditResult Stepper::ChangeWorld(WorldChange change, WorldHistory::Entry& entry) 
   has_deadlines_ = std::any_of(scene.robots.begin(), scene.robots.end(),
                                [](const SceneRobot& robot) { return robot.entry.deadline_s.has_value(); });
   boards_.frames.Publish(simulation_->frame());
-  boards_.commands.Revise(scene, simulation_->frame(), clock_.Now());
+  const bool has_host = helpers_.controllers != nullptr;
+  std::vector<int> unloaded = has_host ? helpers_.controllers->Unloaded() : std::vector<int>();
+  std::ranges::sort(unloaded);
+  boards_.commands.Revise(scene, unloaded, simulation_->frame(), clock_.Now());
   WriteInput(frame().step, change);
   AddEvent("info", change.label);
   if (simulation_->has_controllers()) {

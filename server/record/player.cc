@@ -167,7 +167,8 @@ bool Player::Show(std::uint64_t step, Jump jump) {
   if (jumps) ++epoch_;
   if (jump == Jump::kYes) rate_.Reset();
   frame->epoch = epoch_;
-  const bool new_scene = shown_ == nullptr || shown_->scene != frame->scene;
+  const bool first = shown_ == nullptr;
+  const bool new_scene = first || shown_->scene != frame->scene;
   shown_ = frame;
   next_.reset();
   shown_at_ = now_;
@@ -179,6 +180,7 @@ bool Player::Show(std::uint64_t step, Jump jump) {
     boards_.commands.SetMode(Mode::kRealtime, now_);
     boards_.commands.Configure(*frame->scene, StepEnd::kLoad, frame, now_);
     boards_.commands.SetPlaying(true);
+    if (!first && on_scene_) on_scene_(frame->scene);
   }
   boards_.commands.FinishStep(frame, now_);
   std::vector<PendingStep> ran;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -74,6 +75,11 @@ class Player {
   Player(Boards boards, std::shared_ptr<RunReader> reader, const Clock& clock, Logger logger,
          PlayOptions options, std::uint64_t epoch = 0);
 
+  /// Called on the physics thread when another scene is shown while it plays: things and robots have come or
+  /// gone. Before Run().
+  void set_on_scene(std::function<void(std::shared_ptr<const Scene>)> on_scene) {
+    on_scene_ = std::move(on_scene);
+  }
   /// Publishes the first frame; an error text, empty if all is well. Before Run().
   std::string Start() { return Start(clock_.Now()); }
   /// Plays until `stop` is requested (ring the bell after), which ends all waits; or until an edit ends the
@@ -152,6 +158,7 @@ class Player {
   const Clock& clock_;
   const Logger logger_;
   const PlayOptions options_;
+  std::function<void(std::shared_ptr<const Scene>)> on_scene_;
   PlayFrames frames_;
   PlayPace pace_;
   RateMeter rate_;

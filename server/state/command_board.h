@@ -186,7 +186,8 @@ class CommandBoard {
   void Configure(const Scene& scene, StepEnd end, FramePtr frame, Nanoseconds now);
   /// The scene has been edited: who stays keeps what it has and waits for; waits of who goes end with
   /// kRemoved.
-  void Revise(const Scene& scene, FramePtr frame, Nanoseconds now);
+  /// `unloaded`: robots (by index, increasing) whose controller was taken away.
+  void Revise(const Scene& scene, std::span<const int> unloaded, FramePtr frame, Nanoseconds now);
   void SetMode(Mode mode, Nanoseconds now);
   Mode mode() const;
   /// Names of the robots to wait for; empty: as in the scenario. Unknown names: error 10, nothing changes.

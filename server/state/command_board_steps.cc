@@ -52,7 +52,8 @@ void CommandBoard::LeaveBatch(std::uint64_t batch, StepEnd end, Completions& com
   waiters_.erase(waiter);
 }
 
-void CommandBoard::Revise(const Scene& scene, FramePtr frame, Nanoseconds now) {
+void CommandBoard::Revise(const Scene& scene, std::span<const int> unloaded, FramePtr frame,
+                          Nanoseconds now) {
   Completions completions;
   {
     const MutexLock lock(mutex_);
@@ -64,7 +65,7 @@ void CommandBoard::Revise(const Scene& scene, FramePtr frame, Nanoseconds now) {
       const int place = scene.FindRobot(table_.slot(table_.first_slot(i)).robot);
       robots.push_back(place < 0 ? kGone : static_cast<std::uint32_t>(place));
     }
-    for (DriveTable::Leaving& left : table_.Revise(scene)) {
+    for (DriveTable::Leaving& left : table_.Revise(scene, unloaded)) {
       if (left.done) completions.calls.emplace_back(std::move(left.done), StepEnd::kRemoved);
       LeaveBatch(left.batch, StepEnd::kRemoved, completions);
     }

@@ -17,9 +17,9 @@ void Merge(std::span<const Setpoint> commanded, std::span<Setpoint> channels) {
 
 }  // namespace
 
-std::vector<DriveTable::Leaving> DriveTable::Revise(const Scene& scene) {
+std::vector<DriveTable::Leaving> DriveTable::Revise(const Scene& scene, std::span<const int> unloaded) {
   DriveTable old = *this;
-  Configure(scene, true);
+  Configure(scene, true, unloaded);
   std::vector<Leaving> left;
   for (std::size_t i = 0; i < old.size(); ++i) {
     const Drive& was = old.drives_[i];
@@ -45,7 +45,7 @@ std::vector<DriveTable::Leaving> DriveTable::Revise(const Scene& scene) {
   return left;
 }
 
-void DriveTable::Configure(const Scene& scene, bool keep_participants) {
+void DriveTable::Configure(const Scene& scene, bool keep_participants, std::span<const int> unloaded) {
   const DriveTable old = std::exchange(*this, {});
   next_slot_ = old.next_slot_;
   slots_.reserve(scene.actuators.size());
@@ -69,7 +69,8 @@ void DriveTable::Configure(const Scene& scene, bool keep_participants) {
     drive.first_channel = static_cast<std::uint32_t>(actuator.first_channel);
     drive.channel_count = static_cast<std::uint32_t>(actuator.channel_count);
     drive.has_module = !actuator.module.empty();
-    drive.driven = !entry.controller.empty();
+    drive.driven =
+        !entry.controller.empty() && !std::ranges::binary_search(unloaded, static_cast<int>(robot));
     drive.participates = !drive.driven && slot.may_participate;
     has_deadlines_ |= slot.deadline_s.has_value();
 

@@ -87,7 +87,8 @@ class DriveTable {
 
   /// Lays out the slots for a new scene, at rest. Robots of the same name and type keep slot, owner and name;
   /// with `keep_participants` also whether they take part.
-  void Configure(const Scene& scene, bool keep_participants);
+  /// `unloaded`: robots (by index, increasing) whose controller was taken away: clients drive them.
+  void Configure(const Scene& scene, bool keep_participants, std::span<const int> unloaded = {});
 
   /// What was pending of a slot that is gone.
   struct Leaving {
@@ -95,7 +96,7 @@ class DriveTable {
     std::uint64_t batch = 0;
   };
   /// Lays out the slots for an edited scene: those that stay keep all that they have.
-  std::vector<Leaving> Revise(const Scene& scene);
+  std::vector<Leaving> Revise(const Scene& scene, std::span<const int> unloaded);
 
   std::size_t size() const { return drives_.size(); }
   Drive& drive(std::size_t index) { return drives_[index]; }

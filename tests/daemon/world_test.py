@@ -1,9 +1,10 @@
 """/world over raw sockets: the world is edited live, in order, exactly, and what was done can be repeated and undone."""
 import json
+import math
 import random
 import unittest
 
-from harness import BOX, Daemon, scenario
+from harness import BOX, Daemon, scenario, until
 from recording import SANITIZED, Play, RecordingTestCase, equal_steps, tool
 
 ROOM = BOX + "[WALL_1]\ntype box\nsize 4 0.2 0.5\nposition 0 -3\n[BALL_1]\ntype sphere\nsize 0.3\nposition 4 4\nmass 0.5\n"
@@ -41,6 +42,31 @@ class EditTest(unittest.TestCase):
                 steps = [each.receive().step for each in motors]
             self.assertEqual(steps, [20, 20])
             self.assertGreater(daemon.text("/robot2/pose").must("get_pose").data[0], 0.02)
+
+    def test_a_robot_that_was_freed_of_its_controller_stays_with_its_client(self):
+        text = scenario(1, robot_extra={1: "controller diffuse"})
+        with Daemon(text, "--no-render", "--mode", "lockstep") as daemon:
+            daemon.text("/simulation").must("release_robot robot1")
+            motors = daemon.text("/robot1/motors")
+            first = motors.must("set_velocity 0.2 0").step
+            daemon.text("/world").must(CRATE.format(5, 5))
+            self.assertEqual(motors.must("set_velocity 0.2 0").step, first + 1)
+
+    def test_a_controller_takes_its_new_options(self):
+        text = scenario(1, robot_extra={1: "controller diffuse speed=0.2"})
+        with Daemon(text, "--no-render", "--mode", "lockstep", "--paused") as daemon:
+            simulation, pose = daemon.text("/simulation"), daemon.text("/robot1/pose")
+
+            def way():
+                before = pose.must("get_pose").data[:2]
+                simulation.must("step 20")
+                return math.dist(before, pose.must("get_pose").data[:2])
+
+            way()
+            self.assertAlmostEqual(way(), 0.2 * 20 * 0.01, delta=0.004)
+            daemon.text("/world").must("set robot1 controller diffuse speed=0.05")
+            way()
+            self.assertAlmostEqual(way(), 0.05 * 20 * 0.01, delta=0.002)
 
     def test_a_client_that_waits_for_a_step_waits_on_while_others_edit(self):
         with Daemon(scenario(2), "--no-render") as daemon:
@@ -244,6 +270,26 @@ class RecordedTest(RecordingTestCase):
                 reply = world.ask(line)
                 self.assertEqual(reply.error, 5)
                 self.assertIn("branch", reply.text)
+
+    def test_a_playback_brings_up_the_robots_that_come_and_go(self):
+        self.run_with_edits()
+        with Play(self.file, "--paused", "--no-render") as daemon:
+            playback = daemon.text("/playback")
+            lookup = daemon.raw()
+
+            def is_there():
+                lookup.write("NAME_SERVER query /robot3/pose\n")
+                lines = [lookup.read_line()]
+                while "end of message" not in lines[-1]:
+                    lines.append(lookup.read_line())
+                return any(line.startswith("registration") for line in lines)
+
+            self.assertFalse(is_there())
+            playback.must("seek 0.45")
+            until(is_there)
+            self.assertEqual(daemon.text("/robot3/pose").must("get_pose").step, 45)
+            playback.must("seek 0")
+            until(lambda: not is_there())
 
     def test_a_branch_goes_on_from_an_edited_world_with_the_recorded_hash(self):
         last = self.run_with_edits()

@@ -104,7 +104,7 @@ TEST_F(CommandBoardWaitsTest, AnEditOfTheWorldLeavesEachRobotItsOwn) {
   auto scenario = std::make_shared<Scenario>();
   scenario->robots = {MakeRobot("robot2")};
   scene_ = MakeScene(std::move(scenario));
-  board_.Revise(*scene_, MakeFrame(step_), now_);
+  board_.Revise(*scene_, {}, MakeFrame(step_), now_);
   ASSERT_EQ(board_.waits().robots.size(), 1u);
   EXPECT_EQ(board_.waits().robots[0].robot, "robot2");
   EXPECT_EQ(board_.waits().robots[0].waited, 4 * kMs);
