@@ -56,7 +56,7 @@ export function verdict(costs, period) {
   const spare = rows.find(({kind}) => kind === 'spare')?.ms ?? 0;
   const first = rows.find(({kind}) => kind !== 'spare');
   const steps = `A step takes ${showNumber(length, 2)} ms`;
-  if (spare > 0.2 * length) return `${steps}, ${showNumber(spare, 2)} ms of it to spare: the run keeps its pace.`;
+  if (spare > 0.2 * length) return `${steps}, ${showNumber(spare, 2)} ms of it to spare: nothing in the run slows it.`;
   if (!first) return `${steps}.`;
   if (first.kind === 'client') return `${steps}. ${first.name}: the world waited ${showNumber(first.ms, 2)} ms per step for it.`;
   return `${steps}. Most of it, ${showNumber(first.ms, 2)} ms, is ${first.name}: ${first.about}.`;
@@ -97,7 +97,7 @@ export class Costs {
       this.#note, make('h2', {}, 'Beside the steps'),
       make('p', {class: 'quiet'}, 'Threads of the daemon that the world does not wait for. They slow it only where they take its core.'),
       make('table', {id: 'cost-threads', class: 'costs'}, make('thead', {}, make('tr', {}, make('th', {scope: 'col'}, 'thread'),
-        make('th', {scope: 'col'}, 'ms per step'), make('th', {scope: 'col'}, 'of a core'))), this.#threads));
+        make('th', {scope: 'col'}, 'ms per step'), make('th', {scope: 'col'}, '% of a core'))), this.#threads));
     this.#panel.addEventListener('shown', () => this.#poll());
     this.#panel.addEventListener('hidden', () => clearTimeout(this.#timer));
   }
