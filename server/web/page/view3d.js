@@ -10,6 +10,7 @@ import {Scene3d} from './scene3d.js';
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as the daemon's pictures
 const MAX_WIDTH = 1280;  // of pictures of the daemon
+const SLOW_MS = 60, LEAST_RATIO = 0.45;
 const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond that shadows cost more than they tell
 
 /** How this browser can draw it: 'none', 'software' or 'hardware'. */
@@ -49,6 +50,9 @@ export class View3d extends EventTarget {
   #outline = new THREE.Group();
   #shadows = true;
   #drawn = 0;
+  #drawnAt = 0;
+  #interval = 33;  // ms between two pictures, on the average
+  #ratio = 1;      // points drawn for each of the screen's, along a side
   #pause = 0;
 
   /** `quality`: 'software' leaves out what only a graphics card does quickly. */
@@ -62,7 +66,8 @@ export class View3d extends EventTarget {
     this.#renderer = new THREE.WebGLRenderer({canvas: this.#canvas, antialias: !this.#software, preserveDrawingBuffer: true});
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = THREE.PCFShadowMap;
-    this.#renderer.setPixelRatio(this.#software ? 1 : Math.min(2, devicePixelRatio));
+    this.#ratio = this.#software ? 1 : Math.min(2, devicePixelRatio);
+    this.#renderer.setPixelRatio(this.#ratio);
     this.#camera.up.set(0, 0, 1);
     this.#controls = new OrbitControls(this.#camera, this.#canvas);
     this.#controls.zoomToCursor = true;
@@ -218,6 +223,7 @@ export class View3d extends EventTarget {
     this.#aimSun();
     if (this.#framed !== description.scenario) {
       this.#framed = description.scenario;
+      if (this.#software) this.#setRatio(1);
       const wanted = new URLSearchParams(location.search).get('view');
       this.fit(wanted === 'top' ? 'top' : 'side');
     }
@@ -300,12 +306,30 @@ export class View3d extends EventTarget {
     this.#dirty = false;
     this.#render();
     this.#askSensors();
+    this.#keepPace(now);
     // Where drawing takes long the rest of the page gets its share.
     const took = Math.max(performance.now() - now, 0);
     this.#pause = took > 40 ? performance.now() + 0.5 * took : 0;
     this.#canvas.dataset.step = this.#reader.step;
     this.#canvas.dataset.shown = ++this.#drawn;
     this.dispatchEvent(new Event('drawn'));
+  }
+
+  /** Without a graphics card a slow view is drawn with fewer points, until another scene comes. */
+  #keepPace(now) {
+    const pause = now - this.#drawnAt;
+    this.#drawnAt = now;
+    if (!this.#software || pause > 500) return;
+    this.#interval += 0.15 * (pause - this.#interval);
+    if (this.#interval < SLOW_MS || this.#ratio <= LEAST_RATIO) return;
+    this.#setRatio(0.8 * this.#ratio);
+  }
+
+  #setRatio(ratio) {
+    this.#ratio = ratio;
+    this.#interval = 33;
+    this.#renderer.setPixelRatio(ratio);
+    this.#fitCanvas();
   }
 
   #render() { this.#renderer.render(this.#root, this.#camera); }
