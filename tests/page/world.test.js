@@ -148,7 +148,10 @@ test('the saved file loads to the same hash', async () => {
 test('an arrow is dragged with the mouse, and moves what is selected', async () => {
   await select('BOX_1');
   await page.waitForFunction(() => window.coopdyn.view.selected?.name === 'BOX_1');
+  // The arrows are where they were drawn last.
+  const drawn = await page.evaluate(() => window.coopdyn.view.framesDrawn);
   await page.click('#whole');
+  await page.waitForFunction((count) => window.coopdyn.view.framesDrawn > count, drawn);
   const before = (await thing('BOX_1')).position;
   // Where the x arrow of the handles is: a place whose hover the handles notice.
   const at = await page.evaluate(() => {
