@@ -70,7 +70,7 @@ test('dark is kept when the page is opened again, and the view is dark too', asy
 for (const [width, height] of [[1024, 768], [1280, 800], [1920, 1080]]) {
   test(`at ${width}×${height} nothing has to be scrolled to reach a tab, a button or the view`, async () => {
     await page.setViewportSize({width, height});
-    for (const selector of ['#run', '#record', '#view', '#theme', '#tab-robots', '#tab-runs', '#console-box']) {
+    for (const selector of ['#run', '#record', '#view', '#theme', '#tab-robots', '#tab-runs', '#tab-cost', '#console-box']) {
       const {x, y, width: w, height: h} = await box(selector);
       assert.ok(x >= 0 && y >= 0 && x + w <= width + 1 && y + h <= height + 1, `${selector}: ${x} ${y} ${w} ${h}`);
     }

@@ -105,9 +105,13 @@ export class Scene3d {
     const box = new THREE.Box3();
     for (const thing of this.things) {
       if (thing.kind === 'light') continue;
-      const [p] = this.pose(thing);
-      const size = thing.kind === 'robot' ? 0.4 : Math.min(3, Math.max(...(thing.description.size ?? [0.3])));
-      box.expandByPoint(p.clone().addScalar(size / 2)).expandByPoint(p.clone().addScalar(-size / 2));
+      const [p, q] = this.pose(thing), {size = [0.1], type} = thing.description, radius = thing.model?.radius ?? 0;
+      const half = (radius > 0 ? [2 * radius, 2 * radius, 2 * thing.model.height] : type === 'box' ? size
+        : type === 'cylinder' ? [2 * size[0], 2 * size[0], size[1]] : Array(3).fill(2 * size[0])).map((side) => side / 2);
+      for (let corner = 0; corner < 8; ++corner) {
+        const at = new THREE.Vector3(...half.map((side, axis) => (corner >> axis & 1 ? side : -side)));
+        box.expandByPoint(at.applyQuaternion(q).add(p));
+      }
     }
     const [length, width] = this.description.floor.size;
     if (box.isEmpty()) box.set(new THREE.Vector3(-length / 4, -width / 4, 0), new THREE.Vector3(length / 4, width / 4, 0.5));

@@ -10,6 +10,7 @@ import {Scene3d} from './scene3d.js';
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as the daemon's pictures
 const MAX_WIDTH = 1280;  // of pictures of the daemon
+const FILLED = 0.9;  // of the picture, by what is fitted into it
 const SLOW_MS = 60, LEAST_RATIO = 0.45;
 const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond that shadows cost more than they tell
 
@@ -164,8 +165,30 @@ export class View3d extends EventTarget {
     const direction = from === 'top' ? new THREE.Vector3(0, -0.001, 1) : new THREE.Vector3(-0.62, -0.5, 0.6).normalize();
     this.#camera.position.copy(this.#controls.target).addScaledVector(direction, from === 'top' ? away : 0.78 * away);
     this.#controls.update();
+    if (from !== 'top') this.#frame3d(box);
     this.#showFollow();
     this.#dirty = true;
+  }
+
+  /** Moves the camera, which looks somewhere at the box already, until the box fills the picture. */
+  #frame3d(box) {
+    const camera = this.#camera, {target} = this.#controls, up = new THREE.Vector3(), right = new THREE.Vector3(), p = new THREE.Vector3();
+    for (let round = 0; round < 4; ++round) {
+      camera.updateMatrixWorld();
+      const seen = new THREE.Box2();
+      for (let corner = 0; corner < 8; ++corner) {
+        p.set(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : Math.min(0, box.min.z)).project(camera);
+        seen.expandByPoint(p);
+      }
+      const middle = seen.getCenter(new THREE.Vector2()), size = seen.getSize(new THREE.Vector2());
+      const away = camera.position.distanceTo(target), half = away * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2);
+      camera.matrixWorld.extractBasis(right, up, new THREE.Vector3());
+      const way = right.multiplyScalar(middle.x * half * camera.aspect).addScaledVector(up, middle.y * half);
+      const factor = Math.max(size.x, size.y) / (2 * FILLED);
+      target.add(way);
+      camera.position.add(way).sub(target).multiplyScalar(factor).add(target);
+      this.#controls.update();
+    }
   }
 
   follow(thing) {
