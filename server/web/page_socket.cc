@@ -20,6 +20,8 @@ using boost::system::error_code;
 
 namespace {
 
+constexpr std::size_t kLeastCompressed = 1000;  // bytes
+
 boost::json::array PointOf(const Vector3& point) {
   return {point.x(), point.y(), point.z()};
 }
@@ -62,6 +64,13 @@ void PageSocket::Start(http::request<http::string_body> upgrade) {
   timeout.idle_timeout = kSilence;
   timeout.keep_alive_pings = true;
   socket_.set_option(timeout);
+  // The status names all robots and their modules: compressed it takes a tenth.
+  websocket::permessage_deflate compression;
+  compression.server_enable = true;
+  compression.compLevel = 3;
+  compression.memLevel = 5;
+  compression.msg_size_threshold = kLeastCompressed;
+  socket_.set_option(compression);
   socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
     for (const auto& [name, value] : CommonHeaders()) response.set(name, value);
   }));
@@ -244,6 +253,7 @@ void PageSocket::WriteNext() {
   }
   writing_ = true;
   socket_.binary(binary);
+  socket_.compress(!binary);  // poses and pictures are small as they are
   socket_.async_write(boost::asio::buffer(written_),
                       [self = shared_from_this()](error_code failed, std::size_t) {
                         self->writing_ = false;
