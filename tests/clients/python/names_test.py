@@ -14,7 +14,7 @@ CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "r
 SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
     set_speed set_participants release_robot status hash waiting snapshot describe modules call close
     save_state restore_state saved_states record stop_recording note recording recordings fetch_run
-    playback seek play set_play_speed skip set_loop branch
+    playback seek play set_play_speed skip set_loop branch open_run close_run
     insert remove move change rename undo redo world save_scenario pick""".split())
 ROBOT = set("""name set_velocity set_wheel_speeds stop get_pose get_pose_3d get_distances get_geometry get_targets
     get_target get_robots get_neighbours get_messages send_message get_compass get_support get_wheels get_limits sense joints subscribe next call
