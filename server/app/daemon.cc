@@ -292,6 +292,7 @@ void Daemon::Stop() {
   control_.Stop();
   name_client_.reset();
   if (web_ != nullptr) web_->Stop();
+  runs_.Stop();  // before those that it answers end
   page_.reset();
   recorder_.reset();
   playback_.reset();

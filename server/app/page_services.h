@@ -29,7 +29,7 @@ class PageServices {
   /// played. All outlive it.
   PageServices(const SearchPath& path, const std::filesystem::path& uploads, ImageBoard* images,
                RunFolder& runs, const RunControl& run, const ReplayServices& replay, Logger logger);
-  /// Ends after what is being done.
+  /// Ends what is being done, or waits for it. `runs` has stopped.
   ~PageServices();
   PageServices(const PageServices&) = delete;
   PageServices& operator=(const PageServices&) = delete;
@@ -51,6 +51,7 @@ class PageServices {
   WorkerPool pool_{1};  // of views_: the daemon's own is the stepping thread's
   const ReplayServices replay_;
   std::atomic<int> waiting_{0}, pictures_{0}, viewing_{0};
+  std::atomic<bool> stopping_{false};
   // Last: what they run uses the rest.
   IoThread checks_, drawings_, views_;
 };

@@ -97,7 +97,7 @@ HttpAnswer SceneOf(RunReader& run) {
   return JsonAnswer(SceneJson(*first->frame, 0));
 }
 
-HttpAnswer PosesOf(RunReader& run, double rate_hz) {
+HttpAnswer PosesOf(RunReader& run, double rate_hz, const ExportProgress& goes_on) {
   const RunExtent extent = run.extent();
   const auto every = static_cast<Nanoseconds>(1e9 / std::clamp(rate_hz, 0.1, 60.0));
   PlayFrames frames(run);
@@ -106,6 +106,9 @@ HttpAnswer PosesOf(RunReader& run, double rate_hz) {
   std::optional<std::uint64_t> step = run.StepAt(extent.begin, true);
   const Scene* scene = nullptr;
   for (Nanoseconds due = extent.begin; step; due += every) {
+    const double share =
+        static_cast<double>(due - extent.begin) / static_cast<double>(extent.end - extent.begin + 1);
+    if (!goes_on(share)) return ErrorAnswer(503, "the daemon ends");
     const std::shared_ptr<Frame> frame = frames.Make(*step);
     if (frame == nullptr) return Damaged(run);
     if (scene == nullptr) scene = frame->scene.get();
@@ -126,7 +129,7 @@ HttpAnswer PosesOf(RunReader& run, double rate_hz) {
   return Bytes(std::move(bytes), "application/octet-stream");
 }
 
-HttpAnswer TableOf(RunReader& run, const std::string& robot, int points) {
+HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const ExportProgress& goes_on) {
   const RunExtent extent = run.extent();
   const SavedStatePtr first = run.Keyframe(extent.first);
   if (first == nullptr) return Damaged(run);
@@ -138,7 +141,7 @@ HttpAnswer TableOf(RunReader& run, const std::string& robot, int points) {
   std::string folder = (fs::temp_directory_path() / "coopdyn-table-XXXXXX").string();
   if (::mkdtemp(folder.data()) == nullptr) return ErrorAnswer(507, "there is no room for a table");
   const std::string file = folder + "/table.csv";
-  const std::string error = ExportCsv(run, options, file, [](double) { return true; });
+  const std::string error = ExportCsv(run, options, file, goes_on);
   std::error_code missing;
   const std::uintmax_t size = fs::file_size(file, missing);
   std::string text;

@@ -58,7 +58,13 @@ RunFolder::RunFolder(fs::path folder, SearchPath path, std::function<std::string
       looks_("runs", logger) {}
 
 RunFolder::~RunFolder() {
+  Stop();
+}
+
+void RunFolder::Stop() {
   stopping_ = true;
+  looks_.Stop();
+  exporter_.Stop();
 }
 
 void RunFolder::List(std::function<void(std::vector<RunFile>)> done) {

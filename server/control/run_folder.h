@@ -48,7 +48,7 @@ class RunFolder {
   /// look for loaded controllers.
   RunFolder(std::filesystem::path folder, SearchPath path, std::function<std::string()> present,
             Logger logger);
-  /// Ends an export that is being made.
+  /// Stop().
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
@@ -57,6 +57,8 @@ class RunFolder {
   void List(std::function<void(std::vector<RunFile>)> done);
   /// Hands NAME.run, if it is not being written, or NAME.mat, made of it, to `done`: once, on any thread.
   void Open(const std::string& name, std::function<void(const RunToCopy&)> done);
+  /// Ends an export that is being made. From its return on no `done` runs any more; what waits is dropped.
+  void Stop();
 
  private:
   /// A file as it was when it was looked into.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/state/sample_keeper.h"
+#include "server/state/world_change.h"
 
 namespace coopdyn {
 
@@ -54,12 +55,7 @@ bool PlayInputs::Load(std::uint64_t step) {
   newest_ = step_ = keyframe_->frame->step;
   next_ = 0;
   channels_.clear();
-  channel_count_ = keyframe_->frame->channels.size();
-  message_steps_ = 0;
-  for (const SceneRobot& robot : keyframe_->frame->scene->robots) {
-    message_steps_ = std::max<std::uint64_t>(message_steps_,
-                                             static_cast<unsigned>(robot.entry.model->message_delay_steps()));
-  }
+  newest_scene_ = keyframe_->frame->scene;
   limit_ = step - newest_ + 2 * kMostReadOn;
   bool gap = false;
   return step == newest_ || ReadOn(step, gap);
@@ -70,10 +66,10 @@ bool PlayInputs::ReadOn(std::uint64_t step, bool& gap) {
     gap |= read.step != newest_ + 1;
     newest_ = read.step;
     const std::shared_ptr<const Scene> scene = reader_.SceneOf(read.scene);
-    const bool new_scene = scene->channels.size() != channel_count_;
-    channel_count_ = scene->channels.size();
+    const bool new_scene = scene != newest_scene_;
+    newest_scene_ = scene;
     if (new_scene || !read.commands.empty() || !read.messages.empty()) {
-      inputs_.push_back({read.step, channel_count_, read.commands, read.messages});
+      inputs_.push_back({read.step, scene, read.commands, read.messages});
     }
     return true;
   });
@@ -82,6 +78,7 @@ bool PlayInputs::ReadOn(std::uint64_t step, bool& gap) {
 void PlayInputs::Replay(std::uint64_t step) {
   if (channels_.empty() || step < step_) {
     const Frame& start = *keyframe_->frame;
+    scene_ = start.scene;
     channels_.clear();
     for (const ChannelState& channel : start.channels) channels_.push_back({channel.setpoint, false});
     for (std::size_t i = 0; i < start.commanded.size(); ++i) {
@@ -98,7 +95,7 @@ void PlayInputs::Replay(std::uint64_t step) {
     for (Driven& channel : channels_) channel.commanded = false;
   }
   for (; next_ < inputs_.size() && inputs_[next_].step <= step; ++next_) {
-    channels_.resize(inputs_[next_].channels);
+    Enter(inputs_[next_].scene);
     for (const CommandRecord& command : inputs_[next_].commands) {
       if (command.channel >= channels_.size()) continue;
       channels_[command.channel] = {command.setpoint, command.by_client && inputs_[next_].step == step};
@@ -107,15 +104,33 @@ void PlayInputs::Replay(std::uint64_t step) {
   step_ = step;
 }
 
+void PlayInputs::Enter(const std::shared_ptr<const Scene>& scene) {
+  if (scene == scene_) return;
+  channels_ = InChannelsOf(*scene, *scene_, channels_, Driven());
+  scene_ = scene;
+}
+
 std::vector<SentMessage> PlayInputs::Messages() const {
-  const std::uint64_t oldest = step_ - std::min(step_, message_steps_);
+  int longest_steps = 0;
+  for (const SceneRobot& robot : scene_->robots)
+    longest_steps = std::max(longest_steps, robot.entry.model->message_delay_steps());
+  const std::uint64_t oldest = step_ - std::min(step_, static_cast<std::uint64_t>(longest_steps));
   std::vector<SentMessage> messages;
-  for (const SentMessage& sent : keyframe_->frame->messages) {
-    if (sent.step >= oldest) messages.push_back(sent);
-  }
+  // What a robot has sent goes with it.
+  const auto add = [&](const std::vector<SentMessage>& sent, const Scene& scene) {
+    for (SentMessage message : sent) {
+      if (message.step < oldest) continue;
+      if (&scene != scene_.get()) {
+        const auto now = std::ranges::find(scene_->robots, scene.robots[message.robot].id, &SceneRobot::id);
+        if (now == scene_->robots.end()) continue;
+        message.robot = static_cast<std::uint32_t>(now - scene_->robots.begin());
+      }
+      messages.push_back(std::move(message));
+    }
+  };
+  add(keyframe_->frame->messages, *keyframe_->frame->scene);
   for (std::size_t i = 0; i < next_; ++i) {
-    if (inputs_[i].step < oldest) continue;
-    messages.insert(messages.end(), inputs_[i].messages.begin(), inputs_[i].messages.end());
+    if (inputs_[i].step >= oldest) add(inputs_[i].messages, *inputs_[i].scene);
   }
   return messages;
 }

@@ -42,7 +42,7 @@ class PlayInputs {
   /// The inputs of one step, or a new scene.
   struct Inputs {
     std::uint64_t step = 0;
-    std::size_t channels = 0;  // of its scene
+    std::shared_ptr<const Scene> scene;
     std::vector<CommandRecord> commands;
     std::vector<SentMessage> messages;
   };
@@ -51,17 +51,19 @@ class PlayInputs {
   /// Reads on to `step`. `gap` gets whether steps in between were left out.
   bool ReadOn(std::uint64_t step, bool& gap);
   void Replay(std::uint64_t step);
+  /// From here on robots are those of `scene`: each keeps its set-points.
+  void Enter(const std::shared_ptr<const Scene>& scene);
 
   RunReader& reader_;
   SavedStatePtr keyframe_;
-  std::uint64_t limit_ = 0;     // so far from the keyframe a newer one is looked for
-  std::uint64_t newest_ = 0;    // steps after the keyframe are read up to here
-  std::vector<Inputs> inputs_;  // of these, those that have any
-  std::uint64_t step_ = 0;      // gone to
-  std::size_t next_ = 0;        // index of the first inputs after step_
-  std::vector<Driven> channels_;
-  std::size_t channel_count_ = 0;    // in the scene of newest_
-  std::uint64_t message_steps_ = 0;  // the longest delay of a robot that hears
+  std::uint64_t limit_ = 0;             // so far from the keyframe a newer one is looked for
+  std::uint64_t newest_ = 0;            // steps after the keyframe are read up to here
+  std::vector<Inputs> inputs_;          // of these, those that have any
+  std::uint64_t step_ = 0;              // gone to
+  std::size_t next_ = 0;                // index of the first inputs after step_
+  std::shared_ptr<const Scene> scene_;  // of step_
+  std::vector<Driven> channels_;        // of scene_
+  std::shared_ptr<const Scene> newest_scene_;
 };
 
 class PlayFrames {

@@ -16,7 +16,7 @@ struct PageMe {
   std::string selected;  // of a thing or robot; empty: nothing
 };
 
-/// A page that is told of the others.
+/// A page that hears who else looks.
 class PeopleWatcher {
  public:
   virtual ~PeopleWatcher() = default;

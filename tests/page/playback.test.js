@@ -132,6 +132,7 @@ test('a ghost of another run is drawn where that run was, and the page tells whe
   await page.waitForSelector('.mark.parting');
   await button('turning.run', 'Ghost').click();
   await page.waitForSelector('#parting', {state: 'hidden'});
+  assert.equal(await page.locator('.mark.parting').count(), 0);
 });
 
 test('a recording is not a ghost that parts from itself', async () => {

@@ -155,14 +155,15 @@ test('an arrow is dragged with the mouse, and moves what is selected', async () 
   const before = (await thing('BOX_1')).position;
   // Where the x arrow of the handles is: a place whose hover the handles notice.
   const at = await page.evaluate(() => {
-    const {view, handles} = window.coopdyn;
+    const {view} = window.coopdyn, {camera} = view;
     const box = view.canvas.getBoundingClientRect(), [p] = view.scene.pose(view.selected);
     const onScreen = (point) => {
       const q = point.clone().project(view.camera);
       return [box.left + (q.x + 1) / 2 * box.width, box.top + (1 - q.y) / 2 * box.height];
     };
-    const length = handles.reach, tip = p.clone();
-    tip.x += length;
+    // TransformControls draws its arrows at one size on the screen; this is 0.7 of their length.
+    const away = p.distanceTo(camera.position), tip = p.clone();
+    tip.x += 0.7 * 0.45 * away * Math.min(1.9 * Math.tan(Math.PI * camera.fov / 360), 7) / 4;
     return {from: onScreen(tip), to: onScreen(tip.clone().setX(tip.x + 1))};
   });
   await page.mouse.move(...at.from);

@@ -88,7 +88,6 @@ export class CodeView {
       EditorView.updateListener.of((update) => { if (update.docChanged) onChange(); }),
     ]});
     this.#view = new EditorView({state, parent: root, root});
-    host.addEventListener('focus', () => this.#view.focus());
   }
 
   get text() { return this.#view.state.doc.toString(); }
@@ -107,6 +106,4 @@ export class CodeView {
       return {from: line.from + (/^\s*/.exec(line.text)[0].length % (line.length + 1)), to: line.to, severity, message: text};
     })));
   }
-
-  repaint() { this.#view.requestMeasure(); }
 }

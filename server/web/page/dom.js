@@ -36,6 +36,13 @@ export function showNumber(value, digits) {
   return Number(text) === 0 ? text.replace('-', '') : text.replace('-', '−');
 }
 
+/** Gives the person a file to keep. */
+export function saveFile(name, blob) {
+  const link = make('a', {href: URL.createObjectURL(blob), download: name});
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
 /** Says something to the person, for a while. */
 let forget;
 export function say(text, isError = false) {

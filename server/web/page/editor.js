@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The tab Text: the scenario's text with completion, its mistakes as one types, and what to do with it. What was typed is kept
 // until the tab of the browser is closed.
-import {byId, make, say, setText} from './dom.js';
+import {byId, make, saveFile, say, setText} from './dom.js';
 import {isShown, showTab, tab} from './layout.js';
 
 const DRAFT = 'coopdyn-draft';
@@ -39,7 +39,6 @@ export class Editor {
       button('editor-new', 'New', 'A small scenario to begin with; Ctrl+Z brings back what was here', () => this.#replace(EMPTY, 'my.scenario'))),
     this.#host, this.#state);
     this.#panel.addEventListener('shown', () => this.#start());
-    document.addEventListener('theme', () => this.#code?.repaint());
     this.#panel.addEventListener('keydown', (event) => {
       const ctrl = event.ctrlKey || event.metaKey;
       if (ctrl && event.key === 'Enter') this.load();
@@ -158,8 +157,6 @@ export class Editor {
 
   #save() {
     const name = this.#name.endsWith('.world') ? this.#name : this.#name.replace(/(\.\w+)?$/, '.scenario');
-    const link = make('a', {href: URL.createObjectURL(new Blob([this.text], {type: 'text/plain'})), download: name});
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    saveFile(name, new Blob([this.text], {type: 'text/plain'}));
   }
 }

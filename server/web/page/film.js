@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A picture and a film of what is seen, made by the browser: PNG, and WebM in real time.
-import {byId, make, say, setText} from './dom.js';
+import {byId, make, saveFile, say, setText} from './dom.js';
 
 const RATE_HZ = 30;
 const BITS_PER_S = 6e6;
@@ -8,12 +8,6 @@ const TYPES = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm'];
 const NO_FILM = 'this browser cannot make films: use Chrome, Edge or Firefox, or coopdyn export FILE.run --out film.mp4';
 
 const clock = (seconds) => `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, '0')}`;
-
-function download(name, blob) {
-  const link = make('a', {href: URL.createObjectURL(blob), download: name});
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-}
 
 export class Film {
   #view;
@@ -67,7 +61,7 @@ export class Film {
     const blob = await new Promise((resolve) => sheet.toBlob(resolve, 'image/png'));
     if (!blob) return say('the picture cannot be made: the view is too small', true);
     const name = this.#name('png');
-    download(name, blob);
+    saveFile(name, blob);
     say(`saved ${name}`);
   }
 
@@ -90,7 +84,7 @@ export class Film {
       this.#recorder = this.#sheet = null;
       this.#show();
       if (pieces.length === 0) return say('the film is empty: let it run for a second at least', true);
-      download(name, new Blob(pieces, {type: 'video/webm'}));
+      saveFile(name, new Blob(pieces, {type: 'video/webm'}));
       say(`saved ${name}, ${clock((performance.now() - this.#began) / 1000)}`);
     });
     this.#began = performance.now();

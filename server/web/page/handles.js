@@ -49,13 +49,6 @@ export class Handles {
   }
   #buttons = [];
 
-  /** How far from the middle of what is selected the arrows reach, in metres: they have one size on the screen. */
-  get reach() {
-    const {camera} = this.#view;
-    const away = this.#proxy.position.distanceTo(camera.position);
-    return 0.7 * 0.45 * away * Math.min(1.9 * Math.tan(Math.PI * camera.fov / 360), 7) / 4;
-  }
-
   #mode(mode) {
     const turns = mode === 'rotate';
     this.#controls.setMode(mode);

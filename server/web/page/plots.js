@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The tab Plots: values of robots against simulated time, live and of the recording that is played; a strip of the real-time
 // factor and the state hash.
-import {byId, make, say, setText, showNumber} from './dom.js';
+import {byId, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, tab} from './layout.js';
 import {LiveSeries, readTable} from './series.js';
 
@@ -15,12 +15,6 @@ export function csvOf(robot, values, points) {
   const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const head = ['time_s', ...values.map(({module, name, unit}) => quoted(`${robot}${module ? `/${module}` : ''} ${name}${unit ? ` [${unit}]` : ''}`))];
   return [head.join(','), ...points.times.map((time, i) => [time, ...points.columns.map((column) => column[i] ?? '')].join(','))].join('\n') + '\n';
-}
-
-function download(name, blob) {
-  const link = make('a', {href: URL.createObjectURL(blob), download: name});
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
 export class Plots {
@@ -239,7 +233,7 @@ export class Plots {
     if (at.length === 0) return say('choose a value to plot first', true);
     const {times, columns} = this.#source.points;
     const text = csvOf(this.#robot, at.map((i) => this.values[i]), {times, columns: at.map((i) => columns[i])});
-    download(`${this.#robot}.csv`, new Blob([text], {type: 'text/csv'}));
+    saveFile(`${this.#robot}.csv`, new Blob([text], {type: 'text/csv'}));
   }
 
   #savePng() {
@@ -254,7 +248,7 @@ export class Plots {
       draw.drawImage(chart, 0, y);
       y += chart.height;
     }
-    sheet.toBlob((blob) => download(`${this.#robot}.png`, blob));
+    sheet.toBlob((blob) => saveFile(`${this.#robot}.png`, blob));
   }
 
   #drawStrip() {

@@ -112,17 +112,19 @@ export class Runs {
 
   #clearGhost() {
     this.#ghost?.clear();
+    this.#timeline.showParting();
     this.#parting.hidden = true;
   }
 
   async #findParting(one, other) {
     const answer = await fetch(`api/playback/parting?with=${encodeURIComponent(other)}`);
     if (this.#ghost.name !== other) return;
+    this.#timeline.showParting();
     this.#parting.hidden = false;
     if (!answer.ok) return setText(this.#parting, (await answer.text()).trim());
     const parting = await answer.json();
     setText(this.#parting, parting.equal ? `${one} and ${other}: ${parting.text.trim()}` : parting.text.trim());
-    if (!parting.equal) this.#timeline.addParting(parting.time_s, `${one} and ${other} part: ${parting.what} ${parting.field}`);
+    if (!parting.equal) this.#timeline.showParting(parting.time_s, `${one} and ${other} part: ${parting.what} ${parting.field}`);
   }
 
   /** `lesson1.run 12.5 s Play Ghost .run .mat`, or why it cannot be copied. `url` is null for what cannot. */

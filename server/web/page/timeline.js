@@ -84,8 +84,11 @@ export class Timeline {
     this.#seeking = false;
   }
 
-  /** A mark where two runs part. */
-  addParting(time_s, text) { this.#addMark({time_s, level: 'parting', text}); }
+  /** The mark where two runs part, in place of the last one; without a time none. */
+  showParting(time_s, text) {
+    for (const mark of this.#marks.querySelectorAll('.parting')) mark.remove();
+    if (time_s !== undefined) this.#addMark({time_s, level: 'parting', text});
+  }
 
   #showSpeed(speed) {
     if (![...this.#speed.options].some((option) => Number(option.value) === speed)) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The panel World: a palette to drag onto the floor, the list of what stands there, a form for what is selected, undo and redo.
 // Every change is an edit of /world, so that others see it and a recording has it.
-import {byId, make, say, setText, showNumber} from './dom.js';
+import {byId, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, showTab, tab} from './layout.js';
 
 const MODULE = '/world';
@@ -139,7 +139,8 @@ export class World {
   /** Under a place of the window; where there is no floor, in the middle of the view. */
   async insertAt(kind, choice, clientX, clientY) {
     const at = this.#view.floorAt?.(clientX, clientY);
-    if (!at || !this.#view.canvas?.matches(':hover')) return this.insertNear(kind, choice);
+    // Not :hover, which stands still while a file is dragged.
+    if (!at || document.elementFromPoint(clientX, clientY) !== this.#view.canvas) return this.insertNear(kind, choice);
     return this.#insert(kind, at.x, at.y, choice);
   }
 
@@ -152,9 +153,7 @@ export class World {
   async #save() {
     const reply = await this.#connection.call({module: MODULE, command: 'save'});
     if (reply.error !== 0) return say(reply.text, true);
-    const link = make('a', {href: URL.createObjectURL(new Blob([reply.text], {type: 'text/plain'})), download: `${this.#world?.scenario ?? 'world'}.scenario`});
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    saveFile(`${this.#world?.scenario ?? 'world'}.scenario`, new Blob([reply.text], {type: 'text/plain'}));
   }
 
   async #duplicate(thing) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "server/state/world_change.h"
 #include "tests/server/record/player_fixture.h"
 #include "tests/server/state/wheels.h"
 
@@ -52,6 +53,63 @@ TEST_F(PlayerFramesTest, HasWhatWasRecorded) {
   }
   EXPECT_NEAR(AnglesOf(*frame, 0)[1], 1.8, 1e-5);
   EXPECT_EQ(SpeedsOf(*frame, 0)[1], 20);
+}
+
+TEST_F(PlayerFramesTest, ARobotThatGoesTakesItsInputsAndNoOthers) {
+  const auto scenario = std::make_shared<Scenario>(*sample_.scenario());
+  for (RobotEntry& robot : scenario->robots) {
+    const auto model = std::make_shared<RobotModel>(*robot.model);
+    model->sensors.push_back(
+        {.name = "radio", .kind = NeighboursModel{.message_range_m = 9, .delay_steps = 4}});
+    robot.model = model;
+  }
+  const std::shared_ptr<const Scene> begin = MakeScene(scenario);
+  WorldChange change;
+  change.gone_robots = {begin->robots[0].id};
+  std::string refusal;
+  const std::shared_ptr<const Scene> rest = ChangedScene(*begin, change, refusal);
+  ASSERT_NE(rest, nullptr) << refusal;
+
+  const auto frame = [](const Frame& like, const std::shared_ptr<const Scene>& scene, std::uint64_t step) {
+    const std::shared_ptr<Frame> made = InScene(like, scene);
+    made->step = step;
+    made->time = static_cast<Nanoseconds>(step) * SampleRun::kStep;
+    made->messages.clear();
+    std::ranges::fill(made->commanded, 0);
+    return made;
+  };
+  const std::shared_ptr<Frame> first = frame(*sample_.FrameAt(0), begin, 0);
+  const std::shared_ptr<Frame> told = frame(*first, begin, 1);
+  SetSetpoint(*told, 0, {0.1, 0.2});
+  SetSetpoint(*told, 1, {0.3, 0.4});
+  std::ranges::fill(told->commanded, 1);
+  for (const std::uint32_t robot : {0U, 1U}) told->messages.push_back({robot, 1, {1, {10.0 + robot}}});
+  const std::shared_ptr<Frame> after = frame(*told, rest, 2);
+  SavedState state;
+  state.frame = first;
+  RunWriterOptions options;
+  options.header = HeaderOf(*first, Mode::kLockstep, {true, true, true, true}, 0);
+  std::string error;
+  const auto writer = RunWriter::Create(file_, options, state, error);
+  ASSERT_NE(writer, nullptr) << error;
+  writer->AddStep(*told);
+  writer->AddStep(*after);
+  EXPECT_TRUE(writer->Close(error)) << writer->error();
+
+  reader_ = RunReader::Open(file_, error);
+  ASSERT_NE(reader_, nullptr) << error;
+  reader_->UseScenario(scenario);
+  maker_ = std::make_unique<PlayFrames>(*reader_);
+  const auto shown = maker_->Make(2);
+  ASSERT_NE(shown, nullptr) << reader_->error();
+  ASSERT_EQ(shown->scene->robots.size(), 1u);
+  EXPECT_EQ(SetpointOf(*shown, 0), SetpointOf(*told, 1));
+  ASSERT_EQ(shown->messages.size(), 1u);
+  EXPECT_EQ(shown->messages[0].robot, 0u);
+  EXPECT_EQ(shown->messages[0].message.values[0], 11) << "what robot 2 sent";
+  // Back again, and forth.
+  EXPECT_EQ(maker_->Make(1)->messages.size(), 2u);
+  EXPECT_EQ(SetpointOf(*maker_->Make(2), 0), SetpointOf(*told, 1));
 }
 
 TEST_F(PlayerFramesTest, ChannelsThatWereNotRecordedAreNoNumbers) {

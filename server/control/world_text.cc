@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// WorldJson() of world_edits.h: what `list` of /world answers (docs/protocol.md). Every object of a list has
-// the same keys.
+// The world as it stands: WorldText(), a scenario that loads to the same, and WorldJson(), what `list` of
+// /world answers (docs/protocol.md). Every object of a list has the same keys.
 #include <boost/json.hpp>
 #include <utility>
 
 #include "protocol/json_text.h"
-#include "server/control/world_edits.h"
+#include "server/base/printable.h"
+#include "server/control/world_parts.h"
+#include "server/model/scenario_writer.h"
 
 namespace coopdyn {
 
@@ -58,6 +60,24 @@ json::object RobotJson(const Frame& frame, int place) {
 }
 
 }  // namespace
+
+std::string WorldText(const Frame& frame, const RunStatus& status) {
+  const Scene& scene = *frame.scene;
+  SimulationOptions simulation = scene.scenario->simulation;
+  simulation.mode = status.mode;
+  simulation.step = status.step_length;
+  simulation.seed = frame.seed;
+  std::string text = "# The world of " + Printable(scene.scenario->name) + " at " +
+                     ExactNumber(frame.time_s()) + " s\n" + WriteSimulation(simulation, scene.ambient_light) +
+                     "\n" + WriteFloor(scene.floor);
+  for (const SceneObject& thing : scene.objects) text += "\n" + WriteObject(ObjectNow(frame, thing));
+  for (const PointLight& light : scene.lights) text += "\n" + WriteLight(light);
+  if (!scene.targets.empty()) text += "\n" + WriteTargets(scene.targets);
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    text += "\n" + WriteRobot(RobotNow(frame, static_cast<int>(i)), i + 1);
+  }
+  return text;
+}
 
 std::string WorldJson(const Frame& frame, const RunStatus& status) {
   const Scene& scene = *frame.scene;
