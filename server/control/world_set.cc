@@ -67,7 +67,8 @@ ResolvedEdit SetRobot(const Frame& frame, int place, const Keys& keys, RobotLibr
   if (!IsBareName(now.model->type)) robots.Add(now.model->type, now.model);
   Scenario nothing;
   Diagnostics diagnostics;
-  const auto read = ReadInsertion(keys.Replace(WriteRobot(now, 1)), robots, nothing, diagnostics);
+  const auto read =
+      ReadInsertion(keys.Replace(WriteRobot(now, 1, now.model->type)), robots, nothing, diagnostics);
   if (read == nullptr || read->robots.size() != 1) {
     std::string text = Lined(diagnostics);
     if (text.empty()) text = "a robot cannot become a team: insert takes type team2";

@@ -2,11 +2,13 @@
 // The world as it stands: WorldText(), a scenario that loads to the same, and WorldJson(), what `list` of
 // /world answers (docs/protocol.md). Every object of a list has the same keys.
 #include <boost/json.hpp>
+#include <filesystem>
 #include <utility>
 
 #include "protocol/json_text.h"
 #include "server/base/printable.h"
 #include "server/control/world_parts.h"
+#include "server/model/readers.h"
 #include "server/model/scenario_writer.h"
 
 namespace coopdyn {
@@ -59,6 +61,19 @@ json::object RobotJson(const Frame& frame, int place) {
           {"controller", robot.entry.controller.name}};
 }
 
+/// The type that means the same model wherever the text is kept.
+std::string TypeFromAnywhere(const RobotModel& model) {
+  namespace fs = std::filesystem;
+  const fs::path file = fs::absolute(model.file);
+  const std::string of_world = file.stem().string() + ".";  // SDF worlds call their robots so
+  if (!IsModelPath(model.type)) {
+    const bool in_world = model.type.starts_with(of_world) && file.stem() != "model";
+    return in_world ? WorldModelType(file, model.type.substr(of_world.size())) : model.type;
+  }
+  const std::size_t mark = model.type.rfind('#');
+  return mark == std::string::npos ? file.string() : WorldModelType(file, model.type.substr(mark + 1));
+}
+
 }  // namespace
 
 std::string WorldText(const Frame& frame, const RunStatus& status) {
@@ -74,7 +89,8 @@ std::string WorldText(const Frame& frame, const RunStatus& status) {
   for (const PointLight& light : scene.lights) text += "\n" + WriteLight(light);
   if (!scene.targets.empty()) text += "\n" + WriteTargets(scene.targets);
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
-    text += "\n" + WriteRobot(RobotNow(frame, static_cast<int>(i)), i + 1);
+    const RobotEntry robot = RobotNow(frame, static_cast<int>(i));
+    text += "\n" + WriteRobot(robot, i + 1, TypeFromAnywhere(*robot.model));
   }
   return text;
 }

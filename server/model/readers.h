@@ -49,6 +49,8 @@ struct SearchPath {
 
 /// Whether a robot's type is the path of a model: it has a folder, or ends in .sdf or .urdf.
 bool IsModelPath(const std::string& type);
+/// The type of a robot that an SDF world describes: WORLD#MODEL.
+std::string WorldModelType(const std::filesystem::path& world, const std::string& model);
 
 /// True for a name without folders, drives and a leading dot, as texts from a socket may name files.
 bool IsBareName(const std::string& name);

@@ -88,9 +88,9 @@ std::string WriteLight(const PointLight& light) {
   return lines.Take();
 }
 
-std::string WriteRobot(const RobotEntry& robot, std::size_t number) {
+std::string WriteRobot(const RobotEntry& robot, std::size_t number, const std::string& type) {
   Lines lines("ROBOT_" + std::to_string(number));
-  lines.Add("type", robot.model->type);
+  lines.Add("type", type);
   lines.Add("name", robot.name);
   lines.AddPose(robot.X_WR);
   lines.Add("color", robot.color);

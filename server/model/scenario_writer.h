@@ -17,8 +17,8 @@ std::string ExactNumber(double value);
 std::string WriteFloor(const Floor& floor);
 std::string WriteObject(const WorldObject& object);
 std::string WriteLight(const PointLight& light);
-/// As [ROBOT_number].
-std::string WriteRobot(const RobotEntry& robot, std::size_t number);
+/// As [ROBOT_number]. `type`: how the text names its model.
+std::string WriteRobot(const RobotEntry& robot, std::size_t number, const std::string& type);
 /// One [TARGET]; empty without targets.
 std::string WriteTargets(std::span<const Target> targets);
 /// `ambient_light` above 0 stands there too.

@@ -197,6 +197,9 @@ class WorldConverter {
       X_WR.p.z() = 0;
     }
     library_.Add(type, read);
+    const auto by_path = std::make_shared<RobotModel>(*read);
+    by_path->type = WorldModelType(std::filesystem::absolute(file_), name);
+    library_.Add(by_path->type, by_path);
     robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +
                "\nposition " + Exact(X_WR.p) + "\norientation " + Angles(X_WR.q) + "\n";
     if (!read->has_actuators() && read->sensors.size() <= 1) robots_ += "sockets no\n";

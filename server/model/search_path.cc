@@ -6,6 +6,7 @@
 
 #include "server/model/readers.h"
 #include "server/model/resources.h"
+#include "server/model/sdf_world.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -210,7 +211,19 @@ bool IsModelPath(const std::string& type) {
          lower.ends_with(".urdf");
 }
 
+std::string WorldModelType(const fs::path& world, const std::string& model) {
+  return world.string() + "#" + model;
+}
+
 namespace {
+
+/// Of WORLD#MODEL: the world; else the whole. `model` gets the rest.
+std::string WorldOf(const std::string& path, std::string& model) {
+  const std::size_t mark = path.rfind('#');
+  if (mark == std::string::npos) return path;
+  model = path.substr(mark + 1);
+  return path.substr(0, mark);
+}
 
 /// The file that a type written as a path means.
 fs::path ModelPath(const std::string& type, const fs::path& beside) {
@@ -236,12 +249,23 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
   }
   const std::string key = is_path ? ModelPath(type, *beside).string() : type;
   if (const auto known = models_.find(key); known != models_.end()) return known->second;
+  std::string part;
+  const std::string world = WorldOf(key, part);
   // A model with errors is not kept: mended, it loads.
   std::shared_ptr<const RobotModel> model;
   if (const SourceText* source = Embedded(kRobot, type)) {
     model = ReadRobotModelText(source->text, source->file, type, diagnostics);
   } else if (is_path && IsFile(key)) {
     model = ReadRobotModel(key, path_, diagnostics);
+  } else if (is_path && !part.empty() && IsFile(world)) {
+    RobotLibrary of_world(path_);
+    if (!ScenarioOfSdfWorld(world, of_world, diagnostics)) return nullptr;
+    const MutexLock other(of_world.mutex_);
+    const auto found = of_world.models_.find(WorldModelType(world, part));
+    if (found == of_world.models_.end())
+      diagnostics.Error(where, world + " has no robot '" + part + "': coopdyn check " + world + " reads it");
+    else
+      model = found->second;
   } else if (is_path) {
     diagnostics.Error(where, "there is no robot model " + key);
   } else if (const std::optional<fs::path> file = path_.FindRobot(type)) {
@@ -269,7 +293,8 @@ void RobotLibrary::Add(const std::string& type, std::shared_ptr<const RobotModel
 
 bool RobotLibrary::Has(const std::string& type, const std::optional<fs::path>& beside) const {
   if (Embedded(kRobot, type) != nullptr) return true;
-  if (IsModelPath(type)) return beside && IsFile(ModelPath(type, *beside));
+  std::string part;
+  if (IsModelPath(type)) return beside && IsFile(WorldOf(ModelPath(type, *beside).string(), part));
   return path_.FindRobot(type).has_value();
 }
 

@@ -195,8 +195,9 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
   inverse = InverseOf(change, *before);
 
   std::vector<std::int32_t> sleepers;  // beside what goes
-  for (const std::uint32_t near : NearChosen(world_->things(), before->bodies,
-                                             Chosen(change, *scene_, *scene_, world_->things(), true))) {
+  const std::vector<std::uint8_t> going = Chosen(change, *scene_, *scene_, world_->things(), true);
+  for (const std::uint32_t near :
+       NearChosen(world_->things(), going, PairsOfChosen(world_->things(), before->bodies, going))) {
     sleepers.push_back(WorldIdOf(*scene_, world_->things().all[near]));
   }
 
@@ -210,13 +211,17 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
   world_->Restore(*next);
   const Things& things = world_->things();
   const std::vector<std::uint8_t> chosen = Chosen(change, *scene, *scene_, things, false);
-  if (refusal.empty()) refusal = WhyNotThere(*scene, things, next->bodies, chosen);
+  std::vector<ThingPair> pairs;
+  if (refusal.empty()) {
+    pairs = PairsOfChosen(things, next->bodies, chosen);
+    refusal = WhyNotThere(*scene, things, next->bodies, chosen, pairs);
+  }
   if (!refusal.empty()) {
     world_->Rebuild(scene_, *before);
     return refusal;
   }
 
-  std::vector<std::uint32_t> woken = NearChosen(things, next->bodies, chosen);
+  std::vector<std::uint32_t> woken = NearChosen(things, chosen, pairs);
   std::ranges::sort(sleepers);
   for (std::uint32_t i = 0; i < things.first_static && !sleepers.empty(); ++i) {
     if (std::ranges::binary_search(sleepers, WorldIdOf(*scene, things.all[i]))) woken.push_back(i);

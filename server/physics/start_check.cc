@@ -87,29 +87,27 @@ void CheckModels(const Scene& scene, Diagnostics& diagnostics) {
   }
 }
 
-namespace {
-
-/// All pairs that may touch. `margin_m`: of robots.
-std::vector<BroadPhase::Pair> AllPairs(const Things& things, std::span<const BodyState> bodies,
-                                       double margin_m) {
+std::vector<ThingPair> PairsOfChosen(const Things& things, std::span<const BodyState> bodies,
+                                     std::span<const std::uint8_t> chosen) {
+  constexpr double kMargin_m = 0.01;  // of robots
+  if (std::ranges::count(chosen, std::uint8_t{1}) == 0) return {};
   BroadPhase broad_phase(things, bodies);
   for (std::size_t i = 0; i < things.first_static; ++i) {
     const Thing& thing = things.all[i];
     if (thing.robot < 0) continue;
     const BodyState& first = bodies[static_cast<std::size_t>(thing.first_body)];
-    broad_phase.spaces()[static_cast<std::size_t>(thing.robot)] = SpaceOf(thing, first, margin_m);
+    broad_phase.spaces()[static_cast<std::size_t>(thing.robot)] = SpaceOf(thing, first, kMargin_m);
   }
-  return broad_phase.FindPairs(std::vector<std::uint8_t>(things.first_static, 1));
+  std::vector<ThingPair> pairs = broad_phase.FindPairs(std::vector<std::uint8_t>(things.first_static, 1));
+  std::erase_if(pairs,
+                [&](const ThingPair& pair) { return chosen[pair.first] == 0 && chosen[pair.second] == 0; });
+  return pairs;
 }
 
-}  // namespace
-
-std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const BodyState> bodies,
-                                      std::span<const std::uint8_t> chosen) {
-  constexpr double kMargin_m = 0.01;
+std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const std::uint8_t> chosen,
+                                      std::span<const ThingPair> pairs) {
   std::vector<std::uint32_t> near;
-  if (std::ranges::count(chosen, std::uint8_t{1}) == 0) return near;
-  for (const auto& [a, b] : AllPairs(things, bodies, kMargin_m)) {
+  for (const auto& [a, b] : pairs) {
     if (chosen[a] == chosen[b]) continue;
     const std::uint32_t other = chosen[a] != 0 ? b : a;
     if (other < things.first_static) near.push_back(other);
@@ -120,8 +118,7 @@ std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const Body
 }
 
 std::string WhyNotThere(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
-                        std::span<const std::uint8_t> chosen) {
-  if (std::ranges::count(chosen, std::uint8_t{1}) == 0) return {};
+                        std::span<const std::uint8_t> chosen, std::span<const ThingPair> pairs) {
   for (std::size_t i = 0; i < things.first_static; ++i) {
     if (chosen[i] == 0) continue;
     const Actor actor = things.ActorOf(i, bodies);
@@ -132,8 +129,7 @@ std::string WhyNotThere(const Scene& scene, const Things& things, std::span<cons
     }
   }
   Collider collider;
-  for (const auto& [a, b] : AllPairs(things, bodies, 0)) {
-    if (chosen[a] == 0 && chosen[b] == 0) continue;
+  for (const auto& [a, b] : pairs) {
     const double depth = DepthOfPair(collider, things.ActorOf(a, bodies), things.ActorOf(b, bodies));
     if (depth <= kTolerance_m) continue;
     const Thing& put = things.all[chosen[a] != 0 ? a : b];

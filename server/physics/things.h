@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/diagnostics.h"
@@ -142,11 +143,15 @@ void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnosti
 
 // What an edit looks at. `chosen`: by thing, 1: it is one of those that the edit puts there, or takes away.
 
-/// Why they cannot stand where `bodies` say: "box BOX_1 would stand 0.1 m inside WALL_2: …"; empty: they can.
+using ThingPair = std::pair<std::uint32_t, std::uint32_t>;
+/// Pairs of which at least one is chosen, and that may touch where `bodies` say: within 1 cm for robots.
+std::vector<ThingPair> PairsOfChosen(const Things& things, std::span<const BodyState> bodies,
+                                     std::span<const std::uint8_t> chosen);
+/// Why the chosen cannot stand there: "box BOX_1 would stand 0.1 m inside WALL_2: …"; empty: they can.
 std::string WhyNotThere(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
-                        std::span<const std::uint8_t> chosen);
-/// The other dynamic things that may touch them, increasing.
-std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const BodyState> bodies,
-                                      std::span<const std::uint8_t> chosen);
+                        std::span<const std::uint8_t> chosen, std::span<const ThingPair> pairs);
+/// The other dynamic things of `pairs`, increasing.
+std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const std::uint8_t> chosen,
+                                      std::span<const ThingPair> pairs);
 
 }  // namespace coopdyn

@@ -1,8 +1,11 @@
-"""What clients that do not read cost the others, one line each: subscribers in lockstep, queues of requests.
+"""What clients cost the others, one line each: subscribers and queues that are not read, pages that look, edits.
 
-COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/burden.py [subscribers queues]
-Daemon and client are held on one core each time, so that what one does the other pays for. Medians and ratios count.
+COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/burden.py [subscribers queues viewers edits]
+For the first two, daemon and client are held on one core, so that what one does the other pays for. Medians and ratios
+count.
 """
+import base64
+import contextlib
 import fcntl
 import os
 import socket
@@ -12,6 +15,7 @@ import sys
 import termios
 import threading
 import time
+import urllib.parse
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -24,6 +28,7 @@ STEPS = 20_000
 REPEATS = 5
 PEERS = 10
 REQUESTS = 100_000
+EDITS = 200
 SUBSCRIBE, SET_VELOCITY = 4, 11
 
 
@@ -137,7 +142,68 @@ def queues():
             peer.close()
 
 
+def viewer(url):
+    """A WebSocket that asks for poses, as a page does; bytes that have come are counted in its list."""
+    place = urllib.parse.urlsplit(url)
+    sock = socket.create_connection((place.hostname, place.port))
+    key = base64.b64encode(os.urandom(16)).decode()
+    sock.sendall(f"GET /ws HTTP/1.1\r\nHost: {place.netloc}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                 f"Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n"
+                 "Sec-WebSocket-Extensions: permessage-deflate\r\n\r\n".encode())
+    ask = b'{"type":"poses","rate":30}'
+    sock.sendall(bytes([0x81, 0x80 | len(ask)]) + bytes(4) + ask)  # masked with zeros
+    came = [0]
+
+    def read():
+        with contextlib.suppress(OSError):
+            while data := sock.recv(1 << 16):
+                came[0] += len(data)
+    threading.Thread(target=read, daemon=True).start()
+    return sock, came
+
+
+def viewers():
+    """Steps per second of 100 robots in lockstep without and with ten pages, and what a page is sent."""
+    with Daemon(None, "--mode", "lockstep", "--http", name="diffuse100") as daemon:
+        def speed(seconds=4):
+            begin, first = time.monotonic(), daemon.status()["step"]
+            time.sleep(seconds)
+            return (daemon.status()["step"] - first) / (time.monotonic() - begin)
+        speed(1)
+        ratios, rates = [], []
+        for _ in range(REPEATS):
+            alone = speed()
+            pages = [viewer(daemon.http) for _ in range(PEERS)]
+            time.sleep(0.3)  # their scenes are sent
+            begin, before = time.monotonic(), sum(came[0] for _, came in pages)
+            ratios.append(speed() / alone)
+            rates.append((sum(came[0] for _, came in pages) - before) / (time.monotonic() - begin) / PEERS)
+            for sock, _ in pages:
+                sock.shutdown(socket.SHUT_RDWR)
+                sock.close()
+        print(f"{PEERS} pages with poses at 30 Hz: steps/s with them / without {min(ratios):.3f} to {max(ratios):.3f}, "
+              f"median {statistics.median(ratios):.3f}; {statistics.median(rates) / 1000:.1f} kB/s each", flush=True)
+
+
+def edits():
+    """Milliseconds from request to reply of edits in a world of 1,000 boxes."""
+    boxes = "".join(f"[B_{i}]\ntype box\nsize 0.4 0.4 0.4\nposition {2 * (i % 32) - 32} {2 * (i // 32) - 32}\nmass 1\n"
+                    for i in range(1000))
+    with Daemon("[SIMULATION]\nmode lockstep\n[FLOOR]\nsize 200 200\n" + boxes, "--no-render", "--paused") as daemon:
+        world = daemon.text("/world")
+        for what, line in (("set_pose", "set_pose B_5 {0} 60 0.2"),
+                           ("insert", "insert [N_{1}] type box | size 0.4 0.4 0.4 | position {0} 70 | mass 1")):
+            times = []
+            for k in range(EDITS):
+                begin = time.perf_counter()
+                world.must(line.format(k / 2 - 50, k))
+                times.append(1000 * (time.perf_counter() - begin))
+            times.sort()
+            print(f"{what} in 1,000 boxes: median {statistics.median(times):.2f} ms, nine of ten within "
+                  f"{times[9 * EDITS // 10]:.2f} ms of {EDITS}", flush=True)
+
+
 if __name__ == "__main__":
-    parts = {"subscribers": subscribers, "queues": queues}
+    parts = {"subscribers": subscribers, "queues": queues, "viewers": viewers, "edits": edits}
     for name in sys.argv[1:] or parts:
         parts[name]()

@@ -2,17 +2,20 @@
 import json
 import math
 import random
+import tempfile
 import unittest
+from pathlib import Path
 
 from harness import BOX, Daemon, scenario, until
 from recording import SANITIZED, Play, RecordingTestCase, equal_steps, tool
 
+ROOT = Path(__file__).parents[2]
 ROOM = BOX + "[WALL_1]\ntype box\nsize 4 0.2 0.5\nposition 0 -3\n[BALL_1]\ntype sphere\nsize 0.3\nposition 4 4\nmass 0.5\n"
 CRATE = "insert [CRATE_*] | type box | size 0.4 0.4 0.4 | position {} {} | mass 2 | color orange"
 
 
 def paused(text=None, *options, **more):
-    return Daemon(text or scenario(1, extra=ROOM), "--paused", "--no-render", *options, **more)
+    return Daemon(None if "name" in more else text or scenario(1, extra=ROOM), "--paused", "--no-render", *options, **more)
 
 
 def listed(world):
@@ -217,6 +220,22 @@ class SaveTest(unittest.TestCase):
             self.assertEqual(daemon.status()["hash"], edited)
             self.assertEqual(world.must("save").text.split("\n", 1)[1], saved.split("\n", 1)[1])
 
+    def test_the_saved_text_finds_models_of_files_and_of_sdf_worlds_from_anywhere(self):
+        with tempfile.TemporaryDirectory() as folder:
+            model = (ROOT / "robots" / "minibot" / "model.sdf").read_text()
+            Path(folder, "bot.sdf").write_text(model)
+            inner = model[model.index("<model"):model.index("</sdf>")]
+            Path(folder, "two.world").write_text(f'<sdf version="1.9" xmlns:coopdyn="https://coopdyn.dev/sdf"><world name="two">{inner}</world></sdf>')
+            Path(folder, "path.scenario").write_text("[ROBOT_1]\ntype bot.sdf\nposition 1 1\n")
+            for name in ("path.scenario", "two.world"):
+                with paused(None, name=str(Path(folder, name))) as daemon:
+                    saved, begun = daemon.text("/world").must("save").text, daemon.status()["hash"]
+                    self.assertEqual(daemon.binary("/simulation").ask(108, text=saved).error, 0, "over a socket, too")
+                with tempfile.TemporaryDirectory() as other:
+                    Path(other, "again.scenario").write_text(saved)
+                    with paused(None, name=str(Path(other, "again.scenario"))) as daemon:
+                        self.assertEqual(daemon.status()["hash"], begun, name)
+                        self.assertEqual(daemon.text("/world").must("save").text.split("\n", 1)[1], saved.split("\n", 1)[1])
 
     def test_a_world_that_has_run_loads_too(self):
         with paused(scenario(2, extra=ROOM, mode="free")) as daemon:

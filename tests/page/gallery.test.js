@@ -20,15 +20,15 @@ after(async () => {
 
 const world = async () => JSON.parse((await call(daemon.url, {module: '/world', line: 'list'})).text);
 
-/** Drops files with these texts onto the view. */
-const drop = (files) => page.evaluate((named) => {
+/** Drops files with these texts onto the view, so far down. */
+const drop = (files, height = 0.6) => page.evaluate(([named, down]) => {
   const data = new DataTransfer();
   for (const [name, text] of Object.entries(named)) data.items.add(new File([text], name));
   const frame = document.getElementById('view-frame'), box = frame.getBoundingClientRect();
-  const where = {clientX: box.x + box.width / 2, clientY: box.y + 0.6 * box.height, dataTransfer: data, bubbles: true, cancelable: true};
+  const where = {clientX: box.x + box.width / 2, clientY: box.y + down * box.height, dataTransfer: data, bubbles: true, cancelable: true};
   frame.dispatchEvent(new DragEvent('dragover', where));
   frame.dispatchEvent(new DragEvent('drop', where));
-}, files);
+}, [files, height]);
 
 test('scenarios, worlds and robots are there with their pictures', async () => {
   await page.click('#tab-arena');
@@ -68,6 +68,8 @@ test('a name that is looked for leaves the others out', async () => {
 test('a dropped scenario is loaded', async () => {
   await drop({'mine.scenario': '[ROBOT_1]\ntype coopbot\nname ana\nposition 1 0\n'});
   await eventually(async () => (await daemon.status()).robots[0]?.name === 'ana');
+  await page.waitForFunction(() => window.coopdyn.view.scene.find('ana'));
+  await page.evaluate(() => window.coopdyn.view.select('ana'));
 });
 
 test('a dropped scenario with mistakes shows them by line, and changes nothing', async () => {
@@ -77,17 +79,26 @@ test('a dropped scenario with mistakes shows them by line, and changes nothing',
 });
 
 test('a dropped world is loaded', async () => {
-  await drop({'field.world': '[FLOOR]\nsize 6 6\n[PILLAR_1]\ntype cylinder\nsize 0.4 0.4 1\nposition 1 1\n'});
+  await drop({'field.world': '[FLOOR]\nsize 6 6\n[PILLAR_1]\ntype cylinder\nsize 0.4 0.4 1\nposition 0 0\n'});
   await eventually(async () => (await world()).things.some(({name}) => name === 'PILLAR_1'));
+  await page.waitForFunction(() => window.coopdyn.view.scene.find('PILLAR_1'));
+  assert.equal(await page.evaluate(() => window.coopdyn.view.selected), null, 'what was selected is gone');
 });
 
-test('a dropped robot model is inserted, and stands in the gallery', async () => {
+test('a dropped robot model is inserted where it was dropped, and stands in the gallery', async () => {
   const urdf = `<robot name="crate_bot"><link name="base">
     <inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
     <visual><geometry><box size="0.3 0.3 0.2"/></geometry></visual><collision><geometry><box size="0.3 0.3 0.2"/></geometry></collision>
     </link></robot>`;
-  await drop({'crate_bot.urdf': urdf});
-  await eventually(async () => (await world()).robots.some(({type}) => type === 'crate_bot'));
+  await drop({'crate_bot.urdf': urdf}, 0.85);
+  const crate = async () => (await world()).robots.find(({type}) => type === 'crate_bot');
+  await eventually(async () => await crate() !== undefined);
+  const floor = await page.evaluate(() => {
+    const box = document.getElementById('view-frame').getBoundingClientRect();
+    return window.coopdyn.view.floorAt(box.x + box.width / 2, box.y + 0.85 * box.height).toArray();
+  });
+  const {position} = await crate();
+  assert.ok(Math.hypot(position[0] - floor[0], position[1] - floor[1]) < 0.05, `${position}, not ${floor}`);
   await page.click('#tab-arena');
   await page.waitForSelector('.thumb[data-kind="robot"][data-name="crate_bot"]');
 });

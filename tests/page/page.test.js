@@ -108,6 +108,7 @@ describe('the page', () => {
       } while ((await picture(page)) !== last);
       return last;
     };
+    await page.waitForSelector('#view');
     const box = await page.locator('#view').boundingBox();
     const centre = [box.x + box.width / 2, box.y + box.height / 2];
     const drag = async (button, dx, dy) => {
@@ -183,6 +184,7 @@ describe('the page', () => {
   test('the picture takes at least half of the window', async () => {
     for (const [width, height] of [[1024, 768], [1280, 720], [1920, 1080]]) {
       await page.setViewportSize({width, height});
+      await page.waitForSelector('#view');
       const box = await page.locator('#view').boundingBox();
       assert.ok(box.width * box.height >= 0.5 * width * height, `${box.width} x ${box.height} of ${width} x ${height}`);
     }

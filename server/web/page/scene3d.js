@@ -65,6 +65,17 @@ export class Scene3d {
 
   find(name) { return this.things.find((thing) => thing.name === name); }
 
+  /** Whether something stands within `radius` of a point of the floor, by its outline seen from above. */
+  isTaken(x, y, radius) {
+    return this.things.some((thing) => {
+      if (!['thing', 'robot'].includes(thing.kind)) return false;
+      const [p, q] = this.pose(thing), {type, size} = thing.description;
+      const at = new THREE.Vector3(x - p.x, y - p.y, 0).applyQuaternion(q.invert());
+      const half = thing.kind === 'robot' ? [thing.model.radius, thing.model.radius] : type === 'box' ? [size[0] / 2, size[1] / 2] : [size[0], size[0]];
+      return Math.hypot(Math.max(0, Math.abs(at.x) - half[0]), Math.max(0, Math.abs(at.y) - half[1])) < radius;
+    });
+  }
+
   /** Where body `body` is: [position, quaternion]. */
   poseOf(body) {
     const at = 7 * body;

@@ -7,6 +7,7 @@ import {byId, make, setText} from './dom.js';
 import {Interpolator, PoseReader} from './poses.js';
 import {Scene3d} from './scene3d.js';
 
+const LEAST_SEEN_M = 3;
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as the daemon's pictures
 const MAX_WIDTH = 1280;  // of pictures of the daemon
@@ -42,7 +43,8 @@ export class View3d extends EventTarget {
   #scene = null;
   #reader = new PoseReader();
   #between = new Interpolator();
-  #asking = null;     // number of the scene that was asked for
+  #loading = false;   // the scene
+  #drop = null;       // frees the last scene
   #dirty = true;
   #framed = '';       // the scenario that the camera was set up for
   #selected = null;
@@ -155,7 +157,11 @@ export class View3d extends EventTarget {
   /** Looks at everything: 'top' from above, else from the side. */
   fit(from = 'side') {
     if (!this.#scene) return;
-    const box = this.#scene.box(), size = box.getSize(new THREE.Vector3());
+    const box = this.#scene.box();
+    // One small thing is seen with the floor around it.
+    const narrow = box.getSize(new THREE.Vector3());
+    box.expandByVector(new THREE.Vector3(Math.max(0, LEAST_SEEN_M - narrow.x) / 2, Math.max(0, LEAST_SEEN_M - narrow.y) / 2, 0));
+    const size = box.getSize(new THREE.Vector3());
     const middle = box.getCenter(new THREE.Vector3());
     const fov = THREE.MathUtils.degToRad(this.#camera.fov), aspect = this.#camera.aspect;
     const half = from === 'top' ? Math.max(size.y, size.x / aspect) / 2 : Math.max(size.length() / 2, 0.5) / Math.min(1, aspect);
@@ -213,28 +219,31 @@ export class View3d extends EventTarget {
 
   #onPoses(buffer) {
     if (!this.#reader.take(buffer)) return;
-    if (!this.#scene || this.#scene.number !== this.#reader.scene) return this.#load(this.#reader.scene);
+    if (!this.#scene || this.#scene.number !== this.#reader.scene) return this.load();
     this.#between.push(this.#reader, performance.now());
     this.#dirty = true;
   }
 
-  async #load(number) {
-    if (this.#asking === number) return;
-    this.#asking = number;
+  /** Asks for the scene; who has just edited the world need not wait for the next poses. */
+  async load() {
+    if (this.#loading) return;
+    this.#loading = true;
     try {
       const description = await (await fetch('api/scene')).json();
-      if (this.#asking !== number && description.scene !== this.#reader.scene) return;
-      this.#show(description);
+      if (description.scene !== this.#scene?.number) this.#show(description);
     } catch {
-      setTimeout(() => { this.#asking = null; }, 500);  // the banner says if the daemon is gone
-      return;
+      await new Promise((later) => { setTimeout(later, 500); });  // the banner says if the daemon is gone
     }
-    this.#asking = null;
+    this.#loading = false;
   }
 
   #show(description) {
-    const selected = this.#wanted || this.#selected?.name, followed = this.#follows?.name;
-    this.#scene?.dispose();
+    const wanted = this.#wanted, selected = this.#selected?.name, followed = this.#follows?.name;
+    this.#drop?.();
+    // Its shaders serve the next scene: it goes when that has been drawn.
+    const last = this.#scene;
+    last?.root.removeFromParent();
+    this.#drop = () => { last?.dispose(); this.#drop = null; };
     this.#scene = new Scene3d(description, {onLoaded: () => { this.#dirty = true; }, plain: this.#software});
     this.#root.add(this.#scene.root);
     this.#between.reset(description.bodies);
@@ -250,7 +259,8 @@ export class View3d extends EventTarget {
       const wanted = new URLSearchParams(location.search).get('view');
       this.fit(wanted === 'top' ? 'top' : 'side');
     }
-    this.select(selected || null);
+    this.select(this.#scene.find(wanted) ?? this.#scene.find(selected) ?? null);
+    if (this.#selected?.name !== wanted) this.#wanted = wanted;  // it is still on its way
     this.#follows = followed ? this.#scene.find(followed) ?? null : null;
     this.#showFollow();
     this.#dirty = true;
@@ -328,6 +338,7 @@ export class View3d extends EventTarget {
     this.#placeOutline();
     this.#dirty = false;
     this.#render();
+    this.#drop?.();
     this.#askSensors();
     this.#keepPace(now);
     // Where drawing takes long the rest of the page gets its share.

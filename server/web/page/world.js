@@ -6,6 +6,7 @@ import {isShown, showTab, tab} from './layout.js';
 
 const MODULE = '/world';
 const SNAP_M = 0.05;
+const ROOM_M = 0.35;  // kept around a new thing that is to find its place
 export const DRAGGED = 'application/x-coopdyn-sections';
 const SHAPES = {
   box: 'type box\nsize 0.5 0.5 0.5\nmass 2\ncolor orange',
@@ -108,6 +109,7 @@ export class World {
     const reply = await this.#connection.call(request);
     if (reply.error !== 0) say(reply.text, true);
     else say(`${line.split(' ')[0].replace('_', ' ')}: ${reply.text}`);
+    this.#view.load?.();
     this.#refresh();
     return reply;
   }
@@ -125,11 +127,13 @@ export class World {
     const {x, y} = middle ?? {x: 0, y: 0};
     for (let ring = 0; ring < 24; ++ring) {
       const angle = 2.4 * ring, away = 0.35 * Math.sqrt(ring);
-      const reply = await this.#connection.call({module: MODULE, command: 'insert',
-        text: sectionsFor(kind, x + away * Math.cos(angle), y + away * Math.sin(angle), choice)});
+      const at = [x + away * Math.cos(angle), y + away * Math.sin(angle)];
+      if (this.#view.scene?.isTaken(...at, ROOM_M)) continue;
+      const reply = await this.#connection.call({module: MODULE, command: 'insert', text: sectionsFor(kind, ...at, choice)});
       if (reply.error === 5 && /would stand/.test(reply.text)) continue;
       if (reply.error !== 0) return say(reply.text, true);
       say(`insert: ${reply.text}`);
+      this.#view.load?.();
       this.#refresh();
       return this.select(reply.text.split(/\s/)[0]);
     }
