@@ -160,3 +160,18 @@ test('a finger drives as the mouse does', async () => {
   await touch('pointerup', width / 2);
   await stands();
 });
+
+test('who lets go before the first answer has come stops the robot too', async () => {
+  await page.evaluate(() => {
+    const pad = document.getElementById('joystick-pad'), {x, y, width} = pad.getBoundingClientRect();
+    pad.setPointerCapture = () => {};
+    const touch = (type, dy) => pad.dispatchEvent(new PointerEvent(type, {pointerId: 7, bubbles: true,
+      clientX: x + width / 2, clientY: y + width / 2 - dy}));
+    touch('pointerdown', 0);
+    touch('pointermove', width / 2);
+    touch('pointerup', width / 2);
+  });
+  await hasText(page, '#joystick-said', /^stopped$/);
+  await stands();
+  await free();
+});

@@ -56,7 +56,7 @@ class Driver {
 
   /** Stops at once, also from a page that is about to be hidden. */
   stop() {
-    if (!this.#drives && !this.#wanted) return;
+    if (!this.#drives && !this.#wanted && !this.#busy) return;
     this.#wanted = {command: 'stop', data: null};
     this.#run();
   }
