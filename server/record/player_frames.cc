@@ -125,7 +125,7 @@ std::vector<SentMessage> PlayInputs::Messages() const {
         if (now == scene_->robots.end()) continue;
         message.robot = static_cast<std::uint32_t>(now - scene_->robots.begin());
       }
-      messages.push_back(std::move(message));
+      messages.push_back(message);
     }
   };
   add(keyframe_->frame->messages, *keyframe_->frame->scene);

@@ -4,6 +4,7 @@
 
 #include "server/record/run_reader.h"
 #include "server/record/run_tables.h"
+#include "server/record/state_codec.h"
 
 namespace coopdyn {
 
