@@ -84,7 +84,7 @@ PageServices::PageServices(const SearchPath& path, const std::filesystem::path& 
 }
 
 PageServices::~PageServices() {
-  stopping_ = true;
+  stopping_.request_stop();
   checks_.Stop();
   drawings_.Stop();
   views_.Stop();
@@ -172,9 +172,8 @@ HttpAnswer PageServices::View(const RunView& view, const std::string& file, cons
   if (run == nullptr) return ErrorAnswer(409, error);
   if (view.what == "timeline") return TimelineOf(*run);
   if (view.what == "scene") return SceneOf(*run);
-  const auto goes_on = [this](double) { return !stopping_; };
-  if (view.what == "poses") return PosesOf(*run, view.rate_hz, goes_on);
-  if (view.what == "table") return TableOf(*run, view.robot, view.points, goes_on);
+  if (view.what == "poses") return PosesOf(*run, view.rate_hz, stopping_.get_token());
+  if (view.what == "table") return TableOf(*run, view.robot, view.points, stopping_.get_token());
   const std::shared_ptr<RunReader> second = open(other, error);
   return second == nullptr ? ErrorAnswer(409, error) : PartingOf(*run, *second, replay_);
 }

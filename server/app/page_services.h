@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <stop_token>
 #include <string>
 
 #include "server/app/gallery.h"
@@ -51,7 +52,7 @@ class PageServices {
   WorkerPool pool_{1};  // of views_: the daemon's own is the stepping thread's
   const ReplayServices replay_;
   std::atomic<int> waiting_{0}, pictures_{0}, viewing_{0};
-  std::atomic<bool> stopping_{false};
+  std::stop_source stopping_;
   // Last: what they run uses the rest.
   IoThread checks_, drawings_, views_;
 };

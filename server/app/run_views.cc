@@ -31,6 +31,7 @@ namespace json = boost::json;
 constexpr std::size_t kMaxMarks = 10'000;
 constexpr std::size_t kMaxPoseBytes = 48'000'000;
 constexpr std::uintmax_t kMaxTableBytes = 64'000'000;
+constexpr const char* kEnding = "the daemon ends";
 
 HttpAnswer Damaged(const RunReader& run) {
   return ErrorAnswer(409, run.error());
@@ -97,7 +98,7 @@ HttpAnswer SceneOf(RunReader& run) {
   return JsonAnswer(SceneJson(*first->frame, 0));
 }
 
-HttpAnswer PosesOf(RunReader& run, double rate_hz, const ExportProgress& goes_on) {
+HttpAnswer PosesOf(RunReader& run, double rate_hz, const std::stop_token& stop) {
   const RunExtent extent = run.extent();
   const auto every = static_cast<Nanoseconds>(1e9 / std::clamp(rate_hz, 0.1, 60.0));
   PlayFrames frames(run);
@@ -106,9 +107,7 @@ HttpAnswer PosesOf(RunReader& run, double rate_hz, const ExportProgress& goes_on
   std::optional<std::uint64_t> step = run.StepAt(extent.begin, true);
   const Scene* scene = nullptr;
   for (Nanoseconds due = extent.begin; step; due += every) {
-    const double share =
-        static_cast<double>(due - extent.begin) / static_cast<double>(extent.end - extent.begin + 1);
-    if (!goes_on(share)) return ErrorAnswer(503, "the daemon ends");
+    if (stop.stop_requested()) return ErrorAnswer(503, kEnding);
     const std::shared_ptr<Frame> frame = frames.Make(*step);
     if (frame == nullptr) return Damaged(run);
     if (scene == nullptr) scene = frame->scene.get();
@@ -129,7 +128,7 @@ HttpAnswer PosesOf(RunReader& run, double rate_hz, const ExportProgress& goes_on
   return Bytes(std::move(bytes), "application/octet-stream");
 }
 
-HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const ExportProgress& goes_on) {
+HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const std::stop_token& stop) {
   const RunExtent extent = run.extent();
   const SavedStatePtr first = run.Keyframe(extent.first);
   if (first == nullptr) return Damaged(run);
@@ -141,7 +140,7 @@ HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const E
   std::string folder = (fs::temp_directory_path() / "coopdyn-table-XXXXXX").string();
   if (::mkdtemp(folder.data()) == nullptr) return ErrorAnswer(507, "there is no room for a table");
   const std::string file = folder + "/table.csv";
-  const std::string error = ExportCsv(run, options, file, goes_on);
+  const std::string error = ExportCsv(run, options, file, [&stop](double) { return !stop.stop_requested(); });
   std::error_code missing;
   const std::uintmax_t size = fs::file_size(file, missing);
   std::string text;
@@ -150,6 +149,7 @@ HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const E
     text.assign(std::istreambuf_iterator<char>(in), {});
   }
   fs::remove_all(folder, missing);
+  if (stop.stop_requested()) return ErrorAnswer(503, kEnding);
   if (!error.empty()) return ErrorAnswer(409, error);
   if (text.empty()) return ErrorAnswer(413, "the table would be too large: ask for fewer points");
   return Bytes(std::move(text), "text/csv; charset=utf-8");

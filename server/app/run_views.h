@@ -4,10 +4,10 @@
 // thread.
 #pragma once
 
+#include <stop_token>
 #include <string>
 
 #include "server/record/run_reader.h"
-#include "server/replay/export_file.h"
 #include "server/replay/state_at.h"
 #include "server/web/http_routes.h"
 
@@ -22,9 +22,9 @@ HttpAnswer PartingOf(RunReader& one, RunReader& other, const ReplayServices& ser
 /// The first scene, as /api/scene; its number is 0.
 HttpAnswer SceneOf(RunReader& run);
 /// Poses of the first scene for about `rate` moments a second: each as a u32 length and a pose message.
-/// `goes_on` may end it with an error, as it may TableOf().
-HttpAnswer PosesOf(RunReader& run, double rate_hz, const ExportProgress& goes_on);
+/// 503 if `stop` is asked for meanwhile, as TableOf() says then.
+HttpAnswer PosesOf(RunReader& run, double rate_hz, const std::stop_token& stop);
 /// The columns of `coopdyn export` for one robot, sensors included, thinned to about `points` rows; CSV.
-HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const ExportProgress& goes_on);
+HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const std::stop_token& stop);
 
 }  // namespace coopdyn

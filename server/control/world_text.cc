@@ -2,7 +2,6 @@
 // The world as it stands: WorldText(), a scenario that loads to the same, and WorldJson(), what `list` of
 // /world answers (docs/protocol.md). Every object of a list has the same keys.
 #include <boost/json.hpp>
-#include <filesystem>
 #include <utility>
 
 #include "protocol/json_text.h"
@@ -59,19 +58,6 @@ json::object RobotJson(const Frame& frame, int place) {
           {"color", Numbers(robot.entry.color)},
           {"fidelity", ToString(robot.entry.fidelity)},
           {"controller", robot.entry.controller.name}};
-}
-
-/// The type that means the same model wherever the text is kept.
-std::string TypeFromAnywhere(const RobotModel& model) {
-  namespace fs = std::filesystem;
-  const fs::path file = fs::absolute(model.file);
-  const std::string of_world = file.stem().string() + ".";  // SDF worlds call their robots so
-  if (!IsModelPath(model.type)) {
-    const bool in_world = model.type.starts_with(of_world) && file.stem() != "model";
-    return in_world ? WorldModelType(file, model.type.substr(of_world.size())) : model.type;
-  }
-  const std::size_t mark = model.type.rfind('#');
-  return mark == std::string::npos ? file.string() : WorldModelType(file, model.type.substr(mark + 1));
 }
 
 }  // namespace

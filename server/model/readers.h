@@ -47,10 +47,15 @@ struct SearchPath {
   std::vector<std::string> RobotNames() const;
 };
 
-/// Whether a robot's type is the path of a model: it has a folder, or ends in .sdf or .urdf.
+/// Whether a robot's type is the path of a model: it has a folder or a #, or ends in .sdf or .urdf.
 bool IsModelPath(const std::string& type);
-/// The type of a robot that an SDF world describes: WORLD#MODEL.
+/// WORLD#MODEL, the type of a robot that an SDF world describes, and its MODEL; empty for another type.
 std::string WorldModelType(const std::filesystem::path& world, const std::string& model);
+std::string ModelOfWorldType(const std::string& type);
+/// What the scenario of an SDF world calls that type: world.MODEL.
+std::string ShortWorldModelType(const std::filesystem::path& world, const std::string& model);
+/// The type that means `model` wherever a text with it is kept.
+std::string TypeFromAnywhere(const RobotModel& model);
 
 /// True for a name without folders, drives and a leading dot, as texts from a socket may name files.
 bool IsBareName(const std::string& name);
@@ -78,6 +83,10 @@ class RobotLibrary {
   const SearchPath& path() const { return path_; }
 
  private:
+  /// The model `part` of the SDF world `world`, if that has been read.
+  std::shared_ptr<const RobotModel> KnownOfWorld(const std::filesystem::path& world,
+                                                 const std::string& part) const REQUIRES(mutex_);
+
   const SearchPath path_;
   const std::vector<SourceText> embedded_;
   Mutex mutex_;

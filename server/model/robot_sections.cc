@@ -81,8 +81,12 @@ std::string WhyNoName(const std::string& name, NamedKind kind) {
 
 std::shared_ptr<const RobotModel> RobotSections::ReadType(SectionReader& reader, bool& team) {
   reader.Require("type", "type single");
-  const std::optional<std::string> word = reader.Word("type");
+  const std::optional<std::string> word = reader.Text("type");
   if (!word) return nullptr;
+  if (!IsModelPath(*word) && word->find_first_of(" \t") != std::string::npos) {
+    reader.ErrorAt("type", "'type' takes one word, or the path of a model's file, not '" + *word + "'");
+    return nullptr;
+  }
   const std::string lower = ToLower(*word);
   team = lower == "team2";
   const std::string type = team ? kTransporter : lower == "single" ? "coopbot" : *word;

@@ -433,8 +433,10 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   std::optional<std::string> text = ReadTextFile(file, {file, 0}, found);
   std::shared_ptr<const Scenario> scenario;
   if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
-    text = ScenarioOfSdfWorld(file, robots, found);
-    if (text) scenario = ReadScenario(*text, file, robots, false, found, seed);
+    if (const std::optional<SdfWorld> world = ReadSdfWorld(file, robots.path(), found)) {
+      for (const auto& [name, model] : world->models) robots.Add(model->type, model);
+      scenario = ReadScenario(world->scenario, file, robots, false, found, seed);
+    }
   } else if (text) {
     const bool world = ToLower(path->extension().string()) == ".world";
     scenario = world ? WorldAsScenario(*text, file, robots, seed, found)

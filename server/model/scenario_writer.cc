@@ -90,7 +90,7 @@ std::string WriteLight(const PointLight& light) {
 
 std::string WriteRobot(const RobotEntry& robot, std::size_t number, const std::string& type) {
   Lines lines("ROBOT_" + std::to_string(number));
-  lines.Add("type", type);
+  lines.Add("type", type.find_first_of(" ;#") == std::string::npos ? type : "\"" + type + "\"");
   lines.Add("name", robot.name);
   lines.AddPose(robot.X_WR);
   lines.Add("color", robot.color);

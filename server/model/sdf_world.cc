@@ -38,13 +38,10 @@ std::string Angles(const Quaternion& q) {
 
 class WorldConverter {
  public:
-  WorldConverter(std::filesystem::path file, RobotLibrary& library, Diagnostics& diagnostics)
-      : file_(std::move(file)),
-        resources_(library.path().folders, file_),
-        library_(library),
-        diagnostics_(diagnostics) {}
+  WorldConverter(std::filesystem::path file, const SearchPath& path, Diagnostics& diagnostics)
+      : file_(std::move(file)), resources_(path.folders, file_), diagnostics_(diagnostics) {}
 
-  std::optional<std::string> Convert(const std::string& text) {
+  std::optional<SdfWorld> Convert(const std::string& text) {
     auto root = ParseXml(text, file_.string(), diagnostics_);
     if (!root) return std::nullopt;
     XmlNode* world = root->Child("world");
@@ -68,13 +65,17 @@ class WorldConverter {
       }
     }
     if (diagnostics_.has_errors()) return std::nullopt;
-    return "; The scenario that " + file_.filename().string() + " means.\n[SIMULATION]\n" + simulation_ +
-           "\n[FLOOR]\n" + (floor_.empty() ? "size 100 100\n" : floor_) + things_ + lights_ + robots_;
+    return SdfWorld{"; The scenario that " + file_.filename().string() + " means.\n[SIMULATION]\n" +
+                        simulation_ + "\n[FLOOR]\n" + (floor_.empty() ? "size 100 100\n" : floor_) + things_ +
+                        lights_ + robots_,
+                    std::move(models_)};
   }
 
  private:
   /// A file with a model alone is a scenario with that robot.
-  std::string OneRobot() const { return "[ROBOT_1]\ntype " + file_.filename().string() + "\nposition 0 0\n"; }
+  SdfWorld OneRobot() const {
+    return {"[ROBOT_1]\ntype \"" + file_.filename().string() + "\"\nposition 0 0\n", {}};
+  }
 
   void ReadSimulation(const XmlNode& world) {
     const auto gravity = SplitWords(world.TextOf("gravity"));
@@ -184,7 +185,7 @@ class WorldConverter {
     std::erase_if(model.children, [](const XmlNode& one) { return one.name == "pose"; });
     if (IsGround(model, X_WM)) return;
     const std::string name = NewName(model.Attribute("name"));
-    const std::string type = file_.stem().string() + "." + name;
+    const std::string type = ShortWorldModelType(file_, name);
     const auto read = ReadRobotModelTree(std::move(root), file_.string(), type, &resources_, diagnostics_);
     if (read == nullptr) return;
     Pose X_WR = X_WM * Pose{read->p_MR, Quaternion::Identity()};
@@ -196,10 +197,7 @@ class WorldConverter {
                                               " m below the floor: it is put on the floor");
       X_WR.p.z() = 0;
     }
-    library_.Add(type, read);
-    const auto by_path = std::make_shared<RobotModel>(*read);
-    by_path->type = WorldModelType(std::filesystem::absolute(file_), name);
-    library_.Add(by_path->type, by_path);
+    models_.emplace(name, read);
     robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +
                "\nposition " + Exact(X_WR.p) + "\norientation " + Angles(X_WR.q) + "\n";
     if (!read->has_actuators() && read->sensors.size() <= 1) robots_ += "sockets no\n";
@@ -256,20 +254,20 @@ class WorldConverter {
 
   const std::filesystem::path file_;
   const Resources resources_;
-  RobotLibrary& library_;
   Diagnostics& diagnostics_;
   std::string simulation_, floor_, things_, lights_, robots_;
+  std::map<std::string, std::shared_ptr<const RobotModel>> models_;  // by their new names
   std::set<std::string> names_;
   int robot_count_ = 0, light_count_ = 0;
 };
 
 }  // namespace
 
-std::optional<std::string> ScenarioOfSdfWorld(const std::filesystem::path& file, RobotLibrary& library,
-                                              Diagnostics& diagnostics) {
+std::optional<SdfWorld> ReadSdfWorld(const std::filesystem::path& file, const SearchPath& path,
+                                     Diagnostics& diagnostics) {
   const auto text = ReadTextFile(file.string(), {file.string(), 0}, diagnostics);
   if (!text) return std::nullopt;
-  return WorldConverter(file, library, diagnostics).Convert(*text);
+  return WorldConverter(file, path, diagnostics).Convert(*text);
 }
 
 }  // namespace coopdyn

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -10,9 +12,15 @@
 
 namespace coopdyn {
 
-/// The text of the scenario that the world in `file` means: what stands still and is simple becomes things,
-/// the rest robots, whose models `library` has from now on. Nothing with errors.
-std::optional<std::string> ScenarioOfSdfWorld(const std::filesystem::path& file, RobotLibrary& library,
-                                              Diagnostics& diagnostics);
+/// A world as a scenario.
+struct SdfWorld {
+  std::string scenario;  // its text: what stands still and is simple becomes things, the rest robots
+  std::map<std::string, std::shared_ptr<const RobotModel>>
+      models;  // of the robots, by their names in the world
+};
+
+/// Reads the world in `file`. Nothing with errors.
+std::optional<SdfWorld> ReadSdfWorld(const std::filesystem::path& file, const SearchPath& path,
+                                     Diagnostics& diagnostics);
 
 }  // namespace coopdyn

@@ -207,7 +207,7 @@ std::vector<std::string> SearchPath::RobotNames() const {
 
 bool IsModelPath(const std::string& type) {
   const std::string lower = ToLower(type);
-  return type.find_first_of("/\\") != std::string::npos || lower.ends_with(".sdf") ||
+  return type.find_first_of("/\\#") != std::string::npos || lower.ends_with(".sdf") ||
          lower.ends_with(".urdf");
 }
 
@@ -215,15 +215,29 @@ std::string WorldModelType(const fs::path& world, const std::string& model) {
   return world.string() + "#" + model;
 }
 
-namespace {
-
-/// Of WORLD#MODEL: the world; else the whole. `model` gets the rest.
-std::string WorldOf(const std::string& path, std::string& model) {
-  const std::size_t mark = path.rfind('#');
-  if (mark == std::string::npos) return path;
-  model = path.substr(mark + 1);
-  return path.substr(0, mark);
+std::string ModelOfWorldType(const std::string& type) {
+  const std::size_t mark = type.rfind('#');
+  const bool is_folders = mark != std::string::npos && type.find_first_of("/\\", mark) != std::string::npos;
+  return mark == std::string::npos || is_folders ? "" : type.substr(mark + 1);
 }
+
+std::string ShortWorldModelType(const fs::path& world, const std::string& model) {
+  return world.stem().string() + "." + model;
+}
+
+std::string TypeFromAnywhere(const RobotModel& model) {
+  const fs::path file = fs::absolute(model.file);
+  if (IsModelPath(model.type)) {
+    const std::string part = ModelOfWorldType(model.type);
+    return part.empty() ? file.string() : WorldModelType(file, part);
+  }
+  // A robot on the search path is called as its folder.
+  const std::string in_world = ShortWorldModelType(file, "");
+  if (!model.type.starts_with(in_world) || file.parent_path().filename() == model.type) return model.type;
+  return WorldModelType(file, model.type.substr(in_world.size()));
+}
+
+namespace {
 
 /// The file that a type written as a path means.
 fs::path ModelPath(const std::string& type, const fs::path& beside) {
@@ -241,31 +255,30 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
                                                     const std::optional<fs::path>& beside) {
   MutexLock lock(mutex_);
   const bool is_path = IsModelPath(type) && Embedded(kRobot, type) == nullptr;
-  if (is_path && !beside) {
-    if (const auto known = models_.find(type); known != models_.end()) return known->second;
-    diagnostics.Error(
-        where, "over a socket a robot's type is a bare name on the search path, not the path '" + type + "'");
-    return nullptr;
-  }
-  const std::string key = is_path ? ModelPath(type, *beside).string() : type;
+  const std::string key = is_path && beside ? ModelPath(type, *beside).string() : type;
   if (const auto known = models_.find(key); known != models_.end()) return known->second;
-  std::string part;
-  const std::string world = WorldOf(key, part);
+  const std::string part = is_path ? ModelOfWorldType(key) : "";
+  const fs::path world = part.empty() ? fs::path() : fs::path(key.substr(0, key.rfind('#')));
   // A model with errors is not kept: mended, it loads.
   std::shared_ptr<const RobotModel> model;
   if (const SourceText* source = Embedded(kRobot, type)) {
     model = ReadRobotModelText(source->text, source->file, type, diagnostics);
+  } else if (auto known = part.empty() ? nullptr : KnownOfWorld(world, part)) {
+    model = std::move(known);
+  } else if (is_path && !beside) {
+    diagnostics.Error(
+        where, "over a socket a robot's type is a bare name on the search path, not the path '" + type + "'");
   } else if (is_path && IsFile(key)) {
     model = ReadRobotModel(key, path_, diagnostics);
-  } else if (is_path && !part.empty() && IsFile(world)) {
-    RobotLibrary of_world(path_);
-    if (!ScenarioOfSdfWorld(world, of_world, diagnostics)) return nullptr;
-    const MutexLock other(of_world.mutex_);
-    const auto found = of_world.models_.find(WorldModelType(world, part));
-    if (found == of_world.models_.end())
-      diagnostics.Error(where, world + " has no robot '" + part + "': coopdyn check " + world + " reads it");
-    else
+  } else if (!part.empty() && IsFile(world)) {
+    const std::optional<SdfWorld> read = ReadSdfWorld(world, path_, diagnostics);
+    if (!read) return nullptr;
+    std::vector<std::string> names;
+    for (const auto& [name, robot] : read->models) names.push_back(name);
+    if (const auto found = read->models.find(part); found != read->models.end())
       model = found->second;
+    else
+      diagnostics.Error(where, world.string() + " has no robot '" + part + "'" + DidYouMean(part, names));
   } else if (is_path) {
     diagnostics.Error(where, "there is no robot model " + key);
   } else if (const std::optional<fs::path> file = path_.FindRobot(type)) {
@@ -286,6 +299,13 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
   return model;
 }
 
+std::shared_ptr<const RobotModel> RobotLibrary::KnownOfWorld(const fs::path& world,
+                                                             const std::string& part) const {
+  const auto known = models_.find(ShortWorldModelType(world, part));
+  const bool is_same = known != models_.end() && fs::absolute(known->second->file) == fs::absolute(world);
+  return is_same ? known->second : nullptr;
+}
+
 void RobotLibrary::Add(const std::string& type, std::shared_ptr<const RobotModel> model) {
   MutexLock lock(mutex_);
   models_.insert_or_assign(type, std::move(model));
@@ -293,8 +313,10 @@ void RobotLibrary::Add(const std::string& type, std::shared_ptr<const RobotModel
 
 bool RobotLibrary::Has(const std::string& type, const std::optional<fs::path>& beside) const {
   if (Embedded(kRobot, type) != nullptr) return true;
-  std::string part;
-  if (IsModelPath(type)) return beside && IsFile(WorldOf(ModelPath(type, *beside).string(), part));
+  if (IsModelPath(type)) {
+    const std::string file = beside ? ModelPath(type, *beside).string() : "";
+    return IsFile(ModelOfWorldType(file).empty() ? file : file.substr(0, file.rfind('#')));
+  }
   return path_.FindRobot(type).has_value();
 }
 

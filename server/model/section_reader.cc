@@ -26,9 +26,10 @@ std::string CountText(std::initializer_list<std::size_t> counts) {
   return out + (counts.size() == 1 && *counts.begin() == 1 ? " number" : " numbers");
 }
 
-/// `line` without a comment: from a # or ; at its start or after a space.
+/// `line` without a comment: from a # or ; at its start or after a space, outside "…".
 std::string_view WithoutComment(std::string_view line) {
   for (std::size_t i = 0; i < line.size(); ++i) {
+    if (const std::size_t end = line[i] == '"' ? line.find('"', i + 1) : line.npos; end != line.npos) i = end;
     if (line[i] != '#' && line[i] != ';') continue;
     if (i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t') return line.substr(0, i);
   }

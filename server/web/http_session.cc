@@ -12,9 +12,7 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
-#include <boost/json.hpp>
 
-#include "protocol/json_text.h"
 #include "server/web/access.h"
 #include "server/web/direct_answers.h"
 #include "server/web/page_bridge.h"
@@ -26,7 +24,6 @@ namespace coopdyn {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
-namespace json = boost::json;
 using boost::system::error_code;
 
 namespace {

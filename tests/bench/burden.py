@@ -20,7 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "daemon"), str(ROOT / "tests" / "bench")]
-from harness import Daemon, frame, scenario  # noqa: E402
+from harness import Daemon, frame, scenario, until  # noqa: E402
 from measure import cpu_s  # noqa: E402
 
 SUBSCRIBERS = 50
@@ -163,21 +163,24 @@ def viewer(url):
 
 
 def viewers():
-    """Steps per second of 100 robots in lockstep without and with ten pages, and what a page is sent."""
-    with Daemon(None, "--mode", "lockstep", "--http", name="diffuse100") as daemon:
-        def speed(seconds=4):
-            begin, first = time.monotonic(), daemon.status()["step"]
-            time.sleep(seconds)
-            return (daemon.status()["step"] - first) / (time.monotonic() - begin)
-        speed(1)
+    """Steps per second of 100 robots without and with ten pages, and what a page is sent."""
+    with Daemon(None, "--mode", "lockstep", "--paused", "--http", name="diffuse100") as daemon:
+        simulation = daemon.text("/simulation")
+
+        def seconds(steps=STEPS):
+            begin = time.monotonic()
+            simulation.must(f"step {steps}")
+            return time.monotonic() - begin
+        seconds(1000)
         ratios, rates = [], []
         for _ in range(REPEATS):
-            alone = speed()
+            alone = seconds()
             pages = [viewer(daemon.http) for _ in range(PEERS)]
-            time.sleep(0.3)  # their scenes are sent
-            begin, before = time.monotonic(), sum(came[0] for _, came in pages)
-            ratios.append(speed() / alone)
-            rates.append((sum(came[0] for _, came in pages) - before) / (time.monotonic() - begin) / PEERS)
+            until(lambda: all(came[0] for _, came in pages), "the pages get their first poses")
+            before = sum(came[0] for _, came in pages)
+            busy = seconds()
+            ratios.append(alone / busy)
+            rates.append((sum(came[0] for _, came in pages) - before) / busy / PEERS)
             for sock, _ in pages:
                 sock.shutdown(socket.SHUT_RDWR)
                 sock.close()

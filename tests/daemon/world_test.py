@@ -221,7 +221,7 @@ class SaveTest(unittest.TestCase):
             self.assertEqual(world.must("save").text.split("\n", 1)[1], saved.split("\n", 1)[1])
 
     def test_the_saved_text_finds_models_of_files_and_of_sdf_worlds_from_anywhere(self):
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory(prefix="my robots; #1 ") as folder:
             model = (ROOT / "robots" / "minibot" / "model.sdf").read_text()
             Path(folder, "bot.sdf").write_text(model)
             inner = model[model.index("<model"):model.index("</sdf>")]

@@ -320,6 +320,19 @@ test('a daemon that has gone is noticed, and found again', async () => {
   await daemon.stop();
 });
 
+test('a daemon that comes back with another scenario: the view shows its world, though scenes are numbered as before', async () => {
+  daemon = await startDaemon('classroom');
+  page = await openPage(browser, daemon.url);
+  const shows = (name) => page.evaluate((which) => Boolean(window.coopdyn?.view?.scene?.find(which)), name);
+  await eventually(() => shows('CYLINDER_1'));
+  const port = new URL(daemon.url).port;
+  await daemon.stop();
+  daemon = await startDaemon('corridor', '--http-port', port);
+  await eventually(async () => await shows('BOX_2') && !await shows('CYLINDER_1'));
+  await page.close();
+  await daemon.stop();
+});
+
 test('a robot that moves without anybody who drives it says so, in at most two lines', async () => {
   daemon = await startDaemon('classroom');
   page = await browser.newPage({viewport: {width: 1024, height: 768}});

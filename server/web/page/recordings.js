@@ -103,6 +103,7 @@ export class Runs {
       this.#clearGhost();
       return this.#refresh();
     }
+    this.#hideParting();
     say(`reading ${name} …`);
     const error = await this.#ghost.show(name);
     say(error || `${name} is drawn pale over ${this.#played || 'the live run'}`, error !== '');
@@ -112,14 +113,17 @@ export class Runs {
 
   #clearGhost() {
     this.#ghost?.clear();
-    this.#timeline.showParting();
+    this.#hideParting();
+  }
+
+  #hideParting() {
+    this.#timeline.hideParting();
     this.#parting.hidden = true;
   }
 
   async #findParting(one, other) {
     const answer = await fetch(`api/playback/parting?with=${encodeURIComponent(other)}`);
     if (this.#ghost.name !== other) return;
-    this.#timeline.showParting();
     this.#parting.hidden = false;
     if (!answer.ok) return setText(this.#parting, (await answer.text()).trim());
     const parting = await answer.json();

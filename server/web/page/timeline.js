@@ -84,10 +84,11 @@ export class Timeline {
     this.#seeking = false;
   }
 
-  /** The mark where two runs part, in place of the last one; without a time none. */
-  showParting(time_s, text) {
+  /** A mark where two runs part. */
+  showParting(time_s, text) { this.#addMark({time_s, level: 'parting', text}); }
+
+  hideParting() {
     for (const mark of this.#marks.querySelectorAll('.parting')) mark.remove();
-    if (time_s !== undefined) this.#addMark({time_s, level: 'parting', text});
   }
 
   #showSpeed(speed) {

@@ -4,14 +4,13 @@
 import * as THREE from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {byId, make, setText} from './dom.js';
+import {frameBox} from './framing.js';
 import {Interpolator, PoseReader} from './poses.js';
 import {Scene3d} from './scene3d.js';
 
-const LEAST_SEEN_M = 3;
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as the daemon's pictures
 const MAX_WIDTH = 1280;  // of pictures of the daemon
-const FILLED = 0.9;  // of the picture, by what is fitted into it
 const SLOW_MS = 60, LEAST_RATIO = 0.45;
 const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond that shadows cost more than they tell
 
@@ -44,6 +43,7 @@ export class View3d extends EventTarget {
   #reader = new PoseReader();
   #between = new Interpolator();
   #loading = false;   // the scene
+  #stale = false;     // its number may mean another one
   #drop = null;       // frees the last scene
   #dirty = true;
   #framed = '';       // the scenario that the camera was set up for
@@ -86,6 +86,8 @@ export class View3d extends EventTarget {
     this.#sensors = make('canvas', {id: 'sensors', hidden: true, 'aria-hidden': 'true'});
     this.#canvas.after(this.#sensors);
     byId('rays').addEventListener('change', () => { this.#askSensors(); this.#dirty = true; });
+    // Another daemon counts its scenes anew.
+    connection.addEventListener('open', () => { this.#stale = true; });
     connection.addEventListener('hello', () => this.#ask());
     connection.addEventListener('poses', ({detail}) => this.#onPoses(detail));
     connection.addEventListener('picture', ({detail}) => this.#onPicture(detail));
@@ -157,44 +159,10 @@ export class View3d extends EventTarget {
   /** Looks at everything: 'top' from above, else from the side. */
   fit(from = 'side') {
     if (!this.#scene) return;
-    const box = this.#scene.box();
-    // One small thing is seen with the floor around it.
-    const narrow = box.getSize(new THREE.Vector3());
-    box.expandByVector(new THREE.Vector3(Math.max(0, LEAST_SEEN_M - narrow.x) / 2, Math.max(0, LEAST_SEEN_M - narrow.y) / 2, 0));
-    const size = box.getSize(new THREE.Vector3());
-    const middle = box.getCenter(new THREE.Vector3());
-    const fov = THREE.MathUtils.degToRad(this.#camera.fov), aspect = this.#camera.aspect;
-    const half = from === 'top' ? Math.max(size.y, size.x / aspect) / 2 : Math.max(size.length() / 2, 0.5) / Math.min(1, aspect);
-    const away = 1.08 * Math.max(0.8, half) / Math.tan(fov / 2);
     this.#follows = null;
-    this.#controls.target.set(middle.x, middle.y, from === 'top' ? 0 : Math.min(middle.z, 0.3 * size.z));
-    const direction = from === 'top' ? new THREE.Vector3(0, -0.001, 1) : new THREE.Vector3(-0.62, -0.5, 0.6).normalize();
-    this.#camera.position.copy(this.#controls.target).addScaledVector(direction, from === 'top' ? away : 0.78 * away);
-    this.#controls.update();
-    if (from !== 'top') this.#frame3d(box);
+    frameBox(this.#scene.box(), from, this.#camera, this.#controls);
     this.#showFollow();
     this.#dirty = true;
-  }
-
-  /** Moves the camera, which looks somewhere at the box already, until the box fills the picture. */
-  #frame3d(box) {
-    const camera = this.#camera, {target} = this.#controls, up = new THREE.Vector3(), right = new THREE.Vector3(), p = new THREE.Vector3();
-    for (let round = 0; round < 4; ++round) {
-      camera.updateMatrixWorld();
-      const seen = new THREE.Box2();
-      for (let corner = 0; corner < 8; ++corner) {
-        p.set(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : Math.min(0, box.min.z)).project(camera);
-        seen.expandByPoint(p);
-      }
-      const middle = seen.getCenter(new THREE.Vector2()), size = seen.getSize(new THREE.Vector2());
-      const away = camera.position.distanceTo(target), half = away * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2);
-      camera.matrixWorld.extractBasis(right, up, new THREE.Vector3());
-      const way = right.multiplyScalar(middle.x * half * camera.aspect).addScaledVector(up, middle.y * half);
-      const factor = Math.max(size.x, size.y) / (2 * FILLED);
-      target.add(way);
-      camera.position.add(way).sub(target).multiplyScalar(factor).add(target);
-      this.#controls.update();
-    }
   }
 
   follow(thing) {
@@ -219,7 +187,7 @@ export class View3d extends EventTarget {
 
   #onPoses(buffer) {
     if (!this.#reader.take(buffer)) return;
-    if (!this.#scene || this.#scene.number !== this.#reader.scene) return this.load();
+    if (this.#stale || this.#scene?.number !== this.#reader.scene) return this.load();
     this.#between.push(this.#reader, performance.now());
     this.#dirty = true;
   }
@@ -230,7 +198,7 @@ export class View3d extends EventTarget {
     this.#loading = true;
     try {
       const description = await (await fetch('api/scene')).json();
-      if (description.scene !== this.#scene?.number) this.#show(description);
+      if (this.#stale || description.scene !== this.#scene?.number) this.#show(description);
     } catch {
       await new Promise((later) => { setTimeout(later, 500); });  // the banner says if the daemon is gone
     }
@@ -238,6 +206,7 @@ export class View3d extends EventTarget {
   }
 
   #show(description) {
+    this.#stale = false;
     const wanted = this.#wanted, selected = this.#selected?.name, followed = this.#follows?.name;
     this.#drop?.();
     // Its shaders serve the next scene: it goes when that has been drawn.

@@ -108,8 +108,10 @@ export class World {
     const request = text === undefined ? {module: MODULE, line} : {module: MODULE, command: line, text};
     const reply = await this.#connection.call(request);
     if (reply.error !== 0) say(reply.text, true);
-    else say(`${line.split(' ')[0].replace('_', ' ')}: ${reply.text}`);
-    this.#view.load?.();
+    else {
+      say(`${line.split(' ')[0].replace('_', ' ')}: ${reply.text}`);
+      this.#view.load?.();
+    }
     this.#refresh();
     return reply;
   }
@@ -125,10 +127,13 @@ export class World {
     const box = this.#view.canvas?.getBoundingClientRect();
     const middle = box && this.#view.floorAt(box.left + box.width / 2, box.top + box.height / 2);
     const {x, y} = middle ?? {x: 0, y: 0};
-    for (let ring = 0; ring < 24; ++ring) {
+    const places = Array.from({length: 24}, (_, ring) => {
       const angle = 2.4 * ring, away = 0.35 * Math.sqrt(ring);
       const at = [x + away * Math.cos(angle), y + away * Math.sin(angle)];
-      if (this.#view.scene?.isTaken(...at, ROOM_M)) continue;
+      return {at, taken: Boolean(this.#view.scene?.isTaken(...at, ROOM_M))};
+    });
+    // Those that look free come first; the daemon knows better.
+    for (const {at} of places.sort((a, b) => a.taken - b.taken)) {
       const reply = await this.#connection.call({module: MODULE, command: 'insert', text: sectionsFor(kind, ...at, choice)});
       if (reply.error === 5 && /would stand/.test(reply.text)) continue;
       if (reply.error !== 0) return say(reply.text, true);

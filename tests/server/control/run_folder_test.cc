@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <boost/json.hpp>
+#include <filesystem>
 
 namespace coopdyn {
 namespace {
@@ -33,6 +35,19 @@ TEST(RunsJson, WhatIsBeingRecordedHasNoLink) {
   RunFile run = Readable("lesson1.run");
   run.recording = true;
   EXPECT_TRUE(UrlOf(run).is_null());
+}
+
+TEST(RunFolder, WhenItHasStoppedNoAnswerComesAnyMore) {
+  RunFolder folder(
+      std::filesystem::temp_directory_path(), {}, [] { return ""; }, Logger());
+  std::atomic<int> answers{0};
+  for (int i = 0; i < 100; ++i) folder.Open("none.run", [&](const RunToCopy&) { ++answers; });
+  folder.Stop();
+  const int at_stop = answers;
+  folder.Open("none.run", [&](const RunToCopy&) { ++answers; });
+  folder.List([&](const std::vector<RunFile>&) { ++answers; });
+  folder.Stop();
+  EXPECT_EQ(answers, at_stop);
 }
 
 }  // namespace
