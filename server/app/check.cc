@@ -18,6 +18,7 @@ struct CheckOptions {
   std::vector<std::string> files;
   std::string picture;
   std::vector<std::string> scenario_folders;
+  Settings settings;
 };
 
 int Check(const CheckOptions& options) {
@@ -27,7 +28,7 @@ int Check(const CheckOptions& options) {
   FramePtr last;
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
-    Checked checked = CheckFile(file, robots, diagnostics);
+    Checked checked = CheckFile(file, robots, diagnostics, true, options.settings);
     for (std::size_t i = 0; i < checked.lines.size(); ++i) {
       Print("{}{}\n", i == 0 ? file + ": " : "", checked.lines[i]);
     }
@@ -62,6 +63,7 @@ void AddCheck(CLI::App& app, Chosen& chosen) {
   sub->footer("Example: coopdyn check my.scenario --picture my.png");
   sub->add_option("file", given->files, "Files, or bare names on the search path")->required();
   sub->add_option("--picture", given->picture, "Write a picture of the (last) scenario or model, PNG");
+  AddSettings(sub, given->settings);
   sub->add_option("--scenarios", given->scenario_folders, "A folder with scenarios, worlds and robots");
   sub->callback([&chosen, given] { chosen = [given] { return Check(*given); }; });
 }

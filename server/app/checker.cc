@@ -136,7 +136,8 @@ Checked CheckScenario(const std::shared_ptr<const Scenario>& scenario, bool cont
 
 }  // namespace
 
-Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics, bool controllers) {
+Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics, bool controllers,
+                  const Settings& settings) {
   if (IsRobotModel(file)) return CheckModel(file, robots, diagnostics);
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) {
@@ -144,9 +145,13 @@ Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& di
                                      (std::filesystem::path(file) / "*.scenario").string());
     return {};
   }
-  if (!IsPipe(file)) return CheckScenario(LoadScenario(file, robots, diagnostics), controllers, diagnostics);
-  const std::optional<std::string> text = ReadPipe(file, diagnostics);
-  if (!text) return {};
+  if (!IsPipe(file)) {
+    const auto scenario = LoadScenario(file, robots, diagnostics, false, std::nullopt, settings);
+    return CheckScenario(scenario, controllers, diagnostics);
+  }
+  std::optional<std::string> text = ReadPipe(file, diagnostics);
+  if (text) text = WithSettings(std::move(*text), settings, diagnostics);
+  if (!text || diagnostics.has_errors()) return {};
   return CheckScenario(ReadScenario(*text, kPipe, robots, false, diagnostics), controllers, diagnostics);
 }
 

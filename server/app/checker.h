@@ -8,6 +8,7 @@
 
 #include "server/base/diagnostics.h"
 #include "server/model/readers.h"
+#include "server/model/settings.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
@@ -18,8 +19,9 @@ struct Checked {
 };
 
 /// Checks a scenario, a world or a robot model. `controllers`: what they say too, which starts them.
+/// `settings`: of a scenario.
 Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics,
-                  bool controllers = true);
+                  bool controllers = true, const Settings& settings = {});
 /// Checks the text of a scenario that names other files by bare names only.
 Checked CheckScenarioText(const std::string& text, const std::string& name, RobotLibrary& robots,
                           Diagnostics& diagnostics);

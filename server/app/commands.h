@@ -49,6 +49,9 @@ void AddInfo(CLI::App& app, Chosen& chosen);
 /// number.)
 CLI::Validator NumberIn(double least, double most, bool above = false);
 
+/// --set SECTION.key=value, any number of times.
+void AddSettings(CLI::App* sub, std::vector<std::string>& settings);
+
 /// A whole number from `least` to `most`.
 CLI::Validator WholeIn(std::int64_t least, std::int64_t most);
 /// One of `words`.

@@ -43,10 +43,13 @@ std::string Daemon::StartWorld() {
 std::string Daemon::StartScenario() {
   Diagnostics diagnostics;
   const std::optional<std::uint64_t> seed = options_.run.seed;
-  const auto scenario = options_.scenario_text
-                            ? ReadScenario(*options_.scenario_text, kPipe, models_, false, diagnostics, seed)
-                            : LoadScenario(options_.scenario, models_, diagnostics, false, seed);
-  const bool built = scenario != nullptr && stepper_.Start(scenario, diagnostics);
+  const auto scenario =
+      options_.scenario_text
+          ? ReadScenario(WithSettings(*options_.scenario_text, options_.settings, diagnostics), kPipe,
+                         models_, false, diagnostics, seed)
+          : LoadScenario(options_.scenario, models_, diagnostics, false, seed, options_.settings);
+  const bool built =
+      scenario != nullptr && !diagnostics.has_errors() && stepper_.Start(scenario, diagnostics);
   if (!built) return diagnostics.ToString();
   for (const Diagnostic& warning : diagnostics.all())
     logger_->warn("{}: {}", ToString(warning.where), warning.text);

@@ -11,6 +11,7 @@
 
 #include "server/controllers/controller_set.h"
 #include "server/model/readers.h"
+#include "server/model/settings.h"
 #include "server/physics/stepper.h"
 #include "server/record/recorded_step.h"
 
@@ -37,6 +38,7 @@ struct PlayRun {
 struct ServeOptions {
   std::string scenario = "classroom";        // path, bare name or pipe
   std::optional<std::string> scenario_text;  // what came through the pipe
+  Settings settings;                         // of it
   std::string from;                          // RUN@TIME, instead of the scenario
   PlayRun play;                              // instead of both
   RecordOptions record;

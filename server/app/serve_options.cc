@@ -204,6 +204,9 @@ void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
     if (serve.run.seed) {
       throw CLI::ValidationError("--from uses the seed of the recording: leave --seed out");
     }
+    if (!serve.settings.empty()) {
+      throw CLI::ValidationError("--from goes on with the scenario of the recording: leave --set out");
+    }
     if (sub.count("scenario") > 0) {
       throw CLI::ValidationError("--from takes the scenario out of the recording: leave " + serve.scenario +
                                  " out");
@@ -243,6 +246,12 @@ void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
 
 }  // namespace
 
+void AddSettings(CLI::App* sub, Settings& settings) {
+  sub->add_option("--set", settings,
+                  "Give a key of the scenario another value: SECTION.key=value; may stand several times")
+      ->allow_extra_args(false);
+}
+
 std::pair<std::string, std::string> SplitMoment(const std::string& from) {
   const std::size_t at = from.rfind('@');
   if (at == std::string::npos || at == 0 || at + 1 == from.size()) return {};
@@ -275,6 +284,7 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->add_option("--seed", serve.run.seed, "Of noise and solver")->check(CLI::Validator(CheckSeed, ""));
   sub->add_option("--duration", serve.run.duration_s, "End the run at this simulated time, s")
       ->check(NumberIn(0, kMaxDuration_s, true));
+  AddSettings(sub, serve.settings);
   sub->add_flag("--paused", serve.run.paused, "Start paused");
   sub->add_flag("--no-net", serve.no_net, "No sockets at all");
   sub->add_option(
@@ -305,7 +315,7 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   AddRecording(sub, serve);
   AddNetwork(sub, serve);
   sub->set_config("--config", "", "Read options from this file (name=value lines)");
-  TakeVariables(sub, {"help", "scenarios", "force", "from"});
+  TakeVariables(sub, {"help", "scenarios", "force", "from", "set"});
   sub->callback([sub, given, &chosen] {
     CheckServe(*sub, *given);
     chosen = [given] { return Serve(*given); };

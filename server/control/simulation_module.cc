@@ -11,6 +11,7 @@
 #include "protocol/ascii.h"
 #include "protocol/module_tables.h"
 #include "server/base/printable.h"
+#include "server/model/settings.h"
 #include "server/model/text_file.h"
 #include "server/state/run_input.h"
 
@@ -97,7 +98,8 @@ ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
                         "coopdyn load FILE");
     }
     Diagnostics diagnostics;
-    return Finish(LoadScenario(current.file, robots, diagnostics, false, seed), diagnostics);
+    return Finish(LoadScenario(current.file, robots, diagnostics, false, seed, SettingsIn(current.text)),
+                  diagnostics);
   });
 }
 

@@ -127,9 +127,10 @@ std::shared_ptr<const Scenario> ReadInsertion(const std::string& text, RobotLibr
                                               const Scenario& around, Diagnostics& diagnostics);
 /// Finds and reads a scenario (or a .world, as a scenario without robots) by path or bare name.
 /// `by_socket`: the name came over a socket, so only a bare name on the search path will do. `seed`: as
-/// above.
+/// above. `settings`: settings.h.
 std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots,
                                              Diagnostics& diagnostics, bool by_socket = false,
-                                             std::optional<std::uint64_t> seed = std::nullopt);
+                                             std::optional<std::uint64_t> seed = std::nullopt,
+                                             const std::vector<std::string>& settings = {});
 
 }  // namespace coopdyn

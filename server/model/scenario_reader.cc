@@ -11,6 +11,7 @@
 #include "server/model/robot_sections.h"
 #include "server/model/sdf_world.h"
 #include "server/model/section_reader.h"
+#include "server/model/settings.h"
 #include "server/model/text_file.h"
 #include "server/model/textures.h"
 #include "server/model/values.h"
@@ -80,6 +81,7 @@ class ScenarioReader {
     scenario_->text = std::move(*decoded);
     if (by_socket_ || label_ == kPipe) scenario_->name = NameInText(scenario_->text);
     sections_ = ReadSections(scenario_->text, label_, diagnostics_);
+    ApplySettings(sections_, label_, diagnostics_);
     FindDegrees();
     // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.
     ReadFirst("simulation", [this](SectionReader& reader) { ReadSimulation(reader); });
@@ -255,9 +257,9 @@ class ScenarioReader {
 
   void ReadTargets(SectionReader& reader) {
     for (const Entry& entry : reader.section().entries) {
-      if (diagnostics_.StopAt({label_, entry.line})) return;
+      if (diagnostics_.StopAt(entry.In(label_))) return;
       Target target;
-      target.where = {label_, entry.line};
+      target.where = entry.In(label_);
       target.color_name = ColorWord(entry);
       // One entry alone, since the keys of a [TARGET] may repeat.
       const Section alone{reader.section().name, "target", entry.line, {entry}};
@@ -283,9 +285,9 @@ class ScenarioReader {
       if (number) return PaletteName(std::stoi(digits));
     }
     const std::string near = Nearest(entry.key, ColorNames());
-    diagnostics_.Error({label_, entry.line}, "unknown colour '" + entry.key + "' in [TARGET]" +
-                                                 (near.empty() ? "; write a colour word, for example: red 3 0"
-                                                               : "; did you mean '" + near + "'?"));
+    diagnostics_.Error(entry.In(label_), "unknown colour '" + entry.key + "' in [TARGET]" +
+                                             (near.empty() ? "; write a colour word, for example: red 3 0"
+                                                           : "; did you mean '" + near + "'?"));
     return {};
   }
 
@@ -407,7 +409,7 @@ std::shared_ptr<const Scenario> ReadInsertion(const std::string& text, RobotLibr
 
 std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibrary& robots,
                                              Diagnostics& diagnostics, bool by_socket,
-                                             std::optional<std::uint64_t> seed) {
+                                             std::optional<std::uint64_t> seed, const Settings& settings) {
   if (by_socket && !IsBareName(name)) {
     diagnostics.Error({name, 0},
                       "over a socket a scenario is named by its bare name on the search path, for "
@@ -435,15 +437,20 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
     if (const std::optional<SdfWorld> world = ReadSdfWorld(file, robots.path(), found)) {
       for (const auto& [name, model] : world->models) robots.Add(model->type, model);
-      scenario = ReadScenario(world->scenario, file, robots, false, found, seed);
+      scenario = ReadScenario(WithSettings(world->scenario, settings, found), file, robots, false, found, seed);
     }
+  } else if (text && ToLower(path->extension().string()) == ".world") {
+    if (!settings.empty()) {
+      found.Error({"--set " + settings.front(), 0},
+                  name + " is a world, and settings are for scenarios: write one with [WORLD] and file " +
+                      path->filename().string());
+    }
+    scenario = WorldAsScenario(*text, file, robots, seed, found);
   } else if (text) {
-    const bool world = ToLower(path->extension().string()) == ".world";
-    scenario = world ? WorldAsScenario(*text, file, robots, seed, found)
-                     : ReadScenario(*text, file, robots, false, found, seed);
+    scenario = ReadScenario(WithSettings(*text, settings, found), file, robots, false, found, seed);
   }
   diagnostics.Append(found);
-  return scenario;
+  return found.has_errors() ? nullptr : scenario;
 }
 
 }  // namespace coopdyn

@@ -139,12 +139,12 @@ SectionReader::SectionReader(const Section& section, std::string file, bool degr
   if (section.word == "target") return;  // its keys are colours and may repeat
   std::unordered_map<std::string_view, int> lines;
   for (const Entry& entry : section.entries) {
-    if (diagnostics_.StopAt({file_, entry.line})) return;
+    if (diagnostics_.StopAt(entry.In(file_))) return;
     const auto [first, is_new] = lines.emplace(Canonical(entry.key), entry.line);
     if (!is_new) {
-      diagnostics_.Error({file_, entry.line}, "'" + entry.key + "' stands twice in " + title() +
-                                                  " (first in line " + std::to_string(first->second) +
-                                                  "): keep one");
+      diagnostics_.Error(entry.In(file_), "'" + entry.key + "' stands twice in " + title() +
+                                              " (first in line " + std::to_string(first->second) +
+                                              "): keep one");
     }
   }
 }
@@ -162,7 +162,7 @@ bool SectionReader::Has(const std::string& key) {
 }
 
 void SectionReader::Report(const Entry& entry, const std::string& text) {
-  diagnostics_.Error({file_, entry.line}, text);
+  diagnostics_.Error(entry.In(file_), text);
 }
 
 std::optional<std::string> SectionReader::Text(const std::string& key) {
@@ -238,10 +238,10 @@ std::optional<std::vector<double>> SectionReader::Numbers(const std::string& key
     }
     if (quantity == Quantity::kAngle && !degrees_ && !number.has_unit &&
         std::abs(value) > 2 * std::numbers::pi + 1e-9) {
-      diagnostics_.Warning({file_, entry->line}, "'" + key + "': angles are in radians, and " +
-                                                     FormatNumber(value) +
-                                                     " is more than a turn; for degrees write " +
-                                                     FormatNumber(value) + "deg, or 'angles deg'");
+      diagnostics_.Warning(entry->In(file_), "'" + key + "': angles are in radians, and " +
+                                                 FormatNumber(value) +
+                                                 " is more than a turn; for degrees write " +
+                                                 FormatNumber(value) + "deg, or 'angles deg'");
     }
     values.push_back(value);
   }
@@ -337,7 +337,7 @@ std::optional<Quaternion> SectionReader::Orientation(const std::string& key) {
 
 SourceLine SectionReader::LineOf(const std::string& key) const {
   for (const Entry& entry : section_.entries) {
-    if (Canonical(entry.key) == key) return {file_, entry.line};
+    if (Canonical(entry.key) == key) return entry.In(file_);
   }
   return where();
 }
@@ -360,7 +360,7 @@ void SectionReader::Require(const std::string& key, const std::string& example) 
 
 void SectionReader::Finish() {
   for (const Entry& entry : section_.entries) {
-    if (diagnostics_.StopAt({file_, entry.line})) return;
+    if (diagnostics_.StopAt(entry.In(file_))) return;
     if (std::find(known_.begin(), known_.end(), Canonical(entry.key)) == known_.end()) {
       Report(entry, "unknown word '" + entry.key + "' in " + title() + DidYouMean(entry.key, known_));
     }

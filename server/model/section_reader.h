@@ -24,6 +24,12 @@ struct Entry {
   std::string key;  // lower case
   std::string value;
   int line = 0;
+  std::string set_as = {};  // "--set SECTION.key=value", in place of the line, if a setting gave it
+
+  /// Where messages about it point.
+  SourceLine In(const std::string& file) const {
+    return set_as.empty() ? SourceLine{file, line} : SourceLine{set_as, 0};
+  }
 };
 
 struct Section {
