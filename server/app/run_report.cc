@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -19,6 +20,22 @@ namespace coopdyn {
 
 namespace {
 
+namespace json = boost::json;
+
+/// {"arrived":{"value":3,"unit":"","met":true}}; what cannot be told is null.
+json::object ScoresJson(const Frame& frame) {
+  json::object scores;
+  const std::vector<ScoreEntry>& entries = frame.scene->scenario->scores;
+  for (std::size_t i = 0; i < frame.scores.size() && i < entries.size(); ++i) {
+    const Score& score = frame.scores[i];
+    scores[entries[i].name] = {
+        {"value", std::isfinite(score.value) ? json::value(score.value) : json::value(nullptr)},
+        {"unit", UnitOf(entries[i].kind)},
+        {"met", entries[i].until ? json::value(score.met) : json::value(nullptr)}};
+  }
+  return scores;
+}
+
 /// Simulated over wall time of the whole run.
 double Factor(const RunReport& run) {
   return run.wall_s > 0 ? ToSeconds(run.status.simulated) / run.wall_s : 0;
@@ -26,7 +43,8 @@ double Factor(const RunReport& run) {
 
 bool IsCutShort(const RunReport& run) {
   const double duration_s = run.status.duration_s;
-  return run.end && run.end != RunEnd::kDuration && duration_s > 0 && run.frame->time_s() < duration_s;
+  return run.end && run.end != RunEnd::kDuration && run.end != RunEnd::kScore && duration_s > 0 &&
+         run.frame->time_s() < duration_s;
 }
 
 std::vector<std::string> FailedControllers(const RunReport& run) {
@@ -95,7 +113,6 @@ std::string SummaryLine(const RunReport& run) {
 }
 
 std::string SummaryJson(const RunReport& run) {
-  namespace json = boost::json;
   const Frame& frame = *run.frame;
   const RunStatus& status = run.status;
   json::array frozen, stopped;
@@ -118,6 +135,7 @@ std::string SummaryJson(const RunReport& run) {
              {"rtf", Factor(run)},
              {"late_periods", status.late_periods},
              {"hash", HashText(StateHash(frame))},
+             {"scores", ScoresJson(frame)},
              {"frozen", std::move(frozen)},
              {"stopped", std::move(stopped)},
              {"recording_failed", run.recording_failed}}) +

@@ -84,6 +84,11 @@ std::optional<Fidelity> ParseFidelity(const std::string& word) {
   return Parse<Fidelity>(kFidelityWords, word);
 }
 
+bool CountsCollisions(const Scenario& scenario) {
+  return std::ranges::any_of(scenario.scores,
+                             [](const ScoreEntry& one) { return one.kind == ScoreKind::kCollisions; });
+}
+
 std::string Summary(const Scenario& scenario) {
   std::map<std::string, std::size_t> types;
   for (const RobotEntry& robot : scenario.robots) ++types[robot.model->type];

@@ -13,6 +13,7 @@
 #include "server/base/diagnostics.h"
 #include "server/base/ids.h"
 #include "server/model/robot_model.h"
+#include "server/model/scores.h"
 #include "server/model/world_model.h"
 
 namespace coopdyn {
@@ -107,9 +108,13 @@ struct Scenario {
   double ambient_light = 0;        // what a light sensor reads without lamps
   std::vector<RobotEntry> robots;
   std::vector<SwarmEntry> swarms;  // in file order
+  std::vector<ScoreEntry> scores;  // in file order
   SimulationOptions simulation;
   std::vector<SourceText> sources;  // all but `text`, each once
 };
+
+/// Whether a score counts collisions, so that contacts are measured.
+bool CountsCollisions(const Scenario& scenario);
 
 /// A scenario in one line, as `coopdyn check` prints it. For example: 5 robots (coopbot), 12 objects (9
 /// static), 2 targets, floor 20 x 20 m, realtime 10 ms

@@ -9,6 +9,7 @@
 #include "server/base/printable.h"
 #include "server/model/readers.h"
 #include "server/model/robot_sections.h"
+#include "server/model/score_sections.h"
 #include "server/model/sdf_world.h"
 #include "server/model/section_reader.h"
 #include "server/model/settings.h"
@@ -101,6 +102,7 @@ class ScenarioReader {
       robots_.ReadSwarm(reader);
     }
     robots_.SortAsInFile();
+    if (!diagnostics_.has_errors()) CheckScores(*scenario_, diagnostics_);
     AddSources(textures_);
     return diagnostics_.has_errors() ? nullptr : scenario_;
   }
@@ -293,8 +295,8 @@ class ScenarioReader {
 
   /// Robots and objects.
   void ReadPlain(const Section& section) {
-    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET", "FLOOR",
-                                                  "ROBOT_1", "SWARM_1",    "LIGHT_1"};
+    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET",  "FLOOR",
+                                                  "ROBOT_1", "SWARM_1",    "LIGHT_1", "SCORE_1"};
     for (const char* word : {"world", "simulation", "target", "floor"}) {
       if (section.word == word) return;
     }
@@ -304,6 +306,15 @@ class ScenarioReader {
       if (const std::optional<WorldObject> bar = robots_.ReadRobot(reader)) {
         bars_.insert(ToLower(bar->name));
         AddObject(*bar);
+      }
+      return;
+    }
+    if (IsNumbered(section.word, "score")) {
+      const std::optional<ScoreEntry> score = ReadScore(reader);
+      if (scenario_->scores.size() == kMaxScores) {
+        reader.Error("a scenario has at most " + std::to_string(kMaxScores) + " scores");
+      } else if (score) {
+        scenario_->scores.push_back(*score);
       }
       return;
     }

@@ -38,15 +38,15 @@ void Apply(const Entry& setting, std::vector<Section>& sections, Diagnostics& di
   const std::string word = setting.key.substr(0, dot), key = setting.key.substr(dot + 1);
   auto section = std::ranges::find(sections, word, &Section::word);
   if (section == sections.end()) {
-    const auto made = std::ranges::find(kOptional, word, [](std::string_view name) { return ToLower(name); });
-    if (made == kOptional.end()) {
+    const std::string asked = label.substr(kFlag.size(), dot);
+    const bool made = IsNumbered(word, "score") || std::ranges::count(kOptional, asked) > 0;
+    if (!made) {
       std::vector<std::string> names;
       for (const Section& one : sections) names.push_back(one.name);
-      const std::string asked = label.substr(kFlag.size(), dot);
       diagnostics.Error({label, 0}, "the scenario has no section [" + asked + "]" + DidYouMean(asked, names));
       return;
     }
-    section = sections.insert(sections.end(), {std::string(*made), word, setting.line, {}});
+    section = sections.insert(sections.end(), {asked, word, setting.line, {}});
   }
   std::vector<Entry>& entries = section->entries;
   const auto is_color = [](const std::string& word) { return word == "color" || word == "colour"; };

@@ -66,6 +66,7 @@ void Measures::Fit(const Scene& scene, const Things& things) {
     wants_.resize(things.first_static);
     wants_[robots_.back().thing] = 1;
   }
+  if (CountsCollisions(*scene.scenario)) wants_.assign(things.first_static, 1);
   thing_of_object_.assign(scene.objects.size(), MeasuredContact::kFloor);
   for (std::size_t i = 0; i < things.all.size(); ++i) {
     if (things.all[i].object >= 0)

@@ -33,7 +33,7 @@ class Measures {
   /// The sensors of `scene`, whose things are `things`; both outlive their use. Values are as at the start.
   void Fit(const Scene& scene, const Things& things);
   /// There is nothing to measure.
-  bool empty() const { return robots_.empty(); }
+  bool empty() const { return robots_.empty() && wants_.empty(); }
   /// The forces on this thing are wanted.
   bool Wants(std::uint32_t thing) const { return thing < wants_.size() && wants_[thing] != 0; }
   /// The work of this thing's motors is wanted.

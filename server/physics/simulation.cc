@@ -33,7 +33,9 @@ Simulation::Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<Physi
                        const Clock& clock)
     : helpers_(helpers), clock_(clock), world_(std::move(world)), seed_(seed), epoch_(epoch) {
   Use(std::move(scene));
-  start_ = frame_ = MakeFrame();
+  const std::shared_ptr<Frame> frame = MakeFrame();
+  scores_.Begin(*frame);
+  start_ = frame_ = frame;
 }
 
 Simulation::~Simulation() = default;
@@ -53,6 +55,7 @@ std::shared_ptr<Frame> Simulation::MakeFrame() {
   world_->Fill(*frame);
   frame->messages = messages_;
   samples_.AddTo(*frame);
+  frame->scores.clear();
   return frame;
 }
 
@@ -78,7 +81,10 @@ void Simulation::Take(const Frame& frame) {
 
 void Simulation::SetStepLength(Nanoseconds length) {
   step_length_ = length;
-  if (step_ == 0 && frame_->step_length != length) frame_ = MakeFrame();
+  if (step_ != 0 || frame_->step_length == length) return;
+  const std::shared_ptr<Frame> frame = MakeFrame();
+  scores_.Begin(*frame);
+  frame_ = frame;
 }
 
 void Simulation::StartControllers() {
@@ -93,7 +99,9 @@ void Simulation::Restart(std::uint64_t seed, std::uint64_t epoch) {
   messages_.clear();
   if (start_->scene != scene_) Take(*start_);
   world_->Restart(*start_, seed);
-  frame_ = MakeFrame();
+  const std::shared_ptr<Frame> frame = MakeFrame();
+  scores_.Begin(*frame);
+  frame_ = frame;
   StartControllers();
 }
 
@@ -111,6 +119,7 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->channels = from.channels;
   frame->commanded = from.commanded;
+  scores_.Restore(*frame, state.scores);
   frame_ = frame;
   return helpers_.controllers == nullptr ? "" : RestoreControllers(state.controllers, stopped);
 }
@@ -145,6 +154,7 @@ std::string Simulation::Tune(const edit::TuneJoints& tuning) {
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->commanded = frame_->commanded;
   frame->revision = frame_->revision + 1;
+  scores_.Refit(*frame);
   frame_ = frame;
   return {};
 }
@@ -152,6 +162,7 @@ std::string Simulation::Tune(const edit::TuneJoints& tuning) {
 SavedState Simulation::Save() const {
   SavedState state;
   state.frame = frame_;
+  state.scores = scores_.Save();
   if (has_controllers_ && helpers_.controllers != nullptr) state.controllers = helpers_.controllers->Save();
   return state;
 }
@@ -180,6 +191,7 @@ const FramePtr& Simulation::Step(Nanoseconds length, const StepInputs& inputs) {
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->commanded.assign(inputs.commanded.begin(), inputs.commanded.end());
   frame->commanded.resize(scene_->actuators.size());
+  scores_.AddTo(*frame);
   frame_ = frame;
   times_.physics += stepped - began;
   times_.publish += clock_.Now() - stepped;

@@ -20,6 +20,7 @@
 #include "server/state/frame_pool.h"
 #include "server/state/run_control.h"
 #include "server/state/sample_keeper.h"
+#include "server/state/score_keeper.h"
 #include "server/state/world_change.h"
 
 namespace coopdyn {
@@ -112,6 +113,7 @@ class Simulation {
   std::vector<SentMessage> messages_;  // that may still be heard
   std::uint64_t message_steps_ = 0;    // for so long
   SampleKeeper samples_;
+  ScoreKeeper scores_;
   FramePool frames_;
   PhaseTimes times_;
 };

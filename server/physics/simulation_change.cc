@@ -259,6 +259,7 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->commanded = next->commanded;
   frame->revision = before->revision + 1;
+  scores_.Refit(*frame);
   frame_ = frame;
   if (helpers_.controllers != nullptr) helpers_.controllers->Revise(frame_);
   return {};

@@ -10,6 +10,8 @@
 #include <map>
 #include <utility>
 
+#include "server/state/score_keeper.h"
+
 namespace coopdyn {
 
 namespace {
@@ -183,6 +185,13 @@ void Stepper::StepNow(Nanoseconds now) {
   }
   NoteFloorLeft(*frame, false);
   rate_.Note(now, frame->time);
+  if (const int ending = EndingScore(*frame); ending >= 0) {
+    const ScoreEntry& score = frame->scene->scenario->scores[static_cast<std::size_t>(ending)];
+    const Score& now = frame->scores[static_cast<std::size_t>(ending)];
+    EndRun(RunEnd::kScore,
+           fmt::format("the score {} is {:.6g} {}: {}", score.name, now.value, UnitOf(score.kind),
+                       now.met ? "the run has reached its aim" : "the time for it is over"));
+  }
   if (duration_ && frame->time >= *duration_) EndRun(RunEnd::kDuration, "the run has reached its duration");
   const Nanoseconds told = clock_.Now();
   if (journal_ != nullptr) {

@@ -106,6 +106,12 @@ struct FrameCache {
   virtual ~FrameCache() = default;
 };
 
+/// A [SCORE_n] of the scenario.
+struct Score {
+  double value = 0;  // nan: it cannot be told
+  bool met = false;  // its `until`
+};
+
 struct Frame;
 using FramePtr = std::shared_ptr<const Frame>;
 
@@ -133,6 +139,7 @@ struct Frame {
       commanded;  // as scene->actuators: 1 if a client's command came in force with this step
   /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
   std::vector<SentMessage> messages;
+  std::vector<Score> scores;  // as scene->scenario->scores; empty: none are kept, as in playback
   /// In playback: the hash of the state that was recorded, of which these poses are roundings.
   std::optional<std::uint64_t> recorded_hash;
 
@@ -151,6 +158,7 @@ struct Frame {
 struct SavedState {
   FramePtr frame;                      // exact
   std::vector<std::byte> controllers;  // ControllerDriver::Save(); empty: nothing is loaded
+  std::vector<double> scores = {};     // ScoreKeeper::Save()
   Mode mode = Mode::kRealtime;         // in force then
   bool paused = false;
   // What edits after the frame's step have changed; a recording has them as inputs instead.

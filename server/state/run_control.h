@@ -22,7 +22,7 @@ enum class RunState { kRunning, kPaused, kWaiting, kPlaying, kEnded };
 const char* ToString(RunState state);
 
 /// Why a run has ended.
-enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal };
+enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal, kScore };
 const char* ToString(RunEnd end);
 /// "by a signal", "because the recording failed": why a run ended before its duration.
 const char* WhyEarly(RunEnd end);

@@ -109,6 +109,7 @@ void FillScene(Scene& scene, std::vector<SceneObject> objects, std::vector<Scene
     bodies += robot.body_count;
     AddRobot(scene, std::move(robot));
   }
+  scene.measures_contacts |= CountsCollisions(*scene.scenario);
   for (int body = 0; body < bodies; ++body) {
     scene.body_ids.push_back(BodyId{static_cast<std::uint32_t>(body + 1)});
   }
@@ -116,6 +117,7 @@ void FillScene(Scene& scene, std::vector<SceneObject> objects, std::vector<Scene
 
 std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario) {
   auto scene = std::make_shared<Scene>();
+  scene->scenario = scenario;
   scene->floor = scenario->floor;
   scene->lights = scenario->lights;
   scene->ambient_light = scenario->ambient_light;
@@ -134,7 +136,6 @@ std::shared_ptr<const Scene> MakeScene(std::shared_ptr<const Scenario> scenario)
     robots.push_back(std::move(robot));
   }
   FillScene(*scene, std::move(objects), std::move(robots), std::move(targets));
-  scene->scenario = std::move(scenario);
   return scene;
 }
 

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// What a run is worth: the [SCORE_n] of a scenario. Constant once read; any thread.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+
+namespace coopdyn {
+
+enum class ScoreKind {
+  kReach,
+  kTime,
+  kDistance,
+  kTravelled,
+  kCollisions,
+  kNearest,
+  kEnergy,
+  kUpright,
+  kFormation,
+  kCoverage
+};
+inline const std::array<std::string, 10> kScoreKindWords = {"reach",      "time",    "distance", "travelled",
+                                                            "collisions", "nearest", "energy",   "upright",
+                                                            "formation",  "coverage"};
+
+/// `until >= 3`: the run ends when the score is there.
+struct ScoreUntil {
+  enum class Relation { kLess, kAtMost, kAtLeast, kGreater };
+  Relation relation = Relation::kAtLeast;
+  double value = 0;
+  bool all = false;  // `until all` of `reach`: at least as many as there are in `of`
+
+  bool Holds(double score) const {
+    switch (relation) {
+      case Relation::kLess:
+        return score < value;
+      case Relation::kAtMost:
+        return score <= value;
+      case Relation::kAtLeast:
+        return score >= value;
+      default:
+        return score > value;
+    }
+  }
+};
+
+/// [SCORE_n]
+struct ScoreEntry {
+  std::string name;
+  ScoreKind kind = ScoreKind::kTime;
+  std::vector<std::string> of;  // robots, swarms, things; empty: all robots
+  std::string target;           // reach: the name of a target or a thing, or the colour of a target
+  double within_m = 0.3;        // reach
+  double tilt_rad = std::numbers::pi / 4;  // upright: who leans further has fallen
+  double cell_m = 0.25;                    // coverage
+  std::optional<ScoreUntil> until;
+  std::optional<double> limit_s;  // the run ends at this simulated time, too
+  SourceLine where;
+};
+
+/// The unit of a score of this kind, as in "m"; empty: a count.
+const char* UnitOf(ScoreKind kind);
+
+/// What a score cannot be told of.
+inline constexpr double kNoScore = std::numeric_limits<double>::quiet_NaN();
+inline constexpr std::size_t kMaxScores = 100;
+/// The error of a formation looks at each pair.
+inline constexpr std::size_t kMaxFormation = 100;
+
+}  // namespace coopdyn
