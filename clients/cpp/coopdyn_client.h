@@ -384,6 +384,8 @@ class Simulation {
   Json status();
   /// The hash of the state, 16 hexadecimal digits: equal runs give equal hashes.
   std::string hash();
+  /// What the run is worth so far, by the names of the scenario's [SCORE_n]; nan if it cannot be told.
+  std::map<std::string, double> scores();
   std::vector<Awaited> waiting();
   /// Writes a PNG picture to `file`; returns its name.
   std::string snapshot(const std::string& file, const View& view = {});

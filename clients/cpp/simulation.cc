@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -179,6 +180,16 @@ Json Simulation::status() {
 
 std::string Simulation::hash() {
   return status()["hash"].text();
+}
+
+std::map<std::string, double> Simulation::scores() {
+  std::map<std::string, double> all;
+  const Json state = status();
+  for (const Json& score : state["scores"].items()) {
+    const Json& value = score["value"];
+    all[score["name"].text()] = value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.number();
+  }
+  return all;
 }
 
 std::vector<Awaited> Simulation::waiting() {

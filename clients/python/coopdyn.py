@@ -3832,6 +3832,10 @@ class Simulation:
         """The hash of the state, 16 hexadecimal digits: equal runs give equal hashes."""
         return str(self.status()["hash"])
 
+    def scores(self) -> Dict[str, float]:
+        """What the run is worth so far, by the names of the scenario's [SCORE_n]; nan if it cannot be told."""
+        return {s["name"]: math.nan if s["value"] is None else float(s["value"]) for s in self.status()["scores"]}
+
     def waiting(self) -> List[Awaited]:
         """The robots that the world waits for, and why."""
         return [Awaited(a["robot"], a["why"], float(a["seconds"] or 0)) for a in self.status()["awaiting"] or []]

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/progress_bar.h"
+#include "server/control/score_json.h"
 #include "server/replay/export_file.h"
 
 namespace coopdyn {
@@ -21,20 +21,6 @@ namespace coopdyn {
 namespace {
 
 namespace json = boost::json;
-
-/// {"arrived":{"value":3,"unit":"","met":true}}; what cannot be told is null.
-json::object ScoresJson(const Frame& frame) {
-  json::object scores;
-  const std::vector<ScoreEntry>& entries = frame.scene->scenario->scores;
-  for (std::size_t i = 0; i < frame.scores.size() && i < entries.size(); ++i) {
-    const Score& score = frame.scores[i];
-    scores[entries[i].name] = {
-        {"value", std::isfinite(score.value) ? json::value(score.value) : json::value(nullptr)},
-        {"unit", UnitOf(entries[i].kind)},
-        {"met", entries[i].until ? json::value(score.met) : json::value(nullptr)}};
-  }
-  return scores;
-}
 
 /// Simulated over wall time of the whole run.
 double Factor(const RunReport& run) {

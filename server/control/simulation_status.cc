@@ -10,6 +10,7 @@
 
 #include "protocol/command_table.h"
 #include "protocol/json_text.h"
+#include "server/control/score_json.h"
 #include "server/control/simulation_module.h"
 
 namespace coopdyn {
@@ -120,6 +121,7 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
       {"rtf", run.real_time_factor},
       {"late_periods", run.late_periods},
       {"hash", HashText(StateHash(frame))},
+      {"scores", ScoresJson(frame)},
       {"robots", std::move(robots)},
       {"robot_count", scene.robots.size()},
       {"clients", std::move(clients)},

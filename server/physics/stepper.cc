@@ -195,9 +195,12 @@ void Stepper::StepNow(Nanoseconds now) {
   if (duration_ && frame->time >= *duration_) EndRun(RunEnd::kDuration, "the run has reached its duration");
   const Nanoseconds told = clock_.Now();
   if (journal_ != nullptr) {
-    const bool keyframe = journal_->WantsKeyframe(frame->step);
-    journal_->Step(frame, mode_, keyframe,
-                   keyframe ? simulation_->Save().controllers : std::vector<std::byte>());
+    std::shared_ptr<SavedState> keyframe;
+    if (journal_->WantsKeyframe(frame->step)) {
+      keyframe = std::make_shared<SavedState>(simulation_->Save());
+      keyframe->mode = mode_;
+    }
+    journal_->Step(frame, mode_, std::move(keyframe));
   }
   const Nanoseconds written = journal_ != nullptr ? clock_.Now() : told;
   boards_.commands.FinishStep(frame, now);

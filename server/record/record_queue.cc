@@ -20,6 +20,10 @@ std::size_t BytesOf(const Frame& frame) {
          frame.channels.size() * sizeof(ChannelState) + frame.messages.size() * sizeof(SentMessage);
 }
 
+std::size_t ExtraBytes(const SavedState& state) {
+  return state.controllers.size() + state.scores.size() * sizeof(double);
+}
+
 }  // namespace
 
 void RecordQueue::Push(QueuedItem item) {
@@ -43,7 +47,7 @@ void RecordQueue::WaitForRoom(std::size_t bytes) {
 
 void RecordQueue::PushBegin(QueuedBegin begin) {
   const SavedState& state = *begin.state;
-  const std::size_t bytes = BytesOf(*state.frame) + state.controllers.size();
+  const std::size_t bytes = BytesOf(*state.frame) + ExtraBytes(state);
   const MutexLock lock(mutex_);
   if (state.mode != Mode::kRealtime) {
     while ((begins_ > 0 || beginning_) && waits()) {
@@ -81,13 +85,14 @@ bool RecordQueue::WantsKeyframe(std::uint64_t step, std::uint64_t every) {
 }
 
 void RecordQueue::PushStep(QueuedStep step) {
-  const std::size_t bytes = BytesOf(*step.frame) + step.controllers.size();
+  const std::size_t bytes =
+      BytesOf(*step.frame) + (step.keyframe == nullptr ? 0 : ExtraBytes(*step.keyframe));
   const MutexLock lock(mutex_);
-  const bool is_wanted = step.keyframe || !needs_keyframe_;
+  const bool is_wanted = step.keyframe != nullptr || !needs_keyframe_;
   if (step.mode != Mode::kRealtime) WaitForRoom(is_wanted ? bytes : max_bytes_ / 2);
   if (refuses() || !keyframe_) return;
   if (stalled_ || !is_wanted || !HasRoom(bytes)) return LeaveOut();
-  if (step.keyframe) {
+  if (step.keyframe != nullptr) {
     keyframe_ = step.frame->step;
     needs_keyframe_ = false;
   }

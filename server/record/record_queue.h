@@ -18,8 +18,7 @@ namespace coopdyn {
 struct QueuedStep {
   FramePtr frame;
   Mode mode = Mode::kRealtime;
-  bool keyframe = false;
-  std::vector<std::byte> controllers;
+  SavedStatePtr keyframe;  // null: none
 };
 
 struct QueuedBegin {

@@ -142,13 +142,7 @@ class Recorder::Impl {
     ++taken_;
     NoteLost(lost_before);
     if (!writes() || !Check(writer_->AddStep(frame)) || !Check(writer_->AddImages(step.frame))) return;
-    if (step.keyframe) {
-      SavedState state;
-      state.frame = step.frame;
-      state.controllers = std::move(step.controllers);
-      state.mode = step.mode;
-      if (!Check(writer_->AddKeyframe(state))) return;
-    }
+    if (step.keyframe != nullptr && !Check(writer_->AddKeyframe(*step.keyframe))) return;
     const MutexLock lock(mutex_);
     status_.steps = writer_->steps();
     status_.end = writer_->end();
@@ -427,8 +421,8 @@ bool Recorder::WantsKeyframe(std::uint64_t step) {
   return impl_->queue().WantsKeyframe(step, impl_->options().keyframe_steps);
 }
 
-void Recorder::Step(const FramePtr& frame, Mode mode, bool keyframe, std::vector<std::byte> controllers) {
-  impl_->Step({frame, mode, keyframe, std::move(controllers)});
+void Recorder::Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe) {
+  impl_->Step({frame, mode, std::move(keyframe)});
 }
 
 void Recorder::Input(RunInput input) {

@@ -67,7 +67,7 @@ class Recorder final : public RunJournal {
 
   void Begin(const SavedStatePtr& state) override;
   bool WantsKeyframe(std::uint64_t step) override;
-  void Step(const FramePtr& frame, Mode mode, bool keyframe, std::vector<std::byte> controllers) override;
+  void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe) override;
   void Input(RunInput input) override;
   void Note(Event event) override;
 

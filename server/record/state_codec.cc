@@ -11,7 +11,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kStateVersion = 5, kWithoutSensed = 4, kWithoutAcceleration = 3, kWithoutControls = 2;
+constexpr std::uint8_t kStateVersion = 6, kWithoutScores = 5, kWithoutSensed = 4, kWithoutAcceleration = 3,
+                       kWithoutControls = 2;
 constexpr std::size_t kContactBytes = 2 * 4 * 4 + 9 * 8;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
 
@@ -122,6 +123,7 @@ void CodeState(Codec& codec, const std::shared_ptr<const Scene>& scene, auto& st
   Nanoseconds step_length = state.step_length.value_or(0);
   codec.Number(step_length);
   codec.List(state.setpoints, kSetpointBytes, [&codec](auto& setpoint) { CodeSetpoint(codec, setpoint); });
+  if (version > kWithoutScores) codec.List(state.scores, 8, [&codec](auto& value) { codec.Number(value); });
   if constexpr (Codec::kReads) {
     if (step_length != 0) state.step_length = step_length;
   }

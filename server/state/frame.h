@@ -158,13 +158,13 @@ struct Frame {
 struct SavedState {
   FramePtr frame;                      // exact
   std::vector<std::byte> controllers;  // ControllerDriver::Save(); empty: nothing is loaded
-  std::vector<double> scores = {};     // ScoreKeeper::Save()
   Mode mode = Mode::kRealtime;         // in force then
   bool paused = false;
   // What edits after the frame's step have changed; a recording has them as inputs instead.
   std::optional<Nanoseconds> step_length;  // of steps to come; empty: as in the frame
   std::vector<Setpoint> setpoints;         // in force, by the scene's channels; empty: likewise
   std::string warning = {};                // lines: what is to be told when it is put in force
+  std::vector<double> scores = {};         // ScoreKeeper::Save()
 };
 using SavedStatePtr = std::shared_ptr<const SavedState>;
 

@@ -21,9 +21,9 @@ class RunJournal {
   virtual void Begin(const SavedStatePtr& state) = 0;
   /// Whether the exact state after step `step` is wanted with Step().
   virtual bool WantsKeyframe(std::uint64_t step) = 0;
-  /// A step has run. `controllers`: ControllerDriver::Save() if a keyframe was wanted. In real time it never
+  /// A step has run. `keyframe`: the state after it, if one was wanted, else null. In real time it never
   /// waits; in the other modes it slows the run rather than lose a step.
-  virtual void Step(const FramePtr& frame, Mode mode, bool keyframe, std::vector<std::byte> controllers) = 0;
+  virtual void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe) = 0;
   virtual void Input(RunInput input) = 0;
   virtual void Note(Event event) = 0;
 };

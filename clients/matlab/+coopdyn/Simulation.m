@@ -2,7 +2,7 @@
 classdef Simulation < coopdyn.internal.RunCalls
 %SIMULATION A connection to a daemon: its time and its robots. Made by coopdyn.connect.
 %   robot, team, robots, step; time, steps, mode, dt; run, pause, stop_all, reset, reload, load_scenario, set_mode, set_step,
-%   set_speed, set_participants, release_robot; status, hash, waiting, snapshot, describe, modules, call, close.
+%   set_speed, set_participants, release_robot; status, hash, scores, waiting, snapshot, describe, modules, call, close.
 %   What stands in the world: insert, remove, move, change, rename, undo, redo, world, save_scenario, pick.
 %   Saved states: save_state, restore_state, saved_states. Recording: record, stop_recording, note, recording, recordings,
 %   fetch_run. Playing a recording: playback, seek, play, set_play_speed, skip, set_loop, branch, open_run, close_run.
@@ -236,6 +236,18 @@ classdef Simulation < coopdyn.internal.RunCalls
     %STATUS The whole state of the simulation (docs/protocol.md lists the fields).
       reply = sim.session.control(100);
       s = jsondecode(reply.text);
+    end
+
+    function s = scores(sim)
+    %SCORES What the run is worth so far: a field for each [SCORE_n] of the scenario; NaN if it cannot be told.
+      s = struct();
+      all = sim.status().scores;
+      for i = 1:numel(all)
+        if iscell(all); one = all{i}; else; one = all(i); end
+        value = one.value;
+        if isempty(value); value = NaN; end
+        s.(char(one.name)) = value;
+      end
     end
 
     function h = hash(sim)

@@ -267,7 +267,9 @@ TEST(Stepping, FiveRobotsDoNotDeadlockAndRepeatThemselves) {
 }
 
 TEST(Everything, EveryCallWorks) {
-  const auto daemon = ServerProcess::Real("formation", {"--mode", "realtime"});
+  const auto daemon = ServerProcess::Real(
+      "formation",
+      {"--mode", "realtime", "--set", "SCORE_1.kind=distance", "--set", "SCORE_2.kind=collisions"});
   auto sim = connect(daemon.server());
   auto r = sim.robot("/robot1");
   EXPECT_EQ(sim.mode(), "realtime");
@@ -308,6 +310,7 @@ TEST(Everything, EveryCallWorks) {
   sim.reset();
   EXPECT_EQ(sim.status()["step"].number(), 0);
   EXPECT_EQ(sim.hash().size(), 16u);
+  EXPECT_EQ(sim.scores(), (std::map<std::string, double>{{"distance", 0}, {"collisions", 0}}));
   sim.reload();
   EXPECT_EQ(sim.describe("/robot1/motors")["protocol"].number(), 1);
   EXPECT_GE(sim.modules().size(), 21u);

@@ -1,5 +1,5 @@
 % SPDX-License-Identifier: MIT
-% needs: daemon formation --mode realtime
+% needs: daemon formation --mode realtime --set SCORE_1.kind=distance --set SCORE_2.kind=collisions
 sim = coopdyn.connect();
 r = sim.robot('/robot1');
 assert(strcmp(sim.mode, 'realtime') && sim.dt == 0.01 && strcmp(r.name, 'robot1'));
@@ -46,6 +46,7 @@ sim.step('timeout', 30);
 sim.reset();
 s = sim.status();
 assert(s.step == 0 && numel(sim.hash()) == 16);
+assert(isequal(sim.scores(), struct('distance', 0, 'collisions', 0)));
 sim.reload();
 d = sim.describe('/robot1/motors');
 assert(d.protocol == 1);

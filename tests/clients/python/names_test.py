@@ -12,7 +12,7 @@ CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
 CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h", "joints.h", "chain.h", "sensors.h")]
 
 SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
-    set_speed set_participants release_robot status hash waiting snapshot describe modules call close
+    set_speed set_participants release_robot status hash scores waiting snapshot describe modules call close
     save_state restore_state saved_states record stop_recording note recording recordings fetch_run
     playback seek play set_play_speed skip set_loop branch open_run close_run
     insert remove move change rename undo redo world save_scenario pick""".split())

@@ -104,7 +104,13 @@ class GlobalModuleTest : public testing::Test {
     world_.Step();
     if (journal_ == nullptr) return;
     const FramePtr frame = world_.frames.Latest();
-    journal_->Step(frame, Mode::kLockstep, journal_->WantsKeyframe(frame->step), {});
+    std::shared_ptr<SavedState> keyframe;
+    if (journal_->WantsKeyframe(frame->step)) {
+      keyframe = std::make_shared<SavedState>();
+      keyframe->frame = frame;
+      keyframe->mode = Mode::kLockstep;
+    }
+    journal_->Step(frame, Mode::kLockstep, keyframe);
   }
   /// Sends a line, lets its edits be applied, and waits for the reply.
   Message Ask(FakeClient& client, const std::string& line) {

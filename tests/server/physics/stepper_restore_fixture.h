@@ -27,11 +27,11 @@ class Journal final : public RunJournal {
     asked.push_back(step);
     return step % 3 == 0;
   }
-  void Step(const FramePtr& frame, Mode mode, bool keyframe, std::vector<std::byte> controllers) override {
+  void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe) override {
     frames.push_back(frame);
     std::string line = "step " + std::to_string(frame->step) + " " + ToString(mode);
-    if (keyframe) line += " key " + std::to_string(controllers.size());
-    EXPECT_TRUE(keyframe || controllers.empty());
+    if (keyframe != nullptr) line += " key " + std::to_string(keyframe->controllers.size());
+    EXPECT_TRUE(keyframe == nullptr || keyframe->frame == frame);
     log.push_back(line);
   }
   void Input(RunInput input) override {

@@ -146,6 +146,15 @@ class FrameMaker {
 };
 
 /// A writer of `file` with everything recorded, that begins with `state`.
+/// The state after `frame`, if it is wanted.
+inline SavedStatePtr ExactIf(bool wanted, const FramePtr& frame, Mode mode) {
+  if (!wanted) return nullptr;
+  const auto state = std::make_shared<SavedState>();
+  state->frame = frame;
+  state->mode = mode;
+  return state;
+}
+
 inline std::unique_ptr<RunWriter> MakeWriter(const std::string& file, const SavedState& state,
                                              const RecordWhat& what = {true, true, true, true},
                                              Nanoseconds pose_every = 0) {

@@ -39,7 +39,8 @@ int RecordWithinLimit(const RecorderOptions& base, FrameMaker& maker) {
   Recorder recorder(options, clock, NullLogger());
   recorder.Begin(maker.Start());
   for (std::uint64_t step = 1; step <= 5000; ++step) {
-    recorder.Step(maker.Make(step), Mode::kLockstep, recorder.WantsKeyframe(step), {});
+    const FramePtr frame = maker.Make(step);
+    recorder.Step(frame, Mode::kLockstep, ExactIf(recorder.WantsKeyframe(step), frame, Mode::kLockstep));
   }
   recorder.Close();
   const std::string failure = recorder.status().failure;

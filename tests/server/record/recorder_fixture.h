@@ -72,7 +72,8 @@ class RecorderTest : public testing::Test {
   }
   /// As the stepping thread does.
   void Step(Recorder& recorder, std::uint64_t step, Mode mode) {
-    recorder.Step(maker_.Make(step), mode, recorder.WantsKeyframe(step), {});
+    const FramePtr frame = maker_.Make(step);
+    recorder.Step(frame, mode, ExactIf(recorder.WantsKeyframe(step), frame, mode));
   }
   void Steps(Recorder& recorder, std::uint64_t first, std::uint64_t last, Mode mode) {
     for (std::uint64_t step = first; step <= last; ++step) Step(recorder, step, mode);

@@ -35,7 +35,7 @@ TEST_F(RecorderTest, WithoutBeginNothingIsWritten) {
   {
     Recorder recorder(Options(), clock_, NullLogger());
     EXPECT_FALSE(recorder.WantsKeyframe(1));
-    recorder.Step(maker_.Make(1), Mode::kLockstep, false, {});
+    recorder.Step(maker_.Make(1), Mode::kLockstep, nullptr);
     recorder.Note({1, 0.01, "info", "nobody hears"});
   }
   EXPECT_FALSE(std::filesystem::exists(file_));
@@ -51,14 +51,19 @@ TEST_F(RecorderTest, KeyframesComeAtTheStartAndEverySoManySteps) {
   EXPECT_EQ(AskText(file_, "SELECT group_concat(step) FROM keyframe"), "7,57,107,157");
 }
 
-TEST_F(RecorderTest, AKeyframeHasTheControllersAndTheMode) {
+TEST_F(RecorderTest, AKeyframeHasTheControllersTheScoresAndTheMode) {
   RecorderOptions options = Options();
   options.keyframe_steps = 1;
   Recorder recorder(options, clock_, NullLogger());
   recorder.Begin(maker_.Start());
   const auto frame = maker_.Make(1);
   ASSERT_TRUE(recorder.WantsKeyframe(1));
-  recorder.Step(frame, Mode::kFree, true, {std::byte{42}});
+  const auto exact = std::make_shared<SavedState>();
+  exact->frame = frame;
+  exact->controllers = {std::byte{42}};
+  exact->scores = {1.5, 2};
+  exact->mode = Mode::kFree;
+  recorder.Step(frame, Mode::kFree, exact);
   recorder.Close();
   std::string error;
   const auto database = Database::Open(file_, Database::Access::kReadOnly, error);
@@ -67,6 +72,7 @@ TEST_F(RecorderTest, AKeyframeHasTheControllersAndTheMode) {
   const SavedStatePtr state = DecodeState(row.blob(0), maker_.scene());
   ASSERT_NE(state, nullptr);
   EXPECT_EQ(state->controllers, std::vector<std::byte>{std::byte{42}});
+  EXPECT_EQ(state->scores, (std::vector<double>{1.5, 2}));
   EXPECT_EQ(state->mode, Mode::kFree);
   EXPECT_EQ(StateHash(*state->frame), StateHash(*frame));
 }

@@ -33,6 +33,7 @@ SavedState FullState(FrameMaker& maker) {
   SavedState state;
   state.frame = frame;
   state.controllers = {std::byte{1}, std::byte{2}, std::byte{255}};
+  state.scores = {1.0 / 3, -0.0};
   state.mode = Mode::kFree;
   state.paused = true;
   state.step_length = 20'000'000;
@@ -77,6 +78,7 @@ TEST(StateCodecTest, AStateKeepsEveryBit) {
   EXPECT_TRUE(read->paused);
   EXPECT_EQ(read->step_length, state.step_length);
   EXPECT_EQ(read->setpoints, state.setpoints);
+  EXPECT_TRUE(SameBits(read->scores, state.scores));
   EXPECT_EQ(StateHash(b), StateHash(a));
   EXPECT_EQ(EncodeState(*read), EncodeState(state));
 }

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#include "server/control/score_json.h"
+
+#include <cmath>
+
+namespace coopdyn {
+
+namespace json = boost::json;
+
+json::array ScoresJson(const Frame& frame) {
+  json::array scores;
+  const std::vector<ScoreEntry>& entries = frame.scene->scenario->scores;
+  for (std::size_t i = 0; i < frame.scores.size() && i < entries.size(); ++i) {
+    const Score& score = frame.scores[i];
+    scores.push_back({{"name", entries[i].name},
+                      {"value", std::isfinite(score.value) ? json::value(score.value) : json::value(nullptr)},
+                      {"unit", UnitOf(entries[i].kind)},
+                      {"met", entries[i].until ? json::value(score.met) : json::value(nullptr)}});
+  }
+  return scores;
+}
+
+}  // namespace coopdyn
