@@ -93,9 +93,11 @@ TEST(StateCodecTest, WhatNoEditHasChangedStaysUnsaid) {
 
 TEST(StateCodecTest, AStateOfVersion2HasNoControlBoards) {
   FrameMaker maker(RecordScene());
-  const SavedState state = FullState(maker);
+  SavedState state = FullState(maker);
+  state.scores.clear();
   std::vector<std::byte> bytes = EncodeState(state);
   bytes[0] = std::byte{2};
+  bytes.resize(bytes.size() - 4);  // the list of scores, empty here
   // The lists of controls, measured values, contacts, samples and clocks, all empty here, stand behind head,
   // bodies and channels.
   const std::size_t at = 59 + 4 + 184 * state.frame->bodies.size() + 4 + 25 * state.frame->channels.size();
