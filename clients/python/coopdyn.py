@@ -26,6 +26,7 @@ Use a `sim` and its robots from one thread. On a command line: `python3 coopdyn.
 from __future__ import annotations
 
 import array
+import collections
 import contextlib
 import functools
 import getpass
@@ -34,12 +35,17 @@ import json
 import math
 import operator
 import os
+import queue
 import select
+import shutil
 import socket
 import struct
+import subprocess
 import sys
+import threading
 import time as _clock
 import urllib.parse
+import weakref
 import zlib
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
 
@@ -80,6 +86,7 @@ _GET_NEIGHBOURS, _SEND_MESSAGE, _GET_MESSAGES = 200, 201, 202
 _CLOSE_S = 0.2
 _REQUEST_TIMEOUT_S = 10.0  # for what is answered at once
 _LOAD_TIMEOUT_S = 60.0  # for what builds a world, closes a file, repeats a part of a run
+_END_TIMEOUT_S = 10.0  # of a daemon that was launched
 _EXPORT_TIMEOUT_S = 600.0  # for a long recording as a MAT file
 _COMMAND_WAIT_S = 0.1  # for the reply to an actuator command in real time
 _CATCH_UP_AFTER_S = 0.1  # some robots have stepped and others have not: see _Session.catch_up
@@ -87,6 +94,7 @@ _NOTICE_AFTER_S = 2.0  # a wait that lasts longer says once which robots the wor
 _HELD_UP_S = 0.5  # lockstep waits for its robots before every step; a shorter wait is normal
 _NAMED_ROBOTS = 4
 _LISTED_NAMES = 20
+_SAID_LINES = 200  # of a daemon that was launched
 _PLAYING = "playing a recording"  # how an error begins
 _ANEW = ("reset", "load")  # what an error says that ends a wait
 _NOT_IN_SCENARIO = "is not in the new scenario"  # how a notice ends
@@ -1882,6 +1890,7 @@ class _Session:
         self.scenario: Any = None  # its name, as it was when this world began
         self.told_to_step = False
         self.closed = False
+        self.on_closed: Optional[Callable[[], Any]] = None  # ends the daemon that launch() has started
 
     def spin_s(self) -> float:
         return _spin_s(self.mode == _LOCKSTEP, len(self.links) + len(self.teams))
@@ -2642,6 +2651,8 @@ class _Session:
         for connection in self.others.values():
             connection.close()
         self.closed = True
+        if self.on_closed is not None:
+            self.on_closed()
 
 
 class _Wait:
@@ -4051,6 +4062,104 @@ def connect(
         session.close()
         raise
     return Simulation(session)
+
+
+# --- a daemon of one's own ---------------------------------------------------------------------------------------------
+
+class _Daemon:
+    """A daemon that a program has started, and what it has said."""
+
+    def __init__(self, program: str, words: Sequence[str], text: Optional[str]) -> None:
+        self.said: "collections.deque[str]" = collections.deque(maxlen=_SAID_LINES)
+        self.lines: "queue.Queue[Optional[str]]" = queue.Queue()
+        # In a session of its own: Ctrl-C is the program's, which then ends the daemon.
+        try:
+            self.process = subprocess.Popen([program, "serve", *words], stdin=subprocess.DEVNULL if text is None else subprocess.PIPE,
+                                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+        except OSError as e:
+            raise Error(-1, f"{program} cannot be started: {e.strerror}") from None
+        self.readers = [threading.Thread(target=self._read, args=(stream, keep), daemon=True)
+                        for stream, keep in ((self.process.stdout, self.lines.put), (self.process.stderr, self.said.append))]
+        for reader in self.readers:
+            reader.start()
+        if text is not None:
+            assert self.process.stdin is not None
+            with contextlib.suppress(OSError):  # it has ended: it says why
+                self.process.stdin.write(text.encode())
+                self.process.stdin.close()
+
+    def _read(self, stream: Any, keep: Callable[[str], Any]) -> None:
+        with stream:
+            for line in stream:
+                keep(line.decode(errors="replace").rstrip())
+        if keep == self.lines.put:
+            keep(None)  # type: ignore[arg-type]
+
+    def server(self, timeout: float) -> str:
+        """Where it can be reached, once it is ready."""
+        limit = _clock.monotonic() + timeout
+        while True:
+            try:
+                line = self.lines.get(timeout=max(0.0, limit - _clock.monotonic()))
+            except queue.Empty:
+                self.end()
+                raise Error(11, f"the daemon was not ready within {timeout:g} s: give launch a longer timeout") from None
+            if line is None:
+                self.end()
+                raise Error(7, "the daemon did not start:\n" + "\n".join(self.said))
+            if line.startswith("ready names="):
+                return line.split()[1][len("names="):]
+
+    def end(self) -> None:
+        """Ends it in order; by force if it does not."""
+        if self.process.poll() is None:
+            self.process.terminate()
+            try:
+                self.process.wait(_END_TIMEOUT_S)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+        self.process.wait()
+        for reader in self.readers:
+            reader.join(_CLOSE_S)
+
+
+def _program(program: Optional[str]) -> str:
+    """The daemon's program: the given one, $COOPDYN_BINARY, on the PATH, or built beside this file."""
+    built = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "build", "release", "coopdyn")
+    found = program or os.environ.get("COOPDYN_BINARY") or shutil.which("coopdyn") or (built if os.path.exists(built) else "")
+    if not found:
+        raise Error(10, 'the program coopdyn is not on the PATH: write launch(..., program="/path/to/coopdyn"), or set COOPDYN_BINARY')
+    return found
+
+
+def launch(
+    scenario: str = "classroom", *, set: Optional[Dict[str, Any]] = None, seed: Optional[int] = None, mode: Optional[str] = None,
+    record: Optional[str] = None, options: Sequence[str] = (), program: Optional[str] = None, timeout: float = _LOAD_TIMEOUT_S,
+) -> Simulation:
+    """Starts a daemon of this program's own, on free ports of this machine, and connects to it: launch("arena20", seed=7).
+
+    `scenario`: a file, a name or the text of a scenario. `set`: keys with other values, {"SWARM_1.count": 20}. `record`: a file.
+    `options`: more words for `coopdyn serve`, e.g. ["--no-http"]. The daemon ends with sim.close(), with the end of a
+    `with`, and with this program, however that ends.
+    """
+    if not isinstance(scenario, str):
+        raise Error(3, f'a scenario is a file, a name or a text, not {scenario!r}; write e.g. coopdyn.launch("classroom")')
+    is_text = "\n" in scenario
+    words = ["-" if is_text else scenario, "--port", "0", "--with-process", str(os.getpid())]
+    for key, value in (set or {}).items():
+        parts = value if isinstance(value, (list, tuple)) else [value]
+        words += ["--set", f"{key}={' '.join(str(part) for part in parts)}"]
+    for flag, value in (("--seed", seed), ("--mode", mode), ("--record", record)):
+        if value is not None:
+            words += [flag, str(value)]
+    daemon = _Daemon(_program(program), [*words, *options], scenario if is_text else None)
+    try:
+        sim = connect(daemon.server(_number(timeout, "timeout [s]")))
+    except BaseException:
+        daemon.end()
+        raise
+    sim._session.on_closed = weakref.finalize(sim, daemon.end)
+    return sim
 
 
 # --- recorded runs ----------------------------------------------------------------------------------------------------

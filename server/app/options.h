@@ -63,6 +63,7 @@ struct ServeOptions {
   std::string log_level = "info";
   std::string log_file;  // empty: only stderr
   std::string summary_file;
+  std::optional<int> with_process;  // the daemon ends with it
   std::vector<std::string> scenario_folders;
   std::string command_line;  // as given; a recording says it
 };

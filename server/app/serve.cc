@@ -89,6 +89,13 @@ int Serve(ServeOptions options) {
     }
   }
   Shutdown shutdown;
+  if (options.with_process) {
+    if (const std::string why = shutdown.Follow(*options.with_process); !why.empty()) {
+      PrintError("coopdyn: --with-process {}: {}: write the number of a process that runs\n",
+                 *options.with_process, why);
+      return kExitWrongUse;
+    }
+  }
   const LogBackend log(options.log_level, options.log_file);
   const SteadyClock clock;
   Daemon daemon(options, log.logger(), shutdown);

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <set>
 #include <system_error>
@@ -285,6 +286,9 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->add_option("--duration", serve.run.duration_s, "End the run at this simulated time, s")
       ->check(NumberIn(0, kMaxDuration_s, true));
   AddSettings(sub, serve.settings);
+  sub->add_option("--with-process", serve.with_process,
+                  "End when the process of this number ends, however it ends")
+      ->check(WholeIn(1, std::numeric_limits<int>::max()));
   sub->add_flag("--paused", serve.run.paused, "Start paused");
   sub->add_flag("--no-net", serve.no_net, "No sockets at all");
   sub->add_option(
@@ -315,7 +319,7 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   AddRecording(sub, serve);
   AddNetwork(sub, serve);
   sub->set_config("--config", "", "Read options from this file (name=value lines)");
-  TakeVariables(sub, {"help", "scenarios", "force", "from", "set"});
+  TakeVariables(sub, {"help", "scenarios", "force", "from", "set", "with-process"});
   sub->callback([sub, given, &chosen] {
     CheckServe(*sub, *given);
     chosen = [given] { return Serve(*given); };

@@ -5,11 +5,13 @@
 #include <pthread.h>
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstdint>
+#include <system_error>
 
 namespace coopdyn {
 
@@ -25,6 +27,7 @@ Shutdown::Shutdown() {
 Shutdown::~Shutdown() {
   ::close(signals_);
   ::close(request_);
+  if (process_ >= 0) ::close(process_);
 }
 
 void Shutdown::Request() {
@@ -32,15 +35,22 @@ void Shutdown::Request() {
   [[maybe_unused]] const ssize_t written = ::write(request_, &one, sizeof one);
 }
 
+std::string Shutdown::Follow(int process) {
+  process_ = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
+  return process_ >= 0 ? "" : std::system_category().message(errno);
+}
+
 Shutdown::Wake Shutdown::Wait(Nanoseconds timeout) {
-  std::array<pollfd, 2> waiting{pollfd{signals_, POLLIN, 0}, pollfd{request_, POLLIN, 0}};
+  // A process that there is none of is never waited for: poll takes no notice of -1.
+  std::array<pollfd, 3> waiting{pollfd{signals_, POLLIN, 0}, pollfd{request_, POLLIN, 0},
+                                pollfd{process_, POLLIN, 0}};
   const timespec limit{timeout / kNanosecondsPerSecond, timeout % kNanosecondsPerSecond};
   int ready;
   do {
     ready = ::ppoll(waiting.data(), waiting.size(), timeout < 0 ? nullptr : &limit, nullptr);
   } while (ready < 0 && errno == EINTR);
   if (ready <= 0) return Wake::kTimeout;
-  if (waiting[1].revents != 0) return Wake::kEnd;
+  if (waiting[1].revents != 0 || waiting[2].revents != 0) return Wake::kEnd;
   signalfd_siginfo got{};
   const bool asks = ::read(signals_, &got, sizeof got) == sizeof got && got.ssi_signo == SIGUSR1;
   return asks ? Wake::kReport : Wake::kEnd;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <csignal>
+#include <string>
 
 #include "server/base/clock.h"
 
@@ -22,12 +23,15 @@ class Shutdown {
 
   /// Ends the wait. Any thread.
   void Request();
+  /// Ends the wait, too, when this process ends, however it ends. An error text; empty: it is there.
+  std::string Follow(int process);
   /// Waits at most `timeout` (negative: for ever).
   Wake Wait(Nanoseconds timeout);
 
  private:
   int signals_ = -1;  // signalfd
   int request_ = -1;  // eventfd
+  int process_ = -1;  // pidfd; -1: none
 };
 
 }  // namespace coopdyn
