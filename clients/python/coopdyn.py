@@ -4124,11 +4124,11 @@ class _Daemon:
 
 
 def _program(program: Optional[str]) -> str:
-    """The daemon's program: the given one, $COOPDYN_BINARY, on the PATH, or built beside this file."""
+    """The daemon's program: the given one, $COOPDYN or $COOPDYN_BINARY, on the PATH, or built beside this file."""
     built = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "build", "release", "coopdyn")
-    found = program or os.environ.get("COOPDYN_BINARY") or shutil.which("coopdyn") or (built if os.path.exists(built) else "")
+    found = program or os.environ.get("COOPDYN") or os.environ.get("COOPDYN_BINARY") or shutil.which("coopdyn") or (built if os.path.exists(built) else "")
     if not found:
-        raise Error(10, 'the program coopdyn is not on the PATH: write launch(..., program="/path/to/coopdyn"), or set COOPDYN_BINARY')
+        raise Error(10, 'the program coopdyn is not on the PATH: write launch(..., program="/path/to/coopdyn"), or set COOPDYN')
     return found
 
 

@@ -18,6 +18,9 @@ classdef Simulation < coopdyn.internal.RunCalls
     function sim = Simulation(options)
       address = coopdyn.internal.address(options.server, options.name, options.token, options.timeout);
       session = coopdyn.internal.Session(address, options.watch);
+      if isfield(options, 'process')
+        session.process = options.process;  % coopdyn.launch has started it
+      end
       reply = session.control(100, [], [], '', address.timeout);
       try
         status = jsondecode(reply.text);

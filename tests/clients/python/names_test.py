@@ -26,7 +26,7 @@ JOINTS = set("""name names set_positions set_positions_direct set_velocities set
 TEAM = set("n names ids step step_wheels read select stop release close".split())
 RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events".split())
 READINGS = set("pose distances targets neighbours wheels compass support joints".split())
-FUNCTIONS = {"connect", "doctor", "read_run"}
+FUNCTIONS = {"connect", "launch", "doctor", "read_run"}
 
 
 def python_names(cls):

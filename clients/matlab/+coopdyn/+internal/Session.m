@@ -15,6 +15,7 @@ classdef Session < handle
     scenario = ''    % its name, as it was when this world began
     told_to_step = false
     closed = false
+    process = 0      % of the daemon that coopdyn.launch has started; 0: none
   end
   methods
     function s = Session(address, watch)
@@ -364,6 +365,10 @@ classdef Session < handle
         c.close();
       end
       s.closed = true;
+      if s.process > 0
+        coopdyn.internal.end_process(s.process);
+        s.process = 0;
+      end
     end
   end
 end
