@@ -260,7 +260,9 @@ class Robot {
   std::shared_ptr<RobotLink> link_;
 };
 
-/// A connection to a daemon: its time and its robots. Made by connect().
+struct LaunchOptions;
+
+/// A connection to a daemon: its time and its robots. Made by connect() and launch().
 class Simulation {
  public:
   explicit Simulation(std::shared_ptr<Session> session);
@@ -399,6 +401,7 @@ class Simulation {
   void close();
 
  private:
+  friend Simulation launch(const std::string& scenario, const LaunchOptions& options);
   std::shared_ptr<Session> session_;
 };
 
@@ -412,6 +415,22 @@ struct Options {
 
 /// Connects to "HOST", "HOST:PORT" or "PORT" of this machine; empty: COOPDYN_SERVER, else this machine.
 Simulation connect(const std::string& server = "", const Options& options = {});
+/// How a daemon of the program's own runs.
+struct LaunchOptions {
+  std::map<std::string, std::string> set =
+      {};  // keys of the scenario with other values, {"SWARM_1.count", "20"}
+  std::optional<std::uint64_t> seed = {};
+  std::string mode = {};                  // realtime, lockstep, free; empty: as the scenario says
+  std::string record = {};                // a file; empty: none
+  std::vector<std::string> options = {};  // more words for `coopdyn serve`, {"--no-http"}
+  std::string program = {};               // empty: COOPDYN, COOPDYN_BINARY, else coopdyn on the PATH
+  double timeout = 60;                    // seconds until it is ready
+};
+
+/// Starts a daemon of this program's own, on free ports of this machine, and connects to it. `scenario`: a
+/// file, a name or a text of lines. The daemon ends with close(), with the last of the sim and its robots,
+/// and with this program, however that ends. Throws Error 7 with what it said if it does not start.
+Simulation launch(const std::string& scenario = "classroom", const LaunchOptions& options = {});
 /// Walks from the name of the server to a round trip; prints ok, or cause and cure, per line. True if all is
 /// ok.
 bool doctor(const std::string& server = "", const std::string& token = "");

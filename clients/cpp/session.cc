@@ -389,6 +389,7 @@ void Session::Close() {
     link->Close();
   }
   modules_.clear();
+  daemon_.reset();
 }
 
 }  // namespace coopdyn::client

@@ -85,6 +85,8 @@ class Session {
   std::string Whom(bool held_up = false) const;
   /// Writes `stop` to the robots that this session drives, then closes everything. Does not wait.
   void Close();
+  /// A daemon that launch() has started; it ends with this session.
+  void set_daemon(std::shared_ptr<void> daemon) { daemon_ = std::move(daemon); }
 
   // The world.
   /// Takes over time and mode.
@@ -108,6 +110,7 @@ class Session {
   void ThrowIfLoaded(const Error& error);
 
  private:
+  std::shared_ptr<void> daemon_;  // first: it ends when all connections are closed
   struct Waiting {
     Connection* connection;
     RobotLink* link = nullptr;  // both null: /simulation, or a raw message

@@ -109,6 +109,9 @@ class GuideTest(unittest.TestCase):
     def test_the_researcher(self):
         self.read_chapter("The researcher")
 
+    def test_a_run_that_is_worth_something(self):
+        self.read_chapter("A run that is worth something")
+
     def test_change_the_world_while_it_runs(self):
         self.read_chapter("Change the world while it runs")
 

@@ -3,6 +3,7 @@
 #include "clients/cpp/coopdyn_client.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -264,6 +265,53 @@ TEST(Stepping, FiveRobotsDoNotDeadlockAndRepeatThemselves) {
     hashes.push_back(sim.hash());
   }
   EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+constexpr const char* kLaunched =
+    "[SIMULATION]\nmode lockstep\n[ROBOT_1]\ntype coopbot\nname ana\nposition 0 0\n";
+
+TEST(Launch, ADaemonOfOnesOwnTakesATextAndSettings) {
+  LaunchOptions options;
+  options.set = {{"ROBOT_1.position", "1 2"}, {"SCORE_1.kind", "distance"}};
+  options.seed = 7;
+  options.options = {"--no-http"};
+  auto sim = launch(kLaunched, options);
+  auto robot = sim.robot("ana");
+  EXPECT_EQ(robot.get_pose().x, 1);
+  EXPECT_EQ(sim.scores(), (std::map<std::string, double>{{"distance", 0}}));
+  robot.set_velocity(0.2, 0);
+  sim.step(10);
+  EXPECT_EQ(sim.steps(), 10);
+}
+
+TEST(Launch, ItEndsWithCloseAndWithTheSim) {
+  const auto children = [] {  // that have not ended, or were not waited for
+    return ::waitpid(-1, nullptr, WNOHANG) == -1 && errno == ECHILD ? 0 : 1;
+  };
+  auto sim = launch(kLaunched);
+  EXPECT_EQ(children(), 1);
+  sim.close();
+  EXPECT_EQ(children(), 0);
+  { const auto other = launch(kLaunched); }
+  EXPECT_EQ(children(), 0);
+}
+
+TEST(Launch, WhatIsWrongIsTold) {
+  const auto said = [](const std::string& scenario, const std::string& program = "") {
+    LaunchOptions options;
+    options.program = program;
+    try {
+      launch(scenario, options);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(said("[ROBOT_1]\ntype cooopbot\nposition 0 0\n").find("did you mean 'coopbot'?"),
+            std::string::npos);
+  EXPECT_NE(said("clasroom").find("there is no such scenario"), std::string::npos);
+  EXPECT_NE(said("classroom", "/nowhere/coopdyn").find("/nowhere/coopdyn cannot be started"),
+            std::string::npos);
 }
 
 TEST(Everything, EveryCallWorks) {
