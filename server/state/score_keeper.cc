@@ -337,7 +337,8 @@ bool ScoreKeeper::Restore(Frame& frame, std::span<const double> saved) {
   const auto take = [&] { return next < saved.size() ? saved[next++] : kNoScore; };
   const auto take_count = [&](std::size_t width) {
     const double count = take();
-    const bool fits = count >= 0 && count <= static_cast<double>((saved.size() - next) / width);
+    const std::size_t room = (saved.size() - next) / width;
+    const bool fits = count >= 0 && count <= static_cast<double>(room);
     return fits ? static_cast<std::size_t>(count) : std::numeric_limits<std::size_t>::max();
   };
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
