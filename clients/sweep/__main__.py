@@ -108,7 +108,7 @@ def check_first(job):
             words += ["--set", value]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise Wrong(done.stderr.strip() or done.stdout.strip())
+        raise Wrong(done.stderr.strip() or done.stdout.strip() or f"coopdyn check ended with exit code {done.returncode}")
 
 
 def sweep(words, program, folders):

@@ -112,6 +112,15 @@ def files_of(scenario, folders):
     return files
 
 
+def ends_by_itself(given, content, settings):
+    """Whether the scenario, a setting or an option ends each run."""
+    if given.duration or given.client:
+        return True
+    names = [name.lower().rpartition(".")[2] for name, _ in settings]
+    ends = rb"^\s*(?:duration|until|limit)\b"
+    return bool({"duration", "until", "limit"} & set(names)) or bool(re.search(ends, content, re.MULTILINE | re.IGNORECASE))
+
+
 def lay_out(given, version, program, folders):
     """All jobs of a sweep, in order: dictionaries that run.py carries out. `given`: the options."""
     scenario = find_scenario(given.scenario, folders)
@@ -119,11 +128,14 @@ def lay_out(given, version, program, folders):
     controllers = controllers_of(given.controller) or [None]
     seeds = seeds_of(given.seeds)
     rows = table_of(given.table) if given.table else [{}]
+    files = files_of(scenario, folders)
+    if not ends_by_itself(given, files[0][1], [*settings, *((name, []) for name in rows[0])]):
+        raise Wrong(f"nothing ends a run of {given.scenario}: add --duration SECONDS, or a score with `until` or `limit`")
     digest = hashlib.sha256()
-    for name, content in files_of(scenario, folders):
+    for name, content in files:
         digest.update(f"{name}\0{len(content)}\0".encode())
         digest.update(content)
-    files = digest.hexdigest()
+    files = digest.hexdigest()[:32]
     clashes = {name.lower() for name, _ in settings} & {name.lower() for name in rows[0]}
     if clashes:
         raise Wrong(f"{clashes.pop()} is set by --set and by --table: leave one out")
