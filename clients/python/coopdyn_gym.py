@@ -1,0 +1,634 @@
+# SPDX-License-Identifier: MIT
+"""Worlds of coopdyn for programs that learn: Gymnasium's Env and VectorEnv, PettingZoo's ParallelEnv. Standard library only.
+
+    import coopdyn_gym
+    env = coopdyn_gym.Env("lamps", "moth1", observation=("light",), reward=lambda m: sum(m.reading.light), max_steps=300, repeat=10)
+    obs, info = env.reset(seed=7)
+    obs, reward, terminated, truncated, info = env.step([0.1, 0.5])          # m/s, rad/s
+
+Each world is a daemon of its own in lockstep (`coopdyn.launch`), which ends with `env.close()` and with the program. Where gymnasium
+or pettingzoo are installed, the classes here are theirs and the spaces are gymnasium's. With numpy, observations are float32
+arrays; without, an array.array("f") of the same numbers. The same seed and the same actions give the same observations to the bit.
+"""
+from __future__ import annotations
+
+import array
+import concurrent.futures
+import json
+import math
+import operator
+import os
+import random
+import re
+import struct
+import tempfile
+import zlib
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+
+import coopdyn
+
+try:
+    import numpy
+except ImportError:
+    numpy = None  # type: ignore[assignment]
+try:
+    import gymnasium
+except ImportError:
+    gymnasium = None  # type: ignore[assignment]
+try:
+    import pettingzoo
+except ImportError:
+    pettingzoo = None  # type: ignore[assignment]
+
+Error = coopdyn.Error
+_WRONG, _RANGE, _ORDER = 3, 4, 5  # codes of Error: wrong arguments, value out of range, not possible now
+
+
+# --- numbers and spaces -----------------------------------------------------------------------------------------------
+
+def numbers(values: Any) -> Any:
+    """Values as an observation: a float32 array of numpy, or an array.array("f")."""
+    return numpy.asarray(values, dtype=numpy.float32) if numpy is not None else array.array("f", values)
+
+
+def _generator(seed: Optional[int]) -> Any:
+    """A random generator: numpy's, as Gymnasium has it, or random.Random."""
+    if seed is not None and (isinstance(seed, bool) or not hasattr(seed, "__index__") or operator.index(seed) < 0):
+        raise Error(_WRONG, f"a seed is a whole number of at least 0, not {seed!r}: write env.reset(seed=7)")
+    if numpy is None:
+        return random.Random(None if seed is None else operator.index(seed))
+    return numpy.random.Generator(numpy.random.PCG64(numpy.random.SeedSequence(None if seed is None else operator.index(seed))))
+
+
+def _drawn(generator: Any) -> int:
+    """A seed for a world."""
+    return int(generator.integers(2**31)) if hasattr(generator, "integers") else generator.randrange(2**31)
+
+
+class _Space:
+    """What Box and Discrete share when gymnasium is not installed."""
+
+    def __init__(self, shape: Tuple[int, ...], seed: Optional[int]) -> None:
+        self.shape = shape
+        self._random: Any = None if seed is None else _generator(seed)
+
+    @property
+    def np_random(self) -> Any:
+        """The generator that `sample` draws from."""
+        if self._random is None:
+            self._random = _generator(None)
+        return self._random
+
+    def seed(self, seed: Optional[int] = None) -> Optional[int]:
+        """Starts the generator of `sample` anew."""
+        self._random = _generator(seed)
+        return seed
+
+    def contains(self, x: Any) -> bool:
+        """Whether x is in the space."""
+        raise NotImplementedError
+
+    def __contains__(self, x: Any) -> bool:
+        return self.contains(x)
+
+
+class _Box(_Space):
+    """Vectors of `shape` (n,), each number within low and high: those are numbers for all, or n of them."""
+
+    def __init__(self, low: Any, high: Any, shape: Optional[Sequence[int]] = None, dtype: Any = "float32",
+                 seed: Optional[int] = None) -> None:
+        n = shape[0] if shape is not None else len(low)
+        super().__init__((n,), seed)
+        self.low, self.high = (numbers(list(bound) if hasattr(bound, "__len__") else [float(bound)] * n) for bound in (low, high))
+        self.dtype = numpy.dtype("float32") if numpy is not None else "float32"
+
+    def sample(self) -> Any:
+        """A random vector; where a bound is infinite it is drawn from the normal distribution around the other."""
+        draw, out = self.np_random, []
+        for low, high in zip(map(float, self.low), map(float, self.high)):
+            if math.isfinite(low) and math.isfinite(high):
+                out.append(draw.uniform(low, high))
+            else:
+                gauss = float(draw.normal() if hasattr(draw, "normal") else draw.gauss(0, 1))
+                out.append(low + abs(gauss) if math.isfinite(low) else high - abs(gauss) if math.isfinite(high) else gauss)
+        return numbers(out)
+
+    def contains(self, x: Any) -> bool:
+        try:
+            return len(x) == self.shape[0] and all(low <= value <= high for low, value, high in zip(self.low, map(float, x), self.high))
+        except (TypeError, ValueError):
+            return False
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Box) and list(self.low) == list(other.low) and list(self.high) == list(other.high)
+
+    def __repr__(self) -> str:
+        return f"Box({min(self.low, default=0.0)}, {max(self.high, default=0.0)}, {self.shape}, float32)"
+
+
+class _Discrete(_Space):
+    """The whole numbers 0 to n - 1."""
+
+    def __init__(self, n: int, seed: Optional[int] = None) -> None:
+        super().__init__((), seed)
+        self.n, self.start = int(n), 0
+        self.dtype = numpy.dtype("int64") if numpy is not None else "int64"
+
+    def sample(self) -> Any:
+        """A random one of them."""
+        draw = self.np_random
+        return numpy.int64(draw.integers(self.n)) if numpy is not None else draw.randrange(self.n)
+
+    def contains(self, x: Any) -> bool:
+        return not isinstance(x, (bool, float)) and hasattr(x, "__index__") and 0 <= operator.index(x) < self.n
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Discrete) and self.n == other.n
+
+    def __repr__(self) -> str:
+        return f"Discrete({self.n})"
+
+
+Box: Any = gymnasium.spaces.Box if gymnasium is not None else _Box
+Discrete: Any = gymnasium.spaces.Discrete if gymnasium is not None else _Discrete
+
+
+def _box(low: Sequence[float], high: Sequence[float]) -> Any:
+    if gymnasium is not None:
+        return Box(numbers(low), numbers(high), dtype=numpy.float32)
+    return Box(low, high)
+
+
+# --- a world ----------------------------------------------------------------------------------------------------------
+
+_OPERATORS = {">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": operator.lt}
+
+
+class _World:
+    """A daemon, what ends its runs, and its picture. The daemon itself would end with `until`, `limit` and `duration`, so they
+    are taken out of the scenario, and looked at here after each step."""
+
+    def __init__(self, scenario: str, changes: Optional[Dict[str, Any]], render_mode: Optional[str], size: Tuple[int, int],
+                 view: Optional[Tuple[Any, Any]], how: Dict[str, Any]) -> None:
+        if render_mode not in (None, "rgb_array"):
+            raise Error(_RANGE, f'there is no render_mode {render_mode!r}; write render_mode="rgb_array", or leave it out')
+        self.render_mode, self.size, self.view = render_mode, size, view or (None, None)
+        how = {**how, "options": [*how.get("options", ()), *([] if render_mode else ["--no-http"])]}
+        sections = _sections(_text_of(scenario, changes, how))
+        taken, self.ends, self.limit = {}, [], math.inf
+        for section, keys in sections.items():
+            if not section.startswith("SCORE"):
+                continue
+            if "until" in keys:
+                self.ends.append((keys.get("name", keys.get("kind", "")), keys["until"], keys.get("of", "")))
+            self.limit = min(self.limit, _seconds(keys.get("limit")))
+            taken.update({f"{section}.{key}": "" for key in ("until", "limit") if key in keys})
+        if "duration" in sections.get("SIMULATION", {}):
+            self.limit = min(self.limit, _seconds(sections["SIMULATION"]["duration"]))
+            taken["SIMULATION.duration"] = ""
+        self.sim = coopdyn.launch(scenario, set={**(changes or {}), **taken}, mode="lockstep", **how)
+        try:
+            status = self.sim.status()
+            self.dt = float(status["step_s"])
+            self.scored = [score["name"] for score in status["scores"]]
+            swarms = {section.replace("_", "").lower(): keys["name"] for section, keys in sections.items()
+                      if section.startswith("SWARM") and "name" in keys}
+            self.ends = [(name, *self._aim(until, of.split(), swarms)) for name, until, of in self.ends]
+        except BaseException:
+            self.sim.close()
+            raise
+
+    def _aim(self, until: str, of: List[str], swarms: Dict[str, str]) -> Tuple[Callable[[float, float], bool], float]:
+        """The comparison and the number of `until`."""
+        if until != "all":
+            found = re.fullmatch(r"([<>]=?)\s*(\S+)", until)
+            if not found:
+                raise Error(_RANGE, f"until is >= 3, < 0.5 or all, not {until!r}")
+            return _OPERATORS[found.group(1)], float(found.group(2))
+        robots = self.sim.robots()
+        if not of:
+            return operator.ge, len(robots)
+        count = 0
+        for word in of:
+            members = re.compile(re.escape(swarms.get(word.lower(), word)) + r"_\d+")
+            count += sum(1 for name in robots if members.fullmatch(name)) or 1
+        return operator.ge, count
+
+    def scores(self) -> Dict[str, float]:
+        """The scores now, without the long list of robots."""
+        if not self.scored:
+            return {}
+        status = json.loads(self.sim.call("/simulation", "get_status", [1, 0]).text)
+        return {s["name"]: math.nan if s["value"] is None else float(s["value"]) for s in status["scores"]}
+
+    def met(self, scores: Dict[str, float]) -> bool:
+        """Whether one of the scenario's `until` holds."""
+        return any(compare(scores[name], aim) for name, compare, aim in self.ends)
+
+    def picture(self) -> Any:
+        """Height x width x 3 bytes: numpy's array, or a coopdyn.Image."""
+        if self.render_mode is None:
+            raise Error(_ORDER, 'there is no picture: make the environment with render_mode="rgb_array"')
+        with tempfile.TemporaryDirectory() as folder:
+            file = self.sim.snapshot(os.path.join(folder, "now.png"), *self.size, *self.view)
+            with open(file, "rb") as png:
+                image = coopdyn.Image(*read_png(png.read()))
+        return image.numpy().copy() if numpy is not None else image
+
+
+def _seconds(text: Optional[str]) -> float:
+    return float(text[:-1] if text.endswith("s") and not text.endswith("ms") else text) if text else math.inf
+
+
+def _text_of(scenario: str, changes: Optional[Dict[str, Any]], how: Dict[str, Any]) -> str:
+    """The text of a scenario. That of a name is known to the daemon only, and stands in what it records."""
+    lines = "".join(f"\n[SET]\n{key} {' '.join(map(str, value)) if isinstance(value, (list, tuple)) else value}"
+                    for key, value in (changes or {}).items())
+    if isinstance(scenario, str) and "\n" in scenario:
+        return scenario + lines
+    if isinstance(scenario, (str, os.PathLike)) and os.path.isfile(scenario):
+        with open(scenario, encoding="utf-8-sig", errors="replace") as file:
+            return file.read() + lines
+    with tempfile.TemporaryDirectory() as folder:
+        record = os.path.join(folder, "text.run")
+        how = {**how, "record": record, "options": ["--no-http", "--no-render", "--paused"], "mode": "realtime"}
+        with coopdyn.launch(scenario, set=changes, **how) as sim:
+            sim.call("/simulation", "step", [1])  # a run without a step is not kept
+        return coopdyn.read_run(record).scenario
+
+
+def _sections(text: str) -> Dict[str, Dict[str, str]]:
+    """The keys of the sections of a scenario's text; those of [SET] where they belong."""
+    found: Dict[str, Dict[str, str]] = {}
+    here = ""
+    for line in text.splitlines():
+        line = line.split("#")[0].strip()
+        key, value = (line.split(None, 1) + ["", ""])[:2]
+        if line.startswith("["):
+            here = line.strip("[] ")
+        elif here == "SET" and "." in key:
+            section, _, key = key.partition(".")
+            found.setdefault(section, {})[key] = value.strip()
+        elif key:
+            found.setdefault(here, {})[key] = value.strip()
+    return {section: {key: value for key, value in keys.items() if value} for section, keys in found.items()}
+
+
+def read_png(data: bytes) -> Tuple[int, int, bytes]:
+    """Width, height and the bytes (red, green, blue of each pixel) of a PNG picture with 8 bits for each colour."""
+    at, packed, width, height, channels = 8, b"", 0, 0, 0
+    while at < len(data):
+        size, kind = struct.unpack_from(">I4s", data, at)
+        if kind == b"IHDR":
+            width, height, depth, colour = struct.unpack_from(">IIBB", data, at + 8)
+            channels = {2: 3, 6: 4}.get(colour, 0) if depth == 8 else 0
+        elif kind == b"IDAT":
+            packed += data[at + 8 : at + 8 + size]
+        at += 12 + size
+    if data[:8] != b"\x89PNG\r\n\x1a\n" or not channels:
+        raise Error(7, "this is no PNG picture with 8 bits for each of red, green and blue")
+    raw, row = zlib.decompress(packed), width * channels
+    above, out = bytearray(row), bytearray()
+    for k in range(height):
+        line = _unfiltered(raw[k * (row + 1)], bytearray(raw[k * (row + 1) + 1 : (k + 1) * (row + 1)]), above, channels)
+        above = line
+        if channels == 4:
+            line = bytearray(b"".join(bytes(line[i : i + 3]) for i in range(0, row, 4)))
+        out += line
+    return width, height, bytes(out)
+
+
+def _unfiltered(kind: int, line: bytearray, above: bytearray, step: int) -> bytearray:
+    """A row of a PNG picture without its filter: 0 none, 1 left, 2 above, 3 mean, 4 Paeth's."""
+    if kind:
+        for i in range(len(line)):
+            left, up, corner = (line[i - step], above[i], above[i - step]) if i >= step else (0, above[i], 0)
+            if kind == 4:
+                guess = left + up - corner
+                a, b, c = abs(guess - left), abs(guess - up), abs(guess - corner)
+                add = left if a <= b and a <= c else up if b <= c else corner
+            else:
+                add = (left, up, (left + up) // 2)[kind - 1]
+            line[i] = line[i] + add & 255
+    return line
+
+
+# --- what functions of the user get -----------------------------------------------------------------------------------
+
+class Moment:
+    """The state after a step, which `observation`, `reward` and `done` get. `reading`: all that the robot senses (a
+    coopdyn.Reading; in a ParallelEnv the team's, a TeamReading with a row for each robot); `before`: that of the step before;
+    `action`: what was asked for, None after a reset; `scores`: those of the scenario; `step` counts the environment's steps."""
+
+    __slots__ = ("env", "sim", "reading", "before", "action", "step", "_world", "_scores")
+
+    def __init__(self, env: Any, world: _World, reading: Any, before: Any, action: Any, step: int) -> None:
+        self.env, self.sim, self.reading, self.before, self.action, self.step = env, world.sim, reading, before, action, step
+        self._world, self._scores = world, None
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.reading.time
+
+    @property
+    def scores(self) -> Dict[str, float]:
+        """The scores of the scenario; they cost one round trip."""
+        if self._scores is None:
+            self._scores = self._world.scores()
+        return self._scores
+
+
+def _far(distances: Sequence[float], reach: Sequence[float]) -> List[float]:
+    return [min(d, most) for d, most in zip(distances, reach)]
+
+
+def _finite(values: Sequence[float], instead: float = -1.0) -> List[float]:
+    return [value if math.isfinite(value) else instead for value in values]
+
+
+_WORDS: Dict[str, Callable[[Any], Sequence[float]]] = {
+    "pose": lambda r: r.pose[:3],
+    "wheels": lambda r: (r.wheels.left_speed, r.wheels.right_speed),
+    "targets": lambda r: _finite([value for t in r.targets for value in (t.distance, t.bearing)]),
+    "light": lambda r: r.light,
+    "sonar": lambda r: _finite(r.sonar),
+    "infrared": lambda r: _finite(r.infrared),
+    "compass": lambda r: (r.compass,),
+    "imu": lambda r: r.imu,
+    "odometry": lambda r: r.odometry,
+    "joints": lambda r: [value for group in r.joints.values() for values in (group.position, group.velocity) for value in values],
+}
+
+
+def _score_of(reward: Any, world: _World) -> Optional[str]:
+    """The name of the score whose rise is the reward; None if a function computes it."""
+    if callable(reward):
+        return None
+    if reward is None and not world.scored:
+        raise Error(_WRONG, "the scenario has no [SCORE_n], so there is no reward: write reward=lambda m: -m.reading.pose.x, or "
+                            'set={"SCORE_1.kind": "distance"}')
+    if reward is not None and reward not in world.scored:
+        raise Error(_RANGE, f"the scenario has no score {reward!r}; there are: {coopdyn._list_of(world.scored)}")
+    return reward or world.scored[0]
+
+
+def _row(action: Any, space: Any, what: str) -> List[float]:
+    """The numbers of an action, limited to the space."""
+    n = space.shape[0]
+    example = f"write {n} number{'s' if n > 1 else ''} within {_short(space.low)} and {_short(space.high)}"
+    try:
+        row = [float(value) for value in action]
+    except (TypeError, ValueError):
+        raise Error(_WRONG, f"{what} is {action!r}: {example}") from None
+    if len(row) != n:
+        raise Error(_WRONG, f"{what} has {len(row)} numbers, not {n}: {example}")
+    if any(map(math.isnan, row)):
+        raise Error(_RANGE, f"{what} holds nan, {_short(row)}: {example}")
+    return [min(max(value, float(low)), float(high)) for value, low, high in zip(row, space.low, space.high)]
+
+
+def _short(row: Sequence[float]) -> str:
+    return "[" + ", ".join(f"{value:.4g}" for value in row) + "]"
+
+
+def _index(action: Any, n: int, what: str) -> int:
+    if isinstance(action, (bool, float)) or not hasattr(action, "__index__") or not 0 <= operator.index(action) < n:
+        raise Error(_WRONG, f"{what} is {action!r}: write a whole number from 0 to {n - 1}")
+    return operator.index(action)
+
+
+class _Actions:
+    """What an action means: a space, and how a robot is told."""
+
+    def __init__(self, action: Any, space: Any, robot: coopdyn.Robot) -> None:
+        self.rows: Optional[List[List[float]]] = None
+        self.function = action if callable(action) else None
+        self.kind = action
+        if self.function is not None:
+            if space is None:
+                raise Error(_WRONG, "with a function as action write action_space=coopdyn_gym.Box(-1, 1, (2,)), too")
+            self.space = space
+        elif isinstance(action, (list, tuple)) and action:
+            self.rows = [[coopdyn._number(value, "a choice") for value in row] for row in action]
+            self.kind, self.space = "velocity", space or Discrete(len(self.rows))
+        elif action in ("velocity", "wheels"):
+            limits = robot.get_limits()
+            wheel, speed = limits.max_wheel_speed, limits.max_wheel_speed * limits.wheel_radius
+            high = [speed, 2 * speed / limits.track] if action == "velocity" else [wheel, wheel]
+            self.space = space or _box([-value for value in high], high)
+        elif action in ("positions", "joint_velocities", "efforts"):
+            limits = robot.joints().get_limits()
+            high = limits.max_velocity if action == "joint_velocities" else limits.max_effort
+            low, high = (limits.lower, limits.upper) if action == "positions" else ([-value for value in high], high)
+            self.space = space or _box(low, high)
+        else:
+            raise Error(_WRONG, f'there is no action {action!r}; write action="velocity", "wheels", "positions", "joint_velocities", '
+                                '"efforts", a list of choices [(0.2, 0), (0, 1)], or a function of robot and action')
+
+    def row(self, action: Any, what: str = "the action") -> Any:
+        """The checked action: numbers, or of a function the action itself."""
+        if self.rows is not None:
+            return self.rows[_index(action, len(self.rows), what)]
+        if hasattr(self.space, "n"):
+            return _index(action, self.space.n, what)
+        return _row(action, self.space, what)
+
+    def tell(self, robot: coopdyn.Robot, row: Any) -> None:
+        """Gives the robot its command for the next step of the world."""
+        if self.function is not None:
+            self.function(robot, row)
+        elif self.kind == "velocity":
+            robot.set_velocity(row[0], row[1])
+        elif self.kind == "wheels":
+            robot.set_wheel_speeds(row[0], row[1])
+        else:
+            joints = robot.joints()
+            {"positions": joints.set_positions, "joint_velocities": joints.set_velocities, "efforts": joints.set_efforts}[self.kind](row)
+
+
+class _Episodes:
+    """What Env and ParallelEnv share: the world, the generator of seeds, the count of steps, the end."""
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10, "name": "coopdyn"}
+    _world: _World
+    _moment: Optional[Moment] = None
+
+    def _begin(self, repeat: int, max_steps: Optional[int], done: Any, start: Any) -> None:
+        self._repeat, self._max_steps = coopdyn._count(repeat, "repeat"), max_steps and coopdyn._count(max_steps, "max_steps")
+        for name, function in (("done", done), ("start", start)):
+            if function is not None and not callable(function):
+                raise Error(_WRONG, f"{name} is a function, not {function!r}: write {name}=lambda "
+                                    f"{'m: m.reading.pose.x > 2' if name == 'done' else 'sim, rng: None'}")
+        self._done, self._start, self._seed, self._running = done, start, 0, False
+        self.render_mode = self._world.render_mode
+
+    @property
+    def sim(self) -> coopdyn.Simulation:
+        """The simulation, for whatever else it can do."""
+        return self._world.sim
+
+    def _restart(self, generator: Any) -> None:
+        self._seed = _drawn(generator)
+        self._world.sim.reset(self._seed)
+        if self._start is not None:
+            self._start(self._world.sim, generator)
+
+    def _need_running(self) -> None:
+        if not self._running:
+            raise Error(_ORDER, "the episode has ended, or has not begun: write obs, info = env.reset()")
+
+    def _ended(self, moment: Moment) -> Tuple[bool, bool]:
+        """Whether the scenario's aim is met, and whether time is over."""
+        over = self._max_steps is not None and moment.step >= self._max_steps or moment.time >= self._world.limit - 1e-9
+        return bool(self._world.ends) and self._world.met(moment.scores), over
+
+    def _info(self, moment: Moment) -> Dict[str, Any]:
+        info: Dict[str, Any] = {"time": moment.time, "seed": self._seed}
+        if moment._scores is not None:
+            info["scores"] = moment._scores
+        return info
+
+    def render(self) -> Any:
+        """A picture of the world, height x width x 3 bytes: numpy's array, or without numpy a coopdyn.Image."""
+        return self._world.picture()
+
+    def close(self) -> None:
+        """Ends the daemon. Twice does no harm."""
+        self._running = False
+        self._world.sim.close()
+
+
+# --- one robot --------------------------------------------------------------------------------------------------------
+
+class _PlainEnv:
+    """Of gymnasium.Env what is needed without it."""
+
+    spec = None
+
+    @property
+    def unwrapped(self) -> Any:
+        """The environment without wrappers: itself."""
+        return self
+
+    @property
+    def np_random(self) -> Any:
+        """The generator that reset draws the seeds of the worlds from."""
+        if self._np_random is None:
+            self._np_random = _generator(None)
+        return self._np_random
+
+    @np_random.setter
+    def np_random(self, generator: Any) -> None:
+        self._np_random = generator
+
+    _np_random: Any = None
+
+    def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Any:
+        """Sets the generator anew if a seed is given."""
+        if seed is not None:
+            self._np_random = _generator(seed)
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()  # type: ignore[attr-defined]
+
+
+_EnvBase: Any = gymnasium.Env if gymnasium is not None else _PlainEnv
+
+
+class Env(_Episodes, _EnvBase):
+    """A robot in a world of its own, as Gymnasium's Env.
+
+    scenario: a file, a name or the text of one; the other robots stand, or are driven by their controllers. robot: its name.
+    observation: words in a row, "distances" (m, at most as far as the sensors reach), "targets" (m, rad; -1: not seen), "pose" (m, m,
+      rad), "wheels" (rad/s), "light", "sonar", "infrared", "compass", "imu", "odometry", "joints"; or a function of a Moment that
+      returns numbers.
+    action: "velocity" (m/s, rad/s), "wheels" (rad/s), "positions", "joint_velocities", "efforts" of all joints; a list of choices
+      [(0.2, 0), (0, 1)] of velocities, then an action is a number; or a function of robot and action, with action_space.
+    reward: a function of a Moment, or the name of a score, whose rise it is (default: the first score).
+    done: a function of a Moment; an episode also terminates when an `until` of the scenario is met.
+    start: a function of sim and generator after each reset, to move things: lambda sim, rng: sim.move("robot1", (rng.uniform(-1, 1), 0)).
+    max_steps: an episode is truncated after so many steps. repeat: steps of the world (10 ms each) in one step of this.
+    set, record, options, program: as in coopdyn.launch; each episode is a run file of its own: best.run, best-2.run …
+    """
+
+    def __init__(self, scenario: str = "classroom", robot: str = "robot1", *, observation: Any = ("distances",),
+                 observation_space: Any = None, action: Any = "velocity", action_space: Any = None, reward: Any = None,
+                 done: Optional[Callable[[Moment], Any]] = None, start: Optional[Callable[[Any, Any], Any]] = None,
+                 max_steps: Optional[int] = 1000, repeat: int = 1, render_mode: Optional[str] = None, size: Tuple[int, int] = (320, 240),
+                 view: Optional[Tuple[Any, Any]] = None, set: Optional[Dict[str, Any]] = None, **how: Any) -> None:
+        self._world = _World(scenario, set, render_mode, size, view, how)
+        try:
+            self._begin(repeat, max_steps, done, start)
+            self._robot = self.sim.robot(robot)
+            self.sim.set_participants([robot])
+            self._actions = _Actions(action, action_space, self._robot)
+            self.action_space = self._actions.space
+            self._score, self._reward = _score_of(reward, self._world), reward
+            self._observe = self._observer(observation)
+            first = Moment(self, self._world, self._robot.sense(), None, None, 0)
+            shown = self._observe(first)
+            n = len(shown)
+            self.observation_space = observation_space or _box(*(self._bounds(n)))
+        except BaseException:
+            self._world.sim.close()
+            raise
+
+    def _observer(self, observation: Any) -> Callable[[Moment], Any]:
+        self._reach: List[float] = []
+        if callable(observation):
+            self._words: Sequence[str] = ()
+            return lambda m: numbers(observation(m))
+        words = [observation] if isinstance(observation, str) else list(observation)
+        for word in words:
+            if word not in _WORDS and word != "distances":
+                raise Error(_RANGE, f"there is no observation {word!r}; there are: {coopdyn._list_of(['distances', *_WORDS])}")
+        reading = self._robot.sense()
+        for word in words:
+            if not getattr(reading, word):
+                raise Error(10, f"{self._robot.name} has no {word}: choose other words in observation")
+        if "distances" in words:
+            self._reach = list(self._robot.get_geometry().max_range)
+        parts = [(lambda r: _far(r.distances, self._reach)) if word == "distances" else _WORDS[word] for word in words]
+        self._words = words
+        return lambda m: numbers([value for part in parts for value in part(m.reading)])
+
+    def _bounds(self, n: int) -> Tuple[List[float], List[float]]:
+        """The bounds of the n numbers: distances have some, the others none."""
+        low, high = [-math.inf] * n, [math.inf] * n
+        if list(self._words[:1]) == ["distances"]:
+            low[: len(self._reach)], high[: len(self._reach)] = [0.0] * len(self._reach), self._reach
+        return low, high
+
+    def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
+        """Begins an episode; returns the observation and an info (time [s], seed of the world, scores). With a seed the generator
+        begins anew, without one it goes on."""
+        _generator(seed) if seed is not None else None  # a wrong seed is told in plain words
+        super().reset(seed=seed, options=options)
+        self._restart(self.np_random)
+        self._moment = moment = Moment(self, self._world, self._robot.sense(), None, None, 0)
+        self._kept = moment.scores if self._score else {}
+        self._running = True
+        return self._observe(moment), self._info(moment)
+
+    def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
+        """One step: observation, reward, terminated, truncated, info."""
+        self._need_running()
+        row = self._actions.row(action)
+        assert self._moment is not None
+        for _ in range(self._repeat):
+            self._actions.tell(self._robot, row)
+            self.sim.step()
+        moment = Moment(self, self._world, self._robot.sense(), self._moment.reading, row, self._moment.step + 1)
+        self._moment = moment
+        terminated, truncated = self._ended(moment)
+        terminated = terminated or self._done is not None and bool(self._done(moment))
+        if self._score:
+            reward, self._kept = moment.scores[self._score] - self._kept[self._score], moment.scores
+        else:
+            reward = float(self._reward(moment))
+        self._running = not (terminated or truncated)
+        return self._observe(moment), float(reward), terminated, truncated, self._info(moment)
