@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import array
 import concurrent.futures
+import copy
 import json
 import math
 import operator
@@ -632,3 +633,286 @@ class Env(_Episodes, _EnvBase):
             reward = float(self._reward(moment))
         self._running = not (terminated or truncated)
         return self._observe(moment), float(reward), terminated, truncated, self._info(moment)
+
+
+# --- many worlds ------------------------------------------------------------------------------------------------------
+
+class _Batch(_Space):
+    """n copies of a space, without gymnasium."""
+
+    def __init__(self, single: Any, n: int) -> None:
+        super().__init__((n, *single.shape), None)
+        self.single, self.n, self.dtype = single, n, single.dtype
+
+    def seed(self, seed: Optional[int] = None) -> Optional[int]:
+        return self.single.seed(seed)
+
+    def sample(self) -> Any:
+        return _stacked([self.single.sample() for _ in range(self.n)])
+
+    def contains(self, x: Any) -> bool:
+        return hasattr(x, "__len__") and len(x) == self.n and all(self.single.contains(row) for row in x)
+
+    def __repr__(self) -> str:
+        return f"Batch({self.single!r}, {self.n})"
+
+
+def _stacked(rows: List[Any], dtype: Any = None) -> Any:
+    """Rows as one array of numpy, or as a list."""
+    return numpy.array(rows, dtype=dtype) if numpy is not None else rows
+
+
+def _batched(single: Any, n: int) -> Any:
+    if gymnasium is not None:
+        return gymnasium.vector.utils.batch_space(single, n)
+    return _Batch(single, n)
+
+
+_VectorBase: Any = gymnasium.vector.VectorEnv if gymnasium is not None else _PlainEnv
+
+
+class VectorEnv(_VectorBase):
+    """num_envs worlds with a robot each, as Gymnasium's VectorEnv: VectorEnv("lamps", "moth1", num_envs=4, ...), the rest as for Env.
+
+    Each world is a process, its daemon, and a thread of this program waits for it, so the functions need not be picklable.
+    A world whose episode has ended begins the next one in the next step: that step has its first observation, reward 0, and
+    its action does not count (autoreset mode NextStep). With seed=s, world k has s + k.
+    """
+
+    metadata: Dict[str, Any] = {**_Episodes.metadata, "autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP if gymnasium is not None else "NextStep"}
+
+    def __init__(self, scenario: str = "classroom", robot: str = "robot1", *, num_envs: int = 2, **how: Any) -> None:
+        if how.get("record"):
+            raise Error(_WRONG, 'worlds side by side cannot share a recording: write Env(..., record="best.run") for the one to keep')
+        self.num_envs = coopdyn._count(num_envs, "num_envs")
+        self.closed = False
+        self._threads = [concurrent.futures.ThreadPoolExecutor(1) for _ in range(self.num_envs)]  # a sim belongs to one thread
+        self.envs: List[Env] = []
+        starts = [thread.submit(Env, scenario, robot, **how) for thread in self._threads]
+        concurrent.futures.wait(starts)
+        self.envs = [start.result() for start in starts if start.exception() is None]
+        if len(self.envs) < self.num_envs:
+            failed = next(start.exception() for start in starts if start.exception() is not None)
+            self.close()
+            raise failed  # type: ignore[misc]
+        self.render_mode = self.envs[0].render_mode
+        self.single_observation_space, self.single_action_space = self.envs[0].observation_space, self.envs[0].action_space
+        self.observation_space = _batched(self.single_observation_space, self.num_envs)
+        self.action_space = _batched(self.single_action_space, self.num_envs)
+        self._over = [True] * self.num_envs
+        self._begun = False
+
+    def _all(self, calls: Sequence[Callable[[], Any]]) -> List[Any]:
+        """Does one thing in each world, side by side; an error is raised when all have ended."""
+        done = [thread.submit(call) for thread, call in zip(self._threads, calls)]
+        concurrent.futures.wait(done)
+        return [call.result() for call in done]
+
+    def reset(self, *, seed: Union[int, Sequence[Optional[int]], None] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
+        """Begins an episode in every world: observations (num_envs rows), infos."""
+        self._need_open()
+        n = self.num_envs
+        seeds: List[Optional[int]] = ([None] * n if seed is None else [int(seed) + k for k in range(n)] if hasattr(seed, "__index__")
+                                      else list(seed))  # type: ignore[arg-type, call-overload]
+        if len(seeds) != n:
+            raise Error(_WRONG, f"there are {len(seeds)} seeds for {n} worlds: write seed=7, or a list of {n}")
+        results = self._all([lambda env=env, s=s: env.reset(seed=s, options=options) for env, s in zip(self.envs, seeds)])
+        self._over, self._begun = [False] * n, True
+        return _stacked([obs for obs, _ in results]), self._infos([info for _, info in results])
+
+    def step(self, actions: Any) -> Tuple[Any, Any, Any, Any, Dict[str, Any]]:
+        """One step of every world; actions are num_envs rows. Observations, rewards, terminations, truncations, infos."""
+        self._need_open()
+        if not self._begun:
+            raise Error(_ORDER, "no episode has begun: write obs, infos = envs.reset()")
+        if not hasattr(actions, "__len__") or len(actions) != self.num_envs:
+            raise Error(_WRONG, f"there must be an action for each of {self.num_envs} worlds, as envs.action_space.sample() has them; "
+                                f"not {actions!r}")
+        for k, (env, action) in enumerate(zip(self.envs, actions)):
+            if not self._over[k]:
+                env._actions.row(action, f"the action of world {k}")  # before any world steps
+        results = self._all([(lambda env=env: (lambda obs, info: (obs, 0.0, False, False, info))(*env.reset())) if over
+                             else (lambda env=env, action=action: env.step(action))
+                             for env, action, over in zip(self.envs, actions, self._over)])
+        obs, rewards, terminated, truncated, infos = zip(*results)
+        self._over = [a or b for a, b in zip(terminated, truncated)]
+        return _stacked(list(obs)), _stacked(list(rewards)), _stacked(list(terminated)), _stacked(list(truncated)), self._infos(infos)
+
+    def _infos(self, infos: Sequence[Dict[str, Any]]) -> Dict[str, Any]:
+        """One dictionary of rows, and under _key which worlds have that key."""
+        out: Dict[str, Any] = {}
+        for key in {key: None for info in infos for key in info}:
+            has = [key in info for info in infos]
+            values = [info.get(key) for info in infos]
+            if isinstance(next(v for v in values if v is not None), dict):
+                out[key] = self._infos([value or {} for value in values])
+            else:
+                out[key] = _stacked([0 if value is None else value for value in values])
+            out[f"_{key}"] = _stacked(has)
+        return out
+
+    def _need_open(self) -> None:
+        if self.closed:
+            raise Error(_ORDER, "the environment is closed: make a new one")
+
+    def render(self) -> Tuple[Any, ...]:
+        """A picture of each world."""
+        self._need_open()
+        return tuple(self._all([env.render for env in self.envs]))
+
+    def close(self, **_: Any) -> None:
+        """Ends all daemons. Twice does no harm."""
+        if not self.closed:
+            self.closed = True
+            for env in self.envs:
+                env.close()
+            for thread in self._threads:
+                thread.shutdown()
+
+
+# --- many robots in one world -----------------------------------------------------------------------------------------
+
+_TEAM_READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass", "support", "joints")
+_ParallelBase: Any = pettingzoo.ParallelEnv if pettingzoo is not None else _PlainEnv
+
+
+class ParallelEnv(_Episodes, _ParallelBase):
+    """Many robots in one world, driven together through one connection, as PettingZoo's ParallelEnv.
+
+    robots: as in `sim.team`: a swarm, a list of names, or None for all. observation: words in a row, "distances", "pose", "targets",
+    "neighbours", "wheels", "compass", "support", "joints" (what a robot lacks or does not see is -1; neighbours: how many), or a
+    function of a Moment and the robot's row. action: "velocity", "wheels", or a list of choices, as in Env. reward, done: functions of
+    a Moment, m.reading.pose[i] …, that return one value for all robots, or one for each row; or the name of a score, whose rise all get.
+    start, max_steps, repeat, set and the rest: as in Env. The places of a swarm are those of the daemon's seed (seed=7 here): a reset
+    leaves them, `start` can move robots.
+    """
+
+    def __init__(self, scenario: str, robots: Any = None, *, observation: Any = ("distances",), neighbours: int = 8,
+                 action: Any = "velocity", reward: Any = None, done: Optional[Callable[[Moment], Any]] = None,
+                 start: Optional[Callable[[Any, Any], Any]] = None, max_steps: Optional[int] = 1000, repeat: int = 1,
+                 render_mode: Optional[str] = None, size: Tuple[int, int] = (320, 240), view: Optional[Tuple[Any, Any]] = None,
+                 set: Optional[Dict[str, Any]] = None, **how: Any) -> None:
+        self._world = _World(scenario, set, render_mode, size, view, how)
+        try:
+            self._begin(repeat, max_steps, done, start)
+            self._team = self.sim.team(robots)
+            self.possible_agents = self._team.names
+            self.sim.set_participants(self.possible_agents)
+            self.agents: List[str] = []
+            self._place = {name: k for k, name in enumerate(self.possible_agents)}
+            first = self.sim.robot(self.possible_agents[0])
+            self._actions = _Actions(action, None, first)
+            if self._actions.kind not in ("velocity", "wheels"):
+                raise Error(_WRONG, 'for a team write action="velocity", "wheels" or a list of choices')
+            self._drive = self._team.step_wheels if self._actions.kind == "wheels" else self._team.step
+            self._function = observation if callable(observation) else None
+            self._words = [] if callable(observation) else [observation] if isinstance(observation, str) else list(observation)
+            self._team.select(*(self._words or ("pose", "distances")), neighbours=neighbours)
+            self._reach = list(first.get_geometry().max_range) if "distances" in self._words else []
+            self._score, self._reward = _score_of(reward, self._world), reward
+            n = len(self._observation(Moment(self, self._world, self._team.read(), None, None, 0), 0))
+            self.observation_spaces = {name: _box([-math.inf] * n, [math.inf] * n) for name in self.possible_agents}
+            self.action_spaces = {name: copy.deepcopy(self._actions.space) for name in self.possible_agents}
+        except BaseException:
+            self._world.sim.close()
+            raise
+
+    def _observation(self, moment: Moment, i: int) -> Any:
+        """What the robot of row i observes."""
+        if self._function is not None:
+            return numbers(self._function(moment, i))
+        row: List[float] = []
+        for word in self._words:
+            values = getattr(moment.reading, word)[i]
+            row += _finite(map(min, values, self._reach) if word == "distances" else values)
+        return numbers(row)
+
+    def observation_space(self, agent: str) -> Any:
+        """What a robot observes."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Any:
+        """What a robot can be told."""
+        return self.action_spaces[agent]
+
+    @property
+    def num_agents(self) -> int:
+        """How many robots still take part."""
+        return len(self.agents)
+
+    @property
+    def max_num_agents(self) -> int:
+        """How many robots there are."""
+        return len(self.possible_agents)
+
+    def state(self) -> Any:
+        """x, y [m] and heading [rad] of all robots in a row."""
+        if self._moment is None:
+            raise Error(_ORDER, "no episode has begun: write obs, infos = env.reset()")
+        return numbers([value for name in self.possible_agents for value in self._poses()[self._place[name]]])
+
+    def _poses(self) -> Any:
+        assert self._moment is not None
+        if "pose" not in self._moment.reading.__dict__:
+            raise Error(_ORDER, 'state needs the poses: write observation=("distances", "pose")')
+        return self._moment.reading.pose
+
+    def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Dict[str, Any], Dict[str, Dict[str, Any]]]:
+        """Begins an episode with all robots; observations and infos by their names."""
+        if seed is not None or self._generator is None:
+            self._generator = _generator(seed)
+        self._restart(self._generator)
+        self.agents = list(self.possible_agents)
+        self._moment = moment = Moment(self, self._world, self._team.read(), None, None, 0)
+        self._kept = moment.scores if self._score else {}
+        self._running = True
+        return {name: self._observation(moment, k) for k, name in enumerate(self.agents)}, {name: self._info(moment) for name in self.agents}
+
+    _generator: Any = None
+
+    def step(self, actions: Dict[str, Any]) -> Tuple[Dict[str, Any], Dict[str, float], Dict[str, bool], Dict[str, bool], Dict[str, Dict[str, Any]]]:
+        """One step: observations, rewards, terminations, truncations and infos of the robots that took part in it. A robot that
+        has ended stands from then on, and is not in `agents`."""
+        self._need_running()
+        rows = self._checked(actions)
+        for _ in range(self._repeat):
+            reading = self._drive(rows)
+        assert self._moment is not None
+        self._moment = moment = Moment(self, self._world, reading, self._moment.reading, rows, self._moment.step + 1)
+        met, over = self._ended(moment)
+        ended = self._per_robot(self._done(moment), "done") if self._done is not None else [False] * len(rows)
+        if self._score:
+            rewards = [moment.scores[self._score] - self._kept[self._score]] * len(rows)
+            self._kept = moment.scores
+        else:
+            rewards = self._per_robot(self._reward(moment), "reward")
+        acted = [(name, self._place[name]) for name in self.agents]
+        self.agents = [name for name, k in acted if not (met or over or ended[k])]
+        self._running = bool(self.agents)
+        return ({name: self._observation(moment, k) for name, k in acted}, {name: float(rewards[k]) for name, k in acted},
+                {name: met or bool(ended[k]) for name, k in acted}, {name: over for name, _ in acted},
+                {name: self._info(moment) for name, _ in acted})
+
+    def _checked(self, actions: Any) -> List[List[float]]:
+        """A row for each robot of the team."""
+        if not hasattr(actions, "items"):
+            raise Error(_WRONG, f"actions are a dict by robots' names, not {actions!r}: write "
+                                "{name: env.action_space(name).sample() for name in env.agents}")
+        missing = [name for name in self.agents if name not in actions]
+        foreign = [name for name in actions if name not in self.agents]
+        if missing or foreign:
+            raise Error(_WRONG, "; ".join([f"no action for {coopdyn._list_of(missing[:5])}"] * bool(missing) +
+                                          [f"{coopdyn._list_of(foreign[:5])} takes no part (now)"] * bool(foreign)) +
+                        ": write one for each of env.agents")
+        rows = [[0.0, 0.0] for _ in self.possible_agents]
+        for name, action in actions.items():
+            rows[self._place[name]] = self._actions.row(action, f"the action of {name}")
+        return rows
+
+    def _per_robot(self, values: Any, what: str) -> List[Any]:
+        n = len(self.possible_agents)
+        if not hasattr(values, "__len__"):
+            return [values] * n
+        if len(values) != n:
+            raise Error(_WRONG, f"{what} returned {len(values)} values for {n} robots: return one for each, or one for all")
+        return list(values)
