@@ -781,14 +781,14 @@ class ParallelEnv(_Episodes, _ParallelBase):
 
     robots: as in `sim.team`: a swarm, a list of names, or None for all. observation: words in a row, "distances", "pose", "targets",
     "neighbours", "wheels", "compass", "support", "joints" (what a robot lacks or does not see is -1; neighbours: how many), or a
-    function of a Moment and the robot's row. action: "velocity", "wheels", or a list of choices, as in Env. reward, done: functions of
+    function of a Moment and the robot's row. readings: what m.reading has besides. action: "velocity", "wheels", or a list of choices, as in Env. reward, done: functions of
     a Moment, m.reading.pose[i] …, that return one value for all robots, or one for each row; or the name of a score, whose rise all get.
     start, max_steps, repeat, set and the rest: as in Env. The places of a swarm are those of the daemon's seed (seed=7 here): a reset
     leaves them, `start` can move robots.
     """
 
-    def __init__(self, scenario: str, robots: Any = None, *, observation: Any = ("distances",), neighbours: int = 8,
-                 action: Any = "velocity", reward: Any = None, done: Optional[Callable[[Moment], Any]] = None,
+    def __init__(self, scenario: str, robots: Any = None, *, observation: Any = ("distances",),
+                 readings: Sequence[str] = ("pose", "distances"), neighbours: int = 8, action: Any = "velocity", reward: Any = None, done: Optional[Callable[[Moment], Any]] = None,
                  start: Optional[Callable[[Any, Any], Any]] = None, max_steps: Optional[int] = 1000, repeat: int = 1,
                  render_mode: Optional[str] = None, size: Tuple[int, int] = (320, 240), view: Optional[Tuple[Any, Any]] = None,
                  set: Optional[Dict[str, Any]] = None, **how: Any) -> None:
@@ -807,7 +807,7 @@ class ParallelEnv(_Episodes, _ParallelBase):
             self._drive = self._team.step_wheels if self._actions.kind == "wheels" else self._team.step
             self._function = observation if callable(observation) else None
             self._words = [] if callable(observation) else [observation] if isinstance(observation, str) else list(observation)
-            self._team.select(*(self._words or ("pose", "distances")), neighbours=neighbours)
+            self._team.select(*dict.fromkeys([*self._words, *readings]), neighbours=neighbours)
             self._reach = list(first.get_geometry().max_range) if "distances" in self._words else []
             self._score, self._reward = _score_of(reward, self._world), reward
             n = len(self._observation(Moment(self, self._world, self._team.read(), None, None, 0), 0))
