@@ -175,19 +175,20 @@ class _World:
             raise Error(_RANGE, f'there is no render_mode {render_mode!r}; write render_mode="rgb_array", or leave it out')
         self.render_mode, self.size, self.view = render_mode, size, view or (None, None)
         how = {**how, "options": [*how.get("options", ()), *([] if render_mode else ["--no-http"])]}
-        sections = _sections(_text_of(scenario, changes, how))
-        taken, self.ends, self.limit = {}, [], math.inf
+        written = _sections(_text_of(scenario, how))
+        changes = {key: " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value) for key, value in (changes or {}).items()}
+        sections = _changed(written, changes)
+        self.ends, self.limit = [], _seconds(sections.get("SIMULATION", {}).get("duration"))
+        enders = ["SIMULATION.duration"]
         for section, keys in sections.items():
-            if not section.startswith("SCORE"):
-                continue
-            if "until" in keys:
-                self.ends.append((keys.get("name", keys.get("kind", "")), keys["until"], keys.get("of", "")))
-            self.limit = min(self.limit, _seconds(keys.get("limit")))
-            taken.update({f"{section}.{key}": "" for key in ("until", "limit") if key in keys})
-        if "duration" in sections.get("SIMULATION", {}):
-            self.limit = min(self.limit, _seconds(sections["SIMULATION"]["duration"]))
-            taken["SIMULATION.duration"] = ""
-        self.sim = coopdyn.launch(scenario, set={**(changes or {}), **taken}, mode="lockstep", **how)
+            if section.startswith("SCORE"):
+                enders += [f"{section}.until", f"{section}.limit"]
+                self.limit = min(self.limit, _seconds(keys.get("limit")))
+                if "until" in keys:
+                    self.ends.append((keys.get("name", keys.get("kind", "")), keys["until"], keys.get("of", "")))
+        changes = {key: value for key, value in changes.items() if key not in enders}
+        changes.update((key, "") for key in enders if key.split(".")[1] in written.get(key.split(".")[0], {}))
+        self.sim = coopdyn.launch(scenario, set=changes, mode="lockstep", **how)
         try:
             status = self.sim.status()
             self.dt = float(status["step_s"])
@@ -241,19 +242,17 @@ def _seconds(text: Optional[str]) -> float:
     return float(text[:-1] if text.endswith("s") and not text.endswith("ms") else text) if text else math.inf
 
 
-def _text_of(scenario: str, changes: Optional[Dict[str, Any]], how: Dict[str, Any]) -> str:
+def _text_of(scenario: str, how: Dict[str, Any]) -> str:
     """The text of a scenario. That of a name is known to the daemon only, and stands in what it records."""
-    lines = "".join(f"\n[SET]\n{key} {' '.join(map(str, value)) if isinstance(value, (list, tuple)) else value}"
-                    for key, value in (changes or {}).items())
     if isinstance(scenario, str) and "\n" in scenario:
-        return scenario + lines
-    if isinstance(scenario, (str, os.PathLike)) and os.path.isfile(scenario):
+        return scenario
+    if isinstance(scenario, str) and os.path.isfile(scenario):
         with open(scenario, encoding="utf-8-sig", errors="replace") as file:
-            return file.read() + lines
+            return file.read()
     with tempfile.TemporaryDirectory() as folder:
         record = os.path.join(folder, "text.run")
         how = {**how, "record": record, "options": ["--no-http", "--no-render", "--paused"], "mode": "realtime"}
-        with coopdyn.launch(scenario, set=changes, **how) as sim:
+        with coopdyn.launch(scenario, **how) as sim:
             sim.call("/simulation", "step", [1])  # a run without a step is not kept
         return coopdyn.read_run(record).scenario
 
@@ -261,18 +260,24 @@ def _text_of(scenario: str, changes: Optional[Dict[str, Any]], how: Dict[str, An
 def _sections(text: str) -> Dict[str, Dict[str, str]]:
     """The keys of the sections of a scenario's text; those of [SET] where they belong."""
     found: Dict[str, Dict[str, str]] = {}
-    here = ""
+    here, changes = "", {}
     for line in text.splitlines():
         line = line.split("#")[0].strip()
-        key, value = (line.split(None, 1) + ["", ""])[:2]
         if line.startswith("["):
             here = line.strip("[] ")
-        elif here == "SET" and "." in key:
-            section, _, key = key.partition(".")
-            found.setdefault(section, {})[key] = value.strip()
-        elif key:
-            found.setdefault(here, {})[key] = value.strip()
-    return {section: {key: value for key, value in keys.items() if value} for section, keys in found.items()}
+        elif line:
+            key, value = (line.split(None, 1) + [""])[:2]
+            (changes if here == "SET" else found.setdefault(here, {}))[key] = value
+    return _changed(found, changes)
+
+
+def _changed(sections: Dict[str, Dict[str, str]], changes: Dict[str, str]) -> Dict[str, Dict[str, str]]:
+    """Sections with other values of keys SECTION.key; an empty value takes the key away."""
+    out = {section: dict(keys) for section, keys in sections.items()}
+    for key, value in changes.items():
+        section, _, key = key.partition(".")
+        out.setdefault(section, {})[key] = value
+    return {section: {key: value for key, value in keys.items() if value} for section, keys in out.items()}
 
 
 def read_png(data: bytes) -> Tuple[int, int, bytes]:

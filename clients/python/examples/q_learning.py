@@ -30,8 +30,8 @@ within 0.4
 until all
 """
 CHOICES = [(0.4, 0.0), (0.0, 1.5), (0.0, -1.5)]  # forward m/s, turn rad/s
-SECTORS = 8  # of the bearing
-RATE, DISCOUNT, CHANCE = 0.3, 0.95, 0.2
+SECTORS = 12  # of the bearing
+RATE, DISCOUNT, CHANCE = 0.2, 0.95, 0.2
 
 
 def seen(m):
@@ -41,7 +41,7 @@ def seen(m):
 
 def nearer(m):
     """How much nearer the target has come [m], less a little for the time, and one when it is reached."""
-    return m.before.targets[0].distance - m.reading.targets[0].distance - 0.02 + m.scores["arrived"]
+    return m.before.targets[0].distance - m.reading.targets[0].distance - 0.05 + m.scores["arrived"]
 
 
 def world(place, **more):
