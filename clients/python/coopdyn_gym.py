@@ -404,6 +404,9 @@ def _index(action: Any, n: int, what: str) -> int:
     return operator.index(action)
 
 
+_JOINT_COMMANDS = {"positions": "set_positions", "joint_velocities": "set_velocities", "efforts": "set_efforts"}
+
+
 class _Actions:
     """What an action means: a space, and how a robot is told."""
 
@@ -419,18 +422,30 @@ class _Actions:
             self.rows = [[coopdyn._number(value, "a choice") for value in row] for row in action]
             self.kind, self.space = "velocity", space or Discrete(len(self.rows))
         elif action in ("velocity", "wheels"):
-            limits = robot.get_limits()
+            try:
+                limits = robot.get_limits()
+            except Error as e:
+                if e.code != 10:
+                    raise
+                raise Error(10, f'{robot.name} has no wheels: write action="positions", "joint_velocities" or "efforts"') from None
             wheel, speed = limits.max_wheel_speed, limits.max_wheel_speed * limits.wheel_radius
             high = [speed, 2 * speed / limits.track] if action == "velocity" else [wheel, wheel]
             self.space = space or _box([-value for value in high], high)
-        elif action in ("positions", "joint_velocities", "efforts"):
-            limits = robot.joints().get_limits()
-            high = limits.max_velocity if action == "joint_velocities" else limits.max_effort
-            low, high = (limits.lower, limits.upper) if action == "positions" else ([-value for value in high], high)
+        elif isinstance(action, str) and action.split("/")[0] in _JOINT_COMMANDS:
+            self.kind, _, group = action.partition("/")
+            low, high = [], []
+            self.groups: List[Tuple[Any, int]] = []  # how to tell each group, and where its numbers end
+            for name in [group] if group else list(robot.sense().joints) or [None]:
+                joints = robot.joints(name)
+                limits = joints.get_limits()
+                most = {"positions": limits.upper, "joint_velocities": limits.velocity, "efforts": limits.effort}[self.kind]
+                low += limits.lower if self.kind == "positions" else [-value for value in most]
+                high += most
+                self.groups.append((getattr(joints, _JOINT_COMMANDS[self.kind]), len(high)))
             self.space = space or _box(low, high)
         else:
-            raise Error(_WRONG, f'there is no action {action!r}; write action="velocity", "wheels", "positions", "joint_velocities", '
-                                '"efforts", a list of choices [(0.2, 0), (0, 1)], or a function of robot and action')
+            raise Error(_WRONG, f'there is no action {action!r}; write action="velocity", "wheels", "positions", "joint_velocities" '
+                                'or "efforts" (of one group: "positions/arm"), a list of choices [(0.2, 0), (0, 1)], or a function of robot and action')
 
     def row(self, action: Any, what: str = "the action") -> Any:
         """The checked action: numbers, or of a function the action itself."""
@@ -449,8 +464,10 @@ class _Actions:
         elif self.kind == "wheels":
             robot.set_wheel_speeds(row[0], row[1])
         else:
-            joints = robot.joints()
-            {"positions": joints.set_positions, "joint_velocities": joints.set_velocities, "efforts": joints.set_efforts}[self.kind](row)
+            first = 0
+            for command, end in self.groups:
+                command(row[first:end])
+                first = end
 
 
 class _Episodes:
@@ -552,7 +569,8 @@ class Env(_Episodes, _EnvBase):
     observation: words in a row, "distances" (m, at most as far as the sensors reach), "targets" (m, rad; -1: not seen), "pose" (m, m,
       rad), "wheels" (rad/s), "light", "sonar", "infrared", "compass", "imu", "odometry", "joints"; or a function of a Moment that
       returns numbers.
-    action: "velocity" (m/s, rad/s), "wheels" (rad/s), "positions", "joint_velocities", "efforts" of all joints; a list of choices
+    action: "velocity" (m/s, rad/s), "wheels" (rad/s), "positions", "joint_velocities", "efforts" of the joints, or of one
+      group ("positions/arm"); a list of choices
       [(0.2, 0), (0, 1)] of velocities, then an action is a number; or a function of robot and action, with action_space.
     reward: a function of a Moment, or the name of a score, whose rise it is (default: the first score).
     done: a function of a Moment; an episode also terminates when an `until` of the scenario is met.
@@ -625,9 +643,8 @@ class Env(_Episodes, _EnvBase):
         self._need_running()
         row = self._actions.row(action)
         assert self._moment is not None
-        for _ in range(self._repeat):
-            self._actions.tell(self._robot, row)
-            self.sim.step()
+        self._actions.tell(self._robot, row)
+        self.sim.step(self._repeat)
         moment = Moment(self, self._world, self._robot.sense(), self._moment.reading, row, self._moment.step + 1)
         self._moment = moment
         terminated, truncated = self._ended(moment)
@@ -880,8 +897,10 @@ class ParallelEnv(_Episodes, _ParallelBase):
         has ended stands from then on, and is not in `agents`."""
         self._need_running()
         rows = self._checked(actions)
-        for _ in range(self._repeat):
-            reading = self._drive(rows)
+        reading = self._drive(rows)
+        if self._repeat > 1:
+            self.sim.step(self._repeat - 1)  # with the same commands, and far cheaper than one by one
+            reading = self._team.read()
         assert self._moment is not None
         self._moment = moment = Moment(self, self._world, reading, self._moment.reading, rows, self._moment.step + 1)
         met, over = self._ended(moment)

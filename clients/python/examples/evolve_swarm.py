@@ -15,7 +15,7 @@ import resumable
 WORLD = """[SIMULATION]
 mode lockstep
 [FLOOR]
-size 4 4 0.1
+size 3 3 0.1
 [SWARM_1]
 type minibot
 name bee
@@ -24,7 +24,7 @@ fidelity rolling
 """
 GENES, SPEED = 4, 10.0  # rad/s of a wheel for a gene of 1
 AHEAD = math.radians(15)
-STEPS = 60  # of 0.2 s
+STEPS = 150  # of 0.2 s
 
 
 def ahead(m, i):
@@ -60,7 +60,7 @@ def children(parents, count, generator):
     out = [p["genes"] for p in ranked[:2]]
     while len(out) < count:
         mother, father = (min(generator.choices(range(len(ranked)), k=3)) for _ in range(2))
-        out.append([min(1.0, max(-1.0, generator.choice(pair) + generator.gauss(0, 0.2)))
+        out.append([min(1.0, max(-1.0, generator.choice(pair) + generator.gauss(0, 0.15)))
                     for pair in zip(ranked[mother]["genes"], ranked[father]["genes"])])
     return out[:count]
 
