@@ -379,19 +379,19 @@ def _score_of(reward: Any, world: _World) -> Optional[str]:
     return reward or world.scored[0]
 
 
-def _row(action: Any, space: Any, what: str) -> List[float]:
-    """The numbers of an action, limited to the space."""
-    n = space.shape[0]
-    example = f"write {n} number{'s' if n > 1 else ''} within {_short(space.low)} and {_short(space.high)}"
+def _row(action: Any, low: Sequence[float], high: Sequence[float], what: str) -> List[float]:
+    """The numbers of an action, limited to the bounds."""
     try:
         row = [float(value) for value in action]
     except (TypeError, ValueError):
-        raise Error(_WRONG, f"{what} is {action!r}: {example}") from None
-    if len(row) != n:
-        raise Error(_WRONG, f"{what} has {len(row)} numbers, not {n}: {example}")
-    if any(map(math.isnan, row)):
-        raise Error(_RANGE, f"{what} holds nan, {_short(row)}: {example}")
-    return [min(max(value, float(low)), float(high)) for value, low, high in zip(row, space.low, space.high)]
+        wrong, code = f"{what} is {action!r}", _WRONG
+    else:
+        if len(row) == len(low) and not any(map(math.isnan, row)):
+            return [min(max(value, least), most) for value, least, most in zip(row, low, high)]
+        wrong, code = f"{what} has {len(row)} numbers, not {len(low)}", _WRONG
+        if len(row) == len(low):
+            wrong, code = f"{what} holds nan, {_short(row)}", _RANGE
+    raise Error(code, f"{wrong}: write {len(low)} number{'s' if len(low) > 1 else ''} within {_short(low)} and {_short(high)}")
 
 
 def _short(row: Sequence[float]) -> str:
@@ -412,6 +412,7 @@ class _Actions:
 
     def __init__(self, action: Any, space: Any, robot: coopdyn.Robot) -> None:
         self.rows: Optional[List[List[float]]] = None
+        self.bounds: Any = None  # of the space, as floats
         self.function = action if callable(action) else None
         self.kind = action
         if self.function is not None:
@@ -453,7 +454,9 @@ class _Actions:
             return self.rows[_index(action, len(self.rows), what)]
         if hasattr(self.space, "n"):
             return _index(action, self.space.n, what)
-        return _row(action, self.space, what)
+        if self.bounds is None:
+            self.bounds = tuple([float(value) for value in bound] for bound in (self.space.low, self.space.high))
+        return _row(action, *self.bounds, what)
 
     def tell(self, robot: coopdyn.Robot, row: Any) -> None:
         """Gives the robot its command for the next step of the world."""
@@ -478,7 +481,8 @@ class _Episodes:
     _moment: Optional[Moment] = None
 
     def _begin(self, repeat: int, max_steps: Optional[int], done: Any, start: Any) -> None:
-        self._repeat, self._max_steps = coopdyn._count(repeat, "repeat"), max_steps and coopdyn._count(max_steps, "max_steps")
+        self._repeat = coopdyn._count(repeat, "repeat")
+        self._max_steps = None if max_steps is None else coopdyn._count(max_steps, "max_steps")
         for name, function in (("done", done), ("start", start)):
             if function is not None and not callable(function):
                 raise Error(_WRONG, f"{name} is a function, not {function!r}: write {name}=lambda "
@@ -521,6 +525,12 @@ class _Episodes:
         self._running = False
         self._world.sim.close()
 
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
 
 # --- one robot --------------------------------------------------------------------------------------------------------
 
@@ -551,12 +561,6 @@ class _PlainEnv:
         """Sets the generator anew if a seed is given."""
         if seed is not None:
             self._np_random = _generator(seed)
-
-    def __enter__(self) -> Any:
-        return self
-
-    def __exit__(self, *_: Any) -> None:
-        self.close()  # type: ignore[attr-defined]
 
 
 _EnvBase: Any = gymnasium.Env if gymnasium is not None else _PlainEnv
@@ -791,6 +795,17 @@ class VectorEnv(_VectorBase):
             for thread in self._threads:
                 thread.shutdown()
 
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    @property
+    def np_random(self) -> Tuple[Any, ...]:
+        """The generators of the worlds."""
+        return tuple(env.np_random for env in self.envs)
+
 
 # --- many robots in one world -----------------------------------------------------------------------------------------
 
@@ -832,22 +847,25 @@ class ParallelEnv(_Episodes, _ParallelBase):
             self._team.select(*dict.fromkeys([*self._words, *readings]), neighbours=neighbours)
             self._reach = list(first.get_geometry().max_range) if "distances" in self._words else []
             self._score, self._reward = _score_of(reward, self._world), reward
-            n = len(self._observation(Moment(self, self._world, self._team.read(), None, None, 0), 0))
+            n = len(self._observations(Moment(self, self._world, self._team.read(), None, None, 0))[0])
             self.observation_spaces = {name: _box([-math.inf] * n, [math.inf] * n) for name in self.possible_agents}
             self.action_spaces = {name: copy.deepcopy(self._actions.space) for name in self.possible_agents}
         except BaseException:
             self._world.sim.close()
             raise
 
-    def _observation(self, moment: Moment, i: int) -> Any:
-        """What the robot of row i observes."""
+    def _observations(self, moment: Moment) -> Sequence[Any]:
+        """What each robot observes."""
+        n = len(self.possible_agents)
         if self._function is not None:
-            return numbers(self._function(moment, i))
-        row: List[float] = []
-        for word in self._words:
-            values = getattr(moment.reading, word)[i]
-            row += _finite(map(min, values, self._reach) if word == "distances" else values)
-        return numbers(row)
+            return [numbers(self._function(moment, i)) for i in range(n)]
+        parts = [getattr(moment.reading, word) for word in self._words]
+        if numpy is not None:
+            table = numpy.concatenate([numpy.minimum(part, self._reach) if word == "distances" else numpy.asarray(part)
+                                       for word, part in zip(self._words, parts)], axis=1)
+            return numpy.where(numpy.isfinite(table), table, -1.0).astype(numpy.float32)
+        columns = [[map(min, row, self._reach) for row in part] if word == "distances" else part for word, part in zip(self._words, parts)]
+        return [numbers(_finite([value for row in rows for value in row])) for rows in zip(*columns)]
 
     def observation_space(self, agent: str) -> Any:
         """What a robot observes."""
@@ -881,16 +899,16 @@ class ParallelEnv(_Episodes, _ParallelBase):
 
     def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Dict[str, Any], Dict[str, Dict[str, Any]]]:
         """Begins an episode with all robots; observations and infos by their names."""
-        if seed is not None or self._generator is None:
-            self._generator = _generator(seed)
-        self._restart(self._generator)
+        if seed is not None or self._np_random is None:
+            self._np_random = _generator(seed)
+        self._restart(self._np_random)
         self.agents = list(self.possible_agents)
         self._moment = moment = Moment(self, self._world, self._team.read(), None, None, 0)
         self._kept = moment.scores if self._score else {}
         self._running = True
-        return {name: self._observation(moment, k) for k, name in enumerate(self.agents)}, {name: self._info(moment) for name in self.agents}
+        return dict(zip(self.agents, self._observations(moment))), {name: self._info(moment) for name in self.agents}
 
-    _generator: Any = None
+    _np_random: Any = None
 
     def step(self, actions: Dict[str, Any]) -> Tuple[Dict[str, Any], Dict[str, float], Dict[str, bool], Dict[str, bool], Dict[str, Dict[str, Any]]]:
         """One step: observations, rewards, terminations, truncations and infos of the robots that took part in it. A robot that
@@ -913,9 +931,10 @@ class ParallelEnv(_Episodes, _ParallelBase):
         acted = [(name, self._place[name]) for name in self.agents]
         self.agents = [name for name, k in acted if not (met or over or ended[k])]
         self._running = bool(self.agents)
-        return ({name: self._observation(moment, k) for name, k in acted}, {name: float(rewards[k]) for name, k in acted},
+        seen, info = self._observations(moment), self._info(moment)
+        return ({name: seen[k] for name, k in acted}, {name: float(rewards[k]) for name, k in acted},
                 {name: met or bool(ended[k]) for name, k in acted}, {name: over for name, _ in acted},
-                {name: self._info(moment) for name, _ in acted})
+                {name: dict(info) for name, _ in acted})
 
     def _checked(self, actions: Any) -> List[List[float]]:
         """A row for each robot of the team."""
@@ -923,7 +942,7 @@ class ParallelEnv(_Episodes, _ParallelBase):
             raise Error(_WRONG, f"actions are a dict by robots' names, not {actions!r}: write "
                                 "{name: env.action_space(name).sample() for name in env.agents}")
         missing = [name for name in self.agents if name not in actions]
-        foreign = [name for name in actions if name not in self.agents]
+        foreign = [name for name in actions if name not in self._place or len(self.agents) < len(self._place) and name not in self.agents]
         if missing or foreign:
             raise Error(_WRONG, "; ".join([f"no action for {coopdyn._list_of(missing[:5])}"] * bool(missing) +
                                           [f"{coopdyn._list_of(foreign[:5])} takes no part (now)"] * bool(foreign)) +

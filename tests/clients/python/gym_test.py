@@ -156,6 +156,29 @@ class EnvTest(unittest.TestCase):
         e.reset()
         self.assertLess(e.step([-0.5])[0][0], -0.005)
 
+    def test_joints_of_all_groups_and_of_one(self):
+        free = {"ROBOT_1.controller": ""}
+        e = gym.Env("trot", "straight", set=free, action="positions", reward=lambda m: 0, observation="joints")
+        self.addCleanup(e.close)
+        self.assertEqual((e.action_space.shape, e.observation_space.shape), ((12,), (24,)))
+        e.reset()
+        before = e.reset()[0]
+        self.assertFalse(same(before, [e.step([0.2] * 12)[0] for _ in range(5)][-1]))
+        e = gym.Env("walk", "ahead", set=free, action="efforts/neck", reward=lambda m: 0, observation="pose")
+        self.addCleanup(e.close)
+        self.assertLess(e.action_space.shape[0], 5)
+        self.wrong("has no wheels: write action=\"positions\"", gym.Env, "trot", "straight", set=free, reward=lambda m: 0)
+
+    def test_repeat_is_as_many_steps(self):
+        ends = []
+        for repeat in (1, 10):
+            with env(repeat=repeat) as e:
+                e.reset(seed=1)
+                for _ in range(40 // repeat):
+                    e.step([0.3, 0.4])
+                ends.append((e.sim.steps, e.sim.hash()))
+        self.assertEqual(ends[0], ends[1])
+
     def test_wrong_actions_are_told(self):
         e = self.make()
         self.wrong("write obs, info = env.reset()", e.step, [0, 0])
@@ -217,6 +240,15 @@ class EnvTest(unittest.TestCase):
             self.assertEqual(list(coopdyn.read_run(file).steps)[:51], list(range(51)))
 
     @unittest.skipIf(gym.gymnasium is None, "gymnasium is not installed")
+    def test_make_of_gymnasium(self):
+        gym.gymnasium.register("coopdyn/Lamps-v0", "coopdyn_gym:Env", max_episode_steps=5, kwargs={
+            "scenario": "lamps", "robot": "moth1", "observation": "light", "reward": lambda m: sum(m.reading.light)})
+        e = gym.gymnasium.make("coopdyn/Lamps-v0")
+        self.addCleanup(e.close)
+        e.reset(seed=1)
+        self.assertEqual([e.step(e.action_space.sample())[3] for _ in range(5)], [False] * 4 + [True])
+
+    @unittest.skipIf(gym.gymnasium is None, "gymnasium is not installed")
     def test_the_checker_of_gymnasium(self):
         from gymnasium.utils.env_checker import check_env
 
@@ -260,6 +292,10 @@ class VectorTest(unittest.TestCase):
         with env(observation=("pose",), max_steps=3) as alone:
             own = [alone.reset(seed=5)[0]] + [alone.step([0.3, 0.3])[0] for _ in range(3)]
         self.assertTrue(all(same(row[2], mine) for row, mine in zip(rows, own)))
+
+    def test_its_generators_are_those_of_the_worlds(self):
+        self.assertIs(self.envs.np_random[2], self.envs.envs[2].np_random)
+        self.assertIs(self.envs.unwrapped, self.envs)
 
     def test_wrong_use_is_told(self):
         with self.assertRaisesRegex(coopdyn.Error, "no episode has begun"):
@@ -386,7 +422,7 @@ def verify(file):
 
 class ExamplesTest(unittest.TestCase):
     def run_example(self, name, folder, *options):
-        environment = {**os.environ, "PYTHONPATH": str(harness.ROOT / "clients" / "python")}
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(harness.ROOT / "clients" / "python"), os.environ.get("PYTHONPATH", "")])}
         done = subprocess.run([sys.executable, str(EXAMPLES / f"{name}.py"), *options], cwd=folder, env=environment, capture_output=True,
                               text=True, timeout=300)
         return done.returncode, done.stdout + done.stderr
