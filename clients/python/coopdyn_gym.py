@@ -176,7 +176,8 @@ class _World:
         self.render_mode, self.size, self.view = render_mode, size, view or (None, None)
         how = {**how, "options": [*how.get("options", ()), *([] if render_mode else ["--no-http"])]}
         written = _sections(_text_of(scenario, how))
-        changes = {key: " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value) for key, value in (changes or {}).items()}
+        changes = {key: " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+                   for key, value in (changes or {}).items()}
         sections = _changed(written, changes)
         self.ends, self.limit = [], _seconds(sections.get("SIMULATION", {}).get("duration"))
         enders = ["SIMULATION.duration"]
@@ -446,7 +447,8 @@ class _Actions:
             self.space = space or _box(low, high)
         else:
             raise Error(_WRONG, f'there is no action {action!r}; write action="velocity", "wheels", "positions", "joint_velocities" '
-                                'or "efforts" (of one group: "positions/arm"), a list of choices [(0.2, 0), (0, 1)], or a function of robot and action')
+                                'or "efforts" (of one group: "positions/arm"), a list of choices [(0.2, 0), (0, 1)], or a function of '
+                                'robot and action')
 
     def row(self, action: Any, what: str = "the action") -> Any:
         """The checked action: numbers, or of a function the action itself."""
@@ -705,7 +707,8 @@ class VectorEnv(_VectorBase):
     its action does not count (autoreset mode NextStep). With seed=s, world k has s + k.
     """
 
-    metadata: Dict[str, Any] = {**_Episodes.metadata, "autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP if gymnasium is not None else "NextStep"}
+    metadata: Dict[str, Any] = {**_Episodes.metadata, "autoreset_mode": "NextStep" if gymnasium is None else
+                                gymnasium.vector.AutoresetMode.NEXT_STEP}
 
     def __init__(self, scenario: str = "classroom", robot: str = "robot1", *, num_envs: int = 2, **how: Any) -> None:
         if how.get("record"):
@@ -734,7 +737,8 @@ class VectorEnv(_VectorBase):
         concurrent.futures.wait(done)
         return [call.result() for call in done]
 
-    def reset(self, *, seed: Union[int, Sequence[Optional[int]], None] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
+    def reset(self, *, seed: Union[int, Sequence[Optional[int]], None] = None,
+              options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
         """Begins an episode in every world: observations (num_envs rows), infos."""
         self._need_open()
         n = self.num_envs
@@ -816,19 +820,22 @@ _ParallelBase: Any = pettingzoo.ParallelEnv if pettingzoo is not None else _Plai
 class ParallelEnv(_Episodes, _ParallelBase):
     """Many robots in one world, driven together through one connection, as PettingZoo's ParallelEnv.
 
-    robots: as in `sim.team`: a swarm, a list of names, or None for all. observation: words in a row, "distances", "pose", "targets",
-    "neighbours", "wheels", "compass", "support", "joints" (what a robot lacks or does not see is -1; neighbours: how many), or a
-    function of a Moment and the robot's row. readings: what m.reading has besides. action: "velocity", "wheels", or a list of choices, as in Env. reward, done: functions of
-    a Moment, m.reading.pose[i] …, that return one value for all robots, or one for each row; or the name of a score, whose rise all get.
-    start, max_steps, repeat, set and the rest: as in Env. The places of a swarm are those of the daemon's seed (seed=7 here): a reset
-    leaves them, `start` can move robots.
+    robots: as in `sim.team`: a swarm, a list of names, or None for all.
+    observation: words in a row, "distances" (m), "pose" (m, m, rad), "targets" (m, rad), "neighbours" (id, m, rad of each, as many as
+      `neighbours`), "wheels", "compass", "support", "joints" (what a robot lacks or does not see is -1); or a function of a Moment and
+      the robot's row. readings: what m.reading has besides.
+    action: "velocity" (m/s, rad/s), "wheels" (rad/s), or a list of choices, as in Env.
+    reward, done: functions of a Moment, m.reading.pose[i] …, that return one value for all robots, or one for each row; reward also the
+      name of a score, whose rise all get.
+    start, max_steps, repeat, set and the rest: as in Env. A swarm stands where the daemon's seed (seed=7 here) puts it: a reset leaves it
+      there, `start` can move robots.
     """
 
     def __init__(self, scenario: str, robots: Any = None, *, observation: Any = ("distances",),
-                 readings: Sequence[str] = ("pose", "distances"), neighbours: int = 8, action: Any = "velocity", reward: Any = None, done: Optional[Callable[[Moment], Any]] = None,
-                 start: Optional[Callable[[Any, Any], Any]] = None, max_steps: Optional[int] = 1000, repeat: int = 1,
-                 render_mode: Optional[str] = None, size: Tuple[int, int] = (320, 240), view: Optional[Tuple[Any, Any]] = None,
-                 set: Optional[Dict[str, Any]] = None, **how: Any) -> None:
+                 readings: Sequence[str] = ("pose", "distances"), neighbours: int = 8, action: Any = "velocity", reward: Any = None,
+                 done: Optional[Callable[[Moment], Any]] = None, start: Optional[Callable[[Any, Any], Any]] = None,
+                 max_steps: Optional[int] = 1000, repeat: int = 1, render_mode: Optional[str] = None, size: Tuple[int, int] = (320, 240),
+                 view: Optional[Tuple[Any, Any]] = None, set: Optional[Dict[str, Any]] = None, **how: Any) -> None:
         self._world = _World(scenario, set, render_mode, size, view, how)
         try:
             self._begin(repeat, max_steps, done, start)
@@ -897,7 +904,8 @@ class ParallelEnv(_Episodes, _ParallelBase):
             raise Error(_ORDER, 'state needs the poses: write observation=("distances", "pose")')
         return self._moment.reading.pose
 
-    def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Dict[str, Any], Dict[str, Dict[str, Any]]]:
+    def reset(self, seed: Optional[int] = None,
+              options: Optional[Dict[str, Any]] = None) -> Tuple[Dict[str, Any], Dict[str, Dict[str, Any]]]:
         """Begins an episode with all robots; observations and infos by their names."""
         if seed is not None or self._np_random is None:
             self._np_random = _generator(seed)
@@ -910,7 +918,8 @@ class ParallelEnv(_Episodes, _ParallelBase):
 
     _np_random: Any = None
 
-    def step(self, actions: Dict[str, Any]) -> Tuple[Dict[str, Any], Dict[str, float], Dict[str, bool], Dict[str, bool], Dict[str, Dict[str, Any]]]:
+    def step(self, actions: Dict[str, Any]) -> Tuple[Dict[str, Any], Dict[str, float], Dict[str, bool], Dict[str, bool],
+                                                     Dict[str, Dict[str, Any]]]:
         """One step: observations, rewards, terminations, truncations and infos of the robots that took part in it. A robot that
         has ended stands from then on, and is not in `agents`."""
         self._need_running()

@@ -13,6 +13,7 @@ import unittest
 import zlib
 
 import harness
+from launch_test import of_process
 
 sys.path.insert(0, str(harness.ROOT / "clients" / "python"))
 import coopdyn  # noqa: E402
@@ -122,7 +123,7 @@ class EnvTest(unittest.TestCase):
         ends = [e.step([0.0, 0.0])[2:4] for _ in range(30)]
         self.assertEqual(ends, [(False, False)] * 29 + [(False, True)])
 
-    def test_until_limit_and_duration_of_a_shipped_scenario_end_episodes_not_the_daemon(self):
+    def test_ends_of_a_shipped_scenario_end_episodes_not_the_daemon(self):
         more = {"SCORE_1.kind": "travelled", "SCORE_1.of": "moth1", "SCORE_1.until": ">= 0.1", "SCORE_2.kind": "time", "SCORE_2.limit": "0.3"}
         e = gym.Env("lamps", "moth1", set=more, observation="light", repeat=10)
         self.addCleanup(e.close)
@@ -204,6 +205,7 @@ class EnvTest(unittest.TestCase):
         self.wrong("no [SCORE_n], so there is no reward: write reward=", gym.Env, harness.scenario_of(1))
         self.wrong("there is no render_mode 'human'", env, render_mode="human")
         self.wrong("done is a function, not 3", env, done=3)
+        self.assertEqual(of_process(os.getpid()), [])
         self.wrong("a seed is a whole number of at least 0, not -1", self.make().reset, seed=-1)
         self.wrong("there is no such scenario", gym.Env, "lampz")
         self.wrong("make the environment with render_mode", self.make().render)
@@ -418,6 +420,12 @@ class PngTest(unittest.TestCase):
 def verify(file):
     done = subprocess.run([os.environ["COOPDYN_BINARY"], "verify", file], capture_output=True, text=True, timeout=120)
     return done.returncode, done.stdout
+
+
+class DocumentTest(unittest.TestCase):
+    def test_the_program_of_the_document_runs(self):
+        text = (harness.ROOT / "docs" / "learning.md").read_text(encoding="utf-8")
+        exec(text.split("```python\n")[1].split("```")[0], {})
 
 
 class ExamplesTest(unittest.TestCase):
