@@ -53,7 +53,7 @@ inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetT
 inline constexpr Id kGetStatus = 100, kRun = 101, kPause = 102, kStep = 103, kReset = 104, kSetMode = 105,
                     kSetStep = 106, kSetSpeed = 107, kLoadScenario = 108, kQuit = 109, kStopAll = 190,
                     kSetParticipants = 191, kReload = 192, kReleaseRobot = 193, kSaveState = 194,
-                    kRestoreState = 195, kGetSaved = 196;
+                    kRestoreState = 195, kGetSaved = 196, kLog = 197, kEndRun = 198;
 // /world
 inline constexpr Id kInsert = 140, kRemove = 141, kSetPose = 142, kSetThing = 143, kRename = 144,
                     kListWorld = 145, kSaveWorld = 146, kUndo = 147, kRedo = 148, kPick = 149,

@@ -92,6 +92,21 @@ CommandTable SimulationTable() {
           std::move(save),
           std::move(restore),
           std::move(saved),
+          {.id = command::kLog,
+           .name = "log",
+           .help = "Logs a number under a name: get_status shows it, recordings keep it.",
+           .text = TextUse::kFirst,
+           .text_name = "NAME",
+           .data = {Value("value")},
+           .example = "log energy 3.5"},
+          {.id = command::kEndRun,
+           .name = "end_run",
+           .help = "Ends the run, which has reached what it was for, and the daemon: exit code 0. The text "
+                   "says why.",
+           .text = TextUse::kRest,
+           .text_name = "WHY",
+           .example = "end_run the ball is in the goal",
+           .text_optional = true},
       });
 }
 

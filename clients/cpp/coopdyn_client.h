@@ -388,6 +388,12 @@ class Simulation {
   std::string hash();
   /// What the run is worth so far, by the names of the scenario's [SCORE_n]; nan if it cannot be told.
   std::map<std::string, double> scores();
+  /// Logs a number under a name: logged(), --summary and the recording have it; Run::logged() reads it there.
+  void log(const std::string& name, double value);
+  /// The newest number of each name that was logged.
+  std::map<std::string, double> logged();
+  /// Ends the run, which has reached what it was for, and the daemon, whose exit code is 0.
+  void end_run(const std::string& why = "");
   std::vector<Awaited> waiting();
   /// Writes a PNG picture to `file`; returns its name.
   std::string snapshot(const std::string& file, const View& view = {});

@@ -2,12 +2,14 @@
 #include "clients/cpp/run_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "clients/cpp/run_database.h"
 #include "clients/cpp/words.h"
@@ -404,6 +406,29 @@ std::vector<Event> Run::events() const {
         events.push_back({row.integer(0), Seconds(row.integer(1)), row.text(2), row.text(3)});
       });
   return events;
+}
+
+RunRows Run::logged(const std::string& name) const {
+  std::vector<double> values;
+  std::set<std::string> known;
+  for (const Event& event : events()) {
+    if (event.level != "log") continue;
+    const std::size_t blank = event.text.find(' ');
+    const std::string one = event.text.substr(0, blank);
+    known.insert(one);
+    if (one != name || blank == std::string::npos) continue;
+    double value = 0;
+    const char* end = event.text.data() + event.text.size();
+    if (std::from_chars(event.text.data() + blank + 1, end, value).ec != std::errc()) continue;
+    values.insert(values.end(), {event.time, value});
+  }
+  if (values.empty()) {
+    std::string text = file() + " has no numbers logged under " + name, before = "; there are ";
+    for (const std::string& one : known) text += std::exchange(before, ", ") + one;
+    throw Error(10, text);
+  }
+  const std::size_t rows = values.size() / 2;
+  return {std::move(values), 2, rows};
 }
 
 }  // namespace coopdyn::client

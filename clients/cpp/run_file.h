@@ -90,6 +90,8 @@ class Run {
   RunRows commands(const std::string& name) const;
   /// What happened, in order, notes included.
   std::vector<Event> events() const;
+  /// Time [s] and value of each number that was logged under a name, n x 2.
+  RunRows logged(const std::string& name) const;
 
  private:
   friend Run read_run(const std::string& file);

@@ -192,6 +192,22 @@ std::map<std::string, double> Simulation::scores() {
   return all;
 }
 
+void Simulation::log(const std::string& name, double value) {
+  if (!std::isfinite(value)) throw Error(4, "not a finite number: write sim.log(\"energy\", 3.5)");
+  session_->Tell(kSimulation, {.command = command::kLog, .data = {value}, .text = name});
+}
+
+std::map<std::string, double> Simulation::logged() {
+  std::map<std::string, double> all;
+  const Json state = status();
+  for (const Json& one : state["logged"].items()) all[one["name"].text()] = one["value"].number();
+  return all;
+}
+
+void Simulation::end_run(const std::string& why) {
+  session_->Tell(kSimulation, {.command = command::kEndRun, .text = why});
+}
+
 std::vector<Awaited> Simulation::waiting() {
   std::vector<Awaited> all;
   const Json state = status();

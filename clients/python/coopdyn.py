@@ -74,7 +74,7 @@ _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD, _RELEASE_ROBOT = 108, 190, 191, 192, 193
 _SIMULATION, _RECORDER, _PLAYBACK, _WORLD = "/simulation", "/recorder", "/playback", "/world"
 _INSERT, _REMOVE, _SET_POSE, _SET_THING, _RENAME, _LIST_WORLD, _SAVE_WORLD, _UNDO, _REDO, _PICK = range(140, 150)
-_SAVE_STATE, _RESTORE_STATE, _GET_SAVED = 194, 195, 196
+_SAVE_STATE, _RESTORE_STATE, _GET_SAVED, _LOG, _END_RUN = 194, 195, 196, 197, 198
 _GET_RECORDING, _START_RECORDING, _STOP_RECORDING, _NOTE, _LIST_RUNS = 120, 121, 122, 123, 124
 _GET_PLAYBACK, _SEEK, _PLAY, _SET_PLAY_SPEED, _SKIP, _SET_LOOP, _BRANCH, _OPEN, _CLOSE = 130, 131, 132, 134, 135, 136, 137, 138, 139
 _STEP_ALL, _SELECT_READINGS, _READ_ALL, _GET_TEAM, _STOP_TEAM = 110, 111, 112, 113, 114
@@ -3847,6 +3847,19 @@ class Simulation:
         """What the run is worth so far, by the names of the scenario's [SCORE_n]; nan if it cannot be told."""
         return {s["name"]: math.nan if s["value"] is None else float(s["value"]) for s in self.status()["scores"]}
 
+    @_usage('sim.log("energy", 3.5)')
+    def log(self, name: str, value: float) -> None:
+        """Logs a number under a name: sim.logged(), --summary and the recording have it; Run.logged(name) reads it there."""
+        self._session.control(_LOG, data=[_number(value, 'a number, sim.log("energy", 3.5)')], text=str(name))
+
+    def logged(self) -> Dict[str, float]:
+        """The newest number of each name that was logged."""
+        return {one["name"]: float(one["value"]) for one in self.status()["logged"]}
+
+    def end_run(self, why: str = "") -> None:
+        """Ends the run, which has reached what it was for, and the daemon, whose exit code is 0."""
+        self._session.control(_END_RUN, text=str(why))
+
     def waiting(self) -> List[Awaited]:
         """The robots that the world waits for, and why."""
         return [Awaited(a["robot"], a["why"], float(a["seconds"] or 0)) for a in self.status()["awaiting"] or []]
@@ -4366,6 +4379,16 @@ class Run:
                 raise ValueError("events are missing")
             return [Event(int(step), time_ns / 1e9, str(level), str(text)) for step, time_ns, level, text in
                     self._db.execute("SELECT step, time_ns, level, text FROM event WHERE step <= ? ORDER BY id", (self._last,))]
+
+    @_usage('run.logged("energy")')
+    def logged(self, name: str) -> Rows:
+        """Time [s] and value of each number that was logged under a name, n x 2."""
+        numbers = [(e.time, e.text.partition(" ")) for e in self.events if e.level == "log"]
+        out = array.array("d", [x for time, (one, _, value) in numbers if one == name for x in (time, float(value))])
+        if not out:
+            known = sorted({one for _, (one, _, _) in numbers})
+            raise Error(10, f"{self.file} has no numbers logged under {name}" + (f"; there are {', '.join(known)}" if known else ""))
+        return Rows(out, 2, 0, (len(out) // 2, 2))
 
     # --- inside ---
     @contextlib.contextmanager

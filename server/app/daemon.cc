@@ -372,7 +372,7 @@ void Daemon::TellYarpServer() {
 
 RunReport Daemon::report(double wall_s) const {
   return {frames_.Latest(),         run_.status(),        run_.end(),
-          run_.stopped_or_failed(), recordings_.failed(), wall_s};
+          run_.stopped_or_failed(), run_.logged(), recordings_.failed(), wall_s};
 }
 
 void Daemon::Quit() {

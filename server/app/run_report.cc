@@ -29,7 +29,7 @@ double Factor(const RunReport& run) {
 
 bool IsCutShort(const RunReport& run) {
   const double duration_s = run.status.duration_s;
-  return run.end && run.end != RunEnd::kDuration && run.end != RunEnd::kScore && duration_s > 0 &&
+  return run.end && run.end != RunEnd::kDuration && run.end != RunEnd::kScore && run.end != RunEnd::kClient && duration_s > 0 &&
          run.frame->time_s() < duration_s;
 }
 
@@ -122,6 +122,7 @@ std::string SummaryJson(const RunReport& run) {
              {"late_periods", status.late_periods},
              {"hash", HashText(StateHash(frame))},
              {"scores", ScoresJson(frame)},
+             {"logged", LoggedJson(run.logged)},
              {"frozen", std::move(frozen)},
              {"stopped", std::move(stopped)},
              {"recording_failed", run.recording_failed}}) +

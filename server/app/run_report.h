@@ -16,6 +16,7 @@ struct RunReport {
   RunStatus status;
   std::optional<RunEnd> end;  // empty: it goes on
   StoppedRobots stopped;
+  std::map<std::string, Logged> logged;
   bool recording_failed = false;
   double wall_s = 0;  // that the run took
 };

@@ -67,6 +67,7 @@ HttpAnswer TimelineOf(RunReader& run) {
   if (!run.error().empty()) return Damaged(run);
   for (const Event& event : run.Events()) {
     if (events.size() >= kMaxMarks) break;
+    if (event.level == kLogLevel) continue;  // a plot, not a mark
     events.push_back({{"time_s", event.time_s}, {"level", event.level}, {"text", event.text}});
   }
   return JsonAnswer(JsonText(json::object{{"name", fs::path(run.file()).filename().string()},

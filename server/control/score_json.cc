@@ -20,4 +20,11 @@ json::array ScoresJson(const Frame& frame) {
   return scores;
 }
 
+json::array LoggedJson(const std::map<std::string, Logged>& logged) {
+  json::array numbers;
+  for (const auto& [name, one] : logged)
+    numbers.push_back({{"name", name}, {"value", one.value}, {"step", one.step}, {"time_s", one.time_s}});
+  return numbers;
+}
+
 }  // namespace coopdyn

@@ -149,6 +149,8 @@ std::optional<Message> SimulationModule::Change(Peer& peer, const Message& reque
   if (request.command == command::kQuit) return Done(request);
   if (request.command == command::kSaveState) return Save(peer, request);
   if (request.command == command::kStopAll) peer.text = GoOnText();
+  if (request.command == command::kLog) return Log(peer, request);
+  if (request.command == command::kEndRun) return Push(peer, edit::EndRun{request.text});
   std::string error;
   if (const std::optional<WorldRequest> world = WorldEditOf(request, error)) {
     if (const auto* load = std::get_if<LoadRequest>(&*world)) return Load(peer, *load);
@@ -261,6 +263,18 @@ std::optional<Message> SimulationModule::PushNewScene(Peer& peer, EditAction act
   return Push(peer, std::move(action), [this](const EditResult& result) {
     if (result.error == Error::kOk) services_.actions.ApplyScene(*result.frame->scene);
   });
+}
+
+std::optional<Message> SimulationModule::Log(Peer& peer, const Message& request) {
+  constexpr std::size_t kLongest = 63;
+  const std::string& name = request.text;
+  const bool good = !name.empty() && name.size() <= kLongest && IsLetter(name.front()) &&
+                    std::ranges::all_of(name, [](char c) { return IsLetter(c) || IsDigit(c) || c == '_'; });
+  if (!good) {
+    return ErrorReply(request.command, Error::kOutOfRange,
+                      "a name is a letter, then letters, digits and _, at most 63: write log energy 3.5");
+  }
+  return Push(peer, edit::Log{name, request.data.front()});
 }
 
 void SimulationModule::OnAnswered(const Message& request, bool done) {

@@ -95,6 +95,8 @@ class SimulationModule final : public GlobalModule {
   Message ReadSaved(const Message& request) const;
   /// What `stop_all` has to say about robots that loaded controllers drive.
   std::string GoOnText() const;
+  /// A number that a client logs.
+  std::optional<Message> Log(Peer& peer, const Message& request);
   std::optional<Message> Release(Peer& peer, const Message& request, const edit::UnloadController& unload);
   /// Push() for an edit after which the robots may be others.
   std::optional<Message> PushNewScene(Peer& peer, EditAction action);

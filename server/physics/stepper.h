@@ -113,6 +113,8 @@ class Stepper {
   EditResult Apply(const edit::Redo&) REQUIRES(baton_);
   EditResult Apply(const edit::SetJournal&) REQUIRES(baton_);
   EditResult Apply(const edit::Note&) REQUIRES(baton_);
+  EditResult Apply(const edit::Log& log) REQUIRES(baton_);
+  EditResult Apply(const edit::EndRun& end) REQUIRES(baton_);
   EditResult Apply(const edit::Save&) REQUIRES(baton_);
   /// The same for any kind; what is for a playback is refused.
   EditResult ApplyAny(const EditAction& action) REQUIRES(baton_);

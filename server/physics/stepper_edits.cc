@@ -206,6 +206,25 @@ EditResult Stepper::Apply(const edit::Note& note) {
   return {};
 }
 
+EditResult Stepper::Apply(const edit::Log& log) {
+  const Frame& now = frame();
+  if (!boards_.control.SetLogged(log.name, {now.step, now.time_s(), log.value})) {
+    return {Error::kTooLarge, fmt::format("{} names are logged already: log one of those",
+                                          RunControl::kMaxLogged)};
+  }
+  if (journal_ != nullptr)
+    journal_->Note({now.step, now.time_s(), kLogLevel, fmt::format("{} {}", log.name, log.value)});
+  return {};
+}
+
+EditResult Stepper::Apply(const edit::EndRun& end) {
+  if (ended_) return {Error::kNotPossible, "the run has ended already"};
+  EndRun(RunEnd::kClient, "a client ends the run" + (end.why.empty() ? "" : ": " + end.why));
+  PublishStatus(clock_.Now(), true);
+  if (on_ended_) on_ended_();
+  return {};
+}
+
 EditResult Stepper::Apply(const edit::Save&) {
   EditResult result;
   result.saved = SaveState();
@@ -248,6 +267,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   status_.frozen_before.insert(status_.frozen.begin(), status_.frozen.end());
   status_.frozen = FrozenNames(frame());
   boards_.control.ClearStopped();
+  boards_.control.ClearLogged();
   status_.costs = {.runs = status_.costs.runs + 1};
   times_before_ = AllTimes();
   NoteFloorLeft(frame(), true);

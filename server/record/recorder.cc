@@ -81,7 +81,7 @@ class Recorder::Impl {
     queue_.PushStep(std::move(step));
   }
   void Note(Event event) {
-    has_content_ = has_content_ || event.level == "note";
+    has_content_ = has_content_ || event.level == "note" || event.level == kLogLevel;
     queue_.PushEvent(std::move(event));
   }
 

@@ -117,6 +117,15 @@ struct SetJournal {
 struct Note {
   std::string text;
 };
+/// A named number, which the run does not look at.
+struct Log {
+  std::string name;
+  double value = 0;
+};
+/// The run ends here, as it has reached what it was for.
+struct EndRun {
+  std::string why;
+};
 /// The result has all that decides how the run goes on from here.
 struct Save {};
 
@@ -127,7 +136,7 @@ using RunEdit = std::variant<edit::Run, edit::Pause, edit::Step, edit::SetMode, 
 using WorldEdit = std::variant<edit::Reset, edit::Load, edit::Restore, edit::Play>;
 using SceneEdit = std::variant<edit::Change, edit::Undo, edit::Redo>;
 using PlaybackEdit = std::variant<edit::Seek, edit::Skip, edit::SetPlaySpeed, edit::SetLoop>;
-using RecordEdit = std::variant<edit::SetJournal, edit::Note, edit::Save>;
+using RecordEdit = std::variant<edit::SetJournal, edit::Note, edit::Log, edit::EndRun, edit::Save>;
 
 using EditAction = std::variant<RunEdit, WorldEdit, SceneEdit, PlaybackEdit, RecordEdit>;
 

@@ -12,13 +12,13 @@ const char* ToString(RunState state) {
 }
 
 const char* ToString(RunEnd end) {
-  constexpr std::array kNames{"duration", "controller", "recording", "quit", "signal", "score"};
+  constexpr std::array kNames{"duration", "controller", "recording", "quit", "signal", "score", "client"};
   return kNames[static_cast<std::size_t>(end)];
 }
 
 const char* WhyEarly(RunEnd end) {
   constexpr std::array kTexts{"for an unknown reason", "because a controller failed",
-                              "because the recording failed", "by quit", "by a signal", "by a score"};
+                              "because the recording failed", "by quit", "by a signal", "by a score", "by a client"};
   return kTexts[static_cast<std::size_t>(end)];
 }
 

@@ -22,7 +22,7 @@ enum class RunState { kRunning, kPaused, kWaiting, kPlaying, kEnded };
 const char* ToString(RunState state);
 
 /// Why a run has ended.
-enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal, kScore };
+enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal, kScore, kClient };
 const char* ToString(RunEnd end);
 /// "by a signal", "because the recording failed": why a run ended before its duration.
 const char* WhyEarly(RunEnd end);
@@ -77,6 +77,15 @@ struct Event {
   std::string level;  // info, warning, error
   std::string text;
 };
+/// The level of an event that is a logged number: "NAME VALUE".
+inline constexpr const char* kLogLevel = "log";
+
+/// A number that a client or a controller has logged.
+struct Logged {
+  std::uint64_t step = 0;
+  double time_s = 0;
+  double value = 0;
+};
 
 /// A robot that does not do what it was to do.
 struct StoppedRobot {
@@ -102,7 +111,7 @@ struct PlaybackStatus {
 
 class RunControl {
  public:
-  static constexpr std::size_t kMaxEvents = 100;
+  static constexpr std::size_t kMaxEvents = 100, kMaxLogged = 100;
 
   void SetStatus(RunStatus status) EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
@@ -120,6 +129,21 @@ class RunControl {
   std::optional<PlaybackStatus> playback() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     return playback_;
+  }
+  /// The newest number of a name; false if there are kMaxLogged other names.
+  bool SetLogged(const std::string& name, Logged logged) EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    if (!logged_.contains(name) && logged_.size() >= kMaxLogged) return false;
+    logged_[name] = logged;
+    return true;
+  }
+  void ClearLogged() EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    logged_.clear();
+  }
+  std::map<std::string, Logged> logged() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return logged_;
   }
   void AddEvent(Event event) EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
@@ -166,6 +190,7 @@ class RunControl {
   RunStatus status_ GUARDED_BY(mutex_);
   std::optional<PlaybackStatus> playback_ GUARDED_BY(mutex_);
   std::deque<Event> events_ GUARDED_BY(mutex_);
+  std::map<std::string, Logged> logged_ GUARDED_BY(mutex_);
   StoppedRobots stopped_ GUARDED_BY(mutex_);
   StoppedRobots failed_ GUARDED_BY(mutex_);  // by their controllers, since the daemon started
   std::optional<RunEnd> end_ GUARDED_BY(mutex_);

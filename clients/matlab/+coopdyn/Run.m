@@ -4,7 +4,7 @@ classdef Run
 %     run = coopdyn.read_run('lesson1.mat');
 %     p = run.pose('robot1');  plot(p(:, 1), p(:, 2))    % a path
 %   k is the number of recorded moments: the first is the state that recording began with. What was not there, or not
-%   recorded at a moment, is nan. Methods: pose, pose_3d, reading, joints, commands.
+%   recorded at a moment, is nan. Methods: pose, pose_3d, reading, joints, commands, logged.
   properties (SetAccess = private)
     file      % its name
     info      % struct: what is known of the run as a whole, version and seed
@@ -52,6 +52,24 @@ classdef Run
       y = q(:, 6);
       z = q(:, 7);
       p = [q(:, 1:2), atan2(2 * (w .* z + x .* y), 1 - 2 * (y .* y + z .* z))];
+    end
+
+    function p = logged(run, name)
+    %LOGGED Time [s] and value of each number that was logged under a name, n x 2.
+      coopdyn.internal.need(nargin, 2, 'run.logged(''energy'')');
+      p = zeros(0, 2);
+      others = {};
+      for k = 1:numel(run.events)
+        if ~strcmp(run.events(k).level, 'log'); continue; end
+        words = strsplit(run.events(k).text, ' ');
+        others{end + 1} = words{1}; %#ok<AGROW>
+        if strcmp(words{1}, name); p(end + 1, :) = [run.events(k).time, str2double(words{2})]; end %#ok<AGROW>
+      end
+      if isempty(p)
+        text = [run.file ' has no numbers logged under ' char(name)];
+        if ~isempty(others); text = [text '; there are ' strjoin(unique(others), ', ')]; end
+        coopdyn.internal.fail(10, text);
+      end
     end
 
     function p = pose_3d(run, name)

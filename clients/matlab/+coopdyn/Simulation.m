@@ -2,7 +2,7 @@
 classdef Simulation < coopdyn.internal.RunCalls
 %SIMULATION A connection to a daemon: its time and its robots. Made by coopdyn.connect.
 %   robot, team, robots, step; time, steps, mode, dt; run, pause, stop_all, reset, reload, load_scenario, set_mode, set_step,
-%   set_speed, set_participants, release_robot; status, hash, scores, waiting, snapshot, describe, modules, call, close.
+%   set_speed, set_participants, release_robot; status, hash, scores, log, logged, end_run, waiting, snapshot, describe, modules, call, close.
 %   What stands in the world: insert, remove, move, change, rename, undo, redo, world, save_scenario, pick.
 %   Saved states: save_state, restore_state, saved_states. Recording: record, stop_recording, note, recording, recordings,
 %   fetch_run. Playing a recording: playback, seek, play, set_play_speed, skip, set_loop, branch, open_run, close_run.
@@ -251,6 +251,30 @@ classdef Simulation < coopdyn.internal.RunCalls
         if isempty(value); value = NaN; end
         s.(char(one.name)) = value;
       end
+    end
+
+    function log(sim, name, value)
+    %LOG Logs a number under a name: sim.logged(), --summary and the recording have it; run.logged(name) reads it there.
+      coopdyn.internal.need(nargin, 3, 'sim.log(''energy'', 3.5)');
+      if ~coopdyn.internal.is_text(name) || ~isnumeric(value) || ~isscalar(value)
+        coopdyn.internal.fail(3, 'a name and a number: write sim.log(''energy'', 3.5)');
+      end
+      sim.session.tell('/simulation', 197, [], double(value), char(name));
+    end
+
+    function s = logged(sim)
+    %LOGGED The newest number of each name that was logged, a field each.
+      s = struct();
+      all = sim.status().logged;
+      for i = 1:numel(all)
+        s.(char(all(i).name)) = all(i).value;
+      end
+    end
+
+    function end_run(sim, why)
+    %END_RUN Ends the run, which has reached what it was for, and the daemon, whose exit code is 0.
+      if nargin < 2; why = ''; end
+      sim.session.tell('/simulation', 198, [], [], char(why));
     end
 
     function h = hash(sim)

@@ -12,7 +12,7 @@ CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
 CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h", "joints.h", "chain.h", "sensors.h")]
 
 SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
-    set_speed set_participants release_robot status hash scores waiting snapshot describe modules call close
+    set_speed set_participants release_robot status hash scores log logged end_run waiting snapshot describe modules call close
     save_state restore_state saved_states record stop_recording note recording recordings fetch_run
     playback seek play set_play_speed skip set_loop branch open_run close_run
     insert remove move change rename undo redo world save_scenario pick""".split())
@@ -24,7 +24,7 @@ JOINTS = set("""name names set_positions set_positions_direct set_velocities set
     set_gains get get_modes get_compliance get_profile get_gains get_limits get_motion arrived get_references get_chain forward
     inverse""".split())
 TEAM = set("n names ids step step_wheels read select stop release close".split())
-RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events".split())
+RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events logged".split())
 READINGS = set("pose distances targets neighbours wheels compass support joints".split())
 FUNCTIONS = {"connect", "launch", "doctor", "read_run"}
 
