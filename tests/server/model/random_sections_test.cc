@@ -9,6 +9,7 @@
 #include <map>
 
 #include "server/model/ground_plan.h"
+#include "server/model/swarm.h"
 #include "tests/server/model/read_text.h"
 
 namespace coopdyn {
@@ -17,7 +18,7 @@ namespace {
 constexpr const char* kText =
     "[ROBOT_1]\ntype coopbot\nposition 0 0\n"
     "[BOX_1]\ntype box\nsize 0.3 0.3 0.3\nposition 1 0\nmass 1\n"
-    "[SWARM_1]\ntype minibot\ncount 3\ncontroller diffuse speed=0.1\n";
+    "[SWARM_1]\ntype minibot\ncount 3\ncolor red\n";
 
 ReadResult ReadFor(std::uint64_t seed, const std::string& text) {
   Diagnostics diagnostics;
@@ -112,7 +113,7 @@ TEST(RandomValueTest, DependsOnSeedKeyComponentAndTry) {
 }
 
 TEST(RandomValueTest, TheBitsAreTheSameForever) {
-  EXPECT_EQ(Draw("uniform 0 1", 1), "0.0");
+  EXPECT_EQ(Draw("uniform 0 1", 1), "0.534641625");
 }
 
 TEST(RandomSectionsTest, TheWorldHasTheDrawnValues) {
@@ -133,7 +134,7 @@ TEST(RandomSectionsTest, TheWorldHasTheDrawnValues) {
 }
 
 TEST(RandomSectionsTest, TheSeedDecides) {
-  const std::string random = "BOX_1.mass uniform 2 3\nSWARM_1.controller diffuse speed=uniform 0.1 0.2\n";
+  const std::string random = "BOX_1.mass uniform 2 3\nSWARM_1.spacing uniform 0.2 0.4\n";
   EXPECT_EQ(Drawn(random, 4), Drawn(random, 4));
   EXPECT_NE(Drawn(random, 4), Drawn(random, 5));
 }
@@ -211,7 +212,7 @@ TEST(RandomSectionsTest, TooNarrowIsAnErrorAfterManyTries) {
   EXPECT_EQ(read.scenario, nullptr);
   EXPECT_EQ(
       read.messages,
-      "test.scenario:15: error: [BOX_1] stands in something in each of 1000 draws for seed 3, at last in "
+      "test.scenario:14: error: [BOX_1] stands in something in each of 1000 draws for seed 3, at last in "
       "robot1: draw its position from a larger area, or take smaller or fewer things\n");
 }
 
@@ -223,7 +224,7 @@ TEST(RandomSectionsTest, AllMistakesAreToldAtOnce) {
 
 TEST(RandomSectionsTest, ValuesThatCannotBeAreToldAtTheirLine) {
   const ReadResult read = Read(std::string(kText) + "[RANDOM]\nBOX_1.mass uniform -2 -1\n");
-  EXPECT_TRUE(read.messages.starts_with("test.scenario:15: error: 'mass' must be at least 0, not -1."))
+  EXPECT_TRUE(read.messages.starts_with("test.scenario:14: error: 'mass' must be at least 0, not -1."))
       << read.messages;
 }
 
@@ -244,7 +245,7 @@ class RandomMistakeTest : public testing::TestWithParam<Mistake> {};
 TEST_P(RandomMistakeTest, IsToldWithWhatToWrite) {
   const ReadResult read = Read(std::string(kText) + "[RANDOM]\n" + GetParam().line + "\n");
   EXPECT_EQ(read.scenario, nullptr);
-  EXPECT_EQ(read.messages, std::string("test.scenario:15: error: ") + GetParam().said + "\n");
+  EXPECT_EQ(read.messages, std::string("test.scenario:14: error: ") + GetParam().said + "\n");
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -297,7 +298,7 @@ TEST(RandomSectionsTest, AKeyIsDrawnOnce) {
                                "[RANDOM]\nBOX_1.color choice red blue\n"
                                "BOX_1.colour choice red blue\n");
   EXPECT_EQ(read.messages,
-            "test.scenario:16: error: 'BOX_1.colour' is drawn twice (first in line 15): keep one\n");
+            "test.scenario:15: error: 'BOX_1.colour' is drawn twice (first in line 14): keep one\n");
 }
 
 }  // namespace
