@@ -122,15 +122,18 @@ std::string WrongValue(const CLI::App& command, const std::string& said,
   return name + (what.starts_with("must ") ? " " : ": ") + what;
 }
 
-/// Goes on as the program coopdyn-bench; returns only if there is none.
-int HandOverToBench(std::vector<std::string> words) {
-  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  const std::string program = folder / "coopdyn-bench";
-  words.insert(words.begin(), program);
+/// Goes on as another program; returns only if there is none.
+void HandOver(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  ::execv(program.c_str(), arguments.data());
+  ::execvp(arguments.front(), arguments.data());
+}
+
+int RunBench(std::vector<std::string> words) {
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  words.insert(words.begin(), folder / "coopdyn-bench");
+  HandOver(words);
   PrintError(
       "coopdyn: coopdyn bench needs the program coopdyn-bench in {}. In the folder of the sources, build it "
       "with cmake --build --preset release --target coopdyn-bench\n",
@@ -138,13 +141,33 @@ int HandOverToBench(std::vector<std::string> words) {
   return kExitErrors;
 }
 
-/// What follows `bench` is for that program, --help too.
-void AddBench(CLI::App& app, Chosen& chosen) {
-  CLI::App* bench = app.add_subcommand("bench", "Measure the speed of this machine and build");
-  bench->set_help_flag();
-  bench->prefix_command();
-  bench->callback(
-      [bench, &chosen] { chosen = [words = bench->remaining()] { return HandOverToBench(words); }; });
+/// Sweeps are Python, for the sake of Dask: clients/sweep.
+int RunSweep(std::vector<std::string> words) {
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
+  const char* named = std::getenv("COOPDYN_PYTHON");
+  // Debian's own Python has Debian's Dask and matplotlib.
+  const std::string python = named != nullptr && *named != '\0'            ? named
+                             : std::filesystem::exists("/usr/bin/python3") ? "/usr/bin/python3"
+                                                                           : "python3";
+  for (const std::filesystem::path& folder : DataPath({}).folders) {
+    const std::filesystem::path sweep = folder / "clients" / "sweep";
+    if (!std::filesystem::is_directory(sweep)) continue;
+    words.insert(words.begin(), {python, sweep, program, folder});
+    HandOver(words);
+    PrintError("coopdyn: coopdyn sweep needs Python 3: {} cannot be started\n", python);
+    return kExitErrors;
+  }
+  PrintError("coopdyn: coopdyn sweep needs the folder clients/sweep of the sources or of the installation\n");
+  return kExitErrors;
+}
+
+/// A command that another program carries out. What follows it is for that program, --help too.
+void AddHandedOver(CLI::App& app, const char* name, const char* what, int (*run)(std::vector<std::string>),
+                   Chosen& chosen) {
+  CLI::App* sub = app.add_subcommand(name, what);
+  sub->set_help_flag();
+  sub->prefix_command();
+  sub->callback([sub, run, &chosen] { chosen = [run, words = sub->remaining()] { return run(words); }; });
 }
 
 /// The hidden command with which `serve` starts the process that runs loaded controllers.
@@ -178,7 +201,8 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddVerify(app, chosen);
   AddExport(app, chosen);
   AddInfo(app, chosen);
-  AddBench(app, chosen);
+  AddHandedOver(app, "bench", "Measure the speed of this machine and build", RunBench, chosen);
+  AddHandedOver(app, "sweep", "Run a scenario with many values, controllers and seeds", RunSweep, chosen);
   try {
     CheckCommand(app, arguments);
     CheckValues(app, arguments);

@@ -13,6 +13,7 @@ constexpr std::string_view kWord = "set";
 constexpr std::string_view kHead = "\n[SET]\n";
 constexpr std::string_view kName = "# file: ";  // of a text's last line
 constexpr std::string_view kFlag = "--set ";
+constexpr std::string_view kRobots = "robots";  // every [ROBOT_n] and [SWARM_n]
 /// Sections that may be left out, and so are made.
 constexpr std::array<std::string_view, 4> kOptional = {"SIMULATION", "FLOOR", "TARGET", "RANDOM"};
 
@@ -127,7 +128,20 @@ void ApplySettings(std::vector<Section>& sections, const std::string& file, Diag
                         "a line of [SET] is SECTION.key value, for example: SWARM_1.count 20");
       continue;
     }
-    Apply(setting, sections, diagnostics);
+    const std::string word = setting.key.substr(0, dot);
+    if (word != kRobots || std::ranges::find(sections, word, &Section::word) != sections.end()) {
+      Apply(setting, sections, diagnostics);
+      continue;
+    }
+    std::vector<std::string> words;
+    for (const Section& section : sections) {
+      if (IsNumbered(section.word, "robot") || IsNumbered(section.word, "swarm"))
+        words.push_back(section.word);
+    }
+    if (words.empty())
+      diagnostics.Error({Label(setting), 0}, "the scenario has no [ROBOT_n] and no [SWARM_n]");
+    for (const std::string& one : words)
+      Apply({one + setting.key.substr(dot), setting.value, setting.line}, sections, diagnostics);
   }
 }
 

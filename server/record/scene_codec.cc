@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "server/base/bytes.h"
+#include "server/model/scenario.h"
 #include "server/record/state_codec.h"
 #include "server/state/scene_code.h"
 
@@ -118,6 +119,7 @@ std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
   if (!reader.finished() || !Fits(*scene)) return nullptr;
   for (SceneRobot& robot : std::exchange(scene->robots, {})) AddRobot(*scene, std::move(robot));
   scene->scenario = scenario;
+  scene->measures_contacts |= scenario != nullptr && CountsCollisions(*scenario);
   if (!has_textures) TakeLights(*scene);
   TakeTextures(*scene);
   return scene;

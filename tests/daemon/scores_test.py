@@ -117,6 +117,10 @@ class ScoresTest(SwarmTestCase):
                     motors.must("set_velocity 0.5 0")
                 self.assertEqual(sim.scores(), {"collisions": 1})
 
+    def test_a_recording_of_a_run_that_counts_collisions_verifies(self):
+        told = self.run_to("--set", "SCORE_5.kind=collisions", "--record", self.file)
+        self.assertEqual(equal_steps(self.file), told["steps"])
+
     def test_a_reset_begins_them_anew_and_clients_see_them(self):
         with Daemon(None, "--no-render", "--paused", name=str(self.scenario)) as daemon:
             with coopdyn.connect(daemon.names[1]) as sim:

@@ -71,6 +71,21 @@ TEST(SettingsTest, TheTextCarriesItsSettings) {
   EXPECT_EQ(again.scenario->text, text);
 }
 
+TEST(SettingsTest, RobotsMeansEachRobotAndSwarm) {
+  const Set read =
+      ReadWith({"ROBOTS.fidelity=rolling"}, std::string(kText) + "[SWARM_1]\ntype single\ncount 2\nname s\n");
+  ASSERT_NE(read.scenario, nullptr) << read.said;
+  EXPECT_EQ(read.scenario->robots[0].fidelity, Fidelity::kRolling);
+  EXPECT_EQ(read.scenario->robots.back().fidelity, Fidelity::kRolling);
+}
+
+TEST(SettingsTest, RobotsOfAScenarioWithoutAnyIsAMistake) {
+  const Set read = ReadWith({"ROBOTS.color=red"}, "[WORLD]\nfile empty.world\n");
+  EXPECT_NE(read.said.find("--set ROBOTS.color=red: error: the scenario has no [ROBOT_n] and no [SWARM_n]"),
+            std::string::npos)
+      << read.said;
+}
+
 TEST(SettingsTest, ATextKeepsTheNameOfItsFile) {
   const Set read = ReadWith({"ROBOT_1.name=ana"}, std::string(kText) + "# file: lesson.scenario\n");
   ASSERT_NE(read.scenario, nullptr) << read.said;

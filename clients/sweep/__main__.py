@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: MIT
+"""coopdyn sweep: many runs of a scenario, with other values, controllers and seeds. The program starts this."""
+import argparse
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import engines
+import plan
+import report
+from plan import Wrong
+from results import Results
+
+kShownRuns = 20
+
+
+def positive(text):
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise ValueError
+    return value
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        print(f"{self.prog}: {message} ({self.prog} --help shows how to write it)", file=sys.stderr)
+        sys.exit(2)
+
+
+def read_options(words):
+    options = Parser(
+        prog="coopdyn sweep", allow_abbrev=False,
+        description="Run a scenario many times. Each run has a key; one that has a result in OUT is not run again.",
+        epilog='Example: coopdyn sweep arena20 --set SWARM_1.count=10,20,50 --controller "diffuse speed=0.1,0.2" --seeds 1..30 '
+               "--duration 60 --out results    then: coopdyn sweep report results")
+    add = options.add_argument
+    add("scenario", help="a file or a name, as for coopdyn serve")
+    add("--set", action="append", default=[], metavar="SECTION.key=a,b", help="values of a key of the scenario; may stand several times")
+    add("--controller", action="append", default=[], help='a loaded controller for all robots, with values of its parameters: "diffuse speed=0.1,0.2"')
+    add("--client", help='a program that drives, started for each run: "python3 mine.py {server}"; also {seed}, and COOPDYN_SERVER is set')
+    add("--table", metavar="FILE.csv", help="rows of values: the first line names SECTION.key, seed or controller")
+    add("--seeds", default="1", help="1..30, or 1,5,9 (default: 1)")
+    add("--duration", type=positive, help="simulated time of a run, s; needed unless a score or the scenario ends it")
+    add("--out", default="results", help="folder of the results (default: results)")
+    add("--jobs", type=int, default=os.cpu_count(), help="runs at the same time on this machine (default: as many as cores)")
+    add("--record", choices=("none", "failed", "all"), default="none", help="keep recordings in OUT/recordings (default: none)")
+    add("--time-limit", type=positive, metavar="S", help="longest time of a run by the clock, s")
+    add("--memory-limit", type=int, metavar="MIB", help="address space of a run, MiB")
+    add("--again-failed", action="store_true", help="run again what ended with an error")
+    add("--dry-run", action="store_true", help="only show what would run")
+    add("--dask", metavar="ADDRESS", help="run on Dask: tcp://HOST:PORT of a scheduler, or local for a cluster of its own")
+    add("--slurm", nargs="?", const="", metavar="OPTIONS", help='run as a Slurm array; options for sbatch: --slurm="--partition=short"')
+    add("--no-wait", action="store_true", help="with --slurm: submit and return; the same command later collects")
+    given = options.parse_args(words)
+    if given.jobs < 1:
+        options.error("--jobs takes a whole number from 1")
+    if given.memory_limit is not None and given.memory_limit < 64:
+        options.error("--memory-limit takes MiB, from 64")
+    if given.dask and given.slurm is not None:
+        options.error("--dask and --slurm are two engines: leave one out")
+    if given.no_wait and given.slurm is None:
+        options.error("--no-wait goes with --slurm")
+    if given.client and given.controller:
+        options.error("--client and --controller both drive the robots: leave one out")
+    return given
+
+
+def show_plan(jobs, done):
+    """The table of what will run."""
+    missing = [job for job in jobs if job["key"] not in done]
+    print(f"{len(jobs)} runs, {len(missing)} to do")
+    for job in missing[:kShownRuns]:
+        inputs = job["inputs"]
+        values = [f"{name}={value}" for name, value in inputs["set"].items()]
+        print("  ".join([job["key"], *values, *([inputs["controller"]] if inputs["controller"] else []), f"seed={inputs['seed']}"]))
+    if len(missing) > kShownRuns:
+        print(f"and {len(missing) - kShownRuns} more")
+    return missing
+
+
+class Bar:
+    """How far a sweep is, on a terminal; each tenth of it elsewhere."""
+
+    def __init__(self, count):
+        self._count, self._done, self._failed, self._began, self._told = count, 0, 0, time.monotonic(), 0
+
+    def add(self, failed):
+        self._done += 1
+        self._failed += failed
+        spent_s = time.monotonic() - self._began
+        left_s = spent_s / self._done * (self._count - self._done)
+        text = f"{self._done}/{self._count}" + (f", {self._failed} with errors" if self._failed else "") + f", {left_s:.0f} s left"
+        if sys.stderr.isatty():
+            width = 30 * self._done // self._count
+            print(f"\r\033[K[{'#' * width:<30}] {text}", end="\n" if self._done == self._count else "", file=sys.stderr, flush=True)
+        elif 10 * self._done // self._count > self._told:
+            self._told = 10 * self._done // self._count
+            print(text, file=sys.stderr, flush=True)
+
+
+def check_first(job):
+    """A mistake in scenario, settings or controller is told before anything runs."""
+    words = [job["words"][0], "check", job["words"][2]]
+    for word, value in zip(job["words"], job["words"][1:]):
+        if word == "--set":
+            words += ["--set", value]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise Wrong(done.stderr.strip() or done.stdout.strip() or f"coopdyn check ended with exit code {done.returncode}")
+
+
+def sweep(words, program, folders):
+    given = read_options(words)
+    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    jobs = plan.lay_out(given, version, program, folders)
+    if given.dry_run and not os.path.exists(given.out):
+        show_plan(jobs, {})
+        return 0
+    results = Results(given.out)
+    if given.again_failed:
+        results.forget_failed()
+    missing = show_plan(jobs, results.done)
+    if given.dry_run or not missing:
+        return 0
+    cells = {}
+    for job in missing:
+        cells.setdefault((tuple(job["inputs"]["set"].items()), job["inputs"]["controller"]), job)
+    for job in cells.values():
+        check_first(job)
+    if given.dask:
+        engine = engines.dask(missing, given.dask, given.jobs)
+    elif given.slurm is not None:
+        engine = engines.slurm(missing, given.slurm, given.out, not given.no_wait)
+    else:
+        engine = engines.local(missing, given.jobs)
+    bar = Bar(len(missing))
+    try:
+        for result in engine:
+            results.add(result)
+            bar.add(bool(result["error"]))
+    except OSError as error:
+        raise Wrong(f"{given.out} cannot be written: {error.strerror}. Make room, and run the same command again: it does what is missing") from None
+    finally:
+        engine.close()
+        results.close()
+    failed = [job for job in jobs if results.done.get(job["key"], {}).get("error")]
+    for job in failed[:3]:
+        print(f"{job['key']}: {results.done[job['key']]['error']}", file=sys.stderr)
+    if failed:
+        print(f"{len(failed)} of {len(jobs)} runs ended with an error (--again-failed runs them again)", file=sys.stderr)
+    for key in results.conflicts:
+        print(f"{key}: two results of this run have different hashes: the machines, builds or clients differ", file=sys.stderr)
+    print(f"{given.out}/results.jsonl has {sum(job['key'] in results.done for job in jobs)} of {len(jobs)} results; next: coopdyn sweep report {given.out}")
+    return 1 if failed or results.conflicts else 0
+
+
+def make_report(words):
+    options = Parser(prog="coopdyn sweep report", description="Tables, plots and a page of the results of a sweep.")
+    options.add_argument("out", nargs="?", default="results", help="its folder (default: results)")
+    folder = options.parse_args(words).out
+    if not os.path.isfile(os.path.join(folder, "results.jsonl")):
+        raise Wrong(f"{folder} has no results.jsonl: name the --out of a sweep")
+    results = Results(folder)
+    try:
+        if not results.done:
+            raise Wrong(f"{folder}/results.jsonl has no results yet")
+        print(report.write(folder, list(results.done.values())))
+    finally:
+        results.close()
+    return 0
+
+
+def main():
+    program, root, *words = sys.argv[1:]
+    folders = [os.path.dirname(program), root]
+    try:
+        return make_report(words[1:]) if words[:1] == ["report"] else sweep(words, program, folders)
+    except Wrong as wrong:
+        print(f"coopdyn sweep: {wrong}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("\nThe sweep stopped. The same command does what is missing.", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    sys.exit(main())

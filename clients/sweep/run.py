@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: MIT
+"""One run of a sweep: starts a daemon, waits for its end, and returns the result. Needs no other file, so that a
+worker on another machine can be sent it."""
+import json
+import os
+import resource
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+_ENDED_BY_SIGNAL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+
+
+class Lost(Exception):
+    """Something from outside ended the run, so it has no result; it is run again."""
+
+
+def run_one(job):
+    """Carries out `job`, a dictionary of plan.py, and returns its result, a dictionary. Raises Lost.
+
+    A result has the job's key and inputs, `ended`, `exit` (of the daemon), `steps`, `time_s`, `hash` and `scores`; `error` is
+    null or says what was wrong. `wall_s` is how long it took."""
+    began = time.monotonic()
+    result = dict(job["inputs"], key=job["key"], ended=None, exit=None, steps=None, time_s=None, hash=None, scores={}, error=None)
+    with tempfile.TemporaryDirectory(prefix="coopdyn-run-") as folder:
+        summary = os.path.join(folder, "summary.json")
+        recording = os.path.join(folder, "recording.run") if job["record"] != "none" else None
+        words = job["words"] + ["--summary", summary, "--with-process", str(os.getpid())]
+        if recording:
+            words += ["--record", recording]
+        with tempfile.TemporaryFile() as said:
+            code, ended = _run(words, job, said)
+            said.seek(0)
+            text = said.read().decode(errors="replace").strip()
+        _read_summary(summary, result)
+        result["exit"] = code
+        if ended:
+            result["ended"] = ended[0]
+            result["error"] = ended[1]
+        elif code != 0:
+            result["error"] = _last_words(text) or f"coopdyn ended with exit code {code}"
+        if recording and os.path.exists(recording) and (job["record"] == "all" or result["error"]):
+            os.makedirs(job["recordings"], exist_ok=True)
+            _keep(recording, os.path.join(job["recordings"], job["key"] + ".run"))
+    result["wall_s"] = round(time.monotonic() - began, 6)
+    return result
+
+
+def _run(words, job, said):
+    """The daemon's exit code, and None or (how it ended, what was wrong)."""
+    limit = time.monotonic() + job["time_limit_s"] if job["time_limit_s"] else None
+    client = None
+    daemon = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=said, start_new_session=True)
+    try:
+        if job["memory_limit_mib"]:
+            most = job["memory_limit_mib"] << 20
+            resource.prlimit(daemon.pid, resource.RLIMIT_AS, (most, most))
+        ended = None
+        if job["client"]:
+            client, ended = _start_client(daemon, job, said)
+        if client:
+            ended = _wait_for_client(daemon, client, limit)
+        try:
+            daemon.wait(None if limit is None else max(0.0, limit - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            ended = ("time limit", f"it took longer than {job['time_limit_s']:g} s: see --time-limit")
+    finally:
+        for process in (client, daemon):
+            if process and process.poll() is None:
+                process.kill()
+                process.wait()
+        daemon.stdout.close()
+    if ended is None and -daemon.returncode in _ENDED_BY_SIGNAL:
+        raise Lost(f"the daemon got signal {-daemon.returncode}")
+    return daemon.returncode, ended
+
+
+def _start_client(daemon, job, said):
+    """The program that drives, once the daemon is ready; or None and why there is none."""
+    for line in daemon.stdout:
+        words = line.decode().split()
+        if words[:1] == ["ready"]:
+            server = words[1].partition("=")[2]
+            command = [word.replace("{server}", server).replace("{seed}", str(job["inputs"]["seed"])) for word in shlex.split(job["client"])]
+            environment = dict(os.environ, COOPDYN_SERVER=server)
+            try:
+                return subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=said, stderr=said), None
+            except OSError as error:
+                daemon.terminate()
+                return None, ("client failed", f"{command[0]} cannot be started: {error.strerror}")
+    return None, None  # the daemon did not start, and has said why
+
+
+def _wait_for_client(daemon, client, limit):
+    """Waits until the client or the daemon has ended. A daemon whose client is through is ended in order."""
+    try:
+        while daemon.poll() is None:
+            try:
+                code = client.wait(0.02)
+            except subprocess.TimeoutExpired:
+                if limit is not None and time.monotonic() > limit:
+                    return None  # the daemon's wait tells it
+                continue
+            try:
+                daemon.wait(0.5)  # the run may have ended by itself, and the client by that
+            except subprocess.TimeoutExpired:
+                daemon.terminate()
+                daemon.wait()
+                if code != 0:
+                    return ("client failed", f"the client ended with exit code {code}")
+                return ("client", None)
+    finally:
+        if client.poll() is None:
+            try:
+                client.wait(1)  # it sees that its daemon has gone
+            except subprocess.TimeoutExpired:
+                pass
+    return None
+
+
+def _read_summary(file, result):
+    try:
+        with open(file, encoding="utf-8") as stream:
+            summary = json.load(stream)
+    except (OSError, ValueError):
+        return
+    for key in ("ended", "steps", "time_s", "hash"):
+        result[key] = summary.get(key)
+    result["scores"] = {score["name"]: score["value"] for score in summary.get("scores", [])}
+
+
+def _last_words(text):
+    lines = [line for line in text.splitlines() if "error" in line] or text.splitlines()[-1:]
+    return "\n".join(lines[:20])
+
+
+def _keep(source, target):
+    """Moves a file, also to another disk; `target` is whole or not there."""
+    part = target + ".part"
+    with open(source, "rb") as read, open(part, "wb") as written:
+        while block := read.read(1 << 20):
+            written.write(block)
+    os.replace(part, target)
+
+
+def run_file(file, number, folder):
+    """A task of a Slurm array: the jobs of line `number` of `file`; each result is a file in `folder`, written once."""
+    with open(file, encoding="utf-8") as stream:
+        jobs = json.loads(stream.read().splitlines()[number])
+    for job in jobs:
+        target = os.path.join(folder, job["key"] + ".json")
+        if os.path.exists(target):
+            continue
+        try:
+            result = run_one(job)
+        except Lost as lost:
+            print(f"{job['key']}: {lost}", file=sys.stderr)
+            continue
+        part = f"{target}.{os.getpid()}.part"
+        with open(part, "w", encoding="utf-8") as stream:
+            stream.write(json.dumps(result))
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(part, target)
+
+
+if __name__ == "__main__":
+    run_file(sys.argv[1], int(sys.argv[2]), sys.argv[3])

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: MIT
+"""coopdyn sweep: what it lays out, what it writes, and that it finishes after every loss, on three engines."""
+import contextlib
+import csv
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import engines
+
+BINARY = os.environ.get("COOPDYN_BINARY", "build/release/coopdyn")
+
+SCENARIO = """[FLOOR]
+size 8 8
+[SWARM_1]
+type single
+name r
+count 3
+spacing 0.9
+controller diffuse
+fidelity rolling
+[SCORE_1]
+name way
+kind distance
+[SCORE_2]
+name hits
+kind collisions
+"""
+TABLE = ["--set", "SWARM_1.count=2,4", "--controller", "diffuse speed=0.1,0.2", "--duration", "0.5"]
+
+
+class SweepTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.scenario = self.write("lesson.scenario", SCENARIO)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as stream:
+            stream.write(text)
+        return self.path(name)
+
+    def words(self, *words, out="out"):
+        return [BINARY, "sweep", self.scenario, *words, "--out", self.path(out)]
+
+    def sweep(self, *words, out="out", code=0, **given):
+        done = engines.answers(self.words(*words, out=out), cwd=self.folder, **given)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def lines(self, out="out"):
+        with open(os.path.join(self.path(out), "results.jsonl"), encoding="utf-8") as stream:
+            return sorted(stream.read().splitlines())
+
+    def results(self, out="out"):
+        return [json.loads(line) for line in self.lines(out)]
+
+    def refused(self, *words, code=1):
+        done = self.sweep(*words, code=code)
+        return done.stderr.strip()
+
+    def test_each_combination_has_a_result_with_its_inputs_scores_and_hash(self):
+        self.sweep(*TABLE, "--seeds", "1..2,7")
+        results = self.results()
+        inputs = {(one["set"]["SWARM_1.count"], one["controller"], one["seed"]) for one in results}
+        self.assertEqual(inputs, {(count, f"diffuse speed={speed}", seed) for count in "24" for speed in ("0.1", "0.2") for seed in (1, 2, 7)})
+        for one in results:
+            self.assertEqual((one["ended"], one["steps"], one["error"], len(one["hash"])), ("duration", 50, None, 16))
+            self.assertLessEqual(one["scores"]["way"], 0.5 * float(one["controller"][-3:]) + 1e-9)
+
+    def test_a_run_of_a_sweep_is_the_run_of_serve(self):
+        self.sweep("--seeds", "5", "--duration", "1")
+        summary = self.path("summary.json")
+        done = engines.answers([BINARY, "serve", self.scenario, "--no-net", "--mode", "free", "--speed", "0", "--seed", "5", "--duration", "1", "--summary", summary])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(summary, encoding="utf-8") as stream:
+            alone = json.load(stream)
+        [result] = self.results()
+        self.assertEqual(result["hash"], alone["hash"])
+        self.assertEqual(result["scores"], {score["name"]: score["value"] for score in alone["scores"]})
+
+    def test_what_is_there_is_not_run_again(self):
+        self.sweep(*TABLE, "--seeds", "1")
+        before = self.lines()
+        self.assertIn("4 runs, 0 to do", self.sweep(*TABLE, "--seeds", "1").stdout)
+        self.assertIn("8 runs, 4 to do", self.sweep(*TABLE, "--seeds", "1..2", "--dry-run").stdout)
+        self.assertEqual(self.lines(), before)
+
+    def test_a_changed_scenario_runs_again(self):
+        self.sweep("--duration", "0.5")
+        self.write("lesson.scenario", SCENARIO.replace("spacing 0.9", "spacing 0.8"))
+        self.assertIn("1 runs, 1 to do", self.sweep("--duration", "0.5").stdout)
+
+    def test_a_dry_run_writes_nothing(self):
+        self.assertIn("4 runs, 4 to do", self.sweep(*TABLE, "--dry-run").stdout)
+        self.assertFalse(os.path.exists(self.path("out")))
+
+    def test_a_table_gives_rows_of_values(self):
+        table = self.write("table.csv", "SWARM_1.count,seed,controller\n2,3,diffuse speed=0.1\n5,4,diffuse speed=0.3\n")
+        self.sweep("--table", table, "--duration", "0.5")
+        self.assertEqual({(one["set"]["SWARM_1.count"], one["seed"], one["controller"]) for one in self.results()},
+                         {("2", 3, "diffuse speed=0.1"), ("5", 4, "diffuse speed=0.3")})
+
+    def test_a_client_drives_each_run_in_lockstep(self):
+        client = self.write("mine.py", "import sys\nsys.path.insert(0, sys.argv[2])\nimport coopdyn\nsim = coopdyn.connect(sys.argv[1])\nr = sim.robot('eva')\n"
+                            "for k in range(30):\n    r.set_velocity(0.2, 0)\n    sim.step()\nsim.close()\n")
+        self.scenario = self.write("one.scenario", "[FLOOR]\nsize 8 8\n[ROBOT_1]\ntype coopbot\nname eva\nposition 0 0\n[SCORE_1]\nname t\nkind time\nuntil >= 0.3\n")
+        python = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../clients/python")
+        self.sweep("--client", f"python3 {client} {{server}} {python}", "--seeds", "1..2")
+        for one in self.results():
+            self.assertEqual((one["ended"], one["steps"], one["error"]), ("score", 30, None))
+        first = {one["seed"]: one["hash"] for one in self.results()}
+        self.sweep("--client", f"python3 {client} {{server}} {python}", "--seeds", "1..2", out="again")
+        self.assertEqual({one["seed"]: one["hash"] for one in self.results("again")}, first)
+
+    def test_a_client_that_fails_is_told(self):
+        self.scenario = self.write("one.scenario", "[FLOOR]\nsize 8 8\n[ROBOT_1]\ntype coopbot\nname eva\nposition 0 0\n")
+        done = self.sweep("--client", "false", "--duration", "1", code=1)
+        self.assertIn("the client ended with exit code 1", done.stderr)
+        self.assertEqual(self.results()[0]["ended"], "client failed")
+
+    def test_a_run_that_takes_too_long_is_ended(self):
+        self.sweep("--duration", "1000000", "--time-limit", "0.5", code=1)
+        [result] = self.results()
+        self.assertEqual(result["ended"], "time limit")
+        self.assertIn("--time-limit", result["error"])
+        self.assertIn("1 runs, 1 to do", self.sweep("--duration", "1000000", "--time-limit", "0.5", "--again-failed", "--dry-run").stdout)
+
+    def test_recordings_of_runs_verify(self):
+        self.sweep("--duration", "0.5", "--record", "all")
+        [result] = self.results()
+        done = engines.answers([BINARY, "verify", os.path.join(self.path("out"), "recordings", result["key"] + ".run")])
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_recordings_of_failed_runs_only(self):
+        self.sweep("--duration", "0.5", "--record", "failed")
+        self.assertFalse(os.path.exists(os.path.join(self.path("out"), "recordings")))
+
+    def test_the_report_has_medians_and_quartiles(self):
+        self.sweep(*TABLE, "--seeds", "1..4")
+        done = engines.answers([BINARY, "sweep", "report", self.path("out")])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(os.path.join(self.path("out"), "cells.csv"), newline="", encoding="utf-8") as stream:
+            rows = list(csv.DictReader(stream))
+        row = next(row for row in rows if row["SWARM_1.count"] == "4" and row["controller"].endswith("0.2") and row["score"] == "way")
+        values = sorted(one["scores"]["way"] for one in self.results() if one["set"]["SWARM_1.count"] == "4" and one["controller"].endswith("0.2"))
+        self.assertAlmostEqual(float(row["median"]), (values[1] + values[2]) / 2)
+        self.assertAlmostEqual(float(row["lower_quartile"]), values[0] + 0.75 * (values[1] - values[0]))
+        for name in ("runs.csv", "way.svg", "hits.svg", "report.html"):
+            self.assertGreater(os.path.getsize(os.path.join(self.path("out"), name)), 100, name)
+        with open(os.path.join(self.path("out"), "report.html"), encoding="utf-8") as stream:
+            self.assertIn("<svg", stream.read())
+
+    def test_mistakes_are_told_with_what_to_write(self):
+        self.assertIn("did you mean 'count'?", self.refused("--set", "SWARM_1.cont=3", "--duration", "1"))
+        self.assertIn("SECTION.key=value, for example --set SWARM_1.count=10,20,50", self.refused("--set", "count=3", "--duration", "1"))
+        self.assertIn("--seeds 1..30", self.refused("--seeds", "a", "--duration", "1"))
+        self.assertIn("write the smaller number first", self.refused("--seeds", "5..1", "--duration", "1"))
+        self.assertIn("names a seed twice", self.refused("--seeds", "1,1", "--duration", "1"))
+        self.assertIn("add --duration SECONDS", self.refused())
+        self.assertIn("diffuse speed=0.1,0.2", self.refused("--controller", "diffuse 0.1", "--duration", "1"))
+        self.assertIn("--dask and --slurm are two engines", self.refused("--dask", "local", "--slurm", "--duration", "1", code=2))
+        self.assertIn("two runs of this sweep are the same", self.refused("--set", "SWARM_1.count=2,2", "--duration", "1"))
+        self.assertIn("table.csv:1: error: 'count' is no setting", self.refused("--table", self.write("table.csv", "count\n2\n"), "--duration", "1"))
+        self.assertIn("nope", engines.answers([BINARY, "sweep", "nope", "--duration", "1"]).stderr)
+
+    def test_two_sweeps_do_not_write_to_one_folder(self):
+        first = subprocess.Popen(self.words("--duration", "1000000", "--time-limit", "100"), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.addCleanup(first.stdout.close)
+        self.addCleanup(first.wait)
+        self.addCleanup(first.kill)
+        first.stdout.readline()
+        self.assertIn("another sweep writes to", self.refused("--duration", "1000000"))
+
+    def test_killed_sweeps_and_daemons_and_a_full_disk_change_nothing(self):
+        """200 runs: the sweep is killed ten times, daemons five times, and its disk is full once."""
+        words = [*TABLE, "--seeds", "1..50"]
+        self.sweep(*words, out="whole")
+        os.mkdir(self.path("out"))
+        if engines.answers(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", self.path("out")]).returncode != 0:
+            self.skipTest("no small disk can be mounted here")
+        self.addCleanup(engines.answers, ["umount", "--lazy", self.path("out")])
+        choose = random.Random(7)
+        for attempt in range(10):
+            sweep = subprocess.Popen(self.words(*words), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+            aim = len(self.finished()) + choose.randint(1, 15)
+            engines.until(lambda aim=aim, sweep=sweep: len(self.finished()) >= aim or sweep.poll() is not None, "results come")
+            if attempt % 2:
+                for child in engines.answers(["pgrep", "-P", str(sweep.pid)]).stdout.split():
+                    with contextlib.suppress(ProcessLookupError):
+                        os.kill(int(child), signal.SIGKILL)
+                engines.until(lambda aim=aim, sweep=sweep: len(self.finished()) > aim or sweep.poll() is not None, "it goes on after a lost daemon")
+            sweep.kill()
+            sweep.wait()
+        filler = os.path.join(self.path("out"), "filler")
+        with contextlib.suppress(OSError), open(filler, "wb", buffering=0) as stream:
+            while stream.write(bytes(4096)):
+                pass
+        done = engines.answers(self.words(*words))
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn("it does what is missing", done.stderr)
+        os.remove(filler)
+        with open(os.path.join(self.path("out"), "results.jsonl"), "a", encoding="utf-8") as stream:
+            stream.write('{"key": "cut o')
+        self.sweep(*words)
+        self.assertEqual(self.lines(), self.lines("whole"))
+
+    def finished(self):
+        try:
+            return self.lines()
+        except FileNotFoundError:
+            return []
+
+    def test_one_process_and_two_give_equal_hashes(self):
+        self.sweep(*TABLE, "--seeds", "1..3", "--jobs", "1", out="one")
+        self.sweep(*TABLE, "--seeds", "1..3", "--jobs", "2", out="two")
+        self.assertEqual(self.lines("one"), self.lines("two"))
+
+    @unittest.skipUnless(shutil.which("dask-scheduler"), "Dask is not installed")
+    def test_dask_gives_equal_hashes_though_workers_are_killed(self):
+        words = [*TABLE, "--seeds", "1..10"]
+        self.sweep(*words, out="here")
+        with engines.processes() as every:
+            dask = engines.Dask(self.folder, every)
+            sweep = subprocess.Popen(self.words(*words, "--dask", dask.address), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            self.addCleanup(sweep.stdout.close)
+            engines.until(lambda: len(self.finished()) >= 5, "results come")
+            os.killpg(dask.workers[0].pid, signal.SIGKILL)
+            dask.add_worker()
+            said = sweep.communicate(timeout=120)[0]
+            self.assertEqual(sweep.returncode, 0, said)
+        self.assertEqual(self.lines(), self.lines("here"))
+
+    def test_dask_without_a_scheduler_is_told(self):
+        self.assertRegex(self.refused("--duration", "1", "--dask", f"tcp://127.0.0.1:{engines.free_port()}"), "no Dask scheduler answers|python3-distributed")
+
+    @unittest.skipUnless(shutil.which("slurmctld", path="/usr/sbin"), "Slurm is not installed")
+    def test_slurm_gives_equal_hashes(self):
+        words = [*TABLE, "--seeds", "1..3"]
+        self.sweep(*words, out="here")
+        with engines.processes() as every:
+            place = self.path("slurm")
+            os.mkdir(place)
+            environment = engines.start_slurm(place, every)
+            self.sweep(*words, "--slurm", env=environment)
+        self.assertEqual(self.lines(), self.lines("here"))
+
+
+if __name__ == "__main__":
+    unittest.main()
