@@ -131,6 +131,11 @@ Checked CheckScenario(const std::shared_ptr<const Scenario>& scenario, bool cont
   if (scenario == nullptr) return {};
   Checked checked{FirstFrame(scenario, controllers, diagnostics), {}};
   if (checked.frame != nullptr && !diagnostics.has_errors()) checked.lines.push_back(Summary(*scenario));
+  for (std::size_t i = 0; i < scenario->random.size() && !checked.lines.empty(); ++i) {
+    const RandomKey& key = scenario->random[i];
+    checked.lines.push_back("  " + key.name + " " + key.distribution + ": " + key.value + " for seed " +
+                            std::to_string(scenario->simulation.seed));
+  }
   return checked;
 }
 

@@ -105,6 +105,35 @@ ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
 
 }  // namespace
 
+/// Reads a scenario with random keys again, from what it carries, not from disk: a reset is no reload.
+class DrawnScenario {
+ public:
+  /// On the thread that reads scenarios.
+  ScenarioRead Read(const Scenario& current, const SearchPath& path, std::uint64_t seed) {
+    return Guarded([&] {
+      if (library_ == nullptr || text_ != current.text || !SameSources(current.sources)) {
+        library_ = std::make_unique<RobotLibrary>(path, current.sources);
+        text_ = current.text;
+        sources_ = current.sources;
+      }
+      Diagnostics diagnostics;
+      auto scenario = ReadScenario(text_, current.file, *library_, current.file.empty(), diagnostics, seed);
+      return Finish(std::move(scenario), diagnostics);
+    });
+  }
+
+ private:
+  bool SameSources(const std::vector<SourceText>& sources) const {
+    return std::ranges::equal(sources, sources_, [](const SourceText& a, const SourceText& b) {
+      return a.kind == b.kind && a.name == b.name && a.text == b.text;
+    });
+  }
+
+  std::string text_;
+  std::vector<SourceText> sources_;
+  std::unique_ptr<RobotLibrary> library_;  // keeps parsed models from one reset to the next
+};
+
 std::string SavedStates::Objection(const std::string& name) const {
   if (name == kStart) return "start is where the run began: save under another name";
   if (!IsGoodName(name)) {
@@ -143,7 +172,11 @@ std::string SavedStates::Names() const {
 }
 
 SimulationModule::SimulationModule(SimulationServices services, StepInbox::Post post)
-    : GlobalModule(services, SimulationTable(), std::move(post)), services_(std::move(services)) {}
+    : GlobalModule(services, SimulationTable(), std::move(post)),
+      services_(std::move(services)),
+      drawn_(std::make_shared<DrawnScenario>()) {}
+
+SimulationModule::~SimulationModule() = default;
 
 std::optional<Message> SimulationModule::Change(Peer& peer, const Message& request) {
   if (request.command == command::kQuit) return Done(request);
@@ -155,7 +188,7 @@ std::optional<Message> SimulationModule::Change(Peer& peer, const Message& reque
   if (const std::optional<WorldRequest> world = WorldEditOf(request, error)) {
     if (const auto* load = std::get_if<LoadRequest>(&*world)) return Load(peer, *load);
     if (const auto* restore = std::get_if<RestoreRequest>(&*world)) return Restore(peer, request, *restore);
-    return PushNewScene(peer, std::get<edit::Reset>(*world));
+    return Reset(peer, std::get<edit::Reset>(*world));
   }
   if (std::optional<RunEdit> run = RunEditOf(request, error)) {
     if (const auto* unload = std::get_if<edit::UnloadController>(&*run))
@@ -182,6 +215,27 @@ std::optional<Message> SimulationModule::Load(Peer& peer, const LoadRequest& loa
            if (result.error == Error::kOk) result.text = warnings;
            done(result);
          }});
+  });
+  if (loads_.size() == 1) BeginLoad();
+  return std::nullopt;
+}
+
+std::optional<Message> SimulationModule::Reset(Peer& peer, const edit::Reset& reset) {
+  if (!reset.seed || services_.frames.Latest()->scene->scenario->random.empty() || services_.run.playback()) {
+    return PushNewScene(peer, reset);
+  }
+  auto done = Later(peer, [this](const EditResult& result) {
+    if (result.error == Error::kOk) services_.actions.ApplyScene(*result.frame->scene);
+    loads_.pop_front();
+    BeginLoad();
+  });
+  loads_.push_back([&robots = services_.robots, &frames = services_.frames, &edits = services_.edits,
+                    seed = *reset.seed, drawn = drawn_, done = std::move(done)] {
+    const std::shared_ptr<const Scenario> now = frames.Latest()->scene->scenario;
+    ScenarioRead read =
+        now->simulation.seed == seed ? ScenarioRead() : drawn->Read(*now, robots.path(), seed);
+    if (read.error != Error::kOk) return done({read.error, std::move(read.text)});
+    edits.Push({edit::Reset{seed, std::move(read.scenario)}, done});
   });
   if (loads_.size() == 1) BeginLoad();
   return std::nullopt;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -73,6 +74,8 @@ struct SimulationServices : GlobalServices {
   std::optional<std::uint64_t> seed = std::nullopt;  // `--seed`: of every scenario that is loaded
 };
 
+class DrawnScenario;
+
 class SimulationModule final : public GlobalModule {
  public:
   static constexpr std::size_t kMaxListed = 256;  // robots and clients in one status
@@ -80,6 +83,7 @@ class SimulationModule final : public GlobalModule {
 
   /// Any thread. `post` runs a function on the control thread.
   SimulationModule(SimulationServices services, StepInbox::Post post);
+  ~SimulationModule() override;
 
  private:
   /// The text of get_status: robots `first` (from 1) and on, at most `count`.
@@ -98,6 +102,8 @@ class SimulationModule final : public GlobalModule {
   /// A number that a client logs.
   std::optional<Message> Log(Peer& peer, const Message& request);
   std::optional<Message> Release(Peer& peer, const Message& request, const edit::UnloadController& unload);
+  /// Back to the start; a scenario with random keys is drawn anew for another seed.
+  std::optional<Message> Reset(Peer& peer, const edit::Reset& reset);
   /// Push() for an edit after which the robots may be others.
   std::optional<Message> PushNewScene(Peer& peer, EditAction action);
 
@@ -107,6 +113,7 @@ class SimulationModule final : public GlobalModule {
   const SimulationServices services_;
   std::deque<std::function<void()>> loads_;  // one after the other: the first is under way
   SavedStates saved_;
+  std::shared_ptr<DrawnScenario> drawn_;
 };
 
 }  // namespace coopdyn

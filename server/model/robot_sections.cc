@@ -75,7 +75,7 @@ std::string WhyNoName(const std::string& name, NamedKind kind) {
   }
   bool is_own = is_light;
   for (const char* own : {"world", "simulation", "target", "floor"}) is_own |= word == own;
-  for (const char* own : {"robot", "swarm"}) is_own |= IsNumbered(word, own);
+  for (const char* own : {"robot", "swarm", "random"}) is_own |= IsNumbered(word, own);
   return is_own ? "[" + name + "] is a section of another kind: give the thing another name" : "";
 }
 

@@ -96,6 +96,13 @@ struct SwarmEntry {
   SourceLine where;
 };
 
+/// A key of [RANDOM], with the value that was drawn for the seed.
+struct RandomKey {
+  std::string name;          // BOX_1.size
+  std::string distribution;  // as written
+  std::string value;
+};
+
 struct Scenario {
   std::string name;                  // file name without folder and extension; "(text)" if none is known
   std::string file;                  // as found; empty by socket, kPipe by pipe
@@ -110,6 +117,7 @@ struct Scenario {
   std::vector<SwarmEntry> swarms;  // in file order
   std::vector<ScoreEntry> scores;  // in file order
   SimulationOptions simulation;
+  std::vector<RandomKey> random;    // in file order; drawn anew for each seed
   std::vector<SourceText> sources;  // all but `text`, each once
 };
 

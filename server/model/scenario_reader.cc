@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/base/printable.h"
+#include "server/model/random_sections.h"
 #include "server/model/readers.h"
 #include "server/model/robot_sections.h"
 #include "server/model/score_sections.h"
@@ -83,17 +84,8 @@ class ScenarioReader {
     if (by_socket_ || label_ == kPipe) scenario_->name = NameInText(scenario_->text);
     sections_ = ReadSections(scenario_->text, label_, diagnostics_);
     ApplySettings(sections_, label_, diagnostics_);
-    FindDegrees();
-    // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.
-    ReadFirst("simulation", [this](SectionReader& reader) { ReadSimulation(reader); });
-    if (seed_) scenario_->simulation.seed = *seed_;
-    ReadFirst("world", [this](SectionReader& reader) { ReadWorldFile(reader); });
-    ReadFirst("floor", [this](SectionReader& reader) { ReadOwnFloor(reader); });
-    ReadFirst("target", [this](SectionReader& reader) { ReadTargets(reader); });
-    for (const Section& section : sections_) {
-      if (diagnostics_.StopAt({label_, section.line})) return nullptr;
-      ReadPlain(section);
-    }
+    DrawRandom();
+    if (!ReadStanding()) return nullptr;
     AddScattered(scattered_, robots_.TakenPlaces(), *scenario_, diagnostics_);
     for (const Section& section : sections_) {
       if (!IsNumbered(section.word, "swarm")) continue;
@@ -108,6 +100,41 @@ class ScenarioReader {
   }
 
  private:
+  /// All but swarms and copies, which need places.
+  bool ReadStanding() {
+    FindDegrees();
+    // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.
+    ReadFirst("simulation", [this](SectionReader& reader) { ReadSimulation(reader); });
+    if (seed_) scenario_->simulation.seed = *seed_;
+    ReadFirst("world", [this](SectionReader& reader) { ReadWorldFile(reader); });
+    ReadFirst("floor", [this](SectionReader& reader) { ReadOwnFloor(reader); });
+    ReadFirst("target", [this](SectionReader& reader) { ReadTargets(reader); });
+    for (const Section& section : sections_) {
+      if (diagnostics_.StopAt({label_, section.line})) return false;
+      ReadPlain(section);
+    }
+    return true;
+  }
+
+  void DrawRandom() {
+    RandomSections random(sections_, label_, diagnostics_);
+    if (random.empty() || diagnostics_.has_errors()) return;
+    std::uint64_t seed = seed_.value_or(scenario_->simulation.seed);
+    if (const Section* simulation = FirstSection("simulation"); simulation != nullptr && !seed_) {
+      Diagnostics said_later;
+      SectionReader reader(*simulation, label_, false, said_later);
+      Take(reader.WholeNumber("seed", 0, kMaxSeed), seed);
+    }
+    scenario_->random = random.Draw(
+        seed, sections_, [this](const std::vector<Section>& sections) -> std::shared_ptr<const Scenario> {
+          Diagnostics said_later;
+          ScenarioReader reader(label_, library_, by_socket_, seed_, said_later);
+          reader.sections_ = sections;
+          const bool read = reader.ReadStanding() && !said_later.has_errors();
+          return read ? reader.scenario_ : nullptr;
+        });
+  }
+
   /// " (file:line)"; of what is not from a file nothing.
   static std::string At(const SourceLine& where) {
     return where.line == 0 ? "" : " (" + where.file + ":" + std::to_string(where.line) + ")";
@@ -295,8 +322,8 @@ class ScenarioReader {
 
   /// Robots and objects.
   void ReadPlain(const Section& section) {
-    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET",  "FLOOR",
-                                                  "ROBOT_1", "SWARM_1",    "LIGHT_1", "SCORE_1"};
+    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET",  "FLOOR", "ROBOT_1",
+                                                  "SWARM_1", "LIGHT_1",    "SCORE_1", "RANDOM"};
     for (const char* word : {"world", "simulation", "target", "floor"}) {
       if (section.word == word) return;
     }
@@ -394,8 +421,9 @@ std::shared_ptr<const Scenario> ReadInsertion(const std::string& text, RobotLibr
   const std::string label = "(insert)";
   Diagnostics found(label);
   for (const Section& section : ReadSections(text, label, found)) {
-    for (const char* word : {"world", "simulation", "floor"}) {
-      if (section.word != word) continue;
+    const std::string word = IsNumbered(section.word, "random") ? "random" : section.word;
+    for (const char* whole : {"world", "simulation", "floor", "random"}) {
+      if (word != whole) continue;
       found.Error({label, section.line}, "[" + section.name +
                                              "] cannot be inserted, only things, robots, swarms, targets and "
                                              "lights: load_scenario loads a whole scenario");
@@ -448,7 +476,8 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
     if (const std::optional<SdfWorld> world = ReadSdfWorld(file, robots.path(), found)) {
       for (const auto& [name, model] : world->models) robots.Add(model->type, model);
-      scenario = ReadScenario(WithSettings(world->scenario, settings, found), file, robots, false, found, seed);
+      scenario =
+          ReadScenario(WithSettings(world->scenario, settings, found), file, robots, false, found, seed);
     }
   } else if (text && ToLower(path->extension().string()) == ".world") {
     if (!settings.empty()) {

@@ -32,6 +32,8 @@ std::string FormatNumber(double value);
 
 /// ASCII letters to lower case; other bytes as they are.
 std::string ToLower(std::string_view text);
+/// And to upper case.
+std::string ToUpper(std::string_view text);
 /// Without spaces and tabs at both ends.
 std::string_view Trim(std::string_view text);
 /// The words between spaces and tabs.

@@ -197,7 +197,7 @@ WorldModel ReadWorld(const std::string& text, const std::string& file, Diagnosti
     }
     const bool scenarios = section.word == "world" || section.word == "simulation" ||
                            section.word == "target" || IsNumbered(section.word, "robot") ||
-                           IsNumbered(section.word, "swarm");
+                           IsNumbered(section.word, "swarm") || IsNumbered(section.word, "random");
     if (scenarios) {
       reader.Error(reader.title() +
                    " belongs into a .scenario; a .world has [FLOOR], lights and objects only");

@@ -76,8 +76,18 @@ EditResult Stepper::Apply(const edit::Step& step) {
 }
 
 EditResult Stepper::Apply(const edit::Reset& reset) {
-  simulation_->SetStepLength(step_length_);
-  simulation_->Restart(reset.seed.value_or(frame().seed), NextEpoch());
+  const std::uint64_t seed = reset.seed.value_or(frame().seed);
+  if (reset.scenario != nullptr) {
+    Diagnostics diagnostics;
+    auto simulation = BuildSimulation(MakeScene(reset.scenario), seed, diagnostics);
+    if (simulation == nullptr) return {Error::kNotPossible, diagnostics.ToString()};
+    simulation_ = std::move(simulation);
+    simulation_->SetStepLength(step_length_);
+    simulation_->StartControllers();
+  } else {
+    simulation_->SetStepLength(step_length_);
+    simulation_->Restart(seed, NextEpoch());
+  }
   Install(StepEnd::kReset);
   history_.NoteReset();
   return {};

@@ -65,6 +65,8 @@ struct TuneJoints {
 // What stands in the world: the next frame does not follow from the one before, and a journal begins anew.
 struct Reset {
   std::optional<std::uint64_t> seed;  // empty: the same
+  /// Drawn for `seed`, if the scenario has random keys; else null.
+  std::shared_ptr<const Scenario> scenario = nullptr;
 };
 /// Replaces the scenario. If its physics cannot be built nothing changes and the reply's text has the
 /// diagnostics.
