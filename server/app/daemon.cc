@@ -371,8 +371,8 @@ void Daemon::TellYarpServer() {
 }
 
 RunReport Daemon::report(double wall_s) const {
-  return {frames_.Latest(),         run_.status(),        run_.end(),
-          run_.stopped_or_failed(), run_.logged(), recordings_.failed(), wall_s};
+  return {frames_.Latest(), run_.status(),        run_.end(), run_.stopped_or_failed(),
+          run_.logged(),    recordings_.failed(), wall_s};
 }
 
 void Daemon::Quit() {

@@ -29,8 +29,8 @@ double Factor(const RunReport& run) {
 
 bool IsCutShort(const RunReport& run) {
   const double duration_s = run.status.duration_s;
-  return run.end && run.end != RunEnd::kDuration && run.end != RunEnd::kScore && run.end != RunEnd::kClient && duration_s > 0 &&
-         run.frame->time_s() < duration_s;
+  return run.end && run.end != RunEnd::kDuration && run.end != RunEnd::kScore && run.end != RunEnd::kClient &&
+         duration_s > 0 && run.frame->time_s() < duration_s;
 }
 
 std::vector<std::string> FailedControllers(const RunReport& run) {

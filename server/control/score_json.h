@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The scores of a run, and what was logged, as JSON: what get_status, the page and --summary tell. Pure; any thread.
+// The scores of a run, and what was logged, as JSON: what get_status, the page and --summary tell. Pure; any
+// thread.
 #pragma once
 
 #include <boost/json.hpp>

@@ -219,8 +219,8 @@ EditResult Stepper::Apply(const edit::Note& note) {
 EditResult Stepper::Apply(const edit::Log& log) {
   const Frame& now = frame();
   if (!boards_.control.SetLogged(log.name, {now.step, now.time_s(), log.value})) {
-    return {Error::kTooLarge, fmt::format("{} names are logged already: log one of those",
-                                          RunControl::kMaxLogged)};
+    return {Error::kTooLarge,
+            fmt::format("{} names are logged already: log one of those", RunControl::kMaxLogged)};
   }
   if (journal_ != nullptr)
     journal_->Note({now.step, now.time_s(), kLogLevel, fmt::format("{} {}", log.name, log.value)});
