@@ -448,7 +448,8 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
     if (const std::optional<SdfWorld> world = ReadSdfWorld(file, robots.path(), found)) {
       for (const auto& [name, model] : world->models) robots.Add(model->type, model);
-      scenario = ReadScenario(WithSettings(world->scenario, settings, found), file, robots, false, found, seed);
+      scenario =
+          ReadScenario(WithSettings(world->scenario, settings, found), file, robots, false, found, seed);
     }
   } else if (text && ToLower(path->extension().string()) == ".world") {
     if (!settings.empty()) {

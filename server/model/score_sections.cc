@@ -17,7 +17,8 @@ bool IsScoreName(const std::string& name) {
   constexpr std::size_t kMaxName = 60;
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   return !name.empty() && name.size() <= kMaxName && is_letter(name.front()) &&
-         std::ranges::all_of(name, [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; });
+         std::ranges::all_of(name,
+                             [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; });
 }
 
 /// `>= 3`, `all`.
@@ -79,7 +80,9 @@ std::optional<ScoreEntry> ReadScore(SectionReader& reader) {
   score.name = kind ? kScoreKindWords[static_cast<std::size_t>(*kind)] : "";
   Take(reader.Word("name"), score.name);
   if (kind && !IsScoreName(score.name)) {
-    reader.ErrorAt("name", "a score's name is a letter, then letters, digits and _, at most 60, for example: name arrived");
+    reader.ErrorAt(
+        "name",
+        "a score's name is a letter, then letters, digits and _, at most 60, for example: name arrived");
   }
   if (const auto of = reader.Text("of")) score.of = SplitWords(*of);
   const auto only = [&](const char* key, ScoreKind of_kind) {

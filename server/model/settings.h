@@ -20,7 +20,8 @@ std::string WithSettings(std::string text, const Settings& settings, Diagnostics
 Settings SettingsIn(const std::string& text);
 
 /// Takes the [SET] out of `sections` and gives keys of the others its values: in place of the one that stands
-/// there, else as one more; an empty value takes the key away. ROBOTS.key means all robots and swarms. Reports sections that are not there.
+/// there, else as one more; an empty value takes the key away. ROBOTS.key means all robots and swarms.
+/// Reports sections that are not there.
 void ApplySettings(std::vector<Section>& sections, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

@@ -17,8 +17,12 @@ const char* ToString(RunEnd end) {
 }
 
 const char* WhyEarly(RunEnd end) {
-  constexpr std::array kTexts{"for an unknown reason", "because a controller failed",
-                              "because the recording failed", "by quit", "by a signal", "by a score"};
+  constexpr std::array kTexts{"for an unknown reason",
+                              "because a controller failed",
+                              "because the recording failed",
+                              "by quit",
+                              "by a signal",
+                              "by a score"};
   return kTexts[static_cast<std::size_t>(end)];
 }
 
