@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The worlds, scenarios and robots on the search path with titles, counts and pictures: looked into once,
-// then again when their files change. One thread.
+// then again when their files change. One thread, but for the texts.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class Gallery {
   /// A PNG; or none, and `why`. `kind`: world, scenario or robot.
   ImageResult Thumb(const std::string& kind, const std::string& name);
 
-  /// The text of a world or a scenario; nothing if there is none of that name.
+  /// The text of a world or a scenario; nothing if there is none of that name. Any thread.
   std::optional<std::string> TextOf(const std::string& kind, const std::string& name) const;
 
   /// The first sentence of the comment at the head of a file: lines with #, or the first of XML that is not

@@ -126,8 +126,9 @@ WebFiles PageServices::files() {
       });
     });
   };
+  // Not behind the pictures: somebody waits for a text.
   files.text = [this](const std::string& kind, const std::string& name, WebFiles::Done done) {
-    drawings_.Post([this, kind, name, done = std::move(done)] {
+    checks_.Post([this, kind, name, done = std::move(done)] {
       Answer(done, [&] {
         const std::optional<std::string> text = gallery_.TextOf(kind, name);
         if (!text) return ErrorAnswer(404, "there is no " + kind + " of that name: /api/gallery lists them");

@@ -46,7 +46,7 @@ class PageServices {
 
   const SearchPath& path_;
   Uploads uploads_;  // checks_
-  Gallery gallery_;  // drawings_
+  Gallery gallery_;  // drawings_; its texts: checks_
   RunFolder& runs_;
   const RunControl& run_;
   WorkerPool pool_{1};  // of views_: the daemon's own is the stepping thread's

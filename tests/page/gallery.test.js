@@ -39,6 +39,17 @@ test('scenarios, worlds and robots are there with their pictures', async () => {
   }
 });
 
+test('few pictures are fetched at once, so that a click need not wait for them', async () => {
+  const fresh = await openPage(browser, daemon.url);
+  let held = 0;
+  await fresh.route('**/thumb/**', () => { ++held; });  // never answered
+  await fresh.click('#tab-arena');
+  await fresh.locator('.thumb-box .small').first().click();
+  await eventually(() => fresh.evaluate(() => window.coopdyn.editor.code?.view.state.doc.length > 0));
+  assert.equal(held, 3);
+  await fresh.close();
+});
+
 test('a click on a scenario loads it', async () => {
   await page.click('.thumb[data-kind="scenario"][data-name="corridor"]');
   await eventually(async () => (await daemon.status()).scenario === 'corridor');

@@ -135,11 +135,11 @@ export async function openModule(names, module) {
   return client;
 }
 
-/** Asks again and again until `condition` resolves to true; fails after ten seconds. */
+/** Asks again and again until `condition` resolves to true; fails after as long as Playwright's own waits. */
 export async function eventually(condition) {
-  const end = performance.now() + 10000;
+  const end = performance.now() + 30000;
   while (!(await condition())) {
-    if (performance.now() > end) throw new Error(`still not so after ten seconds: ${condition}`);
+    if (performance.now() > end) throw new Error(`still not so after thirty seconds: ${condition}`);
   }
 }
 

@@ -6,12 +6,49 @@ import {DRAGGED} from './world.js';
 
 const KINDS = [['scenarios', 'scenario', 'Scenarios'], ['worlds', 'world', 'Worlds'], ['robots', 'robot', 'Robots']];
 
+const AT_ONCE = 3;  // of the six connections that a browser opens: the others are for what somebody clicks on
+
+/** Loads the pictures that come into view, few at a time. */
+class PictureLoader {
+  #waiting = [];
+  #loading = 0;
+  #watch = new IntersectionObserver((seen) => {
+    for (const {isIntersecting, target} of seen) {
+      if (!isIntersecting) continue;
+      this.#watch.unobserve(target);
+      this.#waiting.push(target);
+    }
+    this.#next();
+  });
+
+  add(picture, address) {
+    picture.dataset.from = address;
+    this.#watch.observe(picture);
+  }
+
+  #next() {
+    while (this.#loading < AT_ONCE && this.#waiting.length > 0) {
+      const picture = this.#waiting.shift();
+      if (!picture.isConnected) continue;
+      ++this.#loading;
+      const done = () => {
+        --this.#loading;
+        this.#next();
+      };
+      picture.addEventListener('load', done, {once: true});
+      picture.addEventListener('error', done, {once: true});
+      picture.src = picture.dataset.from;
+    }
+  }
+}
+
 export class Gallery {
   #controls;
   #edit;
   #world = null;
   #asked = false;
   #listed = {};
+  #pictures = new PictureLoader();
   #panel = tab('arena', 'Arena');
   #find = make('input', {type: 'search', id: 'gallery-find', 'aria-label': 'Find a scenario, a world or a robot', title: 'Find by name or title'});
   #groups = make('div', {id: 'gallery'});
@@ -64,8 +101,10 @@ export class Gallery {
   }
 
   #card(kind, {name, title, summary, thumb}) {
-    const picture = make('img', {src: thumb.replace(/^\//, ''), alt: '', loading: 'lazy', width: 160, height: 100, draggable: false});
+    const picture = make('img', {alt: '', width: 160, height: 100, draggable: false});
     picture.addEventListener('error', () => { picture.hidden = true; });
+    if (thumb) this.#pictures.add(picture, thumb.replace(/^\//, ''));
+    else picture.hidden = true;  // a daemon without pictures
     const does = kind === 'robot' ? 'drag it onto the floor, or click' : 'click to load';
     const button = make('button', {type: 'button', class: 'thumb', title: `${title || name}\n${summary}\n(${does})`},
       picture, make('strong', {}, name), make('span', {class: 'quiet'}, title || summary));
