@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """coopdyn sweep: many runs of a scenario, with other values, controllers and seeds. The program starts this."""
 import argparse
+import contextlib
 import os
 import signal
 import subprocess
@@ -145,6 +146,8 @@ def sweep(words, program, folders):
     finally:
         engine.close()
         results.close()
+        with contextlib.suppress(OSError):
+            os.rmdir(os.path.join(given.out, "recordings"))  # only if there are none
     failed = [job for job in jobs if results.done.get(job["key"], {}).get("error")]
     for job in failed[:3]:
         print(f"{job['key']}: {results.done[job['key']]['error']}", file=sys.stderr)

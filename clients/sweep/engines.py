@@ -18,7 +18,7 @@ kPoll_s = 1.0
 
 
 def lost_too_often(job, why):
-    return dict(job["inputs"], key=job["key"], ended="lost", exit=None, steps=None, time_s=None, hash=None, scores={},
+    return dict(job["inputs"], key=job["key"], ended="lost", exit=None, steps=None, time_s=None, hash=None, scores={}, logged={},
                 error=f"lost {kTries} times: {why}")
 
 

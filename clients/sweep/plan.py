@@ -96,20 +96,49 @@ def find_scenario(name, folders):
     raise Wrong(f"there is no scenario {name}: write a file, or a name that `coopdyn serve` takes")
 
 
-def files_of(scenario, folders):
-    """The scenario's file and those that it names in `file` lines: worlds and textures. [(name, bytes), …]"""
-    with open(scenario, "rb") as stream:
-        content = stream.read()
-    files = [(os.path.basename(scenario), content)]
-    for match in re.finditer(rb"^\s*(?:file|controller)\s*[=: ]\s*(\S+)", content, re.MULTILINE | re.IGNORECASE):
-        named = match[1].decode(errors="replace")
-        for folder in [os.path.dirname(scenario), *folders]:
-            for place in (named, os.path.join("worlds", named), os.path.join("controllers", named + ".so")):
+def read(path):
+    with open(path, "rb") as stream:
+        return stream.read()
+
+
+class Files:
+    """What a run reads besides its inputs: the scenario, and the worlds, robots and controllers that it or a setting names."""
+
+    def __init__(self, scenario, folders):
+        self._folders = [os.path.dirname(scenario), *os.environ.get("COOPDYN_PATH", "").split(":"), *folders]
+        self._seen = {}
+        self.scenario = read(scenario)
+        lines = re.findall(r"^\s*(file|type|controller|supervisor)\s*[=: ]\s*(\S+)", self.scenario.decode(errors="replace"),
+                           re.MULTILINE | re.IGNORECASE)
+        self._named = [(key.lower(), name) for key, name in lines]
+
+    def digest(self, chosen, controller):
+        """Of the files of a run with these settings."""
+        named = [*self._named, *((name.lower().rpartition(".")[2], value.split()[0]) for name, value in chosen.items() if value.split())]
+        if controller:
+            named.append(("controller", controller.split()[0]))
+        parts = [hashlib.sha256(self.scenario).hexdigest(), *(self._digest_of(*one) for one in dict.fromkeys(named))]
+        return hashlib.sha256("".join(parts).encode()).hexdigest()[:32]
+
+    def _digest_of(self, key, name):
+        if (key, name) not in self._seen:
+            content = hashlib.sha256()
+            for path in self._paths(key, name):
+                content.update(f"{os.path.basename(path)}\0".encode() + hashlib.sha256(read(path)).digest())
+            self._seen[key, name] = content.hexdigest()
+        return self._seen[key, name]
+
+    def _paths(self, key, name):
+        places = {"file": (name, os.path.join("worlds", name)), "type": (os.path.join("robots", name), name)}
+        places["controller"] = places["supervisor"] = (os.path.join("controllers", name + ".so"), name + ".so")
+        for folder in filter(None, self._folders):
+            for place in places.get(key, ()):
                 path = os.path.join(folder, place)
                 if os.path.isfile(path):
-                    with open(path, "rb") as stream:
-                        files.append((named, stream.read()))
-    return files
+                    return [path]
+                if key == "type" and os.path.isdir(path):
+                    return sorted(os.path.join(top, file) for top, _, files in os.walk(path) for file in files)
+        return []
 
 
 def ends_by_itself(given, content, settings):
@@ -128,14 +157,9 @@ def lay_out(given, version, program, folders):
     controllers = controllers_of(given.controller) or [None]
     seeds = seeds_of(given.seeds)
     rows = table_of(given.table) if given.table else [{}]
-    files = files_of(scenario, folders)
-    if not ends_by_itself(given, files[0][1], [*settings, *((name, []) for name in rows[0])]):
+    files = Files(scenario, folders)
+    if not ends_by_itself(given, files.scenario, [*settings, *((name, []) for name in rows[0])]):
         raise Wrong(f"nothing ends a run of {given.scenario}: add --duration SECONDS, or a score with `until` or `limit`")
-    digest = hashlib.sha256()
-    for name, content in files:
-        digest.update(f"{name}\0{len(content)}\0".encode())
-        digest.update(content)
-    files = digest.hexdigest()[:32]
     clashes = {name.lower() for name, _ in settings} & {name.lower() for name in rows[0]}
     if clashes:
         raise Wrong(f"{clashes.pop()} is set by --set and by --table: leave one out")
@@ -166,7 +190,7 @@ def job_of(given, version, program, scenario, files, chosen, controller, seed):
         "scenario": os.path.splitext(os.path.basename(scenario))[0], "set": chosen, "controller": controller,
         "client": given.client, "seed": seed, "duration_s": given.duration, "version": version,
     }
-    text = json.dumps([inputs, files], sort_keys=True)
+    text = json.dumps([inputs, files.digest(chosen, controller)], sort_keys=True)
     key = hashlib.sha256(text.encode()).hexdigest()[:20]
     words = [program, "serve", scenario, "--no-http", "--no-render", "--seed", str(seed)]
     if given.client:

@@ -30,6 +30,14 @@ def order(text):
         return (1, 0.0, str(text))
 
 
+def numbers_of(result):
+    """Scores, and what was logged, by name; a logged number with the name of a score is called "logged NAME"."""
+    scores = dict(result["scores"])
+    for name, value in result.get("logged", {}).items():
+        scores[f"logged {name}" if name in scores else name] = value
+    return scores
+
+
 def summarise(results):
     """Rows of cell, score, count, failed, lower quartile, median, upper quartile; sorted."""
     cells = {}
@@ -38,9 +46,9 @@ def summarise(results):
     rows = []
     for cell in sorted(cells, key=lambda one: [(name, order(value)) for name, value in one]):
         runs = cells[cell]
-        names = sorted({name for one in runs for name in one["scores"]} | {"time_s"})
+        names = sorted({name for one in runs for name in numbers_of(one)} | {"time_s"})
         for name in names:
-            values = [one["time_s"] if name == "time_s" else one["scores"].get(name) for one in runs if not one["error"]]
+            values = [one["time_s"] if name == "time_s" else numbers_of(one).get(name) for one in runs if not one["error"]]
             values = [value for value in values if value is not None]
             low, middle, high = quartiles(values) if values else (None, None, None)
             rows.append({"cell": dict(cell), "score": name, "runs": len(values), "failed": sum(bool(one["error"]) for one in runs),
@@ -50,13 +58,13 @@ def summarise(results):
 
 def write_csv(folder, results, rows):
     names = sorted({name for one in results for name in one["set"]})
-    scores = sorted({name for one in results for name in one["scores"]})
+    scores = sorted({name for one in results for name in numbers_of(one)})
     with open(os.path.join(folder, "runs.csv"), "w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream)
         table.writerow(["key", "scenario", *names, "controller", "seed", "ended", "steps", "time_s", "hash", *scores, "error"])
         for one in sorted(results, key=lambda one: (cell_of(one), one["seed"])):
             table.writerow([one["key"], one["scenario"], *(one["set"].get(name, "") for name in names), one["controller"] or "", one["seed"],
-                            one["ended"], one["steps"], one["time_s"], one["hash"], *(one["scores"].get(name, "") for name in scores), one["error"] or ""])
+                            one["ended"], one["steps"], one["time_s"], one["hash"], *(numbers_of(one).get(name, "") for name in scores), one["error"] or ""])
     keys = sorted({name for row in rows for name in row["cell"]})
     with open(os.path.join(folder, "cells.csv"), "w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream)

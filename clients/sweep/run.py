@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """One run of a sweep: starts a daemon, waits for its end, and returns the result. Needs no other file, so that a
 worker on another machine can be sent it."""
+import errno
 import json
 import os
 import resource
@@ -9,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 _ENDED_BY_SIGNAL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -21,39 +23,59 @@ class Lost(Exception):
 def run_one(job):
     """Carries out `job`, a dictionary of plan.py, and returns its result, a dictionary. Raises Lost.
 
-    A result has the job's key and inputs, `ended`, `exit` (of the daemon), `steps`, `time_s`, `hash` and `scores`; `error` is
-    null or says what was wrong. `wall_s` is how long it took."""
+    A result has the job's key and inputs, `ended`, `exit` (of the daemon), `steps`, `time_s`, `hash`, `scores` and
+    `logged`; `error` is null or says what was wrong. `wall_s` is how long it took."""
     began = time.monotonic()
-    result = dict(job["inputs"], key=job["key"], ended=None, exit=None, steps=None, time_s=None, hash=None, scores={}, error=None)
-    with tempfile.TemporaryDirectory(prefix="coopdyn-run-") as folder:
-        summary = os.path.join(folder, "summary.json")
-        recording = os.path.join(folder, "recording.run") if job["record"] != "none" else None
-        words = job["words"] + ["--summary", summary, "--with-process", str(os.getpid())]
-        if recording:
-            words += ["--record", recording]
-        with tempfile.TemporaryFile() as said:
-            code, ended = _run(words, job, said)
-            said.seek(0)
-            text = said.read().decode(errors="replace").strip()
-        _read_summary(summary, result)
-        result["exit"] = code
-        if ended:
-            result["ended"] = ended[0]
-            result["error"] = ended[1]
-        elif code != 0:
-            result["error"] = _last_words(text) or f"coopdyn ended with exit code {code}"
-        if recording and os.path.exists(recording) and (job["record"] == "all" or result["error"]):
-            os.makedirs(job["recordings"], exist_ok=True)
-            _keep(recording, os.path.join(job["recordings"], job["key"] + ".run"))
+    result = dict(job["inputs"], key=job["key"], ended=None, exit=None, steps=None, time_s=None, hash=None, scores={}, logged={},
+                  error=None)
+    words = job["words"] + ["--summary", "/dev/stdout", "--with-process", str(os.getpid())]
+    recording = None
+    if job["record"] != "none":
+        os.makedirs(job["recordings"], exist_ok=True)
+        recording = os.path.join(job["recordings"], f"part-{job['key']}.run")
+        _remove(recording)  # of a run that was lost
+        words += ["--record", recording]
+    with tempfile.TemporaryFile() as said:
+        try:
+            code, ended, told = _run(words, job, said)
+        except Lost:
+            if recording:
+                _remove(recording)
+            raise
+        said.seek(0)
+        text = said.read().decode(errors="replace").strip()
+    if code != 0 and os.strerror(errno.ENOSPC) in text:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    _take_summary(told, result)
+    result["exit"] = code
+    if ended:
+        result["ended"] = ended[0]
+        result["error"] = ended[1]
+    elif code != 0:
+        result["error"] = _last_words(text) or f"coopdyn ended with exit code {code}"
+    if recording and os.path.exists(recording):
+        if job["record"] == "all" or result["error"]:
+            os.replace(recording, os.path.join(job["recordings"], job["key"] + ".run"))
+        else:
+            os.remove(recording)
     result["wall_s"] = round(time.monotonic() - began, 6)
     return result
 
 
+def _remove(file):
+    try:
+        os.remove(file)
+    except FileNotFoundError:
+        pass
+
+
 def _run(words, job, said):
-    """The daemon's exit code, and None or (how it ended, what was wrong)."""
+    """The daemon's exit code, None or (how it ended, what was wrong), and what it wrote on its standard output."""
     limit = time.monotonic() + job["time_limit_s"] if job["time_limit_s"] else None
     client = None
     daemon = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=said, start_new_session=True)
+    told = []
+    reader = threading.Thread(target=lambda: told.append(daemon.stdout.read()))
     try:
         if job["memory_limit_mib"]:
             most = job["memory_limit_mib"] << 20
@@ -61,21 +83,25 @@ def _run(words, job, said):
         ended = None
         if job["client"]:
             client, ended = _start_client(daemon, job, said)
+        reader.start()
         if client:
             ended = _wait_for_client(daemon, client, limit)
-        try:
-            daemon.wait(None if limit is None else max(0.0, limit - time.monotonic()))
-        except subprocess.TimeoutExpired:
+        reader.join(None if limit is None else max(0.0, limit - time.monotonic()))  # Popen.wait() with a limit would only look now and then
+        if reader.is_alive():
             ended = ("time limit", f"it took longer than {job['time_limit_s']:g} s: see --time-limit")
+        else:
+            daemon.wait()
     finally:
         for process in (client, daemon):
             if process and process.poll() is None:
                 process.kill()
                 process.wait()
+        if reader.ident:
+            reader.join()
         daemon.stdout.close()
     if ended is None and -daemon.returncode in _ENDED_BY_SIGNAL:
         raise Lost(f"the daemon got signal {-daemon.returncode}")
-    return daemon.returncode, ended
+    return daemon.returncode, ended, told[0]
 
 
 def _start_client(daemon, job, said):
@@ -121,29 +147,21 @@ def _wait_for_client(daemon, client, limit):
     return None
 
 
-def _read_summary(file, result):
+def _take_summary(told, result):
+    """The summary is the JSON in what the daemon wrote; none if it was killed."""
     try:
-        with open(file, encoding="utf-8") as stream:
-            summary = json.load(stream)
-    except (OSError, ValueError):
+        summary = json.loads(told[told.index(b"{"):])
+    except ValueError:
         return
     for key in ("ended", "steps", "time_s", "hash"):
         result[key] = summary.get(key)
-    result["scores"] = {score["name"]: score["value"] for score in summary.get("scores", [])}
+    for key in ("scores", "logged"):
+        result[key] = {one["name"]: one["value"] for one in summary.get(key, [])}
 
 
 def _last_words(text):
     lines = [line for line in text.splitlines() if "error" in line] or text.splitlines()[-1:]
     return "\n".join(lines[:20])
-
-
-def _keep(source, target):
-    """Moves a file, also to another disk; `target` is whole or not there."""
-    part = target + ".part"
-    with open(source, "rb") as read, open(part, "wb") as written:
-        while block := read.read(1 << 20):
-            written.write(block)
-    os.replace(part, target)
 
 
 def run_file(file, number, folder):

@@ -100,6 +100,22 @@ class SweepTest(unittest.TestCase):
         self.write("lesson.scenario", SCENARIO.replace("spacing 0.9", "spacing 0.8"))
         self.assertIn("1 runs, 1 to do", self.sweep("--duration", "0.5").stdout)
 
+    def test_a_changed_robot_or_controller_runs_again(self):
+        """Named by the scenario, by a setting, or by --controller."""
+        root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../..")
+        shutil.copytree(os.path.join(root, "robots/minibot"), self.path("robots/mine"))
+        environment = dict(os.environ, COOPDYN_PATH=self.folder)
+        os.mkdir(self.path("controllers"))
+        shutil.copy(os.path.join(os.path.dirname(os.path.abspath(BINARY)), "controllers/diffuse.so"), self.path("controllers/own.so"))
+        words = ["--set", "SWARM_1.type=mine", "--controller", "own speed=0.1", "--duration", "0.1"]
+        self.assertIn("1 to do", self.sweep(*words, env=environment).stdout)
+        self.assertIn("0 to do", self.sweep(*words, env=environment).stdout)
+        for name in (self.path("controllers/own.so"), next(entry.path for entry in os.scandir(self.path("robots/mine")) if entry.is_file())):
+            with open(name, "ab") as stream:
+                stream.write(b"\n")
+            self.assertIn("1 to do", self.sweep(*words, "--dry-run", env=environment).stdout, name)
+            self.sweep(*words, env=environment)
+
     def test_a_dry_run_writes_nothing(self):
         self.assertIn("4 runs, 4 to do", self.sweep(*TABLE, "--dry-run").stdout)
         self.assertFalse(os.path.exists(self.path("out")))
@@ -112,12 +128,12 @@ class SweepTest(unittest.TestCase):
 
     def test_a_client_drives_each_run_in_lockstep(self):
         client = self.write("mine.py", "import sys\nsys.path.insert(0, sys.argv[2])\nimport coopdyn\nsim = coopdyn.connect(sys.argv[1])\nr = sim.robot('eva')\n"
-                            "for k in range(30):\n    r.set_velocity(0.2, 0)\n    sim.step()\nsim.close()\n")
+                            "for k in range(30):\n    r.set_velocity(0.2, 0)\n    sim.log('turns', k)\n    sim.step()\nsim.close()\n")
         self.scenario = self.write("one.scenario", "[FLOOR]\nsize 8 8\n[ROBOT_1]\ntype coopbot\nname eva\nposition 0 0\n[SCORE_1]\nname t\nkind time\nuntil >= 0.3\n")
         python = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../clients/python")
         self.sweep("--client", f"python3 {client} {{server}} {python}", "--seeds", "1..2")
         for one in self.results():
-            self.assertEqual((one["ended"], one["steps"], one["error"]), ("score", 30, None))
+            self.assertEqual((one["ended"], one["steps"], one["error"], one["logged"]), ("score", 30, None, {"turns": 29}))
         first = {one["seed"]: one["hash"] for one in self.results()}
         self.sweep("--client", f"python3 {client} {{server}} {python}", "--seeds", "1..2", out="again")
         self.assertEqual({one["seed"]: one["hash"] for one in self.results("again")}, first)
@@ -185,13 +201,16 @@ class SweepTest(unittest.TestCase):
         """200 runs: the sweep is killed ten times, daemons five times, and its disk is full once."""
         words = [*TABLE, "--seeds", "1..50"]
         self.sweep(*words, out="whole")
-        os.mkdir(self.path("out"))
-        if engines.answers(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", self.path("out")]).returncode != 0:
-            self.skipTest("no small disk can be mounted here")
-        self.addCleanup(engines.answers, ["umount", "--lazy", self.path("out")])
+        for name in ("out", "scratch"):
+            os.mkdir(self.path(name))
+        small = engines.answers(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", self.path("out")]).returncode == 0
+        if small:
+            self.addCleanup(engines.answers, ["umount", "--lazy", self.path("out")])
+        environment = dict(os.environ, TMPDIR=self.path("scratch"))
         choose = random.Random(7)
         for attempt in range(10):
-            sweep = subprocess.Popen(self.words(*words), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+            sweep = subprocess.Popen(self.words(*words), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+                                     env=environment)
             aim = len(self.finished()) + choose.randint(1, 15)
             engines.until(lambda aim=aim, sweep=sweep: len(self.finished()) >= aim or sweep.poll() is not None, "results come")
             if attempt % 2:
@@ -201,18 +220,24 @@ class SweepTest(unittest.TestCase):
                 engines.until(lambda aim=aim, sweep=sweep: len(self.finished()) > aim or sweep.poll() is not None, "it goes on after a lost daemon")
             sweep.kill()
             sweep.wait()
-        filler = os.path.join(self.path("out"), "filler")
-        with contextlib.suppress(OSError), open(filler, "wb", buffering=0) as stream:
-            while stream.write(bytes(4096)):
-                pass
-        done = engines.answers(self.words(*words))
+        if small:
+            filler = os.path.join(self.path("out"), "filler")
+            with contextlib.suppress(OSError), open(filler, "wb", buffering=0) as stream:
+                while stream.write(bytes(4096)):
+                    pass
+            done = engines.answers(self.words(*words))
+        else:  # no disk can be mounted here: a file that may not grow
+            limit = f"ulimit -f {os.path.getsize(os.path.join(self.path('out'), 'results.jsonl')) // 1024 + 1}; exec \"$@\""
+            done = engines.answers(["bash", "-c", limit, "bash", *self.words(*words)])
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
         self.assertIn("it does what is missing", done.stderr)
-        os.remove(filler)
+        if small:
+            os.remove(filler)
         with open(os.path.join(self.path("out"), "results.jsonl"), "a", encoding="utf-8") as stream:
             stream.write('{"key": "cut o')
         self.sweep(*words)
         self.assertEqual(self.lines(), self.lines("whole"))
+        self.assertEqual(os.listdir(self.path("scratch")), [])
 
     def finished(self):
         try:
