@@ -15,6 +15,7 @@ from __future__ import annotations
 import array
 import concurrent.futures
 import copy
+import itertools
 import json
 import math
 import operator
@@ -347,11 +348,11 @@ class Moment:
 
 
 def _far(distances: Sequence[float], reach: Sequence[float]) -> List[float]:
-    return [min(d, most) for d, most in zip(distances, reach)]
+    return list(map(min, distances, reach))
 
 
-def _finite(values: Sequence[float], instead: float = -1.0) -> List[float]:
-    return [value if math.isfinite(value) else instead for value in values]
+def _finite(values: Sequence[float], instead: float = -1.0) -> Sequence[float]:
+    return values if math.isfinite(sum(values)) else [value if math.isfinite(value) else instead for value in values]
 
 
 _WORDS: Dict[str, Callable[[Any], Sequence[float]]] = {
@@ -382,6 +383,16 @@ def _score_of(reward: Any, world: _World) -> Optional[str]:
 
 def _row(action: Any, low: Sequence[float], high: Sequence[float], what: str) -> List[float]:
     """The numbers of an action, limited to the bounds."""
+    try:
+        row = list(map(float, action))
+        if len(row) == len(low):
+            for value, least, most in zip(row, low, high):
+                if not least <= value <= most:
+                    break
+            else:
+                return row
+    except (TypeError, ValueError):
+        pass
     try:
         row = [float(value) for value in action]
     except (TypeError, ValueError):
@@ -509,11 +520,12 @@ class _Episodes:
 
     def _ended(self, moment: Moment) -> Tuple[bool, bool]:
         """Whether the scenario's aim is met, and whether time is over."""
-        over = self._max_steps is not None and moment.step >= self._max_steps or moment.time >= self._world.limit - 1e-9
-        return bool(self._world.ends) and self._world.met(moment.scores), over
+        world = self._world
+        over = self._max_steps is not None and moment.step >= self._max_steps or moment.reading.time >= world.limit - 1e-9
+        return bool(world.ends) and world.met(moment.scores), over
 
     def _info(self, moment: Moment) -> Dict[str, Any]:
-        info: Dict[str, Any] = {"time": moment.time, "seed": self._seed}
+        info: Dict[str, Any] = {"time": moment.reading.time, "seed": self._seed}
         if moment._scores is not None:
             info["scores"] = moment._scores
         return info
@@ -624,6 +636,9 @@ class Env(_Episodes, _EnvBase):
             self._reach = list(self._robot.get_geometry().max_range)
         parts = [(lambda r: _far(r.distances, self._reach)) if word == "distances" else _WORDS[word] for word in words]
         self._words = words
+        if len(parts) == 1:
+            part = parts[0]
+            return lambda m: numbers(part(m.reading))
         return lambda m: numbers([value for part in parts for value in part(m.reading)])
 
     def _bounds(self, n: int) -> Tuple[List[float], List[float]]:
@@ -648,11 +663,11 @@ class Env(_Episodes, _EnvBase):
         """One step: observation, reward, terminated, truncated, info."""
         self._need_running()
         row = self._actions.row(action)
-        assert self._moment is not None
+        before = self._moment
+        assert before is not None
         self._actions.tell(self._robot, row)
-        self.sim.step(self._repeat)
-        moment = Moment(self, self._world, self._robot.sense(), self._moment.reading, row, self._moment.step + 1)
-        self._moment = moment
+        self._world.sim.step(self._repeat)
+        self._moment = moment = Moment(self, self._world, self._robot.sense(), before.reading, row, before.step + 1)
         terminated, truncated = self._ended(moment)
         terminated = terminated or self._done is not None and bool(self._done(moment))
         if self._score:
@@ -683,6 +698,13 @@ class _Batch(_Space):
 
     def __repr__(self) -> str:
         return f"Batch({self.single!r}, {self.n})"
+
+
+def _rows(values: Any, dtype: Any, n: int = 0) -> Any:
+    """A row for each of n robots, as numpy's array or as a list; one value stands for all."""
+    if hasattr(values, "__len__"):
+        return numpy.asarray(values, dtype=dtype) if numpy is not None else list(values)
+    return numpy.full(n, values, dtype=dtype) if numpy is not None else [values] * n
 
 
 def _stacked(rows: List[Any], dtype: Any = None) -> Any:
@@ -852,27 +874,39 @@ class ParallelEnv(_Episodes, _ParallelBase):
             self._function = observation if callable(observation) else None
             self._words = [] if callable(observation) else [observation] if isinstance(observation, str) else list(observation)
             self._team.select(*dict.fromkeys([*self._words, *readings]), neighbours=neighbours)
-            self._reach = list(first.get_geometry().max_range) if "distances" in self._words else []
+            self._reach = numbers(first.get_geometry().max_range if "distances" in self._words else [])
             self._score, self._reward = _score_of(reward, self._world), reward
-            n = len(self._observations(Moment(self, self._world, self._team.read(), None, None, 0))[0])
+            self._shape: Optional[Tuple[int, int]] = None
+            if numpy is not None and not hasattr(self._actions.space, "n"):
+                self._low, self._high = (numpy.asarray(bound, dtype=float) for bound in (self._actions.space.low, self._actions.space.high))
+                self._shape = (len(self.possible_agents), len(self._low))
+            now = self._team.read()
+            self._are_finite = {"distances", "pose"}.issuperset(self._words) and all(  # a robot with fewer sensors than another has nan
+                not math.isnan(value) for word in self._words for row in getattr(now, word) for value in row)
+            n = len(self._observations(Moment(self, self._world, now, None, None, 0))[0])
             self.observation_spaces = {name: _box([-math.inf] * n, [math.inf] * n) for name in self.possible_agents}
             self.action_spaces = {name: copy.deepcopy(self._actions.space) for name in self.possible_agents}
         except BaseException:
             self._world.sim.close()
             raise
 
-    def _observations(self, moment: Moment) -> Sequence[Any]:
-        """What each robot observes."""
+    def _observations(self, moment: Moment) -> Any:
+        """What each robot observes, a row each."""
         n = len(self.possible_agents)
         if self._function is not None:
             return [numbers(self._function(moment, i)) for i in range(n)]
         parts = [getattr(moment.reading, word) for word in self._words]
         if numpy is not None:
-            table = numpy.concatenate([numpy.minimum(part, self._reach) if word == "distances" else numpy.asarray(part)
-                                       for word, part in zip(self._words, parts)], axis=1)
-            return numpy.where(numpy.isfinite(table), table, -1.0).astype(numpy.float32)
-        columns = [[map(min, row, self._reach) for row in part] if word == "distances" else part for word, part in zip(self._words, parts)]
-        return [numbers(_finite([value for row in rows for value in row])) for rows in zip(*columns)]
+            tables = [numpy.minimum(part, self._reach) if word == "distances" else numpy.asarray(part)
+                      for word, part in zip(self._words, parts)]
+            table = (numpy.concatenate(tables, axis=1) if len(tables) > 1 else tables[0]).astype(numpy.float32)
+            return table if self._are_finite else numpy.where(numpy.isfinite(table), table, numpy.float32(-1.0))
+        if "distances" in self._words:
+            k = self._words.index("distances")
+            parts[k] = [_far(row, self._reach) for row in parts[k]]
+        if len(parts) == 1:
+            return [numbers(_finite(row)) for row in parts[0]]
+        return [numbers(_finite(list(itertools.chain.from_iterable(rows)))) for rows in zip(*parts)]
 
     def observation_space(self, agent: str) -> Any:
         """What a robot observes."""
@@ -923,35 +957,67 @@ class ParallelEnv(_Episodes, _ParallelBase):
         """One step: observations, rewards, terminations, truncations and infos of the robots that took part in it. A robot that
         has ended stands from then on, and is not in `agents`."""
         self._need_running()
-        rows = self._checked(actions)
-        reading = self._drive(rows)
+        acted, n = self.agents, len(self.possible_agents)
+        seen, rewards, ended, over, info = self._advance(self._checked(actions))
+        rewards = [rewards] * n if not hasattr(rewards, "__len__") else rewards
+        ended = [ended] * n if not hasattr(ended, "__len__") else ended
+        if len(acted) < len(self.possible_agents):
+            places = [self._place[name] for name in acted]
+            seen, rewards, ended = ([column[k] for k in places] for column in (seen, rewards, ended))
+        return (dict(zip(acted, seen)), dict(zip(acted, map(float, rewards))), dict(zip(acted, map(bool, ended))),
+                dict.fromkeys(acted, over), {name: info.copy() for name in acted})
+
+    def step_rows(self, actions: Any) -> Tuple[Any, Any, Any, bool, Dict[str, Any]]:
+        """The same without dictionaries, which for a thousand robots take longer than their world: actions are a row for each of
+        possible_agents (numpy's array n x 2, or a list). Returns, in rows again, observations, rewards and terminations; whether time
+        is over; and one info. A robot that has ended stands, whatever its row says."""
+        self._need_running()
+        seen, rewards, ended, over, info = self._advance(self._checked_rows(actions))
+        return _rows(seen, None), _rows(rewards, float, len(seen)), _rows(ended, bool, len(seen)), over, info
+
+    def _advance(self, rows: Any) -> Tuple[Any, Any, Any, bool, Dict[str, Any]]:
+        """A step with a row for each robot: observations; rewards and ends of each, or of all; whether time is over; info."""
+        try:
+            reading = self._drive(rows)
+        except Error:
+            for name, row in zip(self.possible_agents, rows if self._shape else ()):
+                self._actions.row(row, f"the action of {name}")  # says whose action holds nan
+            raise
         if self._repeat > 1:
             self.sim.step(self._repeat - 1)  # with the same commands, and far cheaper than one by one
             reading = self._team.read()
         assert self._moment is not None
         self._moment = moment = Moment(self, self._world, reading, self._moment.reading, rows, self._moment.step + 1)
         met, over = self._ended(moment)
-        ended = self._per_robot(self._done(moment), "done") if self._done is not None else [False] * len(rows)
+        ended = met or (self._done is not None and self._per_robot(self._done(moment), "done"))
         if self._score:
-            rewards = [moment.scores[self._score] - self._kept[self._score]] * len(rows)
+            rewards = moment.scores[self._score] - self._kept[self._score]
             self._kept = moment.scores
         else:
             rewards = self._per_robot(self._reward(moment), "reward")
-        acted = [(name, self._place[name]) for name in self.agents]
-        self.agents = [name for name, k in acted if not (met or over or ended[k])]
+        if over or ended is True:
+            self.agents = []
+        elif ended is not False:
+            self.agents = [name for name in self.agents if not ended[self._place[name]]]
         self._running = bool(self.agents)
-        seen, info = self._observations(moment), self._info(moment)
-        return ({name: seen[k] for name, k in acted}, {name: float(rewards[k]) for name, k in acted},
-                {name: met or bool(ended[k]) for name, k in acted}, {name: over for name, _ in acted},
-                {name: dict(info) for name, _ in acted})
+        return self._observations(moment), rewards, ended, over, self._info(moment)
 
-    def _checked(self, actions: Any) -> List[List[float]]:
-        """A row for each robot of the team."""
+    def _checked(self, actions: Any) -> Any:
+        """A row for each robot of the team, of actions by name."""
         if not hasattr(actions, "items"):
             raise Error(_WRONG, f"actions are a dict by robots' names, not {actions!r}: write "
                                 "{name: env.action_space(name).sample() for name in env.agents}")
+        every = len(self.agents) == len(self.possible_agents)
+        if every and len(actions) == len(self.agents):
+            try:
+                rows = self._limited([actions[name] for name in self.agents])
+            except KeyError:
+                rows = None
+            if rows is not None:
+                return rows
+        active = set(self.agents)
         missing = [name for name in self.agents if name not in actions]
-        foreign = [name for name in actions if name not in self._place or len(self.agents) < len(self._place) and name not in self.agents]
+        foreign = [name for name in actions if name not in self._place or not every and name not in active]
         if missing or foreign:
             raise Error(_WRONG, "; ".join([f"no action for {coopdyn._list_of(missing[:5])}"] * bool(missing) +
                                           [f"{coopdyn._list_of(foreign[:5])} takes no part (now)"] * bool(foreign)) +
@@ -961,10 +1027,38 @@ class ParallelEnv(_Episodes, _ParallelBase):
             rows[self._place[name]] = self._actions.row(action, f"the action of {name}")
         return rows
 
-    def _per_robot(self, values: Any, what: str) -> List[Any]:
+    def _checked_rows(self, actions: Any) -> Any:
+        """A row for each robot of the team, of actions in the order of possible_agents."""
         n = len(self.possible_agents)
-        if not hasattr(values, "__len__"):
-            return [values] * n
+        if not hasattr(actions, "__len__") or len(actions) != n:
+            raise Error(_WRONG, f"actions are a row for each of {n} robots, in the order of env.possible_agents, not {actions!r}")
+        rows = self._limited(actions)
+        if rows is None:
+            rows = [self._actions.row(action, f"the action of {name}") for name, action in zip(self.possible_agents, actions)]
+        if len(self.agents) < n:
+            active = set(self.agents)
+            for k, name in enumerate(self.possible_agents):
+                if name not in active:
+                    rows[k] = [0.0, 0.0]
+        return rows
+
+    def _limited(self, actions: Any) -> Any:
+        """All actions at once as numpy's array within the bounds; None: they must be looked at one by one."""
+        if self._shape is None:
+            return None
+        try:
+            rows = numpy.array(actions, dtype=float)
+        except (TypeError, ValueError):
+            return None
+        if rows.shape != self._shape:
+            return None
+        return numpy.minimum(numpy.maximum(rows, self._low, out=rows), self._high, out=rows)  # a nan stays, and is told by the team
+
+    def _per_robot(self, values: Any, what: str) -> Any:
+        """A value for all robots, or one for each; bools are plain ones."""
+        n = len(self.possible_agents)
+        if getattr(values, "shape", None) == () or not hasattr(values, "__len__"):
+            return bool(values) if what == "done" else float(values)
         if len(values) != n:
             raise Error(_WRONG, f"{what} returned {len(values)} values for {n} robots: return one for each, or one for all")
-        return list(values)
+        return values

@@ -372,6 +372,43 @@ class ParallelTest(unittest.TestCase):
         e.step({"mini_4": [0, 0]})
         self.assertEqual(e.agents, [])
 
+    def test_steps_in_rows_are_the_same_steps(self):
+        def values(e, step):
+            e.reset(seed=3)
+            return [[[list(map(float, row)) for row in part[0]], list(map(float, part[1])), list(map(bool, part[2])), part[3]] for part in
+                    (step(e, [[0.1 * k, 0.2], [0.3, 9.0], [-0.1, 0.0], [0.0, -9.0]]) for k in range(3))]
+
+        def by_name(e, actions):
+            obs, rewards, ended, over, _ = e.step(dict(zip(e.possible_agents, actions)))
+            return list(obs.values()), list(rewards.values()), list(ended.values()), any(over.values())
+
+        how = {"reward": lambda m: [row[0] for row in m.reading.pose], "observation": ("distances", "pose"), "max_steps": 3}
+        a, b = self.make(**how), self.make(**how)
+        rows = values(a, lambda e, actions: e.step_rows(actions))
+        self.assertEqual(rows, values(b, by_name))
+        self.assertTrue(rows[-1][3])
+        self.assertEqual(a.agents, [])
+
+    def test_who_has_ended_stands_in_rows_too(self):
+        e = self.make(done=lambda m: [k == 0 for k in range(4)], max_steps=None, reward=lambda m: 1.0, observation=("pose",))
+        e.reset()
+        first = e.step_rows([[0.3, 0.0]] * 4)
+        self.assertEqual(([bool(one) for one in first[2]], list(first[1]), e.agents), ([True, False, False, False], [1.0] * 4, e.possible_agents[1:]))
+        for _ in range(4):
+            then = e.step_rows([[0.3, 0.0]] * 4)
+        moved = [math.hypot(a[0] - b[0], a[1] - b[1]) for a, b in zip(first[0], then[0])]
+        self.assertLess(moved[0], 0.02)
+        self.assertGreater(min(moved[1:]), 0.04)
+
+    def test_wrong_rows_are_told(self):
+        e = self.make()
+        e.reset()
+        for actions, text in (([[0, 0]], "a row for each of 4 robots"), ([[0, 0]] * 3 + [[0, math.nan]], "the action of mini_4 holds nan"),
+                              ([[0, 0]] * 3 + [[0]], "the action of mini_4 has 1 numbers, not 2")):
+            with self.assertRaises(coopdyn.Error) as caught:
+                e.step_rows(actions)
+            self.assertIn(text, str(caught.exception))
+
     def test_until_ends_all(self):
         e = self.make(SWARM + "until >= 0.1\n", max_steps=None)
         e.reset()
