@@ -47,7 +47,8 @@ CommandTable SimulationTable() {
            .example = "step 10"},
           {.id = command::kReset,
            .name = "reset",
-           .help = "Starts again at step 0; with a new seed if one is given.",
+           .help =
+               "Starts again at step 0; with a new seed if one is given, by which [RANDOM] is drawn anew.",
            .params = {{.name = "seed", .unit = "", .optional = true}},
            .example = "reset 7"},
           {.id = command::kSetMode,

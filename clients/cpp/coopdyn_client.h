@@ -295,7 +295,7 @@ class Simulation {
   void pause();
   /// Stops every robot, also those of others.
   void stop_all();
-  /// Starts again at step 0, with a new seed if one is given.
+  /// Starts again at step 0, with a new seed if one is given, by which [RANDOM] is drawn anew.
   void reset();
   void reset(int seed);
   /// Loads the same scenario file again from disk.

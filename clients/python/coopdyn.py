@@ -3556,7 +3556,7 @@ class Simulation:
 
     @_usage("sim.reset() or sim.reset(7)")
     def reset(self, seed: Optional[int] = None) -> None:
-        """Starts again at step 0, with a new seed if one is given."""
+        """Starts again at step 0, with a new seed if one is given, by which [RANDOM] is drawn anew."""
         params = () if seed is None else (_whole(seed, "a seed"),)
         if params and params[0] < 0:
             raise Error(4, f"a seed is at least 0, not {params[0]}: write sim.reset(7)")

@@ -151,7 +151,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function reset(sim, seed)
-    %RESET Starts again at step 0, with a new seed if one is given.
+    %RESET Starts again at step 0, with a new seed if one is given, by which [RANDOM] is drawn anew.
       if nargin < 2
         seed = [];
       elseif ~isnumeric(seed) || numel(seed) ~= 1 || seed ~= round(seed) || abs(seed) > 2147483647
