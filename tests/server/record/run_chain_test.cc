@@ -169,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(
         Tampering{"StepOut", "DELETE FROM step WHERE step = 7", "8 the row of step 8 chain"},
         Tampering{"StepIn",
                   "INSERT INTO step SELECT 13, time_ns, hash, scene, commands, messages, channels, "
-                  "distances, targets, poses, chain FROM step WHERE step = 11",
+                  "distances, targets, poses, scores, chain FROM step WHERE step = 11",
                   "13 the row of step 13 chain"},
         Tampering{"StepsSwapped",
                   "UPDATE step SET step = -1 WHERE step = 3; UPDATE step SET step = 3 WHERE step = 4; "
