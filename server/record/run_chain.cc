@@ -143,6 +143,11 @@ std::optional<ChainDamage> RunChain::CheckRowsAround(std::uint64_t step, std::st
   if (!error_.empty()) return std::nullopt;
   if (!next) return CheckRest(ends);
   std::optional<ChainDamage> damage = CheckRows(static_cast<std::uint64_t>(*next));
+  if (!damage && error_.empty() && last_step() != *next) {
+    // On a damaged page a row of a wrong number ends the walk, though a search finds the right one.
+    ends = "the rows after step " + std::to_string(last_step()) + " are not where they belong";
+    return std::nullopt;
+  }
   return damage ? damage : CheckKeyframes(step);
 }
 

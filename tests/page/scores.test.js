@@ -82,7 +82,7 @@ test('logged numbers stand below them, each the newest of its name', async () =>
   await order('/simulation', 'log energy -4.25');
   await hasText(page, '#scores', /energy−4\.250/);
   const time = (await daemon.status()).time_s.toFixed(2);
-  assert.deepEqual((await rows()).slice(3), [['energy', '−4.250', `logged at ${time} s`], ['gap', '12', `logged at ${time} s`]]);
+  assert.deepEqual((await rows()).slice(3), [['energy', '−4.250', `at ${time} s`], ['gap', '12', `at ${time} s`]]);
   assert.equal(await page.textContent('#scores-title'), 'Scores · Logged numbers');
 });
 

@@ -38,7 +38,7 @@ export class Scores {
       this.#rows.rows[i].title = endText(score);
     });
     logged.forEach(({value, time_s: time}, i) =>
-      this.#show(scores.length + i, anyNumber(value), `logged at ${showNumber(time, 2)} s`));
+      this.#show(scores.length + i, anyNumber(value), `at ${showNumber(time, 2)} s`));
   }
 
   #show(row, value, note) {
