@@ -71,7 +71,7 @@ test('scores stand under Run, with their units and what they end', async () => {
   const [way, coverage, time] = (await daemon.status()).scores;
   await hasText(page, '#scores', new RegExp(`way${way.value.toFixed(3)} m`));
   assert.deepEqual(await rows(), [['way', `${way.value.toFixed(3)} m`, 'limit 600 s'], ['coverage', `${coverage.value.toFixed(3)} m²`, ''],
-    ['time', `${time.value.toFixed(3)} s`, 'until >= 500']].map(([name, value, note]) => [name, value.replace(/\.000(?= )/, ''), note]));
+    ['time', `${time.value.toFixed(3)} s`, 'until >= 500']]);
   assert.equal(await page.textContent('#scores-title'), 'Scores');
   assert.ok(await page.isVisible('#scores'));
 });

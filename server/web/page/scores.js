@@ -5,13 +5,16 @@ import {byId, make, setText, showNumber} from './dom.js';
 /** "m2" of the daemon as people write it. */
 export const unitText = (unit) => (unit === 'm2' ? 'm²' : unit);
 
-/** A number of whatever size: whole ones as they are, others with three decimals or, if that says little, four digits. */
+/** A number of whatever size and meaning: whole ones as they are, others with three decimals or, if that says little, four digits. */
 export function anyNumber(value) {
   if (typeof value !== 'number' || !Number.isFinite(value)) return showNumber(value, 0);
   const size = Math.abs(value);
   if (size >= 1e7 || (size > 0 && size < 0.01)) return value.toPrecision(4).replace('-', '−');
   return showNumber(value, Number.isInteger(value) ? 0 : 3);
 }
+
+/** What is measured keeps its decimals, so that nothing moves; a count has none. */
+const scoreText = ({value, unit}) => (unit ? `${showNumber(value, 3)} ${unitText(unit)}` : anyNumber(value));
 
 /** "until >= 3 · limit 60 s"; empty if the score ends nothing. */
 const endText = ({until, limit_s: limit}) =>
@@ -33,7 +36,7 @@ export class Scores {
         make('tr', {}, make('th', {scope: 'row'}, name), make('td', {class: 'number'}), make('td', {class: 'quiet'}))));
     }
     scores.forEach((score, i) => {
-      this.#show(i, `${anyNumber(score.value)} ${unitText(score.unit)}`, score.met ? '✓ met' : endText(score));
+      this.#show(i, scoreText(score), score.met ? '✓ met' : endText(score));
       this.#rows.rows[i].classList.toggle('met', score.met === true);
       this.#rows.rows[i].title = endText(score);
     });
