@@ -17,7 +17,7 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr std::size_t kPoseBytes = 18, kCommandBytes = 13, kChannelBytes = 9;
+constexpr std::size_t kPoseBytes = 18, kCommandBytes = 13, kChannelBytes = 9, kScoreBytes = 9;
 constexpr double kPositionUnit = 1e-5;  // rad or m
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> kReadings = {"distances", "targets", "channels"};
@@ -31,6 +31,16 @@ double Seconds(std::int64_t ns) {
 std::int64_t EndOf(const std::string& table, const std::string& ends) {
   const std::size_t at = (", " + ends).find(", " + table + " ");
   return at == std::string::npos ? 0 : std::strtoll(ends.c_str() + at + table.size(), nullptr, 10);
+}
+
+/// The names in "reach, distance m", `scores` of table meta.
+std::vector<std::string> ScoreNames(const std::map<std::string, std::string>& info) {
+  std::vector<std::string> names;
+  const auto found = info.find("scores");
+  std::string rest = found == info.end() ? "" : found->second;
+  for (rest += rest.empty() ? "" : ", "; !rest.empty(); rest.erase(0, rest.find(", ") + 2))
+    names.push_back(rest.substr(0, rest.find_first_of(" ,")));
+  return names;
 }
 
 /// Where a thing stands in the rows of one scene of a recording.
@@ -406,6 +416,30 @@ std::vector<Event> Run::events() const {
         events.push_back({row.integer(0), Seconds(row.integer(1)), row.text(2), row.text(3)});
       });
   return events;
+}
+
+RunRows Run::score(const std::string& name) const {
+  const std::vector<std::string> known = ScoreNames(impl_->info);
+  const auto found = std::find(known.begin(), known.end(), name);
+  if (found == known.end()) {
+    std::string text = file() + " has no score " + name, before = "; there are ";
+    for (const std::string& one : known) text += std::exchange(before, ", ") + one;
+    throw Error(10, text);
+  }
+  const std::size_t at = kScoreBytes * static_cast<std::size_t>(found - known.begin());
+  std::vector<double> values;
+  impl_->ForEachMoment("step, time_ns, scores", [&](const RunRow& row) {
+    values.push_back(Seconds(row.integer(1)));
+    values.push_back(Double(impl_->Part(row, 2, at, sizeof(double), "scores")));
+  });
+  const std::size_t rows = values.size() / 2;
+  return {std::move(values), 2, rows};
+}
+
+std::map<std::string, double> Run::scores() const {
+  std::map<std::string, double> last;
+  for (const std::string& name : ScoreNames(impl_->info)) last[name] = score(name).values().back();
+  return last;
 }
 
 RunRows Run::logged(const std::string& name) const {

@@ -90,6 +90,10 @@ class Run {
   RunRows commands(const std::string& name) const;
   /// What happened, in order, notes included.
   std::vector<Event> events() const;
+  /// Time [s] and value of a score, k x 2; nan if it cannot be told.
+  RunRows score(const std::string& name) const;
+  /// What the run was worth at its last moment, by the names of the scenario's [SCORE_n].
+  std::map<std::string, double> scores() const;
   /// Time [s] and value of each number that was logged under a name, n x 2.
   RunRows logged(const std::string& name) const;
 

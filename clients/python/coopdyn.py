@@ -4178,7 +4178,7 @@ def launch(
 # --- recorded runs ----------------------------------------------------------------------------------------------------
 
 _RUN_ID, _RUN_FORMAT = 0x434F4F50, 2  # SQLite's application_id and user_version of a recording
-_POSE_BYTES, _COMMAND_BYTES, _CHANNEL_BYTES = 18, 13, 9
+_POSE_BYTES, _COMMAND_BYTES, _CHANNEL_BYTES, _SCORE_BYTES = 18, 13, 9, 9
 _RUN_READINGS = ("distances", "targets", "channels")
 
 
@@ -4380,6 +4380,26 @@ class Run:
             return [Event(int(step), time_ns / 1e9, str(level), str(text)) for step, time_ns, level, text in
                     self._db.execute("SELECT step, time_ns, level, text FROM event WHERE step <= ? ORDER BY id", (self._last,))]
 
+    @_usage('run.score("distance")')
+    def score(self, name: str) -> Rows:
+        """Time [s] and value of a score, a row for each moment, k x 2; nan if it cannot be told."""
+        known = self._score_names()
+        if name not in known:
+            raise Error(10, f"{self.file} has no score {name}" + (f"; there are {', '.join(known)}" if known else ""))
+        at = _SCORE_BYTES * known.index(name)
+        out = array.array("d")
+        with self._reading():
+            for time_ns, blob in zip(self._rows("time_ns"), self._rows("scores")):
+                out.extend((time_ns / 1e9, struct.unpack_from("<d", blob, at)[0]))
+        return Rows(out, 2, 0, (len(out) // 2, 2))
+
+    def scores(self) -> Dict[str, float]:
+        """What the run was worth at its last moment, by the names of the scenario's [SCORE_n]; nan if it cannot be told."""
+        with self._reading():
+            names = self._score_names()
+            last = self._rows("scores")[-1] if names else b""
+            return {name: struct.unpack_from("<d", last, _SCORE_BYTES * i)[0] for i, name in enumerate(names)}
+
     @_usage('run.logged("energy")')
     def logged(self, name: str) -> Rows:
         """Time [s] and value of each number that was logged under a name, n x 2."""
@@ -4430,6 +4450,9 @@ class Run:
         self._count()
         return [value for (value,) in self._db.execute(
             f"SELECT {column} FROM step WHERE step <= ? AND poses IS NOT NULL ORDER BY step", (self._last,))]
+
+    def _score_names(self) -> List[str]:
+        return [one.split(" ")[0] for one in str(self._info.get("scores", "")).split(", ") if one]
 
     def _places(self, name: str) -> List[_Place]:
         """Where `name` stands, in each scene that has it."""

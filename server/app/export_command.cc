@@ -23,7 +23,7 @@ namespace {
 constexpr std::array kFormats{"csv", "mat", "png", "mp4"};
 
 struct Given {
-  std::string run, to, out, robots, objects, readings, camera, size = "640x480";
+  std::string run, to, out, robots, objects, scores, logged, readings, camera, size = "640x480";
   std::vector<double> eye_m, look_m;
   std::vector<std::string> scenario_folders;
   std::optional<double> time_s;
@@ -86,7 +86,8 @@ void Complete(const CLI::App& sub, Given& given) {
   const std::vector<const char*> not_mine =
       table ? std::vector<const char*>{"--size", "--fps",  "--speed", "--eye",
                                        "--look", "--rays", "--time",  "--camera"}
-            : std::vector<const char*>{"--robots", "--objects", "--readings", "--every"};
+            : std::vector<const char*>{"--robots", "--objects",  "--scores",
+                                       "--logged", "--readings", "--every"};
   for (const char* option : not_mine) {
     if (sub.count(option) > 0)
       throw CLI::ValidationError(std::string(option) + " is for --to " +
@@ -101,6 +102,8 @@ void Complete(const CLI::App& sub, Given& given) {
   }
   if (sub.count("--robots") > 0) given.options.robots = ReadNames("--robots", given.robots);
   if (sub.count("--objects") > 0) given.options.objects = ReadNames("--objects", given.objects);
+  if (sub.count("--scores") > 0) given.options.scores = ReadNames("--scores", given.scores);
+  if (sub.count("--logged") > 0) given.options.logged = ReadNames("--logged", given.logged);
   if (sub.count("--readings") > 0) given.options.readings = ReadNames("--readings", given.readings);
   ImageRequest& image = given.pictures.image;
   ReadSize(given.size, image);
@@ -180,6 +183,8 @@ void AddExport(CLI::App& app, Chosen& chosen) {
   sub->add_option("--until", given->options.until_s, "Last simulated time, s");
   sub->add_option("--robots", given->robots, "Names, also of swarms: a,b,c; none (default: all)");
   sub->add_option("--objects", given->objects, "Names of things that move: a,b,c; none (default: all)");
+  sub->add_option("--scores", given->scores, "Names of scores: a,b,c; none (default: all)");
+  sub->add_option("--logged", given->logged, "Names of logged numbers: a,b,c; none (default: all)");
   sub->add_option("--readings", given->readings,
                   "Also what these sensors showed, by name or type: imu,lidar (default: none)");
   sub->add_option("--every", given->options.every_s, "Simulated seconds between rows (default: every step)");

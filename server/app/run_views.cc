@@ -134,9 +134,13 @@ HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const s
   const SavedStatePtr first = run.Keyframe(extent.first);
   if (first == nullptr) return Damaged(run);
   ExportOptions options;
-  options.robots = {robot};
-  options.objects = std::vector<std::string>();
-  options.readings = SensorsOf(*first->frame->scene, robot);
+  const std::vector<std::string> none;
+  options.robots = options.objects = none;
+  if (!robot.empty()) {
+    options.robots = {robot};
+    options.scores = options.logged = none;
+    options.readings = SensorsOf(*first->frame->scene, robot);
+  }
   options.every_s = ToSeconds(extent.end - extent.begin) / std::clamp(points, 2, 100'000);
   std::string folder = (fs::temp_directory_path() / "coopdyn-table-XXXXXX").string();
   if (::mkdtemp(folder.data()) == nullptr) return ErrorAnswer(507, "there is no room for a table");

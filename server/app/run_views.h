@@ -24,7 +24,8 @@ HttpAnswer SceneOf(RunReader& run);
 /// Poses of the first scene for about `rate` moments a second: each as a u32 length and a pose message.
 /// 503 if `stop` is asked for meanwhile, as TableOf() says then.
 HttpAnswer PosesOf(RunReader& run, double rate_hz, const std::stop_token& stop);
-/// The columns of `coopdyn export` for one robot, sensors included, thinned to about `points` rows; CSV.
+/// The columns of `coopdyn export` for one robot, sensors included, or, if `robot` is empty, the scores and
+/// logged numbers; thinned to about `points` rows; CSV.
 HttpAnswer TableOf(RunReader& run, const std::string& robot, int points, const std::stop_token& stop);
 
 }  // namespace coopdyn

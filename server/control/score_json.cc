@@ -12,10 +12,14 @@ json::array ScoresJson(const Frame& frame) {
   const std::vector<ScoreEntry>& entries = frame.scene->scenario->scores;
   for (std::size_t i = 0; i < frame.scores.size() && i < entries.size(); ++i) {
     const Score& score = frame.scores[i];
-    scores.push_back({{"name", entries[i].name},
-                      {"value", std::isfinite(score.value) ? json::value(score.value) : json::value(nullptr)},
-                      {"unit", UnitOf(entries[i].kind)},
-                      {"met", entries[i].until ? json::value(score.met) : json::value(nullptr)}});
+    const std::optional<ScoreUntil>& until = entries[i].until;
+    scores.push_back(
+        {{"name", entries[i].name},
+         {"value", std::isfinite(score.value) ? json::value(score.value) : json::value(nullptr)},
+         {"unit", UnitOf(entries[i].kind)},
+         {"met", until ? json::value(score.met) : json::value(nullptr)},
+         {"until", until ? json::value(ToString(*until)) : json::value(nullptr)},
+         {"limit_s", entries[i].limit_s ? json::value(*entries[i].limit_s) : json::value(nullptr)}});
   }
   return scores;
 }

@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "server/model/values.h"
+
 namespace coopdyn {
 
 namespace {
@@ -51,6 +53,14 @@ std::optional<ScoreUntil> ReadUntil(SectionReader& reader, ScoreKind kind) {
 }
 
 }  // namespace
+
+std::string ToString(const ScoreUntil& until) {
+  using Relation = ScoreUntil::Relation;
+  if (until.all) return "all";
+  const bool less = until.relation == Relation::kLess || until.relation == Relation::kAtMost;
+  const bool equal = until.relation == Relation::kAtMost || until.relation == Relation::kAtLeast;
+  return std::string(less ? "<" : ">") + (equal ? "= " : " ") + FormatNumber(until.value);
+}
 
 const char* UnitOf(ScoreKind kind) {
   switch (kind) {

@@ -50,6 +50,9 @@ struct ScoreUntil {
   }
 };
 
+/// ">= 3", as [SCORE_n] has it; "all".
+std::string ToString(const ScoreUntil& until);
+
 /// [SCORE_n]
 struct ScoreEntry {
   std::string name;

@@ -175,6 +175,7 @@ bool Player::Show(std::uint64_t step, Jump jump) {
   changed_ = true;
   rate_.Note(now_, frame->time);
   boards_.commands.Latch(step);
+  boards_.control.ReplaceLogged(logged_.At(step));
   boards_.frames.Publish(frame);
   if (new_scene) {
     boards_.commands.SetMode(Mode::kRealtime, now_);
@@ -226,6 +227,7 @@ void Player::Look(bool always) {
   looked_at_ = now_;
   const Nanoseconds end = extent_.end;
   extent_ = reader_->extent();
+  logged_.Add(reader_->EventsAfter(newest_event_));
   changed_ |= extent_.end != end || !reader_->growing();
 }
 

@@ -14,6 +14,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/record/logged_numbers.h"
 #include "server/record/player_frames.h"
 #include "server/record/run_reader.h"
 #include "server/state/command_board.h"
@@ -163,6 +164,8 @@ class Player {
   PlayPace pace_;
   RateMeter rate_;
   RunExtent extent_;
+  LoggedNumbers logged_;
+  std::int64_t newest_event_ = 0;  // of those that logged_ has seen
   FramePtr shown_;
   std::optional<Place> next_;  // after what is shown, once it was looked for
   bool next_is_back_ = false;

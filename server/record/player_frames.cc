@@ -208,6 +208,7 @@ std::shared_ptr<Frame> PlayFrames::MakeMoment(std::uint64_t step) {
   frame->channels.assign(scene->channels.size(), {kUnknown, kUnknown, kUnknown, {}});
   frame->measured = now->sensed.measured;
   frame->contacts = now->sensed.contacts;
+  frame->scores = now->scores;
   frame->controls = keyframe.controls;
   if (frame->controls.size() != static_cast<std::size_t>(scene->control_count)) {
     frame->controls = StartControls(*scene);

@@ -240,4 +240,23 @@ bool DecodeFloats(std::span<const std::byte> blob, std::vector<float>& values) {
   return reader.finished();
 }
 
+void EncodeScores(std::span<const Score> scores, std::vector<std::byte>& blob) {
+  ByteWriter writer(blob);
+  for (const Score& score : scores) {
+    writer.Number(score.value);
+    writer.Bool(score.met);
+  }
+}
+
+bool DecodeScores(std::span<const std::byte> blob, std::vector<Score>& scores) {
+  constexpr std::size_t kBytes = 8 + 1;
+  scores.assign(blob.size() % kBytes == 0 ? blob.size() / kBytes : 0, {});
+  ByteReader reader(blob);
+  for (Score& score : scores) {
+    reader.Number(score.value);
+    reader.Bool(score.met);
+  }
+  return reader.finished();
+}
+
 }  // namespace coopdyn

@@ -79,6 +79,10 @@ void EncodeDistances(const Frame& frame, std::vector<std::byte>& blob);
 void EncodeTargets(const Frame& frame, std::vector<std::byte>& blob);
 bool DecodeFloats(std::span<const std::byte> blob, std::vector<float>& values);
 
+/// Of each score in the order of the scenario: f64 value (nan: it cannot be told), u8 1 if its `until` holds.
+void EncodeScores(std::span<const Score> scores, std::vector<std::byte>& blob);
+bool DecodeScores(std::span<const std::byte> blob, std::vector<Score>& scores);
+
 /// The actuator of `scene` that drives `channel`. @pre channel < scene.channels.size()
 std::size_t ActuatorOf(const Scene& scene, std::size_t channel);
 
@@ -93,6 +97,7 @@ struct RecordedStep {
   std::vector<ChannelMotion> channels;  // empty: not recorded
   SensedStep sensed;
   std::vector<float> distances, targets;  // as encoded; empty: not recorded
+  std::vector<Score> scores;              // empty: there are none, or they were not recorded
 };
 
 }  // namespace coopdyn

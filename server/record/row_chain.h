@@ -52,7 +52,8 @@ struct ChainedTable {
 enum ChainedTableIndex { kSceneTable, kStepTable, kKeyframeTable, kInputTable, kEventTable };
 inline constexpr std::array<ChainedTable, 5> kChainedTables{{
     {"scene", "id, first_step, description", 1},
-    {"step", "step, time_ns, hash, scene, commands, messages, channels, distances, targets, poses", 0},
+    {"step", "step, time_ns, hash, scene, commands, messages, channels, distances, targets, poses, scores",
+     0},
     {"keyframe", "step, state", 0},
     {"input", "id, step, action, detail", 1},
     {"event", "id, step, time_ns, level, text", 1},

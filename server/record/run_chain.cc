@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/record/step_row.h"
+
 namespace coopdyn {
 
 namespace {
@@ -65,7 +67,9 @@ bool RunChain::IsChained(const std::string& file) try {
 void RunChain::Prepare() try {
   for (std::size_t i = 0; i < walks_.size(); ++i) {
     const ChainedTable& table = kChainedTables[i];
-    const std::string columns = table.columns, id = columns.substr(0, columns.find(','));
+    std::string columns = table.columns;
+    if (i == kStepTable && !StepColumns::HasScores(*database_)) columns.erase(columns.rfind(", scores"));
+    const std::string id = columns.substr(0, columns.find(','));
     walks_[i].rows = database_->Prepare("SELECT " + columns + ", chain FROM " + table.name + " WHERE " + id +
                                         " > ?1 ORDER BY " + id + " LIMIT " + std::to_string(kLinksAtOnce));
   }
@@ -139,6 +143,11 @@ std::optional<ChainDamage> RunChain::CheckRowsAround(std::uint64_t step, std::st
   if (!error_.empty()) return std::nullopt;
   if (!next) return CheckRest(ends);
   std::optional<ChainDamage> damage = CheckRows(static_cast<std::uint64_t>(*next));
+  if (!damage && error_.empty() && last_step() != *next) {
+    // On a damaged page a row of a wrong number ends the walk, though a search finds the right one.
+    ends = "the rows after step " + std::to_string(last_step()) + " are not where they belong";
+    return std::nullopt;
+  }
   return damage ? damage : CheckKeyframes(step);
 }
 

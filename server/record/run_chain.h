@@ -44,7 +44,7 @@ class RunChain {
   /// Keyframes up to `step`.
   std::optional<ChainDamage> CheckKeyframes(std::uint64_t step);
   /// CheckRows() up to the first step after `step`, which shows whether any before it are missing; if there
-  /// is none, CheckRest().
+  /// is none, CheckRest(). `ends` as there, also if the walk does not come to that step.
   std::optional<ChainDamage> CheckRowsAround(std::uint64_t step, std::string& ends);
   /// All rows that are left. If nothing is wrong with them, `ends` says whether any are missing after the
   /// last: "its table event ends with row 3, where meta tells of another end"; empty: none are.

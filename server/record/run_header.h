@@ -29,6 +29,7 @@ struct RunHeader {
   std::string command;  // line; for people
   std::string scenario_name, scenario_file;
   std::string scenario_text;
+  std::string scores;                      // "reach, distance m": names and units, as in table `step`
   std::vector<SourceText> sources;         // worlds and robot models that it names
   std::uint64_t scenario_seed = 1;         // with which the texts were read (places of swarms)
   std::uint64_t seed = 1;                  // of noise and solver

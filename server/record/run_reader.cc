@@ -104,7 +104,8 @@ void RunReader::Reopen() {
   run_.mended |= was_mended;
   unchanged_ = 0;
   try {  // has it the columns that will be read?
-    database().Prepare(StepColumns::Select(false));
+    has_scores_ = StepColumns::HasScores(database());
+    database().Prepare(StepColumns::Select(false, has_scores_));
     for (const char* sql :
          {"SELECT step, state FROM keyframe", "SELECT description FROM scene", "SELECT value FROM meta"}) {
       database().Prepare(sql);
@@ -237,10 +238,18 @@ std::optional<std::uint64_t> RunReader::CountCommands() {
 }
 
 std::vector<Event> RunReader::Events() {
-  return Guard("its events", [this] {
+  std::int64_t id = 0;
+  return EventsAfter(id);
+}
+
+std::vector<Event> RunReader::EventsAfter(std::int64_t& id) {
+  return Guard("its events", [this, &id] {
     std::vector<Event> events;
-    Statement rows = database().Prepare("SELECT step, time_ns, level, text FROM event ORDER BY id");
+    Statement rows =
+        database().Prepare("SELECT step, time_ns, level, text, id FROM event WHERE id > ?1 ORDER BY id");
+    rows.Bind(1, id);
     while (rows.Step()) {
+      id = rows.integer(4);
       events.push_back({static_cast<std::uint64_t>(rows.integer(0)), ToSeconds(rows.integer(1)), rows.text(2),
                         rows.text(3)});
     }
@@ -352,7 +361,7 @@ RecordedStep RunReader::Decode(const Statement& row, bool inputs_only) {
 
 std::optional<RecordedStep> RunReader::Read(std::uint64_t step, bool inputs_only) {
   return Guard("step " + std::to_string(step), [&]() -> std::optional<RecordedStep> {
-    Statement row = database().Prepare(StepColumns::Select(inputs_only) + " WHERE step = ?1");
+    Statement row = database().Prepare(StepColumns::Select(inputs_only, has_scores_) + " WHERE step = ?1");
     row.Bind(1, step);
     if (row.Step()) return Decode(row, inputs_only);
     CheckNotReplaced();
@@ -363,7 +372,7 @@ std::optional<RecordedStep> RunReader::Read(std::uint64_t step, bool inputs_only
 bool RunReader::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_only,
                         const std::function<bool(const RecordedStep&)>& use) {
   return Guard("the steps from " + std::to_string(first) + " on", [&] {
-    Statement rows = database().Prepare(StepColumns::Select(inputs_only) +
+    Statement rows = database().Prepare(StepColumns::Select(inputs_only, has_scores_) +
                                         " WHERE step > ?1 AND step <= ?2 ORDER BY step LIMIT ?3");
     std::int64_t before = static_cast<std::int64_t>(std::min(first, kMostStep)) - 1;
     for (std::int64_t count = kStepsInMemory; count == kStepsInMemory;) {

@@ -64,6 +64,8 @@ class RunReader {
   bool growing() const { return run_.growing; }
   /// A log with bytes lies beside it (UnmergedLog() names it), so that the file alone is not the whole run.
   bool has_log() const { return !UnmergedLog(file_).empty(); }
+  /// It has a column for the scores of each step: older files have none.
+  bool has_scores() const { return has_scores_; }
   /// "another program reads it": why it was not made part of the file. Empty if it was, or there is none.
   const std::string& log_reason() const { return run_.log_reason; }
   /// Nothing, and error() says why, if the file is damaged there. Needs no scenario.
@@ -100,6 +102,8 @@ class RunReader {
   /// Inputs that came after frames first…last, in order.
   std::vector<RunInput> Inputs(std::uint64_t first, std::uint64_t last);
   std::vector<Event> Events();
+  /// Those of rows after `id`, which becomes that of the last one; it begins with 0.
+  std::vector<Event> EventsAfter(std::int64_t& id);
 
  private:
   /// What error() is to say.
@@ -142,6 +146,7 @@ class RunReader {
   RunHeader header_;
   RunExtent extent_;
   std::string error_;
+  bool has_scores_ = false;
   int unchanged_ = 0;  // looks at a growing file that found nothing new
   std::unique_ptr<RobotLibrary> library_;
   std::shared_ptr<const Scenario> scenario_;

@@ -30,7 +30,8 @@ CREATE TABLE channel(scene INTEGER, place INTEGER, robot INTEGER, module TEXT, j
 CREATE TABLE target(scene INTEGER, place INTEGER, id INTEGER, color TEXT, x REAL, y REAL, z REAL,
                     PRIMARY KEY(scene, place)) WITHOUT ROWID;
 CREATE TABLE step(step INTEGER PRIMARY KEY, time_ns INTEGER, hash INTEGER, scene INTEGER, commands BLOB,
-                  messages BLOB, channels BLOB, distances BLOB, targets BLOB, poses BLOB, chain INTEGER);
+                  messages BLOB, channels BLOB, distances BLOB, targets BLOB, poses BLOB, scores BLOB,
+                  chain INTEGER);
 CREATE TABLE image(step INTEGER, robot TEXT, module TEXT, width INTEGER, height INTEGER, jpeg BLOB,
                    PRIMARY KEY(step, robot, module));
 CREATE TABLE keyframe(step INTEGER PRIMARY KEY, state BLOB, chain INTEGER);
@@ -62,14 +63,15 @@ std::optional<Number> NumberOf(Meta& meta, const std::string& key) {
 }
 
 /// The texts of a header by their keys.
-constexpr std::array<std::pair<const char*, std::string RunHeader::*>, 7> kTexts{
+constexpr std::array<std::pair<const char*, std::string RunHeader::*>, 8> kTexts{
     {{"version", &RunHeader::version},
      {"build", &RunHeader::build},
      {"cpu", &RunHeader::cpu},
      {"started", &RunHeader::started},
      {"command", &RunHeader::command},
      {"scenario_name", &RunHeader::scenario_name},
-     {"scenario_file", &RunHeader::scenario_file}}};
+     {"scenario_file", &RunHeader::scenario_file},
+     {"scores", &RunHeader::scores}}};
 
 /// "diffuse 0123456789abcdef, flock …".
 std::string PluginsText(const std::vector<PluginHash>& plugins) {

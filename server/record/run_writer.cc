@@ -83,6 +83,10 @@ RunHeader HeaderOf(const Frame& frame, Mode mode, const RecordWhat& what, Nanose
   header.scenario_name = scenario.name;
   header.scenario_file = scenario.file;
   header.scenario_text = scenario.text;
+  for (const ScoreEntry& score : scenario.scores) {
+    const std::string unit = UnitOf(score.kind);
+    header.scores += (header.scores.empty() ? "" : ", ") + score.name + (unit.empty() ? "" : " ") + unit;
+  }
   header.sources = scenario.sources;
   header.scenario_seed = scenario.simulation.seed;
   header.seed = frame.seed;
@@ -142,7 +146,7 @@ bool RunWriter::Open(const SavedState& first) {
     CreateTables(*database_);
     WriteHeader(*database_, options_.header);
     SetMeta(*database_, "texts", TextsChain(*database_));
-    insert_.step = database_->Prepare("INSERT INTO step VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    insert_.step = database_->Prepare("INSERT INTO step VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     insert_.image = database_->Prepare("INSERT INTO image VALUES(?, ?, ?, ?, ?, ?)");
     insert_.keyframe = database_->Prepare("INSERT INTO keyframe VALUES(?, ?, ?)");
     insert_.input = database_->Prepare("INSERT INTO input VALUES(?, ?, ?, ?, ?)");
@@ -318,18 +322,20 @@ void RunWriter::EncodeShown(const Frame& frame) {
 }
 
 void RunWriter::WriteRow(const Frame& frame) {
-  for (auto* blob : {&commands_blob_, &messages_blob_, &channels_, &distances_, &targets_, &poses_}) {
+  for (auto* blob :
+       {&commands_blob_, &messages_blob_, &channels_, &distances_, &targets_, &poses_, &scores_}) {
     blob->clear();
   }
   EncodeCommands(commands_, commands_blob_);
   EncodeMessages(messages_, messages_blob_);
+  EncodeScores(frame.scores, scores_);
   if (IsShown(frame.time)) {
     EncodeShown(frame);
     now_.shown = frame.time;
   }
   InsertChained(insert_.step, now_.ends[kStepTable], static_cast<std::int64_t>(frame.step), frame.time,
                 static_cast<std::int64_t>(StateHash(frame)), now_.scene_number, commands_blob_,
-                messages_blob_, channels_, distances_, targets_, poses_);
+                messages_blob_, channels_, distances_, targets_, poses_, scores_);
 }
 
 bool RunWriter::AddKeyframe(const SavedState& state) {

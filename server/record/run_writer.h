@@ -125,7 +125,7 @@ class RunWriter {
   // Of the step in the making; kept for their memory.
   std::vector<CommandRecord> commands_;
   std::vector<SentMessage> messages_;
-  std::vector<std::byte> commands_blob_, messages_blob_, channels_, distances_, targets_, poses_;
+  std::vector<std::byte> commands_blob_, messages_blob_, channels_, distances_, targets_, poses_, scores_;
 };
 
 /// Why a recording may not take the place of `file`, even with `overwrite` if that is no recording; empty if

@@ -37,7 +37,7 @@ std::string BytesText(double bytes) {
 }  // namespace
 
 std::size_t StepRowBytes(const Frame& frame, const RecordWhat& what, bool shown) {
-  std::size_t bytes = kFixedBytes;
+  std::size_t bytes = kFixedBytes + frame.scores.size() * 9;
   if (!shown) return bytes;
   bytes += 1 + frame.bodies.size() * kPoseBytes;
   if (what.channels) bytes += frame.channels.size() * kChannelBytes + frame.measured.size() * sizeof(float);

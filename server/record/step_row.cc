@@ -7,9 +7,15 @@
 
 namespace coopdyn {
 
-std::string StepColumns::Select(bool inputs_only) {
-  const std::string readings = inputs_only ? "" : ", channels, distances, targets, poses";
+std::string StepColumns::Select(bool inputs_only, bool has_scores) {
+  std::string readings;
+  if (!inputs_only) readings = ", channels, distances, targets, poses";
+  if (!inputs_only) readings += has_scores ? ", scores" : ", NULL";
   return "SELECT step, time_ns, hash, scene, commands, messages" + readings + " FROM step";
+}
+
+bool StepColumns::HasScores(const Database& database) {
+  return database.Integer("SELECT count(*) FROM pragma_table_info('step') WHERE name = 'scores'") == 1;
 }
 
 std::string DecodeHead(const Statement& row, RecordedStep& step) {
@@ -56,6 +62,10 @@ std::string DecodeReadings(const Statement& row, const Scene& scene, RecordedSte
   if (!DecodeFloats(row.blob(StepColumns::kTargets), step.targets) ||
       (!step.targets.empty() && step.targets.size() != sightings)) {
     return "the sighted targets";
+  }
+  if (!DecodeScores(row.blob(StepColumns::kScores), step.scores) ||
+      (!step.scores.empty() && step.scores.size() != scene.scenario->scores.size())) {
+    return "the scores";
   }
   if (row.is_null(StepColumns::kPoses)) return {};
   step.bodies.resize(scene.body_ids.size());

@@ -13,16 +13,31 @@
 namespace coopdyn {
 
 struct StepColumns {
-  enum { kStep, kTime, kHash, kScene, kCommands, kMessages, kChannels, kDistances, kTargets, kPoses };
-  /// "SELECT … FROM step" with these columns; `inputs_only`: without readings and poses.
-  static std::string Select(bool inputs_only);
+  enum {
+    kStep,
+    kTime,
+    kHash,
+    kScene,
+    kCommands,
+    kMessages,
+    kChannels,
+    kDistances,
+    kTargets,
+    kPoses,
+    kScores
+  };
+  /// "SELECT … FROM step" with these columns; `inputs_only`: without readings, poses and scores.
+  /// `has_scores`: HasScores().
+  static std::string Select(bool inputs_only, bool has_scores);
+  /// Older files do not have that column. Throws DatabaseError.
+  static bool HasScores(const Database& database);
 };
 
 /// Number, time, hash and scene.
 std::string DecodeHead(const Statement& row, RecordedStep& step);
 /// Commands and broadcasts, of channels and robots of `scene`; null: they are not compared with any.
 std::string DecodeInputs(const Statement& row, const Scene* scene, RecordedStep& step);
-/// Channels, readings and poses.
+/// Channels, readings, poses and scores.
 std::string DecodeReadings(const Statement& row, const Scene& scene, RecordedStep& step);
 
 }  // namespace coopdyn

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "server/model/values.h"
 #include "server/record/run_tables.h"
 #include "server/replay/export_file.h"
 #include "server/replay/run_table.h"
@@ -63,6 +64,10 @@ std::string Header(const RunTable& table) {
   for (const std::string& object : columns.objects) {
     for (const char* field : kPoseNames) line += "," + object + "." + field;
   }
+  for (const ScoreColumn& score : columns.scores) {
+    line += ",score." + score.name + (score.unit.empty() ? "" : "_" + ToLower(score.unit));
+  }
+  for (const std::string& name : columns.logged) line += ",logged." + name;
   return line + ",hash\n";
 }
 
@@ -90,6 +95,8 @@ void AppendRow(const RunRow& row, const RunTable& table, std::string& line) {
     add_all(robot.readings);
   }
   for (const PoseValues& object : row.objects) add_all(object);
+  add_all(row.scores);
+  add_all(row.logged);
   line += ',';
   line += HashText(row.hash);
   line += '\n';

@@ -19,6 +19,8 @@ struct ExportOptions {
   /// Names, also of swarms, in any order; nothing: all. The columns stand in the order of the run.
   std::optional<std::vector<std::string>> robots = {};
   std::optional<std::vector<std::string>> objects = {};  // of things that move; nothing: all
+  /// Names of scores and of logged numbers; nothing: all.
+  std::optional<std::vector<std::string>> scores = {}, logged = {};
   /// Sensors' modules by name or type, of robots that have them; nothing: none.
   std::vector<std::string> readings = {};
   double every_s = 0;  // least simulated time between two rows; 0: all

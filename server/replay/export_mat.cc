@@ -28,12 +28,14 @@ constexpr std::uint64_t kFormatLimit = (std::uint64_t{1} << 31U) - (std::uint64_
 /// Of the time that an export takes; writing compresses.
 constexpr double kShareOfReading = 0.25;
 
-constexpr std::array kRunFields{"file",  "scenario", "seed",   "version", "time",    "step",
-                                "names", "hash",     "robots", "objects", "targets", "events"};
+constexpr std::array kRunFields{"file", "scenario", "seed",    "version", "time",   "step",   "names",
+                                "hash", "robots",   "objects", "targets", "events", "scores", "logged"};
 constexpr std::array kRobotFields{"name",     "type",      "pose",         "pose_3d",   "joints",
                                   "channels", "setpoints", "modes",        "distances", "targets",
                                   "commands", "readings",  "reading_names"};
 constexpr std::array kObjectFields{"name", "pose_3d"};
+constexpr std::array kScoreFields{"name", "unit", "value"};
+constexpr std::array kLoggedFields{"name", "value"};
 constexpr std::array kTargetFields{"color", "x", "y", "z"};
 constexpr std::array kEventFields{"step", "time_s", "level", "text"};
 
@@ -46,7 +48,7 @@ struct RunMatrices {
   MatMatrix time, step;
   std::vector<std::string> hashes;
   std::vector<RobotMatrices> robots;
-  std::vector<MatMatrix> objects;
+  std::vector<MatMatrix> objects, scores, logged;
 };
 
 /// The values of the chosen sensors: imu_ax_m_s2, …
@@ -71,8 +73,9 @@ std::uint64_t MaxBytes(const RunTable& table) {
   std::uint64_t row = 2 * sizeof(double) + 2 * kHash, around = 4096;
   for (const RobotColumn& robot : columns.robots)
     row += sizeof(double) * ColumnsOf(robot, columns, table.what());
-  row += columns.objects.size() * sizeof(PoseValues);
-  around += (columns.robots.size() + columns.objects.size()) * kPerRobot;
+  const std::size_t numbers = columns.scores.size() + columns.logged.size();
+  row += columns.objects.size() * sizeof(PoseValues) + numbers * sizeof(double);
+  around += (columns.robots.size() + columns.objects.size() + numbers) * kPerRobot;
   return table.max_rows() * row + around;
 }
 
@@ -127,6 +130,8 @@ RunMatrices MakeMatrices(const RunTable& table) {
                           robot.readings.empty() ? MatMatrix() : MatMatrix(NamesOf(robot).size(), rows)});
   }
   for (std::size_t i = 0; i < columns.objects.size(); ++i) run.objects.emplace_back(7, rows);
+  run.scores.assign(columns.scores.size(), MatMatrix(1, rows));
+  run.logged.assign(columns.logged.size(), MatMatrix(1, rows));
   return run;
 }
 
@@ -148,6 +153,8 @@ void AppendRow(const RunRow& row, const RecordWhat& what, RunMatrices& run) {
     if (!values.readings.empty()) robot.readings.Append(values.readings);
   }
   for (std::size_t i = 0; i < row.objects.size(); ++i) run.objects[i].Append(row.objects[i]);
+  for (std::size_t i = 0; i < row.scores.size(); ++i) run.scores[i].Append({&row.scores[i], 1});
+  for (std::size_t i = 0; i < row.logged.size(); ++i) run.logged[i].Append({&row.logged[i], 1});
 }
 
 MatValue RobotsValue(const RunColumns& columns, RunMatrices& run) {
@@ -194,6 +201,25 @@ MatValue TargetsValue(const RunColumns& columns) {
   return targets.Take();
 }
 
+MatValue ScoresValue(const RunColumns& columns, RunMatrices& run) {
+  MatStruct scores(nullptr, columns.scores.size(), kScoreFields);
+  for (std::size_t i = 0; i < columns.scores.size(); ++i) {
+    scores.Set("name", MatText(columns.scores[i].name), i);
+    scores.Set("unit", MatText(columns.scores[i].unit), i);
+    scores.Set("value", run.scores[i].View(), i);
+  }
+  return scores.Take();
+}
+
+MatValue LoggedValue(const RunColumns& columns, RunMatrices& run) {
+  MatStruct logged(nullptr, columns.logged.size(), kLoggedFields);
+  for (std::size_t i = 0; i < columns.logged.size(); ++i) {
+    logged.Set("name", MatText(columns.logged[i]), i);
+    logged.Set("value", run.logged[i].View(), i);
+  }
+  return logged.Take();
+}
+
 MatValue EventsValue(const std::vector<Event>& all) {
   MatStruct events(nullptr, all.size(), kEventFields);
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -224,6 +250,8 @@ MatValue RunValue(RunReader& reader, const RunTable& table, const std::vector<Ev
   value.Set("objects", ObjectsValue(columns, run));
   value.Set("targets", TargetsValue(columns));
   value.Set("events", EventsValue(events));
+  value.Set("scores", ScoresValue(columns, run));
+  value.Set("logged", LoggedValue(columns, run));
   return value.Take();
 }
 

@@ -2,6 +2,7 @@
 #include "server/replay/run_columns.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <unordered_set>
 
@@ -82,6 +83,25 @@ void ChooseObjects(const Names& words, const std::unordered_set<std::string>& fi
   });
 }
 
+bool IsIn(const std::string& name, const Names& names) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+/// Keeps the columns that `words` name.
+template <typename Column, typename NameOf>
+void ChooseNumbers(const Names& words, const std::string& what, std::vector<Column>& columns, NameOf name_of,
+                   std::string& error) {
+  Names known;
+  for (const Column& column : columns) known.push_back(std::invoke(name_of, column));
+  for (const std::string& word : words) {
+    if (IsIn(word, known)) continue;
+    error =
+        "there is no " + what + " '" + word + "' in this part of the run" + Instead(word, known, what + "s");
+    return;
+  }
+  std::erase_if(columns, [&](const Column& column) { return !IsIn(std::invoke(name_of, column), words); });
+}
+
 /// Sensors of `model` that `words` name, and what could have been named.
 std::vector<ReadingColumn> ReadingsOf(const RobotModel& model, const Names& words, Names& known) {
   std::vector<ReadingColumn> readings;
@@ -107,8 +127,8 @@ void LabelTargets(std::vector<TargetColumn>& targets) {
 
 }  // namespace
 
-RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, const ExportOptions& options,
-                         std::string& error) {
+RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, const RunNumbers& numbers,
+                         const ExportOptions& options, std::string& error) {
   RunColumns columns;
   std::unordered_set<std::string> robots, objects, fixed;
   std::unordered_set<std::uint32_t> targets;
@@ -149,6 +169,15 @@ RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, c
   }
   if (options.robots && error.empty()) ChooseRobots(*options.robots, scenario, columns.robots, error);
   if (options.objects && error.empty()) ChooseObjects(*options.objects, fixed, columns.objects, error);
+  if (scenario != nullptr && numbers.scores) {
+    for (const ScoreEntry& score : scenario->scores)
+      columns.scores.push_back({score.name, UnitOf(score.kind), columns.scores.size()});
+  }
+  columns.logged = numbers.logged;
+  if (options.scores && error.empty())
+    ChooseNumbers(*options.scores, "score", columns.scores, &ScoreColumn::name, error);
+  if (options.logged && error.empty())
+    ChooseNumbers(*options.logged, "logged number", columns.logged, std::identity(), error);
   return columns;
 }
 

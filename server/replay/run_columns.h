@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which robots, things and targets of a run become columns, chosen by name. Pure; any thread.
+// Which robots, things, targets, scores and logged numbers of a run become columns, chosen by name. Pure; any
+// thread.
 #pragma once
 
 #include <cstddef>
@@ -40,16 +41,29 @@ struct TargetColumn {
   Vector3 p_WT = Vector3::Zero();
 };
 
+struct ScoreColumn {
+  std::string name, unit;
+  std::size_t place = 0;  // among the scores of the scenario
+};
+
 struct RunColumns {
   std::vector<RobotColumn> robots;
   std::vector<std::string> objects;
   std::vector<TargetColumn> targets;
+  std::vector<ScoreColumn> scores;
+  std::vector<std::string> logged;  // names
+};
+
+/// What a run has besides the things of its scenes.
+struct RunNumbers {
+  bool scores = false;              // they were recorded
+  std::vector<std::string> logged;  // names
 };
 
 /// The columns of a run through `scenes`, in order: robots and things of all of them, each once, in the order
-/// of their first appearance. Sets `error` if a name that was chosen is in none of them; it says which is
-/// near.
-RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, const ExportOptions& options,
-                         std::string& error);
+/// of their first appearance; scores in the order of the scenario, logged numbers by name. Sets `error` if a
+/// name that was chosen is in none of them; it says which is near.
+RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, const RunNumbers& numbers,
+                         const ExportOptions& options, std::string& error);
 
 }  // namespace coopdyn

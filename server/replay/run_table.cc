@@ -158,7 +158,9 @@ std::string RunTable::Choose(const ExportOptions& options) {
                        FormatNumber(ToSeconds(end_)));
   }
   std::string error;
-  columns_ = ChooseColumns(scenes, options, error);
+  logged_.Add(reader_.Events());
+  if (!reader_.error().empty()) return reader_.error();
+  columns_ = ChooseColumns(scenes, {reader_.has_scores(), logged_.Names(last_)}, options, error);
   if (!options.readings.empty()) moments_ = std::make_unique<PlayFrames>(reader_);
   const Nanoseconds spacing = std::max(every_, reader_.header().pose_every);
   max_rows_ = steps_;
@@ -269,6 +271,17 @@ bool RunTable::MakeReadings(const Places& places) {
   return true;
 }
 
+void RunTable::MakeNumbers(const RecordedStep& recorded) {
+  row_.scores.clear();
+  for (const ScoreColumn& score : columns_.scores)
+    row_.scores.push_back(score.place < recorded.scores.size() ? recorded.scores[score.place].value : kNan);
+  row_.logged.clear();
+  for (const std::string& name : columns_.logged) {
+    const Logged* newest = logged_.Find(name, recorded.step);
+    row_.logged.push_back(newest == nullptr ? kNan : newest->value);
+  }
+}
+
 bool RunTable::MakeRow(const RecordedStep& recorded, const Places& places) {
   if (!FillFrame(recorded, places.scene, reader_.header(), frame_)) return false;
   row_.step = recorded.step;
@@ -281,6 +294,7 @@ bool RunTable::MakeRow(const RecordedStep& recorded, const Places& places) {
         place < 0 ? kNowhere
                   : ToValues(ObjectPose(frame_, places.scene->objects[static_cast<std::size_t>(place)]));
   }
+  MakeNumbers(recorded);
   return moments_ == nullptr || MakeReadings(places);
 }
 

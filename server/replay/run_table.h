@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "server/record/logged_numbers.h"
 #include "server/record/player_frames.h"
 #include "server/record/run_reader.h"
 #include "server/replay/run_columns.h"
@@ -45,6 +46,8 @@ struct RunRow {
   std::uint64_t hash = 0;           // of the exact state
   std::vector<RobotValues> robots;  // as the columns
   std::vector<PoseValues> objects;
+  std::vector<double> scores;  // nan: it cannot be told
+  std::vector<double> logged;  // the newest by then; nan: none yet
 };
 
 /// The set-points of a robot after some came in force; with the first step of a file those in force then.
@@ -106,6 +109,7 @@ class RunTable {
   void TakeSetpoints(const SavedState& state);
   void TakeCommands(const RecordedStep& recorded, const Places& places,
                     const std::function<void(const CommandRow&)>& use);
+  void MakeNumbers(const RecordedStep& recorded);
   bool MakeRow(const RecordedStep& recorded, const Places& places);
   /// The chosen sensors of all robots. False if the file is damaged.
   bool MakeReadings(const Places& places);
@@ -114,6 +118,7 @@ class RunTable {
 
   RunReader& reader_;
   RunColumns columns_;
+  LoggedNumbers logged_;
   std::uint64_t first_ = 0, last_ = 0;  // steps to read
   Nanoseconds begin_ = 0, end_ = 0;     // times to use, both included
   Nanoseconds every_ = 0;

@@ -180,7 +180,7 @@ std::optional<Difference> FindTarget(const std::vector<float>& recorded, const F
     const std::size_t each = 2 * std::max<std::size_t>(targets.size(), 1);  // readings of a robot
     std::string field = place % 2 == 0 ? "_distance_m" : "_bearing_rad";
     std::string error;
-    for (const TargetColumn& column : ChooseColumns(std::span(&frame.scene, 1), {}, error).targets) {
+    for (const TargetColumn& column : ChooseColumns(std::span(&frame.scene, 1), {}, {}, error).targets) {
       if (column.id == targets[place % each / 2].id) field.insert(0, column.label);
     }
     return std::pair(place / each, std::move(field));

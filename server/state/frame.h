@@ -139,7 +139,7 @@ struct Frame {
       commanded;  // as scene->actuators: 1 if a client's command came in force with this step
   /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
   std::vector<SentMessage> messages;
-  std::vector<Score> scores;  // as scene->scenario->scores; empty: none are kept, as in playback
+  std::vector<Score> scores;  // as scene->scenario->scores; empty: none are kept
   /// In playback: the hash of the state that was recorded, of which these poses are roundings.
   std::optional<std::uint64_t> recorded_hash;
 

@@ -137,10 +137,12 @@ class RunControl {
     logged_[name] = logged;
     return true;
   }
-  void ClearLogged() EXCLUDES(mutex_) {
+  /// In a playback: what had been logged by the moment that is shown.
+  void ReplaceLogged(std::map<std::string, Logged> logged) EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
-    logged_.clear();
+    logged_ = std::move(logged);
   }
+  void ClearLogged() { ReplaceLogged({}); }
   std::map<std::string, Logged> logged() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     return logged_;

@@ -179,8 +179,6 @@ std::optional<HttpRoute> RunViewIn(std::string_view path, std::string_view query
   if (view.what == "parting" && (!view.with.ends_with(kRunExtension) || !IsRunName(view.with))) {
     return Refuse(400, "parting compares two recordings: write ?with=OTHER.run");
   }
-  if (view.what == "table" && view.robot.empty())
-    return Refuse(400, "a table is of one robot: write ?robot=NAME");
   return HttpRoute{.kind = HttpRouteKind::kRunView, .view = std::move(view)};
 }
 

@@ -71,10 +71,10 @@ enum class HttpRouteKind {
 /// /runs/NAME.run/WHAT, or /api/playback/WHAT of what is played:
 /// ?with=OTHER.run&robot=NAME&points=1000&rate=30
 struct RunView {
-  std::string run;   // empty: what is played
-  std::string what;  // timeline, scene, poses, table, parting
-  std::string with;  // another run
-  std::string robot;
+  std::string run;    // empty: what is played
+  std::string what;   // timeline, scene, poses, table, parting
+  std::string with;   // another run
+  std::string robot;  // of table; empty: the run itself
   int points = 1000;
   double rate_hz = 30;
 };

@@ -55,6 +55,12 @@ void DecodeColumns(std::span<const std::byte> bytes, const coopdyn::Scene& measu
     coopdyn::EncodeMessages(messages, again);
     Require(again.size() == bytes.size());
   }
+  again.clear();
+  std::vector<coopdyn::Score> scores;
+  if (coopdyn::DecodeScores(bytes, scores)) {
+    coopdyn::EncodeScores(scores, again);
+    Require(again.size() == bytes.size());
+  }
   std::vector<float> values;
   if (coopdyn::DecodeFloats(bytes, values)) Require(values.size() * sizeof(float) == bytes.size());
   for (const std::size_t channels : {0, 1, 3}) {

@@ -175,10 +175,12 @@ test('a table of a run has the numbers of its export', async () => {
   const [head, ...rows] = (await answer.text()).trim().split('\n');
   assert.match(head, /robot1\.x_m/);
   assert.ok(rows.length > 90 && rows.length <= 202, String(rows.length));
+  const ofRun = await (await fetch(new URL('runs/turning.run/table?points=100', daemon.url))).text();
+  assert.match(ofRun, /^step,time_s,hash\n0,0,[0-9a-f]{16}\n/, 'without scores and logged numbers no more');
 });
 
 test('what is asked of a recording wrongly is refused in words', async () => {
-  for (const [path, status, words] of [['runs/none.run/timeline', 404, /no recording/], ['runs/straight.run/table', 400, /robot=NAME/],
+  for (const [path, status, words] of [['runs/none.run/timeline', 404, /no recording/],
     ['runs/straight.run/parting', 400, /with=/], ['runs/straight.run/parting?with=../x.run', 400, /with=/],
     ['runs/straight.run/poses?rate=0', 400, /0\.1 to/], ['runs/straight.run/table?robot=nobody', 409, /nobody/]]) {
     const answer = await fetch(new URL(path, daemon.url));

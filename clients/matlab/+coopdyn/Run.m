@@ -4,7 +4,7 @@ classdef Run
 %     run = coopdyn.read_run('lesson1.mat');
 %     p = run.pose('robot1');  plot(p(:, 1), p(:, 2))    % a path
 %   k is the number of recorded moments: the first is the state that recording began with. What was not there, or not
-%   recorded at a moment, is nan. Methods: pose, pose_3d, reading, joints, commands, logged.
+%   recorded at a moment, is nan. Methods: pose, pose_3d, reading, joints, commands, score, scores, logged.
   properties (SetAccess = private)
     file      % its name
     info      % struct: what is known of the run as a whole, version and seed
@@ -18,6 +18,7 @@ classdef Run
   properties (Access = private)
     robots
     objects
+    values  % of the scores: struct array with name, unit, value
   end
   methods
     function run = Run(s)
@@ -31,6 +32,8 @@ classdef Run
       run.hash = cellstr(s.hash);
       run.robots = s.robots;
       run.objects = s.objects;
+      run.values = struct('name', {}, 'unit', {}, 'value', {});
+      if isfield(s, 'scores'); run.values = s.scores; end  % older files have none
       run.events = struct('step', {}, 'time', {}, 'level', {}, 'text', {});
       for k = 1:numel(s.events)
         e = s.events(k);
@@ -52,6 +55,26 @@ classdef Run
       y = q(:, 6);
       z = q(:, 7);
       p = [q(:, 1:2), atan2(2 * (w .* z + x .* y), 1 - 2 * (y .* y + z .* z))];
+    end
+
+    function p = score(run, name)
+    %SCORE Time [s] and value of a score, k x 2; nan if it cannot be told.
+      coopdyn.internal.need(nargin, 2, 'run.score(''distance'')');
+      i = find_name(run.values, name);
+      if i == 0
+        text = [run.file ' has no score ' char(name)];
+        if ~isempty(run.values); text = [text '; there are ' strjoin({run.values.name}, ', ')]; end
+        coopdyn.internal.fail(10, text);
+      end
+      p = [run.time, run.values(i).value(:)];
+    end
+
+    function s = scores(run)
+    %SCORES What the run was worth at its last moment, a field for each of the scenario's [SCORE_n].
+      s = struct();
+      for i = 1:numel(run.values)
+        s.(run.values(i).name) = run.values(i).value(end);
+      end
     end
 
     function p = logged(run, name)

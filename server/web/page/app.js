@@ -17,6 +17,7 @@ import {People} from './people.js';
 import {Plots} from './plots.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
+import {Scores} from './scores.js';
 import {Strip} from './strip.js';
 import {StripHistory} from './strip_history.js';
 import {Timeline} from './timeline.js';
@@ -43,6 +44,7 @@ new Costs();
 const joystick = new Joystick(connection);
 const robots = new Robots(connection);
 const lines = new Console(connection);
+const scores = new Scores();
 
 /** The view that is drawn here; without WebGL, or with ?view=server, pictures of the daemon. */
 async function openView() {
@@ -97,6 +99,7 @@ connection.addEventListener('status', ({detail: status}) => {
   strip.update(status);
   controls.update(status);
   if (!status) return;  // the rest stays as it was last
+  scores.update(status);
   timeline.update(status.playback);
   if (greeted) links.follow(status);
   plots.update(status);

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The tab Plots: values of robots against simulated time, live and of the recording that is played; a strip of the real-time
-// factor and the state hash.
+// The tab Plots: values of robots, scores and logged numbers against simulated time, live and of the recording that is played;
+// a strip of the real-time factor and the state hash.
 import {byId, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, tab} from './layout.js';
-import {LiveSeries, readTable} from './series.js';
+import {readRunTable, RunSeries} from './run_series.js';
+import {LiveSeries, readTable, robotValue} from './series.js';
 
 const TABLE_POINTS = 4000;
 const HEIGHT_PX = 170;
 const COLORS = ['#2f7bf0', '#e0672c', '#1c9a5b', '#b23fb5', '#c79a00', '#0fa3b1', '#d0342c', '#7a6ff0'];
 const STRIP_S = 60;
+const RUN = '/run';  // chosen in place of a robot; no robot is called so
 
 /** Names, units and numbers of the curves, as CSV. */
 export function csvOf(robot, values, points) {
@@ -30,7 +32,7 @@ export class Plots {
   #due = 0;
   #rates = [];         // {time, rtf}
   #panel = tab('plots', 'Plots');
-  #robots = make('select', {id: 'plot-robot', 'aria-label': 'Robot'});
+  #robots = make('select', {id: 'plot-robot', 'aria-label': 'Robot, or the run'});
   #span = make('select', {id: 'plot-span', 'aria-label': 'How much is shown'}, make('option', {value: 10}, 'last 10 s'),
     make('option', {value: 60}, 'last 60 s'), make('option', {value: 0, selected: true}, 'all'));
   #values = make('div', {id: 'plot-values', role: 'group', 'aria-label': 'Values'});
@@ -71,11 +73,11 @@ export class Plots {
     this.#rates.push({time: performance.now() / 1000, rtf: Number.isFinite(status.rtf) ? status.rtf : 0});
     while (this.#rates[0].time < this.#rates.at(-1).time - STRIP_S) this.#rates.shift();
     if (!isShown('plots')) return;
-    const names = status.robots.map(({name}) => name);
+    const names = [RUN, ...status.robots.map(({name}) => name)];
     const listed = [...this.#robots.options].map(({value}) => value);
     if (JSON.stringify(names) !== JSON.stringify(listed)) {
-      this.#robots.replaceChildren(...names.map((name) => make('option', {value: name}, name)));
-      if (!names.includes(this.#robot)) this.#robot = names[0] ?? '';
+      this.#robots.replaceChildren(...names.map((name) => make('option', {value: name}, name === RUN ? 'the run' : name)));
+      if (!names.includes(this.#robot)) this.#robot = names[1] ?? RUN;
       this.#robots.value = this.#robot;
     }
     this.#open();
@@ -86,25 +88,34 @@ export class Plots {
   get #kind() { return this.#status?.playback ? 'run' : 'live'; }
   get #marked() { return this.#chosen.get(this.#kind); }
 
-  /** Follows the robot that is chosen, unless it is followed already. */
+  /** What files and headings call the choice. */
+  get #title() { return this.#robot === RUN ? 'run' : this.#robot; }
+
+  /** Follows the robot that is chosen, or the run, unless it is followed already. */
   async #open() {
-    const robot = this.#status?.robots.find(({name}) => name === this.#robot);
-    if (!robot || !isShown('plots')) return;
-    const key = JSON.stringify([this.#kind, this.#status.playback?.file, this.#status.scenario, robot.name, robot.modules.map(({name}) => name)]);
+    const ofRun = this.#robot === RUN;
+    const robot = ofRun ? {name: RUN, modules: []} : this.#status?.robots.find(({name}) => name === this.#robot);
+    if (!robot || !this.#status || !isShown('plots')) return;
+    const {playback, scenario, scores} = this.#status;
+    const key = JSON.stringify([this.#kind, playback?.file, scenario, robot.name, robot.modules.map(({name}) => name)]);
     if (key === this.#sourceKey) return;
     this.#close();
     this.#sourceKey = key;
     setText(this.#note, 'reading …');
     if (this.#kind === 'live') {
-      const live = new LiveSeries(this.#connection, robot.name, robot.modules.map(({name}) => name));
+      const live = ofRun ? new RunSeries(this.#connection)
+        : new LiveSeries(this.#connection, robot.name, robot.modules.map(({name}) => name));
       live.addEventListener('values', () => { this.#showValues(); this.#build(); });
       live.addEventListener('points', () => this.#soon());
       this.#source = live;
     } else {
-      const answer = await fetch(`api/playback/table?robot=${encodeURIComponent(robot.name)}&points=${TABLE_POINTS}`).catch(() => null);
+      const whose = ofRun ? '' : `robot=${encodeURIComponent(robot.name)}&`;
+      const answer = await fetch(`api/playback/table?${whose}points=${TABLE_POINTS}`).catch(() => null);
       if (this.#sourceKey !== key) return;
       if (!answer?.ok) return setText(this.#note, answer ? (await answer.text()).trim() : 'the daemon does not answer');
-      this.#source = readTable(robot.name, await answer.text());
+      const text = await answer.text();
+      if (this.#sourceKey !== key) return;
+      this.#source = ofRun ? readRunTable(text, scores) : readTable(text, robotValue(robot.name));
       this.#showValues();
       this.#build();
     }
@@ -124,7 +135,7 @@ export class Plots {
       if (!groups.has(value.module)) groups.set(value.module, []);
       groups.get(value.module).push(value);
     }
-    this.#values.replaceChildren(...[...groups].map(([module, values]) => make('fieldset', {}, make('legend', {}, module || this.#robot),
+    this.#values.replaceChildren(...[...groups].map(([module, values]) => make('fieldset', {}, make('legend', {}, module || this.#title),
       ...values.map(({key, name, unit}) => {
         const box = make('input', {type: 'checkbox', checked: this.#marked.has(key)});
         box.dataset.key = key;
@@ -141,6 +152,9 @@ export class Plots {
   #sayWhatNext() {
     const none = this.values.every(({key}) => !this.#marked.has(key));
     const playing = this.#kind === 'run' ? ' A click on a plot goes to that time.' : '';
+    if (this.#robot === RUN && this.values.length === 0) {
+      return setText(this.#note, 'The scores of a scenario, and numbers that clients log, can be plotted: there are none.');
+    }
     setText(this.#note, none ? 'Choose values: those of one unit share a plot.' : `Drag to zoom, double click for all.${playing}`);
   }
 
@@ -161,6 +175,7 @@ export class Plots {
     const axis = {stroke: style.color, grid: {stroke: '#8883', width: 1}, ticks: {show: false}, font: '11px system-ui', size: 44};
     for (const [unit, at] of units) {
       const series = at.map((column, i) => ({label: `${this.values[column].module} ${this.values[column].name}`.trim(),
+        ...(this.values[column].holds ? {paths: this.#uPlot.paths.stepped({align: 1})} : {}),
         stroke: COLORS[i % COLORS.length], width: 1.5, points: {show: false}, value: (_, value) => showNumber(value, 3)}));
       const chart = new this.#uPlot({width: this.#width, height: HEIGHT_PX, cursor: {sync: {key: 'coopdyn'}}, legend: {live: true},
         scales: {x: {time: false}}, series: [{label: 's', value: (_, value) => showNumber(value, 2)}, ...series],
@@ -232,8 +247,8 @@ export class Plots {
     const at = this.values.map((value, i) => (this.#marked.has(value.key) ? i : -1)).filter((i) => i >= 0);
     if (at.length === 0) return say('choose a value to plot first', true);
     const {times, columns} = this.#source.points;
-    const text = csvOf(this.#robot, at.map((i) => this.values[i]), {times, columns: at.map((i) => columns[i])});
-    saveFile(`${this.#robot}.csv`, new Blob([text], {type: 'text/csv'}));
+    const text = csvOf(this.#title, at.map((i) => this.values[i]), {times, columns: at.map((i) => columns[i])});
+    saveFile(`${this.#title}.csv`, new Blob([text], {type: 'text/csv'}));
   }
 
   #savePng() {
@@ -248,7 +263,7 @@ export class Plots {
       draw.drawImage(chart, 0, y);
       y += chart.height;
     }
-    sheet.toBlob((blob) => saveFile(`${this.#robot}.png`, blob));
+    sheet.toBlob((blob) => saveFile(`${this.#title}.png`, blob));
   }
 
   #drawStrip() {

@@ -5,7 +5,9 @@ const MOST_POINTS = 20000;  // of a curve; then every other one goes
 const PERIOD_MS = 50;
 const MOST_VALUES = 64;     // of a module that can be plotted
 
-/** Points of one robot: times, and a column for each value. Simulated time only grows; a step back begins anew. */
+const numberOf = (value) => (typeof value === 'number' ? value : null);
+
+/** Points of one robot, or of the run: times, and a column for each value. Simulated time only grows; a step back begins anew. */
 export class Points {
   times = [];
   columns = [];
@@ -14,19 +16,30 @@ export class Points {
 
   add(time, values) {
     const last = this.times.at(-1);
-    if (time === last) return false;
+    if (time === last) return this.#correct(values);
     if (time < last) {
       this.times.length = 0;
       for (const column of this.columns) column.length = 0;
     }
     this.times.push(time);
-    this.columns.forEach((column, i) => column.push(typeof values[i] === 'number' ? values[i] : null));
+    this.columns.forEach((column, i) => column.push(numberOf(values[i])));
     if (this.times.length > MOST_POINTS) {
       const half = (list) => list.filter((_, i) => i % 2 === 0);
       this.times = half(this.times);
       this.columns = this.columns.map(half);
     }
     return true;
+  }
+
+  /** What is read of the same time again counts: a number may be logged after the step was read. */
+  #correct(values) {
+    let changed = false;
+    this.columns.forEach((column, i) => {
+      const value = numberOf(values[i]);
+      changed ||= column.at(-1) !== value;
+      column[column.length - 1] = value;
+    });
+    return changed;
   }
 }
 
@@ -53,12 +66,16 @@ export function columnOf(robot, text) {
   return {name: plain, unit: ''};
 }
 
-/** Reads a table of a recording. */
-export function readTable(robot, text) {
+/** What a column of a recording's table says of a robot; null: nothing. */
+export const robotValue = (robot) => (column) =>
+  (column.startsWith(`${robot}.`) ? {key: column, module: '', ...columnOf(robot, column)} : null);
+
+/** Reads a table of a recording: of the columns those that `valueOf` has a value for. */
+export function readTable(text, valueOf) {
   const [head, ...lines] = text.trim().split('\n');
   const names = head.split(',').map((name) => name.replaceAll('"', ''));
   const time = names.findIndex((name) => /^time(_s)?$/.test(name));
-  const chosen = names.map((name, i) => [name, i]).filter(([name]) => name.startsWith(`${robot}.`));
+  const chosen = names.map((name, i) => [valueOf(name), i]).filter(([value]) => value);
   const points = new Points(chosen.length);
   for (const line of lines) {
     const cells = line.split(',');
@@ -68,7 +85,7 @@ export function readTable(robot, text) {
       points.columns[i].push(cells[at] !== '' && Number.isFinite(value) ? value : null);
     });
   }
-  return {values: chosen.map(([name]) => ({key: name, module: '', ...columnOf(robot, name)})), points};
+  return {values: chosen.map(([value]) => value), points};
 }
 
 /** Follows all modules of a robot in a live run while somebody looks. Event: points. */

@@ -58,7 +58,8 @@ std::vector<std::string> Drive(Simulation& sim, Robot& robot, int steps) {
 std::vector<std::string> Record(const Folder& folder) {
   fs::create_directory(folder.path() / "daemon");
   const auto daemon =
-      ServerProcess::Real("classroom", {"--mode", "lockstep", "--recordings", folder / "daemon"});
+      ServerProcess::Real("classroom", {"--mode", "lockstep", "--recordings", folder / "daemon", "--set",
+                                        "SCORE_1.kind=time", "--set", "SCORE_2.kind=distance"});
   auto sim = connect(daemon.server());
   auto robot = sim.robot(1);
   EXPECT_FALSE(sim.recording());
@@ -149,6 +150,14 @@ TEST(Recording, EveryNumberOfARunIsThatOfTheCsvExport) {
     EXPECT_EQ(csv.at("robot1.d" + std::to_string(i + 1) + "_m"), Column(distances, i));
   EXPECT_EQ(csv.at("robot1.red1_distance_m"), Column(targets, 0));
   EXPECT_EQ(csv.at("robot1.red1_bearing_rad"), Column(targets, 1));
+  const RunRows way = run.score("distance");
+  EXPECT_EQ(csv.at("time_s"), Column(way, 0));
+  EXPECT_EQ(csv.at("score.distance_m"), Column(way, 1));
+  EXPECT_GT(way[kSteps][1], 0.05);
+  EXPECT_EQ(run.scores(),
+            (std::map<std::string, double>{{"time", run.time().back()}, {"distance", way[kSteps][1]}}));
+  EXPECT_TRUE(
+      ErrorOf([&] { run.score("way"); }).text().ends_with("has no score way; there are time, distance"));
   ASSERT_EQ(commands.size(), kSteps + 1u);  // the start, and one with each step
   EXPECT_EQ(csv.at("step"), Column(commands, 0));
   EXPECT_EQ(csv.at("time_s"), Column(commands, 1));

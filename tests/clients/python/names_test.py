@@ -24,7 +24,7 @@ JOINTS = set("""name names set_positions set_positions_direct set_velocities set
     set_gains get get_modes get_compliance get_profile get_gains get_limits get_motion arrived get_references get_chain forward
     inverse""".split())
 TEAM = set("n names ids step step_wheels read select stop release close".split())
-RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events logged".split())
+RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events score scores logged".split())
 READINGS = set("pose distances targets neighbours wheels compass support joints".split())
 FUNCTIONS = {"connect", "launch", "doctor", "read_run"}
 

@@ -78,6 +78,23 @@ class RunChainTest : public ::testing::Test {
   static constexpr const char* kMore = "[BOX_2]\ntype box\nsize 0.5 0.5 0.5\nposition -3 3\nmass 2kg\n";
 };
 
+TEST_F(RunChainTest, AnOlderFileWithoutAColumnOfScoresIsWhole) {
+  Change("ALTER TABLE step DROP COLUMN scores");
+  EXPECT_NE(Find(), "") << "the chain knows of the column";
+  Rechain(file_);
+  EXPECT_EQ(Find(), "");
+  std::string error;
+  const auto reader = RunReader::Open(file_, error);
+  ASSERT_NE(reader, nullptr) << error;
+  EXPECT_FALSE(reader->has_scores());
+  Diagnostics diagnostics;
+  ASSERT_NE(reader->LoadScenario(SourcePath(), diagnostics), nullptr) << diagnostics.ToString();
+  const auto step = reader->Read(5);
+  ASSERT_TRUE(step) << reader->error();
+  EXPECT_TRUE(step->scores.empty());
+  EXPECT_FALSE(step->bodies.empty());
+}
+
 TEST_F(RunChainTest, AFileThatAnotherProgramHoldsWasNotChanged) {
   std::string error;
   const auto other = Database::Open(file_, Database::Access::kReadWrite, error);
@@ -169,7 +186,7 @@ INSTANTIATE_TEST_SUITE_P(
         Tampering{"StepOut", "DELETE FROM step WHERE step = 7", "8 the row of step 8 chain"},
         Tampering{"StepIn",
                   "INSERT INTO step SELECT 13, time_ns, hash, scene, commands, messages, channels, "
-                  "distances, targets, poses, chain FROM step WHERE step = 11",
+                  "distances, targets, poses, scores, chain FROM step WHERE step = 11",
                   "13 the row of step 13 chain"},
         Tampering{"StepsSwapped",
                   "UPDATE step SET step = -1 WHERE step = 3; UPDATE step SET step = 3 WHERE step = 4; "
