@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Controllers that coopdyn loads at run time: one shared object NAME.so that exports
- * coopdyn_controller_entry(), in C or any language with C functions. A scenario names it (`controller NAME
- * option=value`); `coopdyn new-controller NAME` writes a start.
+ * coopdyn_controller_entry(), in C or any language with C functions. A scenario names it: `controller NAME
+ * option=value` of a robot, or `supervisor NAME option=value` of [SIMULATION], which is the world's.
+ * `coopdyn new-controller NAME` writes a start.
  *
- * Where it runs: in a child process of the daemon, so that whatever goes wrong stops one robot and nothing
- * else. Controllers of different robots may be stepped at the same time by different threads, one instance
- * never by two: keep what changes in the instance, not in globals. To be repeatable use the seed given, never
- * clock() or rand(). Units are SI; headings and bearings 0 ahead, left positive, in (-pi, pi]. */
+ * Where it runs: in a child process of the daemon, so that whatever goes wrong stops one robot, or the
+ * supervisor, and nothing else. Controllers of different robots may be stepped at the same time by different
+ * threads, one instance never by two: keep what changes in the instance, not in globals. To be repeatable use
+ * the seed given, never clock() or rand(). Units are SI; headings and bearings 0 ahead, left positive, in
+ * (-pi, pi]. */
 #ifndef COOPDYN_CONTROLLER_H
 #define COOPDYN_CONTROLLER_H
 
@@ -18,14 +20,19 @@ extern "C" {
 #endif
 
 /* Of this file. A controller built against another one is refused. */
-#define COOPDYN_CONTROLLER_VERSION 3
+#define COOPDYN_CONTROLLER_VERSION 4
 
 #define COOPDYN_MAX_MESSAGE 8   /* numbers in one broadcast */
 #define COOPDYN_MAX_OPTIONS 64  /* of one controller */
 #define COOPDYN_MAX_STATE 65536 /* bytes */
+#define COOPDYN_MAX_NAME 64     /* bytes of a name, the final 0 included */
+#define COOPDYN_MAX_TEXT 128    /* bytes of a text, likewise */
+#define COOPDYN_MAX_LOGS 16     /* numbers logged in one step */
+#define COOPDYN_MAX_MOVES 4096  /* things that a supervisor moves in one step */
 
 /* Which readings a controller wants: the others cost nothing and are empty. COOPDYN_SETPOINTS is none: it
- * says that the controller commands each channel by a set-point, see coopdyn_command. */
+ * says that the controller commands each channel by a set-point, see coopdyn_command. COOPDYN_WORLD, without
+ * any other, says that the controller is a supervisor. */
 enum coopdyn_reading {
   COOPDYN_DISTANCES = 1,
   COOPDYN_POSE = 2, /* ground truth */
@@ -35,9 +42,10 @@ enum coopdyn_reading {
   COOPDYN_MESSAGES = 32,
   COOPDYN_COMPASS = 64,
   COOPDYN_SETPOINTS = 128,
-  COOPDYN_SUPPORT = 256, /* of the load that the robot carries */
-  COOPDYN_MOTION = 512,  /* ground truth: how the body lies and moves */
-  COOPDYN_SENSORS = 1024 /* the modules that coopdyn_description.sensors names: lidar, imu, camera, ... */
+  COOPDYN_SUPPORT = 256,  /* of the load that the robot carries */
+  COOPDYN_MOTION = 512,   /* ground truth: how the body lies and moves */
+  COOPDYN_SENSORS = 1024, /* the modules that coopdyn_description.sensors names: lidar, imu, camera, ... */
+  COOPDYN_WORLD = 2048    /* of a supervisor: all that stands in the world, and the scores */
 };
 
 /* An option of a scenario's controller line. */
@@ -94,7 +102,8 @@ typedef struct coopdyn_sensor {
   uint32_t width, height; /* of a camera's picture */
 } coopdyn_sensor;
 
-/* The robot that a controller drives. Valid until destroy(). */
+/* The robot that a controller drives. Valid until destroy(). A supervisor has none: all is 0, the name is "".
+ */
 typedef struct coopdyn_robot {
   uint32_t id;
   const char* name;
@@ -144,6 +153,39 @@ typedef struct coopdyn_sensor_reading {
   const uint8_t* image; /* of a camera: width x height x 3 bytes red green blue, row by row from the top */
 } coopdyn_sensor_reading;
 
+/* A pose: the frame's origin, and its orientation as a quaternion w x y z. */
+typedef struct coopdyn_pose {
+  double p_m[3];
+  double q[4];
+} coopdyn_pose;
+
+enum coopdyn_kind { COOPDYN_THING = 0, COOPDYN_ROBOT = 1, COOPDYN_TARGET = 2, COOPDYN_LIGHT = 3 };
+
+/* What stands in the world. A target and a light have a place only. */
+typedef struct coopdyn_body {
+  uint32_t id;                 /* as /world tells it; the same as long as it is there */
+  uint32_t kind;               /* of enum coopdyn_kind */
+  char name[COOPDYN_MAX_NAME]; /* e.g. robot1, BOX_1, red_target_1, LIGHT_1 */
+  coopdyn_pose pose;           /* of its frame in the world */
+  double velocity_m_s[3];      /* of its origin, along the world's axes */
+  double angular_velocity_rad_s[3];
+} coopdyn_body;
+
+/* A [SCORE_n] of the scenario. */
+typedef struct coopdyn_score {
+  char name[COOPDYN_MAX_NAME];
+  double value; /* nan: it cannot be told */
+  uint32_t met; /* 1: its `until` */
+} coopdyn_score;
+
+/* What a supervisor sees before a step: ground truth. */
+typedef struct coopdyn_world {
+  size_t body_count;
+  const coopdyn_body* bodies; /* things, robots, targets, lights; of each kind by id */
+  size_t score_count;
+  const coopdyn_score* scores; /* in the scenario's order */
+} coopdyn_world;
+
 /* What the robot feels before a step. Valid during step() only. */
 typedef struct coopdyn_readings {
   uint64_t seed; /* of the run */
@@ -169,6 +211,7 @@ typedef struct coopdyn_readings {
   double velocity_m_s[3];     /* of its origin, along its axes: forward, left, up */
   double angular_velocity_rad_s[3];
   const coopdyn_sensor_reading* sensors; /* COOPDYN_SENSORS: one for each of the robot's sensors */
+  const coopdyn_world* world;            /* COOPDYN_WORLD; NULL without */
 } coopdyn_readings;
 
 /* What one channel is to do. A two-wheel drive whose wheels would be too fast scales both alike. */
@@ -177,14 +220,81 @@ typedef struct coopdyn_setpoint {
   double reference;
 } coopdyn_setpoint;
 
-/* What the robot does in the step. All zero when step() is called: it stands and is silent. */
+/* A number that is logged: it goes to the status, the page, the recording and what is exported of it. */
+typedef struct coopdyn_logged {
+  char name[COOPDYN_MAX_NAME]; /* a letter, then letters, digits and _; of robot1's controller the log is
+                                  called robot1.NAME */
+  double value;
+} coopdyn_logged;
+
+/* Where a supervisor puts something: it comes to rest there. */
+typedef struct coopdyn_move {
+  uint32_t id; /* of a coopdyn_body */
+  coopdyn_pose pose;
+} coopdyn_move;
+
+/* What a supervisor does. All moves of a step are made at its end, together or, if one of them cannot be
+ * (two things would overlap), none. Then the run ends, if it is to. */
+typedef struct coopdyn_supervision {
+  size_t move_count;
+  coopdyn_move* moves; /* room for COOPDYN_MAX_MOVES */
+  uint32_t end_run;    /* 1: the run ends after this step */
+  char why[COOPDYN_MAX_TEXT];
+} coopdyn_supervision;
+
+/* What the robot does in the step. All zero when step() is called: it stands and is silent. Write through the
+ * pointers, leave them as they are. */
 typedef struct coopdyn_command {
   double forward_m_s, turn_rad_s; /* of a two-wheel drive; beyond the wheels' limit both are scaled alike */
   coopdyn_setpoint* setpoints; /* one for each channel, instead of forward and turn; NULL if describe() does
-                                  not ask for COOPDYN_SETPOINTS. Write into it, leave the pointer as it is. */
+                                  not ask for COOPDYN_SETPOINTS */
   uint32_t message_count;      /* numbers to broadcast; 0: nothing */
   double message[COOPDYN_MAX_MESSAGE];
+  uint32_t log_count;               /* numbers that are logged */
+  coopdyn_logged* logs;             /* room for COOPDYN_MAX_LOGS; coopdyn_log() adds one */
+  coopdyn_supervision* supervision; /* of a supervisor; else NULL */
 } coopdyn_command;
+
+/* The text in a field of `size` bytes; what does not fit is left out. */
+static inline void coopdyn_copy(char* to, const char* text, size_t size) {
+  size_t i = 0;
+  for (; i + 1 < size && text[i] != '\0'; ++i) to[i] = text[i];
+  to[i] = '\0';
+}
+
+/* Logs a number, e.g. coopdyn_log(command, "energy", 3.5). */
+static inline void coopdyn_log(coopdyn_command* command, const char* name, double value) {
+  const uint32_t place = command->log_count++;
+  if (place >= COOPDYN_MAX_LOGS) return; /* too many: the daemon says so */
+  coopdyn_copy(command->logs[place].name, name, COOPDYN_MAX_NAME);
+  command->logs[place].value = value;
+}
+
+/* What is called `name`; NULL: it is not there. */
+static inline const coopdyn_body* coopdyn_find(const coopdyn_world* world, const char* name) {
+  for (size_t i = 0; i < world->body_count; ++i) {
+    const char* other = world->bodies[i].name;
+    size_t k = 0;
+    while (name[k] != '\0' && name[k] == other[k]) ++k;
+    if (name[k] == other[k]) return &world->bodies[i];
+  }
+  return NULL;
+}
+
+/* A supervisor puts what has this id to a pose. */
+static inline void coopdyn_put(coopdyn_command* command, uint32_t id, coopdyn_pose pose) {
+  coopdyn_supervision* doing = command->supervision;
+  const size_t place = doing->move_count++;
+  if (place >= COOPDYN_MAX_MOVES) return; /* too many: the daemon says so */
+  doing->moves[place].id = id;
+  doing->moves[place].pose = pose;
+}
+
+/* A supervisor ends the run. */
+static inline void coopdyn_end_run(coopdyn_command* command, const char* why) {
+  command->supervision->end_run = 1;
+  coopdyn_copy(command->supervision->why, why, COOPDYN_MAX_TEXT);
+}
 
 /* What a controller is made of. Only save() and restore() may be NULL, if state_size is 0. The order of calls
  * is create, reset, [restore,] { step, save }, destroy. C++ exceptions that escape stop the robot, with their

@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/json.hpp>
 #include <filesystem>
 #include <fstream>
@@ -29,8 +30,9 @@ double Factor(const RunReport& run) {
 
 bool IsCutShort(const RunReport& run) {
   const double duration_s = run.status.duration_s;
-  return run.end && run.end != RunEnd::kDuration && run.end != RunEnd::kScore && run.end != RunEnd::kClient &&
-         duration_s > 0 && run.frame->time_s() < duration_s;
+  constexpr std::array kAsMeant = {RunEnd::kDuration, RunEnd::kScore, RunEnd::kClient, RunEnd::kSupervisor};
+  return run.end && std::ranges::find(kAsMeant, *run.end) == kAsMeant.end() && duration_s > 0 &&
+         run.frame->time_s() < duration_s;
 }
 
 std::vector<std::string> FailedControllers(const RunReport& run) {

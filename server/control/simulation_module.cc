@@ -320,11 +320,8 @@ std::optional<Message> SimulationModule::PushNewScene(Peer& peer, EditAction act
 }
 
 std::optional<Message> SimulationModule::Log(Peer& peer, const Message& request) {
-  constexpr std::size_t kLongest = 63;
   const std::string& name = request.text;
-  const bool good = !name.empty() && name.size() <= kLongest && IsLetter(name.front()) &&
-                    std::ranges::all_of(name, [](char c) { return IsLetter(c) || IsDigit(c) || c == '_'; });
-  if (!good) {
+  if (!IsLogName(name)) {
     return ErrorReply(request.command, Error::kOutOfRange,
                       "a name is a letter, then letters, digits and _, at most 63: write log energy 3.5");
   }

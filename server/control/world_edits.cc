@@ -145,11 +145,14 @@ ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::sp
         "0.25 0");
   }
   const std::span<const double> turn = values.subspan(std::min<std::size_t>(3, values.size()));
-  const auto at = [&values](double z) {
-    return Vector3(values[0], values[1], values.size() > 2 ? values[2] : z);
-  };
-  const Vector3 p_W = at(0);
-  const bool far = !p_W.allFinite() || p_W.cwiseAbs().maxCoeff() > kMaxFileLength_m;
+  // What is not said stays as it is.
+  Pose X_W;
+  if (found.object >= 0) X_W = ObjectNow(frame, ObjectAt(scene, found.object)).X_WO;
+  if (found.robot >= 0) X_W = RobotNow(frame, found.robot).X_WR;
+  if (found.target >= 0) X_W.p = scene.targets[static_cast<std::size_t>(found.target)].p_WT;
+  if (found.light >= 0) X_W.p = scene.lights[static_cast<std::size_t>(found.light)].p_WP;
+  X_W.p = {values[0], values[1], values.size() > 2 ? values[2] : X_W.p.z()};
+  const bool far = !X_W.p.allFinite() || X_W.p.cwiseAbs().maxCoeff() > kMaxFileLength_m;
   if (far) return Refuse(Error::kOutOfRange, "a place is within 100 km of the origin");
   std::optional<Quaternion> q;
   if (turn.size() == 1) q = FromRollPitchYaw(0, 0, turn[0]);
@@ -158,29 +161,9 @@ ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::sp
     return Refuse(Error::kOutOfRange, "a quaternion w x y z has length 1, for example 1 0 0 0");
   }
   if (turn.size() == 4 && std::abs(q->norm() - 1) > 1e-12) q->normalize();
+  X_W.q = q.value_or(X_W.q);
   ResolvedEdit edit;
-  if (found.object >= 0) {
-    const SceneObject& thing = ObjectAt(scene, found.object);
-    PutObject put{thing.id, ObjectNow(frame, thing), Placing::kStart};
-    put.object.X_WO = {at(put.object.X_WO.p.z()), q.value_or(put.object.X_WO.q)};
-    edit.change.label = "move " + thing.object.name;
-    edit.change.objects.push_back(std::move(put));
-  } else if (found.robot >= 0) {
-    PutRobot put{RobotAt(scene, found.robot).id, RobotNow(frame, found.robot), Placing::kStart};
-    put.entry.X_WR = {at(put.entry.X_WR.p.z()), q.value_or(put.entry.X_WR.q)};
-    edit.change.label = "move " + put.entry.name;
-    edit.change.robots.push_back(std::move(put));
-  } else if (found.target >= 0) {
-    Target target = scene.targets[static_cast<std::size_t>(found.target)];
-    target.p_WT = at(target.p_WT.z());
-    edit.change.label = "move " + TargetName(target);
-    edit.change.targets.push_back(std::move(target));
-  } else {
-    edit.change.lights = scene.lights;
-    PointLight& light = (*edit.change.lights)[static_cast<std::size_t>(found.light)];
-    light.p_WP = at(light.p_WP.z());
-    edit.change.label = "move " + light.name;
-  }
+  edit.change.label = "move " + AddMove(frame, found, X_W, edit.change);
   return edit;
 }
 

@@ -11,47 +11,8 @@
 
 namespace coopdyn {
 
-namespace {
-
-template <typename Things>
-int PlaceOf(const Things& things, std::uint32_t id) {
-  const auto found = std::ranges::find(things, id, [](const auto& thing) { return thing.id.value; });
-  return found == things.end() ? -1 : static_cast<int>(found - things.begin());
-}
-
-/// Differs from where it is now by no more than rounding.
-bool IsThere(const Pose& a, const Pose& b) {
-  constexpr double kTiny = 1e-12;
-  return (a.p - b.p).cwiseAbs().maxCoeff() < kTiny && a.q.angularDistance(b.q) < 1e-9;
-}
-
-}  // namespace
-
 ResolvedEdit Refuse(Error error, std::string text) {
   return {{}, error, std::move(text)};
-}
-
-Found FindId(const Scene& scene, std::int32_t id) {
-  const auto value = static_cast<std::uint32_t>(id % WorldId::kRobots);
-  Found found;
-  if (id <= 0) return found;
-  switch (id / WorldId::kRobots) {
-    case 0:
-      found.object = PlaceOf(scene.objects, value);
-      break;
-    case 1:
-      found.robot = PlaceOf(scene.robots, value);
-      break;
-    case 2:
-      found.target = PlaceOf(scene.targets, value);
-      break;
-    case 3:
-      if (value >= 1 && value <= scene.lights.size()) found.light = static_cast<int>(value) - 1;
-      break;
-    default:
-      break;
-  }
-  return found;
 }
 
 Found FindName(const Scene& scene, std::string_view word) {
@@ -92,29 +53,6 @@ ResolvedEdit NoSuchThing(const Scene& scene, std::string_view word) {
   const std::string near = word.size() > 63 ? "" : Nearest(word, known);
   text += near.empty() ? ": list shows what there is" : ": did you mean " + near + "?";
   return Refuse(Error::kNoSuchName, std::move(text));
-}
-
-const SceneObject& ObjectAt(const Scene& scene, int place) {
-  return scene.objects[static_cast<std::size_t>(place)];
-}
-const SceneRobot& RobotAt(const Scene& scene, int place) {
-  return scene.robots[static_cast<std::size_t>(place)];
-}
-
-WorldObject ObjectNow(const Frame& frame, const SceneObject& thing) {
-  WorldObject object = thing.object;
-  const Pose now = ObjectPose(frame, thing);
-  if (!IsThere(now, object.X_WO)) object.X_WO = {now.p, now.q.normalized()};
-  return object;
-}
-RobotEntry RobotNow(const Frame& frame, int place) {
-  RobotEntry entry = RobotAt(*frame.scene, place).entry;
-  const Pose now = RobotPose(frame, place);
-  if (!IsThere(now, entry.X_WR)) entry.X_WR = {now.p, now.q.normalized()};
-  // One that stands has sunk in a little; a place below the floor is none.
-  constexpr double kSunk_m = 5e-3;
-  if (entry.X_WR.p.z() < 0 && entry.X_WR.p.z() > -kSunk_m) entry.X_WR.p.z() = 0;
-  return entry;
 }
 
 std::string WithLines(std::string text) {

@@ -50,7 +50,7 @@ json::object ThingJson(const Frame& frame, const SceneObject& thing) {
 json::object RobotJson(const Frame& frame, int place) {
   const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(place)];
   const Pose X = RobotPose(frame, place);
-  return {{"id", WorldId::kRobots + static_cast<std::int32_t>(robot.id.value)},
+  return {{"id", WorldIdOf(robot)},
           {"name", robot.entry.name},
           {"type", robot.entry.model->type},
           {"position", Numbers(X.p)},
@@ -88,7 +88,7 @@ std::string WorldJson(const Frame& frame, const RunStatus& status) {
   for (std::size_t i = 0; i < scene.robots.size(); ++i)
     robots.push_back(RobotJson(frame, static_cast<int>(i)));
   for (const Target& target : scene.targets) {
-    targets.push_back({{"id", WorldId::kTargets + static_cast<std::int32_t>(target.id.value)},
+    targets.push_back({{"id", WorldIdOf(target)},
                        {"name", TargetName(target)},
                        {"color_name", target.color_name},
                        {"color", Numbers(target.color)},

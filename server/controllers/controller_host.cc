@@ -6,10 +6,8 @@
 #include <map>
 #include <set>
 #include <utility>
-#include <variant>
 
 #include "server/base/bytes.h"
-#include "server/controllers/faults.h"
 #include "server/model/drive.h"
 
 namespace coopdyn {
@@ -23,31 +21,18 @@ const ControllerChoice& ChoiceOf(const SceneRobot& robot) {
   return robot.entry.controller;
 }
 
-/// The shared objects that the robots name, each once, in the order of first use.
+/// The shared objects that the supervisor and the robots name, each once, in the order of first use.
 template <typename Robots>
-std::vector<std::string> FilesOf(const Robots& robots) {
+std::vector<std::string> FilesOf(const ControllerChoice& supervisor, const Robots& robots) {
   std::vector<std::string> files;
   std::set<std::string> known;
-  for (const auto& robot : robots) {
-    const ControllerChoice& choice = ChoiceOf(robot);
+  const auto add = [&](const ControllerChoice& choice) {
     if (!choice.empty() && !choice.file.empty() && known.insert(choice.file).second)
       files.push_back(choice.file);
-  }
+  };
+  add(supervisor);
+  for (const auto& robot : robots) add(ChoiceOf(robot));
   return files;
-}
-
-/// As for forward and turn: both wheels are scaled alike. @pre velocities, which is all that a drive takes
-void LimitSpeeds(const DriveModel& drive, std::span<Setpoint> wheels) {
-  double factor = 1;
-  const WheelSpeeds speeds = LimitWheels(drive, {wheels[0].reference, wheels[1].reference}, factor);
-  wheels[0].reference = speeds[0];
-  wheels[1].reference = speeds[1];
-}
-
-void LimitJoints(const RobotModel& model, const ActuatorModel& board, std::span<Setpoint> setpoints) {
-  for (std::size_t i = 0; i < setpoints.size(); ++i) {
-    setpoints[i] = Limit(model.joints[static_cast<std::size_t>(board.joints[i])], setpoints[i]);
-  }
 }
 
 constexpr std::uint32_t kStateVersion = 1;
@@ -83,26 +68,32 @@ std::unique_ptr<ControllerSet> ControllerHost::SetOf(std::vector<std::string> fi
 }
 
 void ControllerHost::Check(const Scenario& scenario, Diagnostics& diagnostics) {
-  std::vector<std::string> files = FilesOf(scenario.robots);
+  const ControllerChoice& supervisor = scenario.simulation.supervisor;
+  std::vector<std::string> files = FilesOf(supervisor, scenario.robots);
   if (files.empty()) return;
   // In this process what is loaded already is taken for what is on disk now, until it is let go.
   stale_ = options_.in_process && set_ && !set_->is_fresh();
   checked_ = SetOf(std::move(files));
   // All robots of a swarm share a line.
   std::set<std::pair<int, std::string>> said;
-  for (const RobotEntry& entry : scenario.robots) {
-    const ControllerChoice& choice = entry.controller;
+  const auto check = [&](const ControllerChoice& choice, const char* otherwise, auto faults_of) {
     const int file = checked_->IndexOf(choice.file);
-    if (choice.empty() || file < 0) continue;
+    if (choice.empty() || file < 0) return;
     const LoadedController& one = checked_->loaded()[static_cast<std::size_t>(file)];
     if (!one.description) {
-      const std::string text = "controller " + choice.name + " " + one.why + "; its robots will stand";
+      const std::string text = "controller " + choice.name + " " + one.why + "; " + otherwise;
       if (said.emplace(choice.where.line, text).second) diagnostics.Warning(choice.where, text);
-      continue;
+      return;
     }
-    for (const std::string& text : one.description->Faults(entry)) {
+    for (const std::string& text : faults_of(*one.description)) {
       if (said.emplace(choice.where.line, text).second) diagnostics.Error(choice.where, text);
     }
+  };
+  check(supervisor, "the run will have no supervisor",
+        [&](const ControllerDescription& one) { return one.SupervisorFaults(supervisor); });
+  for (const RobotEntry& entry : scenario.robots) {
+    check(entry.controller, "its robots will stand",
+          [&](const ControllerDescription& one) { return one.Faults(entry); });
   }
 }
 
@@ -113,6 +104,16 @@ void ControllerHost::List(const Scene& scene) {
   driven_.clear();
   driven_of_slot_.clear();
   stopped_.clear();
+  supervision_ = {};
+  if (const ControllerChoice& supervisor = scene.scenario->simulation.supervisor; !supervisor.empty()) {
+    world_.entry.model = std::make_shared<const RobotModel>();
+    world_.entry.controller = supervisor;
+    Driven& driven = driven_.emplace_back();
+    driven.robot = kSupervisor;
+    driven.name = SupervisorName(supervisor);
+    driven.controller = supervisor.name;
+    driven.options = supervisor.options;
+  }
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const SceneRobot& robot = scene.robots[i];
     if (robot.entry.controller.empty()) continue;
@@ -139,14 +140,14 @@ void ControllerHost::Configure(const FramePtr& frame) {
 
 void ControllerHost::Create(const FramePtr& frame) {
   scene_ = frame->scene;
-  std::vector<std::string> files = FilesOf(scene_->robots);
+  std::vector<std::string> files = FilesOf(scene_->scenario->simulation.supervisor, scene_->robots);
   std::vector<ControlledRobot> robots;
   try {
     if (!files.empty()) set_ = SetOf(std::move(files));
     for (std::uint32_t i = 0; i < driven_.size(); ++i) {
       Driven& driven = driven_[i];
       if (driven.status != Status::kDrives) continue;
-      const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(driven.robot)];
+      const SceneRobot& robot = RobotOf(driven);
       const ControllerChoice& choice = robot.entry.controller;
       const int file = set_ ? set_->IndexOf(choice.file) : -1;
       if (file < 0) {
@@ -158,7 +159,9 @@ void ControllerHost::Create(const FramePtr& frame) {
         Stop(driven, loaded.why);
         continue;
       }
-      const std::vector<std::string> faults = loaded.description->Faults(robot.entry);
+      const std::vector<std::string> faults = driven.supervises()
+                                                  ? loaded.description->SupervisorFaults(choice)
+                                                  : loaded.description->Faults(robot.entry);
       if (!faults.empty()) {
         Stop(driven, "was not started: " + faults.front());
         continue;
@@ -168,7 +171,7 @@ void ControllerHost::Create(const FramePtr& frame) {
         continue;
       }
       driven.slot = static_cast<std::uint32_t>(robots.size());
-      driven.readings = loaded.description->readings;
+      driven.readings = driven.supervises() ? std::uint32_t{COOPDYN_WORLD} : loaded.description->readings;
       driven.sensors = loaded.description->SensorsOf(*robot.entry.model);
       driven_of_slot_.push_back(i);
       std::span<const std::byte> state;
@@ -187,6 +190,7 @@ void ControllerHost::Rebind(const std::shared_ptr<const Scene>& scene) {
   std::map<RobotId, int> index;
   for (std::size_t i = 0; i < scene->robots.size(); ++i) index[scene->robots[i].id] = static_cast<int>(i);
   for (Driven& driven : driven_) {
+    if (driven.supervises()) continue;
     const auto found = index.find(driven.id);
     driven.robot = found == index.end() ? -1 : found->second;
     if (driven.robot < 0) continue;
@@ -202,81 +206,10 @@ void ControllerHost::ListItems() {
   wanted_.clear();
   for (const std::uint32_t index : driven_of_slot_) {
     const Driven& driven = driven_[index];
-    if (driven.status != Status::kDrives || driven.robot < 0) continue;
+    if (driven.status != Status::kDrives || driven.gone()) continue;
     items_.push_back(driven.slot);
     wanted_.push_back({driven.slot, driven.robot, driven.readings, driven.sensors});
   }
-}
-
-void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
-                          std::vector<SentMessage>& messages) {
-  if (driven_.empty()) return;
-  if (frame->scene != scene_) Rebind(frame->scene);
-  if (!items_.empty()) {
-    const Nanoseconds begun = clock_.Now();
-    const std::string missing = readings_.Write(frame, wanted_, *set_);
-    if (!missing.empty() && missing != missing_pictures_) {
-      logger_->warn("the pictures of controllers are black: {}", missing);
-      missing_pictures_ = missing;
-    }
-    const Nanoseconds sensed = clock_.Now();
-    StopCasualties(set_->Step(*frame, items_));
-    times_.sense += sensed - begun;
-    times_.control += clock_.Now() - sensed;
-  }
-  bool stopped = false;
-  for (Driven& driven : driven_) {
-    if (driven.status == Status::kUnloaded || driven.robot < 0) continue;
-    const std::span<Setpoint> channels = setpoints.subspan(driven.first_channel, driven.channel_count);
-    std::ranges::fill(channels, Setpoint{});
-    if (driven.status != Status::kDrives) continue;
-    // The child has checked it already, but a controller may write there at any time.
-    coopdyn_command command{};
-    CopyCommand(set_->areas().result(driven.slot).command, command);
-    const bool by_setpoints = (driven.readings & COOPDYN_SETPOINTS) != 0;
-    if (!IsFine(command) || (by_setpoints && !TakeSetpoints(driven, channels))) {
-      std::ranges::fill(channels, Setpoint{});
-      Stop(driven, "had its command overwritten by another controller");
-      stopped = true;
-      continue;
-    }
-    if (!by_setpoints) {
-      double factor = 1;
-      const auto speeds = WheelsFor(driven.drive, command.forward_m_s, command.turn_rad_s, factor);
-      std::ranges::copy(SetpointsFor(speeds), channels.subspan(driven.wheels).begin());
-    }
-    if (command.message_count == 0) continue;
-    SentMessage sent;
-    sent.robot = static_cast<std::uint32_t>(driven.robot);
-    sent.step = frame->step + 1;
-    sent.message.count = command.message_count;
-    std::copy_n(command.message, command.message_count, sent.message.values.begin());
-    messages.push_back(sent);
-  }
-  if (stopped) ListItems();
-}
-
-bool ControllerHost::TakeSetpoints(const Driven& driven, std::span<Setpoint> channels) const {
-  const Areas& areas = set_->areas();
-  const RobotSetup& setup = areas.setup(driven.slot);
-  const coopdyn_joint* joints = areas.in.At<coopdyn_joint>(setup.joints);
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    const coopdyn_setpoint given = Once(areas.out.At<coopdyn_setpoint>(setup.setpoints)[i]);
-    if (!IsFine(given, joints[i].modes)) return false;
-    if (given.mode != COOPDYN_OFF) channels[i] = {given.reference, static_cast<ControlMode>(given.mode)};
-  }
-  std::size_t first = 0;
-  const RobotModel& model = *scene_->robots[static_cast<std::size_t>(driven.robot)].entry.model;
-  for (const ActuatorModel& actuator : model.actuators) {
-    const std::span<Setpoint> its = channels.subspan(first, actuator.joints.size());
-    if (const auto* drive = std::get_if<DriveModel>(&actuator.kind)) {
-      LimitSpeeds(*drive, its);
-    } else {
-      LimitJoints(model, actuator, its);
-    }
-    first += actuator.joints.size();
-  }
-  return true;
 }
 
 void ControllerHost::StopCasualties(std::span<const Casualty> casualties) {
@@ -311,7 +244,7 @@ std::vector<int> ControllerHost::Unloaded() const {
 
 void ControllerHost::Stop(int robot, const std::string& why) {
   for (Driven& driven : driven_) {
-    if (driven.robot != robot || driven.status != Status::kDrives) continue;
+    if (driven.robot != robot || driven.gone() || driven.status != Status::kDrives) continue;
     if (set_) set_->Drop(driven.slot);
     driven.status = Status::kStopped;
     driven.why = why;
@@ -341,6 +274,11 @@ void ControllerHost::Revise(const FramePtr& frame) {
   bool same = true;
   std::size_t count = 0;
   std::map<RobotId, const SceneRobot*> robots;
+  for (const Driven& driven : driven_) {
+    if (!driven.supervises()) break;
+    robots[driven.id] = &world_;
+    ++count;
+  }
   for (const SceneRobot& robot : frame->scene->robots) {
     if (robot.entry.controller.empty()) continue;
     robots[robot.id] = &robot;
@@ -351,7 +289,7 @@ void ControllerHost::Revise(const FramePtr& frame) {
     const auto found = robots.find(driven.id);
     const ControllerChoice* now = found == robots.end() ? nullptr : &found->second->entry.controller;
     const bool stays = now != nullptr && now->name == driven.controller && now->options == driven.options;
-    same &= stays && found->second->entry.name == driven.name;
+    same &= stays && (driven.supervises() || found->second->entry.name == driven.name);
     if (!stays) continue;
     Driven kept = driven;
     if (driven.status == Status::kDrives && set_) {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/clock.h"
@@ -36,6 +37,7 @@ class ControllerHost final : public ControllerDriver {
             std::vector<SentMessage>& messages) override;
   void Rest() override;
   void Unload(int robot) override;
+  Supervision TakeSupervision() override { return std::exchange(supervision_, {}); }
   std::vector<StoppedController> TakeStopped() override;
   PhaseTimes times() const override { return times_; }
   ControllerCost slowest() const override;
@@ -57,10 +59,10 @@ class ControllerHost final : public ControllerDriver {
 
  private:
   enum class Status : std::uint8_t { kDrives, kStopped, kUnloaded };
-  /// A robot that has a controller.
+  /// A robot that has a controller, or what the supervisor has instead.
   struct Driven {
-    RobotId id;
-    int robot = 0;  // index into the scene; -1: it is not there any more
+    RobotId id;     // none: of the supervisor
+    int robot = 0;  // index into the scene; -1: it is not there any more, or it is the supervisor's
     std::string name, controller;
     std::vector<std::pair<std::string, double>> options;  // of the controller
     std::size_t first_channel = 0, channel_count = 0;     // in the scene
@@ -72,6 +74,10 @@ class ControllerHost final : public ControllerDriver {
     std::uint32_t readings = 0;                      // of enum coopdyn_reading
     std::vector<std::size_t> sensors;                // COOPDYN_SENSORS: index into the model's
     std::optional<std::vector<std::byte>> restored;  // state to begin with, until it is created
+
+    bool supervises() const { return id.value == 0; }
+    /// It is not to be stepped: its robot has gone.
+    bool gone() const { return robot < 0 && !supervises(); }
   };
 
   /// The set that Check() has made ready, if it has these files as they are now, else a new one.
@@ -86,6 +92,12 @@ class ControllerHost final : public ControllerDriver {
   /// What the robot's controller wants of each channel, into `channels`, which are at rest. False: it cannot
   /// be carried out; nothing is promised of `channels` then.
   bool TakeSetpoints(const Driven& driven, std::span<Setpoint> channels) const;
+  const SceneRobot& RobotOf(const Driven& driven) const {
+    return driven.supervises() ? world_ : scene_->robots[static_cast<std::size_t>(driven.robot)];
+  }
+  /// What the controller has logged, and what the supervisor does. False: it cannot be.
+  bool TakeLogs(const Driven& driven, const coopdyn_command& command);
+  bool TakeDoings();
   /// Which robots are stepped from now on.
   void ListItems();
   /// `why` follows "controller NAME ".
@@ -100,11 +112,13 @@ class ControllerHost final : public ControllerDriver {
   bool stale_ = false;                      // the running set is older than its files
   std::unique_ptr<ControllerSet> checked_;  // by Check(), for the Configure() that may follow
   std::unique_ptr<ControllerSet> set_;
-  std::vector<Driven> driven_;  // by increasing id
+  std::vector<Driven> driven_;  // by increasing id: a supervisor first
   std::vector<std::uint32_t> driven_of_slot_;
   std::vector<std::uint32_t> items_;    // slots to step
   std::vector<ReadingsWanted> wanted_;  // as items_
   std::shared_ptr<const Scene> scene_;  // that driven_ is bound to
+  SceneRobot world_;                    // the supervisor's: without parts
+  Supervision supervision_;             // not taken yet
   ReadingsWriter readings_;
   std::string missing_pictures_;            // why, as it was logged
   std::vector<StoppedController> stopped_;  // not taken yet

@@ -99,9 +99,13 @@ std::uint64_t DefaultControllerMemory() {
 std::vector<std::string> ControllerDescription::Faults(const RobotEntry& robot) const {
   const ControllerChoice& choice = robot.controller;
   const RobotModel& model = *robot.model;
-  std::vector<std::string> names, faults;
+  std::vector<std::string> faults;
   const bool has_drive = model.drive() != nullptr && !model.drive_actuator()->module.empty();
-  if (!model.has_actuators()) {
+  if (supervises()) {
+    faults.push_back(
+        fmt::format("controller {} is a supervisor and drives no robot: write supervisor {} in [SIMULATION]",
+                    choice.name, choice.name));
+  } else if (!model.has_actuators()) {
     faults.push_back(
         fmt::format("controller {} has nothing to command: a {} has no actuator module, so no channels",
                     choice.name, model.type));
@@ -112,6 +116,26 @@ std::vector<std::string> ControllerDescription::Faults(const RobotEntry& robot) 
                     "set-points (COOPDYN_SETPOINTS)",
                     choice.name, model.type));
   }
+  AddOptionFaults(choice, faults);
+  return faults;
+}
+
+std::vector<std::string> ControllerDescription::SupervisorFaults(const ControllerChoice& choice) const {
+  std::vector<std::string> faults;
+  if (!supervises()) {
+    faults.push_back(
+        fmt::format("controller {} drives a robot and is no supervisor: write controller {} in a [ROBOT_n] "
+                    "or [SWARM_n] (a "
+                    "supervisor asks for COOPDYN_WORLD in describe())",
+                    choice.name, choice.name));
+  }
+  AddOptionFaults(choice, faults);
+  return faults;
+}
+
+void ControllerDescription::AddOptionFaults(const ControllerChoice& choice,
+                                            std::vector<std::string>& faults) const {
+  std::vector<std::string> names;
   for (const ControllerOption& option : options) names.push_back(option.name);
   for (const auto& [name, value] : choice.options) {
     const auto found = std::find(names.begin(), names.end(), name);
@@ -123,12 +147,11 @@ std::vector<std::string> ControllerDescription::Faults(const RobotEntry& robot) 
     const ControllerOption& option = options[static_cast<std::size_t>(found - names.begin())];
     // Not `value < min || …`: that would let nan pass.
     if (value >= option.min && value <= option.max) continue;
-    faults.push_back(
-        fmt::format("controller {}: {} must be from {} to {}, not {}; for example: controller {} {}={}{}",
-                    choice.name, name, option.min, option.max, value, choice.name, name, option.value,
-                    option.help.empty() ? "" : " (" + option.help + ")"));
+    faults.push_back(fmt::format(
+        "controller {}: {} must be from {} to {}, not {}; for example: {} {} {}={}{}", choice.name, name,
+        option.min, option.max, value, supervises() ? "supervisor" : "controller", choice.name, name,
+        option.value, option.help.empty() ? "" : " (" + option.help + ")"));
   }
-  return faults;
 }
 
 std::vector<std::size_t> ControllerDescription::SensorsOf(const RobotModel& model) const {
@@ -260,14 +283,21 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     const ControllerDescription& description = *loaded_[robots[i].file].description;
     wanted.push_back(description.SensorsOf(model));
     PlaceSensors(model, wanted.back(), in, setup[i]);
+    setup[i].logs = out.Add<coopdyn_logged>(COOPDYN_MAX_LOGS);
     setup[i].setpoints = out.Add<coopdyn_setpoint>(description.gives_setpoints() ? channels : 0);
     const std::size_t size = description.state_size;
     for (Place& place : setup[i].states) place = out.AddBytes(size, alignof(std::max_align_t));
   }
   readings_end_ = in.end();
+  const bool supervised = std::ranges::any_of(
+      robots, [this](const ControlledRobot& one) { return loaded_[one.file].description->supervises(); });
+  const Place supervision = out.Add<coopdyn_supervision>(supervised ? 1 : 0);
+  const Place moves = out.Add<coopdyn_move>(supervised ? COOPDYN_MAX_MOVES : 0);
   areas_.Grow(in.end(), out.end());
 
   InHeader& header = areas_.header();
+  header.supervision = supervision;
+  header.moves = moves;
   header.robot_count = static_cast<std::uint32_t>(count);
   header.items = items;
   header.robots = setups;

@@ -55,11 +55,16 @@ struct ControllerDescription {
   std::vector<std::size_t> SensorsOf(const RobotModel& model) const;
   /// It commands channels by set-points, not a two-wheel drive by forward and turn.
   bool gives_setpoints() const { return (readings & COOPDYN_SETPOINTS) != 0; }
-  /// Why it cannot drive this robot with the options that its scenario gives, with what to do instead; one
-  /// text each.
+  bool supervises() const { return (readings & COOPDYN_WORLD) != 0; }
+  /// Why it cannot drive this robot, or be the supervisor, with the options that its scenario gives, with
+  /// what to do instead; one text each.
   std::vector<std::string> Faults(const RobotEntry& robot) const;
+  std::vector<std::string> SupervisorFaults(const ControllerChoice& choice) const;
   /// One value for each option: as given, else as described.
   std::vector<double> Values(const ControllerChoice& choice) const;
+
+ private:
+  void AddOptionFaults(const ControllerChoice& choice, std::vector<std::string>& faults) const;
 };
 
 /// A loaded shared object, or why it is none.
@@ -69,7 +74,7 @@ struct LoadedController {
   std::string why;  // follows "controller NAME "
 };
 
-/// A robot and what drives it.
+/// A robot and what drives it; of the supervisor a robot without parts.
 struct ControlledRobot {
   std::uint32_t file = 0;  // index
   const SceneRobot* robot = nullptr;

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::uint32_t kAllReadings = COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_CHANNELS | COOPDYN_TARGETS |
                                        COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_COMPASS |
-                                       COOPDYN_SETPOINTS | COOPDYN_SUPPORT | COOPDYN_MOTION | COOPDYN_SENSORS;
+                                       COOPDYN_SETPOINTS | COOPDYN_SUPPORT | COOPDYN_MOTION |
+                                       COOPDYN_SENSORS | COOPDYN_WORLD;
 
 bool IsOptionName(std::string_view name) {
   return !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&
@@ -56,6 +57,11 @@ void TakeDescription(const coopdyn_description* raw, FileResult& result) {
     throw PluginError(
         fmt::format("describe() asks for readings {:#x} that do not exist: add up COOPDYN_DISTANCES, ...",
                     raw->readings & ~kAllReadings));
+  }
+  if ((raw->readings & COOPDYN_WORLD) != 0 && raw->readings != COOPDYN_WORLD) {
+    throw PluginError(
+        "describe() asks for COOPDYN_WORLD and other readings: a supervisor has no robot, so it takes "
+        "COOPDYN_WORLD alone");
   }
   if (raw->state_size > COOPDYN_MAX_STATE) {
     throw PluginError(
@@ -95,7 +101,7 @@ void CheckFunctions(const coopdyn_controller& functions) {
   need(functions.destroy != nullptr, "destroy");
 }
 
-using Entry = const coopdyn_controller* (*)();
+using EntryFunction = const coopdyn_controller* (*)();
 
 }  // namespace
 
@@ -116,7 +122,7 @@ Plugin::Plugin(const std::string& path, FileResult& result)
     const char* error = dlerror();
     throw PluginError(fmt::format("it cannot be loaded ({})", error == nullptr ? "no reason given" : error));
   }
-  const auto entry = reinterpret_cast<Entry>(dlsym(handle_.get(), COOPDYN_CONTROLLER_ENTRY));
+  const auto entry = reinterpret_cast<EntryFunction>(dlsym(handle_.get(), COOPDYN_CONTROLLER_ENTRY));
   if (entry == nullptr) {
     throw PluginError("it does not export " COOPDYN_CONTROLLER_ENTRY "(): see controller.h");
   }
@@ -141,6 +147,7 @@ Plugin::Plugin(const std::string& path, FileResult& result)
   }
   state_size_ = result.state_size;
   gives_setpoints_ = (result.readings & COOPDYN_SETPOINTS) != 0;
+  supervises_ = (result.readings & COOPDYN_WORLD) != 0;
   if (state_size_ > 0 && (functions_.save == nullptr || functions_.restore == nullptr)) {
     throw PluginError("its functions save and restore may be NULL only if state_size is 0");
   }

@@ -31,6 +31,7 @@ class Plugin {
   std::uint32_t state_size() const { return state_size_; }
   /// It commands channels by set-points.
   bool gives_setpoints() const { return gives_setpoints_; }
+  bool supervises() const { return supervises_; }
 
  private:
   struct Close {
@@ -39,7 +40,7 @@ class Plugin {
   std::unique_ptr<void, Close> handle_;
   coopdyn_controller functions_{};
   std::uint32_t state_size_ = 0;
-  bool gives_setpoints_ = false;
+  bool gives_setpoints_ = false, supervises_ = false;
 };
 
 }  // namespace coopdyn

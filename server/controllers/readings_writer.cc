@@ -2,12 +2,15 @@
 #include "server/controllers/readings_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <latch>
 
 #include "server/sensing/readings.h"
+#include "server/state/controller_driver.h"
+#include "server/state/world_change.h"
 
 namespace coopdyn {
 
@@ -16,7 +19,7 @@ namespace {
 constexpr std::size_t kPicturesAtOnce = ImageBoard::kMaxWaiting / 2;  // the others' requests have room, too
 constexpr std::size_t kListedGrain = 256;                             // robots that a thread takes at a time
 constexpr std::size_t kFixedGrain = 4096;  // if there are no lists: hardly any work
-constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES;
+constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_WORLD;
 
 coopdyn_sighting FromSighting(const Sighting& sighting, const Frame& frame) {
   return {frame.scene->robots[static_cast<std::size_t>(sighting.index)].id.value, sighting.distance_m,
@@ -35,6 +38,31 @@ void WriteMotion(const Frame& frame, int robot, RobotReadings& readings) {
   readings.pitch_rad = std::asin(std::clamp(-R_WR(2, 0), -1.0, 1.0));
   std::copy_n(v_R.data(), 3, readings.velocity_m_s);
   std::copy_n(w_R.data(), 3, readings.angular_velocity_rad_s);
+}
+
+/// A name in its field; what does not fit is left out.
+void SetName(char (&field)[COOPDYN_MAX_NAME], const std::string& name) {
+  name.copy(field, COOPDYN_MAX_NAME - 1);
+}
+
+void SetPose(const Pose& X_WB, coopdyn_body& body) {
+  std::copy_n(X_WB.p.data(), 3, body.pose.p_m);
+  const std::array q{X_WB.q.w(), X_WB.q.x(), X_WB.q.y(), X_WB.q.z()};
+  std::ranges::copy(q, body.pose.q);
+}
+
+void SetTwist(const Vector3& v_W, const Vector3& w_W, coopdyn_body& body) {
+  std::copy_n(v_W.data(), 3, body.velocity_m_s);
+  std::copy_n(w_W.data(), 3, body.angular_velocity_rad_s);
+}
+
+coopdyn_body BodyOf(std::int32_t id, coopdyn_kind kind, const std::string& name, const Pose& X_WB) {
+  coopdyn_body body{};
+  body.id = static_cast<std::uint32_t>(id);
+  body.kind = kind;
+  SetName(body.name, name);
+  SetPose(X_WB, body);
+  return body;
 }
 
 }  // namespace
@@ -59,6 +87,9 @@ std::string ReadingsWriter::Write(const FramePtr& now, std::span<const ReadingsW
   };
   // By reference: a std::function of what it captures would allocate.
   pool_.For(wanted.size(), listed ? kListedGrain : kFixedGrain, std::cref(work));
+  bodies_.clear();
+  scores_.clear();
+  if (!wanted.empty() && wanted.front().robot == kSupervisor) CollectWorld(frame);
   if (listed) PlaceLists(wanted, set);
   const bool sensing = std::ranges::any_of(wanted, [](const auto& one) { return !one.sensors.empty(); });
   return sensing ? WritePictures(now, wanted, set.areas()) : std::string();
@@ -187,9 +218,47 @@ void ReadingsWriter::Collect(const Frame& frame, const ReadingsWanted& wanted, L
   }
 }
 
+void ReadingsWriter::CollectWorld(const Frame& frame) {
+  const Scene& scene = *frame.scene;
+  for (const SceneObject& thing : scene.objects) {
+    const Pose X_WO = ObjectPose(frame, thing);
+    bodies_.push_back(BodyOf(WorldIdOf(thing), COOPDYN_THING, thing.object.name, X_WO));
+    if (thing.body < 0) continue;
+    const BodyState& body = frame.bodies[static_cast<std::size_t>(thing.body)];
+    SetTwist(body.v_WB + body.w_WB.cross(X_WO.p - body.p_WB), body.w_WB, bodies_.back());
+  }
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const auto robot = static_cast<int>(i);
+    const Pose X_WR = RobotPose(frame, robot);
+    bodies_.push_back(BodyOf(WorldIdOf(scene.robots[i]), COOPDYN_ROBOT, scene.robots[i].entry.name, X_WR));
+    const Twist twist = OriginTwist(frame, robot, X_WR);
+    SetTwist(twist.v_W, twist.w_W, bodies_.back());
+  }
+  for (const Target& target : scene.targets) {
+    const Pose X_WT{target.p_WT, Quaternion::Identity()};
+    bodies_.push_back(BodyOf(WorldIdOf(target), COOPDYN_TARGET, TargetName(target), X_WT));
+  }
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const Pose X_WP{scene.lights[i].p_WP, Quaternion::Identity()};
+    bodies_.push_back(BodyOf(LightId(i), COOPDYN_LIGHT, scene.lights[i].name, X_WP));
+  }
+  for (std::size_t i = 0; i < frame.scores.size(); ++i) {
+    coopdyn_score score{};
+    SetName(score.name, scene.scenario->scores[i].name);
+    score.value = frame.scores[i].value;
+    score.met = frame.scores[i].met ? 1 : 0;
+    scores_.push_back(score);
+  }
+}
+
 void ReadingsWriter::PlaceLists(std::span<const ReadingsWanted> wanted, ControllerSet& set) {
   Areas& areas = set.areas();
   Layout layout(set.readings_end());
+  InHeader& header = areas.header();
+  header.body_count = bodies_.size();
+  header.bodies = layout.Add<coopdyn_body>(bodies_.size());
+  header.score_count = scores_.size();
+  header.scores = layout.Add<coopdyn_score>(scores_.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     RobotReadings& one = areas.readings(wanted[i].slot);
     one.target_count = lists_[i].targets.size();
@@ -204,6 +273,8 @@ void ReadingsWriter::PlaceLists(std::span<const ReadingsWanted> wanted, Controll
   const auto copy = [&areas](const auto& list, Place place) {
     if (!list.empty()) std::memcpy(areas.in.At<std::byte>(place), list.data(), list.size() * sizeof(list[0]));
   };
+  copy(bodies_, areas.header().bodies);
+  copy(scores_, areas.header().scores);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const RobotReadings& one = areas.readings(wanted[i].slot);
     copy(lists_[i].targets, one.targets);

@@ -21,7 +21,7 @@ namespace coopdyn {
 /// A robot whose readings are wanted.
 struct ReadingsWanted {
   std::uint32_t slot = 0;                     // its number in the set
-  int robot = 0;                              // index into the scene
+  int robot = 0;                              // index into the scene; kSupervisor: of nothing but the world
   std::uint32_t readings = 0;                 // of enum coopdyn_reading
   std::span<const std::size_t> sensors = {};  // COOPDYN_SENSORS: index into the model's
 };
@@ -56,6 +56,8 @@ class ReadingsWriter {
                             const Areas& areas);
   void WriteFixed(const Frame& frame, const ReadingsWanted& wanted, const Areas& areas) const;
   static void Collect(const Frame& frame, const ReadingsWanted& wanted, Lists& lists);
+  /// Lists all that a supervisor sees.
+  void CollectWorld(const Frame& frame);
   /// Gives all lists a place behind what is laid out, and copies them there.
   void PlaceLists(std::span<const ReadingsWanted> wanted, ControllerSet& set);
 
@@ -64,6 +66,8 @@ class ReadingsWriter {
   std::vector<PictureWanted> pictures_;  // kept for their memory
   std::vector<int> robots_;              // that need their distances
   std::vector<Lists> lists_;             // as `wanted`
+  std::vector<coopdyn_body> bodies_;     // of the world, for a supervisor
+  std::vector<coopdyn_score> scores_;
 };
 
 }  // namespace coopdyn

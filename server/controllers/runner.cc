@@ -48,8 +48,12 @@ class KeepRounding {
   static constexpr unsigned kFlags = 0x3f;
   const unsigned before_;
 #else
-  KeepRounding() { std::fegetenv(&before_); }
-  ~KeepRounding() { std::fesetenv(&before_); }
+  KeepRounding() {
+    std::fegetenv(&before_);
+  }
+  ~KeepRounding() {
+    std::fesetenv(&before_);
+  }
 
  private:
   std::fenv_t before_;
@@ -71,6 +75,12 @@ std::string Guarded(const char* const& called, Function function) {
   }
 }
 
+/// Room for `count` values at the end of `buffer`.
+template <typename T>
+T* LastOf(const GuardedBuffer& buffer, std::size_t count) {
+  return static_cast<T*>(buffer.Last(count * sizeof(T), alignof(T)));
+}
+
 }  // namespace
 
 /// A robot's controller, and the facts that it may point to as long as it lives.
@@ -90,6 +100,9 @@ struct Runner::Instance {
 struct Runner::Worker {
   GuardedBuffer command{sizeof(coopdyn_command)};
   GuardedBuffer setpoints{kMaxSetpoints * sizeof(coopdyn_setpoint)};
+  GuardedBuffer logs{COOPDYN_MAX_LOGS * sizeof(coopdyn_logged)};
+  GuardedBuffer supervision{sizeof(coopdyn_supervision)};
+  GuardedBuffer moves{COOPDYN_MAX_MOVES * sizeof(coopdyn_move)};
   GuardedBuffer state{COOPDYN_MAX_STATE};
 };
 
@@ -201,7 +214,8 @@ void Runner::Create(std::uint32_t robot, Worker& worker) {
   });
   if (why.empty() && instance->state == nullptr) {
     const std::string reason(error, strnlen(error, sizeof(error)));
-    why = "cannot drive it: " + (reason.empty() ? "its create() returned NULL" : reason);
+    why = (instance->plugin->supervises() ? "cannot supervise: " : "cannot drive it: ") +
+          (reason.empty() ? "its create() returned NULL" : reason);
   }
   if (why.empty()) why = Guarded("reset", [&] { functions.reset(instance->state, header().seed); });
   if (why.empty() && setup.restore == kNoState) {
@@ -305,19 +319,32 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
       .velocity_m_s = {},
       .angular_velocity_rad_s = {},
       .sensors = instance.sensed.data(),
+      .world = nullptr,
   };
   std::ranges::copy(sent.velocity_m_s, readings.velocity_m_s);
   std::ranges::copy(sent.angular_velocity_rad_s, readings.angular_velocity_rad_s);
 
-  auto& command =
-      *static_cast<coopdyn_command*>(worker.command.Last(sizeof(coopdyn_command), alignof(coopdyn_command)));
+  const bool supervises = instance.plugin->supervises();
+  const coopdyn_world world = {header().body_count, In<coopdyn_body>(header().bodies), header().score_count,
+                               In<coopdyn_score>(header().scores)};
+  if (supervises) readings.world = &world;
+
+  auto& command = *LastOf<coopdyn_command>(worker.command, 1);
+  coopdyn_logged* const logs = LastOf<coopdyn_logged>(worker.logs, COOPDYN_MAX_LOGS);
+  coopdyn_supervision* const doing =
+      supervises ? LastOf<coopdyn_supervision>(worker.supervision, 1) : nullptr;
+  coopdyn_move* const moves = LastOf<coopdyn_move>(worker.moves, COOPDYN_MAX_MOVES);
   command = {};
+  command.logs = logs;
+  command.supervision = doing;
+  if (supervises) {
+    *doing = {};
+    doing->moves = moves;
+  }
   std::span<coopdyn_setpoint> setpoints;
   if (instance.plugin->gives_setpoints()) {
     const std::size_t count = instance.joints.size();
-    setpoints = {static_cast<coopdyn_setpoint*>(
-                     worker.setpoints.Last(count * sizeof(coopdyn_setpoint), alignof(coopdyn_setpoint))),
-                 count};
+    setpoints = {LastOf<coopdyn_setpoint>(worker.setpoints, count), count};
     std::ranges::fill(setpoints, coopdyn_setpoint{});
     command.setpoints = setpoints.data();
   }
@@ -326,8 +353,17 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   const std::string failed = Guarded(called, [&] {
     instance.plugin->functions().step(instance.state, &readings, &command);
     if (!IsFine(command)) wrong = Fault(command);
-    if (command.setpoints != setpoints.data()) {
-      wrong = "changed the pointer setpoints of its command: write into the array that it points to";
+    if (command.setpoints != setpoints.data() || command.logs != logs || command.supervision != doing ||
+        (supervises && doing->moves != moves)) {
+      wrong = "changed a pointer of its command: write into the array that it points to";
+    }
+    for (std::size_t i = 0; i < command.log_count && wrong.empty(); ++i) {
+      if (!IsFine(logs[i])) wrong = Fault(logs[i]);
+    }
+    if (supervises && wrong.empty() && doing->move_count > COOPDYN_MAX_MOVES)
+      wrong = TooManyMoves(doing->move_count);
+    for (std::size_t i = 0; supervises && wrong.empty() && i < doing->move_count; ++i) {
+      if (!IsFine(moves[i])) wrong = Fault(moves[i]);
     }
     for (std::size_t i = 0; i < setpoints.size() && wrong.empty(); ++i) {
       if (!IsFine(setpoints[i], instance.joints[i].modes)) wrong = Fault(setpoints[i], instance.joints[i]);
@@ -340,6 +376,12 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   result.failed = 0;
   CopyCommand(command, result.command);
   std::ranges::copy(setpoints, areas_->out.At<coopdyn_setpoint>(setup.setpoints));
+  std::copy_n(logs, command.log_count, areas_->out.At<coopdyn_logged>(setup.logs));
+  if (supervises) {
+    std::copy_n(moves, doing->move_count, areas_->out.At<coopdyn_move>(header().moves));
+    doing->moves = nullptr;
+    *areas_->out.At<coopdyn_supervision>(header().supervision) = *doing;
+  }
   result.done.store(header().serial, std::memory_order_release);
 }
 

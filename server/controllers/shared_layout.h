@@ -43,6 +43,11 @@ struct InHeader {
   Place robot_results;     // in `out`: RobotResult
   Place texts;             // in `out`: char[kTextSize] for each robot
   Place readings;          // RobotReadings
+  // Of a supervisor:
+  Place bodies, scores;  // coopdyn_body and coopdyn_score, written before each step
+  std::size_t body_count, score_count;
+  Place supervision;  // in `out`: coopdyn_supervision; its pointer is null
+  Place moves;        // in `out`: coopdyn_move[COOPDYN_MAX_MOVES]
   std::uint64_t seed, step;
   double time_s, step_s;
   std::uint64_t in_bytes, out_bytes;  // of the areas
@@ -73,6 +78,7 @@ struct RobotSetup {
   Place sensed;                           // SensorPlace of each
   Place readings_begin;                   // of these
   Place setpoints;                        // in `out`: coopdyn_setpoint, if the controller gives them
+  Place logs;                             // in `out`: coopdyn_logged[COOPDYN_MAX_LOGS]
   Place states[2];                        // in `out`: written in turn, by the serial's parity
 };
 
@@ -137,13 +143,14 @@ T Once(const T& shared) {
   return copy;
 }
 
-/// Copies what counts of a command, each number read once: no pointer, and no messages beyond their count.
+/// Copies what counts of a command, each number read once: no pointers, and no messages beyond their count.
 inline void CopyCommand(const coopdyn_command& from, coopdyn_command& to) {
   to.forward_m_s = Once(from.forward_m_s);
   to.turn_rad_s = Once(from.turn_rad_s);
   const std::uint32_t count = Once(from.message_count);
   to.message_count = count;
   for (std::uint32_t i = 0; i < count && i < COOPDYN_MAX_MESSAGE; ++i) to.message[i] = Once(from.message[i]);
+  to.log_count = Once(from.log_count);
 }
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// controller NAME option=value … of a robot's or a swarm's section.
+// controller NAME option=value … of a robot's or a swarm's section, and supervisor likewise of [SIMULATION].
 #include <algorithm>
 #include <system_error>
 
@@ -12,8 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kController = "controller";
-constexpr const char* kControllerExample = "controller diffuse speed=0.2";
+/// What stands in the line, for messages.
+std::string ExampleOf(const std::string& key) {
+  return key + (key == kSupervisorKey ? " referee rounds=3" : " diffuse speed=0.2");
+}
 
 bool IsOptionName(const std::string& name) {
   constexpr std::size_t kMaxName = 63;
@@ -28,22 +30,22 @@ fs::path WithExtension(std::string written) {
 }
 
 /// The file of the controller `written`; empty, and said, if it is not there.
-std::string FindFile(const std::string& written, SectionReader& reader, const RobotLibrary& library,
-                     const std::optional<fs::path>& beside) {
+std::string FindFile(const std::string& written, const std::string& key, SectionReader& reader,
+                     const RobotLibrary& library, const std::optional<fs::path>& beside) {
   const auto missing = [&](std::string text) {
     if (library.is_of_recording()) {
-      reader.WarningAt(kController, std::move(text));
+      reader.WarningAt(key, std::move(text));
     } else {
-      reader.ErrorAt(kController, std::move(text));
+      reader.ErrorAt(key, std::move(text));
     }
     return std::string();
   };
   if (written.find_first_of("/\\") != std::string::npos) {
     if (!beside) {
-      reader.ErrorAt(kController,
+      reader.ErrorAt(key,
                      "a scenario sent over a socket names its controller by the bare name of one on the "
                      "search path, for example: " +
-                         std::string(kControllerExample));
+                         ExampleOf(key));
       return {};
     }
     // An absolute path stays as it is.
@@ -68,32 +70,30 @@ std::string FindFile(const std::string& written, SectionReader& reader, const Ro
 
 }  // namespace
 
-ControllerChoice ReadController(SectionReader& reader, const RobotLibrary& library,
+ControllerChoice ReadController(SectionReader& reader, const std::string& key, const RobotLibrary& library,
                                 const std::optional<fs::path>& beside) {
   ControllerChoice choice;
-  const std::optional<std::string> text = reader.Text(kController);
+  const std::optional<std::string> text = reader.Text(key);
   if (!text) return choice;
-  choice.where = reader.LineOf(kController);
+  choice.where = reader.LineOf(key);
   const std::vector<std::string> words = SplitWords(*text);
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& word = words[i];
     const std::size_t equals = word.find('=');
     const std::string name = ToLower(word.substr(0, std::min(equals, word.size())));
     if (equals == std::string::npos || equals + 1 == word.size() || !IsOptionName(name)) {
-      reader.ErrorAt(kController,
-                     "'controller': options are written name=value without spaces, for example: " +
-                         std::string(kControllerExample) + "; not '" + word + "'");
+      reader.ErrorAt(key, "'" + key + "': options are written name=value without spaces, for example: " +
+                              ExampleOf(key) + "; not '" + word + "'");
       return choice;
     }
     const ParsedNumber value = ParseNumber(std::string_view(word).substr(equals + 1), Quantity::kAny);
-    if (!value.error.empty())
-      reader.ErrorAt(kController, "'controller', option '" + name + "': " + value.error);
+    if (!value.error.empty()) reader.ErrorAt(key, "'" + key + "', option '" + name + "': " + value.error);
     const bool twice = std::any_of(choice.options.begin(), choice.options.end(),
                                    [&](const auto& option) { return option.first == name; });
-    if (twice) reader.ErrorAt(kController, "'controller': option '" + name + "' stands twice: keep one");
+    if (twice) reader.ErrorAt(key, "'" + key + "': option '" + name + "' stands twice: keep one");
     choice.options.emplace_back(name, value.value);
   }
-  choice.file = FindFile(words.front(), reader, library, beside);
+  choice.file = FindFile(words.front(), key, reader, library, beside);
   choice.name = WithExtension(words.front()).stem().string();
   return choice;
 }

@@ -109,7 +109,7 @@ void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
   entry.where = reader.where();
   Take(reader.ColorValue("color"), entry.color);
   Take(reader.Choice<Fidelity>("fidelity", kFidelityWords), entry.fidelity);
-  entry.controller = ReadController(reader, library_, beside_);
+  entry.controller = ReadController(reader, kControllerKey, library_, beside_);
   if (!entry.controller.empty() && entry.model != nullptr && !entry.model->has_actuators()) {
     reader.ErrorAt("controller",
                    "a " + entry.model->type +

@@ -68,11 +68,14 @@ class RobotSections {
   std::unordered_map<std::string, bool> broken_types_;       // said what is wrong with them
 };
 
-/// The controller that the section names, its file found; empty if it names none, or with errors reported.
+inline constexpr const char* kControllerKey = "controller";
+inline constexpr const char* kSupervisorKey = "supervisor";
+
+/// The controller that `key` of the section names, its file found; empty if none, or with errors reported.
 /// `beside`: the scenario's folder; nothing if the text came over a socket, and then only a bare name on
 /// the library's path will do. What a recording names and is not there any more is a warning: its `file` is
 /// empty.
-ControllerChoice ReadController(SectionReader& reader, const RobotLibrary& library,
+ControllerChoice ReadController(SectionReader& reader, const std::string& key, const RobotLibrary& library,
                                 const std::optional<std::filesystem::path>& beside);
 
 }  // namespace coopdyn

@@ -116,6 +116,8 @@ std::string Summary(const Scenario& scenario) {
          " m";
   out += std::string(", ") + ToString(scenario.simulation.mode.value_or(Mode::kRealtime)) + " " +
          FormatNumber(static_cast<double>(step) / 1e6) + " ms";
+  if (const ControllerChoice& supervisor = scenario.simulation.supervisor; !supervisor.empty())
+    out += ", supervisor " + supervisor.name;
   return out;
 }
 

@@ -41,6 +41,16 @@ inline constexpr Nanoseconds kMaxStep = 100'000'000;     // 100 ms
 inline constexpr Nanoseconds kMaxSubstep = 10'000'000;   // 10 ms
 inline constexpr Nanoseconds kDefaultStep = 10'000'000;  // 100 Hz
 
+/// `controller diffuse speed=0.2`: a loaded controller and its options.
+struct ControllerChoice {
+  std::string name;                                     // empty: none
+  std::string file;                                     // the shared object, as found on the search path
+  std::vector<std::pair<std::string, double>> options;  // in file order, SI units
+  SourceLine where;
+
+  bool empty() const { return name.empty(); }
+};
+
 /// [SIMULATION]; what is not said is empty.
 struct SimulationOptions {
   std::optional<Mode> mode;
@@ -50,16 +60,7 @@ struct SimulationOptions {
   std::optional<double> speed;       // ≤ 0: no limit
   std::optional<double> duration_s;  // simulated
   double gravity_m_s2 = 9.81;        // downwards
-};
-
-/// `controller diffuse speed=0.2`: a loaded controller and its options.
-struct ControllerChoice {
-  std::string name;                                     // empty: none
-  std::string file;                                     // the shared object, as found on the search path
-  std::vector<std::pair<std::string, double>> options;  // in file order, SI units
-  SourceLine where;
-
-  bool empty() const { return name.empty(); }
+  ControllerChoice supervisor;       // a controller of the world
 };
 
 /// [ROBOT_n], or one of a [SWARM_n].

@@ -203,6 +203,7 @@ class ScenarioReader {
     }
     ambient_light_ = ReadAmbientLight(reader);
     if (ambient_light_) scenario_->ambient_light = *ambient_light_;
+    options.supervisor = ReadController(reader, kSupervisorKey, library_, FolderOf(label_, by_socket_));
     reader.Finish();
   }
 

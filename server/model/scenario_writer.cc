@@ -88,6 +88,13 @@ std::string WriteLight(const PointLight& light) {
   return lines.Take();
 }
 
+/// What stands behind `controller` and `supervisor`.
+std::string LineOf(const ControllerChoice& controller) {
+  std::string line = controller.name;
+  for (const auto& [name, value] : controller.options) line += " " + name + "=" + ExactNumber(value);
+  return line;
+}
+
 std::string WriteRobot(const RobotEntry& robot, std::size_t number, const std::string& type) {
   Lines lines("ROBOT_" + std::to_string(number));
   lines.Add("type", type.find_first_of(" ;#") == std::string::npos ? type : "\"" + type + "\"");
@@ -96,9 +103,7 @@ std::string WriteRobot(const RobotEntry& robot, std::size_t number, const std::s
   lines.Add("color", robot.color);
   if (robot.fidelity != Fidelity::kFull) lines.Add("fidelity", ToString(robot.fidelity));
   if (!robot.controller.empty()) {
-    std::string line = robot.controller.name;
-    for (const auto& [name, value] : robot.controller.options) line += " " + name + "=" + ExactNumber(value);
-    lines.Add("controller", line);
+    lines.Add("controller", LineOf(robot.controller));
   } else if (!robot.sync) {
     lines.Add("sync", "no");
   }
@@ -135,6 +140,7 @@ std::string WriteSimulation(const SimulationOptions& simulation, double ambient_
   if (simulation.duration_s) lines.Add("duration", {*simulation.duration_s});
   lines.Add("gravity", {simulation.gravity_m_s2});
   if (ambient_light > 0) lines.Add("ambient_light", {ambient_light});
+  if (!simulation.supervisor.empty()) lines.Add("supervisor", LineOf(simulation.supervisor));
   return lines.Take();
 }
 

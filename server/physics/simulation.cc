@@ -16,10 +16,12 @@ std::unique_ptr<Simulation> Simulation::Build(std::shared_ptr<const Scene> scene
   if (helpers.controllers != nullptr) {
     helpers.controllers->Check(*scene->scenario, diagnostics);
   } else {
-    for (const SceneRobot& robot : scene->robots) {
-      if (robot.entry.controller.empty()) continue;
-      diagnostics.Error(robot.entry.controller.where, "controllers are not loaded here: leave the line out");
-    }
+    const auto refuse = [&diagnostics](const ControllerChoice& choice) {
+      if (!choice.empty())
+        diagnostics.Error(choice.where, "controllers are not loaded here: leave the line out");
+    };
+    refuse(scene->scenario->simulation.supervisor);
+    for (const SceneRobot& robot : scene->robots) refuse(robot.entry.controller);
   }
   if (diagnostics.errors() > errors) return nullptr;
   auto world = PhysicsWorld::Build(scene, seed, diagnostics, helpers.pool);
@@ -61,7 +63,7 @@ std::shared_ptr<Frame> Simulation::MakeFrame() {
 
 void Simulation::Use(std::shared_ptr<const Scene> scene) {
   scene_ = std::move(scene);
-  has_controllers_ = false;
+  has_controllers_ = !scene_->scenario->simulation.supervisor.empty();
   message_steps_ = 0;
   for (const SceneRobot& robot : scene_->robots) {
     has_controllers_ |= !robot.entry.controller.empty();

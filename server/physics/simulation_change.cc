@@ -21,10 +21,8 @@ int FindRobot(const Scene& scene, RobotId id) {
 }
 
 std::int32_t WorldIdOf(const Scene& scene, const Thing& thing) {
-  if (thing.robot >= 0)
-    return WorldId::kRobots +
-           static_cast<std::int32_t>(scene.robots[static_cast<std::size_t>(thing.robot)].id.value);
-  return static_cast<std::int32_t>(scene.objects[static_cast<std::size_t>(thing.object)].id.value);
+  if (thing.robot >= 0) return WorldIdOf(scene.robots[static_cast<std::size_t>(thing.robot)]);
+  return WorldIdOf(scene.objects[static_cast<std::size_t>(thing.object)]);
 }
 
 /// Whether physics notices that the one takes the place of the other where it is.

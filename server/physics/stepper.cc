@@ -174,7 +174,11 @@ void Stepper::StepNow(Nanoseconds now) {
   inputs.messages = boards_.commands.LatchedMessages();
   inputs.commanded = boards_.commands.LatchedCommands();
   if (!boards_.commands.LatchedLosses().empty()) NoteLostClients();
-  const FramePtr frame = simulation_->Step(step_length_, inputs);
+  const FramePtr seen = simulation_->frame();
+  FramePtr frame = simulation_->Step(step_length_, inputs);
+  Supervision supervision;
+  if (simulation_->has_controllers()) supervision = helpers_.controllers->TakeSupervision();
+  NoteLogs(supervision.logs, *seen);
   if (allowed_steps_ > 0) --allowed_steps_;
   status_.simulated += step_length_;
   boards_.frames.Publish(frame);
@@ -201,6 +205,10 @@ void Stepper::StepNow(Nanoseconds now) {
       keyframe->mode = mode_;
     }
     journal_->Step(frame, mode_, std::move(keyframe));
+  }
+  if (!supervision.empty()) {
+    Supervise(supervision);
+    frame = simulation_->frame();
   }
   const Nanoseconds written = journal_ != nullptr ? clock_.Now() : told;
   boards_.commands.FinishStep(frame, now);
@@ -233,7 +241,10 @@ void Stepper::NoteStoppedControllers(const std::vector<StoppedController>& contr
   const Scene& scene = simulation_->scene();
   bool failed = false;
   for (const StoppedController& stopped : controllers) {
-    AddEvent(stopped.with_daemon ? "info" : "error", stopped.robot + " stands: " + stopped.why);
+    const bool drives = scene.FindRobot(stopped.robot) >= 0;
+    AddEvent(stopped.with_daemon ? "info" : "error",
+             drives ? stopped.robot + " stands: " + stopped.why
+                    : "the run has no supervisor any more: " + stopped.why);
     if (!stopped.with_daemon) NoteStopped(stopped.robot, "controller", stopped.why);
     failed |= !stopped.with_daemon;
     if (step) WriteInput(*step, ControllerStopped{stopped.robot, stopped.why});

@@ -158,8 +158,14 @@ class Stepper {
     return state.step_length.value_or(state.frame->step_length);
   }
   std::uint64_t NextEpoch() const;
-  /// Makes `change` and puts the new scene in force; `entry` is for the history.
-  EditResult ChangeWorld(WorldChange change, WorldHistory::Entry& entry) REQUIRES(baton_);
+  /// Makes `change` and puts the new scene in force; `entry` is for the history. `tells`: an event says so.
+  EditResult ChangeWorld(WorldChange change, WorldHistory::Entry& entry, bool tells = true) REQUIRES(baton_);
+  /// Keeps a number that was logged at `now`. False: there are too many names.
+  bool LogNumber(const std::string& name, double value, const Frame& now) REQUIRES(baton_);
+  /// What controllers have logged of `seen`, the frame before the newest.
+  void NoteLogs(std::span<const Supervision::Log> logs, const Frame& seen) REQUIRES(baton_);
+  /// What the supervisor wants is done, after the step in which it said so.
+  void Supervise(const Supervision& supervision) REQUIRES(baton_);
   void WriteInput(std::uint64_t step, std::variant<RunEdit, RobotEvent, WorldInput> what) REQUIRES(baton_);
   /// Takes mode, step, speed and duration of the scenario, as far as it says them and the command line does
   /// not.
@@ -209,8 +215,11 @@ class Stepper {
   Nanoseconds rests_from_ GUARDED_BY(baton_) = 0;  // the end of the step before; 0: it does not count
   PhaseTimes times_before_ GUARDED_BY(baton_);     // AllTimes() when costs began anew
   bool has_deadlines_ GUARDED_BY(baton_) = false;
-  Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;  // until then the physics thread sleeps
-  std::vector<char> off_floor_ GUARDED_BY(baton_);     // 1: yes; by robot
+  Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;         // until then the physics thread sleeps
+  std::vector<char> off_floor_ GUARDED_BY(baton_);            // 1: yes; by robot
+  std::optional<std::uint64_t> moved_at_ GUARDED_BY(baton_);  // step of the supervisor's last moves
+  std::string not_moved_ GUARDED_BY(baton_);                  // why, as the last event said
+  bool logs_lost_ GUARDED_BY(baton_) = false;                 // an event has said so
 };
 
 }  // namespace coopdyn

@@ -4,12 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
 #include <utility>
 
 #include "server/physics/stepper.h"
+#include "server/state/world_moves.h"
 
 namespace coopdyn {
+
+namespace {
+
+constexpr const char* kTooManyLogged = "{} names are logged already: log one of those";
+
+}  // namespace
 
 void Stepper::ApplyEdits() {
   for (Edit& edit : boards_.edits.TakeAll()) {
@@ -93,7 +101,7 @@ EditResult Stepper::Apply(const edit::Reset& reset) {
   return {};
 }
 
-EditResult Stepper::ChangeWorld(WorldChange change, WorldHistory::Entry& entry) {
+EditResult Stepper::ChangeWorld(WorldChange change, WorldHistory::Entry& entry, bool tells) {
   entry.epoch = frame().epoch;
   entry.step = frame().step;
   if (std::string why = simulation_->Change(change, entry.inverse); !why.empty()) {
@@ -110,7 +118,7 @@ EditResult Stepper::ChangeWorld(WorldChange change, WorldHistory::Entry& entry) 
   std::ranges::sort(unloaded);
   boards_.commands.Revise(scene, unloaded, simulation_->frame(), clock_.Now());
   WriteInput(frame().step, change);
-  AddEvent("info", change.label);
+  if (tells) AddEvent("info", change.label);
   if (simulation_->has_controllers()) {
     NoteStoppedControllers(helpers_.controllers->TakeStopped(), std::nullopt);
   }
@@ -217,14 +225,48 @@ EditResult Stepper::Apply(const edit::Note& note) {
 }
 
 EditResult Stepper::Apply(const edit::Log& log) {
-  const Frame& now = frame();
-  if (!boards_.control.SetLogged(log.name, {now.step, now.time_s(), log.value})) {
-    return {Error::kTooLarge,
-            fmt::format("{} names are logged already: log one of those", RunControl::kMaxLogged)};
-  }
+  if (LogNumber(log.name, log.value, frame())) return {};
+  return {Error::kTooLarge, fmt::format(kTooManyLogged, RunControl::kMaxLogged)};
+}
+
+bool Stepper::LogNumber(const std::string& name, double value, const Frame& now) {
+  if (!boards_.control.SetLogged(name, {now.step, now.time_s(), value})) return false;
   if (journal_ != nullptr)
-    journal_->Note({now.step, now.time_s(), kLogLevel, fmt::format("{} {}", log.name, log.value)});
-  return {};
+    journal_->Note({now.step, now.time_s(), kLogLevel, fmt::format("{} {}", name, value)});
+  return true;
+}
+
+void Stepper::NoteLogs(std::span<const Supervision::Log> logs, const Frame& seen) {
+  for (const Supervision::Log& log : logs) {
+    if (LogNumber(log.name, log.value, seen) || std::exchange(logs_lost_, true)) continue;
+    AddEvent("warning", log.name + " is not logged: " + fmt::format(kTooManyLogged, RunControl::kMaxLogged));
+  }
+}
+
+void Stepper::Supervise(const Supervision& supervision) {
+  const std::string who = SupervisorName(simulation_->scene().scenario->simulation.supervisor);
+  WorldChange change;
+  std::string names, refusal;
+  std::set<std::int32_t> moved;
+  for (const Supervision::Move& move : supervision.moves) {
+    const Found found = FindId(simulation_->scene(), move.id);
+    if (!found.any()) refusal = fmt::format("there is nothing with the id {}", move.id);
+    if (!moved.insert(move.id).second) refusal = fmt::format("{} is moved twice in one step", move.id);
+    if (!refusal.empty()) break;
+    names += " " + AddMove(frame(), found, move.X_W, change);
+  }
+  if (!supervision.moves.empty()) {
+    change.label = who + ": move" + names;
+    const auto before = std::exchange(moved_at_, frame().step);
+    const bool goes_on = before && *before + 1 == frame().step;
+    WorldHistory::Entry entry;
+    if (refusal.empty()) refusal = ChangeWorld(change, entry, !goes_on).text;
+    if (!refusal.empty() && refusal != not_moved_) AddEvent("warning", who + " moves nothing: " + refusal);
+    not_moved_ = refusal;
+  }
+  if (!supervision.end || ended_) return;
+  EndRun(RunEnd::kSupervisor,
+         who + " ends the run" + (supervision.end->empty() ? "" : ": " + *supervision.end));
 }
 
 EditResult Stepper::Apply(const edit::EndRun& end) {
@@ -276,6 +318,9 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   allowed_steps_ = 0;
   status_.frozen_before.insert(status_.frozen.begin(), status_.frozen.end());
   status_.frozen = FrozenNames(frame());
+  moved_at_.reset();
+  not_moved_.clear();
+  logs_lost_ = false;
   boards_.control.ClearStopped();
   boards_.control.ClearLogged();
   status_.costs = {.runs = status_.costs.runs + 1};
@@ -338,6 +383,7 @@ std::string Stepper::LoseControllers(const std::string& why, std::vector<Stopped
     for (std::size_t i = 0; i < robots.size(); ++i) {
       if (!robots[i].entry.controller.empty()) helpers_.controllers->Stop(static_cast<int>(i), why);
     }
+    helpers_.controllers->Stop(kSupervisor, why);
     stopped = helpers_.controllers->TakeStopped();
   }
   const bool ended = ended_;

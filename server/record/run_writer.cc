@@ -96,11 +96,10 @@ RunHeader HeaderOf(const Frame& frame, Mode mode, const RecordWhat& what, Nanose
   header.what = what;
   header.pose_every = pose_every;
   std::set<std::string> known;
-  for (const SceneRobot& robot : frame.scene->robots) {
-    const ControllerChoice& choice = robot.entry.controller;
-    if (choice.empty() || !known.insert(choice.name).second) continue;
-    if (std::string hash = FileHash(choice.file); !hash.empty()) {
-      header.controllers.push_back({choice.name, std::move(hash)});
+  for (const ControllerChoice* choice : ControllersOf(*frame.scene)) {
+    if (!known.insert(choice->name).second) continue;
+    if (std::string hash = FileHash(choice->file); !hash.empty()) {
+      header.controllers.push_back({choice->name, std::move(hash)});
     }
   }
   return header;

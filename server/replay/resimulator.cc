@@ -17,18 +17,11 @@ constexpr int kMaxStoppedNamed = 5;
 
 /// The first controller of `scene` whose file is not there, as its scenario calls it; empty: none.
 std::string MissingController(const Scene& scene) {
-  for (const SceneRobot& robot : scene.robots) {
-    const ControllerChoice& choice = robot.entry.controller;
+  for (const ControllerChoice* choice : ControllersOf(scene)) {
     std::error_code error;
-    if (choice.empty() || std::filesystem::is_regular_file(choice.file, error)) continue;
-    return choice.name;
+    if (!std::filesystem::is_regular_file(choice->file, error)) return choice->name;
   }
   return {};
-}
-
-bool HasControllers(const Scene& scene) {
-  return std::any_of(scene.robots.begin(), scene.robots.end(),
-                     [](const SceneRobot& robot) { return !robot.entry.controller.empty(); });
 }
 
 /// What the errors of `diagnostics` say, in one line.
@@ -55,14 +48,13 @@ std::string OtherOrigin(const RunHeader& header) {
 std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene) {
   std::vector<std::string> lines;
   std::set<std::string> known;
-  for (const SceneRobot& robot : scene.robots) {
-    const ControllerChoice& choice = robot.entry.controller;
-    if (choice.empty() || !known.insert(choice.name).second) continue;
-    const auto recorded = std::ranges::find(header.controllers, choice.name, &PluginHash::name);
+  for (const ControllerChoice* choice : ControllersOf(scene)) {
+    if (!known.insert(choice->name).second) continue;
+    const auto recorded = std::ranges::find(header.controllers, choice->name, &PluginHash::name);
     if (recorded == header.controllers.end()) continue;
-    const std::string now = FileHash(choice.file);
+    const std::string now = FileHash(choice->file);
     if (now == recorded->hash) continue;
-    lines.push_back("controller " + choice.name + " is not the one that was recorded (hash " +
+    lines.push_back("controller " + choice->name + " is not the one that was recorded (hash " +
                     recorded->hash + ", now " + (now.empty() ? "unreadable" : now) + ")");
   }
   return lines;
@@ -119,7 +111,8 @@ bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::
 
 bool Resimulator::GiveUpControllers(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
                                     const std::string& why) {
-  if (!header_.what.controllers) {
+  const auto is_driven = [](const SceneRobot& robot) { return !robot.entry.controller.empty(); };
+  if (!header_.what.controllers && std::ranges::any_of(scene->robots, is_driven)) {
     error_ = file_ + ": " + why +
              "; the recording has no set-points of controllers (controllers was not among --record-what), so "
              "it cannot be repeated without: put the controller that ran on the search path, or name its "
@@ -142,7 +135,7 @@ bool Resimulator::GiveUpControllers(const std::shared_ptr<const Scene>& scene, s
 
 bool Resimulator::Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) {
   simulation_.reset();
-  if (HasControllers(*scene)) {
+  if (!ControllersOf(*scene).empty()) {
     std::string why = "controllers are given up";
     if (!controllers_given_up_ && BuildWithHost(scene, seed, why)) return true;
     return GiveUpControllers(scene, seed, why);
@@ -225,9 +218,17 @@ void Resimulator::Apply(const RunInput& input) {
     Change(*change);
   } else if (const auto* stopped = As<ControllerStopped>(input.what)) {
     const int robot = scene.FindRobot(stopped->robot);
-    if (robot < 0 || host_ == nullptr) return;
-    host_->Stop(robot, stopped->why);
+    const ControllerChoice& supervisor = scene.scenario->simulation.supervisor;
+    const bool supervises = !supervisor.empty() && stopped->robot == SupervisorName(supervisor);
+    if ((robot < 0 && !supervises) || host_ == nullptr) return;
+    host_->Stop(supervises ? kSupervisor : robot, stopped->why);
     host_->TakeStopped();
+  }
+}
+
+void Resimulator::Supervise(std::span<const RunInput> inputs) {
+  for (const RunInput& input : inputs) {
+    if (IsSupervisors(input)) Change(*As<WorldChange>(input.what));
   }
 }
 

@@ -46,6 +46,10 @@ class Resimulator {
   std::string StepTo(RunReader& reader, std::uint64_t step,
                      const std::function<std::string(const RecordedStep&)>& check);
 
+  /// Makes the supervisor's changes among `inputs`, those of frame(): it has asked for them in that step, and
+  /// does not do so again.
+  void Supervise(std::span<const RunInput> inputs);
+
   const FramePtr& frame() const { return simulation_->frame(); }
   /// What goes on from frame(), with the mode in force then. The controllers are missing from it if they are
   /// given up.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/replay/state_at.h"
+#include "server/state/controller_driver.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -33,6 +34,12 @@ std::string PartsAt(const RunReader& reader, std::uint64_t step, const std::stri
 std::string MissingControllers(const Scene& scene) {
   std::string name;
   std::size_t robots = 0;
+  const ControllerChoice& supervisor = scene.scenario->simulation.supervisor;
+  if (!supervisor.empty() && supervisor.file.empty()) {
+    return fmt::format(
+        "{} of this run was not found: put it on the search path (--scenarios DIR, or COOPDYN_PATH)",
+        SupervisorName(supervisor));
+  }
   for (const SceneRobot& robot : scene.robots) {
     const ControllerChoice& controller = robot.entry.controller;
     if (controller.empty() || !controller.file.empty()) continue;
@@ -72,7 +79,8 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
   }
   error = MissingControllers(*keyframe->frame->scene);
   if (!error.empty()) return nullptr;
-  if (from == step) {
+  const std::vector<RunInput> inputs = reader.Inputs(step, step);
+  if (from == step && std::ranges::none_of(inputs, IsSupervisors)) {
     auto state = std::make_shared<SavedState>(*keyframe);
     for (const std::string& line : OtherPlugins(reader.header(), *state->frame->scene)) {
       state->warning += line + "\n";
@@ -89,11 +97,14 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
     error = fmt::format("{}: no run can go on from step {}: {}", reader.file(), step, run.warning());
     return nullptr;
   }
-  error = run.StepTo(reader, step, [&](const RecordedStep& recorded) {
-    const bool equal = StateHash(*run.frame()) == recorded.hash;
-    return equal ? "" : PartsAt(reader, recorded.step, run.warning());
-  });
+  if (from < step) {
+    error = run.StepTo(reader, step, [&](const RecordedStep& recorded) {
+      const bool equal = StateHash(*run.frame()) == recorded.hash;
+      return equal ? "" : PartsAt(reader, recorded.step, run.warning());
+    });
+  }
   if (!error.empty()) return nullptr;
+  run.Supervise(inputs);
   auto state = std::make_shared<SavedState>(run.Save());
   state->warning = run.warning();
   return state;

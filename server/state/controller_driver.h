@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,12 +14,20 @@
 #include "server/state/command_board.h"
 #include "server/state/frame.h"
 #include "server/state/run_control.h"
+#include "server/state/world_change.h"
 
 namespace coopdyn {
 
+/// The supervisor's place among the robots.
+inline constexpr int kSupervisor = -1;
+/// What it is called in events and in the status; no robot has such a name.
+inline std::string SupervisorName(const ControllerChoice& supervisor) {
+  return kSupervisorLabel + supervisor.name;
+}
+
 /// A controller that does not drive its robot any more: the robot stands.
 struct StoppedController {
-  std::string robot;
+  std::string robot;         // or SupervisorName()
   std::string why;           // e.g. "controller diffuse crashed (segmentation fault)"
   bool with_daemon = false;  // it ended because the daemon ends: no fault
 };
@@ -27,6 +36,23 @@ struct StoppedController {
 struct ControllerCost {
   std::string controller;    // empty: there is none
   Nanoseconds per_step = 0;  // of a recent step, all its robots together
+};
+
+/// What controllers want beside driving robots.
+struct Supervision {
+  struct Log {
+    std::string name;  // ROBOT.name; of the supervisor the name alone
+    double value = 0;
+  };
+  struct Move {
+    std::int32_t id = 0;  // WorldId
+    Pose X_W;
+  };
+  std::vector<Log> logs = {};
+  std::vector<Move> moves = {};
+  std::optional<std::string> end = {};  // the run ends; why, may be empty
+
+  bool empty() const { return logs.empty() && moves.empty() && !end; }
 };
 
 /// What is not overridden does nothing: set-points and broadcasts stay as they are given.
@@ -46,6 +72,8 @@ class ControllerDriver {
   /// scene's channels.
   virtual void Step(const FramePtr& /*frame*/, std::span<Setpoint> /*setpoints*/,
                     std::vector<SentMessage>& /*messages*/) {}
+  /// What they wanted in that step; the caller does it, or has it from a recording.
+  virtual Supervision TakeSupervision() { return {}; }
   /// The caller takes no further step at once: what is held for that, such as its core, is let go.
   virtual void Rest() {}
   /// All that decides what the controllers do from here on, as bytes.
@@ -59,7 +87,7 @@ class ControllerDriver {
   virtual void Revise(const FramePtr& /*frame*/) {}
   /// Robots (indices into the scene) whose controller has been taken away.
   virtual std::vector<int> Unloaded() const { return {}; }
-  /// The robot stands from now on, for the reason `why`, as it did in the run that is being repeated.
+  /// The robot, or the supervisor, stands from now on, for the reason `why`, as in the run that is repeated.
   virtual void Stop(int /*robot*/, const std::string& /*why*/) {}
   /// The robot's controller is taken away (`release_robot`): from now on it is driven by clients.
   virtual void Unload(int /*robot*/) {}

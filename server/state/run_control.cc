@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "server/state/run_control.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+
+#include "protocol/ascii.h"
 
 namespace coopdyn {
 
@@ -11,8 +14,15 @@ const char* ToString(RunState state) {
   return kNames[static_cast<std::size_t>(state)];
 }
 
+bool IsLogName(std::string_view name) {
+  constexpr std::size_t kLongest = 63;
+  return !name.empty() && name.size() <= kLongest && IsLetter(name.front()) &&
+         std::ranges::all_of(name, [](char c) { return IsLetter(c) || IsDigit(c) || c == '_'; });
+}
+
 const char* ToString(RunEnd end) {
-  constexpr std::array kNames{"duration", "controller", "recording", "quit", "signal", "score", "client"};
+  constexpr std::array kNames{"duration", "controller", "recording", "quit",
+                              "signal",   "score",      "client",    "supervisor"};
   return kNames[static_cast<std::size_t>(end)];
 }
 
@@ -23,7 +33,8 @@ const char* WhyEarly(RunEnd end) {
                               "by quit",
                               "by a signal",
                               "by a score",
-                              "by a client"};
+                              "by a client",
+                              "by the supervisor"};
   return kTexts[static_cast<std::size_t>(end)];
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,7 @@ enum class RunState { kRunning, kPaused, kWaiting, kPlaying, kEnded };
 const char* ToString(RunState state);
 
 /// Why a run has ended.
-enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal, kScore, kClient };
+enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal, kScore, kClient, kSupervisor };
 const char* ToString(RunEnd end);
 /// "by a signal", "because the recording failed": why a run ended before its duration.
 const char* WhyEarly(RunEnd end);
@@ -79,6 +80,9 @@ struct Event {
 };
 /// The level of an event that is a logged number: "NAME VALUE".
 inline constexpr const char* kLogLevel = "log";
+
+/// A letter, then letters, digits and _, at most 63.
+bool IsLogName(std::string_view name);
 
 /// A number that a client or a controller has logged.
 struct Logged {

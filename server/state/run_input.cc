@@ -171,6 +171,11 @@ std::vector<EditAction> Skip(int steps, std::string& error) {
 
 }  // namespace
 
+bool IsSupervisors(const RunInput& input) {
+  const auto* change = As<WorldChange>(input.what);
+  return change != nullptr && change->label.starts_with(kSupervisorLabel);
+}
+
 InputText Encode(const RunInput& input) {
   return std::visit([](const auto& kind) { return std::visit(TextOf(), kind); }, input.what);
 }

@@ -43,6 +43,9 @@ struct RunInput {
   std::variant<RunEdit, RobotEvent, WorldInput> what;
 };
 
+/// What the supervisor has changed in the step before, told by its label.
+bool IsSupervisors(const RunInput& input);
+
 /// An input as a recording has it: `set_mode` `lockstep`, `deadline` `robot3 stop`.
 struct InputText {
   std::string action, detail;

@@ -28,6 +28,16 @@ Vector3 CenterOfMass(const RobotModel& model) {
   return moment / mass_kg;
 }
 
+std::vector<const ControllerChoice*> ControllersOf(const Scene& scene) {
+  std::vector<const ControllerChoice*> controllers;
+  const auto add = [&controllers](const ControllerChoice& choice) {
+    if (!choice.empty()) controllers.push_back(&choice);
+  };
+  add(scene.scenario->simulation.supervisor);
+  for (const SceneRobot& robot : scene.robots) add(robot.entry.controller);
+  return controllers;
+}
+
 int Scene::FindRobot(std::string_view name) const {
   const auto found =
       std::find_if(robots.begin(), robots.end(), [&](const SceneRobot& r) { return r.entry.name == name; });

@@ -109,6 +109,9 @@ struct Scene {
   int FindDrive(int robot) const;
 };
 
+/// The controllers that are to be loaded: the supervisor, then those of robots.
+std::vector<const ControllerChoice*> ControllersOf(const Scene& scene);
+
 /// Centre of mass of all links of `model` in R, in the initial pose.
 Vector3 CenterOfMass(const RobotModel& model);
 

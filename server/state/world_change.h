@@ -46,11 +46,28 @@ struct WorldId {
   static constexpr std::int32_t kMost = 999'999;  // of one kind
 };
 
+inline std::int32_t WorldIdOf(const SceneObject& thing) {
+  return static_cast<std::int32_t>(thing.id.value);
+}
+inline std::int32_t WorldIdOf(const SceneRobot& robot) {
+  return WorldId::kRobots + static_cast<std::int32_t>(robot.id.value);
+}
+inline std::int32_t WorldIdOf(const Target& target) {
+  return WorldId::kTargets + static_cast<std::int32_t>(target.id.value);
+}
+/// Of the light at this place among the scene's.
+inline std::int32_t LightId(std::size_t place) {
+  return WorldId::kLights + static_cast<std::int32_t>(place) + 1;
+}
+
 /// How long a dynamic thing has been at rest.
 struct RestCounter {
   std::int32_t id = 0;  // WorldId
   std::uint64_t counter = 0;
 };
+
+/// Begins the label of what the supervisor changes; no other label begins so.
+inline constexpr const char* kSupervisorLabel = "supervisor ";
 
 struct WorldChange {
   std::string label;  // for people: "insert BOX_1"

@@ -197,7 +197,7 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
     const auto [model, is_new] =
         known.emplace(std::pair(robot.entry.model.get(), robot.entry.fidelity), models.size());
     if (is_new) models.push_back(ModelJson(robot));
-    robots.push_back({{"id", WorldId::kRobots + static_cast<std::int32_t>(robot.id.value)},
+    robots.push_back({{"id", WorldIdOf(robot)},
                       {"name", robot.entry.name},
                       {"model", model->second},
                       {"color", Numbers(robot.entry.color)},
@@ -207,7 +207,7 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
                       {"turn", Numbers(robot.X_BR.q)}});
   }
   for (const Target& target : scene.targets) {
-    targets.push_back({{"id", WorldId::kTargets + static_cast<std::int32_t>(target.id.value)},
+    targets.push_back({{"id", WorldIdOf(target)},
                        {"name", TargetName(target)},
                        {"color", Numbers(target.color)},
                        {"position", Numbers(target.p_WT)}});

@@ -69,6 +69,16 @@ class Swarm {
     scenario_.robots.push_back(std::move(entry));
     return *this;
   }
+  /// The run's supervisor.
+  Swarm& Supervise(const std::string& file, std::vector<std::pair<std::string, double>> options = {}) {
+    ControllerChoice& supervisor = scenario_.simulation.supervisor;
+    const std::size_t slash = file.rfind('/');
+    supervisor.name = file.substr(slash + 1, file.size() - slash - 4);
+    supervisor.file = file;
+    supervisor.options = std::move(options);
+    supervisor.where = {"test.scenario", 2};
+    return *this;
+  }
   Swarm& Mark(double x_m, double y_m) {
     Target target;
     target.color = {1, 0, 0};
@@ -139,6 +149,7 @@ struct Record {
   std::vector<std::vector<WheelSpeeds>> setpoints;  // by step, then robot
   std::vector<SentMessage> messages;
   std::vector<StoppedController> stopped;
+  std::vector<Supervision> supervision;  // by step
 };
 
 /// Options for a child that is the tests' own program.
@@ -167,6 +178,7 @@ class Driven {
     frame_ = swarm_.Next(frame_, setpoints, messages);
     run_.setpoints.push_back(std::move(setpoints));
     run_.messages.insert(run_.messages.end(), messages.begin(), messages.end());
+    run_.supervision.push_back(host_.TakeSupervision());
     TakeStopped();
   }
   const Record& Steps(int count) {
@@ -178,6 +190,7 @@ class Driven {
   void Forget() {
     run_.setpoints.clear();
     run_.messages.clear();
+    run_.supervision.clear();
   }
   /// Continues at `frame` with what was saved there.
   bool Restore(const FramePtr& frame, std::span<const std::byte> saved) {

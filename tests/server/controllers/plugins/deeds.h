@@ -59,4 +59,30 @@ enum SetpointDeed {
   kWritePastSetpoints,
 };
 
+/// Of the supervisor `overseer`.
+enum OverseerDeed {
+  kWatches,   // logs what it sees
+  kMovesAll,  // things, robots, targets and lights, 1 m along x
+  kEndsRun,
+  kMovesNobody,  // an id that is not there
+  kMovesTwice,
+  kMovesInto,  // the first robot into the second
+  kMovesTooMany,
+  kMovesToNowhere,
+  kTurnsWrongly,
+  kLogsTooMuch,
+  kLogsNotANumber,
+  kLogsUnderABadName,
+  kLogsUnderALongName,
+  kOtherSupervision,
+  kOtherMoves,
+  kOtherLogs,
+  kWritesPastMoves,
+  kWritesPastLogs,
+  kWritesWorld,
+  kOverseerThrows,
+  kOverseerCrashes,
+  kOverseerHangs,
+};
+
 }  // namespace coopdyn
