@@ -34,6 +34,7 @@ export const GRAMMAR = {
     gravity: ['downwards, m/s²', 'gravity 9.81'],
     ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
     angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],
+    supervisor: ['a loaded controller of the world', 'supervisor referee rounds=5'],
   },
   FLOOR: {
     size: ['length width [height], m', 'size 10 8'],

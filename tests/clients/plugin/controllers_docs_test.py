@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What docs/controllers.md shows compiles and runs."""
+import json
 import os
 import re
 import subprocess
@@ -55,8 +56,23 @@ class ControllersDocsTestCase(unittest.TestCase):
         line = re.search(r"^controller .*$", blocks("")[0], re.M).group()
         self.drive(line)
 
+    def test_the_supervisor_of_a_scenario(self):
+        self.assertIn(blocks("")[1], (ROOT / "scenarios" / "race.scenario").read_text())
+
+    def test_the_supervisor_in_cpp(self):
+        (self.folder / "clients").symlink_to(ROOT / "clients")
+        (self.folder / "kickoff.cc").write_text(blocks("cpp")[2])
+        self.run_shell(blocks("sh")[1].replace("g++ ", "g++ -Wall -Wextra -Werror ").replace("circle", "kickoff"))
+        (self.folder / "try.scenario").write_text(
+            "[SIMULATION]\nsupervisor kickoff field=0.5\n[FLOOR]\nsize 9 9\n"
+            "[BALL_1]\ntype sphere\nsize 0.2\nmass 1\nposition 0.6 0 0.1\n")
+        self.run_shell("coopdyn serve try.scenario --mode free --duration 0.5 --no-net --summary out.json")
+        told = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual((told["ended"], told["steps"]), ("supervisor", 3))
+        self.assertEqual({one["name"]: one["value"] for one in told["logged"]}["outs"], 3)
+
     def test_no_other_blocks(self):
-        self.assertEqual([len(blocks(kind)) for kind in ("", "sh", "cpp")], [1, 2, 2])
+        self.assertEqual([len(blocks(kind)) for kind in ("", "sh", "cpp")], [2, 2, 3])
 
 
 if __name__ == "__main__":
