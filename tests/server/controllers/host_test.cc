@@ -231,7 +231,7 @@ TEST(ControllerSetpointsTest, WhatCannotBeCarriedOutStopsTheRobot) {
       {kNoSuchMode, "mode 5 for motors/right"},
       {kModeNotTaken, "mode effort for motors/right, which takes: off, velocity"},
       {kReferenceNotANumber, "reference = nan for motors/left"},
-      {kOtherPointer, "the pointer setpoints"},
+      {kOtherPointer, "changed a pointer of its command"},
       {kWritePastSetpoints, "segmentation fault"}};
   for (const auto& [deed, why] : cases) {
     for (const bool in_process : {false, true}) {

@@ -27,7 +27,7 @@ class ShippedLibrary {
  public:
   ShippedLibrary() : library_(SearchPath{{SourceDir(), folder_.path()}}) {
     for (const char* name : {"aggregate", "attractor", "braitenberg", "diffuse", "flock", "formation",
-                             "reach", "squat", "transport", "tripod", "trot", "walk"}) {
+                             "reach", "referee", "squat", "transport", "tripod", "trot", "walk"}) {
       folder_.Write(std::string("controllers/") + name + ".so", "");
     }
   }
@@ -75,9 +75,9 @@ TEST(ShippedTest, NamesAreListedSorted) {
       ShippedRobots().path().ScenarioNames(),
       ::testing::ElementsAre("aggregate50", "arena20", "ball", "box_maze", "classroom", "cluttered",
                              "corridor", "crowd200", "diffuse100", "empty", "fig4", "flock50", "formation",
-                             "formation_loaded", "lamps", "maze", "pendulum", "reach", "squat", "swarm100",
-                             "swarm1000", "swarm5000", "transport", "transport_loaded", "triangle",
-                             "triangle_loaded", "tripod", "trot", "walk", "wall"));
+                             "formation_loaded", "lamps", "maze", "pendulum", "race", "reach", "squat",
+                             "swarm100", "swarm1000", "swarm5000", "transport", "transport_loaded",
+                             "triangle", "triangle_loaded", "tripod", "trot", "walk", "wall"));
 }
 
 TEST(ShippedTest, RobotsStartClearOfEverything) {
