@@ -48,12 +48,8 @@ class KeepRounding {
   static constexpr unsigned kFlags = 0x3f;
   const unsigned before_;
 #else
-  KeepRounding() {
-    std::fegetenv(&before_);
-  }
-  ~KeepRounding() {
-    std::fesetenv(&before_);
-  }
+  KeepRounding() { std::fegetenv(&before_); }
+  ~KeepRounding() { std::fesetenv(&before_); }
 
  private:
   std::fenv_t before_;
