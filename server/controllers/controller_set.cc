@@ -283,12 +283,13 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     const ControllerDescription& description = *loaded_[robots[i].file].description;
     wanted.push_back(description.SensorsOf(model));
     PlaceSensors(model, wanted.back(), in, setup[i]);
-    setup[i].logs = out.Add<coopdyn_logged>(COOPDYN_MAX_LOGS);
     setup[i].setpoints = out.Add<coopdyn_setpoint>(description.gives_setpoints() ? channels : 0);
     const std::size_t size = description.state_size;
     for (Place& place : setup[i].states) place = out.AddBytes(size, alignof(std::max_align_t));
   }
   readings_end_ = in.end();
+  // Behind what every step writes: who logs nothing never touches this memory.
+  for (std::size_t i = 0; i < count; ++i) setup[i].logs = out.Add<coopdyn_logged>(COOPDYN_MAX_LOGS);
   const bool supervised = std::ranges::any_of(
       robots, [this](const ControlledRobot& one) { return loaded_[one.file].description->supervises(); });
   const Place supervision = out.Add<coopdyn_supervision>(supervised ? 1 : 0);
