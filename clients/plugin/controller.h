@@ -278,7 +278,7 @@ static inline const coopdyn_body* coopdyn_find(const coopdyn_world* world, const
     while (name[k] != '\0' && name[k] == other[k]) ++k;
     if (name[k] == other[k]) return &world->bodies[i];
   }
-  return NULL;
+  return NULL; /* NOLINT(modernize-use-nullptr): C has no other */
 }
 
 /* A supervisor puts what has this id to a pose. */

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """coopdyn sweep: many runs of a scenario, with other values, controllers and seeds. The program starts this."""
 import argparse
+import concurrent.futures
 import contextlib
 import os
 import signal
@@ -48,7 +49,7 @@ def read_options(words):
     add("--jobs", type=int, default=os.cpu_count(), help="runs at the same time on this machine (default: as many as cores)")
     add("--record", choices=("none", "failed", "all"), default="none", help="keep recordings in OUT/recordings (default: none)")
     add("--time-limit", type=positive, metavar="S", help="longest time of a run by the clock, s")
-    add("--memory-limit", type=int, metavar="MIB", help="address space of a run, MiB")
+    add("--memory-limit", type=int, metavar="MIB", help="address space of a run, MiB; a small one takes about 200")
     add("--again-failed", action="store_true", help="run again what ended with an error")
     add("--dry-run", action="store_true", help="only show what would run")
     add("--dask", metavar="ADDRESS", help="run on Dask: tcp://HOST:PORT of a scheduler, or local for a cluster of its own")
@@ -112,24 +113,38 @@ def check_first(job):
         raise Wrong(done.stderr.strip() or done.stdout.strip() or f"coopdyn check ended with exit code {done.returncode}")
 
 
+def check_all(jobs, processes):
+    """Each combination of settings and controller once."""
+    cells = {}
+    for job in jobs:
+        cells.setdefault((tuple(job["inputs"]["set"].items()), job["inputs"]["controller"]), job)
+    with concurrent.futures.ThreadPoolExecutor(processes) as pool:
+        for _ in pool.map(check_first, cells.values()):
+            pass
+
+
+def show_conflicts(results):
+    for key in results.conflicts:
+        print(f"{key}: two results of this run have different hashes: the machines, builds or clients differ", file=sys.stderr)
+
+
 def sweep(words, program, folders):
     given = read_options(words)
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     jobs = plan.lay_out(given, version, program, folders)
     if given.dry_run and not os.path.exists(given.out):
+        check_all(jobs, given.jobs)
         show_plan(jobs, {})
         return 0
     results = Results(given.out)
     if given.again_failed:
         results.forget_failed()
+    check_all([job for job in jobs if job["key"] not in results.done], given.jobs)
     missing = show_plan(jobs, results.done)
-    if given.dry_run or not missing:
+    if given.dry_run:
         return 0
-    cells = {}
-    for job in missing:
-        cells.setdefault((tuple(job["inputs"]["set"].items()), job["inputs"]["controller"]), job)
-    for job in cells.values():
-        check_first(job)
+    if not missing:
+        return summarize(given, jobs, results)
     if given.dask:
         engine = engines.dask(missing, given.dask, given.jobs)
     elif given.slurm is not None:
@@ -148,13 +163,17 @@ def sweep(words, program, folders):
         results.close()
         with contextlib.suppress(OSError):
             os.rmdir(os.path.join(given.out, "recordings"))  # only if there are none
+    return summarize(given, jobs, results)
+
+
+def summarize(given, jobs, results):
+    """Says how the runs of this sweep have ended. Returns the exit code."""
     failed = [job for job in jobs if results.done.get(job["key"], {}).get("error")]
     for job in failed[:3]:
         print(f"{job['key']}: {results.done[job['key']]['error']}", file=sys.stderr)
     if failed:
         print(f"{len(failed)} of {len(jobs)} runs ended with an error (--again-failed runs them again)", file=sys.stderr)
-    for key in results.conflicts:
-        print(f"{key}: two results of this run have different hashes: the machines, builds or clients differ", file=sys.stderr)
+    show_conflicts(results)
     print(f"{given.out}/results.jsonl has {sum(job['key'] in results.done for job in jobs)} of {len(jobs)} results; next: coopdyn sweep report {given.out}")
     return 1 if failed or results.conflicts else 0
 
@@ -170,9 +189,10 @@ def make_report(words):
         if not results.done:
             raise Wrong(f"{folder}/results.jsonl has no results yet")
         print(report.write(folder, list(results.done.values())))
+        show_conflicts(results)
     finally:
         results.close()
-    return 0
+    return 1 if results.conflicts else 0
 
 
 def main():

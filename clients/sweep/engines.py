@@ -7,6 +7,7 @@ import os
 import shlex
 import subprocess
 import sys
+import tempfile
 import time
 
 import run
@@ -24,6 +25,7 @@ def lost_too_often(job, why):
 
 def local(jobs, processes):
     """Processes on this machine, `processes` at a time."""
+    started = run.Started()
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
         waiting = list(reversed(jobs))
         tries = {}
@@ -32,7 +34,7 @@ def local(jobs, processes):
             while waiting or running:
                 while waiting and len(running) < processes:
                     job = waiting.pop()
-                    running[pool.submit(run.run_one, job)] = job
+                    running[pool.submit(run.run_one, job, started)] = job
                 done, _ = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
                 for future in done:
                     job = running.pop(future)
@@ -46,6 +48,7 @@ def local(jobs, processes):
                             yield lost_too_often(job, lost)
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
+            started.kill()  # nothing runs on after Ctrl-C
 
 
 def dask(jobs, address, processes):
@@ -55,12 +58,14 @@ def dask(jobs, address, processes):
     except ImportError:
         raise Wrong("--dask needs Dask: apt-get install python3-distributed (and the same on the workers)") from None
     cluster = None
-    if address == "local":
-        cluster = distributed.LocalCluster(n_workers=processes, threads_per_worker=1, dashboard_address=None)
+    space = tempfile.TemporaryDirectory(prefix="coopdyn-dask-")
     try:
+        if address == "local":
+            cluster = distributed.LocalCluster(n_workers=processes, threads_per_worker=1, dashboard_address=None, local_directory=space.name)
         client = distributed.Client(cluster or address, timeout=15)
-    except OSError as error:
-        raise Wrong(f"no Dask scheduler answers at {address}: {error}") from None
+    except (OSError, ValueError) as error:
+        space.cleanup()
+        raise Wrong(f"no Dask scheduler answers at {address} ({error}): write --dask tcp://HOST:8786 of one, or --dask local") from None
     try:
         client.upload_file(run.__file__)
         tries = {}
@@ -84,6 +89,7 @@ def dask(jobs, address, processes):
         client.close()
         if cluster:
             cluster.close()
+        space.cleanup()
 
 
 def _command(words):

@@ -141,13 +141,40 @@ class Files:
         return []
 
 
-def ends_by_itself(given, content, settings):
-    """Whether the scenario, a setting or an option ends each run."""
+def ends_of(content):
+    """The keys of a scenario that end its runs, as section.key."""
+    section, ends = "", set()
+    for line in content.decode(errors="replace").lower().splitlines():
+        line = line.partition("#")[0].strip()
+        head = re.match(r"\[\s*(.+?)\s*\]", line)
+        key = re.match(r"(duration|until|limit|supervisor)\b", line)
+        if head:
+            section = head[1]
+        elif key:
+            ends.add(f"{section}.{key[1]}")
+    return ends
+
+
+def refuse_endless(given, ends, chosen):
+    """Each run must end: by the scenario (`ends`), a setting or an option."""
     if given.duration or given.client:
-        return True
-    names = [name.lower().rpartition(".")[2] for name, _ in settings]
-    ends = rb"^\s*(?:duration|until|limit)\b"
-    return bool({"duration", "until", "limit"} & set(names)) or bool(re.search(ends, content, re.MULTILINE | re.IGNORECASE))
+        return
+    ends = set(ends)
+    for name, value in chosen.items():
+        key = name.lower()
+        ends.discard(key)
+        if value.strip() and key.rpartition(".")[2] in ("duration", "until", "limit", "supervisor"):
+            ends.add(key)
+    if not ends:
+        removed = "".join(f" with {name}={value}" for name, value in chosen.items() if not value.strip())
+        raise Wrong(f"nothing ends a run of {given.scenario}{removed}: add --duration SECONDS, or a score with `until` or `limit`")
+
+
+def refuse_unknown_words(client):
+    """A word in braces that is none of ours would go to the client as it is."""
+    for word in re.findall(r"(?<!\$)\{(\w+)\}", client or ""):
+        if word not in ("server", "seed"):
+            raise Wrong(f"--client has {{{word}}}: a sweep fills in {{server}} and {{seed}}")
 
 
 def lay_out(given, version, program, folders):
@@ -158,8 +185,8 @@ def lay_out(given, version, program, folders):
     seeds = seeds_of(given.seeds)
     rows = table_of(given.table) if given.table else [{}]
     files = Files(scenario, folders)
-    if not ends_by_itself(given, files.scenario, [*settings, *((name, []) for name in rows[0])]):
-        raise Wrong(f"nothing ends a run of {given.scenario}: add --duration SECONDS, or a score with `until` or `limit`")
+    ends = ends_of(files.scenario)
+    refuse_unknown_words(given.client)
     clashes = {name.lower() for name, _ in settings} & {name.lower() for name in rows[0]}
     if clashes:
         raise Wrong(f"{clashes.pop()} is set by --set and by --table: leave one out")
@@ -170,6 +197,7 @@ def lay_out(given, version, program, folders):
         fixed = {name: value for name, value in row.items() if name not in ("seed", "controller")}
         for values in itertools.product(*(values for _, values in settings)):
             chosen = {**fixed, **{name: value for (name, _), value in zip(settings, values)}}
+            refuse_endless(given, ends, chosen)
             for controller in row_controllers:
                 for seed in row_seeds:
                     jobs.append(job_of(given, version, program, scenario, files, chosen, controller, seed))

@@ -14,7 +14,10 @@ class Results:
     `done`: the results by key. `conflicts`: keys with two results of different hashes."""
 
     def __init__(self, folder):
-        os.makedirs(folder, exist_ok=True)
+        try:
+            os.makedirs(folder, exist_ok=True)
+        except OSError as error:
+            raise Wrong(f"--out {folder} cannot be made: {error.strerror}") from None
         self.folder = folder
         self.done = {}
         self.conflicts = []
@@ -34,7 +37,9 @@ class Results:
         for number, line in enumerate(content[:end].splitlines(), 1):
             try:
                 result = json.loads(line)
-                self.done[result["key"]] = result
+                before = self.done.setdefault(result["key"], result)
+                if before["hash"] != result["hash"]:
+                    self.conflicts.append(result["key"])
             except (ValueError, KeyError, TypeError):
                 raise Wrong(f"{self.folder}/results.jsonl:{number}: error: this line is no result: take it away and start again") from None
         return end

@@ -20,7 +20,39 @@ class Lost(Exception):
     """Something from outside ended the run, so it has no result; it is run again."""
 
 
-def run_one(job):
+class Started:
+    """The processes of runs that are under way, so that all can be ended. Any thread."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._processes = set()
+        self._killed = False
+
+    def start(self, words, **options):
+        with self._lock:
+            if self._killed:
+                raise Lost("the sweep stops")
+            process = subprocess.Popen(words, stdin=subprocess.DEVNULL, **options)
+            self._processes.add(process)
+            return process
+
+    def end(self, process):
+        """Kills it if it still runs."""
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        with self._lock:
+            self._processes.discard(process)
+
+    def kill(self):
+        """All, and those that are still to be started."""
+        with self._lock:
+            self._killed = True
+            for process in self._processes:
+                process.kill()
+
+
+def run_one(job, started=None):
     """Carries out `job`, a dictionary of plan.py, and returns its result, a dictionary. Raises Lost.
 
     A result has the job's key and inputs, `ended`, `exit` (of the daemon), `steps`, `time_s`, `hash`, `scores` and
@@ -35,15 +67,14 @@ def run_one(job):
         recording = os.path.join(job["recordings"], f"part-{job['key']}.run")
         _remove(recording)  # of a run that was lost
         words += ["--record", recording]
-    with tempfile.TemporaryFile() as said:
+    with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as heard:
         try:
-            code, ended, told = _run(words, job, said)
+            code, ended, told = _run(words, job, said, heard, started or Started())
         except Lost:
             if recording:
                 _remove(recording)
             raise
-        said.seek(0)
-        text = said.read().decode(errors="replace").strip()
+        text, client_text = _content(said), _content(heard)
     if code != 0 and os.strerror(errno.ENOSPC) in text:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     _take_summary(told, result)
@@ -51,8 +82,12 @@ def run_one(job):
     if ended:
         result["ended"] = ended[0]
         result["error"] = ended[1]
+        if ended[0] == "client failed" and client_text:
+            result["error"] += ": " + client_text.splitlines()[-1].strip()
     elif code != 0:
         result["error"] = _last_words(text) or f"coopdyn ended with exit code {code}"
+        if job["memory_limit_mib"]:
+            result["error"] += f" (--memory-limit gives it {job['memory_limit_mib']} MiB)"
     if recording and os.path.exists(recording):
         if job["record"] == "all" or result["error"]:
             os.replace(recording, os.path.join(job["recordings"], job["key"] + ".run"))
@@ -62,6 +97,11 @@ def run_one(job):
     return result
 
 
+def _content(file):
+    file.seek(0)
+    return file.read().decode(errors="replace").strip()
+
+
 def _remove(file):
     try:
         os.remove(file)
@@ -69,11 +109,11 @@ def _remove(file):
         pass
 
 
-def _run(words, job, said):
+def _run(words, job, said, heard, started):
     """The daemon's exit code, None or (how it ended, what was wrong), and what it wrote on its standard output."""
     limit = time.monotonic() + job["time_limit_s"] if job["time_limit_s"] else None
     client = None
-    daemon = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=said, start_new_session=True)
+    daemon = started.start(words, stdout=subprocess.PIPE, stderr=said, start_new_session=True)
     told = []
     reader = threading.Thread(target=lambda: told.append(daemon.stdout.read()))
     try:
@@ -82,7 +122,7 @@ def _run(words, job, said):
             resource.prlimit(daemon.pid, resource.RLIMIT_AS, (most, most))
         ended = None
         if job["client"]:
-            client, ended = _start_client(daemon, job, said)
+            client, ended = _start_client(daemon, job, heard, started)
         reader.start()
         if client:
             ended = _wait_for_client(daemon, client, limit)
@@ -93,9 +133,8 @@ def _run(words, job, said):
             daemon.wait()
     finally:
         for process in (client, daemon):
-            if process and process.poll() is None:
-                process.kill()
-                process.wait()
+            if process:
+                started.end(process)
         if reader.ident:
             reader.join()
         daemon.stdout.close()
@@ -104,7 +143,7 @@ def _run(words, job, said):
     return daemon.returncode, ended, told[0]
 
 
-def _start_client(daemon, job, said):
+def _start_client(daemon, job, heard, started):
     """The program that drives, once the daemon is ready; or None and why there is none."""
     for line in daemon.stdout:
         words = line.decode().split()
@@ -113,7 +152,7 @@ def _start_client(daemon, job, said):
             command = [word.replace("{server}", server).replace("{seed}", str(job["inputs"]["seed"])) for word in shlex.split(job["client"])]
             environment = dict(os.environ, COOPDYN_SERVER=server)
             try:
-                return subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=said, stderr=said), None
+                return started.start(command, env=environment, stdout=heard, stderr=heard), None
             except OSError as error:
                 daemon.terminate()
                 return None, ("client failed", f"{command[0]} cannot be started: {error.strerror}")

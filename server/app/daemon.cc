@@ -286,8 +286,11 @@ void Daemon::Stop() {
   if (physics_.joinable()) physics_.join();
   recordings_.Close();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
-  if (robots_ != nullptr) control_.Call([this] { robots_->Stop(); });
-  while (!published_.empty()) published_.pop_back();
+  if (robots_ != nullptr) control_.Call([this] { robots_->Stop(run_.stopping_text()); });
+  while (!published_.empty()) {
+    published_.back()->Close(run_.stopping_text());
+    published_.pop_back();
+  }
   control_.Call([this] { name_server_.reset(); });
   control_.Stop();
   name_client_.reset();

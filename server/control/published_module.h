@@ -23,11 +23,13 @@ class PublishedModule {
         io_(io),
         names_(names),
         server_(std::make_unique<ModuleServer>(io, endpoint, net, name_)) {}
-  /// Takes the name away and closes all connections with the notice that the daemon is stopping.
-  ~PublishedModule() {
+  ~PublishedModule() { Close("the daemon is stopping"); }
+  /// Takes the name away and closes all connections with this notice.
+  void Close(const std::string& notice) {
+    if (server_ == nullptr) return;
     if (listed_) names_.RemoveOwn(name_);
-    io_.Call([this] {
-      server_->CloseAll("the daemon is stopping");
+    io_.Call([this, &notice] {
+      server_->CloseAll(notice);
       server_.reset();
     });
   }

@@ -240,7 +240,7 @@ Message WaitEnded(command::Id command, const StepResult& result, const std::stri
     case StepEnd::kRan:
       break;
   }
-  return ErrorReply(command, Error::kNotPossible, "the daemon is stopping");
+  return ErrorReply(command, Error::kNotPossible, result.why.empty() ? "the daemon is stopping" : result.why);
 }
 
 std::string DescribeWaiting(std::span<const Awaited> awaiting) {

@@ -98,8 +98,8 @@ std::optional<Stepper::PutAside> Stepper::Run(std::stop_token stop) {
   }
   PublishStatus(clock_.Now(), true);  // of the last step
   baton_.Pass();
-  boards_.edits.Close();
-  boards_.commands.Stop(boards_.frames.Latest());
+  boards_.edits.Close(boards_.control.stopping_text());
+  boards_.commands.Stop(boards_.frames.Latest(), boards_.control.stopping_text());
   return std::nullopt;
 }
 
@@ -265,7 +265,7 @@ void Stepper::NoteStopped(const std::string& robot, const char* by, const std::s
 void Stepper::EndRun(RunEnd why, std::string text) {
   if (ended_) return;
   ended_ = true;
-  boards_.control.End(why);
+  boards_.control.End(why, text);
   AddEvent("info", std::move(text));
 }
 

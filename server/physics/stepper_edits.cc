@@ -225,6 +225,7 @@ EditResult Stepper::Apply(const edit::Note& note) {
 }
 
 EditResult Stepper::Apply(const edit::Log& log) {
+  if (ended_) return {Error::kNotPossible, "the run has ended: what comes after its last step is not logged"};
   if (LogNumber(log.name, log.value, frame())) return {};
   return {Error::kTooLarge, fmt::format(kTooManyLogged, RunControl::kMaxLogged)};
 }

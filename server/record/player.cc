@@ -84,9 +84,9 @@ Player::Work Player::WorkOnce(Nanoseconds now) {
 }
 
 void Player::Stop() {
-  boards_.edits.Close();
+  boards_.edits.Close(boards_.control.stopping_text());
   EndSteps(StepEnd::kStopping);
-  boards_.commands.Stop(shown_);
+  boards_.commands.Stop(shown_, boards_.control.stopping_text());
 }
 
 Nanoseconds Player::ShowDue() {

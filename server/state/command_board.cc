@@ -10,7 +10,7 @@ namespace coopdyn {
 // --- who may do what, who owns what
 
 std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& client) const {
-  if (stopping_) return Verdict{Error::kNotPossible, "the daemon is stopping"};
+  if (stopping_) return Verdict{Error::kNotPossible, why_stopping_};
   if (playing_) return Verdict{Error::kNotPossible, kPlayingText};
   const Drive& drive = table_.drive(index);
   const std::string& robot = table_.slot(index).robot;
@@ -172,7 +172,7 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
   const MutexLock lock(mutex_);
   const std::size_t found = table_.Find(id);
   if (found == kNoSlot) return Gone();
-  if (stopping_) return Verdict{Error::kNotPossible, "the daemon is stopping"};
+  if (stopping_) return Verdict{Error::kNotPossible, why_stopping_};
   if (playing_) return Verdict{Error::kNotPossible, kPlayingText};
   const std::size_t index = table_.first_slot(table_.drive(found).robot);
   Slot& slot = table_.slot(index);
@@ -342,14 +342,16 @@ bool CommandBoard::WaitInPlayback(int steps, StepDone& done) {
 }
 
 void CommandBoard::WaitSteps(std::int64_t steps, StepDone done, std::int64_t asked) {
+  std::string why;
   {
     const MutexLock lock(mutex_);
     if (!stopping_) {
       waiters_.push_back({0, 0, steps, false, std::move(done), asked});
       return;
     }
+    why = why_stopping_;
   }
-  done({StepEnd::kStopping, nullptr, Mode::kRealtime});
+  done({StepEnd::kStopping, nullptr, Mode::kRealtime, 0, 0, std::move(why)});
 }
 
 std::uint64_t CommandBoard::AddObserver(StepObserver observer) {

@@ -41,6 +41,7 @@ struct StepResult {
   FramePtr frame;  // of the step that ended the wait, or the newest
   Mode mode = Mode::kRealtime;
   std::int64_t ran = 0, asked = 0;  // kPaused: steps of the `step n` that have run, and n
+  std::string why = {};             // kStopping
 };
 
 /// The board's answer to a request.
@@ -229,8 +230,8 @@ class CommandBoard {
   std::vector<FiredDeadline> FireDeadlines(Nanoseconds now);
   /// When the next deadline of an awaited robot fires; INT64_MAX: never.
   Nanoseconds NextDeadline() const;
-  /// Ends all waits with kStopping; later ones end at once.
-  void Stop(FramePtr frame);
+  /// Ends all waits with kStopping; later ones end at once. `why`: what those who wait are told.
+  void Stop(FramePtr frame, std::string why = "the daemon is stopping");
 
  private:
   using Drive = DriveTable::Drive;
@@ -254,6 +255,7 @@ class CommandBoard {
     FramePtr frame;
     Mode mode = Mode::kRealtime;
     std::vector<std::pair<StepDone, StepEnd>> calls;
+    std::string why = {};  // of kStopping
 
     void Call() const;
   };
@@ -294,7 +296,7 @@ class CommandBoard {
   void NoteReady(std::size_t index, bool last, std::optional<Nanoseconds>& now) REQUIRES(mutex_);
   void ClearMessages() REQUIRES(mutex_);
   void NoteTeams() { team_revision_.fetch_add(1, std::memory_order_release); }
-  Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}}; }
+  Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}, why_stopping_}; }
   /// True, and `done` is taken, if a recording is played: it is answered after that many frames.
   bool WaitInPlayback(int steps, StepDone& done) EXCLUDES(mutex_);
   Verdict Fine() const REQUIRES(mutex_) { return {.mode = mode_}; }
@@ -325,6 +327,7 @@ class CommandBoard {
   std::uint64_t next_observer_ GUARDED_BY(mutex_) = 1;
   std::uint64_t next_batch_ GUARDED_BY(mutex_) = 1;
   bool stopping_ GUARDED_BY(mutex_) = false;
+  std::string why_stopping_ GUARDED_BY(mutex_);
   bool playing_ GUARDED_BY(mutex_) = false;
   FramePtr last_frame_ GUARDED_BY(mutex_);
   std::atomic<std::uint64_t> team_revision_{1};

@@ -29,7 +29,7 @@ bool CommandBoard::NoteChange(std::size_t index, bool was_awaited, std::optional
 }
 
 void CommandBoard::Completions::Call() const {
-  StepResult result{StepEnd::kRan, frame, mode};
+  StepResult result{StepEnd::kRan, frame, mode, 0, 0, why};
   for (const auto& [done, end] : calls) {
     result.end = end;
     done(result);
@@ -371,11 +371,12 @@ Nanoseconds CommandBoard::NextDeadline() const {
   return next;
 }
 
-void CommandBoard::Stop(FramePtr frame) {
+void CommandBoard::Stop(FramePtr frame, std::string why) {
   Completions completions;
   {
     const MutexLock lock(mutex_);
     stopping_ = true;
+    why_stopping_ = std::move(why);
     last_frame_ = std::move(frame);
     completions = MakeCompletions();
     EndAllWaits(StepEnd::kStopping, completions);

@@ -43,7 +43,7 @@ class EditQueue {
   explicit EditQueue(Doorbell& bell) : bell_(bell) {}
   /// Any thread. After Close() the edit is answered at once with error 5.
   void Push(Edit edit) EXCLUDES(mutex_) {
-    if (!Add(edit)) Refuse(edit);
+    if (const auto why = Add(edit)) Refuse(edit, *why);
     bell_.Ring();
   }
   /// All that wait, in order. Stepping thread.
@@ -63,32 +63,35 @@ class EditQueue {
     const MutexLock lock(mutex_);
     return edits_.empty();
   }
-  /// Refuses what waits and what comes.
-  void Close() EXCLUDES(mutex_) {
+  /// Refuses what waits and what comes with this text.
+  void Close(std::string why = "the daemon is stopping") EXCLUDES(mutex_) {
     std::vector<Edit> refused;
     {
       const MutexLock lock(mutex_);
       closed_ = true;
+      why_ = why;
       refused.swap(edits_);
     }
-    for (const Edit& edit : refused) Refuse(edit);
+    for (const Edit& edit : refused) Refuse(edit, why);
   }
 
  private:
-  /// Takes the edit, unless the queue is closed.
-  bool Add(Edit& edit) EXCLUDES(mutex_) {
+  /// Takes the edit; if the queue is closed, says why and leaves it.
+  std::optional<std::string> Add(Edit& edit) EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
-    if (!closed_) edits_.push_back(std::move(edit));
-    return !closed_;
+    if (closed_) return why_;
+    edits_.push_back(std::move(edit));
+    return std::nullopt;
   }
-  static void Refuse(const Edit& edit) {
-    if (edit.done) edit.done({Error::kNotPossible, "the daemon is stopping"});
+  static void Refuse(const Edit& edit, const std::string& why) {
+    if (edit.done) edit.done({Error::kNotPossible, why});
   }
 
   Doorbell& bell_;
   mutable Mutex mutex_;
   std::vector<Edit> edits_ GUARDED_BY(mutex_);
   bool closed_ GUARDED_BY(mutex_) = false;
+  std::string why_ GUARDED_BY(mutex_);
 };
 
 }  // namespace coopdyn

@@ -181,10 +181,17 @@ class RunControl {
     robots.insert(stopped_.begin(), stopped_.end());
     return robots;
   }
-  /// The run ends. The first reason counts.
-  void End(RunEnd why) EXCLUDES(mutex_) {
+  /// The run ends. The first reason counts; `text` says it in words.
+  void End(RunEnd why, std::string text = {}) EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
-    if (!end_) end_ = why;
+    if (end_) return;
+    end_ = why;
+    end_text_ = std::move(text);
+  }
+  /// Why nobody is served any more.
+  std::string stopping_text() const EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    return end_text_.empty() ? "the daemon is stopping" : "the run has ended: " + end_text_;
   }
   std::optional<RunEnd> end() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
@@ -200,6 +207,7 @@ class RunControl {
   StoppedRobots stopped_ GUARDED_BY(mutex_);
   StoppedRobots failed_ GUARDED_BY(mutex_);  // by their controllers, since the daemon started
   std::optional<RunEnd> end_ GUARDED_BY(mutex_);
+  std::string end_text_ GUARDED_BY(mutex_);
 };
 
 }  // namespace coopdyn

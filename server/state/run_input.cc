@@ -20,7 +20,8 @@ namespace coopdyn {
 namespace {
 
 constexpr std::string_view kDeadline = "deadline", kDisconnect = "disconnect",
-                           kStopped = "controller_stopped", kEdit = "edit";
+                           kStopped = "controller_stopped", kSupervisorStopped = "supervisor_stopped",
+                           kEdit = "edit";
 
 const CommandTable& Commands() {
   static const CommandTable table = SimulationTable();
@@ -91,7 +92,9 @@ struct TextOf {
     return {std::string(kDisconnect), lost.robot + " " + ToString(lost.policy)};
   }
   InputText operator()(const ControllerStopped& stopped) const {
-    return {std::string(kStopped), stopped.robot + " " + stopped.why};
+    const std::string text = stopped.robot + " " + stopped.why;
+    if (!stopped.robot.starts_with(kSupervisorLabel)) return {std::string(kStopped), text};
+    return {std::string(kSupervisorStopped), text.substr(std::string_view(kSupervisorLabel).size())};
   }
 };
 
@@ -109,6 +112,7 @@ std::optional<RobotEvent> DecodeEvent(std::string_view action, std::string_view 
   std::string robot(detail.substr(0, blank));
   const std::string_view rest = detail.substr(blank + 1);
   if (action == kStopped) return ControllerStopped{std::move(robot), std::string(rest)};
+  if (action == kSupervisorStopped) return ControllerStopped{kSupervisorLabel + robot, std::string(rest)};
   const std::optional<LossPolicy> policy = PolicyOf(rest);
   if (!policy) return std::nullopt;
   if (action == kDeadline) return DeadlineFired{std::move(robot), *policy};
@@ -190,7 +194,7 @@ std::optional<RunInput> DecodeInput(std::uint64_t step, std::string_view action,
     change->label = detail.substr(0, end);
     return RunInput{step, WorldInput(*std::move(change))};
   }
-  if (action == kDeadline || action == kDisconnect || action == kStopped) {
+  if (action == kDeadline || action == kDisconnect || action == kStopped || action == kSupervisorStopped) {
     std::optional<RobotEvent> event = DecodeEvent(action, detail);
     return event ? std::optional(RunInput{step, *std::move(event)}) : std::nullopt;
   }

@@ -28,6 +28,15 @@ def answers(words, **given):
     return subprocess.run(words, capture_output=True, text=True, check=False, **given)
 
 
+def children(pid):
+    """The processes that `pid` has started."""
+    found = set()
+    for task in os.listdir(f"/proc/{pid}/task"):
+        with open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as stream:
+            found.update(stream.read().split())
+    return found
+
+
 @contextlib.contextmanager
 def processes():
     """A list of processes that are ended with their children's groups."""

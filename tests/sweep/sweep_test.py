@@ -144,6 +144,50 @@ class SweepTest(unittest.TestCase):
         self.assertIn("the client ended with exit code 1", done.stderr)
         self.assertEqual(self.results()[0]["ended"], "client failed")
 
+    def test_the_last_words_of_a_client_that_fails_are_kept(self):
+        self.scenario = self.write("one.scenario", "[FLOOR]\nsize 8 8\n[ROBOT_1]\ntype coopbot\nname eva\nposition 0 0\n")
+        self.sweep("--client", "python3 nofile.py {server}", "--duration", "1", code=1)
+        self.assertRegex(self.results()[0]["error"], "exit code 2: .*nofile.py")
+
+    def test_what_a_client_logs_after_the_end_is_refused(self):
+        client = self.write("mine.py", "import sys\nsys.path.insert(0, sys.argv[2])\nimport coopdyn\nsim = coopdyn.connect(sys.argv[1])\nr = sim.robot('eva')\n"
+                            "k = 0\nwhile True:\n    r.set_velocity(0.2, 0)\n    sim.log('turns', k)\n    sim.step()\n    k += 1\n")
+        self.scenario = self.write("one.scenario", "[FLOOR]\nsize 8 8\n[ROBOT_1]\ntype coopbot\nname eva\nposition 0 0\n[SCORE_1]\nname t\nkind time\nuntil >= 0.3\n")
+        python = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../clients/python")
+        self.sweep("--client", f"python3 {client} {{server}} {python}", "--seeds", "1..8")
+        self.assertEqual({(one["ended"], one["steps"], one["logged"]["turns"]) for one in self.results()}, {("score", 30, 29)})
+
+    def test_ctrl_c_ends_it_and_its_runs_at_once(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            sweep = subprocess.Popen(self.words("--duration", "1000000", "--seeds", "1..3", "--jobs", "2"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            self.addCleanup(sweep.kill)
+            while not sweep.stdout.readline().startswith("3 runs"):
+                pass
+            while len(engines.children(sweep.pid)) < 2:
+                self.assertIsNone(sweep.poll())
+            runs = engines.children(sweep.pid)
+            sweep.send_signal(number)
+            said = sweep.communicate(timeout=60)[1]
+            self.assertEqual(sweep.returncode, 130, said)
+            self.assertIn("The same command does what is missing", said)
+            self.assertFalse([run for run in runs if os.path.exists(f"/proc/{run}")])
+
+    def test_two_results_of_a_run_with_different_hashes_are_told(self):
+        self.sweep("--duration", "0.5")
+        [result] = self.results()
+        with open(os.path.join(self.path("out"), "results.jsonl"), "a", encoding="utf-8") as stream:
+            stream.write(json.dumps(dict(result, hash="0" * 16)) + "\n")
+        told = f"{result['key']}: two results of this run have different hashes"
+        self.assertIn(told, self.refused("--duration", "0.5"))
+        report = engines.answers([BINARY, "sweep", "report", self.path("out")])
+        self.assertEqual(report.returncode, 1)
+        self.assertIn(told, report.stderr)
+
+    def test_a_setting_may_not_take_the_end_of_a_run_away(self):
+        self.scenario = self.write("ends.scenario", SCENARIO + "until >= 3\n")
+        self.assertIn("2 runs", self.sweep("--seeds", "1,2", "--dry-run").stdout)
+        self.assertRegex(self.refused("--set", "SCORE_2.until="), "nothing ends a run of .* with SCORE_2.until=: add --duration SECONDS")
+
     def test_a_run_that_takes_too_long_is_ended(self):
         self.sweep("--duration", "1000000", "--time-limit", "0.5", code=1)
         [result] = self.results()
@@ -179,6 +223,9 @@ class SweepTest(unittest.TestCase):
     def test_mistakes_are_told_with_what_to_write(self):
         self.assertIn("did you mean 'count'?", self.refused("--set", "SWARM_1.cont=3", "--duration", "1"))
         self.assertIn("SECTION.key=value, for example --set SWARM_1.count=10,20,50", self.refused("--set", "count=3", "--duration", "1"))
+        self.assertIn("did you mean 'count'?", self.refused("--set", "SWARM_1.cont=3", "--duration", "1", "--dry-run"))
+        self.assertIn("--out /proc/none cannot be made", engines.answers([BINARY, "sweep", self.scenario, "--duration", "1", "--out", "/proc/none"]).stderr)
+        self.assertIn("--client has {sever}: a sweep fills in {server} and {seed}", self.refused("--client", "python3 mine.py {sever}"))
         self.assertIn("--seeds 1..30", self.refused("--seeds", "a", "--duration", "1"))
         self.assertIn("write the smaller number first", self.refused("--seeds", "5..1", "--duration", "1"))
         self.assertIn("names a seed twice", self.refused("--seeds", "1,1", "--duration", "1"))
@@ -267,6 +314,7 @@ class SweepTest(unittest.TestCase):
 
     def test_dask_without_a_scheduler_is_told(self):
         self.assertRegex(self.refused("--duration", "1", "--dask", f"tcp://127.0.0.1:{engines.free_port()}"), "no Dask scheduler answers|python3-distributed")
+        self.assertRegex(self.refused("--duration", "1", "--dask", "foo"), "write --dask tcp://HOST:8786 of one, or --dask local|python3-distributed")
 
     @unittest.skipUnless(shutil.which("slurmctld", path="/usr/sbin"), "Slurm is not installed")
     def test_slurm_gives_equal_hashes(self):

@@ -295,10 +295,11 @@ TEST_F(CommandBoardTest, EndStepsEndsStepNAloneAndTellsHowManyHaveRun) {
 
 TEST_F(CommandBoardTest, StoppingEndsAllWaitsAndLaterOnesAtOnce) {
   board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
-  board_.Stop(MakeFrame(0));
+  board_.Stop(MakeFrame(0), "the run has ended: why not");
   EXPECT_EQ(answers_["ana"][0].end, StepEnd::kStopping);
   board_.WaitSteps(1, Note("late"));
   EXPECT_EQ(answers_["late"][0].end, StepEnd::kStopping);
+  EXPECT_EQ(answers_["late"][0].why, "the run has ended: why not");
   EXPECT_EQ(board_.Command(slot("robot2"), bob_, Wheels(1, 1), {}, Note("bob")).error, Error::kNotPossible);
 }
 

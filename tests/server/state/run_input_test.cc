@@ -38,6 +38,8 @@ std::vector<Case> AllInputs() {
        "/robot1/arm 0.5 2.0"},
       {DeadlineFired{"robot3", LossPolicy::kStop}, "deadline", "robot3 stop"},
       {ClientLost{"robot3", LossPolicy::kDrop}, "disconnect", "robot3 drop"},
+      {ControllerStopped{"supervisor referee", "controller referee crashed"}, "supervisor_stopped",
+       "referee controller referee crashed"},
       {ControllerStopped{"robot2", "controller count crashed (signal 11)"}, "controller_stopped",
        "robot2 controller count crashed (signal 11)"},
   };
