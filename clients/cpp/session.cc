@@ -370,6 +370,7 @@ std::vector<std::string> Session::Loaded() {
 
 void Session::Close() {
   if (closed_) return;
+  daemon_.reset();  // first: the last `stop` of a robot would be a step more
   for (const auto& team : std::exchange(teams_, {})) team->GiveUp(true);
   closed_ = true;
   for (const auto& link : links_) {
@@ -389,7 +390,6 @@ void Session::Close() {
     link->Close();
   }
   modules_.clear();
-  daemon_.reset();
 }
 
 }  // namespace coopdyn::client

@@ -98,6 +98,7 @@ _SAID_LINES = 200  # of a daemon that was launched
 _PLAYING = "playing a recording"  # how an error begins
 _ANEW = ("reset", "load")  # what an error says that ends a wait
 _NOT_IN_SCENARIO = "is not in the new scenario"  # how a notice ends
+_ENDED = "the run has ended: "
 _UNSTEPPED = 200  # commands to one robot without a step: then the program gets a notice, once
 _MOST_GAPS = 100000
 _MOST_STEPS = 10_000_000  # of one request
@@ -879,6 +880,7 @@ class _Address:
             raise Error(3, f"a client name has no spaces, not {self.name!r}; write e.g. \"ana\"")
         self.token = token or ""
         self.timeout = timeout
+        self.ended = ""  # why the run and its daemon have ended, once the daemon has said it
 
     def __str__(self) -> str:
         return f"{'[' + self.host + ']' if ':' in self.host else self.host}:{self.port}"
@@ -908,6 +910,8 @@ class _Address:
             raise Error(11, f"no answer from {self} within {self.timeout:g} s: the machine is off, the address is wrong, or a "
                             "firewall drops the packets; try `ping`, or a tunnel: ssh -L 10000:127.0.0.1:10000 HOST") from None
         except ConnectionRefusedError:
+            if self.ended:
+                raise Error(5, self.ended) from None
             raise Error(-1, f"nothing listens at {self}: start the daemon there (coopdyn serve; for other machines add "
                             '--host 0.0.0.0), or name the server: connect("HOST:PORT") or COOPDYN_SERVER') from None
         except OSError as e:
@@ -1041,6 +1045,8 @@ class _Connection:
             message, used = decode(self.buffer, self.bulk)
             if message is not None:
                 del self.buffer[:used]
+                if (message.error or message.command == -1) and message.text.startswith(_ENDED):
+                    self.address.ended = message.text
                 if message.command < 0 and message.error == 0:
                     if message.command == -1:
                         self.close()
@@ -2190,6 +2196,9 @@ class _Session:
             return Error(-1, f"the connection to {link.label} broke; is the daemon still running?")
         if closed.notice.endswith(_NOT_IN_SCENARIO):
             return self.world_reset("load")
+        if closed.notice.startswith(_ENDED):
+            link.lost = Error(5, closed.notice)
+            return link.lost
         link.lost = Error(6, f"{link.label} is not driven by this sim any more: {closed.notice}; "
                              f"{link.take_again()} takes it again")
         if isinstance(link, _Link):
@@ -2631,6 +2640,8 @@ class _Session:
             self.teams.remove(team)
 
     def close(self) -> None:
+        if self.on_closed is not None:
+            self.on_closed()  # first: the last `stop` of a robot would be a step more
         for team in list(self.teams):
             self.close_team(team, True)
         stopping = []
@@ -2651,8 +2662,6 @@ class _Session:
         for connection in self.others.values():
             connection.close()
         self.closed = True
-        if self.on_closed is not None:
-            self.on_closed()
 
 
 class _Wait:
@@ -4157,6 +4166,8 @@ def launch(
     """
     if not isinstance(scenario, str):
         raise Error(3, f'a scenario is a file, a name or a text, not {scenario!r}; write e.g. coopdyn.launch("classroom")')
+    if set is not None and not hasattr(set, "items"):
+        raise Error(3, f'set takes keys with their values, set={{"SWARM_1.count": 20}}, not {set!r}')
     is_text = "\n" in scenario
     words = ["-" if is_text else scenario, "--port", "0", "--with-process", str(os.getpid())]
     for key, value in (set or {}).items():

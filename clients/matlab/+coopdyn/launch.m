@@ -22,6 +22,9 @@ function sim = launch(scenario, varargin)
   if ~iscell(o.set) || mod(numel(o.set), 2) ~= 0
     coopdyn.internal.fail(2, 'set takes pairs of a key and its value, e.g. ''set'', {''SWARM_1.count'', 20}');
   end
+  if size(o.set, 2) == 2
+    o.set = o.set';  % a row for each pair
+  end
   scenario = char(scenario);
   base = tempname();
   files = {[base '.scenario'], [base '.out'], [base '.err']};

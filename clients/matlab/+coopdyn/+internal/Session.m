@@ -327,7 +327,12 @@ classdef Session < handle
 
     function close(s)
     % Writes stop to the robots of this sim and closes everything. Does not wait for the step, but lets the daemon read
-    % the stop, so that what the program does next, a reset say, comes after it.
+    % the stop, so that what the program does next, a reset say, comes after it. A daemon of one's own ends first: the
+    % stop would be a step more.
+      if s.process > 0
+        coopdyn.internal.end_process(s.process);
+        s.process = 0;
+      end
       for k = 1:numel(s.teams)
         team = s.teams{k};
         team.give_up(true);
@@ -365,10 +370,6 @@ classdef Session < handle
         c.close();
       end
       s.closed = true;
-      if s.process > 0
-        coopdyn.internal.end_process(s.process);
-        s.process = 0;
-      end
     end
   end
 end
