@@ -1743,7 +1743,8 @@ class _TeamLink:
             self.take(session)
             if not self.names:
                 raise Error(10, "no robot is free: other programs, loaded controllers or other objects of this "
-                                "program drive them all")
+                                "program drive them all. What a scenario's controller drives is free without it: "
+                                "launch(..., set={\"SWARM_1.controller\": \"\"})")
             self.ask_for(*self.selected)
             session.note(self.connection.request(_GET_TIME, timeout=timeout))
         except BaseException:

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
@@ -126,6 +129,26 @@ Checked CheckModel(const std::string& file, RobotLibrary& robots, Diagnostics& d
   return {alone == nullptr ? nullptr : FirstFrame(alone, false, diagnostics), DescribeModel(*model)};
 }
 
+/// What was read of a file with this seed, or with its own.
+using ReadWithSeed = std::function<std::shared_ptr<const Scenario>(std::optional<std::uint64_t> seed,
+                                                                   Diagnostics& diagnostics)>;
+/// A value that a draw seldom gives may be wrong: so many seeds are tried.
+constexpr std::uint64_t kTriedSeeds = 32;
+
+/// Reports what is wrong with the first seed that draws something wrong.
+void CheckOtherSeeds(const Scenario& scenario, const ReadWithSeed& read, Diagnostics& diagnostics) {
+  if (scenario.random.empty() || diagnostics.has_errors()) return;
+  for (std::uint64_t seed = 1; seed <= kTriedSeeds; ++seed) {
+    Diagnostics of_seed;
+    if (read(seed, of_seed) != nullptr) continue;
+    for (const Diagnostic& one : of_seed.all()) {
+      if (one.level == Diagnostic::Level::kError)
+        diagnostics.Error(one.where, fmt::format("with seed {}: {}", seed, one.text));
+    }
+    return;
+  }
+}
+
 Checked CheckScenario(const std::shared_ptr<const Scenario>& scenario, bool controllers,
                       Diagnostics& diagnostics) {
   if (scenario == nullptr) return {};
@@ -137,6 +160,12 @@ Checked CheckScenario(const std::shared_ptr<const Scenario>& scenario, bool cont
                             std::to_string(scenario->simulation.seed));
   }
   return checked;
+}
+
+Checked CheckSeeds(const ReadWithSeed& read, bool controllers, Diagnostics& diagnostics) {
+  const std::shared_ptr<const Scenario> scenario = read(std::nullopt, diagnostics);
+  if (scenario != nullptr) CheckOtherSeeds(*scenario, read, diagnostics);
+  return CheckScenario(scenario, controllers, diagnostics);
 }
 
 }  // namespace
@@ -151,18 +180,27 @@ Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& di
     return {};
   }
   if (!IsPipe(file)) {
-    const auto scenario = LoadScenario(file, robots, diagnostics, false, std::nullopt, settings);
-    return CheckScenario(scenario, controllers, diagnostics);
+    return CheckSeeds(
+        [&](std::optional<std::uint64_t> seed, Diagnostics& found) {
+          return LoadScenario(file, robots, found, false, seed, settings);
+        },
+        controllers, diagnostics);
   }
   std::optional<std::string> text = ReadPipe(file, diagnostics);
   if (text) text = WithSettings(std::move(*text), settings, diagnostics);
   if (!text || diagnostics.has_errors()) return {};
-  return CheckScenario(ReadScenario(*text, kPipe, robots, false, diagnostics), controllers, diagnostics);
+  return CheckSeeds(
+      [&](std::optional<std::uint64_t> seed, Diagnostics& found) {
+        return ReadScenario(*text, kPipe, robots, false, found, seed);
+      },
+      controllers, diagnostics);
 }
 
 Checked CheckScenarioText(const std::string& text, const std::string& name, RobotLibrary& robots,
                           Diagnostics& diagnostics) {
-  return CheckScenario(ReadScenario(text, name, robots, true, diagnostics), true, diagnostics);
+  return CheckSeeds([&](std::optional<std::uint64_t> seed,
+                        Diagnostics& found) { return ReadScenario(text, name, robots, true, found, seed); },
+                    true, diagnostics);
 }
 
 std::string SummaryOf(const RobotModel& model) {

@@ -145,6 +145,20 @@ void PrintStatus(const std::string& text) {
     if (cure == "-") cure = WordAt(awaited, "cure");
   }
   if (cure != "-") Print("  {}\n", cure);
+  for (const json::value& one : ArrayAt(status, "scores")) {
+    const json::object& score = one.as_object();
+    const json::value* value = score.if_contains("value");
+    const bool known = value != nullptr && value->is_number();
+    const std::string until = WordAt(score, "until");
+    Print("score {}: {}{}\n", WordAt(score, "name"),
+          known ? fmt::format("{:.6g} {}", NumberAt(score, "value"), WordAt(score, "unit")) : "not known yet",
+          until.empty() || until == "-" ? "" : ", until " + until);
+  }
+  for (const json::value& one : ArrayAt(status, "logged")) {
+    const json::object& logged = one.as_object();
+    Print("logged {}: {:.6g} at {:.3f} s\n", WordAt(logged, "name"), NumberAt(logged, "value"),
+          NumberAt(logged, "time_s"));
+  }
   PrintRobots(ArrayAt(status, "robots"));
 }
 

@@ -276,8 +276,13 @@ class ScenarioReader {
   void ReadOwnFloor(SectionReader& reader) {
     if (scenario_->world.floor) {
       const SourceLine& first = scenario_->world.floor->where;
-      reader.Error("[FLOOR] stands in the world too (" + first.file + ":" + std::to_string(first.line) +
-                   "): keep one of them");
+      const std::string there = first.file + ":" + std::to_string(first.line);
+      reader.Error(
+          reader.section().set_as.empty()
+              ? "[FLOOR] stands in the world too (" + there + "): keep one of them"
+              : "the floor is that of the world, " + there +
+                    ", whose keys --set does not change: write a world with another one, and name it "
+                    "with --set WORLD.file=mine.world");
     }
     std::optional<double> ambient_light;
     const Floor floor = ReadFloor(reader, textures_, ambient_light);

@@ -37,6 +37,11 @@ struct Section {
   std::string word;  // lower case
   int line = 0;
   std::vector<Entry> entries;
+  std::string set_as = {};  // "--set SECTION.key=value", in place of the line, if a setting made it
+
+  SourceLine In(const std::string& file) const {
+    return set_as.empty() ? SourceLine{file, line} : SourceLine{set_as, 0};
+  }
 };
 
 /// What nobody writes by hand, and few programs do.
@@ -99,7 +104,7 @@ class SectionReader {
   void Finish();
 
   const Section& section() const { return section_; }
-  SourceLine where() const { return {file_, section_.line}; }
+  SourceLine where() const { return section_.In(file_); }
   SourceLine LineOf(const std::string& key) const;
   std::string title() const { return "[" + section_.name + "]"; }
 

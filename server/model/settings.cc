@@ -47,7 +47,7 @@ void Apply(const Entry& setting, std::vector<Section>& sections, Diagnostics& di
       diagnostics.Error({label, 0}, "the scenario has no section [" + asked + "]" + DidYouMean(asked, names));
       return;
     }
-    section = sections.insert(sections.end(), {asked, word, setting.line, {}});
+    section = sections.insert(sections.end(), {asked, word, setting.line, {}, label});
   }
   std::vector<Entry>& entries = section->entries;
   const auto is_color = [](const std::string& word) { return word == "color" || word == "colour"; };

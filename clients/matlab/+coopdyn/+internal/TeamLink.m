@@ -51,7 +51,8 @@ classdef TeamLink < handle
         t.take(session);
         if isempty(t.names)
           coopdyn.internal.fail(10, ['no robot is free: other programs, loaded controllers or other objects ' ...
-            'of this program drive them all']);
+            'of this program drive them all. What a scenario''s controller drives is free without it: ' ...
+            'launch(..., ''set'', {''SWARM_1.controller'', ''''})']);
         end
         t.choose(t.selected, t.neighbours);
         session.note(c.request(3, [], []));
