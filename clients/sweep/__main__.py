@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import engines
@@ -16,6 +17,7 @@ from plan import Wrong
 from results import Results
 
 kShownRuns = 20
+kGrace_s = 20
 
 
 def positive(text):
@@ -103,14 +105,15 @@ class Bar:
 
 
 def check_first(job):
-    """A mistake in scenario, settings or controller is told before anything runs."""
+    """A mistake in scenario, settings or controller is told before anything runs. Returns the warnings."""
     words = [job["words"][0], "check", job["words"][2]]
     for word, value in zip(job["words"], job["words"][1:]):
         if word == "--set":
             words += ["--set", value]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise Wrong(done.stderr.strip() or done.stdout.strip() or f"coopdyn check ended with exit code {done.returncode}")
+    if done.returncode == 0:
+        return done.stderr.splitlines()
+    raise Wrong(done.stderr.strip() or done.stdout.strip() or f"coopdyn check ended with exit code {done.returncode}")
 
 
 def check_all(jobs, processes):
@@ -119,8 +122,9 @@ def check_all(jobs, processes):
     for job in jobs:
         cells.setdefault((tuple(job["inputs"]["set"].items()), job["inputs"]["controller"]), job)
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
-        for _ in pool.map(check_first, cells.values()):
-            pass
+        warnings = [line for lines in pool.map(check_first, cells.values()) for line in lines]
+    for line in dict.fromkeys(warnings):
+        print(line, file=sys.stderr)
 
 
 def show_conflicts(results):
@@ -208,6 +212,15 @@ def main():
         return 130
 
 
+def stop(*_):
+    """Of a signal: ends all in order, and by force if that takes too long. Daemons end with this process."""
+    force = threading.Timer(kGrace_s, os._exit, [130])
+    force.daemon = True
+    force.start()
+    raise KeyboardInterrupt
+
+
 if __name__ == "__main__":
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, stop)
     sys.exit(main())

@@ -5,6 +5,7 @@ import concurrent.futures
 import json
 import os
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -26,21 +27,26 @@ def lost_too_often(job, why):
 def local(jobs, processes):
     """Processes on this machine, `processes` at a time."""
     started = run.Started()
+    # An exception out of a signal's handler may leave a lock of the pool taken; ended runs end the wait below.
+    handlers = {number: signal.signal(number, lambda *_: started.kill()) for number in (signal.SIGINT, signal.SIGTERM)}
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
         waiting = list(reversed(jobs))
         tries = {}
         running = {}
         try:
             while waiting or running:
-                while waiting and len(running) < processes:
+                while waiting and len(running) < processes and not started.killed:
                     job = waiting.pop()
                     running[pool.submit(run.run_one, job, started)] = job
-                done, _ = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
+                # Not for ever: a signal that comes just before it waits does not wake it.
+                done, _ = concurrent.futures.wait(running, kPoll_s, concurrent.futures.FIRST_COMPLETED)
                 for future in done:
                     job = running.pop(future)
                     try:
                         yield future.result()
                     except run.Lost as lost:
+                        if started.killed:
+                            raise KeyboardInterrupt from None
                         tries[job["key"]] = tries.get(job["key"], 0) + 1
                         if tries[job["key"]] < kTries:
                             waiting.append(job)
@@ -48,7 +54,9 @@ def local(jobs, processes):
                             yield lost_too_often(job, lost)
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-            started.kill()  # nothing runs on after Ctrl-C
+            started.kill()
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
 
 
 def dask(jobs, address, processes):

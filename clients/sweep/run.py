@@ -26,11 +26,11 @@ class Started:
     def __init__(self):
         self._lock = threading.Lock()
         self._processes = set()
-        self._killed = False
+        self.killed = False  # true once nothing may be started any more
 
     def start(self, words, **options):
         with self._lock:
-            if self._killed:
+            if self.killed:
                 raise Lost("the sweep stops")
             process = subprocess.Popen(words, stdin=subprocess.DEVNULL, **options)
             self._processes.add(process)
@@ -47,7 +47,7 @@ class Started:
     def kill(self):
         """All, and those that are still to be started."""
         with self._lock:
-            self._killed = True
+            self.killed = True
             for process in self._processes:
                 process.kill()
 

@@ -135,7 +135,7 @@ using ReadWithSeed = std::function<std::shared_ptr<const Scenario>(std::optional
 /// A value that a draw seldom gives may be wrong: so many seeds are tried.
 constexpr std::uint64_t kTriedSeeds = 32;
 
-/// Reports what is wrong with the first seed that draws something wrong.
+/// Warns of the first seed that draws something wrong.
 void CheckOtherSeeds(const Scenario& scenario, const ReadWithSeed& read, Diagnostics& diagnostics) {
   if (scenario.random.empty() || diagnostics.has_errors()) return;
   for (std::uint64_t seed = 1; seed <= kTriedSeeds; ++seed) {
@@ -143,7 +143,7 @@ void CheckOtherSeeds(const Scenario& scenario, const ReadWithSeed& read, Diagnos
     if (read(seed, of_seed) != nullptr) continue;
     for (const Diagnostic& one : of_seed.all()) {
       if (one.level == Diagnostic::Level::kError)
-        diagnostics.Error(one.where, fmt::format("with seed {}: {}", seed, one.text));
+        diagnostics.Warning(one.where, fmt::format("with seed {}: {}", seed, one.text));
     }
     return;
   }

@@ -63,12 +63,12 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error,
                       const std::vector<std::string>& arguments);
 
 // new-controller.
-/// Writes folder/name with all files; says on stdout what to do next, or on stderr why it did nothing.
-/// Returns the exit code. Nothing that exists is overwritten.
-int NewController(const std::string& name, const std::filesystem::path& folder);
+/// Writes folder/name with all files of a robot's controller, or of a supervisor; says on stdout what to do
+/// next, or on stderr why it did nothing. Returns the exit code. Nothing that exists is overwritten.
+int NewController(const std::string& name, const std::filesystem::path& folder, bool supervisor = false);
 
-/// A file to write; "@NAME@" in its name and text stands for the controller's name. Built in from
-/// clients/plugin.
+/// A file to write; "@NAME@" in its name and text stands for the controller's name. One in "supervisor/"
+/// takes the place of that name if a supervisor is wanted. Built in from clients/plugin.
 struct SkeletonFile {
   std::string name, text;
 };

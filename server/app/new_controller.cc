@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <fstream>
+#include <map>
 #include <memory>
+#include <string_view>
 #include <system_error>
 
 #include "server/app/commands.h"
@@ -13,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestName = 63;
+constexpr std::string_view kOfSupervisor = "supervisor/";
 
 bool IsControllerName(const std::string& name) {
   return !name.empty() && name.size() <= kLongestName && name.front() >= 'a' && name.front() <= 'z' &&
@@ -47,7 +50,7 @@ int Refuse(int code, const std::string& text) {
 
 }  // namespace
 
-int NewController(const std::string& name, const fs::path& folder) {
+int NewController(const std::string& name, const fs::path& folder, bool supervisor) {
   if (!IsControllerName(name)) {
     const std::string near = NearestName(name);
     return Refuse(kExitWrongUse,
@@ -63,10 +66,18 @@ int NewController(const std::string& name, const fs::path& folder) {
   }
   fs::create_directories(target, error);
   if (error) return Refuse(kExitErrors, target.string() + " cannot be made: " + error.message());
-  for (const SkeletonFile& file : SkeletonFiles()) {
-    const fs::path path = target / Filled(file.name, name);
+  std::map<std::string, std::string> texts;
+  for (const bool of_supervisor : {false, true}) {
+    for (const SkeletonFile& file : SkeletonFiles()) {
+      const bool is_its = file.name.starts_with(kOfSupervisor);
+      if (is_its == of_supervisor && (supervisor || !is_its))
+        texts[file.name.substr(is_its ? kOfSupervisor.size() : 0)] = file.text;
+    }
+  }
+  for (const auto& [file, text] : texts) {
+    const fs::path path = target / Filled(file, name);
     std::ofstream stream(path, std::ios::binary);
-    stream << Filled(file.text, name);
+    stream << Filled(text, name);
     stream.close();
     if (!stream) return Refuse(kExitErrors, path.string() + " cannot be written");
   }
@@ -80,13 +91,17 @@ int NewController(const std::string& name, const fs::path& folder) {
 void AddNewController(CLI::App& app, Chosen& chosen) {
   struct Given {
     std::string name, folder = ".";
+    bool supervisor = false;
   };
   auto given = std::make_shared<Given>();
   CLI::App* sub = app.add_subcommand("new-controller", "Write a controller to begin with, ready to build");
   sub->footer("Example: coopdyn new-controller wander && cd wander && cmake -B build && cmake --build build");
   sub->add_option("name", given->name, "Of the controller: a to z, 0 to 9 and _")->required();
   sub->add_option("--folder", given->folder, "Where to put its folder")->capture_default_str();
-  sub->callback([&chosen, given] { chosen = [given] { return NewController(given->name, given->folder); }; });
+  sub->add_flag("--supervisor", given->supervisor, "A supervisor of the world, not a robot's controller");
+  sub->callback([&chosen, given] {
+    chosen = [given] { return NewController(given->name, given->folder, given->supervisor); };
+  });
 }
 
 }  // namespace coopdyn

@@ -191,7 +191,10 @@ class RunControl {
   /// Why nobody is served any more.
   std::string stopping_text() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
-    return end_text_.empty() ? "the daemon is stopping" : "the run has ended: " + end_text_;
+    constexpr std::string_view kRun = "the run ";
+    if (end_text_.empty()) return "the daemon is stopping";
+    const bool of_run = end_text_.starts_with(kRun);
+    return "the run has ended: " + (of_run ? "it " + end_text_.substr(kRun.size()) : end_text_);
   }
   std::optional<RunEnd> end() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);

@@ -273,7 +273,7 @@ class EndTest(unittest.TestCase):
         with Daemon(scenario(1), "--duration", "0.05") as daemon:
             motors = daemon.text("/robot1/motors")
             reply = motors.ask("ready 10")
-            self.assertEqual((reply.error, reply.text), (5, "the daemon is stopping"))
+            self.assertEqual((reply.error, reply.text), (5, "the run has ended: it has reached its duration"))
             self.assertEqual(daemon.process.wait(60), 0)
 
     def test_a_lockstep_run_that_nobody_could_drive_is_refused(self):

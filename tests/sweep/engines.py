@@ -32,7 +32,7 @@ def children(pid):
     """The processes that `pid` has started."""
     found = set()
     for task in os.listdir(f"/proc/{pid}/task"):
-        with open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as stream:
+        with contextlib.suppress(OSError), open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as stream:
             found.update(stream.read().split())
     return found
 

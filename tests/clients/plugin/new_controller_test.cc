@@ -27,13 +27,21 @@ class NewControllerTest : public testing::Test {
   }
   ~NewControllerTest() override { fs::remove_all(folder_); }
 
-  int New(const std::string& name) {
+  int New(const std::string& name, bool supervisor = false) {
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
-    const int code = NewController(name, folder_);
+    const int code = NewController(name, folder_, supervisor);
     out_ = testing::internal::GetCapturedStdout();
     errors_ = testing::internal::GetCapturedStderr();
     return code;
+  }
+
+  static void Build(const fs::path& made) {
+    const std::string build = "cd '" + made.string() +
+                              "' && (cmake -B build -DCMAKE_C_FLAGS='-Werror -Wpedantic' && "
+                              "cmake --build build) > build.log 2>&1";
+    ASSERT_EQ(std::system(build.c_str()), 0)
+        << (std::ostringstream() << std::ifstream(made / "build.log").rdbuf()).str();
   }
 
   const fs::path folder_;
@@ -44,11 +52,7 @@ TEST_F(NewControllerTest, ItBuildsWithoutWarningsAndDrivesTheRobotOfItsScenario)
   ASSERT_EQ(New("my_robot2"), kExitOk);
   EXPECT_THAT(out_, HasSubstr("cmake -B build && cmake --build build"));
   const fs::path made = folder_ / "my_robot2";
-  const std::string build = "cd '" + made.string() +
-                            "' && (cmake -B build -DCMAKE_C_FLAGS='-Werror -Wpedantic' && "
-                            "cmake --build build) > build.log 2>&1";
-  ASSERT_EQ(std::system(build.c_str()), 0)
-      << (std::ostringstream() << std::ifstream(made / "build.log").rdbuf()).str();
+  Build(made);
 
   RobotLibrary library(SearchPath{{SourceDir()}});
   Diagnostics diagnostics;
@@ -72,6 +76,22 @@ TEST_F(NewControllerTest, ItBuildsWithoutWarningsAndDrivesTheRobotOfItsScenario)
   std::vector<SentMessage> messages;
   host.Step(frame, setpoints, messages);
   EXPECT_GT(setpoints[0].reference, 0);
+}
+
+TEST_F(NewControllerTest, ASupervisorBuildsWithoutWarningsAndFitsItsScenario) {
+  ASSERT_EQ(New("boss", true), kExitOk);
+  const fs::path made = folder_ / "boss";
+  Build(made);
+  RobotLibrary library(SearchPath{{SourceDir(), fs::path(Sample("diffuse")).parent_path()}});
+  Diagnostics diagnostics;
+  const auto scenario = LoadScenario((made / "boss.scenario").string(), library, diagnostics);
+  ASSERT_TRUE(scenario) << diagnostics.ToString();
+  EXPECT_EQ(scenario->simulation.supervisor.file, (made / "boss.so").string());
+  SteadyClock clock;
+  WorkerPool pool(1);
+  ControllerHost host(TestOptions(), clock, NullLogger(), pool);
+  host.Check(*scenario, diagnostics);
+  EXPECT_TRUE(diagnostics.all().empty()) << diagnostics.ToString();
 }
 
 TEST_F(NewControllerTest, ItOverwritesNothing) {
