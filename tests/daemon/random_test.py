@@ -63,6 +63,16 @@ class RandomTestCase(RecordingTestCase):
         return Daemon(None, "--no-render", "--paused", *options, name=str(self.scenario))
 
 
+class SeedsTest(RandomTestCase):
+    def test_check_warns_of_a_seed_that_draws_what_cannot_be(self):
+        self.scenario.write_text(ROOM + "BOX_2.mass choice 1 -1\n")
+        seeds = {tool("check", self.scenario, "--set", f"SIMULATION.seed={seed}")[0] for seed in range(1, 9)}
+        self.assertEqual(seeds, {0, 1})
+        good = next(seed for seed in range(1, 9) if tool("check", self.scenario, "--set", f"SIMULATION.seed={seed}")[0] == 0)
+        self.assertRegex(tool("check", self.scenario, "--set", f"SIMULATION.seed={good}")[1],
+                         r"warning: with seed \d+: 'mass' must be at least 0, not -1")
+
+
 class ResetTest(RandomTestCase):
     def test_each_seed_has_a_world_and_always_the_same(self):
         with self.daemon() as daemon, coopdyn.connect(daemon.names[1]) as sim:

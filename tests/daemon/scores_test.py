@@ -128,8 +128,30 @@ class ScoresTest(SwarmTestCase):
                 self.assertEqual(begun["distance"], 0)
                 daemon.text("/simulation").must("step 100")
                 self.assertGreater(sim.scores()["distance"], 0)
+                sim.log("energy", 3.5)
+                code, said = tool("status", "--server", "%s:%d" % daemon.names)
+                self.assertEqual(code, 0)
+                self.assertRegex(said, r"score distance: [\d.]+ m\n")
+                self.assertIn("logged energy: 3.5 at 1.000 s", said)
                 sim.reset()
                 self.assertEqual(sim.scores(), begun)
+
+    def test_the_end_of_the_run_says_why_and_what_comes_after_it_is_not_logged(self):
+        self.scenario.write_text(SWARM + "until > 0\n[ROBOT_1]\ntype coopbot\nname eva\nposition 0 3\n")
+        with Daemon(None, "--no-render", "--mode", "lockstep", "--set", "SCORE_1.kind=time", "--set", "SCORE_1.target=", "--set", "SCORE_1.within=",
+                    "--set", "SCORE_1.until=>= 0.1", "--set", "SCORE_4.until=", name=str(self.scenario)) as daemon:
+            with coopdyn.connect(daemon.names[1]) as sim:
+                eva = sim.robot("eva")
+                with self.assertRaises(coopdyn.Error) as ended:
+                    while True:
+                        eva.set_velocity(0.1, 0)
+                        sim.step()
+                self.assertIn("the run has ended: the score time is 0.1 s: the run has reached its aim", ended.exception.text)
+                with self.assertRaises(coopdyn.Error):
+                    sim.log("late", 1)
+                with self.assertRaisesRegex(coopdyn.Error, "the run has ended: the score time is 0.1 s"):
+                    eva.set_velocity(0.1, 0)
+                    sim.step()
 
 
 class SetTest(SwarmTestCase):
@@ -151,6 +173,13 @@ class SetTest(SwarmTestCase):
         self.assertEqual(code, 1)
         self.assertIn("--set SWARM_1.cuont=3: error: unknown word 'cuont' in [SWARM_1]; did you mean 'count'?", said)
         self.assertIn("--set SWARM1.count=3: error: the scenario has no section [SWARM1]; did you mean 'SWARM_1'?", said)
+
+    def test_what_a_setting_makes_is_wrong_at_the_setting(self):
+        code, said = tool("check", self.scenario, "--set", "SCORE_9.kind=reach")
+        self.assertEqual(code, 1)
+        self.assertIn("--set SCORE_9.kind=reach: error: [SCORE_9] needs 'target'", said)
+        code, said = tool("check", "arena20", "--set", "FLOOR.friction=0.5")
+        self.assertRegex(said, r"--set FLOOR.friction=0.5: error: the floor is that of the world, \S*arena.world:\d+, whose keys --set does not change")
 
     def test_a_world_takes_none(self):
         code, said = tool("check", "corridor.world", "--set", "WALL_1.size=1 1 1")
