@@ -46,14 +46,14 @@ inline constexpr Id kGetJoints = 203, kSetPositions = 204, kSetPositionsDirect =
                     kSetEfforts = 207, kSetModes = 208, kGetModes = 209, kSetCompliance = 210,
                     kGetCompliance = 211, kSetProfile = 212, kGetProfile = 213, kSetGains = 214,
                     kGetGains = 215, kGetJointLimits = 216, kGetMotion = 217, kGetReferences = 218,
-                    kHold = 219, kGetChain = 220;
+                    kHold = 219, kGetChain = 220, kGetBoard = 221;
 // /swarm
 inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetTeam = 113, kStopTeam = 114;
 // /simulation
 inline constexpr Id kGetStatus = 100, kRun = 101, kPause = 102, kStep = 103, kReset = 104, kSetMode = 105,
                     kSetStep = 106, kSetSpeed = 107, kLoadScenario = 108, kQuit = 109, kStopAll = 190,
                     kSetParticipants = 191, kReload = 192, kReleaseRobot = 193, kSaveState = 194,
-                    kRestoreState = 195, kGetSaved = 196, kLog = 197, kEndRun = 198;
+                    kRestoreState = 195, kGetSaved = 196, kLog = 197, kEndRun = 198, kGetClock = 189;
 // /world
 inline constexpr Id kInsert = 140, kRemove = 141, kSetPose = 142, kSetThing = 143, kRename = 144,
                     kListWorld = 145, kSaveWorld = 146, kUndo = 147, kRedo = 148, kPick = 149,

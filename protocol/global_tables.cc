@@ -34,6 +34,10 @@ CommandTable SimulationTable() {
   CommandSpec saved = Reading(command::kGetSaved, "get_saved",
                               "Returns the names and times of the saved states.", {Repeated("time", "s")});
   saved.reply_text = "their names, in the same order, separated by spaces";
+  CommandSpec clock =
+      Reading(command::kGetClock, "get_clock",
+              "Returns the simulated time in whole numbers, and the length of a step.", {Value("step", "s")});
+  clock.reply_params = {{.name = "seconds", .unit = "s"}, {.name = "nanoseconds", .unit = "ns"}};
   return CommandTable(
       "simulation",
       {
@@ -93,6 +97,7 @@ CommandTable SimulationTable() {
           std::move(save),
           std::move(restore),
           std::move(saved),
+          std::move(clock),
           {.id = command::kLog,
            .name = "log",
            .help = "Logs a number under a name: get_status shows it, recordings keep it.",

@@ -118,11 +118,25 @@ CommandTable JointsTable() {
               "axis and "
               "the axis; then the tool's pose.",
               {Repeated("value")}),
+      OfJoints(Reading(
+          command::kGetBoard, "get_board", "Returns all that the other readings tell of joints, in one.",
+          {Repeated("position", "rad"), Repeated("velocity", "rad/s"), Repeated("effort", "N m"),
+           Repeated("target", "rad"), Repeated("reference"), Repeated("lower", "rad"),
+           Repeated("upper", "rad"), Repeated("max_velocity", "rad/s"), Repeated("max_effort", "N m"),
+           Repeated("k", "N m/rad"), Repeated("d", "N m s/rad"), Repeated("offset", "N m"),
+           Repeated("speed", "rad/s"), Repeated("acceleration", "rad/s2"), Repeated("p", "1/s"),
+           Repeated("i", "1/s2"), Repeated("gain_d")})),
   };
   for (CommandSpec& spec : own) {
     if (spec.id == command::kGetModes) spec.reply_params = {ModeValue()};
     if (spec.id == command::kGetMotion) spec.reply_params = {Repeated("arrived")};
-    if (spec.id == command::kGetJointLimits) spec.reply_text = "the joints' names, separated by spaces";
+    if (spec.id == command::kGetBoard) {
+      ValueSpec kind = Repeated("kind");
+      kind.enums = {{"turns", 0}, {"slides", 1}};
+      spec.reply_params = {std::move(kind), ModeValue(), Repeated("arrived")};
+    }
+    if (spec.id == command::kGetJointLimits || spec.id == command::kGetBoard)
+      spec.reply_text = "the joints' names, separated by spaces";
     if (spec.id == command::kGetChain) {
       spec.reply_params = {Repeated("joint"), Repeated("kind")};
       spec.reply_text = "the tool's name";

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <sstream>
 #include <thread>
 #include <utility>
@@ -96,6 +97,11 @@ SearchPath WithFolder(SearchPath path, const std::filesystem::path& folder) {
   return path;
 }
 
+std::optional<YarpDialect> DialectOf(const ServeOptions& options) {
+  if (options.yarp_dialect == "auto") return {};
+  return options.yarp_dialect == "4" ? YarpDialect::k4 : YarpDialect::k3;
+}
+
 }  // namespace
 
 Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
@@ -105,7 +111,13 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       token_(TokenOf(options)),
       uploads_(options.no_net || options.no_http ? std::filesystem::path() : Uploads::ChooseFolder()),
       models_(WithFolder(DataPath(options.scenario_folders), uploads_)),
-      net_(logger_, clock_, StandardEncodings(), options.read_only),
+      yarp_(names_, logger_,
+            {options.yarp_server, told_host(), Addresses(options.hosts).front(), DialectOf(options),
+             [this](std::uint64_t id, const std::string& name, std::uint64_t step, int every) {
+               board_.NoteSampleTaken(id, name, step, every);
+             },
+             [this](std::uint64_t id) { board_.ForgetReader(id); }}),
+      net_(logger_, clock_, EncodingsWithYarp(yarp_), options.read_only),
       wrong_tokens_(logger_),
       robot_guard_(token_, options.private_robots, &wrong_tokens_),
       control_guard_(token_, true, &wrong_tokens_),
@@ -163,9 +175,13 @@ std::string Daemon::OpenNames() {
   names_.SetExternalPorts(std::min(first, PortPlan::kLast - 1),
                           std::min(first + kExternalPorts, PortPlan::kLast));
   if (options_.no_net) return {};
-  name_server_ = std::make_unique<NameServer>(control_.context(), names_, net_, options_.advertise);
+  name_server_ = std::make_unique<NameServer>(
+      control_.context(), names_, net_, options_.advertise,
+      NameHooks{
+          [this](const std::string& name) { OpenYarpPort(name); },
+          [this](const Subscription& each, bool connects) { yarp_.Tell(each.from, each.to, connects); }});
   const int port = options_.name_port.value_or(options_.port);
-  std::string error = name_server_->Listen(Addresses(options_.hosts), port);
+  std::string error = name_server_->Listen(addresses(), port);
   if (!error.empty()) return WithAdvice(error, "--port, or --name-port");
   ports_.Reserve(name_server_->port());
   ports_.Reserve(options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1));
@@ -175,7 +191,7 @@ std::string Daemon::OpenNames() {
 std::string Daemon::OpenRobots() {
   RobotHostOptions host;
   host.sockets = !options_.no_net;
-  if (host.sockets) host.addresses = Addresses(options_.hosts);
+  if (host.sockets) host.addresses = addresses();
   host.threads = options_.robot_threads.value_or(0);
   host.spin = Spin();
   const RobotServices robot_services{board_, frames_, edits_,       images_, names_,
@@ -191,8 +207,11 @@ std::string Daemon::OpenRobots() {
     std::string unreadable = NameClient::ParseServer(options_.yarp_server, yarp_host, yarp_port);
     if (!unreadable.empty()) return unreadable;
     name_client_ = std::make_unique<NameClient>(yarp_host, yarp_port, logger_);
-    TellYarpServer();
   }
+  control_.Post([this] {
+    opens_yarp_ports_ = true;
+    TellYarpServer();
+  });
   return {};
 }
 
@@ -215,19 +234,17 @@ std::string Daemon::OpenGlobalModules() {
       services, run_, branches_, runs_, [this](const Scene& scene) { ApplyScene(scene); }, post);
   recorder_ = std::make_unique<RecorderModule>(
       services, recordings_, runs_, [this] { return http(); }, post);
-  const std::pair<const char*, Endpoint*> modules[] = {{"/simulation", simulation_.get()},
-                                                       {"/swarm", swarm_.get()},
-                                                       {"/playback", playback_.get()},
-                                                       {"/recorder", recorder_.get()},
-                                                       {"/world", world_.get()}};
-  for (const auto& [name, module] : modules) {
-    published_.push_back(std::make_unique<PublishedModule>(name, *module, control_, net_, names_));
-    PublishedModule& port = *published_.back();
-    std::string error =
-        options_.no_net ? port.Open({}, 0) : port.Open(Addresses(options_.hosts), ports_.Take());
+  for (Endpoint* const module : GlobalModules()) {
+    published_.push_back(std::make_unique<NamedPort>(module->path(), *module, control_, net_, names_));
+    NamedPort& port = *published_.back();
+    std::string error = options_.no_net ? port.Open({}, 0) : port.Open(addresses(), ports_.Take());
     if (!error.empty()) return error;
   }
   return {};
+}
+
+std::vector<Endpoint*> Daemon::GlobalModules() const {
+  return {simulation_.get(), swarm_.get(), playback_.get(), recorder_.get(), world_.get()};
 }
 
 std::string Daemon::OpenPage() {
@@ -259,7 +276,7 @@ std::string Daemon::OpenPage() {
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
-  const std::string error = web_->Listen(Addresses(options_.hosts), port);
+  const std::string error = web_->Listen(addresses(), port);
   return WithAdvice(error, "--port, or --http-port");
 }
 
@@ -286,14 +303,23 @@ void Daemon::Stop() {
   if (physics_.joinable()) physics_.join();
   recordings_.Close();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
-  if (robots_ != nullptr) control_.Call([this] { robots_->Stop(run_.stopping_text()); });
+  control_.Call([this] {
+    opens_yarp_ports_ = false;
+    if (robots_ != nullptr) robots_->Stop(run_.stopping_text());
+  });
+  for (const auto& port : yarp_ports_) port->Close(run_.stopping_text());
+  yarp_ports_.clear();
   while (!published_.empty()) {
     published_.back()->Close(run_.stopping_text());
     published_.pop_back();
   }
-  control_.Call([this] { name_server_.reset(); });
+  control_.Call([this] {
+    name_server_.reset();
+    clock_timer_.reset();
+  });
   control_.Stop();
   name_client_.reset();
+  yarp_.Stop();
   if (web_ != nullptr) web_->Stop();
   runs_.Stop();  // before those that it answers end
   page_.reset();
@@ -355,24 +381,6 @@ void Daemon::CloseClient(const std::string& robot, ClientId client, const std::s
   robots_->CloseClient(robot, client, reason);
 }
 
-void Daemon::TellYarpServer() {
-  if (name_client_ == nullptr) return;
-  std::map<std::string, int> names;
-  for (const NameEntry& entry : names_.List()) {
-    if (!entry.external && entry.port != 0) names.emplace(entry.name, entry.port);
-  }
-  const std::string ip = options_.advertise.empty() && BeyondLoopback(options_) ? "" : told_host();
-  for (const auto& [name, port] : told_names_) {
-    const auto still = names.find(name);
-    if (still == names.end() || still->second != port) name_client_->Unregister(name);
-  }
-  for (const auto& [name, port] : names) {
-    const auto before = told_names_.find(name);
-    if (before == told_names_.end() || before->second != port) name_client_->Register(name, ip, port);
-  }
-  told_names_ = std::move(names);
-}
-
 RunReport Daemon::report(double wall_s) const {
   return {frames_.Latest(), run_.status(),        run_.end(), run_.stopped_or_failed(),
           run_.logged(),    recordings_.failed(), wall_s};
@@ -381,6 +389,10 @@ RunReport Daemon::report(double wall_s) const {
 void Daemon::Quit() {
   run_.End(RunEnd::kQuit);
   shutdown_.Request();
+}
+
+std::vector<std::string> Daemon::addresses() const {
+  return Addresses(options_.hosts);
 }
 
 std::string Daemon::told_host() const {

@@ -5,9 +5,12 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <boost/asio/steady_timer.hpp>
 
 #include "server/app/options.h"
 #include "server/app/page_services.h"
@@ -16,7 +19,6 @@
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
 #include "server/control/branch_desk.h"
-#include "server/control/published_module.h"
 #include "server/control/record_modules.h"
 #include "server/control/recording_desk.h"
 #include "server/control/run_folder.h"
@@ -26,6 +28,7 @@
 #include "server/controllers/controller_host.h"
 #include "server/naming/name_client.h"
 #include "server/naming/name_server.h"
+#include "server/naming/named_port.h"
 #include "server/record/player.h"
 #include "server/render/render_thread.h"
 #include "server/replay/state_at.h"
@@ -33,6 +36,9 @@
 #include "server/state/image_board.h"
 #include "server/timing/overload_watch.h"
 #include "server/web/web_server.h"
+#include "server/yarp/encoding.h"
+#include "server/yarp/network.h"
+#include "server/yarp/yarp_port.h"
 
 namespace coopdyn {
 
@@ -75,6 +81,14 @@ class Daemon final : private ControlActions {
   std::string recording_stall() const override { return recordings_.status().file.stall; }
   std::string http() const override;
 
+  // daemon_yarp.cc
+  /// Opens the port of YARP of a module, if it is one: somebody asks for its name. Control thread.
+  void OpenYarpPort(const std::string& name);
+  /// Once somebody has asked for /clock: keeps it alive while time stands. Control thread.
+  void RepeatClock();
+  /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
+  void TellYarpServer();
+
   // daemon_world.cc: an error text, empty if the world stands.
   std::string StartWorld();
   std::string StartScenario();
@@ -93,12 +107,14 @@ class Daemon final : private ControlActions {
   std::string OpenNames();
   std::string OpenRobots();
   std::string OpenGlobalModules();
+  /// /simulation and the others, once they are open.
+  std::vector<Endpoint*> GlobalModules() const;
   std::string OpenPage();
   /// What the run has cost so far. Any thread.
   CostSnapshot Costs() const;
-  /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
-  void TellYarpServer();
   std::chrono::microseconds Spin() const;
+  /// Where its ports listen.
+  std::vector<std::string> addresses() const;
   /// The address that other programs should use.
   std::string told_host() const;
 
@@ -117,8 +133,9 @@ class Daemon final : private ControlActions {
   ImageBoard images_;
   const std::filesystem::path uploads_;  // a folder of models_
   RobotLibrary models_;
-  NetServices net_;
   NameTable names_;
+  YarpNetwork yarp_;
+  NetServices net_;
   ConnectionRoster roster_;
   WrongTokens wrong_tokens_;
   const TokenGuard robot_guard_, control_guard_;
@@ -140,13 +157,16 @@ class Daemon final : private ControlActions {
   std::unique_ptr<SwarmModule> swarm_;
   std::unique_ptr<PlaybackModule> playback_;
   std::unique_ptr<RecorderModule> recorder_;
-  std::vector<std::unique_ptr<PublishedModule>> published_;  // of the four above
+  std::vector<std::unique_ptr<NamedPort>> published_;  // of the five above
+  std::vector<std::unique_ptr<YarpPort>> yarp_ports_;  // likewise
   std::unique_ptr<NameServer> name_server_;
+  std::optional<boost::asio::steady_timer> clock_timer_;
   std::unique_ptr<NameClient> name_client_;
   std::map<std::string, int> told_names_;  // to the other name server: name, port
   std::unique_ptr<PageServices> page_;     // of web_
   std::unique_ptr<WebServer> web_;
   std::jthread physics_;
+  bool opens_yarp_ports_ = false;  // the robots are up; control thread
   bool stopped_ = false;
   OverloadWatch overload_;          // main thread
   Nanoseconds waiting_logged_ = 0;  // when LogWaiting() last said something; 0: nobody is awaited

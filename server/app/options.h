@@ -48,8 +48,9 @@ struct ServeOptions {
   std::vector<std::string> hosts;  // empty: loopback
   std::string advertise;
   std::string token;
-  bool weak_token = false;  // may be short
-  std::string yarp_server;  // HOST:PORT; empty: our own name server
+  bool weak_token = false;            // may be short
+  std::string yarp_server;            // HOST:PORT; empty: our own name server
+  std::string yarp_dialect = "auto";  // of readers: "3", "4", or each is asked
   bool private_robots = false;
   bool read_only = false;
   bool no_render = false, no_http = false, no_net = false;

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <set>
@@ -16,6 +19,7 @@
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/model/section_reader.h"
+#include "server/naming/yarp_conf.h"
 #include "server/record/player.h"
 #include "server/replay/export_file.h"
 
@@ -37,6 +41,21 @@ std::string CheckSeed(const std::string& text) {
   const bool digits =
       !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
   return digits ? "" : "--seed must be a whole number from 0, not " + text;
+}
+
+/// `yarp.conf` becomes the server in it.
+std::string TakeYarpServer(std::string& text) {
+  if (text != "yarp.conf") return {};
+  const std::string name = YarpConfFile([](const char* variable) {
+    const char* const value = std::getenv(variable);
+    return std::string(value == nullptr ? "" : value);
+  });
+  std::ifstream file(name);
+  const std::string content{std::istreambuf_iterator<char>(file), {}};
+  const std::string server = ServerInYarpConf(content);
+  if (server.empty()) return name + " names no server: write HOST:PORT, or run yarp conf HOST PORT";
+  text = server;
+  return {};
 }
 
 std::string CheckToken(const std::string& text) {
@@ -134,7 +153,13 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
   sub->add_flag("--read-only", serve.read_only,
                 "Clients and the page may read and watch, and change nothing");
-  sub->add_option("--yarp-server", serve.yarp_server, "Register the names at this name server, HOST:PORT");
+  sub->add_option("--yarp-server", serve.yarp_server,
+                  "Register the names at this name server, HOST:PORT, or at that of yarp.conf")
+      ->transform(CLI::Validator(TakeYarpServer, ""));
+  sub->add_option("--yarp-dialect", serve.yarp_dialect,
+                  "Numbers as programs of YARP 3 or 4 read them; auto: ask each")
+      ->check(OneOf({"auto", "3", "4"}))
+      ->capture_default_str();
   sub->add_flag("--no-render", serve.no_render, "No pictures");
   sub->add_flag("--no-http", serve.no_http, "No page");
   sub->add_option("--render-fps", serve.render_fps, "Pictures per second of the live view")

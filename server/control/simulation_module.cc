@@ -328,6 +328,11 @@ std::optional<Message> SimulationModule::Log(Peer& peer, const Message& request)
   return Push(peer, edit::Log{name, request.data.front()});
 }
 
+void SimulationModule::RepeatClock() {
+  const FramePtr now = services_.frames.Latest();
+  if (now != nullptr && std::exchange(repeated_step_, now->step) == now->step) PushAgain(command::kGetClock);
+}
+
 void SimulationModule::OnAnswered(const Message& request, bool done) {
   if (request.command == command::kQuit && done) services_.actions.Quit();
 }

@@ -85,6 +85,10 @@ class SimulationModule final : public GlobalModule {
   SimulationModule(SimulationServices services, StepInbox::Post post);
   ~SimulationModule() override;
 
+  /// Tells those who have subscribed to get_clock the time once more if it stands still, so that programs
+  /// that wait for the next one see that it is alive. To be called now and then.
+  void RepeatClock();
+
  private:
   /// The text of get_status: robots `first` (from 1) and on, at most `count`.
   std::string StatusText(const Frame& frame, std::size_t first, std::size_t count) const;
@@ -113,6 +117,7 @@ class SimulationModule final : public GlobalModule {
   const SimulationServices services_;
   std::deque<std::function<void()>> loads_;  // one after the other: the first is under way
   SavedStates saved_;
+  std::optional<std::uint64_t> repeated_step_;  // when RepeatClock() was called last
   std::shared_ptr<DrawnScenario> drawn_;
 };
 

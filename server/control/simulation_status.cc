@@ -141,6 +141,13 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
 
 Message SimulationModule::Read(const Message& request, const Frame& frame) {
   if (request.command == command::kGetSaved) return ReadSaved(request);
+  if (request.command == command::kGetClock) {
+    Message clock = ReplyTo(request.command);
+    clock.params = {static_cast<std::int32_t>(frame.time / kNanosecondsPerSecond),
+                    static_cast<std::int32_t>(frame.time % kNanosecondsPerSecond)};
+    clock.data = {ToSeconds(services_.run.status().step_length)};
+    return clock;
+  }
   const std::vector<std::int32_t>& params = request.params;
   const std::size_t first = params.empty() ? 1 : static_cast<std::size_t>(params[0]);
   const std::size_t count = params.size() < 2 ? kMaxListed : static_cast<std::size_t>(params[1]);

@@ -142,6 +142,11 @@ Message JointsDevice::Read(const Message& request, const Frame& frame, int robot
     const JointModel& joint = model_.joints[static_cast<std::size_t>(actuator_.joints[i])];
     const ControlMode mode = channel.setpoint.mode;
     const bool places = mode == ControlMode::kPosition || mode == ControlMode::kDirect;
+    const std::int32_t arrived =
+        mode == ControlMode::kPosition && control.reference != control.target ? 0 : 1;
+    const double target = places ? control.target : channel.position,
+                 reference = places ? control.reference : channel.setpoint.reference;
+    const auto add_name = [&reply, &joint] { reply.text += (reply.text.empty() ? "" : " ") + joint.name; };
     const auto add = [&reply](std::initializer_list<double> values) {
       reply.data.insert(reply.data.end(), values);
     };
@@ -160,14 +165,22 @@ Message JointsDevice::Read(const Message& request, const Frame& frame, int robot
         break;
       case command::kGetJointLimits:
         add({joint.lower, joint.upper, joint.max_velocity, joint.max_effort});
-        reply.text += (reply.text.empty() ? "" : " ") + joint.name;
+        add_name();
         break;
       case command::kGetMotion:
-        reply.params.push_back(mode == ControlMode::kPosition && control.reference != control.target ? 0 : 1);
-        add({places ? control.target : channel.position});
+        reply.params.push_back(arrived);
+        add({target});
         break;
       case command::kGetReferences:
-        add({places ? control.reference : channel.setpoint.reference});
+        add({reference});
+        break;
+      case command::kGetBoard:
+        reply.params.insert(reply.params.end(), {joint.kind == JointModel::Kind::kSlider ? 1 : 0,
+                                                 static_cast<std::int32_t>(mode), arrived});
+        add({Measured(frame, robot, i), channel.velocity, channel.effort, target, reference, joint.lower,
+             joint.upper, joint.max_velocity, joint.max_effort, control.stiffness, control.damping,
+             control.offset, control.speed, control.acceleration, control.p, control.i, control.d});
+        add_name();
         break;
       default:
         add({Measured(frame, robot, i), channel.velocity, channel.effort});

@@ -203,6 +203,13 @@ bool ModuleCore::PushDue(Connection& connection, ModuleClient& client, const Fra
   return taken;
 }
 
+void ModuleCore::PushAgain(Connection& connection, const ModuleClient& client, command::Id reading,
+                           const FramePtr& frame) {
+  for (const auto& subscription : client.subscriptions) {
+    if (subscription.reading == reading) connection.Push(ReadingOf(reading, frame), 0);
+  }
+}
+
 const UnaskedPtr& ModuleCore::ReadingOf(command::Id reading, const FramePtr& frame) {
   for (const auto& [of, message] : readings_) {
     if (of == reading) return message;

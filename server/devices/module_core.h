@@ -87,6 +87,9 @@ class ModuleCore {
   /// Sends what is due after the step of `frame`; `dropped` frames before it never came. ForgetReadings()
   /// follows when all clients have got theirs. False: something waits, as the client takes nothing now.
   bool PushDue(Connection& connection, ModuleClient& client, const FramePtr& frame, int dropped);
+  /// Sends `reading` of `frame` to a client that has subscribed to it.
+  void PushAgain(Connection& connection, const ModuleClient& client, command::Id reading,
+                 const FramePtr& frame);
   /// Whether frames like this one may be kept for those who do not read. A reading is little beside a step of
   /// many bodies.
   static bool MayKeep(const Frame& frame) { return frame.bodies.size() <= kMaxKeptBodies; }

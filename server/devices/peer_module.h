@@ -46,8 +46,7 @@ struct ModuleServices {
 template <std::derived_from<ModulePeer> Peer>
 class PeerModule : public Endpoint, protected ReadingSource, private StepListener {
  public:
-  /// "/robot1/motors"
-  const std::string& path() const { return path_; }
+  const std::string& path() const final { return path_; }
   const CommandTable& table() const final { return table_; }
 
   void OnOpen(Connection& connection) final {
@@ -73,6 +72,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
       return;
     }
     peer->client.client.input_ended = connection.input_ended();
+    if (peer->client.client.party != connection.party()) peer->client.client.party = connection.party();
     peer->command = request.command;
     peer->text.clear();
     peer->reply = std::move(reply);
@@ -180,6 +180,14 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
   }
   /// Gives the reply that `peer` waits for.
   static void Finish(Peer& peer, Message reply) { std::exchange(peer.reply, nullptr)(std::move(reply)); }
+
+  /// Sends `reading` once more to those who have subscribed to it, though no step has run.
+  void PushAgain(command::Id reading) {
+    const StepInbox::Scope scope(inbox_);
+    const FramePtr frame = inbox_.Current();
+    for (auto& [id, peer] : peers_) core_.PushAgain(*peer.connection, peer.client, reading, frame);
+    core_.ForgetReadings();
+  }
 
   /// Ends all subscriptions at the inbox.
   void StopListening() { inbox_.Unsubscribe(*this); }

@@ -61,6 +61,8 @@ struct SimulationOptions {
   std::optional<double> duration_s;  // simulated
   double gravity_m_s2 = 9.81;        // downwards
   ControllerChoice supervisor;       // a controller of the world
+  /// Names of YARP's readers, or what they begin with ("/my/controller"), for which lockstep waits.
+  std::vector<std::string> waits_for;
 };
 
 /// [ROBOT_n], or one of a [SWARM_n].

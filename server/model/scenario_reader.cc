@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -203,8 +204,29 @@ class ScenarioReader {
     }
     ambient_light_ = ReadAmbientLight(reader);
     if (ambient_light_) scenario_->ambient_light = *ambient_light_;
+    ReadWaitsFor(reader, options);
     options.supervisor = ReadController(reader, kSupervisorKey, library_, FolderOf(label_, by_socket_));
     reader.Finish();
+  }
+
+  /// waits_for yarp /my/controller …
+  static void ReadWaitsFor(SectionReader& reader, SimulationOptions& options) {
+    const std::optional<std::string> text = reader.Text("waits_for");
+    if (!text) return;
+    std::istringstream words(*text);
+    std::string word;
+    words >> word;
+    const bool yarp = word == "yarp";
+    bool good = yarp;
+    while (words >> word) {
+      good &= word.size() > 1 && word.starts_with('/') && !word.ends_with('/');
+      options.waits_for.push_back(word);
+    }
+    if (!good || options.waits_for.empty()) {
+      reader.ErrorAt("waits_for",
+                     "lockstep waits for programs of YARP by the names of their ports: write 'waits_for yarp "
+                     "/my/controller'; for robots it waits anyhow");
+    }
   }
 
   void ReadStep(SectionReader& reader, SimulationOptions& options) {

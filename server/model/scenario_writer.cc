@@ -140,6 +140,11 @@ std::string WriteSimulation(const SimulationOptions& simulation, double ambient_
   if (simulation.duration_s) lines.Add("duration", {*simulation.duration_s});
   lines.Add("gravity", {simulation.gravity_m_s2});
   if (ambient_light > 0) lines.Add("ambient_light", {ambient_light});
+  if (!simulation.waits_for.empty()) {
+    std::string programs = "yarp";
+    for (const std::string& program : simulation.waits_for) programs += " " + program;
+    lines.Add("waits_for", programs);
+  }
   if (!simulation.supervisor.empty()) lines.Add("supervisor", LineOf(simulation.supervisor));
   return lines.Take();
 }

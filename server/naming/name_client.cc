@@ -5,8 +5,9 @@
 #include <chrono>
 #include <deque>
 #include <exception>
-#include <set>
+#include <map>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/buffer.hpp>
@@ -44,11 +45,11 @@ struct NameClient::Impl {
   struct Task {
     std::string name;
     std::string line;  // without the prefix
-    bool registers = false;
+    enum class Kind { kRegister, kUnregister, kCheck } kind = Kind::kUnregister;
   };
 
-  Impl(std::string h, int p, Logger l)
-      : host(std::move(h)), port(p), logger(std::move(l)), thread("yarp-names", logger) {}
+  Impl(std::string h, int p, Logger l, milliseconds c)
+      : host(std::move(h)), port(p), logger(std::move(l)), check_every(c), thread("yarp-names", logger) {}
 
   void Add(Task task) {
     {
@@ -57,17 +58,49 @@ struct NameClient::Impl {
       const auto first = tasks.begin() + (busy ? 1 : 0);
       tasks.erase(std::remove_if(first, tasks.end(), [&](const Task& t) { return t.name == task.name; }),
                   tasks.end());
-      if (task.registers) {
-        registered.insert(task.name);
+      if (task.kind == Task::Kind::kRegister) {
+        registered[task.name] = task.line;
+        if (!std::exchange(checking, true)) Spawn(Check());
       } else if (registered.erase(task.name) == 0) {
         return;
       }
       tasks.push_back(std::move(task));
       if (std::exchange(busy, true)) return;
     }
-    asio::co_spawn(thread.context(), TellAll(), [](const std::exception_ptr& thrown) {
+    Spawn(TellAll());
+  }
+
+  void Spawn(asio::awaitable<void> work) {
+    asio::co_spawn(thread.context(), std::move(work), [](const std::exception_ptr& thrown) {
       if (thrown) std::rethrow_exception(thrown);  // the thread logs it
     });
+  }
+
+  /// Asks now and then whether the server still knows a name of ours: one that was started again does not.
+  asio::awaitable<void> Check() {
+    asio::steady_timer pause(thread.context());
+    while (true) {
+      pause.expires_after(check_every);
+      co_await pause.async_wait(use_awaitable);
+      {
+        const MutexLock lock(mutex);
+        if (busy || registered.empty()) continue;
+        tasks.push_back({"", "query " + registered.begin()->first, Task::Kind::kCheck});
+        busy = true;
+      }
+      Spawn(TellAll());
+    }
+  }
+
+  void RegisterAllAgain() {
+    std::map<std::string, std::string> names;
+    {
+      const MutexLock lock(mutex);
+      names = registered;
+    }
+    logger->info("YARP name server {} port {} has forgotten our names: they are registered again", host,
+                 port);
+    for (const auto& [name, line] : names) Add({name, line, Task::Kind::kRegister});
   }
 
   /// Tells the server the tasks, one after the other, until there are none.
@@ -86,7 +119,8 @@ struct NameClient::Impl {
         continue;
       }
       failure_told.clear();
-      if (task.registers && !answer.empty()) {
+      if (task.kind == Task::Kind::kCheck && !answer.empty()) RegisterAllAgain();
+      if (task.kind == Task::Kind::kRegister && !answer.empty()) {
         logger->error("the YARP name server did not register {}: {}", task.name, answer);
       }
       const MutexLock lock(mutex);
@@ -149,12 +183,12 @@ struct NameClient::Impl {
   }
 
   void Goodbye() {
-    std::set<std::string> names;
+    std::vector<std::string> names;
     {
       MutexLock lock(mutex);
-      names = registered;
+      for (const auto& [name, line] : registered) names.push_back(name);
     }
-    for (const std::string& name : names) Add({name, "unregister " + name, false});
+    for (const std::string& name : names) Add({name, "unregister " + name});
     const auto deadline = steady_clock::now() + kGoodbyeWithin;
     {
       MutexLock lock(mutex);
@@ -168,18 +202,20 @@ struct NameClient::Impl {
   const std::string host;
   const int port;
   const Logger logger;
+  const milliseconds check_every;
 
   Mutex mutex;
   ConditionVariable idle;
-  std::deque<Task> tasks GUARDED_BY(mutex);  // while busy the first is being told
-  std::set<std::string> registered GUARDED_BY(mutex);
+  std::deque<Task> tasks GUARDED_BY(mutex);                         // while busy the first is being told
+  std::map<std::string, std::string> registered GUARDED_BY(mutex);  // names, and the lines that register them
+  bool checking GUARDED_BY(mutex) = false;
   bool busy GUARDED_BY(mutex) = false;
 
   IoThread thread;
 };
 
-NameClient::NameClient(std::string host, int port, Logger logger)
-    : impl_(std::make_unique<Impl>(std::move(host), port, std::move(logger))) {}
+NameClient::NameClient(std::string host, int port, Logger logger, milliseconds check_every)
+    : impl_(std::make_unique<Impl>(std::move(host), port, std::move(logger), check_every)) {}
 
 NameClient::~NameClient() {
   impl_->Goodbye();
@@ -205,12 +241,12 @@ std::string NameClient::ParseServer(const std::string& text, std::string& host, 
 }
 
 void NameClient::Register(const std::string& name, const std::string& ip, int port) {
-  impl_->Add(
-      {name, "register " + name + " tcp " + (ip.empty() ? "..." : ip) + " " + std::to_string(port), true});
+  impl_->Add({name, "register " + name + " tcp " + (ip.empty() ? "..." : ip) + " " + std::to_string(port),
+              Impl::Task::Kind::kRegister});
 }
 
 void NameClient::Unregister(const std::string& name) {
-  impl_->Add({name, "unregister " + name, false});
+  impl_->Add({name, "unregister " + name});
 }
 
 std::size_t NameClient::pending() const {

@@ -3,6 +3,7 @@
 // (its backlog is 1), with retries. Any thread.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -12,8 +13,10 @@ namespace coopdyn {
 
 class NameClient {
  public:
-  /// `host`, `port`: of the name server. Connects only when there is something to tell.
-  NameClient(std::string host, int port, Logger logger);
+  /// `host`, `port`: of the name server. Connects only when there is something to tell; then asks it each
+  /// `check_every` whether it was started anew, and registers everything again if so.
+  NameClient(std::string host, int port, Logger logger,
+             std::chrono::milliseconds check_every = std::chrono::seconds(5));
   /// Unregisters what is registered, waiting at most half a second for it.
   ~NameClient();
   NameClient(const NameClient&) = delete;

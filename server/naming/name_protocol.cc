@@ -89,6 +89,7 @@ class Answerer {
     if (verb == "check") return Check();
     if (verb == "route") return Route();
     if (verb == "announce") return Announce();
+    if (verb == "subscribe" || verb == "unsubscribe") return Subscribe(verb == "subscribe");
     if (verb == "bot") return Bot();
     if (verb == "help") return Help();
     if (!Farewell(verb).empty()) return Leave();
@@ -101,7 +102,7 @@ class Answerer {
     if (name.empty())
       return {"error 10 OPEN takes a name, as in OPEN " + ExampleName(table_) + "; list shows all\n"};
     if (words_.size() > 2) return {"error 4 OPEN takes one name, not " + Printable(words_[2]) + " as well\n"};
-    const std::optional<NameEntry> entry = table_.Find(name);
+    const std::optional<NameEntry> entry = Find(name);
     if (!entry) {
       const std::string nearest = table_.Nearest(name);
       return {"error 10 no such name " + Printable(name) +
@@ -126,6 +127,13 @@ class Answerer {
   }
   static NameReply Refused(const std::string& why) { return End("*** refused: " + why + "\r\n"); }
 
+  std::optional<NameEntry> Find(const std::string& name) const {
+    std::optional<NameEntry> entry = table_.Find(name);
+    if (entry || context_.hooks == nullptr) return entry;
+    context_.hooks->open(name.starts_with('/') ? name : "/" + name);
+    return table_.Find(name);
+  }
+
   const std::string& IpOf(const NameEntry& entry) const {
     if (!entry.ip.empty()) return entry.ip;
     return context_.advertise.empty() ? context_.asked_at : context_.advertise;
@@ -142,13 +150,39 @@ class Answerer {
   }
 
   NameReply Query() const {
-    const std::optional<NameEntry> entry = table_.Find(WordAt(words_, 1));
+    const std::optional<NameEntry> entry = Find(WordAt(words_, 1));
     if (entry) table_.Touch(entry->name, asker_.now);
     return End(entry ? Registration(*entry) : "");
   }
 
   NameReply Announce() const {
-    table_.Touch(WordAt(words_, 1), asker_.now);
+    const std::string name = WordAt(words_, 1);
+    table_.Touch(name, asker_.now);
+    if (context_.hooks == nullptr || name.empty()) return {"[ok]\r\n"};
+    for (const Subscription& each : table_.Subscriptions(name)) context_.hooks->connect(each, true);
+    return {"[ok]\r\n"};
+  }
+
+  /// "tcp://clock" is /clock.
+  static std::string PortIn(const std::string& address) {
+    const std::size_t carrier = address.find(":/");
+    return carrier == std::string::npos ? address : address.substr(carrier + 2);
+  }
+
+  NameReply Subscribe(bool adds) {
+    if (words_.size() < 2) {
+      std::string text = "subscriptions";
+      for (const Subscription& each : table_.Subscriptions())
+        text += " (subscription (src \"" + each.from + "\") (dest \"" + each.to + "\"))";
+      return End(text + "\r\n");
+    }
+    const Subscription subscription{PortIn(WordAt(words_, 1)), PortIn(WordAt(words_, 2))};
+    if (!subscription.from.starts_with('/') || !subscription.to.starts_with('/'))
+      return Refused("write two ports, as in subscribe /clock /me/clock:i");
+    if (!adds) table_.Unsubscribe(subscription);
+    if (adds && !table_.Subscribe(subscription)) return Refused("there are too many subscriptions");
+    Find(subscription.from);
+    if (context_.hooks != nullptr) context_.hooks->connect(subscription, adds);
     return {"[ok]\r\n"};
   }
 
@@ -213,7 +247,7 @@ class Answerer {
   NameReply Bot() const {
     const std::string what = WordAt(words_, 1);
     if (what == "query") {
-      const std::optional<NameEntry> entry = table_.Find(WordAt(words_, 2));
+      const std::optional<NameEntry> entry = Find(WordAt(words_, 2));
       return {(entry ? BotPort(*entry) : "port (error -2 \"port not known\")") + "\r\n"};
     }
     if (what != "list") return End();
@@ -235,6 +269,7 @@ class Answerer {
         "+ set $name $property $value\r\n"
         "+ get $name $property\r\n"
         "+ check $name $property $value\r\n"
+        "+ subscribe $source $destination\r\n"
         "+ OPEN $name\r\n"
         "  (turns this connection into one of that module's: then write help again)\r\n"
         "+ exit\r\n");

@@ -10,6 +10,7 @@
 // A refused request is answered `*** refused: WHY` and the end line.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +19,14 @@
 
 namespace coopdyn {
 
+/// What the rest of the daemon does for the name server, on its thread.
+struct NameHooks {
+  /// Opens a name of ours that is there only when somebody asks for it, if there is such a one.
+  std::function<void(const std::string& name)> open;
+  /// Tells the port `from` to send to `to` from now on, or no longer.
+  std::function<void(const Subscription& subscription, bool connects)> connect;
+};
+
 /// Who asks, and where.
 struct NameContext {
   std::string asked_at;    // the address that the request reached
@@ -25,6 +34,7 @@ struct NameContext {
   std::string advertise;   // the address of our own names in every answer; empty = asked_at
   Nanoseconds now = 0;     // by the daemon's clock
   bool read_only = false;  // no name may come or go
+  const NameHooks* hooks = nullptr;
 };
 
 struct NameReply {

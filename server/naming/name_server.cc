@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <tuple>
@@ -22,7 +23,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 
-#include "server/naming/name_protocol.h"
+#include "server/naming/name_talk.h"
 #include "server/net/listener.h"
 
 namespace coopdyn {
@@ -58,12 +59,19 @@ struct Client {
   NameContext context;
   std::string in = {};
   bool first_bytes = true;
+  std::optional<NameTalk> talk = {};  // it has connected as to a port of YARP
 };
 
 NameReply TooLong() {
   NameReply reply{"error 8 a line has at most " + std::to_string(kMaxLineBytes) + " bytes\n"};
   reply.close = true;
   return reply;
+}
+
+NameReply AnswerLine(std::string_view line, Client& client, NameTable& table) {
+  if (client.talk) return client.talk->Answer(line, client.context, table);
+  client.talk = NameTalk::Begin(line);
+  return client.talk ? NameReply{client.talk->Welcome()} : AnswerNameLine(line, client.context, table);
 }
 
 /// The answers to the lines that are there, as one: up to a line that closes the connection or opens a
@@ -86,7 +94,7 @@ NameReply AnswerLines(Client& client, NameTable& table, const Clock& clock) {
   for (std::size_t end = 0; goes_on() && (end = in.find('\n', begin)) != std::string::npos; begin = end + 1) {
     const std::string_view line = std::string_view(in).substr(begin, end - begin);
     client.context.now = clock.Now();
-    add(line.size() > kMaxLineBytes ? TooLong() : AnswerNameLine(line, client.context, table));
+    add(line.size() > kMaxLineBytes ? TooLong() : AnswerLine(line, client, table));
   }
   in.erase(0, begin);
   if (goes_on() && in.size() > kMaxLineBytes && in.find('\n') == std::string::npos) add(TooLong());
@@ -96,16 +104,21 @@ NameReply AnswerLines(Client& client, NameTable& table, const Clock& clock) {
 }  // namespace
 
 struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
-  Impl(asio::io_context& c, NameTable& t, NetServices& s, std::string a)
+  Impl(asio::io_context& c, NameTable& t, NetServices& s, std::string a, NameHooks h)
       : context(c),
         table(t),
         services(s),
         advertise(std::move(a)),
+        hooks(std::move(h)),
         listener(c, s, [this](UniqueFd fd, PeerInfo peer) { Open(std::move(fd), std::move(peer)); }) {}
 
   void Open(UniqueFd fd, PeerInfo peer) {
-    NameContext where{IpOf(LocalAddress(fd.get())), IpOf(PeerAddress(fd.get())), advertise, 0,
-                      services.read_only()};
+    NameContext where{IpOf(LocalAddress(fd.get())),
+                      IpOf(PeerAddress(fd.get())),
+                      advertise,
+                      0,
+                      services.read_only(),
+                      &hooks};
     auto client = std::make_shared<Client>(Client{Socket(context), std::move(peer), std::move(where)});
     error_code error;
     client->socket.assign({AF_UNSPEC, 0}, fd.get(), error);  // Asio wants a protocol; nothing here uses it
@@ -154,7 +167,7 @@ struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
     const int fd = client.socket.release(error);
     if (error) return;
     services.LogPeer(spdlog::level::debug, client.peer.text, "opens " + reply.opened);
-    reply.open(fd, std::move(client.in), client.peer);
+    reply.open(fd, std::move(client.in), client.peer, nullptr);
   }
 
   void Forget(const std::shared_ptr<Client>& client) {
@@ -168,14 +181,15 @@ struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
   NameTable& table;
   NetServices& services;
   const std::string advertise;
+  const NameHooks hooks;
   Listener listener;
   std::set<std::shared_ptr<Client>> clients;
   std::atomic<std::size_t> count{0};
 };
 
 NameServer::NameServer(asio::io_context& context, NameTable& table, NetServices& services,
-                       std::string advertise)
-    : impl_(std::make_shared<Impl>(context, table, services, std::move(advertise))) {}
+                       std::string advertise, NameHooks hooks)
+    : impl_(std::make_shared<Impl>(context, table, services, std::move(advertise), std::move(hooks))) {}
 
 NameServer::~NameServer() {
   for (const auto& client : impl_->clients) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/naming/name_protocol.h"
 #include "server/naming/name_table.h"
 #include "server/net/net_services.h"
 
@@ -21,9 +22,11 @@ namespace coopdyn {
 class NameServer {
  public:
   /// `advertise`: the address in every answer about our own names; empty = the one at which it was asked.
+  /// `hooks` are called on the thread of `context`.
   /// `table`, `context` and `services` outlive it.
   NameServer(boost::asio::io_context& context, NameTable& table, NetServices& services,
-             std::string advertise = "");
+             std::string advertise = "",
+             NameHooks hooks = {[](const std::string&) {}, [](const Subscription&, bool) {}});
   ~NameServer();
   NameServer(const NameServer&) = delete;
   NameServer& operator=(const NameServer&) = delete;

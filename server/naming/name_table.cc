@@ -83,7 +83,7 @@ bool NameTable::IsExternalPort(int port) const {
                      [port](const auto& item) { return item.second.external && item.second.port == port; });
 }
 
-bool NameTable::AddOwn(const std::string& name, int port, AdoptFunction adopt) {
+bool NameTable::AddOwn(const std::string& name, int port, AdoptFunction adopt, NameKind kind) {
   MutexLock lock(mutex_);
   const auto it = entries_.find(name);
   if (it != entries_.end()) {
@@ -94,6 +94,7 @@ bool NameTable::AddOwn(const std::string& name, int port, AdoptFunction adopt) {
   entry.name = name;
   entry.port = port;
   entry.adopt = std::move(adopt);
+  entry.kind = kind;
   entries_.insert_or_assign(name, std::move(entry));
   return true;
 }
@@ -222,6 +223,27 @@ NameTable::Change NameTable::SetProperty(std::string_view name, const std::strin
   }
   entry = std::move(changed);
   return {{}, entry};
+}
+
+bool NameTable::Subscribe(const Subscription& subscription) {
+  MutexLock lock(mutex_);
+  if (subscriptions_.size() >= kMaxSubscriptions && !subscriptions_.contains(subscription)) return false;
+  subscriptions_.insert(subscription);
+  return true;
+}
+
+void NameTable::Unsubscribe(const Subscription& subscription) {
+  MutexLock lock(mutex_);
+  subscriptions_.erase(subscription);
+}
+
+std::vector<Subscription> NameTable::Subscriptions(std::string_view name) const {
+  MutexLock lock(mutex_);
+  std::vector<Subscription> found;
+  for (const Subscription& each : subscriptions_) {
+    if (name.empty() || each.from == name || each.to == name) found.push_back(each);
+  }
+  return found;
 }
 
 void NameTable::Touch(std::string_view name, Nanoseconds now) {

@@ -3,9 +3,11 @@
 // Any thread.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,17 +18,27 @@
 
 namespace coopdyn {
 
+/// Whether an own name is a module's, or another one of it for programs of YARP.
+enum class NameKind { kModule, kAlias };
+
 /// One name.
 struct NameEntry {
   std::string name;  // "/robot1/motors"
   std::string ip;    // empty: the address at which the name server was asked
   int port = 0;      // 0: reached through OPEN only
   std::string type = "tcp";
-  bool external = false;                               // registered by another program
+  bool external = false;  // registered by another program
+  NameKind kind = NameKind::kModule;
   AdoptFunction adopt = {};                            // hands it a connection; empty if external
   std::map<std::string, std::string> properties = {};  // `set` key values, of external names
   std::string registrar = {};  // the address that registered it; empty: this machine, or our own
   Nanoseconds used = 0;        // when it was last registered, changed or asked for
+};
+
+/// Whoever has the name `from` is to send to the port `to`, as often as one of them comes back.
+struct Subscription {
+  std::string from, to;  // "/clock", "/me/clock:i"
+  auto operator<=>(const Subscription&) const = default;
 };
 
 /// Who asks for a change, and when.
@@ -57,7 +69,7 @@ class NameTable {
 
   // --- the daemon's own
   /// Adds an own name; an external one of that name gives way. Returns false if it is there already.
-  bool AddOwn(const std::string& name, int port, AdoptFunction adopt);
+  bool AddOwn(const std::string& name, int port, AdoptFunction adopt, NameKind kind = NameKind::kModule);
   /// Does nothing for a name that is not ours.
   void RemoveOwn(const std::string& name);
 
@@ -85,6 +97,12 @@ class NameTable {
   /// Sets a property of an external name; an unknown name gives an empty entry.
   Change SetProperty(std::string_view name, const std::string& key, const std::string& value,
                      const NameAsker& asker);
+  /// False: there are too many. One that is there already is fine.
+  bool Subscribe(const Subscription& subscription);
+  void Unsubscribe(const Subscription& subscription);
+  /// All, or those of one name; in order.
+  std::vector<Subscription> Subscriptions(std::string_view name = "") const;
+  static constexpr std::size_t kMaxSubscriptions = 1024;
   /// Somebody has asked for `name`: it is not forgotten.
   void Touch(std::string_view name, Nanoseconds now);
   /// Drops the external names that are forgotten at `now`. Cheap if there are none.
@@ -99,6 +117,7 @@ class NameTable {
 
   mutable Mutex mutex_;
   std::map<std::string, NameEntry, std::less<>> entries_ GUARDED_BY(mutex_);
+  std::set<Subscription> subscriptions_ GUARDED_BY(mutex_);
   std::size_t externals_ GUARDED_BY(mutex_) = 0;
   Nanoseconds next_forgotten_ GUARDED_BY(mutex_) = 0;  // not before that is one forgotten
   int first_port_ GUARDED_BY(mutex_);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,9 @@ struct Incoming {
   std::size_t consumed = 0;                       // bytes that are done with, whatever the status
   Message message = {};                           // the request, or the error reply to it
   std::string answer = {};                        // bytes to send as they are, e.g. of a handshake
+  /// With kNothing: a request that is not the endpoint's. Calls what it gets once, on any thread, now or
+  /// later; then comes Reply().
+  std::function<void(ReplyFunction)> ask = {};
 };
 
 /// Of one connection; the thread of its session only.
@@ -36,8 +40,15 @@ class Encoding {
   virtual Incoming Decode(std::string_view bytes) = 0;
   /// Appends the reply to the request decoded last, or nothing if such requests get none.
   virtual void Reply(const Message& reply, std::string& out) = 0;
+  /// What else the endpoint must do before the request is answered, after `reply` to what it was handed last;
+  /// what is appended to `out` is sent meanwhile. Nothing: Reply() answers it.
+  virtual std::optional<Message> Next(const Message& /*reply*/, std::string& /*out*/) { return std::nullopt; }
+  /// Connection::party().
+  virtual std::string_view party() const { return {}; }
   /// Appends an unasked message. @pre push.message() is not null
   virtual void Push(UnaskedMessage& push, std::string& out) = 0;
+  /// False: the peer has to acknowledge the last unasked message before it gets another. Those wait.
+  virtual bool takes_push() const { return true; }
   /// A person reads along: lines that begin with '#' may be sent at any time.
   virtual bool takes_notes() const { return false; }
 };

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -61,6 +62,9 @@ class Connection {
   virtual ~Connection() = default;
   virtual ClientId id() const = 0;
   virtual const std::string& peer() const = 0;  // "127.0.0.1:53120", or "page"
+  /// Connections of one party act as one client: what one of them owns the others drive, too. Empty: it is
+  /// alone.
+  virtual std::string_view party() const { return {}; }
   /// From loopback or from inside the daemon: needs no token.
   virtual bool trusted() const = 0;
   /// The client has shut down its sending side (or died: they look alike).
@@ -81,6 +85,8 @@ using ReplyFunction = std::function<void(Message)>;
 class Endpoint {
  public:
   virtual ~Endpoint() = default;
+  /// "/robot1/motors"
+  virtual const std::string& path() const = 0;
   /// The module's commands: the text codec, help and describe read them.
   virtual const CommandTable& table() const = 0;
   virtual void OnOpen(Connection&) {}

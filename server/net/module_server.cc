@@ -70,7 +70,7 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
     if (error) return services.logger()->error("{}: cannot take a connection: {}", name, error.message());
     arrival.fd.Release();
     if (!arrival.peer.trusted) Sweep();
-    auto session = std::make_shared<Session>(context, std::move(socket), *end, endpoint, services,
+    auto session = std::make_shared<Session>(context, std::move(socket), *end, endpoint, services, poster,
                                              std::move(arrival.peer), [this](ClientId id) { Forget(id); });
     sessions.emplace(session->id(), session);
     count = sessions.size();
@@ -148,8 +148,9 @@ void ModuleServer::Adopt(int fd, std::string already_read, PeerInfo peer,
 }
 
 AdoptFunction ModuleServer::adopter() const {
-  return [send = impl_->sender()](int fd, std::string already_read, PeerInfo peer) {
-    send({UniqueFd(fd), std::move(already_read), std::move(peer), nullptr});
+  return [send = impl_->sender()](int fd, std::string already_read, PeerInfo peer,
+                                  std::unique_ptr<Encoding> encoding) {
+    send({UniqueFd(fd), std::move(already_read), std::move(peer), std::move(encoding)});
   };
 }
 

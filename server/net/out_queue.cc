@@ -40,7 +40,7 @@ void OutQueue::AddRaw(std::string_view bytes) {
 
 void OutQueue::AddPush(const UnaskedPtr& push, std::int64_t dropped) {
   if (encoding_ == nullptr) return;
-  if (MayEncode()) return EncodePush({push, dropped});
+  if (MayEncode() && may_push()) return EncodePush({push, dropped});
   pushes_.push_back({push, dropped});
   if (pushes_.size() <= kMaxPushes) return;
   lost_ += TakePush().dropped + 1;
@@ -87,11 +87,17 @@ bool OutQueue::Fill() {
     if (!items_.empty() && items_.front().after <= pushes_gone_) {
       bytes_ += items_.front().bytes;
       items_.pop_front();
-    } else {
+    } else if (may_push()) {
       EncodePush(TakePush());
+    } else {
+      break;
     }
   }
   return sent_ < bytes_.size();
+}
+
+void OutQueue::GiveUpPushes() {
+  if (!may_push()) pushes_gone_ += std::exchange(pushes_, {}).size();
 }
 
 void OutQueue::Sent(std::size_t count) {

@@ -39,6 +39,8 @@ class OutQueue {
 
   /// Encodes what waits, up to about kEncodeAhead. Returns false if nothing is left to send.
   bool Fill();
+  /// What waits for an acknowledgement does so no longer: none comes any more.
+  void GiveUpPushes();
   std::string_view unsent() const { return std::string_view(bytes_).substr(sent_); }
   void Sent(std::size_t count);
   bool empty() const { return sent_ == bytes_.size() && !waits(); }
@@ -55,6 +57,7 @@ class OutQueue {
     std::string bytes = {};
   };
 
+  bool may_push() const { return encoding_ == nullptr || encoding_->takes_push(); }
   bool waits() const { return !items_.empty() || !pushes_.empty(); }
   /// Nothing is before what comes now, and the peer takes it.
   bool MayEncode() const { return !blocked_ && !waits() && unsent().size() < kEncodeAhead; }

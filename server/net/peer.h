@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -29,9 +30,13 @@ struct ConnectionEnd {
 /// By the type of the socket; nothing if it is of no type that a module can take.
 std::optional<ConnectionEnd> EndOf(int fd);
 
+class Encoding;
+
 /// Takes over a connection: owns `fd` from the call on; `already_read` are the bytes that its client has sent
-/// after the part that was for somebody else. Any thread.
-using AdoptFunction = std::function<void(int fd, std::string already_read, PeerInfo peer)>;
+/// after the part that was for somebody else. `encoding`: what both sides have agreed upon; null: these bytes
+/// choose. Any thread.
+using AdoptFunction =
+    std::function<void(int fd, std::string already_read, PeerInfo peer, std::unique_ptr<Encoding> encoding)>;
 
 /// An address and port as text; the address of a v4-mapped v6 address is the v4 one.
 struct SocketAddress {

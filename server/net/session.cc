@@ -29,13 +29,15 @@ constexpr milliseconds kWatchPeriod{20};
 }  // namespace
 
 Session::Session(asio::io_context& context, Socket socket, ConnectionEnd end, Endpoint& endpoint,
-                 NetServices& services, PeerInfo peer, std::function<void(ClientId)> on_end)
+                 NetServices& services, const IoThread::Poster& poster, PeerInfo peer,
+                 std::function<void(ClientId)> on_end)
     : context_(context),
       turn_(Turn::Of(context)),
       socket_(std::move(socket)),
       end_(end),
       endpoint_(&endpoint),
       services_(services),
+      poster_(poster),
       id_(services.NextClient()),
       peer_(std::move(peer)),
       on_end_(std::move(on_end)),
@@ -90,6 +92,7 @@ void Session::OnRead(const ErrorCode& error, std::size_t count) {
 
 void Session::EndInput() {
   eof_ = true;
+  out_.GiveUpPushes();
   TellInputEnded();
   if (closing_ && fin_sent_) return HardClose();
   Process();
@@ -147,6 +150,10 @@ void Session::GoOn() {
 
 /// Handles the next thing in the buffer. Returns false if more must come first.
 bool Session::HandleNext() {
+  if (next_) {
+    HandRequest(*std::exchange(next_, std::nullopt));
+    return true;
+  }
   if (in_.size() == 0) return false;
   if (encoding_ == nullptr) {
     const EncodingKind* const kind = Choose(services_.encodings(), in_.bytes());
@@ -158,6 +165,12 @@ bool Session::HandleNext() {
   if (!incoming.answer.empty()) {
     malformed_ = 0;
     out_.AddRaw(incoming.answer);
+  }
+  if (incoming.ask) {
+    incoming.ask([post = poster_, reply = AwaitReply()](const Message& message) {
+      post([reply, message] { reply(message); });
+    });
+    return true;
   }
   switch (incoming.status) {
     case DecodeStatus::kNeedMore:
@@ -201,13 +214,17 @@ bool Session::MustNotChange(std::int32_t command) const {
   return spec != nullptr && !IsReadingCommand(spec->name);
 }
 
-void Session::HandRequest(Message request) {
+ReplyFunction Session::AwaitReply() {
   waiting_ = true;
-  const std::uint64_t serial = ++serial_;
-  const std::int32_t command = request.command;
-  ReplyFunction reply = [weak = weak_from_this(), serial](const Message& message) {
+  return [weak = weak_from_this(), serial = ++serial_](const Message& message) {
     if (const std::shared_ptr<Session> self = weak.lock()) self->OnReply(serial, message);
   };
+}
+
+void Session::HandRequest(Message request) {
+  ReplyFunction reply = AwaitReply();
+  const std::uint64_t serial = serial_;
+  const std::int32_t command = request.command;
   if (MustNotChange(command)) return OnReply(serial, ErrorReply(command, Error::kNotAllowed, kReadOnlyText));
   const bool ok = CallEndpoint(
       [&](Endpoint& endpoint) { endpoint.OnRequest(*this, std::move(request), std::move(reply)); });
@@ -218,11 +235,14 @@ void Session::HandRequest(Message request) {
 void Session::OnReply(std::uint64_t serial, const Message& reply) {
   if (!waiting_ || serial != serial_ || closing_ || closed_) return;
   waiting_ = false;
-  if (!write_dead_) out_.AddReply(reply);
+  std::string meanwhile;
+  next_ = encoding_->Next(reply, meanwhile);
+  if (!meanwhile.empty() && !write_dead_) out_.AddRaw(meanwhile);
+  if (!next_ && !write_dead_) out_.AddReply(reply);
   if (processing_) return;  // Process() goes on
   Flush();
   // The next request, if it is there already, in its own turn: whoever replies may be walking a list.
-  if (in_.size() > 0 || eof_) PostProcess();
+  if (next_ || in_.size() > 0 || eof_) PostProcess();
 }
 
 // --- writing
@@ -289,7 +309,7 @@ void Session::TellWaiting() {
 // --- the end
 
 void Session::FinishIfDone() {
-  if (!eof_ || !MayHandle() || process_posted_) return;
+  if (!eof_ || !MayHandle() || process_posted_ || next_) return;
   if (in_.size() > 0 && encoding_ != nullptr) {
     in_.Clear();
     out_.AddReply(

@@ -24,6 +24,7 @@
 #include "server/net/encoding.h"
 #include "server/net/endpoint.h"
 #include "server/net/in_buffer.h"
+#include "server/net/io_thread.h"
 #include "server/net/net_services.h"
 #include "server/net/out_queue.h"
 #include "server/net/peer.h"
@@ -47,9 +48,11 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   /// How long a closing connection waits for its peer to read what is left and to close.
   static constexpr std::chrono::seconds kLinger{5};
 
-  /// `on_end` is called once it is closed; until then the caller keeps the session.
+  /// `on_end` is called once it is closed; until then the caller keeps the session. `poster` runs work on the
+  /// thread of `context`.
   Session(boost::asio::io_context& context, Socket socket, ConnectionEnd end, Endpoint& endpoint,
-          NetServices& services, PeerInfo peer, std::function<void(ClientId)> on_end);
+          NetServices& services, const IoThread::Poster& poster, PeerInfo peer,
+          std::function<void(ClientId)> on_end);
 
   /// Opens it at the endpoint and begins with `already_read`. `encoding`: what both sides have agreed upon;
   /// null: the client's first bytes choose.
@@ -61,6 +64,9 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
 
   ClientId id() const override { return id_; }
   const std::string& peer() const override { return peer_.text; }
+  std::string_view party() const override {
+    return encoding_ == nullptr ? std::string_view() : encoding_->party();
+  }
   bool trusted() const override { return peer_.trusted; }
   bool input_ended() const override { return input_ended_; }
   bool output_ended() const override { return write_dead_; }
@@ -101,6 +107,8 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool HandleNext();
   void TakeEncoding(std::unique_ptr<Encoding> encoding);
   void HandRequest(Message request);
+  /// Counts a request; what its reply is given to, on this thread.
+  ReplyFunction AwaitReply();
   /// `--read-only`, and the command is not one that only reads.
   bool MustNotChange(std::int32_t command) const;
   void OnReply(std::uint64_t serial, const Message& reply);
@@ -139,6 +147,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   const ConnectionEnd end_;
   Endpoint* endpoint_;  // null after OnClosed()
   NetServices& services_;
+  const IoThread::Poster& poster_;
   const ClientId id_;
   const PeerInfo peer_;
   std::function<void(ClientId)> on_end_;
@@ -148,9 +157,10 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   OutQueue out_;
   int malformed_ = 0;  // in a row
 
-  std::uint64_t serial_ = 0;  // of the request handed out last
-  bool waiting_ = false;      // for its reply
-  bool processing_ = false;   // Process() runs
+  std::uint64_t serial_ = 0;     // of the request handed out last
+  bool waiting_ = false;         // for its reply
+  std::optional<Message> next_;  // what the encoding wants before it answers
+  bool processing_ = false;      // Process() runs
   bool process_posted_ = false;
   bool reading_ = false;      // OnRead() follows when something comes, into the room of in_
   bool blocked_ = false;      // the peer takes nothing more; OnWritable() follows when it does

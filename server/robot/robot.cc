@@ -36,6 +36,7 @@ Robot::Robot(const RobotEntry& entry, const RobotServices& services, IoThread& i
 }
 
 Robot::~Robot() {
+  yarp_ports_.clear();
   for (const std::string& name : registered_) services_.names.RemoveOwn(name);
   // Nothing of this robot may run on its thread after this.
   io_.Call([this] {
@@ -58,7 +59,16 @@ bool Robot::Register() {
   return true;
 }
 
+void Robot::OpenYarpPort(const std::string& name, const std::vector<std::string>& addresses) {
+  for (const auto& module : modules_) {
+    if (auto port = YarpPort::Open(name, *module, addresses, io_, services_.net, services_.names)) {
+      return yarp_ports_.push_back(std::move(port));
+    }
+  }
+}
+
 void Robot::CloseConnections(const std::string& reason) {
+  for (const auto& port : yarp_ports_) port->Close(reason);
   io_.Call([&] {
     for (const auto& server : servers_) server->CloseAll(reason);
   });

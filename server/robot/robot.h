@@ -12,6 +12,7 @@
 #include "server/net/module_server.h"
 #include "server/robot/robot_core.h"
 #include "server/robot/robot_module.h"
+#include "server/yarp/yarp_port.h"
 
 namespace coopdyn {
 
@@ -38,6 +39,8 @@ class Robot {
   /// Lists the modules in the name table; their ports must be settled. False if a name is taken by one of our
   /// own.
   bool Register();
+  /// Opens the port of YARP `name` (YarpPort) if it is one of its modules'.
+  void OpenYarpPort(const std::string& name, const std::vector<std::string>& addresses);
   /// Closes all connections with a notice, in time for it to be written.
   void CloseConnections(const std::string& reason);
   /// Closes that connection with a notice, if it is one of this robot's.
@@ -49,6 +52,7 @@ class Robot {
   RobotCore core_;
   std::vector<std::unique_ptr<RobotModule>> modules_;
   std::vector<std::unique_ptr<ModuleServer>> servers_;
+  std::vector<std::unique_ptr<YarpPort>> yarp_ports_;
   std::vector<std::string> registered_;
 };
 

@@ -115,6 +115,14 @@ void RobotHost::Drop(std::unique_ptr<Robot> robot, const std::string& reason) {
   std::erase_if(threads_, [gone](const Thread& thread) { return thread.only == gone; });
 }
 
+void RobotHost::OpenYarpPort(const std::string& name) {
+  if (!options_.sockets) return;
+  for (const std::unique_ptr<Robot>& robot : robots_) {
+    const bool its = name.starts_with("/" + robot->name() + "/");
+    if (its && robot->module_count() > 0 && robot->port(0) > 0) robot->OpenYarpPort(name, options_.addresses);
+  }
+}
+
 bool RobotHost::CloseClient(const std::string& robot, ClientId client, const std::string& reason) {
   const auto found = std::find_if(robots_.begin(), robots_.end(),
                                   [&](const std::unique_ptr<Robot>& each) { return each->name() == robot; });

@@ -18,7 +18,7 @@ std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& 
     return Verdict{Error::kOwned, robot + " is owned by " + table_.Who(index) + ": release_robot " + robot +
                                       " of /simulation, or the page, unloads it"};
   }
-  if (drive.owner != 0 && drive.owner != client.id) {
+  if (drive.owner != 0 && drive.owner != client.id && !client.IsAllyOf(table_.slot(index).owner)) {
     return Verdict{Error::kOwned, robot + " is driven by " + table_.Who(index) +
                                       ": wait until that program ends, or free the robot (release_robot of "
                                       "/simulation, or the page)"};
@@ -91,13 +91,24 @@ Verdict CommandBoard::Command(SlotId id, const Client& client, std::span<const S
     if (std::optional<Verdict> objection = Objection(index, client)) return *std::move(objection);
     completions = MakeCompletions();
     const bool was_awaited = table_.drive(index).is_awaited();
+    const bool adds = client.IsAllyOf(table_.slot(index).owner) && table_.drive(index).owner != client.id;
     TakeOwnership(index, client);
-    ReplacePending(index, client, completions);
+    if (!adds) ReplacePending(index, client, completions);
+    StepDone before = adds && table_.drive(index).pending ? std::move(table_.slot(index).done) : nullptr;
     table_.SetPending(index, client.id, setpoints, steps.value_or(1));
     verdict = Fine();
     verdict.answer_now = !steps.has_value() && mode_ != Mode::kLockstep;
-    table_.drive(index).has_done = !verdict.answer_now;
-    table_.slot(index).done = verdict.answer_now ? nullptr : std::move(done);
+    if (verdict.answer_now) done = nullptr;
+    if (before && done) {
+      done = [first = std::move(before), second = std::move(done)](const StepResult& result) {
+        first(result);
+        second(result);
+      };
+    } else if (before) {
+      done = std::move(before);
+    }
+    table_.drive(index).has_done = done != nullptr;
+    table_.slot(index).done = std::move(done);
     std::optional<Nanoseconds> now;
     became_ready = NoteChange(index, was_awaited, now);
   }
@@ -393,7 +404,14 @@ std::vector<Awaited> CommandBoard::Awaiting(Nanoseconds now, std::size_t max, st
   std::vector<Awaited> awaiting;
   const bool waits = mode_ == Mode::kLockstep;
   if (total != nullptr) *total = waits ? awaited_ : 0;
-  if (!waits || awaited_ == 0) return awaiting;
+  if (!waits) return awaiting;
+  for (const std::string& program : programs_) {
+    const std::string lack = LackOf(program);
+    if (lack.empty()) continue;
+    if (total != nullptr) ++*total;
+    if (awaiting.size() < max) awaiting.push_back({program, lack, ToSeconds(now - waiting_since_)});
+  }
+  if (awaited_ == 0) return awaiting;
   std::string cure;
   for (std::size_t i = 0; i < table_.size() && awaiting.size() < max; ++i) {
     if (!table_.drive(i).is_awaited()) continue;

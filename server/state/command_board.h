@@ -4,9 +4,11 @@
 // stepping thread latches them and gets back whom to answer.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -148,6 +150,13 @@ class CommandBoard {
   /// Called, without lock, by whoever makes the last awaited robot ready. Set once before threads start.
   void set_all_ready_hook(std::function<void()> hook) { all_ready_hook_ = std::move(hook); }
 
+  // A program that reads, for which lockstep waits beside robots if the scenario names it: its readers have
+  // taken the sample of the last step, or none was due to them.
+  /// The reader `name`, called `id` here, has taken the sample of `step`; it gets one every `every` steps.
+  void NoteSampleTaken(std::uint64_t id, const std::string& name, std::uint64_t step, int every);
+  /// It reads no more.
+  void ForgetReader(std::uint64_t id);
+
   struct Owner {
     std::string robot;
     ClientId id = 0;
@@ -246,6 +255,11 @@ class CommandBoard {
     StepDone done;
     std::int64_t asked = 0;  // of `step n`: n; 0: of something else
   };
+  struct Reader {
+    std::string name;
+    std::uint64_t taken = 0;  // step
+    std::uint64_t every = 1;
+  };
   struct Observer {
     std::uint64_t key = 0;
     std::shared_ptr<const StepObserver> call;
@@ -295,6 +309,12 @@ class CommandBoard {
   /// The robot of a slot has become ready; `last`: and so are all.
   void NoteReady(std::size_t index, bool last, std::optional<Nanoseconds>& now) REQUIRES(mutex_);
   void ClearMessages() REQUIRES(mutex_);
+  /// Why the program that the scenario waits for is not ready for the next step; empty: it is.
+  std::string LackOf(const std::string& program) const REQUIRES(mutex_);
+  bool IsReady() const REQUIRES(mutex_) {
+    return awaited_ == 0 && std::ranges::all_of(programs_, [this](const std::string& program) REQUIRES(
+                                                               mutex_) { return LackOf(program).empty(); });
+  }
   void NoteTeams() { team_revision_.fetch_add(1, std::memory_order_release); }
   Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}, why_stopping_}; }
   /// True, and `done` is taken, if a recording is played: it is answered after that many frames.
@@ -311,6 +331,8 @@ class CommandBoard {
   std::vector<SentMessage> messages_ GUARDED_BY(mutex_);  // for the next step, in order of arrival
   std::vector<Waiter> waiters_ GUARDED_BY(mutex_);
   std::vector<Observer> observers_ GUARDED_BY(mutex_);
+  std::vector<std::string> programs_ GUARDED_BY(mutex_);  // that read, and that lockstep waits for
+  std::map<std::uint64_t, Reader> readers_ GUARDED_BY(mutex_);
   Mode mode_ GUARDED_BY(mutex_) = Mode::kRealtime;
   std::size_t awaited_ GUARDED_BY(mutex_) = 0;        // participants that are not ready
   std::size_t calls_at_once_ GUARDED_BY(mutex_) = 0;  // the most that one step had to answer

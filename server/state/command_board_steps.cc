@@ -170,6 +170,8 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
     waited_ = waits_from_ = newest_ready_ = ready_before_ = 0;
     waiting_since_ = now;
     awaited_ = table_.CountAwaited();
+    programs_ = scene.scenario->simulation.waits_for;
+    for (auto& [id, reader] : readers_) reader.taken = last_frame_->step;
     NoteTeams();
     layout_revision_.fetch_add(1, std::memory_order_release);
   }
@@ -281,7 +283,7 @@ void CommandBoard::StopAll() {
 
 bool CommandBoard::AllReady() const {
   const MutexLock lock(mutex_);
-  return awaited_ == 0;
+  return IsReady();
 }
 
 std::span<Setpoint> CommandBoard::Latch(std::uint64_t step) {

@@ -1,11 +1,43 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that measures for whom a lockstep world waits, and how long.
+// The part of the board that tells for whom a lockstep world waits beside robots, and measures how long it
+// waits.
 #include <algorithm>
 #include <utility>
 
 #include "server/state/command_board.h"
 
 namespace coopdyn {
+
+void CommandBoard::NoteSampleTaken(std::uint64_t id, const std::string& name, std::uint64_t step, int every) {
+  bool became_ready = false;
+  {
+    const MutexLock lock(mutex_);
+    const bool was_ready = programs_.empty() || IsReady();
+    Reader& reader = readers_[id];
+    const bool of_this_run = last_frame_ == nullptr || step <= last_frame_->step;  // not from before a reset
+    reader = {name, of_this_run ? step : reader.taken, static_cast<std::uint64_t>(every)};
+    became_ready = !was_ready && IsReady();
+  }
+  if (became_ready && all_ready_hook_) all_ready_hook_();
+}
+
+void CommandBoard::ForgetReader(std::uint64_t id) {
+  const MutexLock lock(mutex_);
+  readers_.erase(id);
+}
+
+std::string CommandBoard::LackOf(const std::string& program) const {
+  if (playing_ || last_frame_ == nullptr) return {};
+  bool reads = false;
+  for (const auto& [id, reader] : readers_) {
+    if (!reader.name.starts_with(program)) continue;
+    if (reader.name.size() > program.size() && reader.name[program.size()] != '/') continue;
+    reads = true;
+    if (reader.taken + reader.every <= last_frame_->step)
+      return reader.name + " has not taken the sample of step " + std::to_string(last_frame_->step);
+  }
+  return reads ? "" : "it reads none of our ports by tcp or text_ack";
+}
 
 void CommandBoard::NoteReady(std::size_t index, bool last, std::optional<Nanoseconds>& now) {
   if (wait_clock_ == nullptr || waits_from_ == 0) return;

@@ -29,8 +29,11 @@ struct Client {
   std::string peer;          // e.g. "127.0.0.1:53120"
   bool input_ended = false;  // may still have requests executed, but owns nothing
   bool is_team = false;      // a connection to /swarm: its name takes over only from such ones
+  std::string party = {};    // Connection::party()
 
-  const std::string& shown() const { return name.empty() ? peer : name; }
+  const std::string& shown() const { return !name.empty() ? name : party.empty() ? peer : party; }
+  /// They act as one.
+  bool IsAllyOf(const Client& other) const { return !party.empty() && party == other.party; }
 };
 
 struct StepResult;

@@ -24,6 +24,7 @@ HttpAnswer AnswerScenarios(const WebContext& context) {
 HttpAnswer AnswerModules(const WebContext& context) {
   json::array modules;
   for (const NameEntry& entry : context.names.List()) {
+    if (entry.kind == NameKind::kAlias) continue;
     modules.push_back({{"name", entry.name},
                        {"address", entry.ip.empty() ? json::value(nullptr) : json::value(entry.ip)},
                        {"port", entry.port},

@@ -31,7 +31,7 @@ std::shared_ptr<ModuleLink> ModuleLink::Open(asio::io_context& context, const Na
   link->socket_.assign(asio::local::stream_protocol(), near.get(), failed);
   if (failed) return nullptr;
   near.Release();
-  entry.adopt(far.Release(), std::string(kBinaryMagic), std::move(peer));
+  entry.adopt(far.Release(), std::string(kBinaryMagic), std::move(peer), nullptr);
   link->Read();
   return link;
 }

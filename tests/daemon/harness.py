@@ -225,19 +225,19 @@ class Daemon:
     def stderr(self):
         return self.stderr_path.read_text(errors="replace")
 
-    def _keep(self, connection):
+    def keep(self, connection):
         self.connections.append(connection)
         return connection
 
     def text(self, module, direct=False):
-        return self._keep(Text(self, module, direct))
+        return self.keep(Text(self, module, direct))
 
     def binary(self, module):
-        return self._keep(Binary(self, module))
+        return self.keep(Binary(self, module))
 
     def raw(self, module=None):
         """Bytes to a module's own port; without a module, to the name port."""
-        return self._keep(Connection(("127.0.0.1", self.module_port(module)) if module else self.names))
+        return self.keep(Connection(("127.0.0.1", self.module_port(module)) if module else self.names))
 
     def module_port(self, module):
         connection = Connection(self.names)

@@ -91,7 +91,8 @@ TEST(CommandTables, SubscribeKnowsTheReadingsOfItsModule) {
   EXPECT_THAT(readings(TargetTable()),
               ::testing::ElementsAre(std::pair("get_targets", 30), std::pair("get_robots", 32)));
   EXPECT_THAT(readings(SimulationTable()),
-              ::testing::ElementsAre(std::pair("get_status", 100), std::pair("get_saved", 196)));
+              ::testing::ElementsAre(std::pair("get_status", 100), std::pair("get_saved", 196),
+                                     std::pair("get_clock", 189)));
   EXPECT_THAT(readings(RecorderTable()), ::testing::ElementsAre(std::pair("get_recording", 120)));
   EXPECT_THAT(readings(PlaybackTable()), ::testing::ElementsAre(std::pair("get_playback", 130)));
 }

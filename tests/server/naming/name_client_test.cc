@@ -54,6 +54,23 @@ TEST_F(NameClientTest, TriesAgainUntilTheServerIsThere) {
   EXPECT_EQ(table_.Find("/robot1/motors")->ip, "127.0.0.1");
 }
 
+TEST_F(NameClientTest, AServerThatWasStartedAgainGetsAllNamesAgain) {
+  ASSERT_EQ(names_->Listen({"127.0.0.1"}, 0), "");
+  const int port = names_->port();
+  NameClient client("127.0.0.1", port, NullLogger(), std::chrono::milliseconds(10));
+  client.Register("/robot1/motors", "", 10'002);
+  client.Register("/robot1/pose", "", 10'003);
+  client.Register("/robot1/gone", "", 10'004);
+  client.Unregister("/robot1/gone");
+  EXPECT_TRUE(Eventually([&] { return table_.List().size() == 2 && client.pending() == 0; }));
+  NameTable after;
+  thread_.Call([&] { names_ = std::make_unique<NameServer>(thread_.context(), after, services_); });
+  ASSERT_EQ(names_->Listen({"127.0.0.1"}, port), "");
+  EXPECT_TRUE(Eventually([&] { return after.List().size() == 2; }));
+  EXPECT_EQ(after.Find("/robot1/pose")->port, 10'003);
+  thread_.Call([this] { names_.reset(); });
+}
+
 TEST_F(NameClientTest, ItsEndDoesNotWaitForAServerThatIsAway) {
   NameClient client("127.0.0.1", 1, NullLogger());
   client.Register("/robot1/motors", "", 10'002);

@@ -17,8 +17,10 @@ class NameProtocolTest : public ::testing::Test {
  protected:
   NameProtocolTest() {
     table_.SetExternalPorts(11005, 11100);
-    table_.AddOwn("/robot1/motors", 10002, [](int, std::string, PeerInfo) {});
-    table_.AddOwn("/robot1/distance", 10003, [](int, std::string, PeerInfo) {});
+    const AdoptFunction adopt = [](int, const std::string&, const PeerInfo&,
+                                   const std::unique_ptr<Encoding>&) {};
+    table_.AddOwn("/robot1/motors", 10002, adopt);
+    table_.AddOwn("/robot1/distance", 10003, adopt);
   }
   std::string Ask(const std::string& line) { return AnswerNameLine(line, context_, table_).text; }
 
@@ -31,6 +33,22 @@ TEST_F(NameProtocolTest, QueriesAnOwnName) {
             std::string("registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp\r\n") + kEnd);
   EXPECT_EQ(Ask("query /robot1/motors\r"), Ask("NAME_SERVER query /robot1/motors"));
   EXPECT_EQ(Ask("query robot1/motors"), Ask("query \"/robot1/motors\""));
+}
+
+TEST_F(NameProtocolTest, ANameMayBeOpenedWhenItIsAskedFor) {
+  std::vector<std::string> asked;
+  NameHooks hooks;
+  hooks.open = [&](const std::string& name) {
+    asked.push_back(name);
+    if (name == "/robot1/pose/state:o") table_.AddOwn(name, 40001, nullptr, NameKind::kAlias);
+  };
+  context_.hooks = &hooks;
+  EXPECT_THAT(Ask("query robot1/pose/state:o"),
+              HasSubstr("name /robot1/pose/state:o ip 127.0.0.1 port 40001"));
+  EXPECT_THAT(Ask("bot query /robot1/pose/state:o"), HasSubstr("(port_number 40001)"));
+  EXPECT_EQ(Ask("query /nope"), kEnd);
+  Ask("query /robot1/motors");
+  EXPECT_EQ(asked, (std::vector<std::string>{"/robot1/pose/state:o", "/nope"}));
 }
 
 TEST_F(NameProtocolTest, AnUnknownNameGetsTheEndLineAlone) {

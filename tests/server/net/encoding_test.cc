@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -32,6 +33,11 @@ class ChattyEncoding final : public Encoding {
       incoming.answer = "welcome " + line.substr(3) + "\n";
     } else if (line.starts_with("add ")) {
       request_.data.push_back(std::stod(line.substr(4)));
+    } else if (line.starts_with("count to ")) {  // a request each, one answer
+      left_ = std::stoi(line.substr(9)) - 1;
+      wants_reply_ = true;
+      incoming.status = DecodeStatus::kMessage;
+      incoming.message = Echo(1);
     } else if (line == "ask" || line == "tell") {
       wants_reply_ = line == "ask";
       incoming.status = DecodeStatus::kMessage;
@@ -44,6 +50,12 @@ class ChattyEncoding final : public Encoding {
     }
     return incoming;
   }
+  std::optional<Message> Next(const Message& reply, std::string& out) override {
+    if (left_ == 0) return std::nullopt;
+    --left_;
+    out += "got " + std::to_string(reply.data.at(0)) + "\n";
+    return Echo(reply.data.at(0) + 1);
+  }
   void Reply(const Message& reply, std::string& out) override {
     if (!wants_reply_) return;
     out += reply.error != 0 ? "! " + reply.text + "\n" : "= " + std::to_string(reply.data.at(0)) + "\n";
@@ -53,7 +65,15 @@ class ChattyEncoding final : public Encoding {
   }
 
  private:
+  static Message Echo(double number) {
+    Message request;
+    request.command = ScriptedEndpoint::kEcho;
+    request.data = {number};
+    return request;
+  }
+
   Message request_;
+  int left_ = 0;
   bool wants_reply_ = false;
 };
 
@@ -94,6 +114,23 @@ TEST_F(EncodingTest, ARequestMaySpanSeveralMessagesAndHaveNoReply) {
   EXPECT_EQ(endpoint_.Count("request"), 2);
 }
 
+TEST_F(EncodingTest, ARequestMayBecomeSeveralAndTellMeanwhile) {
+  TestClient client = Connect();
+  client.Send("HI ana\ncount to 3\ncount to 1\n");
+  for (const char* line :
+       {"hello", "welcome ana", "got 1.000000", "got 2.000000", "= 3.000000", "= 1.000000"}) {
+    EXPECT_EQ(client.Line(), line);
+  }
+  EXPECT_EQ(endpoint_.Count("request"), 4);
+}
+
+TEST_F(EncodingTest, WhatARequestBecomesIsDoneThoughTheClientSendsNoMore) {
+  TestClient client = Connect();
+  client.Send("HI ana\ncount to 3\n");
+  client.EndInput();
+  EXPECT_EQ(client.Rest(), "hello\nwelcome ana\ngot 1.000000\ngot 2.000000\n= 3.000000\n");
+}
+
 TEST_F(EncodingTest, AFatalMistakeGetsItsReplyAndANoticeInTheEncodingThenTheEnd) {
   TestClient client = Connect();
   client.Send("HI ana\nnonsense\n");
@@ -122,12 +159,13 @@ TEST_F(EncodingTest, AConnectionOfDatagramsEndsWhenNothingHasComeForItsTime) {
   auto [ours, theirs] = SocketPair(SOCK_DGRAM);
   ASSERT_EQ(EndOf(theirs.get())->silence, ConnectionEnd::kDatagramSilence);
   bool ended = false;
+  const IoThread::Poster poster = thread_.poster();
   std::shared_ptr<Session> session;
   thread_.Call([&, fd = theirs.Release()] {
-    session = std::make_shared<Session>(thread_.context(),
-                                        Session::Socket(thread_.context(), Session::AnyProtocol(), fd),
-                                        ConnectionEnd{std::chrono::milliseconds(100)}, endpoint_, services_,
-                                        PeerInfo{"datagrams", true}, [&ended](ClientId) { ended = true; });
+    session = std::make_shared<Session>(
+        thread_.context(), Session::Socket(thread_.context(), Session::AnyProtocol(), fd),
+        ConnectionEnd{std::chrono::milliseconds(100)}, endpoint_, services_, poster,
+        PeerInfo{"datagrams", true}, [&ended](ClientId) { ended = true; });
     session->Start({}, nullptr);
   });
   TestClient client(std::move(ours));

@@ -144,7 +144,7 @@ TEST_F(ModuleServerTest, AnAdopterThatOutlivesTheServerClosesTheConnection) {
   const AdoptFunction adopter = server_->adopter();
   thread_.Call([this] { server_.reset(); });
   auto [ours, theirs] = SocketPair();
-  adopter(theirs.Release(), "echo 1\n", {"pair", true});
+  adopter(theirs.Release(), "echo 1\n", {"pair", true}, nullptr);
   TestClient client(std::move(ours));
   EXPECT_EQ(client.Rest(), "");
 }

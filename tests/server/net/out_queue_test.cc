@@ -53,6 +53,40 @@ TEST_F(OutQueueTest, DropsTheOldestOfMoreThan64PushesAndTheNextOneSaysHowMany) {
   EXPECT_EQ(std::count(sent.begin(), sent.end(), '\n'), 64);
 }
 
+/// Wants each push acknowledged.
+class Acknowledged final : public Encoding {
+ public:
+  Incoming Decode(std::string_view /*bytes*/) override { return {}; }
+  void Reply(const Message& reply, std::string& out) override { out += "reply " + reply.text + "\n"; }
+  void Push(UnaskedMessage& push, std::string& out) override {
+    out += "push " + std::to_string(push.message()->params.at(0)) + "\n";
+    waits = true;
+  }
+  bool takes_push() const override { return !waits; }
+  bool waits = false;
+};
+
+TEST_F(OutQueueTest, APushWaitsForTheAcknowledgementOfTheOneBefore) {
+  Acknowledged encoding;
+  queue_.set_encoding(encoding);
+  for (int i = 1; i <= 3; ++i) queue_.AddPush(PushOf(i));
+  EXPECT_EQ(Drain(), "push 1\n");
+  EXPECT_FALSE(queue_.empty());
+  encoding.waits = false;
+  EXPECT_EQ(Drain(), "push 2\n");
+}
+
+TEST_F(OutQueueTest, WhatWaitsForAnAcknowledgementIsGivenUpWhenNoneCanCome) {
+  Acknowledged encoding;
+  queue_.set_encoding(encoding);
+  for (int i = 1; i <= 3; ++i) queue_.AddPush(PushOf(i));
+  queue_.AddReply(ReplyTo(0, "behind"));
+  EXPECT_EQ(Drain(), "push 1\n");
+  queue_.GiveUpPushes();
+  EXPECT_EQ(Drain(), "reply behind\n");
+  EXPECT_TRUE(queue_.empty());
+}
+
 TEST_F(OutQueueTest, ThePushThatTellsOfDroppedOnesKeepsItsText) {
   queue_.set_blocked(true);
   for (int i = 1; i <= 65; ++i) queue_.AddPush(PushOf(i, "red"));

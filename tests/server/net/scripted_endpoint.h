@@ -24,6 +24,7 @@ class ScriptedEndpoint : public Endpoint {
       : table_("test", {Spec(kEcho, "echo"), Spec(kHold, "hold"), Spec(kThrow, "throw"), Spec(kBig, "big"),
                         Spec(kTwice, "twice"), Spec(kPushes, "pushes"), Spec(kDrop, "drop")}) {}
 
+  const std::string& path() const override { return path_; }
   const CommandTable& table() const override { return table_; }
 
   void OnOpen(Connection& connection) override {
@@ -120,6 +121,7 @@ class ScriptedEndpoint : public Endpoint {
     events_.push_back(std::move(event));
   }
 
+  const std::string path_ = "/robot1/test";
   CommandTable table_;
   std::deque<std::pair<ReplyFunction, Message>> held_;
   std::map<ClientId, Connection*> connections_;

@@ -209,7 +209,7 @@ TEST_F(RobotHostTest, ALoadWithoutASubscribedRobotEndsItsThreadWhileStepsRun) {
   std::minstd_rand random;
   for (int i = 0; i < kLoads; ++i) {
     auto [near, far] = SocketPair();
-    names_.Find("/robot2/pose")->adopt(far.Release(), "subscribe\n", {"watcher", true});
+    names_.Find("/robot2/pose")->adopt(far.Release(), "subscribe\n", {"watcher", true}, nullptr);
     TestClient watcher(std::move(near));
     watcher.Line();
     EXPECT_THAT(watcher.Line(), HasSubstr(" -"));
@@ -266,7 +266,7 @@ TEST_F(RobotHostTest, WithoutSocketsNamesAreListedWithPortZero) {
   EXPECT_NE(names_.Find("/robot2/motors")->port, 0);
   int pair[2];
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
-  names_.Find("/robot1/pose")->adopt(pair[1], "get_pose\n", {"page", true});
+  names_.Find("/robot1/pose")->adopt(pair[1], "get_pose\n", {"page", true}, nullptr);
   char bytes[5] = {};
   EXPECT_EQ(read(pair[0], bytes, 4), 4);
   EXPECT_EQ(std::string(bytes), "0 \"\"");

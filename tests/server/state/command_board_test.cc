@@ -303,5 +303,16 @@ TEST_F(CommandBoardTest, StoppingEndsAllWaitsAndLaterOnesAtOnce) {
   EXPECT_EQ(board_.Command(slot("robot2"), bob_, Wheels(1, 1), {}, Note("bob")).error, Error::kNotPossible);
 }
 
+TEST_F(CommandBoardTest, ConnectionsOfOnePartyActAsOneClient) {
+  const Client requests{11, "", "a", false, false, "/ctl"}, stream{12, "", "b", false, false, "/ctl"};
+  EXPECT_EQ(board_.Command(slot("robot1"), requests, Wheels(1, 1), {}, Note("requests")).error, Error::kOk);
+  EXPECT_EQ(board_.Command(slot("robot1"), stream, Wheels(2, 2), {}, Note("stream")).error, Error::kOk);
+  EXPECT_EQ(board_.Command(slot("robot1"), bob_, Wheels(3, 3), {}, Note("bob")).error, Error::kOwned);
+  EXPECT_EQ(board_.OwnerOf(slot("robot1")), "/ctl");
+  EXPECT_EQ(RunStep()[0], (WheelSpeeds{2, 2}));
+  EXPECT_EQ(answers_["requests"].at(0).end, StepEnd::kRan);
+  EXPECT_EQ(answers_["stream"].at(0).end, StepEnd::kRan);
+}
+
 }  // namespace
 }  // namespace coopdyn

@@ -126,5 +126,77 @@ TEST_F(CommandBoardWaitsTest, ATeamIsReadyAtOnce) {
   EXPECT_EQ(waits.total, 5 * kMs);
 }
 
+/// A world in which no robot but the program /ctl is waited for.
+class WaitsForProgramTest : public CommandBoardTest {
+ protected:
+  WaitsForProgramTest() {
+    auto scenario = std::make_shared<Scenario>();
+    scenario->robots = {MakeRobot("robot1")};
+    scenario->robots[0].sync = false;
+    scenario->simulation.waits_for = {"/ctl"};
+    scene_ = MakeScene(std::move(scenario));
+    board_.set_all_ready_hook([this] { ++hooks_; });
+    board_.Configure(*scene_, StepEnd::kLoad, MakeFrame(0), now_);
+  }
+  std::string Why() {
+    const std::vector<Awaited> awaited = board_.Awaiting(now_, 5, nullptr);
+    return awaited.empty() ? "" : awaited[0].robot + " " + awaited[0].why;
+  }
+
+  int hooks_ = 0;
+};
+
+TEST_F(WaitsForProgramTest, ItMustReadSomething) {
+  EXPECT_FALSE(board_.AllReady());
+  EXPECT_EQ(Why(), "/ctl it reads none of our ports by tcp or text_ack");
+  board_.NoteSampleTaken(1, "/ctlother/in", 0, 1);
+  EXPECT_FALSE(board_.AllReady());
+  board_.NoteSampleTaken(2, "/ctl/in", 0, 1);
+  EXPECT_TRUE(board_.AllReady());
+  EXPECT_EQ(hooks_, 1);
+}
+
+TEST_F(WaitsForProgramTest, AllItsReadersMustHaveTheSampleOfTheLastStep) {
+  board_.NoteSampleTaken(1, "/ctl/a", 0, 1);
+  board_.NoteSampleTaken(2, "/ctl/b", 0, 1);
+  RunStep();
+  board_.NoteSampleTaken(1, "/ctl/a", 1, 1);
+  EXPECT_FALSE(board_.AllReady());
+  EXPECT_EQ(Why(), "/ctl /ctl/b has not taken the sample of step 1");
+  board_.NoteSampleTaken(2, "/ctl/b", 1, 1);
+  EXPECT_TRUE(board_.AllReady());
+}
+
+TEST_F(WaitsForProgramTest, AReaderOfEveryTenthStepIsWaitedForThen) {
+  board_.NoteSampleTaken(1, "/ctl/a", 0, 10);
+  for (int i = 0; i < 9; ++i) {
+    RunStep();
+    EXPECT_TRUE(board_.AllReady()) << step_;
+  }
+  RunStep();
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(WaitsForProgramTest, ItIsWaitedForAgainWhenItHasGone) {
+  board_.NoteSampleTaken(1, "/ctl/a", 0, 1);
+  board_.ForgetReader(1);
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(WaitsForProgramTest, StepsBeforeAResetCountForNothing) {
+  board_.NoteSampleTaken(1, "/ctl/a", 0, 1);
+  for (int i = 0; i < 7; ++i) RunStep();
+  board_.NoteSampleTaken(1, "/ctl/a", 6, 1);
+  step_ = 0;
+  board_.Configure(*scene_, StepEnd::kReset, MakeFrame(0), now_);
+  EXPECT_TRUE(board_.AllReady());
+  RunStep();
+  EXPECT_FALSE(board_.AllReady());
+  board_.NoteSampleTaken(1, "/ctl/a", 7, 1);  // on its way since before the reset
+  EXPECT_FALSE(board_.AllReady());
+  board_.NoteSampleTaken(1, "/ctl/a", 1, 1);
+  EXPECT_TRUE(board_.AllReady());
+}
+
 }  // namespace
 }  // namespace coopdyn

@@ -24,6 +24,7 @@ namespace coopdyn {
 class FakeMotors : public Endpoint {
  public:
   FakeMotors();
+  const std::string& path() const override { return path_; }
   const CommandTable& table() const override { return table_; }
   void OnRequest(Connection& connection, Message request, ReplyFunction reply) override;
   void OnClosed(Connection& connection) override;
@@ -35,6 +36,7 @@ class FakeMotors : public Endpoint {
   std::atomic<int> waiting{0};
 
  private:
+  const std::string path_ = "/robot1/motors";
   CommandTable table_;
   ClientId owner_ = 0;
   std::string owner_peer_;
@@ -45,12 +47,14 @@ class FakeMotors : public Endpoint {
 class FakeSimulation : public Endpoint {
  public:
   FakeSimulation();
+  const std::string& path() const override { return path_; }
   const CommandTable& table() const override { return table_; }
   void OnRequest(Connection& connection, Message request, ReplyFunction reply) override;
 
   std::atomic<int> asked{0};
 
  private:
+  const std::string path_ = "/simulation";
   CommandTable table_;
 };
 

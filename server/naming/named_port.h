@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The port and name of a global module, such as /simulation.
+// A port with its name, such as that of /simulation.
 #pragma once
 
 #include <memory>
@@ -13,17 +13,18 @@
 
 namespace coopdyn {
 
-/// Built, opened and destroyed on one thread; its connections live on `io`. It is there until the daemon
-/// stops.
-class PublishedModule {
+/// Built, opened and destroyed on one thread; its connections live on `io`.
+class NamedPort {
  public:
   /// All outlive it.
-  PublishedModule(std::string name, Endpoint& endpoint, IoThread& io, NetServices& net, NameTable& names)
+  NamedPort(std::string name, Endpoint& endpoint, IoThread& io, NetServices& net, NameTable& names,
+            NameKind kind = NameKind::kModule)
       : name_(std::move(name)),
+        kind_(kind),
         io_(io),
         names_(names),
         server_(std::make_unique<ModuleServer>(io, endpoint, net, name_)) {}
-  ~PublishedModule() { Close("the daemon is stopping"); }
+  ~NamedPort() { Close("the module is closed"); }
   /// Takes the name away and closes all connections with this notice.
   void Close(const std::string& notice) {
     if (server_ == nullptr) return;
@@ -33,8 +34,8 @@ class PublishedModule {
       server_.reset();
     });
   }
-  PublishedModule(const PublishedModule&) = delete;
-  PublishedModule& operator=(const PublishedModule&) = delete;
+  NamedPort(const NamedPort&) = delete;
+  NamedPort& operator=(const NamedPort&) = delete;
 
   /// Listens (no `addresses`: is reached through OPEN only) and lists the name. An error text, empty if all
   /// is well.
@@ -43,7 +44,7 @@ class PublishedModule {
       const std::string error = server_->Listen(addresses, port);
       if (!error.empty()) return name_ + ": " + error;
     }
-    listed_ = names_.AddOwn(name_, server_->port(), server_->adopter());
+    listed_ = names_.AddOwn(name_, server_->port(), server_->adopter(), kind_);
     return listed_ ? "" : "the name " + name_ + " is taken";
   }
   /// 0: reached through OPEN only.
@@ -51,6 +52,7 @@ class PublishedModule {
 
  private:
   const std::string name_;
+  const NameKind kind_;
   IoThread& io_;
   NameTable& names_;
   std::unique_ptr<ModuleServer> server_;

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// What a daemon does for programs of YARP.
+#include <chrono>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "server/app/daemon.h"
+#include "server/net/turn.h"
+
+namespace coopdyn {
+
+void Daemon::OpenYarpPort(const std::string& name) {
+  if (!opens_yarp_ports_) return;
+  robots_->OpenYarpPort(name);
+  for (Endpoint* const module : GlobalModules()) {
+    auto port = YarpPort::Open(name, *module, addresses(), control_, net_, names_);
+    if (port != nullptr) yarp_ports_.push_back(std::move(port));
+  }
+  if (name == kYarpClock && !clock_timer_) RepeatClock();
+}
+
+void Daemon::RepeatClock() {
+  constexpr std::chrono::milliseconds kPeriod{100};
+  if (!clock_timer_) clock_timer_.emplace(control_.context());
+  clock_timer_->expires_after(kPeriod);
+  clock_timer_->async_wait([this](const boost::system::error_code& aborted) {
+    if (aborted) return;
+    Turn::Of(control_.context()).Run([this] { simulation_->RepeatClock(); });
+    RepeatClock();
+  });
+}
+
+void Daemon::TellYarpServer() {
+  if (name_client_ == nullptr) return;
+  for (const NameEntry& entry : names_.List()) {
+    if (entry.external || entry.port == 0 || entry.kind == NameKind::kAlias) continue;
+    for (const char* const end :
+         {"/state:o", "/command:i", "/stateExt:o", "/rpc:i", "/nws/rpc:i", "/measures:o", "/rpc:o",
+          "/inertial:o", "/analog:o", "/analog:o/rpc:i", "/odometry:o", "/rpc", "/depth:o"}) {
+      if (!names_.Find(entry.name + end)) OpenYarpPort(entry.name + end);
+    }
+    const std::string base = entry.name.substr(0, entry.name.rfind('/')) + "/base";
+    for (const char* const end : {"/command:i", "/rpc:i"}) {
+      if (!names_.Find(base + end)) OpenYarpPort(base + end);
+    }
+  }
+  for (const std::string_view name : {kYarpClock, kYarpClockRpc, kYarpWorldInterface}) {
+    if (!names_.Find(name)) OpenYarpPort(std::string(name));
+  }
+  std::map<std::string, int> names;
+  for (const NameEntry& entry : names_.List()) {
+    if (!entry.external && entry.port != 0) names.emplace(entry.name, entry.port);
+  }
+  const std::string ip = options_.advertise.empty() && BeyondLoopback(options_) ? "" : told_host();
+  for (const auto& [name, port] : told_names_) {
+    const auto still = names.find(name);
+    if (still == names.end() || still->second != port) name_client_->Unregister(name);
+  }
+  for (const auto& [name, port] : names) {
+    const auto before = told_names_.find(name);
+    if (before == told_names_.end() || before->second != port) name_client_->Register(name, ip, port);
+  }
+  told_names_ = std::move(names);
+}
+
+}  // namespace coopdyn

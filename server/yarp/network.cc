@@ -1,0 +1,447 @@
+// SPDX-License-Identifier: MIT
+#include "server/yarp/network.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+
+#include "protocol/codec.h"
+#include "protocol/command_ids.h"
+#include "server/base/mutex.h"
+#include "server/naming/name_client.h"
+#include "server/net/io_thread.h"
+#include "server/net/unique_fd.h"
+#include "server/yarp/carrier.h"
+#include "server/yarp/stream.h"
+#include "server/yarp/udp_relay.h"
+#include "server/yarp/world_interface.h"
+
+namespace coopdyn {
+namespace {
+
+namespace asio = boost::asio;
+using asio::use_awaitable;
+using asio::ip::tcp;
+using asio::ip::udp;
+using boost::system::system_error;
+
+constexpr std::chrono::seconds kConnectWithin{3}, kProbeWithin{1}, kLookAfterSender{3};
+constexpr std::size_t kMaxAnswerBytes = 4096;
+constexpr int kSendBuffer = 64 << 10;  // what waits in the kernel grows old
+
+/// A socket that is closed when its time is over.
+struct Dialled {
+  Dialled(asio::io_context& context, std::chrono::seconds within) : socket(context), limit(context, within) {}
+  static std::shared_ptr<Dialled> Begin(asio::io_context& context, std::chrono::seconds within) {
+    const auto dialled = std::make_shared<Dialled>(context, within);
+    dialled->limit.async_wait([weak = std::weak_ptr(dialled)](const boost::system::error_code& aborted) {
+      const auto slow = weak.lock();
+      boost::system::error_code ignored;
+      if (!aborted && slow) slow->socket.close(ignored);
+    });
+    return dialled;
+  }
+  tcp::socket socket;
+  asio::steady_timer limit;
+};
+
+struct Address {
+  std::string host;
+  int port = 0;
+};
+
+asio::awaitable<void> Connect(tcp::socket& socket, const Address& address) {
+  tcp::resolver resolver(socket.get_executor());
+  const auto found =
+      co_await resolver.async_resolve(address.host, std::to_string(address.port), use_awaitable);
+  co_await asio::async_connect(socket, found, use_awaitable);
+}
+
+asio::awaitable<std::string> ReadLine(tcp::socket& socket, std::string& buffer) {
+  const std::size_t count = co_await asio::async_read_until(
+      socket, asio::dynamic_buffer(buffer, kMaxAnswerBytes), '\n', use_awaitable);
+  std::string line = buffer.substr(0, count);
+  buffer.erase(0, count);
+  co_return line;
+}
+
+/// Where a connection goes to, and how.
+struct Target {
+  std::string name;           // "/reader"
+  std::string carrier_words;  // "tcp+recv.portmonitor"
+  YarpCarrier carrier = YarpCarrier::kTcp;
+  std::string qualifiers;  // " (recv portmonitor)"
+};
+
+/// "tcp+recv.portmonitor+type.lua://reader": plug-ins of the reader are told to it after our name.
+Target ParseTarget(const std::string& text) {
+  Target target{.name = text, .carrier_words = "tcp", .qualifiers = {}};
+  if (const std::size_t colon = text.find(":/"); colon != std::string::npos && colon > 0) {
+    target.carrier_words = text.substr(0, colon);
+    target.name = text.substr(colon + 2);
+  }
+  if (!target.name.starts_with('/')) target.name.insert(0, 1, '/');
+  std::istringstream words(target.carrier_words);
+  std::string word;
+  std::getline(words, word, '+');
+  target.carrier = CarrierNamed(word);
+  while (std::getline(words, word, '+')) {
+    if (const std::size_t dot = word.find('.'); dot != std::string::npos) word[dot] = ' ';
+    target.qualifiers += " (" + word + ")";
+  }
+  // Whoever asks must not speak to the reader in our name.
+  if (!IsCleanUtf8(target.qualifiers) || std::any_of(target.qualifiers.begin(), target.qualifiers.end(),
+                                                     [](char c) { return c >= 0 && c < ' '; }))
+    target.carrier = YarpCarrier::kOther;
+  return target;
+}
+
+Message Refusal(const std::string& why) {
+  return ErrorReply(command::kUnreadable, Error::kNotPossible, why + "\r\n");
+}
+
+}  // namespace
+
+struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
+  Impl(NameTable& n, Logger l, YarpNetworkOptions o)
+      : names(n), logger(std::move(l)), options(std::move(o)) {}
+
+  /// Null: stopped.
+  asio::io_context* Context() {
+    const MutexLock lock(mutex);
+    if (!stopped && thread == nullptr) thread = std::make_unique<IoThread>("yarp", logger);
+    return stopped ? nullptr : &thread->context();
+  }
+
+  asio::awaitable<void> Add(asio::io_context& context, std::string from, std::string address,
+                            YarpStream stream, ReplyFunction done) {
+    const Target target = ParseTarget(address);
+    const std::string problem = co_await Open(context, from, target, stream);
+    Message reply;
+    reply.text = "Added connection from " + from + " to " + address + "\r\n";
+    done(problem.empty() ? std::move(reply) : Refusal(problem));
+  }
+
+  /// Returns why it cannot be.
+  asio::awaitable<std::string> Open(asio::io_context& context, const std::string& from, const Target& target,
+                                    YarpStream stream) {
+    if (target.carrier == YarpCarrier::kOther) {
+      co_return "Cannot connect to " + target.name + " by " + target.carrier_words +
+          ": use tcp, fast_tcp, udp, text or text_ack";
+    }
+    std::string why;
+    try {
+      const Address address = co_await Find(context, target.name);
+      if (address.port == 0) co_return "Do not know how to connect to " + target.name;
+      const YarpDialect dialect =
+          IsText(target.carrier) ? YarpDialect::k3 : co_await DialectOf(context, address);
+      const auto dialled = Dialled::Begin(context, kConnectWithin);
+      tcp::socket& socket = dialled->socket;
+      co_await coopdyn::Connect(socket, address);
+      socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer));
+      const std::string hello = YarpHello(target.carrier, from + target.qualifiers);
+      co_await asio::async_write(socket, asio::buffer(hello), use_awaitable);
+      std::string welcome;
+      std::optional<std::size_t> size = 0;
+      while (size == std::size_t{0}) {
+        char block[256];
+        const std::size_t count = co_await socket.async_read_some(asio::buffer(block), use_awaitable);
+        welcome.append(block, count);
+        size = WelcomeBytes(target.carrier, welcome);
+      }
+      if (!size) co_return "Cannot connect to " + target.name + ": it is no port of YARP";
+      const Output output{from, target, dialect, stream};
+      why = target.carrier == YarpCarrier::kUdp
+                ? SendDatagrams(context, output, address, socket.remote_endpoint().address(), welcome)
+                : HandOver(output, UniqueFd(socket.release()), welcome);
+    } catch (const system_error& error) {
+      why = error.code() == asio::error::operation_aborted ? "no answer" : error.code().message();
+    }
+    co_return why.empty() ? "" : "Cannot connect to " + target.name + ": " + why;
+  }
+
+  struct Output {
+    const std::string& from;
+    const Target& target;
+    YarpDialect dialect;
+    YarpStream stream;
+  };
+
+  /// Gives the connection to the module. Returns why it cannot be.
+  std::string HandOver(const Output& output, UniqueFd session, const std::string& welcome) {
+    const Target& target = output.target;
+    const std::optional<NameEntry> source = names.Find(output.from);
+    if (!source || !source->adopt) return output.from + " has gone";
+    links.End(output.from, target.name, YarpLink::Way::kOut);
+    const YarpLinks::Id id =
+        links.Add({output.from, target.name, target.carrier_words, YarpLink::Way::kOut}, session);
+    YarpOutput::Events events;
+    events.end = [weak = weak_from_this(), id] {
+      const auto impl = weak.lock();
+      if (impl == nullptr) return;
+      impl->links.Forget(id);
+      if (impl->options.gone) impl->options.gone(id);
+    };
+    if (options.taken) {
+      events.taken = [weak = weak_from_this(), id, name = target.name,
+                      every = output.stream.every](std::uint64_t step) {
+        if (const auto impl = weak.lock()) impl->options.taken(id, name, step, every);
+      };
+    }
+    auto encoding =
+        std::make_unique<YarpOutput>(target.carrier, output.dialect, output.stream, std::move(events));
+    PeerInfo peer = DescribePeer(session.get());
+    source->adopt(session.Release(), welcome, std::move(peer), std::move(encoding));
+    return {};
+  }
+
+  /// HandOver() for a reader that has told its UDP port in `welcome`.
+  std::string SendDatagrams(asio::io_context& context, const Output& output, const Address& reader,
+                            const asio::ip::address& ip, const std::string& welcome) {
+    udp::socket datagrams(context);
+    datagrams.connect({ip, static_cast<std::uint16_t>(WelcomePort(welcome))});
+    UniqueFd session;
+    const auto relay =
+        YarpUdpRelay::Make(context, std::move(datagrams), YarpUdpRelay::Direction::kOut, session);
+    if (relay == nullptr) return "there are too many connections";
+    std::string problem = HandOver(output, std::move(session), welcome);
+    if (!problem.empty()) return problem;
+    relay->Start([self = shared_from_this(), &context, reader, from = output.from] {
+      asio::co_spawn(context, self->TellEnd(context, reader, from), asio::detached);
+    });
+    return {};
+  }
+
+  /// A reader of datagrams learns by a connection of its own that no more come.
+  static asio::awaitable<void> TellEnd(asio::io_context& context, Address reader, std::string from) {
+    try {
+      const auto dialled = Dialled::Begin(context, kProbeWithin);
+      co_await coopdyn::Connect(dialled->socket, reader);
+      const std::string words = YarpHello(YarpCarrier::kText, "admin") + "~" + from + "\r\nq\r\n";
+      co_await asio::async_write(dialled->socket, asio::buffer(words), use_awaitable);
+      std::string buffer;
+      co_await ReadLine(dialled->socket, buffer);
+      co_await ReadLine(dialled->socket, buffer);
+    } catch (const system_error&) {
+      // The reader has gone.
+    }
+  }
+
+  /// Opens a UDP port for `sender`. Returns why it cannot be.
+  std::string TakeDatagrams(asio::io_context& context, const std::string& sender, const std::string& to,
+                            std::int32_t& port) {
+    const std::optional<NameEntry> module = names.Find(to);
+    if (!module || !module->adopt) return to + " has gone";
+    UniqueFd session;
+    std::shared_ptr<YarpUdpRelay> relay;
+    asio::ip::address address;
+    try {
+      // `--host` may be a name.
+      address = udp::resolver(context).resolve(options.address, "0")->endpoint().address();
+      udp::socket datagrams(context, udp::endpoint(address, 0));
+      port = datagrams.local_endpoint().port();
+      relay = YarpUdpRelay::Make(context, std::move(datagrams), YarpUdpRelay::Direction::kIn, session);
+    } catch (const system_error& error) {
+      return error.code().message();
+    }
+    if (relay == nullptr) return "there are too many connections";
+    if (sender.starts_with('/')) links.End(to, sender, YarpLink::Way::kIn);
+    const YarpLinks::Id id = links.Add({to, sender, "udp", YarpLink::Way::kIn}, session);
+    relay->Start([weak = weak_from_this(), id] {
+      if (const auto impl = weak.lock()) impl->links.Forget(id);
+    });
+    // Who has sent a datagram is not known for sure.
+    PeerInfo peer{sender + " by udp", address.is_loopback()};
+    module->adopt(session.Release(), YarpHello(YarpCarrier::kFastTcp, sender), std::move(peer), nullptr);
+    if (sender.starts_with('/')) {
+      asio::co_spawn(context, WatchSender(context, sender, id),
+                     [self = shared_from_this()](const std::exception_ptr& /*ended*/) {});
+    }
+    return {};
+  }
+
+  /// Datagrams do not tell that their sender has died: its port, to which nobody can connect any more, does.
+  asio::awaitable<void> WatchSender(asio::io_context& context, std::string sender, YarpLinks::Id id) {
+    asio::steady_timer timer(context);
+    for (bool known = false;;) {
+      timer.expires_after(kLookAfterSender);
+      co_await timer.async_wait(use_awaitable);
+      if (!links.Has(id)) co_return;
+      try {
+        const Address address = co_await Find(context, sender);
+        if (address.port == 0 && !known) co_return;  // it has no name
+        if (address.port == 0) break;
+        known = true;
+        const auto dialled = Dialled::Begin(context, kProbeWithin);
+        co_await coopdyn::Connect(dialled->socket, address);
+      } catch (const system_error& error) {
+        if (error.code() == asio::error::connection_refused) break;
+      }
+    }
+    links.End(id);
+  }
+
+  asio::awaitable<void> TellVersion(asio::io_context& context, std::string name, ReplyFunction done) {
+    Message reply;
+    reply.params = {3};
+    try {
+      const Address address = co_await Find(context, name);
+      if (address.port != 0 && co_await DialectOf(context, address) == YarpDialect::k4) reply.params = {4};
+    } catch (const system_error&) {
+      // as old as most
+    }
+    done(std::move(reply));
+  }
+
+  asio::awaitable<void> Tell(asio::io_context& context, std::string from, std::string to, bool connects) {
+    try {
+      const Address source = co_await Find(context, from), reader = co_await Find(context, to);
+      if (source.port == 0 || (connects && reader.port == 0)) co_return;
+      const std::string request = connects ? "[add] \"tcp:/" + to + "\"" : "[del] \"" + to + "\"";
+      const auto dialled = Dialled::Begin(context, kConnectWithin);
+      co_await coopdyn::Connect(dialled->socket, source);
+      const std::string words = YarpHello(YarpCarrier::kText, "admin") + "a\r\n" + request + "\r\nq\r\n";
+      co_await asio::async_write(dialled->socket, asio::buffer(words), use_awaitable);
+      std::string buffer;
+      co_await ReadLine(dialled->socket, buffer);  // Welcome admin
+      co_await ReadLine(dialled->socket, buffer);
+    } catch (const system_error& error) {
+      logger->debug("{} could not be told about {}: {}", from, to, error.code().message());
+    }
+  }
+
+  /// Port 0: nobody has that name.
+  asio::awaitable<Address> Find(asio::io_context& context, const std::string& name) {
+    if (options.server.empty()) {
+      const std::optional<NameEntry> entry = names.Find(name);
+      if (!entry) co_return Address{};
+      co_return Address{entry->ip.empty() ? options.own_ip : entry->ip, entry->port};
+    }
+    Address server;
+    if (!NameClient::ParseServer(options.server, server.host, server.port).empty()) co_return Address{};
+    const auto dialled = Dialled::Begin(context, kConnectWithin);
+    co_await coopdyn::Connect(dialled->socket, server);
+    const std::string request = "NAME_SERVER query " + name + "\n";
+    co_await asio::async_write(dialled->socket, asio::buffer(request), use_awaitable);
+    std::string buffer;
+    // registration name /reader ip 127.0.0.1 port 10005 type tcp
+    std::istringstream words(co_await ReadLine(dialled->socket, buffer));
+    std::string word;
+    Address found;
+    words >> word;
+    if (word == "registration") words >> word >> word >> word >> found.host >> word >> found.port;
+    co_return words ? found : Address{};
+  }
+
+  /// YARP 3 and 4 answer `[pid]` differently. Whoever says nothing has version 3.
+  asio::awaitable<YarpDialect> DialectOf(asio::io_context& context, const Address& address) {
+    if (options.dialect) co_return *options.dialect;
+    std::string answer;
+    try {
+      const auto dialled = Dialled::Begin(context, kProbeWithin);
+      co_await coopdyn::Connect(dialled->socket, address);
+      const std::string request = YarpHello(YarpCarrier::kTextAck, "admin") + "a\r\n[pid]\r\n";
+      co_await asio::async_write(dialled->socket, asio::buffer(request), use_awaitable);
+      std::string buffer;
+      co_await ReadLine(dialled->socket, buffer);  // Welcome admin
+      answer = co_await ReadLine(dialled->socket, buffer);
+    } catch (const system_error&) {
+      // it is asked no more
+    }
+    co_return answer.starts_with("[fail]") ? YarpDialect::k4 : YarpDialect::k3;
+  }
+
+  NameTable& names;
+  const Logger logger;
+  const YarpNetworkOptions options;
+  YarpLinks links;
+  mutable Mutex mutex;
+  bool stopped GUARDED_BY(mutex) = false;
+  std::unique_ptr<IoThread> thread GUARDED_BY(mutex);
+};
+
+YarpNetwork::YarpNetwork(NameTable& names, Logger logger, YarpNetworkOptions options)
+    : impl_(std::make_shared<Impl>(names, std::move(logger), std::move(options))),
+      made_(std::make_shared<YarpMadeThings>()) {}
+
+YarpNetwork::~YarpNetwork() {
+  Stop();
+}
+
+void YarpNetwork::Connect(const std::string& from, const std::string& target, YarpStream stream,
+                          ReplyFunction done) {
+  asio::io_context* const context = impl_->Context();
+  if (context == nullptr) return done(Refusal("the daemon is stopping"));
+  asio::co_spawn(*context, impl_->Add(*context, from, target, stream, std::move(done)),
+                 [impl = impl_](const std::exception_ptr& thrown) {
+                   if (thrown) std::rethrow_exception(thrown);  // the thread logs it
+                 });
+}
+
+std::optional<YarpDialect> YarpNetwork::dialect() const {
+  return impl_->options.dialect;
+}
+
+void YarpNetwork::NoteRefused(const std::string& port, const std::string& sender, const std::string& why) {
+  impl_->logger->warn("{} sends what {} does not do: {}", sender.empty() ? "a program of YARP" : sender, port,
+                      why);
+}
+
+void YarpNetwork::AskVersion(const std::string& name, ReplyFunction done) {
+  asio::io_context* const context = impl_->Context();
+  if (context == nullptr) return done(Refusal("the daemon is stopping"));
+  asio::co_spawn(*context, impl_->TellVersion(*context, name, std::move(done)), asio::detached);
+}
+
+void YarpNetwork::Accept(const std::string& sender, const std::string& to, ReplyFunction done) {
+  asio::io_context* const context = impl_->Context();
+  if (context == nullptr) return done(Refusal("the daemon is stopping"));
+  asio::post(*context, [impl = impl_, context, sender, to, done = std::move(done)] {
+    Message reply;
+    reply.params = {0};
+    const std::string problem = impl->TakeDatagrams(*context, sender, to, reply.params[0]);
+    done(problem.empty() ? reply : Refusal("Cannot take datagrams: " + problem));
+  });
+}
+
+void YarpNetwork::Tell(const std::string& from, const std::string& to, bool connects) {
+  asio::io_context* const context = impl_->Context();
+  if (context == nullptr) return;
+  asio::co_spawn(*context, impl_->Tell(*context, from, to, connects),
+                 [impl = impl_](const std::exception_ptr& thrown) {
+                   if (thrown) std::rethrow_exception(thrown);  // the thread logs it
+                 });
+}
+
+YarpLinks& YarpNetwork::links() {
+  return impl_->links;
+}
+
+void YarpNetwork::Stop() {
+  std::unique_ptr<IoThread> thread;
+  {
+    const MutexLock lock(impl_->mutex);
+    impl_->stopped = true;
+    thread = std::move(impl_->thread);
+  }
+}
+
+}  // namespace coopdyn
