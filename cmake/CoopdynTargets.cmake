@@ -41,9 +41,8 @@ if(COOPDYN_SANITIZE)
     target_link_options(coopdyn_options INTERFACE -fno-sanitize=vptr,null,alignment)
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # When it is instrumented, GCC 12 warns of libstdc++'s own std::function in <regex>, and takes the two halves of
-    # Asio's allocator of coroutine frames for strangers, by what it happens to inline.
-    target_compile_options(coopdyn_options INTERFACE -Wno-maybe-uninitialized -Wno-mismatched-new-delete)
+    # When it is instrumented, GCC 12 warns of libstdc++'s own std::function in <regex>.
+    target_compile_options(coopdyn_options INTERFACE -Wno-maybe-uninitialized)
   endif()
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")

@@ -173,7 +173,7 @@ std::string Daemon::Start() {
 std::string Daemon::OpenNames() {
   const int first = (options_.port == 0 ? 10000 : options_.port) + kExternalPortsAbove;
   names_.SetExternalPorts(std::min(first, PortPlan::kLast - 1),
-                          std::min(first + kExternalPorts, PortPlan::kLast));
+                          std::min(first + kExternalPorts, PortPlan::kLast), IsPortFree);
   if (options_.no_net) return {};
   name_server_ = std::make_unique<NameServer>(
       control_.context(), names_, net_, options_.advertise,

@@ -10,17 +10,13 @@
 #include <vector>
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/co_spawn.hpp>
-#include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/read_until.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/asio/write.hpp>
 
 #include "server/base/mutex.h"
+#include "server/net/dialled.h"
 #include "server/net/io_thread.h"
 
 namespace coopdyn {
@@ -28,7 +24,6 @@ namespace {
 
 namespace asio = boost::asio;
 using asio::use_awaitable;
-using asio::ip::tcp;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
@@ -36,7 +31,6 @@ constexpr int kYarpPort = 10000;
 constexpr milliseconds kAnswerWithin{3000};
 constexpr milliseconds kRetryAfter{500};
 constexpr milliseconds kGoodbyeWithin{500};
-constexpr std::size_t kMaxAnswerBytes = std::size_t{64} << 10;
 
 }  // namespace
 
@@ -137,48 +131,24 @@ struct NameClient::Impl {
     return tasks.front();
   }
 
-  /// What a request uses; a late timer may still look at it when the request is over.
-  struct Request {
-    explicit Request(asio::io_context& context)
-        : resolver(context), socket(context), limit(context, kAnswerWithin) {}
-    tcp::resolver resolver;
-    tcp::socket socket;
-    asio::steady_timer limit;
-    bool late = false;
-  };
-
   /// Makes the request of `task`; the answer ends with a line that starts with '*' or '['. Returns what went
   /// wrong; empty: it was answered. Then `refusal` is that line, or empty if the server has registered a
   /// name.
   asio::awaitable<std::string> Ask(const Task& task, std::string& refusal) {
-    const auto request = std::make_shared<Request>(thread.context());
-    request->limit.async_wait([request = std::weak_ptr(request)](const boost::system::error_code& aborted) {
-      const auto slow = request.lock();
-      if (aborted || slow == nullptr) return;
-      slow->late = true;
-      slow->resolver.cancel();
-      boost::system::error_code ignored;
-      slow->socket.close(ignored);
-    });
+    const auto server = Dialled::Begin(thread.context(), kAnswerWithin);
     try {
-      tcp::socket& socket = request->socket;
-      const auto found = co_await request->resolver.async_resolve(host, std::to_string(port), use_awaitable);
-      co_await asio::async_connect(socket, found, use_awaitable);
-      const std::string line = "NAME_SERVER " + task.line + "\n";
-      co_await asio::async_write(socket, asio::buffer(line), use_awaitable);
+      co_await server->Connect(host, port);
+      co_await server->Write("NAME_SERVER " + task.line + "\n");
       bool accepted = false;
-      for (std::string answer;;) {
-        const std::size_t count = co_await asio::async_read_until(
-            socket, asio::dynamic_buffer(answer, kMaxAnswerBytes), '\n', use_awaitable);
-        const std::string next = answer.substr(0, count);
-        answer.erase(0, count);
+      while (true) {
+        const std::string next = co_await server->ReadLine();
         accepted = accepted || next.starts_with("registration ");
         if (next[0] != '*' && next[0] != '[') continue;
         if (!accepted) refusal = next.substr(0, next.find('\r'));
         co_return "";
       }
     } catch (const boost::system::system_error& error) {
-      co_return request->late ? "no answer" : error.code().message();
+      co_return error.code() == asio::error::operation_aborted ? "no answer" : error.code().message();
     }
   }
 

@@ -163,12 +163,6 @@ class Answerer {
     return {"[ok]\r\n"};
   }
 
-  /// "tcp://clock" is /clock.
-  static std::string PortIn(const std::string& address) {
-    const std::size_t carrier = address.find(":/");
-    return carrier == std::string::npos ? address : address.substr(carrier + 2);
-  }
-
   NameReply Subscribe(bool adds) {
     if (words_.size() < 2) {
       std::string text = "subscriptions";
@@ -176,7 +170,7 @@ class Answerer {
         text += " (subscription (src \"" + each.from + "\") (dest \"" + each.to + "\"))";
       return End(text + "\r\n");
     }
-    const Subscription subscription{PortIn(WordAt(words_, 1)), PortIn(WordAt(words_, 2))};
+    const Subscription subscription{NameInAddress(WordAt(words_, 1)), NameInAddress(WordAt(words_, 2))};
     if (!subscription.from.starts_with('/') || !subscription.to.starts_with('/'))
       return Refused("write two ports, as in subscribe /clock /me/clock:i");
     if (!adds) table_.Unsubscribe(subscription);
@@ -298,6 +292,11 @@ NameReply AnswerNameLine(std::string_view line, const NameContext& context, Name
   const bool open = words[0] == "OPEN" || words[0] == "open";
   Answerer answerer(std::move(words), context, table);
   return open ? answerer.Open() : answerer.Answer(prefixed);
+}
+
+std::string NameInAddress(std::string_view address) {
+  const std::size_t carrier = address.find(":/");
+  return std::string(carrier == std::string_view::npos ? address : address.substr(carrier + 2));
 }
 
 NameReply AnswerMagic(const NameTable& table) {

@@ -47,6 +47,9 @@ struct NameReply {
 /// Answers one request. `line` has no end of line; a trailing '\r' does not matter.
 NameReply AnswerNameLine(std::string_view line, const NameContext& context, NameTable& table);
 
+/// The name in an address with a carrier: "tcp://clock" is /clock.
+std::string NameInAddress(std::string_view address);
+
 /// The answer to a module's binary magic on the name port.
 NameReply AnswerMagic(const NameTable& table);
 

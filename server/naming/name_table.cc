@@ -71,8 +71,9 @@ std::size_t Bytes(const NameEntry& entry) {
 
 NameTable::NameTable() : first_port_(kFirstPort), last_port_(kLastPort) {}
 
-void NameTable::SetExternalPorts(int first, int last) {
+void NameTable::SetExternalPorts(int first, int last, std::function<bool(int)> is_free) {
   MutexLock lock(mutex_);
+  is_free_ = std::move(is_free);
   first_port_ = std::clamp(first, 1, 65535);
   last_port_ = std::clamp(last, first_port_, 65535);
 }
@@ -296,7 +297,7 @@ int NameTable::FreePortLocked() const {
   std::set<int> taken;
   for (const auto& [name, entry] : entries_) taken.insert(entry.port);
   for (int port = first_port_; port <= last_port_; ++port) {
-    if (!taken.contains(port)) return port;
+    if (!taken.contains(port) && (!is_free_ || is_free_(port))) return port;
   }
   return 0;
 }

@@ -5,6 +5,7 @@
 
 #include <compare>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -62,8 +63,9 @@ class NameTable {
 
   NameTable();
 
-  /// Ports first … last are given to external names that register without one. The daemon must not use them.
-  void SetExternalPorts(int first, int last);
+  /// Ports first … last are given to external names that register without one, if `is_free` says so. The daemon
+  /// must not use them. `is_free` is called under the table's lock.
+  void SetExternalPorts(int first, int last, std::function<bool(int port)> is_free = {});
   /// True if an external name holds `port`.
   bool IsExternalPort(int port) const;
 
@@ -122,6 +124,7 @@ class NameTable {
   Nanoseconds next_forgotten_ GUARDED_BY(mutex_) = 0;  // not before that is one forgotten
   int first_port_ GUARDED_BY(mutex_);
   int last_port_ GUARDED_BY(mutex_);
+  std::function<bool(int)> is_free_ GUARDED_BY(mutex_);  // empty: all are
   int next_temporary_ GUARDED_BY(mutex_) = 1;
 };
 

@@ -147,6 +147,13 @@ std::string PortHolder(int port) {
   return {};
 }
 
+bool IsPortFree(int port) {
+  Place any;  // 0.0.0.0 is zeros
+  any.address.ss_family = AF_INET;
+  any.size = sizeof(sockaddr_in);
+  return Bind(any, port).error != EADDRINUSE;
+}
+
 std::vector<std::string> ListenAddresses(const std::string& host) {
   if (host.empty() || host == "localhost" || host == "loopback" || host == "127.0.0.1") {
     return {"127.0.0.1", "::1"};

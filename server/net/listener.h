@@ -25,6 +25,9 @@ std::vector<std::string> ListenAddresses(const std::string& host);
 /// "nc (pid 77)"; empty if nobody listens there or it cannot be seen (another user's process).
 std::string PortHolder(int port);
 
+/// Whether a program on this machine could listen on `port` of all its addresses now.
+bool IsPortFree(int port);
+
 /// Running out of descriptors is logged (NetServices::LogExhausted()) and survived: accepting goes on when
 /// some are free.
 class Listener {

@@ -3,14 +3,10 @@
 
 #include <unistd.h>
 
+#include "server/naming/name_protocol.h"
+
 namespace coopdyn {
 namespace {
-
-/// A name without the carrier: "tcp://robot/in" is /robot/in.
-std::string PortIn(std::string_view address) {
-  const std::size_t carrier = address.find(":/");
-  return std::string(carrier == std::string_view::npos ? address : address.substr(carrier + 2));
-}
 
 Bottle Pair(std::string key, auto value) {
   return BottleOf(std::move(key), std::move(value));
@@ -54,7 +50,7 @@ Bottle Property(const Bottle& request) {
 std::optional<YarpLinkChange> LinkChangeIn(const Bottle& request) {
   const std::string_view verb = WordAt(request, 0), other = WordAt(request, 1);
   if (other.empty() || (verb != "add" && verb != "del")) return {};
-  if (verb == "del") return YarpLinkChange{false, PortIn(other)};
+  if (verb == "del") return YarpLinkChange{false, NameInAddress(other)};
   const std::string_view carrier = WordAt(request, 2);  // `[add] "/reader" tcp`
   const bool told = other.find(":/") != std::string_view::npos;
   return YarpLinkChange{

@@ -12,21 +12,20 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/co_spawn.hpp>
-#include <boost/asio/connect.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/read_until.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/asio/write.hpp>
 
 #include "protocol/codec.h"
 #include "protocol/command_ids.h"
 #include "server/base/mutex.h"
 #include "server/naming/name_client.h"
+#include "server/naming/name_protocol.h"
+#include "server/net/dialled.h"
 #include "server/net/io_thread.h"
 #include "server/net/unique_fd.h"
 #include "server/yarp/carrier.h"
@@ -44,44 +43,12 @@ using asio::ip::udp;
 using boost::system::system_error;
 
 constexpr std::chrono::seconds kConnectWithin{3}, kProbeWithin{1}, kLookAfterSender{3};
-constexpr std::size_t kMaxAnswerBytes = 4096;
 constexpr int kSendBuffer = 64 << 10;  // what waits in the kernel grows old
-
-/// A socket that is closed when its time is over.
-struct Dialled {
-  Dialled(asio::io_context& context, std::chrono::seconds within) : socket(context), limit(context, within) {}
-  static std::shared_ptr<Dialled> Begin(asio::io_context& context, std::chrono::seconds within) {
-    const auto dialled = std::make_shared<Dialled>(context, within);
-    dialled->limit.async_wait([weak = std::weak_ptr(dialled)](const boost::system::error_code& aborted) {
-      const auto slow = weak.lock();
-      boost::system::error_code ignored;
-      if (!aborted && slow) slow->socket.close(ignored);
-    });
-    return dialled;
-  }
-  tcp::socket socket;
-  asio::steady_timer limit;
-};
 
 struct Address {
   std::string host;
   int port = 0;
 };
-
-asio::awaitable<void> Connect(tcp::socket& socket, const Address& address) {
-  tcp::resolver resolver(socket.get_executor());
-  const auto found =
-      co_await resolver.async_resolve(address.host, std::to_string(address.port), use_awaitable);
-  co_await asio::async_connect(socket, found, use_awaitable);
-}
-
-asio::awaitable<std::string> ReadLine(tcp::socket& socket, std::string& buffer) {
-  const std::size_t count = co_await asio::async_read_until(
-      socket, asio::dynamic_buffer(buffer, kMaxAnswerBytes), '\n', use_awaitable);
-  std::string line = buffer.substr(0, count);
-  buffer.erase(0, count);
-  co_return line;
-}
 
 /// Where a connection goes to, and how.
 struct Target {
@@ -96,7 +63,7 @@ Target ParseTarget(const std::string& text) {
   Target target{.name = text, .carrier_words = "tcp", .qualifiers = {}};
   if (const std::size_t colon = text.find(":/"); colon != std::string::npos && colon > 0) {
     target.carrier_words = text.substr(0, colon);
-    target.name = text.substr(colon + 2);
+    target.name = NameInAddress(text);
   }
   if (!target.name.starts_with('/')) target.name.insert(0, 1, '/');
   std::istringstream words(target.carrier_words);
@@ -154,11 +121,10 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
       const YarpDialect dialect =
           IsText(target.carrier) ? YarpDialect::k3 : co_await DialectOf(context, address);
       const auto dialled = Dialled::Begin(context, kConnectWithin);
-      tcp::socket& socket = dialled->socket;
-      co_await coopdyn::Connect(socket, address);
+      tcp::socket& socket = dialled->socket();
+      co_await dialled->Connect(address.host, address.port);
       socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer));
-      const std::string hello = YarpHello(target.carrier, from + target.qualifiers);
-      co_await asio::async_write(socket, asio::buffer(hello), use_awaitable);
+      co_await dialled->Write(YarpHello(target.carrier, from + target.qualifiers));
       std::string welcome;
       std::optional<std::size_t> size = 0;
       while (size == std::size_t{0}) {
@@ -234,12 +200,10 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
   static asio::awaitable<void> TellEnd(asio::io_context& context, Address reader, std::string from) {
     try {
       const auto dialled = Dialled::Begin(context, kProbeWithin);
-      co_await coopdyn::Connect(dialled->socket, reader);
-      const std::string words = YarpHello(YarpCarrier::kText, "admin") + "~" + from + "\r\nq\r\n";
-      co_await asio::async_write(dialled->socket, asio::buffer(words), use_awaitable);
-      std::string buffer;
-      co_await ReadLine(dialled->socket, buffer);
-      co_await ReadLine(dialled->socket, buffer);
+      co_await dialled->Connect(reader.host, reader.port);
+      co_await dialled->Write(YarpHello(YarpCarrier::kText, "admin") + "~" + from + "\r\nq\r\n");
+      co_await dialled->ReadLine();
+      co_await dialled->ReadLine();
     } catch (const system_error&) {
       // The reader has gone.
     }
@@ -291,7 +255,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
         if (address.port == 0) break;
         known = true;
         const auto dialled = Dialled::Begin(context, kProbeWithin);
-        co_await coopdyn::Connect(dialled->socket, address);
+        co_await dialled->Connect(address.host, address.port);
       } catch (const system_error& error) {
         if (error.code() == asio::error::connection_refused) break;
       }
@@ -317,12 +281,10 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
       if (source.port == 0 || (connects && reader.port == 0)) co_return;
       const std::string request = connects ? "[add] \"tcp:/" + to + "\"" : "[del] \"" + to + "\"";
       const auto dialled = Dialled::Begin(context, kConnectWithin);
-      co_await coopdyn::Connect(dialled->socket, source);
-      const std::string words = YarpHello(YarpCarrier::kText, "admin") + "a\r\n" + request + "\r\nq\r\n";
-      co_await asio::async_write(dialled->socket, asio::buffer(words), use_awaitable);
-      std::string buffer;
-      co_await ReadLine(dialled->socket, buffer);  // Welcome admin
-      co_await ReadLine(dialled->socket, buffer);
+      co_await dialled->Connect(source.host, source.port);
+      co_await dialled->Write(YarpHello(YarpCarrier::kText, "admin") + "a\r\n" + request + "\r\nq\r\n");
+      co_await dialled->ReadLine();  // Welcome admin
+      co_await dialled->ReadLine();
     } catch (const system_error& error) {
       logger->debug("{} could not be told about {}: {}", from, to, error.code().message());
     }
@@ -338,12 +300,10 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     Address server;
     if (!NameClient::ParseServer(options.server, server.host, server.port).empty()) co_return Address{};
     const auto dialled = Dialled::Begin(context, kConnectWithin);
-    co_await coopdyn::Connect(dialled->socket, server);
-    const std::string request = "NAME_SERVER query " + name + "\n";
-    co_await asio::async_write(dialled->socket, asio::buffer(request), use_awaitable);
-    std::string buffer;
+    co_await dialled->Connect(server.host, server.port);
+    co_await dialled->Write("NAME_SERVER query " + name + "\n");
     // registration name /reader ip 127.0.0.1 port 10005 type tcp
-    std::istringstream words(co_await ReadLine(dialled->socket, buffer));
+    std::istringstream words(co_await dialled->ReadLine());
     std::string word;
     Address found;
     words >> word;
@@ -357,12 +317,10 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     std::string answer;
     try {
       const auto dialled = Dialled::Begin(context, kProbeWithin);
-      co_await coopdyn::Connect(dialled->socket, address);
-      const std::string request = YarpHello(YarpCarrier::kTextAck, "admin") + "a\r\n[pid]\r\n";
-      co_await asio::async_write(dialled->socket, asio::buffer(request), use_awaitable);
-      std::string buffer;
-      co_await ReadLine(dialled->socket, buffer);  // Welcome admin
-      answer = co_await ReadLine(dialled->socket, buffer);
+      co_await dialled->Connect(address.host, address.port);
+      co_await dialled->Write(YarpHello(YarpCarrier::kTextAck, "admin") + "a\r\n[pid]\r\n");
+      co_await dialled->ReadLine();  // Welcome admin
+      answer = co_await dialled->ReadLine();
     } catch (const system_error&) {
       // it is asked no more
     }

@@ -35,6 +35,7 @@ export const GRAMMAR = {
     ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
     angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],
     supervisor: ['a loaded controller of the world', 'supervisor referee rounds=5'],
+    waits_for: ['programs of YARP that a step of lockstep waits for', 'waits_for yarp /my/controller'],
   },
   FLOOR: {
     size: ['length width [height], m', 'size 10 8'],

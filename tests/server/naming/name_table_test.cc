@@ -28,6 +28,13 @@ TEST(NameTable, GivesFreePortsOfItsRangeOnly) {
   EXPECT_EQ(table.Register("/c", "", "", 0, {"127.0.0.1"}).entry.port, 12001);
 }
 
+TEST(NameTable, GivesNoPortThatAnotherProgramHolds) {
+  NameTable table;
+  table.SetExternalPorts(12000, 12002, [](int port) { return port == 12001; });
+  EXPECT_EQ(table.Register("/a", "", "", 0, {"127.0.0.1"}).entry.port, 12001);
+  EXPECT_EQ(table.Register("/b", "", "", 0, {"127.0.0.1"}).refused, "no free port");
+}
+
 TEST(NameTable, IsBounded) {
   NameTable table;
   for (std::size_t i = 0; i < NameTable::kMaxExternal; ++i) {

@@ -52,6 +52,11 @@ TEST_F(LocalListenerTest, ANameThatIsTakenIsSaidAndTcpListensOn) {
   thread_.Stop();
 }
 
+TEST_F(LocalListenerTest, APortThatSomebodyListensOnIsNotFree) {
+  ASSERT_EQ(listener_->Listen({"127.0.0.1"}, 0), "");
+  EXPECT_FALSE(IsPortFree(listener_->port()));
+}
+
 TEST_F(LocalListenerTest, ANameThatIsTooLongIsRefused) {
   EXPECT_THAT(listener_->ListenLocal(std::string(200, 'x')), HasSubstr("too long"));
 }
