@@ -88,12 +88,12 @@ void Run(Checks& checks, const std::string& name, Ticks& ticks) {
               std::to_string(times.size()) + " periods");
   if (times.size() < 2) return;
   char text[200];
-  std::snprintf(
-      text, sizeof text,
-      "%zu periods of 1 ms from %.6f to %.6f s, late at the end %.6f ms; gaps %.6f to %.6f ms, %d longer than "
-      "a period; %.2f s of the wall clock",
-      times.size() - 1, times.front(), times.back(), ticks.Late() * 1e3, gaps.least_s * 1e3, gaps.most_s * 1e3,
-      gaps.longer, took_s);
+  std::snprintf(text, sizeof text,
+                "%zu periods of 1 ms from %.6f to %.6f s, late at the end %.6f ms; gaps %.6f to %.6f ms, %d "
+                "longer than "
+                "a period; %.2f s of the wall clock",
+                times.size() - 1, times.front(), times.back(), ticks.Late() * 1e3, gaps.least_s * 1e3,
+                gaps.most_s * 1e3, gaps.longer, took_s);
   Checks::Note(text);
 }
 
