@@ -63,8 +63,8 @@ class NameTable {
 
   NameTable();
 
-  /// Ports first … last are given to external names that register without one, if `is_free` says so. The daemon
-  /// must not use them. `is_free` is called under the table's lock.
+  /// Ports first … last are given to external names that register without one, if `is_free` says so. The
+  /// daemon must not use them. `is_free` is called under the table's lock.
   void SetExternalPorts(int first, int last, std::function<bool(int port)> is_free = {});
   /// True if an external name holds `port`.
   bool IsExternalPort(int port) const;

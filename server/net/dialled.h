@@ -13,8 +13,8 @@
 
 namespace coopdyn {
 
-/// What it has not done within its time fails with operation_aborted: it is closed then. Each of its coroutines
-/// throws boost::system::system_error.
+/// What it has not done within its time fails with operation_aborted: it is closed then. Each of its
+/// coroutines throws boost::system::system_error.
 class Dialled {
  public:
   static constexpr std::size_t kMaxLineBytes = std::size_t{64} << 10;
