@@ -191,6 +191,7 @@ class Answerer {
     const std::string digits = WordAt(words_, 4);
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
     if (!digits.empty() && (error != std::errc() || end != digits.data() + digits.size())) port = -1;
+    if (digits == "-1") port = 0;  // so a port asks that tells the type of its data, which is the next word
     NameTable::Change change =
         table_.Register(WordAt(words_, 1), WordAt(words_, 2), WordAt(words_, 3), port, asker_);
     return change.refused.empty() ? End(Registration(change.entry)) : Refused(change.refused);

@@ -89,7 +89,7 @@ PeerInfo DescribePeer(int fd) {
     return {known ? "unix:" + std::to_string(who.pid) : "unix", true};
   }
   const SocketAddress address = PeerAddress(fd);
-  return {ToString(address), address.loopback};
+  return {address.port == 0 ? "a client that has gone" : ToString(address), address.loopback};
 }
 
 std::optional<ConnectionEnd> EndOf(int fd) {

@@ -85,8 +85,10 @@ TEST_F(NameProtocolTest, RegistersOtherPrograms) {
             std::string("registration name /sim/auto ip 127.0.0.1 port 11005 type tcp\r\n") + kEnd);
   EXPECT_EQ(Ask("NAME_SERVER register /sim/auto2 tcp 127.0.0.1 ..."),
             std::string("registration name /sim/auto2 ip 127.0.0.1 port 11006 type tcp\r\n") + kEnd);
+  EXPECT_EQ(Ask("NAME_SERVER register /sim/typed ... ... -1 yarp/vector"),
+            std::string("registration name /sim/typed ip 127.0.0.1 port 11007 type tcp\r\n") + kEnd);
   EXPECT_EQ(Ask("NAME_SERVER register ..."),
-            std::string("registration name /tmp/port/1 ip 127.0.0.1 port 11007 type tcp\r\n") + kEnd);
+            std::string("registration name /tmp/port/1 ip 127.0.0.1 port 11008 type tcp\r\n") + kEnd);
   EXPECT_EQ(Ask("NAME_SERVER unregister /sim/rpc:i"), kEnd);
   EXPECT_EQ(Ask("NAME_SERVER query /sim/rpc:i"), kEnd);
   EXPECT_EQ(Ask("NAME_SERVER unregister /sim/rpc:i"), kEnd);
