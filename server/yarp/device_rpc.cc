@@ -187,7 +187,8 @@ class CameraTranslator final : public ReadingTranslator {
   command::Id Reading() const override { return command::kGetCamera; }
   std::string_view Help() const override {
     return "visr get w, h, res, fov, intp, conf or mirr; fgi get w or h; or getRgbWidthRPC, getRgbHeightRPC, "
-           "getRgbResolutionRPC, getRgbFOVRPC, getRgbIntrinsicParamRPC, getRgbMirroringRPC";
+           "getRgbResolutionRPC, getRgbFOVRPC, getRgbSupportedConfigurationsRPC, "
+           "getRgbIntrinsicParamRPC, getRgbMirroringRPC";
   }
   std::optional<YarpAnswer> Answer(const Message& reply) override {
     constexpr double kMaxSide = 1e6;
@@ -231,6 +232,16 @@ class CameraTranslator final : public ReadingTranslator {
     }
     if (name() == "getRgbIntrinsicParamRPC")
       return Returned(ReturnCode::kDone, 1, [&](YarpStructWriter& write) { write.Items(lens); });
+    if (name() == "getRgbSupportedConfigurationsRPC") {
+      return Returned(ReturnCode::kDone, 1, [&](YarpStructWriter& write) {
+        write.Struct(1);  // a list of one
+        write.Struct(4);
+        write.Int(width);
+        write.Int(height);
+        write.Double(reply.data[8]);
+        write.Int(VocabCode("rgb"));
+      });
+    }
     if (name() == "getRgbMirroringRPC")
       return Returned(ReturnCode::kDone, 1, [](YarpStructWriter& write) { write.Bool(false); });
     if (name().starts_with("set") && name().ends_with("RPC")) return Returned(ReturnCode::kNotThere);

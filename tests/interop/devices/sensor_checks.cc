@@ -176,6 +176,14 @@ void CheckCamera(Checks& checks) {
   double across = NAN, down = NAN;
   lens->getRgbFOV(across, down);
   checks.Near("camera: field of view", across, 58, 0.1);
+#if YARP_VERSION_MAJOR >= 4
+  std::vector<yarp::dev::CameraConfig> pictures;
+#else
+  yarp::sig::VectorOf<yarp::dev::CameraConfig> pictures;
+#endif
+  checks.That("camera: what pictures it has", bool(lens->getRgbSupportedConfigurations(pictures)) &&
+                                                  pictures.size() == 1 && pictures[0].width == 320 &&
+                                                  pictures[0].height == 240);
   yarp::os::Property parameters;
   checks.That("camera: parameters",
               bool(lens->getRgbIntrinsicParam(parameters)) && parameters.check("focalLengthX"),

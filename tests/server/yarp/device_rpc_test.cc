@@ -252,6 +252,10 @@ TEST_F(CameraRpcTest, AnswersAsYarp4) {
             Hex("00010000 03000000 " + ok + "01000000 40000000 01000000 30000000"));
   EXPECT_EQ(Bytes("getRgbMirroringRPC"), Hex("00010000 02000000 " + ok + "09000000 'fail'"));
   EXPECT_THAT(Bytes("getRgbFOVRPC"), StartsWith(Hex("00010000 03000000 " + ok + "14000000")));
+  EXPECT_EQ(Bytes("getRgbSupportedConfigurationsRPC"),
+            Hex("00010000 02000000 " + ok +
+                "00010000 01000000 00010000 04000000 01000000 40000000 01000000 30000000 "
+                "14000000 00000000 00003940 01000000 'rgb_'"));
   EXPECT_EQ(Bytes("getWidthRPC"), Bytes("getRgbWidthRPC"));
   EXPECT_EQ(Bytes("getHeightRPC"), Bytes("getRgbHeightRPC"));
 }
