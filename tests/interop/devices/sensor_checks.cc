@@ -23,7 +23,7 @@
 namespace coopdyn {
 namespace {
 
-#if YARP_VERSION_MAJOR >= 4
+#if __has_include(<yarp/dev/Odometry.h>)  // YARP 4 after 4.0.0
 using Odometry = yarp::dev::Nav2D::Odometry;
 #else
 using Odometry = yarp::dev::OdometryData;
