@@ -193,6 +193,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   app.footer("Example: coopdyn serve classroom");
   AddServe(app, command_line, chosen);
   AddCheck(app, chosen);
+  AddConvert(app, chosen);
   AddRemote(app, chosen);
   AddDoctor(app, chosen);
   AddControllerChild(app, chosen);

@@ -29,6 +29,8 @@ using Chosen = std::function<int()>;
 void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen);
 /// Says everything that is wrong in worlds, scenarios and robot models, physics included.
 void AddCheck(CLI::App& app, Chosen& chosen);
+/// YARS's experiments as coopdyn's own files.
+void AddConvert(CLI::App& app, Chosen& chosen);
 /// list, status, run, …: one request to a running daemon.
 void AddRemote(CLI::App& app, Chosen& chosen);
 /// Walks from the host's name to a robot that answers; `ok`, or cause and cure, per line.

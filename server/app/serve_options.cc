@@ -294,8 +294,9 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
       "Exit codes: 0 ok; 1 errors; 2 wrong use; 4 a controller failed, a body was frozen or the recording\n"
       "failed; 5 a signal or quit came before --duration. SIGTERM, SIGINT and SIGHUP end the run in order;\n"
       "SIGUSR1 logs how it stands, writes --summary and goes on.");
-  sub->add_option("scenario", serve.scenario,
-                  "A .scenario, .world or .sdf file, a bare name on the search path, or - (standard input)")
+  sub->add_option(
+         "scenario", serve.scenario,
+         "A .scenario, .world, .sdf or .xml file, a bare name on the search path, or - (standard input)")
       ->capture_default_str();
   sub->add_option_function<std::string>(
          "--mode", [&serve](const std::string& word) { serve.run.mode = ParseMode(word); },

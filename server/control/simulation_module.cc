@@ -65,13 +65,13 @@ ScenarioRead Guarded(Function read) {
   }
 }
 
-/// `text`: a bare name on the search path, or the text of a file if it has a line end or a '['. Reads files,
-/// which can take seconds. `seed`: of `--seed`, if it was given.
+/// `text`: a bare name on the search path, or the text of a file if it has a line end, a '[' or a '<'. Reads
+/// files, which can take seconds. `seed`: of `--seed`, if it was given.
 ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots,
                                    std::optional<std::uint64_t> seed) {
   return Guarded([&] {
     Diagnostics diagnostics;
-    if (text.find_first_of("\n[") != std::string::npos) {
+    if (text.find_first_of("\n[<") != std::string::npos) {
       return Finish(ReadScenario(text, "(text)", robots, true, diagnostics, seed), diagnostics);
     }
     if (!IsBareName(text)) {

@@ -29,7 +29,8 @@ struct SearchPath {
   std::vector<std::filesystem::path> folders;
 
   /// The first existing file for a scenario/world given by path or bare name; nothing if none. It ends in
-  /// .scenario or .world, which the name may leave out; only a path with a folder may end in something else.
+  /// .scenario, .world, .sdf or .xml, which the name may leave out; only a path with a folder may end in
+  /// something else.
   std::optional<std::filesystem::path> FindScenario(const std::string& name) const;
   std::optional<std::filesystem::path> FindWorld(const std::string& name,
                                                  const std::filesystem::path& beside) const;
@@ -77,6 +78,9 @@ class RobotLibrary {
   bool Has(const std::string& type, const std::optional<std::filesystem::path>& beside = std::nullopt) const;
   /// Keeps a model that has no file of its own.
   void Add(const std::string& type, std::shared_ptr<const RobotModel> model);
+  /// The same of one that was read of `text`; and whether `type` is that.
+  void AddMade(const std::string& type, const std::string& text, std::shared_ptr<const RobotModel> model);
+  bool IsMade(const std::string& type, const std::string& text) const;
   /// The embedded text `name` of a `kind` (world, robot, texture); null if there is none.
   const SourceText* Embedded(std::string_view kind, std::string_view name) const;
   bool is_of_recording() const { return !embedded_.empty(); }
@@ -89,8 +93,9 @@ class RobotLibrary {
 
   const SearchPath path_;
   const std::vector<SourceText> embedded_;
-  Mutex mutex_;
+  mutable Mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<const RobotModel>> models_ GUARDED_BY(mutex_);
+  std::unordered_map<std::string, std::string> made_of_ GUARDED_BY(mutex_);  // texts, by type
 };
 
 /// Reads a robot model: SDF 1.4 or newer with our own elements in the namespace `coopdyn:`, or URDF. What it

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/base/printable.h"
+#include "server/model/experiment.h"
 #include "server/model/random_sections.h"
 #include "server/model/readers.h"
 #include "server/model/robot_sections.h"
@@ -83,7 +84,9 @@ class ScenarioReader {
     if (!decoded) return nullptr;
     scenario_->text = std::move(*decoded);
     if (by_socket_ || label_ == kPipe) scenario_->name = NameInText(scenario_->text);
-    sections_ = ReadSections(scenario_->text, label_, diagnostics_);
+    sections_ = IsExperiment(scenario_->text, label_)
+                    ? ReadExperiment(scenario_->text, label_, scenario_->name, library_, diagnostics_)
+                    : ReadSections(scenario_->text, label_, diagnostics_);
     ApplySettings(sections_, label_, diagnostics_);
     DrawRandom();
     if (!ReadStanding()) return nullptr;
@@ -501,7 +504,9 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   Diagnostics found;
   std::optional<std::string> text = ReadTextFile(file, {file, 0}, found);
   std::shared_ptr<const Scenario> scenario;
-  if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
+  if (text && IsExperiment(*text, file)) {
+    scenario = ReadScenario(WithSettings(*text, settings, found), file, robots, false, found, seed);
+  } else if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
     if (const std::optional<SdfWorld> world = ReadSdfWorld(file, robots.path(), found)) {
       for (const auto& [name, model] : world->models) robots.Add(model->type, model);
       scenario =

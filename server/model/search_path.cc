@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string_view>
 #include <system_error>
 
+#include "server/model/experiment.h"
 #include "server/model/readers.h"
 #include "server/model/resources.h"
 #include "server/model/sdf_world.h"
@@ -140,7 +142,7 @@ std::optional<fs::path> SearchPath::FindScenario(const std::string& name) const 
   if (file.find('/') != std::string::npos) {
     if (auto found = ExistingFile(file)) return found;
   }
-  for (const std::string& candidate : WithExtensions(file, {".scenario", ".world", ".sdf"})) {
+  for (const std::string& candidate : WithExtensions(file, {".scenario", ".world", ".sdf", ".xml"})) {
     if (const auto found = ExistingFile(candidate)) return found;
     if (absolute) continue;
     if (const auto found = ExistingFile(folders, {".", "scenarios", "worlds"}, candidate)) return found;
@@ -248,6 +250,20 @@ fs::path ModelPath(const std::string& type, const fs::path& beside) {
   return path;
 }
 
+/// The models of the robots in a world or an experiment, by name.
+std::optional<std::map<std::string, std::shared_ptr<const RobotModel>>> ModelsOf(const fs::path& world,
+                                                                                 const SearchPath& path,
+                                                                                 Diagnostics& diagnostics) {
+  if (ToLower(world.extension().string()) == ".xml") {
+    auto models = ReadExperimentModels(world, diagnostics);
+    if (diagnostics.has_errors()) return std::nullopt;
+    return models;
+  }
+  std::optional<SdfWorld> read = ReadSdfWorld(world, path, diagnostics);
+  if (!read) return std::nullopt;
+  return std::move(read->models);
+}
+
 }  // namespace
 
 std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, const SourceLine& where,
@@ -271,11 +287,11 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
   } else if (is_path && IsFile(key)) {
     model = ReadRobotModel(key, path_, diagnostics);
   } else if (!part.empty() && IsFile(world)) {
-    const std::optional<SdfWorld> read = ReadSdfWorld(world, path_, diagnostics);
+    const auto read = ModelsOf(world, path_, diagnostics);
     if (!read) return nullptr;
     std::vector<std::string> names;
-    for (const auto& [name, robot] : read->models) names.push_back(name);
-    if (const auto found = read->models.find(part); found != read->models.end())
+    for (const auto& [name, robot] : *read) names.push_back(name);
+    if (const auto found = read->find(part); found != read->end())
       model = found->second;
     else
       diagnostics.Error(where, world.string() + " has no robot '" + part + "'" + DidYouMean(part, names));
@@ -309,6 +325,20 @@ std::shared_ptr<const RobotModel> RobotLibrary::KnownOfWorld(const fs::path& wor
 void RobotLibrary::Add(const std::string& type, std::shared_ptr<const RobotModel> model) {
   MutexLock lock(mutex_);
   models_.insert_or_assign(type, std::move(model));
+  made_of_.erase(type);
+}
+
+void RobotLibrary::AddMade(const std::string& type, const std::string& text,
+                           std::shared_ptr<const RobotModel> model) {
+  MutexLock lock(mutex_);
+  models_.insert_or_assign(type, std::move(model));
+  made_of_.insert_or_assign(type, text);
+}
+
+bool RobotLibrary::IsMade(const std::string& type, const std::string& text) const {
+  MutexLock lock(mutex_);
+  const auto known = made_of_.find(type);
+  return known != made_of_.end() && known->second == text;
 }
 
 bool RobotLibrary::Has(const std::string& type, const std::optional<fs::path>& beside) const {

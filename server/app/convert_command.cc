@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/app/commands.h"
+#include "server/app/options.h"
+#include "server/app/print.h"
+#include "server/model/readers.h"
+#include "server/model/text_file.h"
+#include "server/rosiml/translate.h"
+
+namespace coopdyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ConvertOptions {
+  std::string file, out;
+  std::vector<std::string> scenario_folders;
+};
+
+int Refuse(const std::string& why) {
+  PrintError("coopdyn: {}\n", why);
+  return kExitErrors;
+}
+
+bool Write(const fs::path& file, const std::string& text) {
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.close();
+  return stream.good();
+}
+
+int Convert(const ConvertOptions& options) {
+  const SearchPath path = DataPath(options.scenario_folders);
+  const auto found = path.FindScenario(options.file);
+  Diagnostics diagnostics;
+  const std::string file = found ? found->string() : options.file;
+  const auto text = ReadTextFile(file, {file, 0}, diagnostics);
+  auto made = text ? rosiml::Translate(*text, file, "robots/", diagnostics) : std::nullopt;
+  if (made) {  // as `serve` would read it
+    RobotLibrary robots(path);
+    Diagnostics again;
+    if (LoadScenario(file, robots, again) == nullptr) made.reset();
+    diagnostics = std::move(again);
+  }
+  PrintErrorLines(diagnostics.ToString());
+  if (!made) return kExitErrors;
+  const std::string name = fs::path(file).stem().string();
+  const fs::path out = options.out.empty() ? fs::path(name) : fs::path(options.out);
+  const fs::path scenario = out / (name + ".scenario");
+  std::error_code error;
+  if (fs::exists(scenario, error))
+    return Refuse(scenario.string() + " is there already: name another folder with --out");
+  std::vector<std::pair<fs::path, std::string>> files;
+  for (rosiml::MadeModel& model : made->models)
+    files.emplace_back(out / "robots" / model.name / "model.sdf", std::move(model.sdf.text));
+  files.emplace_back(scenario, std::move(made->scenario.text));
+  for (const auto& [target, content] : files) {
+    if (!Write(target, content)) return Refuse(target.string() + " cannot be written");
+  }
+  Print("wrote {0}; go on with\n  coopdyn serve {0}\n", scenario.string());
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddConvert(CLI::App& app, Chosen& chosen) {
+  const auto given = std::make_shared<ConvertOptions>();
+  CLI::App* sub = app.add_subcommand("convert", "Write an experiment of YARS as a scenario and SDF models");
+  sub->footer("Example: coopdyn convert experiment.xml --out mine && coopdyn serve mine/experiment.scenario");
+  sub->add_option("file", given->file, "An .xml file, or a bare name on the search path")->required();
+  sub->add_option("--out", given->out, "The folder to write (default: the experiment's name)");
+  sub->add_option("--scenarios", given->scenario_folders, "A folder with scenarios, worlds and robots");
+  sub->callback([&chosen, given] { chosen = [given] { return Convert(*given); }; });
+}
+
+}  // namespace coopdyn

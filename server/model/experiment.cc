@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "server/model/experiment.h"
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "server/model/text_file.h"
+#include "server/model/values.h"
+#include "server/rosiml/translate.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// Where the line was written that is line `line` of a made text.
+int LineIn(std::span<const int> lines, int line) {
+  if (line < 1 || lines.empty()) return 0;
+  return lines[std::min(static_cast<std::size_t>(line), lines.size()) - 1];
+}
+
+/// The length of the XML: behind it may stand [SET], and the line that names the file.
+std::size_t XmlSize(const std::string& text) {
+  constexpr std::string_view kEnd = "</rosiml>";
+  const std::size_t end = text.rfind(kEnd);
+  if (end == std::string::npos) return text.size();
+  for (const std::string_view mark : {"\n[SET]\n", "\n# file: "}) {
+    if (const std::size_t at = text.find(mark, end); at != std::string::npos) return at + 1;
+  }
+  return text.size();
+}
+
+/// Reads the model that `made` is; what is wrong in it is said at the lines of the experiment.
+std::shared_ptr<const RobotModel> ReadMade(const rosiml::MadeModel& made, const std::string& file,
+                                           Diagnostics& diagnostics) {
+  Diagnostics found;
+  auto model = ReadRobotModelText(made.sdf.text, file, made.type, found);
+  for (const Diagnostic& one : found.all()) {
+    const SourceLine where{file, LineIn(made.sdf.lines, one.where.line)};
+    std::string text = "robot '" + made.name + "': " + one.text;
+    if (one.level == Diagnostic::Level::kError)
+      diagnostics.Error(where, std::move(text));
+    else
+      diagnostics.Warning(where, std::move(text));
+  }
+  return model;
+}
+
+}  // namespace
+
+bool IsExperiment(const std::string& text, const std::string& file) {
+  if (rosiml::IsExperiment(text)) return true;
+  const bool is_xml = ToLower(std::filesystem::path(file).extension().string()) == ".xml";
+  return is_xml && text.find("<sdf") == std::string::npos;
+}
+
+std::vector<Section> ReadExperiment(const std::string& text, const std::string& file, const std::string& name,
+                                    RobotLibrary& library, Diagnostics& diagnostics) {
+  const std::size_t size = XmlSize(text);
+  const std::string prefix = rosiml::Simple(name, 40) + ".";
+  auto made = rosiml::Translate(std::string_view(text).substr(0, size), file, prefix, diagnostics);
+  if (!made) return {};
+  for (const rosiml::MadeModel& model : made->models) {
+    // A recording has its own.
+    if (library.Embedded("robot", model.type) != nullptr || library.IsMade(model.type, model.sdf.text))
+      continue;
+    if (auto read = ReadMade(model, file, diagnostics))
+      library.AddMade(model.type, model.sdf.text, std::move(read));
+  }
+  if (diagnostics.has_errors()) return {};  // robots without a model would be more mistakes
+  int line = static_cast<int>(std::ranges::count(std::string_view(text).substr(0, size), '\n'));
+  for (std::string_view rest = std::string_view(text).substr(size); !rest.empty();)
+    made->scenario.Add(++line, TakeLine(rest));
+  std::vector<Section> sections = ReadSections(made->scenario.text, file, diagnostics);
+  for (Section& section : sections) {
+    section.line = LineIn(made->scenario.lines, section.line);
+    for (Entry& entry : section.entries) entry.line = LineIn(made->scenario.lines, entry.line);
+  }
+  return sections;
+}
+
+std::map<std::string, std::shared_ptr<const RobotModel>> ReadExperimentModels(
+    const std::filesystem::path& file, Diagnostics& diagnostics) {
+  const std::string name = file.string();
+  const auto text = ReadTextFile(name, {name, 0}, diagnostics);
+  if (!text) return {};
+  const auto made =
+      rosiml::Translate(std::string_view(*text).substr(0, XmlSize(*text)), name, "", diagnostics);
+  std::map<std::string, std::shared_ptr<const RobotModel>> models;
+  if (!made) return models;
+  for (const rosiml::MadeModel& model : made->models) models[model.name] = ReadMade(model, name, diagnostics);
+  return models;
+}
+
+}  // namespace coopdyn

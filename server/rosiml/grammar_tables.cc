@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "server/rosiml/grammar_tables.h"
+
+namespace coopdyn::rosiml {
+
+namespace {
+
+constexpr Rule kPublic[] = {
+    {"&objects", "", "box sphere cylinder capsule ~ply composite macro"},
+    {"&parts", "", "pose? -visualisation physics!"},
+    {"&sensed", "", "object=reference! ~mapping ~noise ~filter"},
+    {"&driven", "",
+     "source=reference! destination=reference? force=most! velocity=most! pose! deflection? ~mapping "
+     "-regular -limit "
+     "-orthogonal ~pid ~noise ~filter"},
+    {"rosiml", "version!:s",
+     "-comment simulator! ~screens? macros? environment? robots? ~traces? ~logging? ~signals?"},
+    {"simulator", "frequency!:+", "-solver? control?"},
+    {"control", "iterations:i ~reset:i seed:i", ""},
+    {"macros", "", "macro=macro_definition"},
+    {"macro_definition", "name!:s", "&objects"},
+    {"macro", "name!:s ref!:s", "pose? -target"},
+    {"environment", "-name:s", "gravitation? ground? &objects pointLightSource ambientLight?"},
+    {"gravitation", "x:n y:n z:n", ""},
+    {"ground", "-fixed:b -fog:b -fogIntensity:n", "-visualisation"},
+    {"pointLightSource", "name:s x!:n y!:n z!:n colour!:c brightness!:0 -draw:b -size:n", ""},
+    {"ambientLight", "-colour:c brightness!:0", ""},
+    {"box", "name!:s -visualise:b", "dimension=box_dimension! &parts"},
+    {"sphere", "name!:s -visualise:b", "dimension=sphere_dimension! &parts"},
+    {"cylinder", "name!:s -visualise:b", "dimension=round_dimension! &parts"},
+    {"capsule", "name!:s -visualise:b", "dimension=round_dimension! &parts"},
+    {"composite", "name!:s -visualise:b", "geometry! &parts"},
+    {"geometry", "", "box=box sphere=sphere cylinder=cylinder capsule=capsule ~ply"},
+    {"box_dimension", "width!:+ depth!:+ height!:+", ""},
+    {"sphere_dimension", "radius!:+", ""},
+    {"round_dimension", "radius!:+ height!:+", ""},
+    {"pose", "x:n y:n z:n alpha:n beta:n gamma:n type:deg|rad global:b", ""},
+    {"physics", "",
+     "mass? centreOfMass? friction=factor? ~rollingFriction? ~linearDamping? ~angularDamping? "
+     "restitution=factor?"},
+    {"mass", "kg!:0", ""},
+    {"centreOfMass", "x:n y:n z:n", ""},
+    {"factor", "value!:0", ""},
+    {"robots", "", "robot"},
+    {"robot", "name!:s", "body! pose? actuators? sensors? ~controller?"},
+    {"body", "~selfCollide:b", "&objects"},
+    {"actuators", "", "hinge slider fixed ~generic ~muscle"},
+    {"hinge",
+     "name!:s type!:velocity|angular|force|force_and_velocity|force_and_angle mode!:active|passive "
+     "friction:0",
+     "&driven"},
+    {"slider", "name!:s type!:positional|velocity|force|force_and_velocity mode!:active|passive friction:0",
+     "&driven"},
+    {"fixed", "name!:s", "source=reference! destination=reference? -pose"},
+    {"reference", "name!:s", ""},
+    {"most", "max!:0 ~scaling:n", ""},
+    {"deflection", "min!:n max!:n", ""},
+    {"sensors", "",
+     "proximity position=coordinate_sensor orientation=coordinate_sensor ov=coordinate_sensor "
+     "oav=coordinate_sensor "
+     "velocity=joint_sensor deflection=joint_sensor ldr binaryContact ~generic ~muscle ~camera ~ambientLight "
+     "~internalEnergy ~sharpDM2Y3A003K0F ~sharpGP2D12_37 ~feedback ~signal"},
+    {"proximity", "name!:s", "pose! distance! openingAngles! &sensed"},
+    {"distance", "meter!:+", ""},
+    {"openingAngles", "x!:0 y!:0", ""},
+    {"coordinate_sensor", "name!:s -global:b", "-coordinates ~domain &sensed"},
+    {"joint_sensor", "name!:s", "-domain &sensed"},
+    {"ldr", "name!:s opening!:0", "pose! ~colour &sensed"},
+    {"binaryContact", "name!:s", "-domain &sensed"},
+};
+
+constexpr Rule kPaper[] = {
+    {"&weight", "mass:0 friction:0 bounce:0 colour:c", ""},
+    {"&shapes", "", "box=shape_box sphere=shape_sphere cylinder=shape_round capsule=shape_round"},
+    {"rosiml", "version:s", "-comment simulator? environment? movables!"},
+    {"simulator",
+     "frequency:+ ~controllerFrequency:+ seed:i duration:+ mode:realtime|lockstep|free speed:n gravity:+",
+     "~window? ~camera? ~keys?"},
+    {"environment", "",
+     "ground? ambient? light box=thing_box sphere=thing_sphere cylinder=thing_round "
+     "capsule=thing_round object=thing"},
+    {"ground", "width:+ depth:+ friction:0 colour:c", ""},
+    {"ambient", "value!:0", "randomise=random_value?"},
+    {"light", "name:s x!:n y!:n z!:n power:0 colour:c shadows:b", "randomise=random_place?"},
+    {"thing_box", "name!:s width!:+ depth!:+ height!:+ &weight", "pose? randomise?"},
+    {"thing_sphere", "name!:s radius!:+ &weight", "pose? randomise?"},
+    {"thing_round", "name!:s radius!:+ height!:+ &weight", "pose? randomise?"},
+    {"thing", "name!:s &weight", "pose? randomise? &shapes"},
+    {"pose", "x:n y:n z:n alpha:n beta:n gamma:n type:deg|rad", ""},
+    {"randomise", "x:r y:r z:r gamma:r mass:r friction:r", ""},
+    {"random_value", "value!:r", ""},
+    {"random_place", "x:r y:r z:r power:r", ""},
+    {"shape_box", "width!:+ depth!:+ height!:+ colour:c", "pose?"},
+    {"shape_sphere", "radius!:+ colour:c", "pose?"},
+    {"shape_round", "radius!:+ height!:+ colour:c", "pose?"},
+    {"movables", "", "movable"},
+    {"movable", "name!:s type!:active|passive|controlled|moving colour:c",
+     "pose? randomise=random_start? controller? body!"},
+    {"random_start", "x:r y:r gamma:r", ""},
+    {"controller", "library!:s", "parameter"},
+    {"parameter", "name!:s value!:n", ""},
+    {"body", "", "compound object connector"},
+    {"compound", "name!:s", "pose? compound object connector"},
+    {"object", "name!:s mass!:0 friction:0 bounce:0 colour:c",
+     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy ~ambientLight "
+     "-position -orientation"},
+    {"proximity", "name!:s range!:+ opening:0 rays:i noise:0", "pose?"},
+    {"ldr", "name!:s opening:0", "pose?"},
+    {"compass", "name!:s noise:0", ""},
+    {"contact", "name!:s", ""},
+    {"imu", "name!:s", "pose?"},
+    {"sharp", "name!:s model!:gp2d12|dm2y3a003k0f", "pose?"},
+    {"camera_sensor", "name!:s width:i height:i opening:+", "pose?"},
+    {"connector", "name!:s type!:hinge|slider|ball|fixed|hinge2|complexHinge source!:s destination:s",
+     "pose? limit? drive? spring? damper=joint_factor? friction=joint_factor? read ~backlash ~rotor "
+     "~coupling ~pwm "
+     "~noise"},
+    {"limit", "min!:n max!:n", ""},
+    {"drive", "type:velocity|position|force maxForce!:+ maxVelocity!:+", ""},
+    {"spring", "stiffness!:0 rest:n", ""},
+    {"joint_factor", "value!:0", ""},
+    {"read", "what!:position|velocity|force|current|energy", ""},
+};
+
+constexpr std::string_view kOther = "is not used here";
+
+constexpr NotYet kNotYet[] = {
+    {"screens", "coopdyn's page and its cameras show the simulation", kOther},
+    {"window", "coopdyn's page shows the simulation", kOther},
+    {"keys", "coopdyn's page has its own", kOther},
+    {"traces", "the page draws trails", kOther},
+    {"logging", "record the run, and export it: coopdyn serve --record, coopdyn export", kOther},
+    {"signals", "they are left out"},
+    {"reset", "reset the run with coopdyn reset, or a new seed"},
+    {"ply", "meshes of this form are not read: each is a ball of 5 cm with its mass"},
+    {"rollingFriction", "friction of sliding alone counts"},
+    {"linearDamping", "bodies move without it"},
+    {"angularDamping", "bodies turn without it"},
+    {"selfCollide", "parts of one robot do not touch each other"},
+    {"generic", "joints of six axes and their sensors are left out, and their bodies are loose"},
+    {"muscle", "muscles and their sensors are left out, and their bodies are loose"},
+    {"mapping", "values go over the wire in SI units, as they are"},
+    {"domain", "values go over the wire in SI units, as they are"},
+    {"noise", "values have none"},
+    {"filter", "values are not filtered"},
+    {"pid", "the motor reaches its velocity within its force"},
+    {"scaling", "the force is the same everywhere"},
+    {"colour", "light counts whatever its colour"},
+    {"controller",
+     "classes of YARS and its channels are not loaded: a client drives the robot, or one of coopdyn's "
+     "controllers "
+     "by --set ROBOT_1.controller=NAME"},
+    {"controllerFrequency", "a controller is asked in each step"},
+    {"backlash", "it is left out"},
+    {"rotor", "it is left out"},
+    {"coupling", "it is left out"},
+    {"pwm", "the motor has one greatest force and velocity"},
+};
+
+}  // namespace
+
+std::span<const Rule> RulesOf(Dialect dialect) {
+  if (dialect == Dialect::kPaper) return kPaper;
+  return kPublic;
+}
+
+std::span<const NotYet> NotSimulatedYet() {
+  return kNotYet;
+}
+
+}  // namespace coopdyn::rosiml

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT
+// The grammar 0.8 of the public YARS.
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "server/base/printable.h"
+#include "server/base/words.h"
+#include "server/rosiml/lines.h"
+#include "server/rosiml/reader.h"
+
+namespace coopdyn::rosiml {
+
+namespace {
+
+class PublicReader : Reader {
+ public:
+  using Reader::Reader;
+
+  Experiment Read(const Element& root) {
+    if (!Text(root, "version").starts_with("0.8") && !Text(root, "version").empty())
+      Warn(root, "version " + Printable(Text(root, "version")) +
+                     " is read as 0.8: a word that has changed is not found");
+    if (const Element* simulator = Child(root, "simulator")) ReadSimulator(*simulator);
+    if (const Element* macros = Child(root, "macros"))
+      ForEachChild(*macros, [this](const Element& macro) { NoteMacro(macro); });
+    if (const Element* environment = Child(root, "environment")) ReadEnvironment(*environment);
+    if (const Element* robots = Child(root, "robots")) {
+      ForEachChild(*robots, [this](const Element& robot) {
+        if (std::string_view(robot.Name()) == "robot") ReadRobot(robot);
+      });
+    }
+    // There all friction is the product of two, and the ground's is 1: with the lesser of two, as here, it
+    // must not be the ground's.
+    experiment_.floor.push_back({"friction 1000", root.GetLineNum()});
+    return std::move(experiment_);
+  }
+
+ private:
+  void ReadSimulator(const Element& simulator) {
+    const double frequency_hz = Number(simulator, "frequency", 100);
+    if (const auto step = StepOf(simulator, frequency_hz)) experiment_.simulation.push_back(*step);
+    const Element* control = Child(simulator, "control");
+    if (control == nullptr) return;
+    const int line = control->GetLineNum();
+    const double iterations = Number(*control, "iterations", -1);
+    if (iterations > 0)
+      experiment_.simulation.push_back({"duration " + Exact(iterations / frequency_hz), line});
+    if (Number(*control, "seed", -1) >= 0)
+      experiment_.simulation.push_back({"seed " + Exact(Number(*control, "seed", 0)), line});
+  }
+
+  void NoteMacro(const Element& macro) {
+    const std::string name = Text(macro, "name");
+    const auto [first, is_new] = macros_.emplace(name, &macro);
+    if (!is_new && !name.empty())
+      Error(macro, "there are two macros '" + Printable(name) + "' (the first in line " +
+                       std::to_string(first->second->GetLineNum()) + "): give one another name");
+  }
+
+  void ReadEnvironment(const Element& environment) {
+    if (const Element* gravity = Child(environment, "gravitation")) ReadGravity(*gravity);
+    ForEachChild(environment, [this](const Element& child) {
+      const std::string_view kind = child.Name();
+      if (kind == "pointLightSource") {
+        Light light;
+        light.p_W = PoseOf(child).p;
+        light.colour = Colour(child, "colour");
+        light.power = Number(child, "brightness", 1);
+        light.line = child.GetLineNum();
+        experiment_.lights.push_back(std::move(light));
+      } else if (kind == "ambientLight") {
+        experiment_.simulation.push_back(
+            {"ambient_light " + Exact(Number(child, "brightness", 0)), child.GetLineNum()});
+      } else if (IsObject(kind) && kind != "ply") {
+        Movable all;  // a macro may have several
+        ReadObject(child, Pose{}, "", all, 0);
+        for (Body& body : all.bodies) {
+          Movable thing;
+          thing.name = body.name;
+          thing.line = body.line;
+          thing.bodies.push_back(std::move(body));
+          experiment_.things.push_back(std::move(thing));
+        }
+      }
+    });
+  }
+
+  void ReadGravity(const Element& gravity) {
+    const double z = Number(gravity, "z", 0);
+    if (Number(gravity, "x", 0) != 0 || Number(gravity, "y", 0) != 0 || z >= 0) {
+      Error(gravity,
+            "gravity acts downwards here: write x=\"0\" y=\"0\" and a z below 0, for example z=\"-9.81\"");
+      return;
+    }
+    experiment_.simulation.push_back({"gravity " + Exact(-z), gravity.GetLineNum()});
+  }
+
+  static bool IsObject(std::string_view kind) {
+    for (const char* object : {"box", "sphere", "cylinder", "capsule", "ply", "composite", "macro"}) {
+      if (kind == object) return true;
+    }
+    return false;
+  }
+
+  /// A body, or those of a macro, moved by X_WO; their names begin with `prefix`.
+  void ReadObject(const Element& object, const Pose& X_WO, const std::string& prefix, Movable& movable,
+                  int depth) {
+    const std::string_view kind = object.Name();
+    const std::string name = prefix + Text(object, "name");
+    const Pose X_WB = X_WO * PoseIn(object);
+    if (kind == "macro") return ReadMacro(object, X_WB, name, movable, depth);
+    Body body;
+    body.name = name;
+    body.X_WB = X_WB;
+    body.line = object.GetLineNum();
+    std::vector<std::pair<const Element*, Pose>> parts;
+    const Element* geometry = kind == "composite" ? Child(object, "geometry") : nullptr;
+    if (geometry != nullptr) {
+      ForEachChild(*geometry, [&](const Element& part) {
+        if (IsObject(part.Name())) parts.emplace_back(&part, PoseIn(part));
+      });
+      if (parts.empty()) Error(object, "<geometry> of a composite needs a shape, for example <box>");
+    } else if (kind != "composite") {
+      parts.emplace_back(&object, Pose{});
+    }
+    for (const auto& [part, X_BG] : parts) body.parts.push_back(PartOf(*part, X_BG));
+    ReadPhysics(object, body);
+    const std::vector<Part> shapes = body.parts;
+    if (!Add(movable, std::move(body), object)) {
+      is_full_ = true;
+      return;
+    }
+    AddName(movable, name, X_WB, object);
+    for (std::size_t i = 0; geometry != nullptr && i < shapes.size(); ++i) {
+      const std::string part_name = prefix + Text(*parts[i].first, "name");
+      AddName(movable, part_name, X_WB * shapes[i].X_BG, *parts[i].first);
+    }
+  }
+
+  static Part PartOf(const Element& object, const Pose& X_BG) {
+    Part part;
+    const Element* lengths = Child(object, "dimension");
+    constexpr double kPlaceholder_m = 0.05;  // of a mesh that is not read
+    part.shape = Sphere{kPlaceholder_m};
+    if (lengths != nullptr) part.shape = ShapeOf(object.Name(), *lengths);
+    part.X_BG = X_BG;
+    const Element* physics = Child(object, "physics");
+    part.mass_kg = physics == nullptr ? 1 : NumberIn(*physics, "mass", "kg", 1);
+    part.line = object.GetLineNum();
+    return part;
+  }
+
+  static void ReadPhysics(const Element& object, Body& body) {
+    for (const Part& part : body.parts) body.mass_kg += part.mass_kg;
+    const Element* physics = Child(object, "physics");
+    if (physics == nullptr) return;
+    if (NumberIn(*physics, "mass", "kg", 1) == 0) body.mass_kg = 0;
+    body.friction = NumberIn(*physics, "friction", "value", 0);
+    body.restitution = NumberIn(*physics, "restitution", "value", 0);
+    if (const Element* centre = Child(*physics, "centreOfMass")) body.centre_of_mass = PoseOf(*centre).p;
+  }
+
+  void ReadMacro(const Element& use, const Pose& X_WM, const std::string& prefix, Movable& movable,
+                 int depth) {
+    constexpr int kMaxDepth = 10, kMaxUses = 10'000;
+    const std::string ref = Text(use, "ref");
+    const auto macro = macros_.find(ref);
+    if (macro == macros_.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, element] : macros_) names.push_back(name);
+      if (!ref.empty()) Error(use, "there is no macro '" + Printable(ref) + "'" + DidYouMean(ref, names));
+      return;
+    }
+    if (is_full_) return;
+    if (depth >= kMaxDepth || ++uses_ > kMaxUses) {
+      Error(use, depth >= kMaxDepth ? "macros inside macros, more than 10 deep: does one use itself?"
+                                    : "macros are used more than 10,000 times");
+      is_full_ = true;
+      return;
+    }
+    ForEachChild(*macro->second, [&](const Element& object) {
+      if (IsObject(object.Name()) && !is_full_) ReadObject(object, X_WM, prefix, movable, depth + 1);
+    });
+  }
+
+  void ReadRobot(const Element& element) {
+    Movable robot;
+    robot.name = Text(element, "name");
+    robot.line = element.GetLineNum();
+    robot.is_robot = true;
+    robot.X_WM = PoseIn(element);
+    if (const Element* body = Child(element, "body")) {
+      ForEachChild(*body, [&](const Element& object) {
+        if (IsObject(object.Name())) ReadObject(object, robot.X_WM, "", robot, 0);
+      });
+    }
+    if (robot.bodies.empty()) Error(element, "the robot has no body: write at least one <box>, <sphere>, …");
+    if (const Element* actuators = Child(element, "actuators"))
+      ForEachChild(*actuators, [&](const Element& actuator) { ReadActuator(actuator, robot); });
+    if (const Element* sensors = Child(element, "sensors"))
+      ForEachChild(*sensors, [&](const Element& sensor) { ReadSensor(sensor, robot); });
+    experiment_.robots.push_back(std::move(robot));
+  }
+
+  void ReadActuator(const Element& element, Movable& robot) {
+    const std::string_view kind = element.Name();
+    if (kind != "hinge" && kind != "slider" && kind != "fixed") return;
+    Joint joint;
+    joint.name = Text(element, "name");
+    joint.line = element.GetLineNum();
+    joint.kind = kind == "hinge"    ? Joint::Kind::kHinge
+                 : kind == "slider" ? Joint::Kind::kSlider
+                                    : Joint::Kind::kFixed;
+    const Element* destination = Child(element, "destination");
+    const Named* const source = Find(robot, TextIn(element, "source", "name"), element);
+    const Named* const to =
+        destination == nullptr ? nullptr : Find(robot, Text(*destination, "name"), *destination);
+    if (source == nullptr || (destination != nullptr && to == nullptr)) return;
+    joint.source = source->body;
+    if (to != nullptr) joint.destination = to->body;
+    joint.X_WJ = source->X_WN;
+    if (const Element* pose = Child(element, "pose"))
+      joint.X_WJ = Flag(*pose, "global", false) ? PoseOf(*pose) : source->X_WN * PoseOf(*pose);
+    if (joint.kind != Joint::Kind::kFixed) ReadMotor(element, joint);
+    AddJoint(robot, std::move(joint), element);
+  }
+
+  void ReadMotor(const Element& element, Joint& joint) {
+    const std::string type = Text(element, "type");
+    const bool is_active = Text(element, "mode") == "active";
+    const bool to_position = type == "angular" || type == "positional" || type == "force and angle";
+    // Its motor turns the source; its angle is that of the destination. One bound to the world has but one
+    // body.
+    joint.counts_source = joint.destination == Joint::kWorld || (is_active && !to_position);
+    joint.is_wheel = is_active && type == "velocity";
+    joint.max_effort = NumberIn(element, "force", "max", 0);
+    joint.max_velocity = NumberIn(element, "velocity", "max", 0);
+    joint.is_driven = is_active && joint.max_effort > 0 && joint.max_velocity > 0;
+    if (is_active && !joint.is_driven)
+      Warn(element, "the joint '" + Printable(joint.name) +
+                        "' has no motor: its force and its velocity must be above 0");
+    if (!is_active) joint.friction = Number(element, "friction", 0);
+    const Element* deflection = Child(element, "deflection");
+    if (deflection == nullptr) return;
+    const double unit = joint.kind == Joint::Kind::kHinge ? kRadPerDeg : 1;
+    double least = Number(*deflection, "min", 0) * unit, most = Number(*deflection, "max", 0) * unit;
+    if (least > most) {
+      Error(*deflection, "'min' of <deflection> must not lie above 'max'");
+      return;
+    }
+    // The stops are those of the angle of the destination, whatever the motor turns.
+    if (is_active && !to_position && joint.destination != Joint::kWorld) {
+      std::swap(least, most);
+      least = -least;
+      most = -most;
+    }
+    joint.limit = {least, most};
+  }
+
+  void ReadSensor(const Element& element, Movable& robot) {
+    const std::string_view kind = element.Name();
+    const std::string object = TextIn(element, "object", "name");
+    if (kind == "velocity" || kind == "deflection") return CheckJoint(element, object, robot);
+    const bool is_known = kind == "proximity" || kind == "ldr" || kind == "binaryContact" ||
+                          kind == "position" || kind == "orientation" || kind == "ov" || kind == "oav";
+    const Named* const at = is_known ? Find(robot, object, element) : nullptr;
+    if (at == nullptr) return;
+    Sensor sensor;
+    sensor.name = Text(element, "name");
+    sensor.body = at->body;
+    sensor.line = element.GetLineNum();
+    const Pose X_WS = at->X_WN * PoseIn(element);
+    sensor.X_WS = {X_WS.p, LookAlong(X_WS.q * Vector3::UnitZ())};
+    if (kind == "proximity") {
+      sensor.kind = Sensor::Kind::kProximity;
+      sensor.range_m = NumberIn(element, "distance", "meter", 1);
+      sensor.opening_deg = 2 * NumberIn(element, "openingAngles", "x", 0);
+      constexpr int kRays = 5;
+      sensor.rays = sensor.opening_deg > 0 ? kRays : 1;
+    } else if (kind == "ldr") {
+      sensor.kind = Sensor::Kind::kLight;
+      sensor.opening_deg = 2 * Number(element, "opening", 0);
+    } else if (kind == "binaryContact") {
+      sensor.kind = Sensor::Kind::kContact;
+    } else if (kind == "oav") {
+      sensor.kind = Sensor::Kind::kImu;
+      sensor.X_WS = at->X_WN;
+    } else {
+      // Each robot's module `pose` tells them of its base.
+      if (at->body != 0 && !said_pose_) {
+        Warn(element, "<" + std::string(kind) +
+                          "> of another body than the robot's base is not simulated yet: the module pose "
+                          "tells that of the base");
+        said_pose_ = true;
+      }
+      return;
+    }
+    robot.sensors.push_back(std::move(sensor));
+  }
+
+  /// Motors tell their positions and velocities themselves.
+  void CheckJoint(const Element& element, const std::string& name, const Movable& robot) {
+    std::vector<std::string> names;
+    for (const Joint& joint : robot.joints) {
+      names.push_back(joint.name);
+      if (joint.name != name) continue;
+      if (!joint.is_driven)
+        Warn(element, "a sensor of a joint without a motor is not simulated yet: '" + Printable(name) +
+                          "' has no module");
+      return;
+    }
+    if (!name.empty() && !names.empty())
+      Warn(element,
+           "there is no joint '" + Printable(name) + "' that is simulated" + DidYouMean(name, names));
+  }
+
+  Experiment experiment_;
+  std::map<std::string, const Element*> macros_;
+  int uses_ = 0;          // of macros
+  bool is_full_ = false;  // they go too deep, or make too many bodies
+  bool said_pose_ = false;
+};
+
+}  // namespace
+
+Experiment ReadPublic(const Element& root, const std::string& file, Diagnostics& diagnostics) {
+  return PublicReader(file, diagnostics).Read(root);
+}
+
+}  // namespace coopdyn::rosiml

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "server/rosiml/reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "server/base/printable.h"
+#include "server/base/words.h"
+#include "server/rosiml/lines.h"
+
+namespace coopdyn::rosiml {
+
+Shape Reader::ShapeOf(std::string_view kind, const Element& lengths) {
+  // What is missing or wrong has been reported.
+  constexpr double kLeast_m = 1e-4, kMost_m = 1e3;
+  const auto length = [&](const char* name) {
+    return std::clamp(Number(lengths, name, 1), kLeast_m, kMost_m);
+  };
+  if (kind == "box") return Box{Vector3(length("width"), length("depth"), length("height"))};
+  if (kind == "cylinder") return Cylinder{length("radius"), length("height")};
+  if (kind == "capsule") return Capsule{length("radius"), length("height")};
+  return Sphere{length("radius")};
+}
+
+Quaternion Reader::LookAlong(const Vector3& direction) {
+  const Vector3 x = direction.normalized();
+  const bool steep = std::abs(x.z()) > 1 - 1e-9;
+  const Vector3 y = steep ? Vector3(Vector3::UnitY()) : Vector3(Vector3::UnitZ().cross(x).normalized());
+  Matrix3 axes;
+  axes << x, y, x.cross(y);
+  return Quaternion(axes).normalized();
+}
+
+bool Reader::Add(Movable& movable, Body body, const Element& at) {
+  constexpr int kMost = 10'000;
+  const int before = bodies_;
+  bodies_ += 1 + static_cast<int>(body.parts.size());
+  if (bodies_ <= kMost) {
+    movable.bodies.push_back(std::move(body));
+    return true;
+  }
+  if (before <= kMost)
+    Error(at, "an experiment has at most " + std::to_string(kMost) +
+                  " bodies and parts of them, with macros written out");
+  return false;
+}
+
+void Reader::AddName(Movable& movable, const std::string& name, const Pose& X_WN, const Element& at) {
+  const auto same = std::ranges::find(movable.names, name, &Named::name);
+  if (same != movable.names.end() && !name.empty()) {
+    Error(at, "there are two objects '" + Printable(name) + "' in '" + Printable(movable.name) +
+                  "' (the first in line " + std::to_string(same->line) + "): give one another name");
+    return;
+  }
+  movable.names.push_back({name, static_cast<int>(movable.bodies.size()) - 1, X_WN, at.GetLineNum()});
+}
+
+const Named* Reader::Find(const Movable& movable, const std::string& name, const Element& at) {
+  if (name.empty()) return nullptr;  // reported before
+  const auto found = std::ranges::find(movable.names, name, &Named::name);
+  if (found != movable.names.end()) return &*found;
+  std::vector<std::string> names;
+  for (const Named& one : movable.names) names.push_back(one.name);
+  Error(at, "there is no object '" + Printable(name) + "' in '" + Printable(movable.name) + "'" +
+                DidYouMean(name, names));
+  return nullptr;
+}
+
+void Reader::AddJoint(Movable& movable, Joint joint, const Element& at) {
+  const auto same = std::ranges::find(movable.joints, joint.name, &Joint::name);
+  if (same != movable.joints.end()) {
+    Error(at, "there are two joints '" + Printable(joint.name) + "' (the first in line " +
+                  std::to_string(same->line) + "): give one another name");
+    return;
+  }
+  if (joint.source == joint.destination) {
+    Error(at, "the joint '" + Printable(joint.name) + "' joins a body with itself");
+    return;
+  }
+  movable.joints.push_back(std::move(joint));
+}
+
+std::optional<Setting> Reader::StepOf(const Element& simulator, double frequency_hz) {
+  constexpr double kMicro = 1e6, kLeast_us = 500, kMost_us = 100'000;
+  const double step_us = std::round(kMicro / frequency_hz);
+  if (!(step_us >= kLeast_us && step_us <= kMost_us)) {
+    Error(simulator, "'frequency' must lie between 10 and 2000 steps a second");
+    return std::nullopt;
+  }
+  if (std::abs(step_us * frequency_hz / kMicro - 1) > 1e-9)
+    Warn(simulator, "a step has whole microseconds: it is " + Exact(step_us) + " µs");
+  return Setting{"step " + Exact(step_us / 1000) + "ms", simulator.GetLineNum()};
+}
+
+}  // namespace coopdyn::rosiml

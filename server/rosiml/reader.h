@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// What the readers of both grammars share. One thread.
+#pragma once
+
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "server/base/diagnostics.h"
+#include "server/rosiml/experiment.h"
+#include "server/rosiml/xml.h"
+
+namespace coopdyn::rosiml {
+
+inline constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+Experiment ReadPublic(const Element& root, const std::string& file, Diagnostics& diagnostics);
+Experiment ReadPaper(const Element& root, const std::string& file, Diagnostics& diagnostics);
+
+class Reader {
+ public:
+  Reader(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+
+  void Error(const Element& at, std::string text) {
+    diagnostics_.Error({file_, at.GetLineNum()}, std::move(text));
+  }
+  void Warn(const Element& at, std::string text) {
+    diagnostics_.Warning({file_, at.GetLineNum()}, std::move(text));
+  }
+
+  /// box, sphere, cylinder or capsule with the lengths that `lengths` has.
+  static Shape ShapeOf(std::string_view kind, const Element& lengths);
+  /// Its orientation looks along `direction`, level if it can.
+  static Quaternion LookAlong(const Vector3& direction);
+
+  /// Adds a body; false, and reported, once there are more than an experiment may have.
+  bool Add(Movable& movable, Body body, const Element& at);
+  /// Gives the last body, or a part of it, a name. Reports one that another has.
+  void AddName(Movable& movable, const std::string& name, const Pose& X_WN, const Element& at);
+  /// The body or part called so; null, and reported, if there is none.
+  const Named* Find(const Movable& movable, const std::string& name, const Element& at);
+  /// Reports a joint of a body with itself; adds any other.
+  void AddJoint(Movable& movable, Joint joint, const Element& at);
+  /// The line `step` for so many steps a second.
+  std::optional<Setting> StepOf(const Element& simulator, double frequency_hz);
+
+ private:
+  const std::string& file_;
+  Diagnostics& diagnostics_;
+  int bodies_ = 0;  // and parts, of the whole experiment
+};
+
+}  // namespace coopdyn::rosiml

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "server/rosiml/translate.h"
+
+#include <algorithm>
+
+#include "server/rosiml/grammar.h"
+#include "server/rosiml/reader.h"
+#include "server/rosiml/write_scenario.h"
+#include "server/rosiml/xml.h"
+
+namespace coopdyn::rosiml {
+
+bool IsExperiment(std::string_view text) {
+  constexpr std::string_view kSpaces = " \t\r\n";
+  for (;;) {
+    text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
+    const bool comment = text.starts_with("<!--");
+    if (!comment && !text.starts_with("<?") && !text.starts_with("<!DOCTYPE")) break;
+    const std::string_view end = comment ? "-->" : ">";
+    const std::size_t at = text.find(end, comment ? 4 : 2);
+    if (at == std::string_view::npos) return false;
+    text.remove_prefix(at + end.size());
+  }
+  constexpr std::string_view kRoot = "<rosiml";
+  return text.starts_with(kRoot) && text.find_first_of(" \t\r\n/>") == kRoot.size();
+}
+
+std::optional<Translation> Translate(std::string_view text, const std::string& file,
+                                     const std::string& prefix, Diagnostics& diagnostics) {
+  Diagnostics found(file);
+  tinyxml2::XMLDocument document;
+  std::optional<Translation> made;
+  if (const Element* root = Parse(text, file, document, found)) {
+    const Dialect dialect = DialectOf(*root);
+    CheckGrammar(*root, dialect, file, found);
+    const Experiment experiment =
+        dialect == Dialect::kPaper ? ReadPaper(*root, file, found) : ReadPublic(*root, file, found);
+    if (!found.has_errors()) made = WriteScenario(experiment, file, prefix, found);
+  }
+  diagnostics.Append(found);
+  return found.has_errors() ? std::nullopt : std::move(made);
+}
+
+}  // namespace coopdyn::rosiml

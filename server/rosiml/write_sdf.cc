@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+#include "server/rosiml/write_sdf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "server/base/printable.h"
+#include "server/rosiml/names.h"
+
+namespace coopdyn::rosiml {
+
+namespace {
+
+std::string Tag(const char* tag, const std::string& text) {
+  return std::string("<") + tag + ">" + text + "</" + tag + ">";
+}
+
+std::string GeometryOf(const Shape& shape) {
+  std::string inside;
+  if (const auto* box = std::get_if<Box>(&shape)) {
+    inside = Tag("box", Tag("size", Places(box->size_m)));
+  } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    inside = Tag("sphere", Tag("radius", Exact(sphere->radius_m)));
+  } else {
+    const auto* cylinder = std::get_if<Cylinder>(&shape);
+    const auto* capsule = std::get_if<Capsule>(&shape);
+    const double radius = cylinder != nullptr ? cylinder->radius_m : capsule->radius_m;
+    const double length = cylinder != nullptr ? cylinder->length_m : capsule->length_m;
+    inside = Tag(cylinder != nullptr ? "cylinder" : "capsule",
+                 Tag("radius", Exact(radius)) + Tag("length", Exact(length)));
+  }
+  return Tag("geometry", inside);
+}
+
+class SdfWriter {
+ public:
+  SdfWriter(const Movable& movable, const Model& model, const std::string& file, Diagnostics& diagnostics)
+      : movable_(movable), model_(model), file_(file), diagnostics_(diagnostics) {}
+
+  WrittenModel Write(const std::string& name) {
+    Add(movable_.line, "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\">");
+    Add(movable_.line, "<model name=\"" + name + "\">");
+    for (const int body : model_.bodies) WriteBody(body);
+    WriteStill();
+    for (std::size_t i = 0; i < model_.links.size(); ++i) WriteJoint(i);
+    WriteDrive();
+    WriteSensors();
+    Module(movable_.line, "pose", "pose");
+    Add(movable_.line, "</model>");
+    Add(movable_.line, "</sdf>");
+    return std::move(written_);
+  }
+
+ private:
+  static std::size_t Index(int i) { return static_cast<std::size_t>(i); }
+  const Body& BodyOf(int body) const { return movable_.bodies[Index(body)]; }
+  void Add(int line, const std::string& text) { written_.sdf.Add(line, text); }
+  void Warn(int line, std::string text) { diagnostics_.Warning({file_, line}, std::move(text)); }
+
+  void Module(int line, const char* type, const std::string& name) {
+    Add(line, std::string("<coopdyn:module type=\"") + type + "\" name=\"" + name + "\"/>");
+    written_.has_modules = written_.has_modules || std::string_view(type) != "pose";
+  }
+
+  void WriteBody(int index) {
+    const Body& body = BodyOf(index);
+    const std::string& name = links_.emplace(index, names_.New(body.name)).first->second;
+    Add(body.line, "<link name=\"" + name + "\">");
+    Add(body.line, Tag("pose", Places(model_.X_WR.Inverse() * body.X_WB)));
+    WriteInertia(body);
+    int number = 0;
+    for (const Part& part : body.parts) {
+      const std::string shape = Tag("pose", Places(part.X_BG)) + GeometryOf(part.shape);
+      const std::string part_name = "\"s" + std::to_string(++number) + "\"";
+      std::string surface = Tag("friction", Tag("ode", Tag("mu", Exact(body.friction))));
+      if (body.restitution > 0)
+        surface += Tag("bounce", Tag("restitution_coefficient", Exact(std::min(body.restitution, 1.0))));
+      Add(part.line, "<collision name=" + part_name + ">" + shape + Tag("surface", surface) + "</collision>");
+      std::string colour = part.colour.empty() ? body.colour : part.colour;
+      if (colour.empty() && !movable_.is_robot) colour = "0.6 0.6 0.6";
+      Add(part.line, "<visual name=" + part_name + (colour.empty() ? " coopdyn:color=\"robot\"" : "") + ">" +
+                         shape + (colour.empty() ? "" : Tag("material", Tag("diffuse", colour + " 1"))) +
+                         "</visual>");
+    }
+    Add(body.line, "</link>");
+  }
+
+  void WriteInertia(const Body& body) {
+    // What stands fixed has any mass.
+    double mass_kg = body.mass_kg;
+    std::vector<double> masses;
+    for (const Part& part : body.parts) masses.push_back(mass_kg > 0 ? part.mass_kg : 1);
+    double sum = 0;
+    for (const double mass : masses) sum += mass;
+    if (mass_kg <= 0) mass_kg = sum > 0 ? sum : 1;
+    Vector3 centre = Vector3::Zero();
+    for (std::size_t i = 0; i < masses.size() && sum > 0; ++i)
+      centre += masses[i] / sum * body.parts[i].X_BG.p;
+    Matrix3 inertia = Matrix3::Zero();
+    for (std::size_t i = 0; i < masses.size(); ++i) {
+      const Part& part = body.parts[i];
+      const Matrix3 R = part.X_BG.q.toRotationMatrix();
+      const Vector3 d = part.X_BG.p - centre;
+      inertia += R * SolidInertia(part.shape, masses[i]).asDiagonal() * R.transpose() +
+                 masses[i] * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
+    }
+    if (body.centre_of_mass) centre = *body.centre_of_mass;
+    Add(body.line,
+        "<inertial>" + Tag("pose", Places(Pose{centre, Quaternion::Identity()})) +
+            Tag("mass", Exact(mass_kg)) +
+            Tag("inertia", Tag("ixx", Exact(inertia(0, 0))) + Tag("iyy", Exact(inertia(1, 1))) +
+                               Tag("izz", Exact(inertia(2, 2))) + Tag("ixy", Exact(inertia(0, 1))) +
+                               Tag("ixz", Exact(inertia(0, 2))) + Tag("iyz", Exact(inertia(1, 2)))) +
+            "</inertial>");
+  }
+
+  /// What stands fixed hangs on the first of it, and that on the world.
+  void WriteStill() {
+    for (std::size_t i = 0; i < model_.still.size(); ++i) {
+      const int line = BodyOf(model_.still[i]).line;
+      const std::string parent = i == 0 ? "world" : links_[model_.still.front()];
+      Add(line, "<joint name=\"" + names_.New("held") + "\" type=\"fixed\">" + Tag("parent", parent) +
+                    Tag("child", links_[model_.still[i]]) + "</joint>");
+    }
+  }
+
+  void WriteJoint(std::size_t index) {
+    const Model::Link& link = model_.links[index];
+    const Joint& joint = movable_.joints[Index(link.joint)];
+    constexpr std::pair<Joint::Kind, const char*> kTypes[] = {{Joint::Kind::kHinge, "revolute"},
+                                                              {Joint::Kind::kSlider, "prismatic"},
+                                                              {Joint::Kind::kBall, "ball"},
+                                                              {Joint::Kind::kFixed, "fixed"}};
+    const char* type = "fixed";
+    for (const auto& [kind, word] : kTypes) {
+      if (kind == joint.kind) type = word;
+    }
+    const std::string name = names_.New(joint.name);
+    joint_names_.push_back(name);
+    const Body& child = BodyOf(link.child);
+    Pose X_CJ = child.X_WB.Inverse() * joint.X_WJ;
+    X_CJ.q = Quaternion::Identity();
+    std::string text = "<joint name=\"" + name + "\" type=\"" + type + "\">" +
+                       Tag("parent", link.parent == Joint::kWorld ? "world" : links_[link.parent]) +
+                       Tag("child", links_[link.child]) + Tag("pose", Places(X_CJ));
+    if (joint.kind == Joint::Kind::kHinge || joint.kind == Joint::Kind::kSlider) text += AxisOf(joint, link);
+    Add(joint.line, text + "</joint>");
+    written_.has_modules = written_.has_modules || joint.is_driven;
+  }
+
+  std::string AxisOf(const Joint& joint, const Model::Link& link) {
+    Vector3 axis = model_.X_WR.q.conjugate() * (joint.X_WJ.q * Vector3::UnitX());
+    if (link.is_turned) axis = -axis;
+    std::string limit;
+    const bool is_far = joint.limit && joint.kind == Joint::Kind::kHinge && !joint.is_driven &&
+                        (joint.limit->first < -std::numbers::pi || joint.limit->second > std::numbers::pi);
+    if (is_far)
+      Warn(joint.line,
+           "stops of '" + Printable(joint.name) + "' beyond 180 degrees need a motor: it has none");
+    if (joint.limit && !is_far)
+      limit += Tag("lower", Exact(joint.limit->first)) + Tag("upper", Exact(joint.limit->second));
+    if (joint.is_driven)
+      limit += Tag("effort", Exact(joint.max_effort)) + Tag("velocity", Exact(joint.max_velocity));
+    std::string dynamics;
+    if (joint.damping > 0) dynamics += Tag("damping", Exact(joint.damping));
+    if (joint.friction > 0) dynamics += Tag("friction", Exact(joint.friction));
+    if (joint.stiffness > 0)
+      dynamics +=
+          Tag("spring_reference", Exact(joint.rest)) + Tag("spring_stiffness", Exact(joint.stiffness));
+    return "<axis><xyz expressed_in=\"__model__\">" + Places(axis) + "</xyz>" +
+           (limit.empty() ? "" : Tag("limit", limit)) + (dynamics.empty() ? "" : Tag("dynamics", dynamics)) +
+           "</axis>";
+  }
+
+  void WriteDrive() {
+    if (!model_.wheels) return;
+    const auto& [left, right] = *model_.wheels;
+    const int line = movable_.joints[Index(model_.links[Index(left)].joint)].line;
+    Add(line, "<coopdyn:drive left_joint=\"" + joint_names_[Index(left)] + "\" right_joint=\"" +
+                  joint_names_[Index(right)] + "\"/>");
+    Module(line, "motors", "motors");
+  }
+
+  bool IsHere(const Sensor& sensor) const { return links_.contains(sensor.body); }
+
+  /// link="…" pose="…" of a sensor.
+  std::string PlaceOf(const Sensor& sensor) {
+    const Pose X_BS = BodyOf(sensor.body).X_WB.Inverse() * sensor.X_WS;
+    return " link=\"" + links_[sensor.body] + "\" pose=\"" + Places(X_BS) + "\"";
+  }
+
+  void WriteSensors() {
+    using Kind = Sensor::Kind;
+    // A distance sensor sits on the base; elsewhere a cone measures.
+    WriteAll("distance_sensors", "distance", [this](const Sensor& one) {
+      if (one.kind != Kind::kProximity || !model_.is_base[Index(one.body)]) return std::string();
+      return "<coopdyn:sector pose=\"" + Places(model_.X_WR.Inverse() * one.X_WS) + "\" max_range=\"" +
+             Exact(one.range_m) + "\" opening_deg=\"" + Exact(std::min(one.opening_deg, 360.0)) +
+             "\" rays=\"" + std::to_string(std::clamp(one.rays, one.opening_deg > 0 ? 2 : 1, 1000)) + "\"" +
+             (one.noise > 0 ? " noise_stddev=\"" + Exact(one.noise) + "\"" : "") + "/>";
+    });
+    WriteAll("sonar", "sonar", [this](const Sensor& one) {
+      if (one.kind != Kind::kProximity || model_.is_base[Index(one.body)]) return std::string();
+      return "<coopdyn:beam" + PlaceOf(one) + " max_range=\"" + Exact(one.range_m) + "\" opening_deg=\"" +
+             Exact(std::min(one.opening_deg, 170.0)) + "\"/>";
+    });
+    WriteAll("light", "light", [this](const Sensor& one) {
+      if (one.kind != Kind::kLight) return std::string();
+      return "<coopdyn:eye" + PlaceOf(one) + " opening_deg=\"" +
+             Exact(one.opening_deg < 360 ? one.opening_deg : 0) + "\"/>";
+    });
+    for (const Sensor& one : movable_.sensors) {
+      if (IsHere(one)) WriteOne(one);
+    }
+  }
+
+  /// One module for all sensors of a kind; `write` gives the line of each, or nothing.
+  template <typename Write>
+  void WriteAll(const std::string& element, const char* type, Write write) {
+    MadeText all;
+    for (const Sensor& one : movable_.sensors) {
+      const std::string text = IsHere(one) ? write(one) : "";
+      if (!text.empty()) all.Add(one.line, text);
+    }
+    if (all.lines.empty()) return;
+    const int line = all.lines.front();
+    Add(line, "<coopdyn:" + element + ">");
+    written_.sdf.text += all.text;
+    written_.sdf.lines.insert(written_.sdf.lines.end(), all.lines.begin(), all.lines.end());
+    Add(line, "</coopdyn:" + element + ">");
+    Module(line, type, type);
+  }
+
+  /// A module of its own.
+  void WriteOne(const Sensor& sensor) {
+    using Kind = Sensor::Kind;
+    if (sensor.kind == Kind::kProximity || sensor.kind == Kind::kLight) return;
+    const std::string name = modules_.New(ModuleName(sensor.name));
+    const auto write = [&](const char* type, const std::string& attributes, const std::string& inside = "") {
+      const std::string element = std::string("coopdyn:") + type;
+      Add(sensor.line, "<" + element + " name=\"" + name + "\"" + attributes +
+                           (inside.empty() ? "/>" : ">" + inside + "</" + element + ">"));
+      Module(sensor.line, type, name);
+    };
+    switch (sensor.kind) {
+      case Kind::kCompass:
+        return write("compass", " noise_stddev_deg=\"" + Exact(std::min(sensor.noise, 180.0)) + "\"");
+      case Kind::kContact:
+        return write("contact", " links=\"" + links_[sensor.body] + "\"");
+      case Kind::kImu:
+        return write("imu", PlaceOf(sensor));
+      case Kind::kSharp:
+        return write("infrared", " preset=\"gp2d12\"", "<coopdyn:eye" + PlaceOf(sensor) + "/>");
+      default:
+        return write("camera", PlaceOf(sensor) + " width=\"" + std::to_string(sensor.width) + "\" height=\"" +
+                                   std::to_string(sensor.height) + "\" fov_deg=\"" +
+                                   Exact(sensor.opening_deg) + "\"");
+    }
+  }
+
+  const Movable& movable_;
+  const Model& model_;
+  const std::string& file_;
+  Diagnostics& diagnostics_;
+  WrittenModel written_;
+  Names names_{"world"};
+  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints"};
+  std::map<int, std::string> links_;      // names, by body
+  std::vector<std::string> joint_names_;  // of model_.links
+};
+
+}  // namespace
+
+WrittenModel WriteSdf(const Movable& movable, const Model& model, const std::string& name,
+                      const std::string& file, Diagnostics& diagnostics) {
+  return SdfWriter(movable, model, file, diagnostics).Write(name);
+}
+
+}  // namespace coopdyn::rosiml

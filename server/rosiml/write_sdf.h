@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// A model as SDF with coopdyn's own elements. Pure; any thread.
+#pragma once
+
+#include <string>
+
+#include "server/base/diagnostics.h"
+#include "server/rosiml/connect.h"
+#include "server/rosiml/experiment.h"
+#include "server/rosiml/lines.h"
+
+namespace coopdyn::rosiml {
+
+struct WrittenModel {
+  MadeText sdf;
+  bool has_modules = false;  // that a client or controller has something to do with
+};
+
+WrittenModel WriteSdf(const Movable& movable, const Model& model, const std::string& name,
+                      const std::string& file, Diagnostics& diagnostics);
+
+}  // namespace coopdyn::rosiml

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: MIT
+"""Experiments of YARS: one XML file is served, checked, recorded, sent over a socket and converted."""
+import json
+import unittest
+from pathlib import Path
+
+from harness import Daemon
+from recording import RecordingTestCase, equal_steps, rows, tool
+
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+NAMES = ("braitenberg", "double_pendulum", "lightseeker")
+STEPS = 200  # in 2 s
+
+# A crate and a ball that stand elsewhere with each seed, and a robot that clients drive.
+EXPERIMENT = """<?xml version="1.0"?>
+<rosiml version="1.0">
+  <simulator frequency="100" mode="free" seed="5"/>
+  <environment>
+    <ground width="10" depth="10"/>
+    <sphere name="ball" radius="0.1" mass="0.3">
+      <pose z="0.1"/>
+      <randomise x="-4 4" y="-4 4"/>
+    </sphere>
+  </environment>
+  <movables>
+    <movable name="arm" type="active">
+      <body>
+        <object name="base" mass="0"><pose z="1"/><box width="0.2" depth="0.2" height="0.2"/></object>
+        <object name="bar" mass="0.5"><pose z="0.6"/><box width="0.05" depth="0.05" height="0.5"/></object>
+        <connector name="swing" type="hinge" source="base" destination="bar">
+          <pose z="-0.1" gamma="90"/>
+          <drive type="position" maxForce="20" maxVelocity="3"/>
+        </connector>
+      </body>
+    </movable>
+  </movables>
+</rosiml>
+"""
+
+
+class ExperimentTest(RecordingTestCase):
+    def setUp(self):
+        super().setUp()
+        self.xml = self.folder / "swing.xml"
+        self.xml.write_text(EXPERIMENT)
+
+    def run_hash(self, scenario, *options):
+        """The hash of the state after some steps without anybody."""
+        summary = self.folder / "summary.json"
+        with Daemon(None, "--mode", "free", "--duration", "2", "--no-render", "--summary", str(summary), *options,
+                    name=str(scenario)) as daemon:
+            daemon.process.wait()
+        return json.loads(summary.read_text())["hash"]
+
+    def test_it_is_served_and_its_robot_driven(self):
+        with Daemon(None, name=str(self.xml)) as daemon:
+            joints = daemon.text("/arm/joints")
+            joints.must("set_positions 0.5")
+            self.assertEqual(daemon.status()["scenario"], "swing")
+
+    def test_it_is_found_by_its_bare_name(self):
+        with Daemon(None, "--scenarios", str(self.folder), name="swing") as daemon:
+            self.assertEqual(daemon.status()["scenario"], "swing")
+
+    def test_its_recording_has_the_xml_and_verifies(self):
+        self.run_hash(self.xml, "--record", str(self.file))
+        self.assertEqual(equal_steps(self.file), STEPS)
+        self.assertEqual(rows(self.file, "SELECT content FROM text WHERE kind = 'scenario'"), [(EXPERIMENT,)])
+
+    def test_each_seed_has_a_world_of_its_own(self):
+        self.assertNotEqual(self.run_hash(self.xml, "--seed", "1"), self.run_hash(self.xml, "--seed", "2"))
+        self.assertEqual(self.run_hash(self.xml, "--seed", "2"), self.run_hash(self.xml, "--seed", "2"))
+
+    def test_a_setting_changes_it_and_its_recording_verifies(self):
+        self.run_hash(self.xml, "--set", "ball.mass=2", "--record", str(self.file))
+        self.assertEqual(equal_steps(self.file), STEPS)
+        (text,), = rows(self.file, "SELECT content FROM text WHERE kind = 'scenario'")
+        self.assertTrue(text.endswith("[SET]\nball.mass 2\n"), text[-100:])
+
+    def test_it_is_loaded_over_a_socket(self):
+        with Daemon() as daemon:
+            simulation = daemon.text("/simulation")
+            simulation.must("load_scenario " + json.dumps(EXPERIMENT))
+            daemon.text("/arm/joints").must("get_joints")
+
+    def test_a_reset_with_a_seed_draws_anew(self):
+        with Daemon(None, name=str(self.xml)) as daemon:
+            simulation = daemon.text("/simulation")
+            hashes = []
+            for seed in (8, 9, 8):
+                simulation.must("pause")
+                simulation.must(f"reset {seed}")
+                hashes.append(daemon.status()["hash"])
+            self.assertEqual(hashes[0], hashes[2])
+            self.assertNotEqual(hashes[0], hashes[1])
+
+    def test_check_says_all_mistakes_with_their_lines(self):
+        self.xml.write_text(EXPERIMENT.replace('frequency="100"', 'frequncy="100"').replace('radius="0.1"', 'radius="-1"'))
+        code, said = tool("check", self.xml)
+        self.assertEqual(code, 1)
+        self.assertIn("swing.xml:3: error: unknown attribute 'frequncy' in <simulator>; did you mean 'frequency'?", said)
+        self.assertIn("swing.xml:6: error: 'radius' in <sphere> is a number above 0, not '-1'", said)
+
+    def test_what_the_models_reader_refuses_is_said_at_the_line_of_the_xml(self):
+        self.xml.write_text(EXPERIMENT.replace('mass="0.5"', 'mass="1e-9"'))
+        code, said = tool("check", self.xml)
+        self.assertEqual(code, 1)
+        self.assertRegex(said, r"^\S+swing\.xml:15: error: robot 'arm': [^\n]*\n$")
+
+    def test_garbage_is_an_error(self):
+        self.xml.write_bytes(b"\xff\xfe<rosiml" * 1000)
+        self.assertEqual(tool("check", self.xml)[0], 1)
+        self.xml.write_text("<!DOCTYPE a [<!ENTITY b 'bb'>]><rosiml version='1'>&b;</rosiml>")
+        code, said = tool("check", self.xml)
+        self.assertEqual(code, 1)
+        self.assertIn("a DOCTYPE and entities are not read", said)
+
+
+class ConvertTest(RecordingTestCase):
+    run_hash = ExperimentTest.run_hash
+
+    def test_a_converted_experiment_runs_alike(self):
+        for name in NAMES:
+            with self.subTest(name):
+                out = self.folder / name
+                code, said = tool("convert", SCENARIOS / f"{name}.xml", "--out", out)
+                self.assertEqual(code, 0, said)
+                self.assertEqual(self.run_hash(SCENARIOS / f"{name}.xml"), self.run_hash(out / f"{name}.scenario"))
+
+    def test_nothing_that_is_there_is_overwritten(self):
+        out = self.folder / "out"
+        self.assertEqual(tool("convert", "lightseeker", "--out", out)[0], 0)
+        code, said = tool("convert", "lightseeker", "--out", out)
+        self.assertEqual(code, 1)
+        self.assertIn("is there already", said)
+
+    def test_an_experiment_with_mistakes_is_not_converted(self):
+        xml = self.folder / "wrong.xml"
+        xml.write_text("<rosiml version='1'><movabels/></rosiml>")
+        code, said = tool("convert", xml, "--out", self.folder / "out")
+        self.assertEqual(code, 1)
+        self.assertIn("did you mean 'movables'?", said)
+        self.assertFalse((self.folder / "out").exists())
+
+
+class ShippedTest(unittest.TestCase):
+    def test_every_shipped_experiment_is_right(self):
+        names = sorted(path.stem for path in SCENARIOS.glob("*.xml"))
+        self.assertEqual(names, sorted(NAMES))
+        for name in names:
+            code, said = tool("check", name)
+            self.assertEqual(code, 0, said)
+            self.assertNotIn("warning", said)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// An experiment of YARS as a scenario.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/model/readers.h"
+#include "server/model/settings.h"
+#include "tests/source_dir.h"
+
+namespace coopdyn {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kXml =
+    "<rosiml version=\"1.0\">\n<environment>\n<sphere name=\"ball\" radius=\"0.1\" mass=\"1\">\n"
+    "<pose x=\"2\" z=\"0.1\"/><randomise x=\"1 3\"/>\n</sphere>\n</environment>\n<movables>\n"
+    "<movable name=\"m\" type=\"active\">\n<body><object name=\"a\" mass=\"1\"><pose z=\"0.5\"/>"
+    "<sphere radius=\"0.5\"/></object></body>\n</movable>\n</movables>\n</rosiml>\n";
+
+SearchPath Shipped() {
+  return {{SourceDir()}};
+}
+
+TEST(ExperimentTest, ItsKeptTextIsTheXmlAndItsRobotsAreSources) {
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  const auto scenario = ReadScenario(kXml, "x.xml", robots, false, diagnostics);
+  ASSERT_NE(scenario, nullptr) << diagnostics.ToString();
+  EXPECT_EQ(scenario->text, kXml);
+  ASSERT_EQ(scenario->sources.size(), 1u);
+  EXPECT_EQ(scenario->sources[0].name, "x.m");
+}
+
+TEST(ExperimentTest, ItsTextAndSourcesGiveTheSameScenarioAgain) {
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  const auto first = ReadScenario(kXml, "x.xml", robots, false, diagnostics, 7);
+  ASSERT_NE(first, nullptr) << diagnostics.ToString();
+  RobotLibrary embedded(SearchPath{}, first->sources);
+  const auto again = ReadScenario(first->text, first->file, embedded, false, diagnostics, 7);
+  ASSERT_NE(again, nullptr) << diagnostics.ToString();
+  ASSERT_EQ(again->objects.size(), 1u);
+  EXPECT_EQ(again->objects[0].X_WO.p, first->objects[0].X_WO.p);
+  EXPECT_EQ(again->robots[0].model->text, first->robots[0].model->text);
+}
+
+TEST(ExperimentTest, AChangedTextOfOneNameHasItsNewRobot) {
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  ASSERT_NE(ReadScenario(kXml, "x.xml", robots, false, diagnostics), nullptr);
+  std::string changed = kXml;
+  changed.replace(changed.find("radius=\"0.5\""), 12, "radius=\"0.4\"");
+  const auto scenario = ReadScenario(changed, "x.xml", robots, false, diagnostics);
+  ASSERT_NE(scenario, nullptr) << diagnostics.ToString();
+  EXPECT_NEAR(scenario->robots[0].model->footprint_radius_m, 0.4, 1e-12);
+}
+
+TEST(ExperimentTest, AMistakeThatTheScenarioShowsHasTheLineOfTheXml) {
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  std::string wrong = kXml;
+  wrong.replace(wrong.find("mass=\"1\""), 8, "mass=\"1e-9\"");
+  EXPECT_EQ(ReadScenario(wrong, "x.xml", robots, false, diagnostics), nullptr);
+  EXPECT_THAT(diagnostics.ToString(), HasSubstr("x.xml:3: error: "));
+}
+
+TEST(ExperimentTest, SettingsChangeItAndStandBehindTheXml) {
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  const std::string text = WithSettings(kXml, {"ball.mass=3", "SCORE_1.kind=distance"}, diagnostics);
+  EXPECT_EQ(SettingsIn(text), (Settings{"ball.mass=3", "score_1.kind=distance"}));
+  const auto scenario = ReadScenario(text, "x.xml", robots, false, diagnostics);
+  ASSERT_NE(scenario, nullptr) << diagnostics.ToString();
+  EXPECT_EQ(scenario->objects[0].mass_kg, 3);
+  EXPECT_EQ(scenario->scores.size(), 1u);
+}
+
+TEST(ExperimentTest, ItsFileMayBeNamedBehindIt) {
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  const auto scenario = ReadScenario(kXml + "# file: swing.xml\n", "(text)", robots, true, diagnostics);
+  ASSERT_NE(scenario, nullptr) << diagnostics.ToString();
+  EXPECT_EQ(scenario->name, "swing");
+}
+
+TEST(ExperimentTest, ABareNameFindsIt) {
+  EXPECT_TRUE(Shipped().FindScenario("lightseeker").has_value());
+}
+
+TEST(ExperimentTest, ARobotOfItIsATypeForOtherScenarios) {
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  const std::string file = SourceDir() + "/scenarios/lightseeker.xml";
+  const auto model = robots.Get(file + "#seeker", {"x.scenario", 1}, diagnostics, SourceDir());
+  ASSERT_NE(model, nullptr) << diagnostics.ToString();
+  EXPECT_NE(model->drive(), nullptr);
+  EXPECT_EQ(robots.Get(file + "#seekr", {"x.scenario", 1}, diagnostics, SourceDir()), nullptr);
+  EXPECT_THAT(diagnostics.ToString(), HasSubstr("did you mean 'seeker'?"));
+}
+
+}  // namespace
+}  // namespace coopdyn

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// Texts that mean harm: an error each, at once.
+#include "tests/server/rosiml/made.h"
+
+namespace coopdyn::rosiml {
+namespace {
+
+std::string Times(int count, const std::string& text) {
+  std::string out;
+  for (int i = 0; i < count; ++i) out += text;
+  return out;
+}
+
+TEST(HostileTest, ADoctypeIsRefused) {
+  EXPECT_HAS(
+      Said("<?xml version=\"1.0\"?>\n<!-- <!DOCTYPE> -->\n<!DOCTYPE a [<!ENTITY b \"bb\">]>\n<rosiml/>"),
+      "x.xml:3: error: a DOCTYPE and entities are not read");
+}
+
+TEST(HostileTest, ADeclarationFurtherInsideIsRefused) {
+  EXPECT_HAS(
+      Said("<rosiml version=\"0.8\"><!ENTITY b \"bb\"><simulator frequency=\"100\"/><robots/></rosiml>"),
+      "a declaration <!…> is not read");
+}
+
+TEST(HostileTest, GarbageIsNoXml) {
+  EXPECT_HAS(Said("<rosiml <<<"), "not well-formed XML");
+  EXPECT_HAS(Said(""), "not well-formed XML");
+  EXPECT_HAS(Said("<html/>"), "an experiment starts with <rosiml");
+}
+
+TEST(HostileTest, TenMegabytesAreRefusedUnread) {
+  EXPECT_HAS(Said(std::string(10u << 20, 'x')), "at most 4 MiB");
+}
+
+TEST(HostileTest, ElementsWithoutNumberAreRefused) {
+  EXPECT_HAS(Said("<rosiml version=\"1\">" + Times(60'000, "<a/>") + "</rosiml>"), "at most 50000 elements");
+}
+
+TEST(HostileTest, MistakesWithoutNumberEnd) {
+  EXPECT_HAS(Said("<rosiml version=\"1\">" + Times(40'000, "<a/>\n") + "</rosiml>"), "error");
+}
+
+TEST(HostileTest, ElementsInsideEachOtherWithoutEndAreRefused) {
+  EXPECT_HAS(
+      Said(Paper("", "<movable name=\"m\" type=\"active\"><body>" + Times(20'000, "<compound name=\"c\">") +
+                         Times(20'000, "</compound>") + "</body></movable>")),
+      "not well-formed XML (XML_ELEMENT_DEPTH_EXCEEDED)");
+}
+
+TEST(HostileTest, NumbersThatAreNoneOrHugeAreErrors) {
+  for (const char* number : {"nan", "inf", "-inf", "1e400", "1e30", "0x10", "", "1,5", "1 2"}) {
+    const std::string pose = "<pose x=\"" + std::string(number) + "\"/>";
+    EXPECT_HAS(Said(Public(Ball("b", pose))), "error: 'x' in <pose> is") << number;
+  }
+}
+
+TEST(HostileTest, TwoNamesAlikeAreAnError) {
+  EXPECT_HAS(Said(Public("", Robot(Ball("a") + Ball("a")))), "there are two objects 'a' in 'r'");
+}
+
+TEST(HostileTest, ThingsOfOneNameGetTwo) {
+  const std::string text = Made(Public(Ball("a") + Ball("A") + Ball("floor") + Ball("ä"))).scenario.text;
+  for (const char* name : {"[a]", "[A_2]", "[m_floor]", "[m__]"}) EXPECT_HAS(text, name);
+}
+
+TEST(HostileTest, ThousandsOfThingsOfOneNameTakeNoTime) {
+  const std::string text = Made(Public(Times(4000, Ball("a")))).scenario.text;
+  EXPECT_HAS(text, "[a_4000]");
+}
+
+TEST(HostileTest, RobotsWithoutNumberAreAnError) {
+  const std::string robot = "<capsule name=\"c\"><dimension radius=\"1\" height=\"1\"/><physics/></capsule>";
+  EXPECT_HAS(Said(Public(Times(400, robot))), "at most 300 robots");
+}
+
+TEST(HostileTest, AMacroThatUsesItselfIsAnError) {
+  EXPECT_HAS(Said(Public("<macro name=\"x\" ref=\"m\"/>", "",
+                         "<macro name=\"m\"><macro name=\"y\" ref=\"m\"/></macro>")),
+             "does one use itself?");
+}
+
+TEST(HostileTest, MacrosThatMultiplyAreAnError) {
+  std::string macros = "<macro name=\"m0\">" + Ball("b") + "</macro>";
+  for (int i = 1; i < 9; ++i) {
+    macros += "<macro name=\"m" + std::to_string(i) + "\">";
+    for (int use = 0; use < 20; ++use)
+      macros += "<macro name=\"x" + std::to_string(use) + "_\" ref=\"m" + std::to_string(i - 1) + "\"/>";
+    macros += "</macro>";
+  }
+  EXPECT_HAS(Said(Public("<macro name=\"x\" ref=\"m8\"/>", "", macros)), "at most 10000 bodies");
+}
+
+TEST(HostileTest, MacrosOfNothingThatMultiplyAreAnError) {
+  std::string macros = "<macro name=\"m0\"></macro>";
+  for (int i = 1; i < 9; ++i) {
+    const std::string use = "<macro name=\"x\" ref=\"m" + std::to_string(i - 1) + "\"/>";
+    macros += "<macro name=\"m" + std::to_string(i) + "\">" + Times(20, use) + "</macro>";
+  }
+  EXPECT_HAS(Said(Public("<macro name=\"x\" ref=\"m8\"/>", "", macros)), "more than 10,000 times");
+}
+
+TEST(HostileTest, AJointOfABodyWithItselfIsAnError) {
+  EXPECT_HAS(Said(Public("", Robot(Ball("a"), Motor("type=\"angular\" mode=\"active\"", "a", "a")))),
+             "the joint 'j' joins a body with itself");
+}
+
+TEST(HostileTest, ARingOfJointsIsOneRobot) {
+  std::string joints;
+  const std::pair<const char*, const char*> ring[] = {{"a", "b"}, {"b", "c"}, {"c", "a"}};
+  for (const auto& [from, to] : ring) {
+    std::string joint = Motor("type=\"angular\" mode=\"active\"", from, to);
+    joint.replace(joint.find("\"j\""), 3, "\"" + std::string(from) + to + "\"");
+    joints += joint;
+  }
+  const Translation made = Made(Public("", Robot(Ball("a") + Ball("b") + Ball("c"), joints)));
+  ASSERT_EQ(made.models.size(), 1u);
+  EXPECT_EQ(made.models[0].sdf.lines.size(),
+            static_cast<std::size_t>(
+                std::count(made.models[0].sdf.text.begin(), made.models[0].sdf.text.end(), '\n')));
+}
+
+TEST(HostileTest, TextInNamesStaysOutOfWhatIsWritten) {
+  const Translation made = Made(Public("", Robot(Ball("a&quot;/&gt;&#10;[ROBOT_9]"))));
+  EXPECT_HAS_NOT(made.models.at(0).sdf.text, "[ROBOT_9]");
+  EXPECT_HAS(made.models.at(0).sdf.text, "<link name=\"a_____ROBOT_9_\">");
+}
+
+TEST(HostileTest, AControllerCannotBringLinesOfItsOwn) {
+  const std::string xml =
+      "<movable name=\"m\" type=\"controlled\"><controller library=\"a&#10;[SET]\"/><body><object name=\"a\" "
+      "mass=\"1\"><pose z=\"1\"/><sphere radius=\"0.1\"/></object></body></movable>";
+  EXPECT_HAS(Said(Paper("", xml)), "is no name of letters, digits and _");
+}
+
+}  // namespace
+}  // namespace coopdyn::rosiml

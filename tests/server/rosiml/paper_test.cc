@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// RoSiML as the YARS paper tells it.
+#include "tests/server/rosiml/made.h"
+
+namespace coopdyn::rosiml {
+namespace {
+
+/// A movable with an object and what else its body has.
+std::string Movable(const std::string& attributes, const std::string& more = "",
+                    const std::string& before = "") {
+  return "<movable name=\"m\" " + attributes + ">" + before +
+         "<body><object name=\"a\" mass=\"2\"><pose z=\"0.5\"/><sphere radius=\"0.5\"/></object>" + more +
+         "</body></movable>";
+}
+
+std::string Connector(const std::string& type, const std::string& inside = "") {
+  return "<object name=\"b\" mass=\"1\"><pose z=\"2\"/><sphere radius=\"0.2\"/></object>"
+         "<connector name=\"j\" type=\"" +
+         type + "\" source=\"a\" destination=\"b\">" + inside + "</connector>";
+}
+
+TEST(PaperTest, ARandomisedPoseIsDrawnAtEachReset) {
+  const std::string text =
+      Made(Paper("<box name=\"crate\" width=\"1\" depth=\"1\" height=\"1\"><pose z=\"0.5\"/>"
+                 "<randomise x=\"-2 2\" y=\"1\" gamma=\"-90 90\" mass=\"1 2\"/></box>"))
+          .scenario.text;
+  EXPECT_HAS(text,
+             "[RANDOM]\ncrate.position uniform -2 2 1 0.5\ncrate.orientation 0 0 uniform -90deg 90deg\n"
+             "crate.mass uniform 1 2\n");
+}
+
+TEST(PaperTest, TheAmbientLightCanBeRandomised) {
+  const std::string text =
+      Made(Paper("<ambient value=\"0.5\"><randomise value=\"0 1\"/></ambient>")).scenario.text;
+  EXPECT_HAS(text, "ambient_light 0.5\n");
+  EXPECT_HAS(text, "SIMULATION.ambient_light uniform 0 1\n");
+}
+
+TEST(PaperTest, ALampCanBeRandomised) {
+  EXPECT_HAS(Made(Paper("<light x=\"1\" y=\"2\" z=\"3\"><randomise x=\"0 4\"/></light>")).scenario.text,
+             "LIGHT_1.position uniform 0 4 2 3\n");
+}
+
+TEST(PaperTest, AnObjectOfSeveralShapesMovesAsOne) {
+  const Translation made = Made(
+      Paper("<object name=\"table\" mass=\"3\"><pose z=\"1\"/><box width=\"1\" depth=\"1\" height=\"0.1\"/>"
+            "<cylinder radius=\"0.05\" height=\"0.9\"><pose z=\"-0.5\"/></cylinder><randomise x=\"-1 "
+            "1\"/></object>"));
+  ASSERT_EQ(made.models.size(), 1u);
+  EXPECT_HAS(made.models[0].sdf.text, "<mass>3</mass>");
+  EXPECT_HAS(made.scenario.text, "ROBOT_1.position uniform -1 1 0 0.05\n");
+}
+
+TEST(PaperTest, AnActiveMovableHasSocketsAndAPassiveOneHasNone) {
+  const std::string motor = Connector("hinge", "<drive maxForce=\"1\" maxVelocity=\"2\"/>");
+  EXPECT_HAS_NOT(Made(Paper("", Movable("type=\"active\"", motor))).scenario.text, "sockets no");
+  const Translation passive = Made(Paper("", Movable("type=\"passive\"", motor)));
+  EXPECT_HAS(passive.scenario.text, "sockets no");
+  EXPECT_HAS_NOT(passive.models.at(0).sdf.text, "<effort>");
+}
+
+TEST(PaperTest, AControlledMovableNamesItsController) {
+  const std::string text =
+      Made(
+          Paper("",
+                Movable(
+                    "type=\"controlled\"", "",
+                    "<controller library=\"wander\"><parameter name=\"speed\" value=\"0.2\"/></controller>")))
+          .scenario.text;
+  EXPECT_HAS(text, "controller wander speed=0.2\n");
+}
+
+TEST(PaperTest, AControlledMovableNeedsAController) {
+  EXPECT_HAS(Said(Paper("", Movable("type=\"controlled\""))), "needs <controller library=\"NAME\"/>");
+}
+
+TEST(PaperTest, ForcesOfAMovingMovableAreNotSimulatedYet) {
+  EXPECT_HAS(Said(Paper("", Movable("type=\"moving\""))), "warning: type 'moving' is not simulated yet");
+}
+
+TEST(PaperTest, CompoundsCarryPosesAndConnectors) {
+  const std::string sdf =
+      Made(
+          Paper("",
+                Movable(
+                    "type=\"active\"",
+                    "<compound name=\"leg\"><pose x=\"1\"/><object name=\"foot\" mass=\"1\"><pose z=\"0.2\"/>"
+                    "<sphere radius=\"0.2\"/></object><connector name=\"hip\" type=\"hinge\" source=\"a\" "
+                    "destination=\"foot\"/></compound>")))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(sdf, "<link name=\"foot\">\n<pose>1 0 0.2 0 0 0</pose>");
+  EXPECT_HAS(sdf, "<joint name=\"hip\" type=\"revolute\"><parent>a</parent><child>foot</child>");
+}
+
+TEST(PaperTest, APositionIsHowTheDestinationTurnsAgainstTheSource) {
+  const std::string sdf =
+      Made(Paper("",
+                 Movable("type=\"active\"", Connector("hinge", "<drive maxForce=\"1\" maxVelocity=\"2\"/>"))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(sdf, "<parent>a</parent><child>b</child>");
+  EXPECT_HAS(sdf, ">1 0 0</xyz><limit><effort>1</effort><velocity>2</velocity></limit>");
+}
+
+TEST(PaperTest, SpringsAndDampersWorkOnAConnector) {
+  const std::string sdf =
+      Made(Paper("", Movable("type=\"active\"",
+                             Connector("slider",
+                                       "<spring stiffness=\"30\" rest=\"0.1\"/><damper value=\"2\"/>"))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(
+      sdf,
+      "<damping>2</damping><spring_reference>0.1</spring_reference><spring_stiffness>30</spring_stiffness>");
+}
+
+TEST(PaperTest, ConnectorsOfOtherTypesAreNotSimulatedYet) {
+  const std::string xml = Paper("", Movable("type=\"active\"", Connector("complexHinge")));
+  EXPECT_HAS(Said(xml), "warning: a connector of type 'complexHinge' is not simulated yet");
+  EXPECT_EQ(Made(xml).models.size(), 2u);
+}
+
+TEST(PaperTest, SensorsAreChildrenOfAnObject) {
+  const std::string sdf =
+      Made(
+          Paper("",
+                "<movable name=\"m\" type=\"active\"><body><object name=\"a\" mass=\"1\"><pose z=\"1\"/>"
+                "<sphere radius=\"0.1\"/><proximity name=\"p\" range=\"2\" opening=\"30\" rays=\"7\" "
+                "noise=\"0.01\"/>"
+                "<compass name=\"north\"/><imu name=\"imu\"/><sharp name=\"ir\" model=\"gp2d12\"/>"
+                "<camera name=\"eye\" width=\"64\" height=\"48\" opening=\"70\"/></object></body></movable>"))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(sdf, "max_range=\"2\" opening_deg=\"30\" rays=\"7\" noise_stddev=\"0.01\"/>");
+  for (const char* module : {"\"compass\" name=\"north\"", "\"imu\" name=\"imu\"", "\"infrared\" name=\"ir\"",
+                             "\"camera\" name=\"eye\""})
+    EXPECT_HAS(sdf, std::string("<coopdyn:module type=") + module);
+}
+
+TEST(PaperTest, TheSharpOfUnknownCurveIsNotSimulatedYet) {
+  EXPECT_HAS(
+      Said(Paper(
+          "",
+          "<movable name=\"m\" type=\"active\"><body><object name=\"a\" mass=\"1\"><pose z=\"1\"/>"
+          "<sphere radius=\"0.1\"/><sharp name=\"ir\" model=\"dm2y3a003k0f\"/></object></body></movable>")),
+      "DM2Y3A003K0F is not simulated yet");
+}
+
+}  // namespace
+}  // namespace coopdyn::rosiml

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+// The grammar 0.8 of the public YARS.
+#include "tests/server/rosiml/made.h"
+
+namespace coopdyn::rosiml {
+namespace {
+
+TEST(PublicTest, AFrequencyIsAStep) {
+  EXPECT_HAS(Made(Public("")).scenario.text, "step 10ms\n");
+}
+
+TEST(PublicTest, IterationsAndTheSeedAreDurationAndSeed) {
+  const std::string xml =
+      "<rosiml version=\"0.8.41\"><simulator frequency=\"200\"><control iterations=\"1000\" "
+      "seed=\"7\"/></simulator>"
+      "<robots/></rosiml>";
+  const std::string text = Made(xml).scenario.text;
+  EXPECT_HAS(text, "duration 5\n");
+  EXPECT_HAS(text, "seed 7\n");
+}
+
+TEST(PublicTest, ABoxIsWidthDepthHeight) {
+  const std::string xml = Public(
+      "<box name=\"wall 1\"><dimension width=\"3\" depth=\"2\" height=\"1\"/><physics><mass "
+      "kg=\"0\"/></physics></box>");
+  EXPECT_HAS(Made(xml).scenario.text, "[wall_1]\ntype box\nsize 3 2 1\n");
+}
+
+TEST(PublicTest, AnglesAreDegreesUnlessTheySayRad) {
+  EXPECT_HAS(Made(Public(Ball("b", "<pose z=\"1\" gamma=\"90\"/>"))).scenario.text,
+             "orientation 0 0 1.570796326795\n");
+  EXPECT_HAS(Made(Public(Ball("b", "<pose z=\"1\" gamma=\"0.5\" type=\"rad\"/>"))).scenario.text,
+             "orientation 0 0 0.5\n");
+}
+
+TEST(PublicTest, AThingWithoutMassStandsFixed) {
+  EXPECT_HAS_NOT(Made(Public(Ball("b", "<pose z=\"1\"/>", "0"))).scenario.text, "mass");
+  EXPECT_HAS(Made(Public(Ball("b", "<pose z=\"1\"/>", "2.5"))).scenario.text, "mass 2.5\n");
+}
+
+TEST(PublicTest, FrictionWithTheGroundIsTheThingsOwn) {
+  // Of two frictions the lesser counts here, there their product; the ground's is 1 there.
+  const std::string text = Made(Public(Ball("b"))).scenario.text;
+  EXPECT_HAS(text, "[FLOOR]\nsize 20 20\nfriction 1000\n");
+  EXPECT_HAS(text, "friction 0\n");
+}
+
+TEST(PublicTest, ALightIsALampWithItsColourAndPower) {
+  const std::string text =
+      Made(Public(
+               "<pointLightSource name=\"l\" x=\"1\" y=\"2\" z=\"3\" colour=\"FF0000\" brightness=\"0.5\"/>"))
+          .scenario.text;
+  EXPECT_HAS(text, "[LIGHT_1]\nposition 1 2 3\ncolor 1.0000 0.0000 0.0000\npower 0.5\n");
+}
+
+TEST(PublicTest, AMacroIsWrittenOutAtEachUse) {
+  const std::string text = Made(Public("<macro name=\"a_\" ref=\"m\"><pose x=\"1\"/></macro><macro "
+                                       "name=\"b_\" ref=\"m\"><pose x=\"2\"/></macro>",
+                                       "", "<macro name=\"m\">" + Ball("ball") + "</macro>"))
+                               .scenario.text;
+  EXPECT_HAS(text, "[a_ball]\ntype sphere\nsize 0.2\nposition 1 0 1\n");
+  EXPECT_HAS(text, "[b_ball]\ntype sphere\nsize 0.2\nposition 2 0 1\n");
+}
+
+TEST(PublicTest, ThePoseOfARobotMovesAllItsBodies) {
+  const Translation made = Made(Public("", Robot(Ball("a"), "", "", "<pose x=\"3\" gamma=\"90\"/>")));
+  EXPECT_HAS(made.scenario.text, "type x.r\nname r\nposition 3 0 0.9\norientation 0 0 1.570796326795\n");
+  EXPECT_HAS(made.models.at(0).sdf.text, "<pose>0 0 0.1 0 0 0</pose>");
+}
+
+TEST(PublicTest, ARobotInTheGroundIsPutOnIt) {
+  const std::string xml = Public("", Robot(Ball("a", "<pose z=\"0.05\"/>")));
+  EXPECT_HAS(Said(xml), "'r' stands 50 mm in the ground");
+  EXPECT_HAS(Made(xml).scenario.text, "position 0 0 0\n");
+}
+
+TEST(PublicTest, ACompositeIsOneBodyWithTheMassOfItsParts) {
+  const std::string composite = "<composite name=\"c\"><geometry>" + Ball("p", "<pose x=\"1\"/>", "1") +
+                                Ball("q", "<pose x=\"-1\"/>", "3") +
+                                "</geometry><pose z=\"1\"/><physics/></composite>";
+  const std::string sdf = Made(Public("", Robot(composite))).models.at(0).sdf.text;
+  EXPECT_HAS(sdf, "<mass>4</mass>");
+  EXPECT_HAS(sdf, "<inertial><pose>-0.5 0 0 0 0 0</pose>");
+}
+
+TEST(PublicTest, AJointMayNameAPartOfAComposite) {
+  const std::string composite =
+      "<composite name=\"c\"><geometry>" + Ball("part") + "</geometry><physics/></composite>";
+  const std::string sdf =
+      Made(Public("", Robot(composite + Ball("b"), Motor("type=\"angular\" mode=\"active\"", "b", "part"))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(sdf, "<parent>c</parent><child>b</child>");
+}
+
+TEST(PublicTest, ABodyWithoutMassFixesTheRobotToTheWorld) {
+  const std::string sdf = Made(Public("", Robot(Ball("a", "<pose z=\"1\"/>", "0")))).models.at(0).sdf.text;
+  EXPECT_HAS(sdf, "type=\"fixed\"><parent>world</parent><child>a</child>");
+}
+
+TEST(PublicTest, AHingeTurnsAboutXOfItsPoseInTheSource) {
+  const std::string two = Ball("a") + Ball("b", "<pose z=\"2\"/>");
+  const std::string sdf = Made(Public("", Robot(two, Motor("type=\"angular\" mode=\"active\"", "a", "b",
+                                                           "<pose z=\"0.5\" gamma=\"90\"/>"))))
+                              .models.at(0)
+                              .sdf.text;
+  EXPECT_HAS(sdf, "<parent>a</parent><child>b</child><pose>0 0 -0.5 0 0 0</pose>");
+  EXPECT_HAS(sdf, "<xyz expressed_in=\"__model__\">0 1 0</xyz>");
+}
+
+TEST(PublicTest, AnAngleIsThatOfTheDestinationAndAVelocityThatOfTheSource) {
+  const std::string two = Ball("a") + Ball("b", "<pose z=\"2\"/>");
+  const auto axis_of = [&](const std::string& type) {
+    const std::string sdf =
+        Made(Public("", Robot(two, Motor("type=\"" + type + "\" mode=\"active\"", "a", "b"))))
+            .models.at(0)
+            .sdf.text;
+    const std::size_t at = sdf.find("__model__\">") + 11;
+    return sdf.substr(at, sdf.find('<', at) - at);
+  };
+  EXPECT_EQ(axis_of("angular"), "1 0 0");
+  EXPECT_EQ(axis_of("velocity"), "-1 0 0");
+}
+
+TEST(PublicTest, ADeflectionIsInDegreesOfAHingeAndInMetresOfASlider) {
+  const std::string two = Ball("a") + Ball("b", "<pose z=\"2\"/>");
+  const std::string limits = "<pose/><deflection min=\"-90\" max=\"45\"/>";
+  const std::string hinge =
+      Made(Public("", Robot(two, Motor("type=\"angular\" mode=\"active\"", "a", "b", limits))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(hinge, "<lower>-1.5707963267948966</lower><upper>0.7853981633974483</upper>");
+  const std::string slider =
+      Made(Public("", Robot(two, Motor("type=\"positional\" mode=\"active\"", "a", "b",
+                                       "<pose/><deflection min=\"-0.5\" max=\"0.25\"/>", "slider"))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(slider, "type=\"prismatic\"");
+  EXPECT_HAS(slider, "<lower>-0.5</lower><upper>0.25</upper><effort>2</effort><velocity>5</velocity>");
+}
+
+TEST(PublicTest, AJointWithoutADestinationHangsOnTheWorld) {
+  const std::string sdf =
+      Made(Public("", Robot(Ball("a"), Motor("type=\"angular\" mode=\"active\"", "a", ""))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(sdf, "<parent>world</parent><child>a</child>");
+}
+
+TEST(PublicTest, APassiveJointHasFrictionAndNoMotor) {
+  const std::string two = Ball("a") + Ball("b", "<pose z=\"2\"/>");
+  const std::string sdf =
+      Made(Public("", Robot(two, Motor("type=\"angular\" mode=\"passive\" friction=\"0.3\"", "a", "b"))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(sdf, "<friction>0.3</friction>");
+  EXPECT_HAS_NOT(sdf, "<effort>");
+}
+
+/// A vehicle with wheels of this radius, the right one so much larger.
+std::string Vehicle(double larger = 0) {
+  const auto wheel = [](const std::string& name, double y, double radius) {
+    return "<sphere name=\"" + name + "\"><dimension radius=\"" + std::to_string(radius) + "\"/><pose y=\"" +
+           std::to_string(y) + "\" z=\"" + std::to_string(radius) +
+           "\"/><physics><friction value=\"1\"/></physics></sphere>";
+  };
+  std::string motors = Motor("type=\"velocity\" mode=\"active\"", "left", "b", "<pose gamma=\"90\"/>") +
+                       Motor("type=\"velocity\" mode=\"active\"", "right", "b", "<pose gamma=\"90\"/>");
+  motors.replace(motors.rfind("\"j\""), 3, "\"k\"");
+  return Robot(
+      Ball("b", "<pose z=\"0.2\"/>") + wheel("left", 0.1, 0.05) + wheel("right", -0.1, 0.05 + larger), motors,
+      "", "<pose x=\"1\" gamma=\"30\"/>");
+}
+
+TEST(PublicTest, TwoWheelsOnOneAxleAreADrive) {
+  const Translation made = Made(Public("", Vehicle()));
+  EXPECT_HAS(made.models.at(0).sdf.text, "<coopdyn:drive left_joint=\"j\" right_joint=\"k\"/>");
+  EXPECT_HAS(made.scenario.text, "position 1 0 0\norientation 0 0 0.523598775598\n");
+}
+
+TEST(PublicTest, UnequalWheelsAreTwoMotors) {
+  EXPECT_HAS_NOT(Made(Public("", Vehicle(0.01))).models.at(0).sdf.text, "coopdyn:drive");
+}
+
+TEST(PublicTest, AProximitySensorLooksAlongItsZ) {
+  const std::string sensor =
+      "<proximity name=\"p\"><object name=\"a\"/><pose x=\"0.1\" beta=\"90\"/><distance meter=\"0.5\"/>"
+      "<openingAngles x=\"20\" y=\"5\"/></proximity>";
+  EXPECT_HAS(Made(Public("", Robot(Ball("a"), "", sensor))).models.at(0).sdf.text,
+             "<coopdyn:sector pose=\"0.1 0 0.1 0 0 0\" max_range=\"0.5\" opening_deg=\"40\" rays=\"5\"/>");
+}
+
+TEST(PublicTest, AProximitySensorOfALimbIsASonar) {
+  const std::string two = Ball("a") + Ball("b", "<pose z=\"2\"/>");
+  const std::string sensor =
+      "<proximity name=\"p\"><object name=\"b\"/><pose beta=\"90\"/><distance meter=\"0.5\"/>"
+      "<openingAngles x=\"20\" y=\"5\"/></proximity>";
+  EXPECT_HAS(Made(Public("", Robot(two, Motor("type=\"angular\" mode=\"active\"", "a", "b"), sensor)))
+                 .models.at(0)
+                 .sdf.text,
+             "<coopdyn:beam link=\"b\" pose=\"0 0 0 0 0 0\" max_range=\"0.5\" opening_deg=\"40\"/>");
+}
+
+TEST(PublicTest, LightAndContactSensorsAreModules) {
+  const std::string sensors =
+      "<ldr name=\"eye\" opening=\"45\"><object name=\"a\"/><pose/><colour value=\"FFFFFF\"/></ldr>"
+      "<binaryContact name=\"Foot 1\"><object name=\"a\"/></binaryContact>";
+  const std::string sdf = Made(Public("", Robot(Ball("a"), "", sensors))).models.at(0).sdf.text;
+  EXPECT_HAS(sdf, "<coopdyn:module type=\"light\" name=\"light\"/>");
+  EXPECT_HAS(sdf, "opening_deg=\"90\"");
+  EXPECT_HAS(sdf, "<coopdyn:contact name=\"foot_1\" links=\"a\"/>");
+}
+
+TEST(PublicTest, WhatIsNotSimulatedYetIsSaidOnceAndTheRestLoads) {
+  const std::string two = Ball("a", "<pose z=\"1\"/>", "0") + Ball("b", "<pose z=\"2\"/>");
+  const std::string xml = Public("", Robot(two, "<muscle name=\"m\"/><muscle name=\"n\"/>"));
+  const std::string said = Said(xml);
+  EXPECT_HAS(said, "warning: <muscle> is not simulated yet: ");
+  EXPECT_HAS(said, "(2 in this file)");
+  EXPECT_EQ(Made(xml).models.size(), 2u);  // its bodies are loose
+}
+
+TEST(PublicTest, ACapsuleInTheEnvironmentIsARobotWithoutSockets) {
+  const std::string text = Made(Public("<capsule name=\"c\"><dimension radius=\"0.1\" height=\"1\"/><pose "
+                                       "z=\"1\"/><physics/></capsule>"))
+                               .scenario.text;
+  EXPECT_HAS(text, "[ROBOT_1]\ntype x.c\nname c\nposition 0 0 0.4\n");
+  EXPECT_HAS(text, "sockets no\n");
+}
+
+TEST(PublicTest, EachLineKnowsWhereItWasWritten) {
+  const Translation made = Made("<rosiml version=\"0.8\">\n<simulator frequency=\"100\"/>\n<environment>\n" +
+                                Ball("b") + "\n</environment>\n<robots/>\n</rosiml>");
+  const std::size_t at = made.scenario.text.find("[b]");
+  const auto line = static_cast<std::size_t>(std::count(
+      made.scenario.text.begin(), made.scenario.text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+  EXPECT_EQ(made.scenario.lines.at(line), 4);
+}
+
+}  // namespace
+}  // namespace coopdyn::rosiml
