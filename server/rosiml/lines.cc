@@ -14,6 +14,10 @@ std::string Exact(double value) {
   return code == std::errc() ? std::string(buffer, end) : std::string("0");
 }
 
+std::string Whole(double value) {
+  return std::to_string(std::llround(value));
+}
+
 std::string Rounded(double value) {
   constexpr double kParts = 1e12;
   return Exact(std::round(value * kParts) / kParts);

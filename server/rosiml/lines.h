@@ -23,6 +23,8 @@ struct MadeText {
 
 /// The shortest decimal number that is this one; 0 for -0.
 std::string Exact(double value);
+/// A whole number with all its digits.
+std::string Whole(double value);
 /// To 1e-12: what is 0 but for rounding reads as 0.
 std::string Rounded(double value);
 /// x y z, rounded so.

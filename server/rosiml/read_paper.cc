@@ -53,7 +53,8 @@ class PaperReader : Reader {
     if (const auto frequency = Number(simulator, "frequency")) {
       if (const auto step = StepOf(simulator, *frequency)) experiment_.simulation.push_back(*step);
     }
-    for (const char* key : {"duration", "speed", "gravity", "seed"}) {
+    if (const auto seed = Number(simulator, "seed")) Simulate(simulator, "seed " + Whole(*seed));
+    for (const char* key : {"duration", "speed", "gravity"}) {
       if (const auto value = Number(simulator, key))
         Simulate(simulator, std::string(key) + " " + Exact(*value));
     }

@@ -46,8 +46,8 @@ class PublicReader : Reader {
     const double iterations = Number(*control, "iterations", -1);
     if (iterations > 0)
       experiment_.simulation.push_back({"duration " + Exact(iterations / frequency_hz), line});
-    if (Number(*control, "seed", -1) >= 0)
-      experiment_.simulation.push_back({"seed " + Exact(Number(*control, "seed", 0)), line});
+    if (const auto seed = Number(*control, "seed"); seed && *seed >= 0)
+      experiment_.simulation.push_back({"seed " + Whole(*seed), line});
   }
 
   void NoteMacro(const Element& macro) {

@@ -83,6 +83,27 @@ class ExperimentTest(RecordingTestCase):
             simulation.must("load_scenario " + json.dumps(EXPERIMENT))
             daemon.text("/arm/joints").must("get_joints")
 
+    def test_it_is_loaded_from_a_file_by_the_command_line(self):
+        with Daemon() as daemon:
+            code, said = tool("load", self.xml, "--server", "127.0.0.1:%d" % daemon.names[1])
+            self.assertEqual(code, 0, said)
+            self.assertEqual(daemon.status()["scenario"], "swing")
+
+    def test_a_reload_reads_the_edited_file(self):
+        with Daemon(None, name=str(self.xml)) as daemon:
+            self.xml.write_text(EXPERIMENT.replace('movable name="arm"', 'movable name="leg"'))
+            daemon.text("/simulation").must("reload")
+            daemon.text("/leg/joints").must("get_joints")
+
+    def test_a_saved_world_names_its_robot_and_loads_again(self):
+        saved = self.folder / "saved.scenario"
+        with Daemon(None, name=str(self.xml)) as daemon:
+            code, said = tool("world", "save", saved, "--server", "127.0.0.1:%d" % daemon.names[1])
+            self.assertEqual(code, 0, said)
+        self.assertIn(f'type "{self.xml}#arm"', saved.read_text())
+        code, said = tool("check", saved)
+        self.assertEqual(code, 0, said)
+
     def test_a_reset_with_a_seed_draws_anew(self):
         with Daemon(None, name=str(self.xml)) as daemon:
             simulation = daemon.text("/simulation")
