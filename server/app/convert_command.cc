@@ -56,13 +56,15 @@ int Convert(const ConvertOptions& options) {
   const std::string name = fs::path(file).stem().string();
   const fs::path out = options.out.empty() ? fs::path(name) : fs::path(options.out);
   const fs::path scenario = out / (name + ".scenario");
-  std::error_code error;
-  if (fs::exists(scenario, error))
-    return Refuse(scenario.string() + " is there already: name another folder with --out");
   std::vector<std::pair<fs::path, std::string>> files;
   for (rosiml::MadeModel& model : made->models)
     files.emplace_back(out / "robots" / model.name / "model.sdf", std::move(model.sdf.text));
   files.emplace_back(scenario, std::move(made->scenario.text));
+  for (const auto& [target, content] : files) {
+    std::error_code error;
+    if (fs::exists(target, error))
+      return Refuse(target.string() + " is there already: name another folder with --out");
+  }
   for (const auto& [target, content] : files) {
     if (!Write(target, content)) return Refuse(target.string() + " cannot be written");
   }

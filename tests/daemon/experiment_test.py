@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Experiments of YARS: one XML file is served, checked, recorded, sent over a socket and converted."""
 import json
+import math
+import re
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -151,9 +154,12 @@ class ConvertTest(RecordingTestCase):
     def test_nothing_that_is_there_is_overwritten(self):
         out = self.folder / "out"
         self.assertEqual(tool("convert", "lightseeker", "--out", out)[0], 0)
-        code, said = tool("convert", "lightseeker", "--out", out)
-        self.assertEqual(code, 1)
-        self.assertIn("is there already", said)
+        for gone in (None, out / "lightseeker.scenario"):
+            if gone:
+                gone.unlink()
+            code, said = tool("convert", "lightseeker", "--out", out)
+            self.assertEqual(code, 1)
+            self.assertIn("is there already", said)
 
     def test_an_experiment_with_mistakes_is_not_converted(self):
         xml = self.folder / "wrong.xml"
@@ -165,6 +171,25 @@ class ConvertTest(RecordingTestCase):
 
 
 class ShippedTest(unittest.TestCase):
+    def test_positive_speeds_of_two_wheels_drive_ahead(self):
+        with Daemon(None, "--mode", "lockstep", name="lightseeker") as daemon:
+            motors, pose = daemon.text("/seeker/motors"), daemon.text("/seeker/pose")
+            motors.must("set_velocity 0.2 0")
+            motors.must("ready 199")
+            x, y, heading = pose.must("get_pose").data[:3]
+            self.assertAlmostEqual(heading, math.radians(20), delta=1e-3)
+            self.assertAlmostEqual(math.atan2(y, x + 2), heading, delta=1e-2)
+            self.assertAlmostEqual(math.hypot(x + 2, y), 0.4, delta=0.01)
+
+    def test_the_example_of_the_manual_is_right(self):
+        text = (SCENARIOS.parent / "docs" / "yars.md").read_text()
+        with tempfile.TemporaryDirectory() as folder:
+            xml = Path(folder) / "manual.xml"
+            xml.write_text(re.search(r"```xml\n(.*?)```", text, re.S).group(1))
+            code, said = tool("check", xml)
+            self.assertEqual(code, 0, said)
+            self.assertNotIn("warning", said)
+
     def test_every_shipped_experiment_is_right(self):
         names = sorted(path.stem for path in SCENARIOS.glob("*.xml"))
         self.assertEqual(names, sorted(NAMES))
