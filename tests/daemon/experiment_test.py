@@ -41,6 +41,34 @@ EXPERIMENT = """<?xml version="1.0"?>
 """
 
 
+# A ball on a slider without a motor, whose axis points down: it can fall half a metre.
+FALL = """<rosiml version="0.8.41">
+  <simulator frequency="1000"/>
+  <robots>
+    <robot name="tower">
+      <body>
+        <box name="top"><dimension width="0.1" depth="0.1" height="0.1"/><pose z="2"/><physics><mass kg="0"/></physics></box>
+        <sphere name="ball"><dimension radius="0.1"/><pose x="0.5" z="1.5"/><physics><mass kg="0.1"/></physics></sphere>
+      </body>
+      <actuators>
+        <slider name="rail" type="positional" mode="passive">
+          <source name="top"/>
+          <destination name="ball"/>
+          <force max="0"/>
+          <velocity max="0"/>
+          <pose beta="90"/>
+          <deflection min="-0.1" max="0.5"/>
+        </slider>
+      </actuators>
+      <sensors>
+        <oav name="imu"><object name="ball"/></oav>
+      </sensors>
+    </robot>
+  </robots>
+</rosiml>
+"""
+
+
 class ExperimentTest(RecordingTestCase):
     def setUp(self):
         super().setUp()
@@ -117,6 +145,18 @@ class ExperimentTest(RecordingTestCase):
                 hashes.append(daemon.status()["hash"])
             self.assertEqual(hashes[0], hashes[2])
             self.assertNotEqual(hashes[0], hashes[1])
+
+    def test_a_slider_without_a_motor_falls_to_its_stop(self):
+        self.xml.write_text(FALL)
+        with Daemon(None, "--mode", "free", name=str(self.xml)) as daemon:
+            simulation, imu = daemon.text("/simulation"), daemon.text("/tower/imu")
+            simulation.must("pause")
+            simulation.must("reset 1")
+            stop = math.sqrt(2 * 0.5 / 9.81)  # s
+            simulation.must(f"step {int(1000 * stop) - 5}")
+            self.assertAlmostEqual(imu.must("get_imu").data[9], 0, delta=0.01)
+            simulation.must("step 100")
+            self.assertAlmostEqual(imu.must("get_imu").data[9], 9.81, delta=0.01)
 
     def test_check_says_all_mistakes_with_their_lines(self):
         self.xml.write_text(EXPERIMENT.replace('frequency="100"', 'frequncy="100"').replace('radius="0.1"', 'radius="-1"'))
