@@ -314,8 +314,8 @@ void Session::FinishIfDone() {
     in_.Clear();
     out_.AddReply(
         ErrorReply(command::kUnreadable, Error::kMalformed,
-                   "the connection ended in the middle of a message, which was not executed: a line "
-                   "ends with a newline"));
+                   "the connection ended in the middle of a message, which was not executed (a line of text "
+                   "ends with a newline)"));
     Flush();
   }
   if (out_.empty()) HardClose();

@@ -13,17 +13,26 @@ void CommandBoard::NoteSampleTaken(std::uint64_t id, const std::string& name, st
   {
     const MutexLock lock(mutex_);
     const bool was_ready = programs_.empty() || IsReady();
-    Reader& reader = readers_[id];
-    const bool of_this_run = last_frame_ == nullptr || step <= last_frame_->step;  // not from before a reset
-    reader = {name, of_this_run ? step : reader.taken, static_cast<std::uint64_t>(every)};
+    const std::uint64_t last = last_frame_ == nullptr ? 0 : last_frame_->step;
+    // Steps that ended while a reader began are not sent to it.
+    Reader& reader =
+        readers_.try_emplace(id, Reader{name, last, static_cast<std::uint64_t>(every)}).first->second;
+    // A later step is the one whose end is about to be told, or of a run before a reset.
+    if (step <= last + 1) reader.taken = std::max(reader.taken, step);
     became_ready = !was_ready && IsReady();
   }
   if (became_ready && all_ready_hook_) all_ready_hook_();
 }
 
 void CommandBoard::ForgetReader(std::uint64_t id) {
-  const MutexLock lock(mutex_);
-  readers_.erase(id);
+  bool became_ready = false;
+  {
+    const MutexLock lock(mutex_);
+    const bool was_ready = programs_.empty() || IsReady();
+    readers_.erase(id);
+    became_ready = !was_ready && IsReady();
+  }
+  if (became_ready && all_ready_hook_) all_ready_hook_();
 }
 
 std::string CommandBoard::LackOf(const std::string& program) const {

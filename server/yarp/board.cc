@@ -360,6 +360,16 @@ Message BoardClient::Compliance(const BoardCall& call, const BoardState& state,
   return CommandFor(command::kSetCompliance, joints, std::move(data));
 }
 
+void BoardClient::OverlayReference(double reference, BoardJoint& joint) {
+  const double value = reference * UnitOf(joint);
+  if (Places(joint.mode)) joint.target = std::clamp(value, joint.lower, joint.upper);
+  if (joint.mode == BoardMode::kDirect) joint.reference = joint.target;
+  if (joint.mode == BoardMode::kVelocity)
+    joint.reference = std::clamp(value, -joint.max_velocity, joint.max_velocity);
+  if (joint.mode == BoardMode::kTorque)
+    joint.reference = std::clamp(reference, -joint.max_effort, joint.max_effort);
+}
+
 void BoardClient::Overlay(BoardState& state) const {
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     BoardJoint& joint = state.joints[i];
@@ -370,6 +380,7 @@ void BoardClient::Overlay(BoardState& state) const {
     if (i >= told_.size() || state.step > told_[i].until_step) continue;
     if (told_[i].mode) joint.mode = *told_[i].mode;
     if (told_[i].moves) joint.arrived = false;
+    if (told_[i].reference) OverlayReference(*told_[i].reference, joint);
   }
 }
 
@@ -395,6 +406,7 @@ void BoardClient::Taken(const Message& command, const Message& reply) {
     default:
       break;
   }
+  const bool refers = mode && command.command != command::kHold;
   for (std::size_t k = 0; k < command.params.size(); ++k) {
     const auto joint = static_cast<std::size_t>(command.params[k]) - 1;
     if (joint >= told_.size()) told_.resize(joint + 1);
@@ -403,7 +415,8 @@ void BoardClient::Taken(const Message& command, const Message& reply) {
                     command.command == command::kSetModes
                         ? std::optional(static_cast<BoardMode>(static_cast<int>(command.data[k])))
                         : mode,
-                    command.command == command::kSetPositions};
+                    command.command == command::kSetPositions,
+                    refers ? std::optional(command.data[k]) : std::nullopt};
   }
 }
 

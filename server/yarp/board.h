@@ -115,7 +115,9 @@ class BoardClient {
     std::int64_t until_step = -1;  // then the board's own state tells
     std::optional<BoardMode> mode;
     bool moves = false;
+    std::optional<double> reference = {};  // in the module's units
   };
+  static void OverlayReference(double reference, BoardJoint& joint);
   void Overlay(BoardState& state) const;
   BoardAnswer Tell(const BoardCall& call, const BoardState& state, const std::vector<std::size_t>& joints);
   Message Compliance(const BoardCall& call, const BoardState& state, const std::vector<std::size_t>& joints);

@@ -73,7 +73,8 @@ BoardCall Make(const BoardWord& word, bool tells, Arguments arguments, Arguments
   if (values == nullptr) values = &arguments;
   if (tells) values->AppendValues(word.item, call.values);
   if (values->ok()) return call;
-  if (word.item == BoardItem::kMode) return RefuseBoardCall("the modes are idl, pos, posd, vel and torq");
+  if (word.item == BoardItem::kMode)
+    return RefuseBoardCall("the modes are idl, pos, posd, vel and torq: there is no pwm or current here");
   if (word.item == BoardItem::kCompliant) return RefuseBoardCall("the interaction modes are stif and comp");
   return RefuseBoardCall("values are numbers");
 }

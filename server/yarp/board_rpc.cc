@@ -259,8 +259,12 @@ BoardRpc ReadBoardRpc(const Bottle& request) {
   }
   constexpr std::string_view kEnd = "RPC";
   if (!name.ends_with(kEnd)) {
-    rpc.fixed =
-        YarpAnswer{BottleOf(YarpVocab{"fail"}, std::string("calls end with RPC: help tells some")), {}};
+    rpc.fixed = YarpAnswer{
+        BottleOf(
+            YarpVocab{"fail"},
+            std::string(
+                "calls end with RPC: help tells some; words such as get encs are for rpc:i without nws")),
+        {}};
     return rpc;
   }
   name.remove_suffix(kEnd.size());

@@ -19,9 +19,10 @@
 namespace coopdyn {
 namespace {
 
-/// A program has several ports, such as /ctl/rpc:o and /ctl/command:o: it is "/ctl". Empty: it has one.
+/// A program has several ports, such as /ctl/rpc:o and /ctl/command:o: it is "/ctl". Empty: it has no name.
 std::string PartyOf(std::string_view port) {
-  if (!port.starts_with('/') || !port.ends_with(":o")) return {};
+  if (!port.starts_with('/')) return {};
+  if (!port.ends_with(":o")) return std::string(port);
   port = port.substr(0, port.rfind('/'));
   constexpr std::string_view kYarp4 = "/nwc";
   if (port.ends_with(kYarp4)) port.remove_suffix(kYarp4.size());
@@ -81,7 +82,7 @@ class YarpEncoding final : public Encoding {
       AppendAnswer(translator_->Reply(reply), out);
     } else if (wants_reply_) {
       AppendBottle(as_message_ ? MessageBottle(reply) : WordsBottle(reply), out);
-    } else if (!reversed_ && !warned_) {
+    } else if (std::exchange(asked_, false) && !reversed_ && !warned_) {
       const std::string why = Refusal(reply);
       warned_ = !why.empty();
       if (warned_) network_.NoteRefused(endpoint_.path(), peer_, why);
@@ -214,6 +215,7 @@ class YarpEncoding final : public Encoding {
   }
 
   Incoming Request(const YarpInput& input, bool wants_reply) {
+    asked_ = true;
     wants_reply_ = wants_reply;
     as_message_ = false;
     const std::optional<Bottle> request = Read(input.payload);
@@ -275,10 +277,11 @@ class YarpEncoding final : public Encoding {
   YarpDialect dialect_ = YarpDialect::k3;  // until the peer's numbers show it
   std::string peer_, party_;
   bool wants_reply_ = false, as_message_ = false;  // the request decoded last
-  bool reversed_ = false;                          // readings go out
-  bool warned_ = false;                            // that streamed commands are refused
-  bool learns_ = false;                            // the reply to come tells the peer's version
-  bool links_ = false, as_bottle_ = false;         // the reply to come is about a connection to another port
+  bool asked_ = false;     // the next reply is to a request, not to the end of the connection
+  bool reversed_ = false;  // readings go out
+  bool warned_ = false;    // that streamed commands are refused
+  bool learns_ = false;    // the reply to come tells the peer's version
+  bool links_ = false, as_bottle_ = false;  // the reply to come is about a connection to another port
   YarpSampleWriter writer_;
 };
 

@@ -172,6 +172,9 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
         if (const auto impl = weak.lock()) impl->options.taken(id, name, step, every);
       };
     }
+    events.fails = [logger = logger, from = output.from, to = target.name](const std::string& why) {
+      logger->warn("{} sends nothing to {}: {}", from, to, why);
+    };
     auto encoding =
         std::make_unique<YarpOutput>(target.carrier, output.dialect, output.stream, std::move(events));
     PeerInfo peer = DescribePeer(session.get());

@@ -127,7 +127,10 @@ std::optional<Message> YarpOutput::Next(const Message& reply, std::string& out) 
   if (!pulls()) return {};
   constexpr int kMaxErrors = 4;  // a reset, a load; beyond it nothing can come any more
   errors_ = reply.error == 0 ? 0 : errors_ + 1;
-  if (errors_ > kMaxErrors) return {};
+  if (errors_ > kMaxErrors) {
+    if (events_.fails) events_.fails(reply.text);
+    return {};
+  }
   if (reply.command == command::kReady) return Picture();
   return reply.command == command::kGetImage ? AfterPicture(reply, out) : std::nullopt;
 }

@@ -41,8 +41,9 @@ class YarpOutput final : public Encoding {
   /// Called on the session's thread; null: nobody wants to know.
   struct Events {
     std::function<void()> end = {};  // it is destroyed
-    std::function<void(std::uint64_t step)> taken =
-        {};  // the reader has acknowledged the sample of that step
+    // the reader has acknowledged the sample of that step
+    std::function<void(std::uint64_t step)> taken = {};
+    std::function<void(const std::string& why)> fails = {};  // nothing comes any more
   };
   /// The first bytes that it decodes are the other side's welcome.
   YarpOutput(YarpCarrier carrier, YarpDialect dialect, YarpStream stream, Events events);

@@ -83,6 +83,14 @@ class YarpTest(unittest.TestCase):
             program.read_to_end()
             other.must("set_velocity 0 0")
 
+    def test_who_is_refused_is_told_which_program_drives(self):
+        with Daemon(scenario(1)) as daemon:
+            program = daemon.raw("/robot1/motors")
+            program.write("CONNECT /own\r\n")
+            program.read_line()
+            self.ask_text(program, "set_velocity 0.2 0.5")
+            self.assertIn("is driven by /own", daemon.text("/robot1/motors").ask("set_velocity 0 0").text)
+
     def test_a_message_of_five_values_is_answered_by_one(self):
         with Daemon(scenario(1)) as daemon:
             self.assertEqual(self.ask_text(self.text(daemon, "/robot1/motors"), '0 "" 11 () (0.2 0.5)'), '0 "" 11 (1) (0.01 1.0)')

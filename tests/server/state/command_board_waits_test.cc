@@ -183,6 +183,32 @@ TEST_F(WaitsForProgramTest, ItIsWaitedForAgainWhenItHasGone) {
   EXPECT_FALSE(board_.AllReady());
 }
 
+TEST_F(WaitsForProgramTest, AReaderMayBeFasterThanTheEndOfAStep) {
+  board_.NoteSampleTaken(1, "/ctl/a", 0, 1);
+  board_.NoteSampleTaken(1, "/ctl/a", 1, 1);  // frame 1 is published, and the board not told
+  RunStep();
+  EXPECT_TRUE(board_.AllReady());
+}
+
+TEST_F(WaitsForProgramTest, AReaderIsWaitedForFromItsFirstSampleOn) {
+  RunStep();
+  board_.NoteSampleTaken(1, "/ctl/a", 0, 1);  // step 1 ended before its samples began to come
+  EXPECT_TRUE(board_.AllReady());
+  RunStep();
+  EXPECT_FALSE(board_.AllReady());
+}
+
+TEST_F(WaitsForProgramTest, WhenOneOfItsReadersHasGoneTheOthersSuffice) {
+  board_.NoteSampleTaken(1, "/ctl/a", 0, 1);
+  board_.NoteSampleTaken(2, "/ctl/b", 0, 1);
+  RunStep();
+  board_.NoteSampleTaken(1, "/ctl/a", 1, 1);
+  hooks_ = 0;
+  board_.ForgetReader(2);
+  EXPECT_TRUE(board_.AllReady());
+  EXPECT_EQ(hooks_, 1);
+}
+
 TEST_F(WaitsForProgramTest, StepsBeforeAResetCountForNothing) {
   board_.NoteSampleTaken(1, "/ctl/a", 0, 1);
   for (int i = 0; i < 7; ++i) RunStep();

@@ -175,6 +175,20 @@ TEST_F(BoardTest, HasNotArrivedWhileItsCommandIsNotInForce) {
   EXPECT_THAT(Text("get don 0", State(102)), StartsWith("[is] don 1"));
 }
 
+TEST_F(BoardTest, ShowsAReferenceAtOnceToWhoHasSetIt) {
+  Text("set pos 0 30.5");
+  EXPECT_THAT(Text("get pos 0"), StartsWith("[is] pos 30.5"));
+  EXPECT_THAT(Text("get don 0"), StartsWith("[is] don 0"));
+  Text("set pos 0 500");
+  EXPECT_THAT(Text("get pos 0"), StartsWith("[is] pos 90.0"));
+  Text("set dpo 0 12");
+  EXPECT_THAT(Text("get dpo 0"), StartsWith("[is] dpo 12.0"));
+  Text("set vmo 1 0.05");
+  EXPECT_THAT(Text("get vmo 1"), StartsWith("[is] vmo 0.05"));
+  Text("set torq ref 0 0.5");
+  EXPECT_THAT(Text("get torq ref 0"), StartsWith("[is] torq 0.5"));
+}
+
 TEST_F(BoardTest, ShowsAModeAtOnceToWhoHasSetIt) {
   Text("set icmd cmod 0 torq");
   EXPECT_EQ(Text("get icmd cmod 0"), "[is] 0 [torq] [tsta] 0 1.0 [ok]");

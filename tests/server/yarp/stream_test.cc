@@ -200,13 +200,16 @@ TEST_F(PictureOutputTest, TcpWaitsForTheAcknowledgementBeforeTheNextStep) {
   EXPECT_EQ(acknowledged.consumed, 8u);
 }
 
-TEST_F(PictureOutputTest, NothingIsAskedForWhenNothingCanCome) {
-  YarpOutput output(YarpCarrier::kFastTcp, YarpDialect::k3, stream_, {});
+TEST_F(PictureOutputTest, NothingIsAskedForWhenNothingCanComeAndThatIsTold) {
+  std::vector<std::string> told;
+  YarpOutput output(YarpCarrier::kFastTcp, YarpDialect::k3, stream_,
+                    {.fails = [&told](const std::string& why) { told.push_back(why); }});
   output.Decode("");
   const Message stopping = ErrorReply(command::kReady, Error::kNotPossible, "the daemon is stopping");
   std::string asked = "picture 0";
   for (int i = 0; i < 10 && !asked.empty(); ++i) asked = After(output, stopping);
   EXPECT_EQ(asked, "");
+  EXPECT_EQ(told, (std::vector<std::string>{"the daemon is stopping"}));
 }
 
 }  // namespace
