@@ -194,7 +194,10 @@ void CheckLockstep(Checks& checks, double seconds) {
     checks.That(name + ": a reader", Connect(reader, samples, "/devices/encoders:i"));
     Ticks ticks(seconds, yarp::os::PeriodicThreadClock::Absolute);
     Run(checks, name, ticks);
-    CheckExact(checks, name, ticks);
+    if (speed == "1")
+      CheckExact(checks, name, ticks);
+    else  // the world may be faster than the thread
+      CheckNotTooOften(checks, name, ticks, ticks.times().back() - ticks.times().front());
     checks.That(name + ": each step's sample comes once", samples.count() >= steps && samples.gaps() == 0,
                 std::to_string(samples.gaps()) + " gaps in " + std::to_string(samples.count()));
     reader.close();
