@@ -132,7 +132,7 @@ constexpr NotYet kNotYet[] = {
     {"logging", "record the run, and export it: coopdyn serve --record, coopdyn export", kOther},
     {"signals", "they are left out"},
     {"reset", "reset the run with coopdyn reset, or a new seed"},
-    {"ply", "meshes of this form are not read: each is a ball of 5 cm with its mass"},
+    {"ply", "meshes of this form are not read: what one is in the environment is left out"},
     {"rollingFriction", "friction of sliding alone counts"},
     {"linearDamping", "bodies move without it"},
     {"angularDamping", "bodies turn without it"},

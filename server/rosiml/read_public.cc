@@ -138,11 +138,11 @@ class PublicReader : Reader {
     }
   }
 
-  static Part PartOf(const Element& object, const Pose& X_BG) {
+  Part PartOf(const Element& object, const Pose& X_BG) {
+    if (std::string_view(object.Name()) == "ply")
+      Error(object, "a mesh is not read: write a shape of its size instead, for example <box>");
     Part part;
     const Element* lengths = Child(object, "dimension");
-    constexpr double kPlaceholder_m = 0.05;  // of a mesh that is not read
-    part.shape = Sphere{kPlaceholder_m};
     if (lengths != nullptr) part.shape = ShapeOf(object.Name(), *lengths);
     part.X_BG = X_BG;
     const Element* physics = Child(object, "physics");

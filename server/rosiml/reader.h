@@ -41,7 +41,7 @@ class Reader {
   const Named* Find(const Movable& movable, const std::string& name, const Element& at);
   /// Reports a joint of a body with itself; adds any other.
   void AddJoint(Movable& movable, Joint joint, const Element& at);
-  /// The line `step` for so many steps a second.
+  /// The line `step` of [SIMULATION] for this number of steps per second.
   std::optional<Setting> StepOf(const Element& simulator, double frequency_hz);
 
  private:

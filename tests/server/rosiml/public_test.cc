@@ -220,6 +220,14 @@ TEST(PublicTest, WhatIsNotSimulatedYetIsSaidOnceAndTheRestLoads) {
   EXPECT_EQ(Made(xml).models.size(), 2u);  // its bodies are loose
 }
 
+TEST(PublicTest, AMeshOfARobotIsAnErrorAndOneOfTheEnvironmentIsLeftOut) {
+  const std::string mesh =
+      "<ply name=\"m\" filename=\"m.ply\" convex=\"true\"><pose z=\"1\"/><physics/></ply>";
+  EXPECT_HAS(Said(Public("", Robot(mesh))), "error: a mesh is not read: write a shape of its size instead");
+  EXPECT_TRUE(Made(Public(mesh)).models.empty());
+  EXPECT_HAS(Said(Public(mesh)), "warning: <ply> is not simulated yet: ");
+}
+
 TEST(PublicTest, ACapsuleInTheEnvironmentIsARobotWithoutSockets) {
   const std::string text = Made(Public("<capsule name=\"c\"><dimension radius=\"0.1\" height=\"1\"/><pose "
                                        "z=\"1\"/><physics/></capsule>"))
